@@ -1,0 +1,16 @@
+//! The C side of the guard.
+
+use crate::find::Engine;
+
+/// Compiles `shim/` against the engine's headers.
+pub(crate) fn compile(engine: &Engine) {
+    println!("cargo::rerun-if-changed=shim");
+    let mut c = cc::Build::new();
+    c.file("shim/guard.c").include(&engine.include).warnings(true).extra_warnings(true).std("c11");
+    c.compile("mujoco_sys_guard");
+
+    // The loaders are C++ inside and throw (out of memory, for one), which only C++ can catch.
+    let mut cpp = cc::Build::new();
+    cpp.cpp(true).file("shim/load.cc").include(&engine.include).warnings(true).extra_warnings(true).std("c++17");
+    cpp.compile("mujoco_sys_load");
+}

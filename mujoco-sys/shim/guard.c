@@ -1,0 +1,120 @@
+#include "guard.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static _Thread_local struct mujoco_sys_guard* innermost;
+static _Thread_local char message[1024];
+
+void mujoco_sys_set_message(const char* text) {
+  strncpy(message, text ? text : "", sizeof(message) - 1);
+  message[sizeof(message) - 1] = '\0';
+}
+
+const char* mujoco_sys_message(void) { return message; }
+
+struct mujoco_sys_guard** mujoco_sys_innermost(void) { return &innermost; }
+
+static void on_error(const char* text) {
+  if (!innermost) {
+    // Somebody called the engine past the guards. Returning would let the engine run on with a broken invariant.
+    fprintf(stderr, "MuJoCo error outside of any guard: %s\n", text);
+    abort();
+  }
+  mujoco_sys_set_message(text);
+  longjmp(innermost->return_to, 1);
+}
+
+void mujoco_sys_install(void) { mju_user_error = on_error; }
+
+// The mark of the engine's own stack inside mjData. After an error it stays where the failing call had pushed it; the part
+// below belongs to the callers further out, so it is put back to where it was rather than to zero.
+struct stack_mark {
+  size_t top;
+  size_t base;
+};
+
+static struct stack_mark mark(const mjData* d) {
+  struct stack_mark at = {0, 0};
+  if (d) {
+    at.top = (size_t)d->pstack;
+#if mjVERSION_HEADER >= 300
+    at.base = (size_t)d->pbase;
+#endif
+  }
+  return at;
+}
+
+static void restore(mjData* d, struct stack_mark at) {
+  if (d) {
+#if mjVERSION_HEADER >= 300
+    d->pstack = at.top;
+    d->pbase = at.base;
+#else
+    d->pstack = (int)at.top;
+#endif
+  }
+}
+
+// `_setjmp` saves no signal mask, which would cost a system call. `guard` and `at` are not changed between it and the jump,
+// so their values after the jump are defined (C11 7.13.2.1).
+#define GUARDED_RUN(data, statement)                        \
+  struct mujoco_sys_guard guard;                            \
+  const struct stack_mark at = mark(data);                  \
+  guard.outer = innermost;                                  \
+  if (_setjmp(guard.return_to)) {                           \
+    innermost = guard.outer;                                \
+    restore(data, at);                                      \
+    return MUJOCO_SYS_ERROR;                                \
+  }                                                         \
+  innermost = &guard;                                       \
+  statement;                                                \
+  innermost = guard.outer;                                  \
+  return MUJOCO_SYS_OK;
+
+// The guarded twin of an engine function with no result, and of one with a result, which goes to `*result`.
+#define GUARDED(function, data, parameters, arguments) \
+  int mujoco_sys_##function parameters { GUARDED_RUN(data, function arguments) }
+#define GUARDED_RESULT(function, data, parameters, arguments) \
+  int mujoco_sys_##function parameters { GUARDED_RUN(data, *result = function arguments) }
+
+#define NO_DATA ((mjData*)NULL)
+
+// What a guard costs is measured on the cheapest function there is.
+GUARDED_RESULT(mj_version, NO_DATA, (int* result), ())
+
+// Life of a model and of a data.
+GUARDED_RESULT(mj_copyModel, NO_DATA, (mjModel * dest, const mjModel* m, mjModel** result), (dest, m))
+GUARDED_RESULT(mj_loadModel, NO_DATA, (const char* filename, const mjVFS* vfs, mjModel** result), (filename, vfs))
+GUARDED(mj_saveModel, NO_DATA, (const mjModel* m, const char* filename, void* buffer, int size),
+        (m, filename, buffer, size))
+GUARDED_RESULT(mj_makeData, NO_DATA, (const mjModel* m, mjData** result), (m))
+GUARDED_RESULT(mj_copyData, dest, (mjData * dest, const mjModel* m, const mjData* src, mjData** result), (dest, m, src))
+GUARDED(mj_resetData, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_resetDataKeyframe, d, (const mjModel* m, mjData* d, int key), (m, d, key))
+GUARDED(mj_setConst, d, (mjModel * m, mjData* d), (m, d))
+
+// Simulation.
+GUARDED(mj_step, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_step1, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_step2, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_forward, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_inverse, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_forwardSkip, d, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
+GUARDED(mj_inverseSkip, d, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
+
+// Functions of a computed state that use the engine's stack or check their arguments with mju_error.
+GUARDED(mj_jacSubtreeCom, d, (const mjModel* m, mjData* d, mjtNum* jacp, int body), (m, d, jacp, body))
+GUARDED(mj_jacPointAxis, d,
+        (const mjModel* m, mjData* d, mjtNum* jacp, mjtNum* jacr, const mjtNum* point, const mjtNum* axis, int body),
+        (m, d, jacp, jacr, point, axis, body))
+GUARDED(mj_solveM, d, (const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y, int n), (m, d, x, y, n))
+GUARDED(mj_rne, d, (const mjModel* m, mjData* d, int with_acceleration, mjtNum* result),
+        (m, d, with_acceleration, result))
+GUARDED(mj_rnePostConstraint, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_subtreeVel, d, (const mjModel* m, mjData* d), (m, d))
+
+GUARDED(mjd_transitionFD, d,
+        (const mjModel* m, mjData* d, mjtNum eps, int centered, mjtNum* A, mjtNum* B, mjtNum* C, mjtNum* D),
+        (m, d, eps, centered, A, B, C, D))

@@ -1,0 +1,45 @@
+// The guard that every call which can raise an engine error goes through.
+//
+// The engine reports a fatal error by calling `mju_user_error`, which must not return: the code after the call relies on
+// that. The handler here jumps back to where the innermost guard of the same thread was entered. The guards of a thread
+// form a chain, because a callback of the engine may enter the engine again.
+#ifndef MUJOCO_SYS_GUARD_H_
+#define MUJOCO_SYS_GUARD_H_
+
+#include <setjmp.h>
+#include <stddef.h>
+
+#include <mujoco/mujoco.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct mujoco_sys_guard {
+  jmp_buf return_to;
+  struct mujoco_sys_guard* outer;
+};
+
+// What a guarded call returns.
+enum {
+  MUJOCO_SYS_OK = 0,
+  MUJOCO_SYS_ERROR = 1,          // mju_error was called; its text is in mujoco_sys_message()
+  MUJOCO_SYS_OUT_OF_MEMORY = 2,  // std::bad_alloc, from the XML compiler
+  MUJOCO_SYS_EXCEPTION = 3,      // another C++ exception; its text is in mujoco_sys_message()
+};
+
+// Makes the handler the engine's own, for the whole process. Idempotent.
+void mujoco_sys_install(void);
+
+// The text of this thread's last caught error. Valid until the thread's next one.
+const char* mujoco_sys_message(void);
+
+// For the loaders, which are in C++.
+void mujoco_sys_set_message(const char* text);
+struct mujoco_sys_guard** mujoco_sys_innermost(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,92 @@
+//! The engine's functions behind a guard: the C shim's `mujoco_sys_mj_step` is `mj_step`, except that an engine error
+//! (`mju_error`) comes back as a return code instead of ending the process.
+//!
+//! A guarded function returns [`OK`] or one of the other codes; after another code, [`message`] points at this thread's error
+//! text. On an error the stack mark inside the given `mjData` is put back; whatever else the call had changed stays changed.
+//! Guards nest, and each thread has its own.
+//!
+//! # Safety of every function here
+//!
+//! [`install`] was called before in this process, and the arguments satisfy what the C function of the same name demands. No
+//! Rust frame with a destructor may lie between a guarded call and the `mju_error` that ends it, that is: callbacks must not
+//! raise an engine error from Rust code.
+
+use std::os::raw::{c_char, c_int, c_void};
+
+use crate::{mjData, mjModel, mjVFS, mjtNum};
+
+/// The call went through.
+pub const OK: c_int = 0;
+/// The engine raised an error; [`message`] has its text.
+pub const ERROR: c_int = 1;
+/// The XML compiler ran out of memory.
+pub const OUT_OF_MEMORY: c_int = 2;
+/// The XML compiler threw a C++ exception; [`message`] has its text.
+pub const EXCEPTION: c_int = 3;
+
+macro_rules! guarded {
+    ($($(#[$doc:meta])* $shim:ident = $name:ident($($argument:ident: $type:ty),* $(,)?);)*) => {
+        unsafe extern "C" {
+            $(
+                $(#[$doc])*
+                #[doc = concat!("The engine's `", stringify!($name), "`, guarded.")]
+                #[link_name = stringify!($shim)]
+                pub fn $name($($argument: $type),*) -> c_int;
+            )*
+        }
+    };
+}
+
+unsafe extern "C" {
+    /// Makes the guards' handler the engine's `mju_user_error`, for the whole process. Idempotent.
+    #[link_name = "mujoco_sys_install"]
+    pub fn install();
+
+    /// The text of this thread's last caught error; valid until the next one.
+    #[link_name = "mujoco_sys_message"]
+    pub fn message() -> *const c_char;
+}
+
+guarded! {
+    mujoco_sys_mj_version = mj_version(result: *mut c_int);
+
+    mujoco_sys_mj_loadXML = mj_load_xml(
+        filename: *const c_char, vfs: *const mjVFS, error: *mut c_char, error_size: c_int, result: *mut *mut mjModel,
+    );
+    mujoco_sys_mj_saveLastXML = mj_save_last_xml(
+        filename: *const c_char, m: *const mjModel, error: *mut c_char, error_size: c_int, result: *mut c_int,
+    );
+    mujoco_sys_mj_copyModel = mj_copy_model(dest: *mut mjModel, m: *const mjModel, result: *mut *mut mjModel);
+    mujoco_sys_mj_loadModel = mj_load_model(filename: *const c_char, vfs: *const mjVFS, result: *mut *mut mjModel);
+    mujoco_sys_mj_saveModel = mj_save_model(m: *const mjModel, filename: *const c_char, buffer: *mut c_void, size: c_int);
+    mujoco_sys_mj_makeData = mj_make_data(m: *const mjModel, result: *mut *mut mjData);
+    mujoco_sys_mj_copyData = mj_copy_data(
+        dest: *mut mjData, m: *const mjModel, src: *const mjData, result: *mut *mut mjData,
+    );
+    mujoco_sys_mj_resetData = mj_reset_data(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_resetDataKeyframe = mj_reset_data_keyframe(m: *const mjModel, d: *mut mjData, key: c_int);
+    mujoco_sys_mj_setConst = mj_set_const(m: *mut mjModel, d: *mut mjData);
+
+    mujoco_sys_mj_step = mj_step(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_step1 = mj_step1(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_step2 = mj_step2(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_forward = mj_forward(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_inverse = mj_inverse(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_forwardSkip = mj_forward_skip(m: *const mjModel, d: *mut mjData, stage: c_int, skip_sensor: c_int);
+    mujoco_sys_mj_inverseSkip = mj_inverse_skip(m: *const mjModel, d: *mut mjData, stage: c_int, skip_sensor: c_int);
+
+    mujoco_sys_mj_jacSubtreeCom = mj_jac_subtree_com(m: *const mjModel, d: *mut mjData, jacp: *mut mjtNum, body: c_int);
+    mujoco_sys_mj_jacPointAxis = mj_jac_point_axis(
+        m: *const mjModel, d: *mut mjData, jacp: *mut mjtNum, jacr: *mut mjtNum,
+        point: *const mjtNum, axis: *const mjtNum, body: c_int,
+    );
+    mujoco_sys_mj_solveM = mj_solve_m(m: *const mjModel, d: *mut mjData, x: *mut mjtNum, y: *const mjtNum, n: c_int);
+    mujoco_sys_mj_rne = mj_rne(m: *const mjModel, d: *mut mjData, with_acceleration: c_int, result: *mut mjtNum);
+    mujoco_sys_mj_rnePostConstraint = mj_rne_post_constraint(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_subtreeVel = mj_subtree_vel(m: *const mjModel, d: *mut mjData);
+
+    mujoco_sys_mjd_transitionFD = mjd_transition_fd(
+        m: *const mjModel, d: *mut mjData, eps: mjtNum, centered: c_int,
+        a: *mut mjtNum, b: *mut mjtNum, c: *mut mjtNum, d_out: *mut mjtNum,
+    );
+}
