@@ -6,7 +6,9 @@ fn main() {
     // Absent in a documentation build without an engine, which uses the bindings of 2.2.2.
     let version = std::env::var("DEP_MUJOCO_VERSION").unwrap_or_else(|_| "222".to_owned());
     if version != "222" {
-        println!("cargo::error=The engine that was found is version {version}; this release of mujoco-safe supports 222 (2.2.2).");
+        println!(
+            "cargo::error=The engine that was found is version {version}; this release of mujoco-safe supports 222 (2.2.2)."
+        );
         println!("cargo::error=Install Debian's libmujoco-dev, or point MUJOCO_DIR at an engine 2.2.2.");
     }
     // An engine that the loader does not find by itself: for our own tests, examples and benches. Cargo does not hand a link

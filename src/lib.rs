@@ -1,1 +1,97 @@
-//! stub
+//! The [MuJoCo](https://mujoco.org) physics engine for Rust: safe, and as fast as the C call.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use mujoco_safe::{Controller, Data, Lqr, LqrWeights, Trajectory, sample};
+//! use nalgebra::{DMatrix, dvector};
+//!
+//! // A model is loaded once and shared; a simulation holds on to it.
+//! let model = Arc::new(sample::cartpole()); // or Model::from_xml_path("cartpole.xml")?
+//! let mut data = Data::new(model.clone())?;
+//!
+//! // Elements by name: an unknown one is an error that lists the names there are.
+//! let hinge = model.joint("hinge")?;
+//!
+//! // Linearise a step about the upright position and solve for the regulator.
+//! let weights = LqrWeights { q: DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]), r: DMatrix::identity(1, 1), s: None };
+//! let mut lqr = Lqr::at_present_state(&mut data, &weights)?;
+//!
+//! // Let the pole lean, and record how it comes back.
+//! data.joint_mut(hinge).qpos_mut()[0] = 0.1;
+//! let mut trajectory = Trajectory::new(&model);
+//! trajectory.record(&mut data, &mut lqr, 1000)?;
+//! assert!(data.joint(hinge).qpos()[0].abs() < 1e-3);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # The way through
+//!
+//! ```text
+//!  humanoid.xml ──load──▶ Model ──Arc──▶ Data ──qpos, qvel──▶ Controller ──ctrl──▶ Data::step ──▶ Trajectory ──▶ CSV
+//!                         sizes, ids,     │  ▲
+//!                         names, options  │  └── reset, reset_to_key, set_state
+//!                                         └── transition_fd ─▶ StateSpace (A, B, C, D) ─▶ Lqr (Riccati) ─▶ K
+//! ```
+//!
+//! - [`Model`]: what is simulated. Loaded from MJCF, URDF or MJB, constant once it is shared, changed through
+//!   [`Model::edit`] before and [`Data::edit_model`] after.
+//! - [`Data`]: a simulation. Every array of the engine is a method of the engine's name: [`Data::qpos`],
+//!   [`Data::ctrl_mut`], [`Data::xfrc_applied_mut`], [`Model::body_mass`]. So is every function: `mj_step` is
+//!   [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]; the search of this documentation finds them by their C names.
+//! - [`element`]: one joint, body, sensor, … by its name.
+//! - [`Matrix`]: row-major, as the engine writes, and nalgebra's view of it without a copy.
+//! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR.
+//! - [`Trajectory`]: what was recorded.
+//! - [`sample`]: models to begin with.
+//!
+//! # Promises
+//!
+//! No call without `unsafe` can crash the process, read or write outside of the engine's memory, end the program, wait on
+//! standard input or write a file that was not asked for. What the engine answers with a message and an `exit` is an
+//! [`Error`] here; so is what it would answer with a silent reset or with numbers of another state. Compiling XML is the
+//! exception to be known: see [`Model::from_xml_str`].
+//!
+//! What only a mistake in the program can get wrong, such as the id of another model, panics. Nothing that is called in a
+//! control loop allocates, unless its name says so by returning a `Vec` or a [`Matrix`].
+//!
+//! # Units and conventions
+//!
+//! SI throughout: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices count from 0. The
+//! number of positions `nq` and the number of degrees of freedom `nv` differ where there are free or ball joints.
+
+pub mod control;
+pub mod data;
+pub mod derivative;
+pub mod element;
+mod engine;
+mod enums;
+mod error;
+mod ffi;
+mod generated;
+mod id;
+pub mod matrix;
+pub mod model;
+pub mod sample;
+mod trajectory;
+
+/// The linear algebra that matrices are handed to, in the version that this crate uses.
+pub use nalgebra;
+
+/// The raw bindings, for calls past this crate.
+pub use mujoco_sys as sys;
+
+pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, ZeroController};
+pub use crate::data::{
+    Contact, ContactForce, Data, Instability, Jacobian, Quantity, Stage, StateSpec, Warning, WarningCount,
+};
+pub use crate::derivative::{Differences, StateSpace, TransitionOutputs};
+pub use crate::engine::{Version, built_against, engine_version};
+pub use crate::enums::{Collision, Cone, GeomType, Integrator, JacobianStorage, JointType, Solver};
+pub use crate::error::{Error, Result};
+pub use crate::id::{
+    ActuatorId, BodyId, CameraId, ElementKind, GeomId, Id, JointId, KeyframeId, Kind, LightId, SensorId, SiteId,
+    TendonId, kind,
+};
+pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
+pub use crate::model::{DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics};
+pub use crate::trajectory::Trajectory;

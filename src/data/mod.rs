@@ -1,0 +1,332 @@
+//! The state of a simulation, and everything that is computed from it.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `step.rs` | step, forward, inverse: the pipeline |
+//! | `stage.rs` | how far the pipeline has been computed |
+//! | `stability.rs` | states that the engine would silently reset |
+//! | `warning.rs` | the engine's warnings, counted and logged |
+//! | `state.rs` | the state as one vector |
+//! | `jacobian.rs` | Jacobians of points on bodies |
+//! | `inertia.rs` | the inertia matrix: full, products, solutions |
+//! | `contact.rs` | contacts and their forces |
+
+mod contact;
+mod inertia;
+mod jacobian;
+mod stability;
+mod stage;
+mod state;
+mod step;
+mod warning;
+
+use std::fmt;
+use std::ptr::{self, NonNull};
+use std::sync::Arc;
+
+use mujoco_sys::{self as sys, guard, mjData};
+
+pub use self::contact::{Contact, ContactForce};
+pub use self::jacobian::Jacobian;
+pub use self::stability::{Instability, Quantity};
+pub use self::stage::Stage;
+pub use self::state::StateSpec;
+pub use self::warning::{Warning, WarningCount};
+use crate::element::Key;
+use crate::error::{Error, Result};
+use crate::ffi;
+use crate::id::{Id, kind};
+use crate::model::{Model, ModelMut};
+
+/// A simulation: its state, its inputs, and what was computed from them. It holds its model in an [`Arc`], so the two cannot
+/// come apart, and any number of simulations share one model.
+///
+/// ```
+/// use std::sync::Arc;
+/// use mujoco_safe::{Data, sample};
+///
+/// let model = Arc::new(sample::cartpole());
+/// let mut data = Data::new(model.clone())?;
+/// data.qpos_mut()[1] = 0.1;
+/// for _ in 0..100 {
+///     data.step()?;
+/// }
+/// assert!((data.time() - 1.0).abs() < 1e-9);
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+///
+/// # Errors of the engine
+///
+/// Where the engine itself would print, wait for a key and end the process, the call returns
+/// [`Error::Engine`]. The data is then half computed and refuses everything with [`Error::Poisoned`] until it is
+/// [`reset`](Self::reset).
+#[doc(alias = "mjData")]
+pub struct Data {
+    raw: NonNull<mjData>,
+    model: Arc<Model>,
+    stage: Stage,
+    /// Why the data is unusable, if it is.
+    failure: Option<Box<str>>,
+}
+
+// SAFETY: the engine's data has no thread affinity, and it is ours alone.
+unsafe impl Send for Data {}
+// SAFETY: whatever takes `&Data` reads fields, or calls an engine function that takes `const mjData*`: mj_jac, mj_jacBody,
+// mj_jacBodyCom, mj_jacGeom, mj_jacSite, mj_mulM, mj_contactForce, mj_copyData (its source). Those write to nothing but their
+// output arguments.
+unsafe impl Sync for Data {}
+
+impl Data {
+    /// A simulation of this model, in its reference position and at rest. Takes a [`Model`] or an `Arc<Model>`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
+    #[doc(alias = "mj_makeData")]
+    #[doc(alias = "init_data")]
+    pub fn new(model: impl Into<Arc<Model>>) -> Result<Self> {
+        let model = model.into();
+        let mut made = ptr::null_mut();
+        // SAFETY: a valid model, a place for the result.
+        ffi::check("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
+        // SAFETY: the engine made it for this model.
+        unsafe { Self::from_raw(made, model) }
+    }
+
+    /// # Safety
+    ///
+    /// `raw` is NULL or a data that the engine made for a model of the same structure as `model`, and nobody else's.
+    unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
+        let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
+        Ok(Self { raw, model, stage: Stage::Nothing, failure: None })
+    }
+
+    /// The model.
+    #[inline]
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// Changes the model of this simulation. A model that others share is copied first, so theirs stays as it is.
+    ///
+    /// What has been computed so far was computed for the model as it was, so it counts as not computed afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] if the copy cannot be allocated.
+    ///
+    /// ```
+    /// use mujoco_safe::{Cone, Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic))??;
+    /// assert_eq!(data.model().options().cone, Cone::Elliptic);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    ///
+    /// The model cannot be replaced by another one in this way:
+    ///
+    /// ```compile_fail
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut a = Data::new(sample::humanoid()).unwrap();
+    /// let mut b = Data::new(sample::cartpole()).unwrap();
+    /// a.edit_model(|a| b.edit_model(|b| std::mem::swap(a, b)));
+    /// ```
+    pub fn edit_model<R>(&mut self, edit: impl FnOnce(&mut ModelMut<'_>) -> R) -> Result<R> {
+        if Arc::get_mut(&mut self.model).is_none() {
+            self.model = Arc::new(self.model.try_clone()?);
+        }
+        let model = Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared");
+        self.stage = Stage::Nothing;
+        Ok(edit(&mut model.edit()))
+    }
+
+    /// Back to the reference position, at rest, with no controls and no applied forces. Makes the data usable again after an
+    /// error.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] if the engine fails, which it does for no model that was loaded.
+    #[doc(alias = "mj_resetData")]
+    pub fn reset(&mut self) -> Result<()> {
+        // SAFETY: a model and a data that go together.
+        let status = unsafe { guard::mj_reset_data(self.model.as_ptr(), self.raw.as_ptr()) };
+        self.was_reset("mj_resetData", status)
+    }
+
+    /// Resets, and then sets time, positions, velocities, activations, mocap poses and controls from a keyframe, given by its
+    /// name, its index or its id.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] if there is no such keyframe. (The engine would make a plain reset.)
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Error, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.reset_to_key("squat")?;
+    /// data.reset_to_key(1)?;
+    /// assert!(matches!(data.reset_to_key("handstand"), Err(Error::NoSuchName { .. })));
+    /// assert!(matches!(data.reset_to_key(99), Err(Error::NoSuchIndex { .. })));
+    /// # Ok::<(), Error>(())
+    /// ```
+    #[doc(alias = "mj_resetDataKeyframe")]
+    #[doc(alias = "resetkey")]
+    pub fn reset_to_key(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
+        let key: Id<kind::Keyframe> = key.id(&self.model)?;
+        // SAFETY: as above, and the model has this keyframe.
+        let status =
+            unsafe { guard::mj_reset_data_keyframe(self.model.as_ptr(), self.raw.as_ptr(), key.index() as i32) };
+        self.was_reset("mj_resetDataKeyframe", status)
+    }
+
+    fn was_reset(&mut self, function: &'static str, status: i32) -> Result<()> {
+        self.stage = Stage::Nothing;
+        self.failure = None;
+        ffi::check(function, status).inspect_err(|error| self.failure = Some(error.to_string().into()))
+    }
+
+    /// A copy, or an error if there is no memory for it. [`Clone`] panics in that case.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
+    #[doc(alias = "mj_copyData")]
+    pub fn try_clone(&self) -> Result<Self> {
+        let mut copy = ptr::null_mut();
+        // SAFETY: with NULL as its destination the engine allocates a new data; the source is valid and made for the model.
+        let status =
+            unsafe { guard::mj_copy_data(ptr::null_mut(), self.model.as_ptr(), self.raw.as_ptr(), &raw mut copy) };
+        ffi::check("mj_copyData", status)?;
+        // SAFETY: made for this model, and ours alone.
+        let mut copy = unsafe { Self::from_raw(copy, self.model.clone()) }?;
+        copy.stage = self.stage;
+        copy.failure.clone_from(&self.failure);
+        Ok(copy)
+    }
+
+    /// Takes over everything that another simulation has, without allocating. The models must have the same structure; this
+    /// one keeps its own.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OtherModel`] if the other simulation is of a model that was loaded separately.
+    pub fn copy_from(&mut self, other: &Self) -> Result<()> {
+        if !self.model.is_same_structure(&other.model) {
+            return Err(Error::OtherModel { what: "the data to copy from" });
+        }
+        let mut copied = ptr::null_mut();
+        // SAFETY: two data of models with the same structure, so of the same sizes.
+        let status =
+            unsafe { guard::mj_copy_data(self.raw.as_ptr(), self.model.as_ptr(), other.raw.as_ptr(), &raw mut copied) };
+        ffi::check("mj_copyData", status)?;
+        // What was computed under other options is laid out otherwise.
+        self.stage = if Arc::ptr_eq(&self.model, &other.model) { other.stage } else { Stage::Nothing };
+        self.failure.clone_from(&other.failure);
+        Ok(())
+    }
+
+    /// Sets the simulated time, s.
+    #[inline]
+    pub fn set_time(&mut self, time: f64) {
+        self.raw_mut().time = time;
+    }
+
+    /// Potential and kinetic energy, J. Computed by `forward` and `step` where
+    /// [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set, and zero otherwise.
+    pub fn energy(&self) -> [f64; 2] {
+        self.raw().energy
+    }
+
+    /// How far the present quantities have been computed.
+    #[inline]
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// The engine's structure, for calls past this crate.
+    #[inline]
+    pub fn as_ptr(&self) -> *const mjData {
+        self.raw.as_ptr()
+    }
+
+    /// The engine's structure, for calls past this crate. Those must leave it as an engine call would: its sizes, addresses
+    /// and pointers are trusted.
+    #[inline]
+    pub fn as_mut_ptr(&mut self) -> *mut mjData {
+        self.raw.as_ptr()
+    }
+
+    #[inline]
+    pub(crate) fn raw(&self) -> &mjData {
+        // SAFETY: valid until `self` is dropped, and only written to through `&mut self`.
+        unsafe { self.raw.as_ref() }
+    }
+
+    #[inline]
+    pub(crate) fn raw_mut(&mut self) -> &mut mjData {
+        // SAFETY: valid until `self` is dropped, and borrowed exclusively.
+        unsafe { self.raw.as_mut() }
+    }
+
+    /// Refuses a data that an earlier error has left half computed.
+    #[inline]
+    pub(crate) fn check_usable(&self) -> Result<()> {
+        match &self.failure {
+            None => Ok(()),
+            Some(failure) => Err(Error::Poisoned { failure: failure.to_string() }),
+        }
+    }
+
+    /// Refuses what needs quantities that have not been computed.
+    #[inline]
+    pub(crate) fn check_computed(&self, call: &'static str, needs: Stage) -> Result<()> {
+        self.check_usable()?;
+        if self.stage >= needs { Ok(()) } else { Err(Error::NotComputed { call, needs }) }
+    }
+}
+
+impl Clone for Data {
+    /// # Panics
+    ///
+    /// If there is no memory; see [`try_clone`](Self::try_clone).
+    fn clone(&self) -> Self {
+        self.try_clone().unwrap_or_else(|error| panic!("cannot clone a data: {error}"))
+    }
+
+    /// Reuses the memory where the models have the same structure.
+    fn clone_from(&mut self, source: &Self) {
+        if self.copy_from(source).is_ok() {
+            self.model = source.model.clone();
+            self.stage = source.stage;
+        } else {
+            *self = source.clone();
+        }
+    }
+}
+
+impl Drop for Data {
+    fn drop(&mut self) {
+        // SAFETY: ours, and nobody else holds the pointer. The function only frees memory and cannot raise an error.
+        unsafe { sys::mj_deleteData(self.raw.as_ptr()) }
+    }
+}
+
+impl fmt::Debug for Data {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "Data: time {} s, {} contacts, {} constraints, of {:?}",
+            self.time(),
+            self.ncon(),
+            self.nefc(),
+            self.model
+        )?;
+        match &self.failure {
+            Some(failure) => write!(f, "; unusable since {failure}"),
+            None => Ok(()),
+        }
+    }
+}

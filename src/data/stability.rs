@@ -1,0 +1,134 @@
+//! States that the engine would silently reset.
+
+use std::fmt;
+
+use mujoco_sys::{mjMAXVAL, mjWARN_BADQACC, mjWARN_BADQPOS, mjWARN_BADQVEL};
+
+use super::Data;
+use crate::error::{Error, Result};
+use crate::ffi;
+use crate::id::Kind;
+
+/// What has left the range in which the engine computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// A number in `qpos`.
+    Position,
+    /// A number in `qvel`.
+    Velocity,
+    /// A number in `qacc`: the state itself was in range.
+    Acceleration,
+    /// A number in `ctrl`. (The engine would set all controls to zero for one step.)
+    Control,
+}
+
+/// A number of the simulation that is not a number, or beyond ±10¹⁰. The engine itself would reset the simulation, print a
+/// warning and go on.
+///
+/// A position, velocity or control that is out of range is found before the step, so the data is as it was and can be
+/// corrected. An acceleration is found by the engine in the middle of the step, which loses the state: the data must be reset.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Instability {
+    /// What is out of range.
+    pub quantity: Quantity,
+    /// Where: the index in `qpos`, `qvel`, `qacc` or `ctrl`.
+    pub index: usize,
+    /// The joint or actuator that it belongs to, if it has a name.
+    pub name: Option<String>,
+    /// The number. Unknown for an acceleration, which the engine has overwritten.
+    pub value: Option<f64>,
+    /// When: the simulated time, s.
+    pub time: f64,
+}
+
+impl std::error::Error for Instability {}
+
+impl fmt::Display for Instability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (array, kind) = match self.quantity {
+            Quantity::Position => ("qpos", Kind::Joint),
+            Quantity::Velocity => ("qvel", Kind::Joint),
+            Quantity::Acceleration => ("qacc", Kind::Joint),
+            Quantity::Control => ("ctrl", Kind::Actuator),
+        };
+        let stable = if self.quantity == Quantity::Control {
+            "the controls are not usable"
+        } else {
+            "the simulation is unstable"
+        };
+        write!(f, "{stable} at time {} s: {array}[{}]", self.time, self.index)?;
+        if let Some(name) = &self.name {
+            write!(f, " of {kind} '{name}'")?;
+        }
+        match self.value {
+            Some(value) => write!(f, " is {value}, beyond ±1e10"),
+            None => write!(
+                f,
+                " is not a number or beyond ±1e10; a smaller timestep, or softer or better damped parts, may help"
+            ),
+        }
+    }
+}
+
+/// Whether the engine takes all of these for good numbers. No early end, so that it compiles to vector instructions.
+#[inline]
+fn all_good(values: &[f64]) -> bool {
+    values.iter().fold(true, |good, value| good & (value.abs() <= mjMAXVAL))
+}
+
+impl Data {
+    /// Refuses a state or controls that the engine would reset, before it does.
+    #[inline]
+    pub(crate) fn check_inputs(&self) -> Result<()> {
+        if all_good(self.qpos()) && all_good(self.qvel()) && all_good(self.ctrl()) {
+            Ok(())
+        } else {
+            Err(self.bad_input())
+        }
+    }
+
+    #[cold]
+    fn bad_input(&self) -> Error {
+        [(Quantity::Position, self.qpos()), (Quantity::Velocity, self.qvel()), (Quantity::Control, self.ctrl())]
+            .into_iter()
+            .find_map(|(quantity, values)| {
+                let index = values.iter().position(|value| !all_good(&[*value]))?;
+                Some(self.instability(quantity, index, Some(values[index]), self.time()).into())
+            })
+            .expect("Bug: no bad number among bad inputs")
+    }
+
+    /// What the engine found, from its warning.
+    #[cold]
+    pub(super) fn reset_by_engine(&self, time: f64) -> Instability {
+        let warning = |warning: u32| &self.raw().warning[warning as usize];
+        let (quantity, warning) = [
+            (Quantity::Acceleration, warning(mjWARN_BADQACC)),
+            (Quantity::Velocity, warning(mjWARN_BADQVEL)),
+            (Quantity::Position, warning(mjWARN_BADQPOS)),
+        ]
+        .into_iter()
+        .find(|(_, warning)| warning.number > 0)
+        .unwrap_or((Quantity::Acceleration, warning(mjWARN_BADQACC)));
+        self.instability(quantity, usize::try_from(warning.lastinfo).unwrap_or(0), None, time)
+    }
+
+    fn instability(&self, quantity: Quantity, index: usize, value: Option<f64>, time: f64) -> Instability {
+        let model = self.model();
+        // The last joint that starts at or before the index.
+        let joint = |starts: &[i32]| {
+            starts
+                .iter()
+                .rposition(|&start| ffi::size(start) <= index)
+                .and_then(|joint| model.name_at(Kind::Joint, joint))
+        };
+        let name = match quantity {
+            Quantity::Position => joint(model.jnt_qposadr()),
+            Quantity::Velocity | Quantity::Acceleration => joint(model.jnt_dofadr()),
+            Quantity::Control => model.name_at(Kind::Actuator, index),
+        };
+        Instability { quantity, index, name: name.map(str::to_owned), value, time }
+    }
+}

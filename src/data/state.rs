@@ -1,0 +1,201 @@
+//! The state as one vector.
+
+use bitflags::bitflags;
+
+use super::Data;
+use crate::error::{Error, Result};
+use crate::model::Model;
+
+bitflags! {
+    /// Which parts of a simulation a state vector has, one behind another in the order of the flags. The meaning, the order
+    /// and the numbers are those of `mjtState` in the newer engines; what 2.2.2 keeps in the model (equality switches) or does
+    /// not have (plugins) is not among them.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    #[doc(alias = "mjtState")]
+    pub struct StateSpec: u32 {
+        /// `time` (1)
+        const TIME = 1;
+        /// `qpos` (nq)
+        const QPOS = 1 << 1;
+        /// `qvel` (nv)
+        const QVEL = 1 << 2;
+        /// `act` (na)
+        const ACT = 1 << 3;
+        /// `qacc_warmstart` (nv)
+        const WARMSTART = 1 << 4;
+        /// `ctrl` (nu)
+        const CTRL = 1 << 5;
+        /// `qfrc_applied` (nv)
+        const QFRC_APPLIED = 1 << 6;
+        /// `xfrc_applied` (6 nbody)
+        const XFRC_APPLIED = 1 << 7;
+        /// `mocap_pos` (3 nmocap)
+        const MOCAP_POS = 1 << 9;
+        /// `mocap_quat` (4 nmocap)
+        const MOCAP_QUAT = 1 << 10;
+        /// `userdata` (nuserdata)
+        const USERDATA = 1 << 11;
+
+        /// Positions, velocities and activations: what the physics state of most control is.
+        const PHYSICS = Self::QPOS.bits() | Self::QVEL.bits() | Self::ACT.bits();
+        /// The physics state and time.
+        const FULL_PHYSICS = Self::PHYSICS.bits() | Self::TIME.bits();
+        /// What the user sets.
+        const USER = Self::CTRL.bits() | Self::QFRC_APPLIED.bits() | Self::XFRC_APPLIED.bits()
+            | Self::MOCAP_POS.bits() | Self::MOCAP_QUAT.bits() | Self::USERDATA.bits();
+        /// Everything that the next step depends on: a simulation that is set to it goes on bit for bit.
+        const INTEGRATION = Self::FULL_PHYSICS.bits() | Self::USER.bits() | Self::WARMSTART.bits();
+    }
+}
+
+impl Model {
+    /// The length of a state vector.
+    ///
+    /// ```
+    /// use mujoco_safe::{StateSpec, sample};
+    ///
+    /// let model = sample::humanoid();
+    /// assert_eq!(model.state_size(StateSpec::PHYSICS), model.nq() + model.nv() + model.na());
+    /// ```
+    #[doc(alias = "mj_stateSize")]
+    pub fn state_size(&self, spec: StateSpec) -> usize {
+        spec.iter().map(|part| self.part_size(part)).sum()
+    }
+
+    fn part_size(&self, part: StateSpec) -> usize {
+        match part {
+            StateSpec::TIME => 1,
+            StateSpec::QPOS => self.nq(),
+            StateSpec::QVEL | StateSpec::WARMSTART | StateSpec::QFRC_APPLIED => self.nv(),
+            StateSpec::ACT => self.na(),
+            StateSpec::CTRL => self.nu(),
+            StateSpec::XFRC_APPLIED => 6 * self.nbody(),
+            StateSpec::MOCAP_POS => 3 * self.nmocap(),
+            StateSpec::MOCAP_QUAT => 4 * self.nmocap(),
+            StateSpec::USERDATA => self.nuserdata(),
+            // Bits without a meaning, which `from_bits_retain` can make.
+            _ => 0,
+        }
+    }
+}
+
+impl Data {
+    /// Positions, velocities and activations, `[qpos; qvel; act]`.
+    #[doc(alias = "get_physics_state")]
+    pub fn physics_state(&self) -> Vec<f64> {
+        self.state(StateSpec::PHYSICS)
+    }
+
+    /// Writes `[qpos; qvel; act]` to `state`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong length.
+    pub fn physics_state_into(&self, state: &mut [f64]) -> Result<()> {
+        self.state_into(StateSpec::PHYSICS, state)
+    }
+
+    /// Sets positions, velocities and activations from `[qpos; qvel; act]`. Call [`forward`](Self::forward) to bring what
+    /// depends on them up to date; [`step`](Self::step) needs no such call.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong length.
+    pub fn set_physics_state(&mut self, state: &[f64]) -> Result<()> {
+        self.set_state(StateSpec::PHYSICS, state)
+    }
+
+    /// The parts of the state that `spec` names, one behind another.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, StateSpec, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// let saved = data.state(StateSpec::INTEGRATION);
+    /// data.step()?;
+    /// let once = data.physics_state();
+    /// data.set_state(StateSpec::INTEGRATION, &saved)?;
+    /// data.step()?;
+    /// assert_eq!(data.physics_state(), once); // bit for bit
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_getState")]
+    pub fn state(&self, spec: StateSpec) -> Vec<f64> {
+        let mut state = vec![0.0; self.model().state_size(spec)];
+        self.read_state(spec, &mut state);
+        state
+    }
+
+    /// Writes the parts of the state that `spec` names to `state`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong length.
+    pub fn state_into(&self, spec: StateSpec, state: &mut [f64]) -> Result<()> {
+        Error::check_length("state", state.len(), self.model().state_size(spec))?;
+        self.read_state(spec, state);
+        Ok(())
+    }
+
+    /// Sets the parts of the state that `spec` names.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong length. Numbers that are out of range are an error of the step that meets them.
+    #[doc(alias = "mj_setState")]
+    pub fn set_state(&mut self, spec: StateSpec, state: &[f64]) -> Result<()> {
+        Error::check_length("state", state.len(), self.model().state_size(spec))?;
+        let mut rest = state;
+        for part in spec.iter() {
+            let target = self.part_mut(part);
+            let (values, after) = rest.split_at(target.len());
+            target.copy_from_slice(values);
+            rest = after;
+        }
+        Ok(())
+    }
+
+    fn read_state(&self, spec: StateSpec, state: &mut [f64]) {
+        let mut rest = state;
+        for part in spec.iter() {
+            let source = self.part(part);
+            let (target, after) = rest.split_at_mut(source.len());
+            target.copy_from_slice(source);
+            rest = after;
+        }
+    }
+
+    fn part(&self, part: StateSpec) -> &[f64] {
+        match part {
+            StateSpec::TIME => std::slice::from_ref(&self.raw().time),
+            StateSpec::QPOS => self.qpos(),
+            StateSpec::QVEL => self.qvel(),
+            StateSpec::ACT => self.act(),
+            StateSpec::WARMSTART => self.qacc_warmstart(),
+            StateSpec::CTRL => self.ctrl(),
+            StateSpec::QFRC_APPLIED => self.qfrc_applied(),
+            StateSpec::XFRC_APPLIED => self.xfrc_applied().as_flattened(),
+            StateSpec::MOCAP_POS => self.mocap_pos().as_flattened(),
+            StateSpec::MOCAP_QUAT => self.mocap_quat().as_flattened(),
+            StateSpec::USERDATA => self.userdata(),
+            _ => &[],
+        }
+    }
+
+    fn part_mut(&mut self, part: StateSpec) -> &mut [f64] {
+        match part {
+            StateSpec::TIME => std::slice::from_mut(&mut self.raw_mut().time),
+            StateSpec::QPOS => self.qpos_mut(),
+            StateSpec::QVEL => self.qvel_mut(),
+            StateSpec::ACT => self.act_mut(),
+            StateSpec::WARMSTART => self.qacc_warmstart_mut(),
+            StateSpec::CTRL => self.ctrl_mut(),
+            StateSpec::QFRC_APPLIED => self.qfrc_applied_mut(),
+            StateSpec::XFRC_APPLIED => self.xfrc_applied_mut().as_flattened_mut(),
+            StateSpec::MOCAP_POS => self.mocap_pos_mut().as_flattened_mut(),
+            StateSpec::MOCAP_QUAT => self.mocap_quat_mut().as_flattened_mut(),
+            StateSpec::USERDATA => self.userdata_mut(),
+            _ => &mut [],
+        }
+    }
+}

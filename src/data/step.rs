@@ -1,0 +1,162 @@
+//! The pipeline: step, forward, inverse.
+
+use std::ffi::c_int;
+
+use mujoco_sys::{guard, mjData, mjModel};
+
+use super::warning::{Counted, Lifted};
+use super::{Data, Stage};
+use crate::error::{Error, Result};
+use crate::ffi;
+
+impl Data {
+    /// Advances the simulation by one time step: computes everything from the present state and inputs, then integrates.
+    ///
+    /// Afterwards `qpos`, `qvel`, `act` and `time` are those of the new state; everything else is still of the old one. Call
+    /// [`forward`](Self::forward) to bring it up to date.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Unstable`] if a position, velocity, control or acceleration is not a number or huge; [`Error::Engine`] if the
+    /// engine fails; [`Error::Poisoned`] after such a failure, until a reset.
+    #[doc(alias = "mj_step")]
+    #[inline]
+    pub fn step(&mut self) -> Result<()> {
+        self.check_usable()?;
+        self.check_inputs()?;
+        self.run("mj_step", Stage::Acceleration, |m, d| {
+            // SAFETY: `run` passes a model and a data that go together.
+            unsafe { guard::mj_step(m, d) }
+        })
+    }
+
+    /// The first half of a step: what depends on position and velocity. Set controls and forces from it, then call
+    /// [`step2`](Self::step2).
+    ///
+    /// # Errors
+    ///
+    /// As for [`step`](Self::step).
+    #[doc(alias = "mj_step1")]
+    #[inline]
+    pub fn step1(&mut self) -> Result<()> {
+        self.check_usable()?;
+        self.check_inputs()?;
+        self.run("mj_step1", Stage::Velocity, |m, d| {
+            // SAFETY: as in `step`.
+            unsafe { guard::mj_step1(m, d) }
+        })
+    }
+
+    /// The second half of a step: actuation, accelerations, integration. With the integrator
+    /// [`Rk4`](crate::Integrator::Rk4), which cannot be halved, it takes an Euler step.
+    ///
+    /// # Errors
+    ///
+    /// As for [`step`](Self::step), and [`Error::NotComputed`] without a [`step1`](Self::step1) before it, or after a change of
+    /// the model in between.
+    #[doc(alias = "mj_step2")]
+    #[inline]
+    pub fn step2(&mut self) -> Result<()> {
+        self.check_computed("step2", Stage::Velocity)?;
+        self.check_inputs()?;
+        self.run("mj_step2", Stage::Acceleration, |m, d| {
+            // SAFETY: as in `step`, and the stages before this one were computed for this model.
+            unsafe { guard::mj_step2(m, d) }
+        })
+    }
+
+    /// Forward dynamics: computes everything from the present state and inputs, accelerations included, without advancing in
+    /// time.
+    ///
+    /// # Errors
+    ///
+    /// As for [`step`](Self::step), except that accelerations are not judged.
+    #[doc(alias = "mj_forward")]
+    #[inline]
+    pub fn forward(&mut self) -> Result<()> {
+        self.check_usable()?;
+        self.check_inputs()?;
+        self.run("mj_forward", Stage::Acceleration, |m, d| {
+            // SAFETY: as in `step`.
+            unsafe { guard::mj_forward(m, d) }
+        })
+    }
+
+    /// Inverse dynamics: from positions, velocities and the accelerations in `qacc` to the forces that cause them, in
+    /// `qfrc_inverse`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`forward`](Self::forward).
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// // What must hold the cart-pole with its pole at 0.1 rad?
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// data.qpos_mut()[1] = 0.1;
+    /// data.qacc_mut().fill(0.0);
+    /// data.inverse()?;
+    /// let moment = 0.5 * 9.81 * 0.3 * 0.1_f64.sin(); // mass, gravity, lever
+    /// assert!((data.qfrc_inverse()[1] + moment).abs() < 1e-9);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_inverse")]
+    #[inline]
+    pub fn inverse(&mut self) -> Result<()> {
+        self.check_usable()?;
+        self.check_inputs()?;
+        self.run("mj_inverse", Stage::Acceleration, |m, d| {
+            // SAFETY: as in `step`.
+            unsafe { guard::mj_inverse(m, d) }
+        })
+    }
+
+    /// Makes a guarded call that may warn, fail or reset, and notes how far it has computed.
+    #[inline]
+    pub(crate) fn run(
+        &mut self,
+        function: &'static str,
+        computes: Stage,
+        call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
+    ) -> Result<()> {
+        let time = self.time();
+        let warnings = Lifted::lift(self.raw_mut());
+        let status = call(self.model().as_ptr(), self.as_mut_ptr());
+        let counted = warnings.lower(self.raw_mut());
+        if status == guard::OK && counted == Counted::Nothing {
+            self.stage = computes;
+            return Ok(());
+        }
+        self.settle(function, computes, time, &warnings, status, counted)
+    }
+
+    #[cold]
+    fn settle(
+        &mut self,
+        function: &'static str,
+        computes: Stage,
+        time: f64,
+        warnings: &Lifted,
+        status: c_int,
+        counted: Counted,
+    ) -> Result<()> {
+        let failed = match ffi::check(function, status) {
+            Err(error) => Some(error),
+            Ok(()) if counted == Counted::Reset => Some(Error::Unstable(self.reset_by_engine(time))),
+            Ok(()) => None,
+        };
+        match failed {
+            None => {
+                self.stage = computes;
+                self.log_new_warnings(warnings);
+                Ok(())
+            }
+            Some(error) => {
+                self.stage = Stage::Nothing;
+                self.failure = Some(error.to_string().into());
+                Err(error)
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The engine's warnings, counted and logged.
+//!
+//! `mj_warning` prints the first warning of each type through a text buffer that all threads of the process share, which is a
+//! data race in 2.2.2 as soon as two simulations warn at once. It prints only while the counter is zero. So the counters are
+//! lifted for the time of a call, the engine counts in silence, and what it counted is read off and logged afterwards. A
+//! counter that came back below the lift tells that the engine has reset the data.
+
+use std::fmt;
+
+use mujoco_sys::{self as sys, mjData, mjWarningStat};
+
+use super::Data;
+use crate::engine::LOG_TARGET;
+use crate::id::Kind;
+
+const COUNT: usize = sys::mjNWARNING as usize;
+
+/// What the engine warns about while it simulates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[doc(alias = "mjtWarning")]
+pub enum Warning {
+    /// The inertia matrix is singular, or nearly so, at a degree of freedom.
+    Inertia,
+    /// There are more contacts than `nconmax`; the rest is ignored.
+    ContactFull,
+    /// There are more constraints than `njmax`; the rest is ignored.
+    ConstraintFull,
+    /// The scene has more geoms than it has room for.
+    VisualGeomFull,
+    /// A number in `qpos` is out of range.
+    BadQpos,
+    /// A number in `qvel` is out of range.
+    BadQvel,
+    /// A number in `qacc` is out of range.
+    BadQacc,
+    /// A number in `ctrl` is out of range.
+    BadCtrl,
+}
+
+impl Warning {
+    /// All of them, in the engine's order.
+    const ALL: [Self; COUNT] = [
+        Self::Inertia,
+        Self::ContactFull,
+        Self::ConstraintFull,
+        Self::VisualGeomFull,
+        Self::BadQpos,
+        Self::BadQvel,
+        Self::BadQacc,
+        Self::BadCtrl,
+    ];
+
+    /// What the number that comes with a warning means.
+    fn message(self, info: i32, data: &Data) -> String {
+        let time = data.time();
+        match self {
+            Self::Inertia => format!(
+                "the inertia matrix is nearly singular at degree of freedom {info}; check the model (time {time} s)"
+            ),
+            Self::ContactFull => {
+                format!("more than the {info} contacts that nconmax allows; increase it (time {time} s)")
+            }
+            Self::ConstraintFull => {
+                format!("more than the {info} constraints that njmax allows; increase it (time {time} s)")
+            }
+            Self::VisualGeomFull => format!("more than the {info} geoms that the scene has room for"),
+            Self::BadQpos => format!("qpos[{info}] is not a number or huge (time {time} s)"),
+            Self::BadQvel => format!("qvel[{info}] is not a number or huge (time {time} s)"),
+            Self::BadQacc => format!("qacc[{info}] is not a number or huge (time {time} s)"),
+            Self::BadCtrl => format!(
+                "ctrl[{info}]{} is not a number or huge (time {time} s)",
+                usize::try_from(info)
+                    .ok()
+                    .and_then(|index| data.model().name_at(Kind::Actuator, index))
+                    .map(|name| format!(" of actuator '{name}'"))
+                    .unwrap_or_default()
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
+    }
+}
+
+/// How often a warning was raised since the last reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct WarningCount {
+    /// How often.
+    pub number: usize,
+    /// What the last one was about: the index, or the limit that was reached.
+    pub last_info: i32,
+}
+
+impl Data {
+    /// How often a warning was raised since the last reset. The first of each kind is logged, under the target `mujoco`.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Warning, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.step()?;
+    /// assert_eq!(data.warning(Warning::ContactFull).number, 0);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjWarningStat")]
+    pub fn warning(&self, warning: Warning) -> WarningCount {
+        let stat = &self.raw().warning[warning as usize];
+        WarningCount { number: usize::try_from(stat.number).unwrap_or(0), last_info: stat.lastinfo }
+    }
+
+    /// Logs the warnings whose counters were zero before.
+    #[cold]
+    pub(super) fn log_new_warnings(&self, before: &Lifted) {
+        for (warning, old) in Warning::ALL.into_iter().zip(before.numbers) {
+            let now = self.warning(warning);
+            if old == 0 && now.number > 0 {
+                log::warn!(target: LOG_TARGET, "{}", warning.message(now.last_info, self));
+            }
+        }
+    }
+}
+
+/// By how much the counters are lifted: beyond what a call can count down or up to.
+const LIFT: i32 = 1 << 30;
+
+/// The counters of a data whose engine counters are lifted.
+pub(super) struct Lifted {
+    numbers: [i32; COUNT],
+}
+
+/// What the engine did to the counters.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Counted {
+    /// No warning.
+    Nothing,
+    /// At least one.
+    Warned,
+    /// The engine has reset the data.
+    Reset,
+}
+
+impl Lifted {
+    #[inline]
+    pub(super) fn lift(data: &mut mjData) -> Self {
+        let mut numbers = [0; COUNT];
+        for (number, stat) in numbers.iter_mut().zip(&mut data.warning) {
+            *number = std::mem::replace(&mut stat.number, LIFT);
+        }
+        Self { numbers }
+    }
+
+    /// Puts the counters back, with what was counted meanwhile.
+    #[inline]
+    pub(super) fn lower(&self, data: &mut mjData) -> Counted {
+        let mut counted = Counted::Nothing;
+        for (&number, stat) in self.numbers.iter().zip(&mut data.warning) {
+            if stat.number == LIFT {
+                stat.number = number;
+            } else {
+                counted = counted.max(lower_changed(number, stat));
+            }
+        }
+        counted
+    }
+}
+
+#[cold]
+fn lower_changed(number: i32, stat: &mut mjWarningStat) -> Counted {
+    if stat.number > LIFT {
+        stat.number = number.saturating_add(stat.number - LIFT);
+        Counted::Warned
+    } else {
+        Counted::Reset
+    }
+}

@@ -1,0 +1,153 @@
+//! Linearisation: how the next state and the sensors depend on the present state and the controls, by finite differences.
+//!
+//! With the state difference `dx = [dq; dv; da]` of length `2 nv + na`, where `dq` is in the tangent space of positions
+//! ([`Model::differentiate_pos`](crate::Model::differentiate_pos)), one step of the simulation is to first order
+//!
+//! ```text
+//! dx' = A dx + B du        dy = C dx + D du
+//! ```
+//!
+//! and [`Data::transition_fd`] computes A, B, C and D at the present state and controls.
+
+use std::ptr;
+
+use mujoco_sys::guard;
+
+use crate::data::{Data, Stage};
+use crate::enums::Integrator;
+use crate::error::{Error, Result};
+use crate::matrix::Matrix;
+
+/// How a derivative is approximated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Differences {
+    /// `(f(x + ε) − f(x)) / ε`: one more evaluation for each column; an error of the order of ε.
+    Forward,
+    /// `(f(x + ε) − f(x − ε)) / 2ε`: two for each column; an error of the order of ε².
+    #[doc(alias = "centered")]
+    Central,
+}
+
+/// A linear system in discrete time, `dx' = A dx + B du`, `dy = C dx + D du`, of `nx = 2 nv + na` states, `nu` controls and
+/// `nsensordata` outputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateSpace {
+    /// `(nx, nx)`: the next state by the state.
+    pub a: Matrix,
+    /// `(nx, nu)`: the next state by the controls.
+    pub b: Matrix,
+    /// `(nsensordata, nx)`: the sensors by the state.
+    pub c: Matrix,
+    /// `(nsensordata, nu)`: the sensors by the controls.
+    pub d: Matrix,
+}
+
+impl StateSpace {
+    /// Zeros, in the shapes that belong to a model.
+    pub fn zeros(model: &crate::Model) -> Self {
+        let (nx, nu, ny) = (2 * model.nv() + model.na(), model.nu(), model.nsensordata());
+        Self { a: Matrix::zeros(nx, nx), b: Matrix::zeros(nx, nu), c: Matrix::zeros(ny, nx), d: Matrix::zeros(ny, nu) }
+    }
+}
+
+/// Where [`Data::transition_fd_into`] writes to. What is `None` is not computed; without C and D the sensors are skipped.
+#[derive(Debug, Default)]
+pub struct TransitionOutputs<'a> {
+    /// `(nx, nx)`
+    pub a: Option<&'a mut Matrix>,
+    /// `(nx, nu)`
+    pub b: Option<&'a mut Matrix>,
+    /// `(nsensordata, nx)`
+    pub c: Option<&'a mut Matrix>,
+    /// `(nsensordata, nu)`
+    pub d: Option<&'a mut Matrix>,
+}
+
+impl<'a> From<&'a mut StateSpace> for TransitionOutputs<'a> {
+    fn from(system: &'a mut StateSpace) -> Self {
+        Self { a: Some(&mut system.a), b: Some(&mut system.b), c: Some(&mut system.c), d: Some(&mut system.d) }
+    }
+}
+
+impl Data {
+    /// Linearises a step of the simulation about the present state and controls, with the step `eps` of the differences;
+    /// `1e-6` with [`Differences::Central`] is a good choice.
+    ///
+    /// The state, the controls and the time are as before afterwards. What is computed from them is that of the last
+    /// perturbed state, and counts as not computed.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] unless `eps` is positive and finite, [`Error::Unsupported`] with the Runge–Kutta integrator, and the
+    /// errors of [`step`](Self::step).
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Differences, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// let system = data.transition_fd(1e-6, Differences::Central)?;
+    /// // The next position of the cart by its velocity: a little less than the time step, because of damping.
+    /// assert!((system.a[(0, 2)] - 0.01).abs() < 1e-5);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjd_transitionFD")]
+    pub fn transition_fd(&mut self, eps: f64, differences: Differences) -> Result<StateSpace> {
+        let mut system = StateSpace::zeros(self.model());
+        self.transition_fd_into(eps, differences, &mut system)?;
+        Ok(system)
+    }
+
+    /// As [`transition_fd`](Self::transition_fd), into the caller's matrices, of which any may be left out. Allocates nothing.
+    ///
+    /// # Errors
+    ///
+    /// As for [`transition_fd`](Self::transition_fd), and [`Error::Shape`] for a wrong shape.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Differences, Matrix, TransitionOutputs, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// let mut a = Matrix::zeros(4, 4);
+    /// let outputs = TransitionOutputs { a: Some(&mut a), ..Default::default() };
+    /// data.transition_fd_into(1e-6, Differences::Forward, outputs)?;
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjd_transitionFD")]
+    pub fn transition_fd_into<'a>(
+        &mut self,
+        eps: f64,
+        differences: Differences,
+        outputs: impl Into<TransitionOutputs<'a>>,
+    ) -> Result<()> {
+        self.check_usable()?;
+        self.check_inputs()?;
+        if !(eps.is_finite() && eps > 0.0) {
+            let what = "eps of transition_fd".to_owned();
+            return Err(Error::Invalid { what, value: eps.to_string(), expected: "positive and finite".to_owned() });
+        }
+        if self.model().options().integrator == Integrator::Rk4 {
+            return Err(Error::Unsupported(
+                "transition_fd differentiates a step of the integrators Euler and Implicit, but this model's is Rk4"
+                    .to_owned(),
+            ));
+        }
+        let (nx, nu, ny) = (2 * self.model().nv() + self.model().na(), self.model().nu(), self.model().nsensordata());
+        let outputs = outputs.into();
+        let a = pointer("A of transition_fd", outputs.a, (nx, nx))?;
+        let b = pointer("B of transition_fd", outputs.b, (nx, nu))?;
+        let c = pointer("C of transition_fd", outputs.c, (ny, nx))?;
+        let d = pointer("D of transition_fd", outputs.d, (ny, nu))?;
+        let central = i32::from(differences == Differences::Central);
+        self.run("mjd_transitionFD", Stage::Nothing, |model, data| {
+            // SAFETY: a model and a data that go together, and outputs that are NULL or have the shapes that the engine writes.
+            unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }
+        })
+    }
+}
+
+fn pointer(what: &'static str, matrix: Option<&mut Matrix>, shape: (usize, usize)) -> Result<*mut f64> {
+    let Some(matrix) = matrix else { return Ok(ptr::null_mut()) };
+    Error::check_shape(what, matrix.shape(), shape)?;
+    // NULL is how the engine is told to leave an output out; an empty one is no different.
+    Ok(if matrix.as_slice().is_empty() { ptr::null_mut() } else { matrix.as_mut_ptr() })
+}

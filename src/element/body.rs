@@ -1,0 +1,87 @@
+//! Bodies.
+
+use std::ops::Range;
+
+use super::{View, ViewMut, range};
+use crate::data::Data;
+use crate::ffi;
+use crate::id::{BodyId, Id, kind};
+use crate::model::{Model, ModelMut};
+
+fields!(Body on Model {
+    /// The body that this one is attached to; the world for the world itself.
+    parent: {BodyId} = |body| body.body_in(body.owner.body_parentid());
+    /// The body below the world that this one is attached to, over however many others.
+    root: {BodyId} = |body| body.body_in(body.owner.body_rootid());
+    /// How many joints move it against its parent.
+    njnt: {usize} = |body| ffi::size(body.owner.body_jntnum()[body.index()]);
+    /// How many geoms it has.
+    ngeom: {usize} = |body| ffi::size(body.owner.body_geomnum()[body.index()]);
+    /// Where its degrees of freedom are in `qvel` and everything else of length `nv`.
+    dofs: {Range<usize>} = |body| range(body.owner.body_dofadr(), body.owner.body_dofnum(), body.index());
+    /// Its index among the mocap bodies, if it is one.
+    mocap: {Option<usize>} = |body| usize::try_from(body.owner.body_mocapid()[body.index()]).ok();
+    /// Position in the frame of the parent, m.
+    pos: [f64; 3] = body_pos, pos_mut in body_pos_mut;
+    /// Orientation in the frame of the parent: a unit quaternion `[w, x, y, z]`.
+    quat: [f64; 4] = body_quat, quat_mut in body_quat_mut;
+    /// Centre of mass, m, in the body's own frame.
+    ipos: [f64; 3] = body_ipos, ipos_mut in body_ipos_mut;
+    /// Orientation of the inertial frame in the body's own: a unit quaternion `[w, x, y, z]`.
+    iquat: [f64; 4] = body_iquat, iquat_mut in body_iquat_mut;
+    /// Mass, kg.
+    mass: f64 = body_mass, set_mass in body_mass_mut;
+    /// Mass of the body and everything below it, kg. Derived from the masses.
+    subtreemass: f64 = body_subtreemass;
+    /// Moments of inertia along the axes of the inertial frame, kg·m².
+    inertia: [f64; 3] = body_inertia, inertia_mut in body_inertia_mut;
+    /// Mean inverse inertia in the reference configuration: translation, rotation.
+    invweight0: [f64; 2] = body_invweight0;
+    /// The user's own numbers.
+    user: [f64] = body_user, user_mut in body_user_mut;
+});
+
+fields!(Body on Data {
+    /// Applied force, N, and torque, N·m, at the centre of mass, world frame: an input.
+    #[doc(alias = "applied")]
+    xfrc_applied: [f64; 6] = xfrc_applied, xfrc_applied_mut in xfrc_applied_mut;
+    /// Position, m, world frame.
+    xpos: [f64; 3] = xpos;
+    /// Orientation: a unit quaternion `[w, x, y, z]`, world frame.
+    xquat: [f64; 4] = xquat;
+    /// Orientation as a row-major rotation matrix, world frame.
+    xmat: [f64; 9] = xmat;
+    /// Centre of mass, m, world frame.
+    xipos: [f64; 3] = xipos;
+    /// Orientation of the inertial frame as a row-major rotation matrix, world frame.
+    ximat: [f64; 9] = ximat;
+    /// Centre of mass of the body and everything below it, m, world frame.
+    #[doc(alias = "com")]
+    subtree_com: [f64; 3] = subtree_com;
+    /// Inertia and mass, about the centre of mass of the tree.
+    cinert: [f64; 10] = cinert;
+    /// Inertia and mass of the body and everything below it, about the centre of mass of the tree.
+    crb: [f64; 10] = crb;
+    /// Velocity about the centre of mass of the tree: rotation, then translation.
+    cvel: [f64; 6] = cvel;
+    /// Linear velocity of the subtree's centre of mass, m/s. Computed where a sensor needs it.
+    #[doc(alias = "linvel")]
+    subtree_linvel: [f64; 3] = subtree_linvel;
+    /// Angular momentum of the subtree about its centre of mass, kg·m²/s. Computed where a sensor needs it.
+    #[doc(alias = "angmom")]
+    subtree_angmom: [f64; 3] = subtree_angmom;
+    /// Acceleration about the centre of mass of the tree: rotation, then translation. Computed where a sensor needs it.
+    cacc: [f64; 6] = cacc;
+    /// Force between the body and its parent: torque, then force. Computed where a sensor needs it.
+    #[doc(alias = "int")]
+    cfrc_int: [f64; 6] = cfrc_int;
+    /// External force on the body: torque, then force. Computed where a sensor needs it.
+    #[doc(alias = "ext")]
+    cfrc_ext: [f64; 6] = cfrc_ext;
+});
+
+impl View<'_, Model, kind::Body> {
+    fn body_in(&self, ids: &[i32]) -> BodyId {
+        Id::new(ffi::size(ids[self.index()]), self.owner.lineage())
+    }
+}

@@ -1,0 +1,145 @@
+//! The fields of a view, a line each.
+//!
+//! `stiffness: f64 = jnt_stiffness, set_stiffness in jnt_stiffness_mut;` is a method that reads the element's place in the
+//! array `jnt_stiffness`, a line in the display of the view, and a setter on its writable form.
+
+/// Declares the fields of a kind on a model or on a simulation.
+///
+/// - `name: f64 = array;` one value, with `, set_name in array_mut` also a setter;
+/// - `name: [f64; 3] = array;` a row of fixed length, with `, name_mut in array_mut` also to be written to;
+/// - `name: [f64] = array;` a row of a matrix, likewise;
+/// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view, likewise;
+/// - `name: {type} = |view| expression;` anything else.
+macro_rules! fields {
+    ($kind:ident on Model { $($body:tt)* }) => {
+        fields!(@each $kind, Model, {ModelMut<'_>}, [] $($body)*);
+    };
+    ($kind:ident on Data { $($body:tt)* }) => {
+        fields!(@each $kind, Data, {Data}, [] $($body)*);
+    };
+
+    // One value.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: $type:ident = $array:ident $(, $set:ident in $array_mut:ident)?; $($rest:tt)*
+    ) => {
+        impl<'a> View<'a, $owner, kind::$kind> {
+            $(#[$doc])*
+            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
+            #[inline]
+            pub fn $name(&self) -> $type {
+                self.owner.$array()[self.id.index()]
+            }
+        }
+        $(
+            impl ViewMut<'_, $writer, kind::$kind> {
+                #[doc = concat!("Sets `", stringify!($name), "`.")]
+                #[inline]
+                pub fn $set(&mut self, value: $type) {
+                    self.owner.$array_mut()[self.id.index()] = value;
+                }
+            }
+        )?
+        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+    };
+
+    // A row of fixed length.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: [$type:ident; $columns:literal] = $array:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
+    ) => {
+        impl<'a> View<'a, $owner, kind::$kind> {
+            $(#[$doc])*
+            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
+            #[inline]
+            pub fn $name(&self) -> &'a [$type; $columns] {
+                &self.owner.$array()[self.id.index()]
+            }
+        }
+        $(
+            impl ViewMut<'_, $writer, kind::$kind> {
+                #[doc = concat!("`", stringify!($name), "`, to be written to.")]
+                #[inline]
+                pub fn $name_mut(&mut self) -> &mut [$type; $columns] {
+                    let index = self.id.index();
+                    &mut self.owner.$array_mut()[index]
+                }
+            }
+        )?
+        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+    };
+
+    // A row of a matrix.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: [$type:ident] = $array:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
+    ) => {
+        impl<'a> View<'a, $owner, kind::$kind> {
+            $(#[$doc])*
+            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
+            #[inline]
+            pub fn $name(&self) -> &'a [$type] {
+                self.owner.$array().row(self.id.index())
+            }
+        }
+        $(
+            impl ViewMut<'_, $writer, kind::$kind> {
+                #[doc = concat!("`", stringify!($name), "`, to be written to.")]
+                #[inline]
+                pub fn $name_mut(&mut self) -> &mut [$type] {
+                    let index = self.id.index();
+                    self.owner.$array_mut().into_row(index)
+                }
+            }
+        )?
+        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+    };
+
+    // A range of an array of values, such as a joint's part of qpos.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: [$type:ident] = $array:ident at $range:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
+    ) => {
+        impl<'a> View<'a, $owner, kind::$kind> {
+            $(#[$doc])*
+            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
+            #[inline]
+            pub fn $name(&self) -> &'a [$type] {
+                &self.owner.$array()[self.in_model().$range()]
+            }
+        }
+        $(
+            impl ViewMut<'_, $writer, kind::$kind> {
+                #[doc = concat!("`", stringify!($name), "`, to be written to.")]
+                #[inline]
+                pub fn $name_mut(&mut self) -> &mut [$type] {
+                    let range = self.as_view().in_model().$range();
+                    &mut self.owner.$array_mut()[range]
+                }
+            }
+        )?
+        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+    };
+
+    // Anything else.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: {$type:ty} = |$view:ident| $value:expr; $($rest:tt)*
+    ) => {
+        impl<'a> View<'a, $owner, kind::$kind> {
+            $(#[$doc])*
+            #[inline]
+            pub fn $name(&self) -> $type {
+                let $view = self;
+                $value
+            }
+        }
+        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+    };
+
+    // All seen: the display.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]) => {
+        impl std::fmt::Display for View<'_, $owner, kind::$kind> {
+            /// The fields and their values, one a line.
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                let fields: &[(&str, &dyn std::fmt::Debug)] = &[$((stringify!($seen), &self.$seen())),*];
+                $crate::element::display::listing(f, stringify!($kind), self.index(), self.name(), fields)
+            }
+        }
+    };
+}

@@ -1,0 +1,47 @@
+//! Lights.
+
+use super::{View, ViewMut};
+use crate::data::Data;
+use crate::ffi;
+use crate::id::{BodyId, Id, kind};
+use crate::model::{Model, ModelMut};
+
+fields!(Light on Model {
+    /// The body that it belongs to.
+    body: {BodyId} = |light| Id::new(ffi::size(light.owner.light_bodyid()[light.index()]), light.owner.lineage());
+    /// Whether its rays are parallel.
+    directional: {bool} = |light| light.owner.light_directional()[light.index()] != 0;
+    /// Whether it casts shadows.
+    castshadow: {bool} = |light| light.owner.light_castshadow()[light.index()] != 0;
+    /// Whether it is on.
+    active: {bool} = |light| light.owner.light_active()[light.index()] != 0;
+    /// Position in the frame of its body, m.
+    pos: [f64; 3] = light_pos, pos_mut in light_pos_mut;
+    /// Direction in the frame of its body.
+    dir: [f64; 3] = light_dir, dir_mut in light_dir_mut;
+    /// Position relative to the centre of mass of its subtree in the reference configuration, m.
+    poscom0: [f64; 3] = light_poscom0;
+    /// Position relative to its body in the reference configuration, m, world frame.
+    pos0: [f64; 3] = light_pos0;
+    /// Direction in the reference configuration, world frame.
+    dir0: [f64; 3] = light_dir0;
+    /// Attenuation: constant, linear, quadratic.
+    attenuation: [f32; 3] = light_attenuation, attenuation_mut in light_attenuation_mut;
+    /// Half the angle of a spot light, degrees.
+    cutoff: f32 = light_cutoff, set_cutoff in light_cutoff_mut;
+    /// How sharply a spot light falls off.
+    exponent: f32 = light_exponent, set_exponent in light_exponent_mut;
+    /// Ambient red, green and blue.
+    ambient: [f32; 3] = light_ambient, ambient_mut in light_ambient_mut;
+    /// Diffuse red, green and blue.
+    diffuse: [f32; 3] = light_diffuse, diffuse_mut in light_diffuse_mut;
+    /// Specular red, green and blue.
+    specular: [f32; 3] = light_specular, specular_mut in light_specular_mut;
+});
+
+fields!(Light on Data {
+    /// Position, m, world frame.
+    xpos: [f64; 3] = light_xpos;
+    /// Direction, world frame.
+    xdir: [f64; 3] = light_xdir;
+});

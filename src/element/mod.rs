@@ -1,0 +1,251 @@
+//! Named access: one element of a model, by its name, its index or its id.
+//!
+//! `model.joint("left_knee")?` looks a name up once and gives a [`Joint`]: an id and a borrow of the model. It and its
+//! [`id`](View::id) are keys themselves, and with them nothing can fail any more: `data.joint(knee)` is the same joint in a
+//! simulation, and reading a field through it costs what indexing a slice costs.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use mujoco_safe::{Data, sample};
+//!
+//! let model = Arc::new(sample::humanoid());
+//! let mut data = Data::new(model.clone())?;
+//!
+//! let knee = model.joint("left_knee")?;              // a name may be unknown: Result
+//! println!("{} of {:?}", knee.range()[1], knee.name());
+//! data.joint_mut(knee).qvel_mut()[0] = 1.0;          // a joint of this model is there: no Result
+//! assert_eq!(data.joint(knee).qvel(), &data.qvel()[knee.dofs()]);
+//!
+//! let left: Vec<_> = model.joints().filter(|joint| joint.name().is_some_and(|name| name.contains("left"))).collect();
+//! assert_eq!(left.len(), 9);
+//!
+//! let error = data.joint("left_kne").unwrap_err();   // lists the names there are
+//! assert!(error.to_string().contains("left_knee"));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! A kind has up to four views, all of them the same two types underneath: [`View`] and [`ViewMut`], of a [`Model`] or of a
+//! [`Data`]. A key of another model panics:
+//!
+//! ```should_panic
+//! use mujoco_safe::{Data, sample};
+//!
+//! let cartpole = sample::cartpole();
+//! let data = Data::new(sample::humanoid()).unwrap();
+//! data.joint(cartpole.joint("hinge").unwrap());
+//! ```
+//!
+//! Printing a view with `{}` lists its fields.
+
+#[macro_use]
+mod fields;
+mod display;
+mod key;
+
+mod actuator;
+mod body;
+mod camera;
+mod geom;
+mod joint;
+mod keyframe;
+mod light;
+mod sensor;
+mod site;
+mod tendon;
+
+use std::fmt;
+
+pub use self::key::Key;
+use crate::data::Data;
+use crate::id::{ElementKind, Id, kind};
+use crate::model::{Model, ModelMut};
+
+/// One element, as a model or a simulation has it: an id and a borrow. Cheap to copy; the fields of each kind are methods.
+pub struct View<'a, Owner, K> {
+    owner: &'a Owner,
+    id: Id<K>,
+}
+
+/// One element, to be written to.
+pub struct ViewMut<'a, Owner, K> {
+    owner: &'a mut Owner,
+    id: Id<K>,
+}
+
+impl<Owner, K> Clone for View<'_, Owner, K> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<Owner, K> Copy for View<'_, Owner, K> {}
+
+/// What has elements: a model, or a simulation of one.
+pub(crate) trait Owner {
+    fn model_of(&self) -> &Model;
+}
+
+impl Owner for Model {
+    fn model_of(&self) -> &Model {
+        self
+    }
+}
+
+impl Owner for ModelMut<'_> {
+    fn model_of(&self) -> &Model {
+        self
+    }
+}
+
+impl Owner for Data {
+    fn model_of(&self) -> &Model {
+        self.model()
+    }
+}
+
+#[allow(private_bounds, reason = "there are only the two owners")]
+impl<'a, O: Owner, K: ElementKind> View<'a, O, K> {
+    fn new(owner: &'a O, id: Id<K>) -> Self {
+        Self { owner, id }
+    }
+
+    /// The id, which can be kept and used with every simulation of the model.
+    #[inline]
+    pub fn id(&self) -> Id<K> {
+        self.id
+    }
+
+    /// The engine's index, counted from 0.
+    #[inline]
+    pub fn index(&self) -> usize {
+        self.id.index()
+    }
+
+    /// The name; `None` if it has none.
+    pub fn name(&self) -> Option<&'a str> {
+        self.owner.model_of().name(self.id)
+    }
+
+    /// The same element, as the model describes it.
+    #[inline]
+    pub fn in_model(&self) -> View<'a, Model, K> {
+        View::new(self.owner.model_of(), self.id)
+    }
+}
+
+#[allow(private_bounds, reason = "there are only the two owners")]
+impl<'a, O: Owner, K: ElementKind> ViewMut<'a, O, K> {
+    fn new(owner: &'a mut O, id: Id<K>) -> Self {
+        Self { owner, id }
+    }
+
+    /// The same element, to be read.
+    pub fn as_view(&self) -> View<'_, O, K> {
+        View::new(self.owner, self.id)
+    }
+}
+
+impl<O: Owner, K: ElementKind> fmt::Debug for View<'_, O, K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.name() {
+            Some(name) => write!(f, "{:?} '{name}'", self.id),
+            None => self.id.fmt(f),
+        }
+    }
+}
+
+impl<O: Owner, K: ElementKind> fmt::Debug for ViewMut<'_, O, K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.as_view().fmt(f)
+    }
+}
+
+impl<O, K> From<View<'_, O, K>> for Id<K> {
+    fn from(view: View<'_, O, K>) -> Self {
+        view.id
+    }
+}
+
+/// The types and lookups of a kind of element. With fields in a simulation: `Kind`, `KindMut`, `KindData`, `KindDataMut`.
+macro_rules! kind {
+    (
+        $one:ident, $one_mut:ident, $many:ident, $short:literal => $kind:ident, $model_mut:ident
+        $(, $data:ident, $data_mut:ident)?
+    ) => {
+        #[doc = concat!("A ", stringify!($one), ", as the model describes it.")]
+        pub type $kind<'m> = View<'m, Model, kind::$kind>;
+        #[doc = concat!("A ", stringify!($one), " of a model that may be changed.")]
+        pub type $model_mut<'m, 'e> = ViewMut<'e, ModelMut<'m>, kind::$kind>;
+
+        impl Model {
+            #[doc = concat!("The ", stringify!($one), " behind a key: see [`element`](crate::element).")]
+            #[doc(alias = $short)]
+            #[inline]
+            pub fn $one<'m, Q: Key<kind::$kind>>(&'m self, key: Q) -> Q::Found<$kind<'m>> {
+                key.find(self, |id| View::new(self, id))
+            }
+
+            #[doc = concat!("All of kind ", stringify!($one), ", in the engine's order.")]
+            pub fn $many(&self) -> impl ExactSizeIterator<Item = $kind<'_>> + DoubleEndedIterator {
+                let lineage = self.lineage();
+                (0..self.count(<kind::$kind as ElementKind>::KIND)).map(move |index| View::new(self, Id::new(index, lineage)))
+            }
+        }
+
+        impl<'m> ModelMut<'m> {
+            #[doc = concat!("The ", stringify!($one), " behind a key, to be written to.")]
+            #[inline]
+            pub fn $one_mut<'e, Q: Key<kind::$kind>>(&'e mut self, key: Q) -> Q::Found<$model_mut<'m, 'e>> {
+                let id = key.id(self);
+                Q::found(id, |id| ViewMut::new(self, id))
+            }
+        }
+
+        $(
+            #[doc = concat!("A ", stringify!($one), " in a simulation.")]
+            pub type $data<'d> = View<'d, Data, kind::$kind>;
+            #[doc = concat!("A ", stringify!($one), " in a simulation, to be written to.")]
+            pub type $data_mut<'d> = ViewMut<'d, Data, kind::$kind>;
+
+            impl Data {
+                #[doc = concat!("The ", stringify!($one), " behind a key: see [`element`](crate::element).")]
+                #[doc(alias = $short)]
+                #[inline]
+                pub fn $one<'d, Q: Key<kind::$kind>>(&'d self, key: Q) -> Q::Found<$data<'d>> {
+                    key.find(self.model(), |id| View::new(self, id))
+                }
+
+                #[doc = concat!("The ", stringify!($one), " behind a key, to be written to.")]
+                #[inline]
+                pub fn $one_mut<'d, Q: Key<kind::$kind>>(&'d mut self, key: Q) -> Q::Found<$data_mut<'d>> {
+                    let id = key.id(self.model());
+                    Q::found(id, |id| ViewMut::new(self, id))
+                }
+
+                #[doc = concat!("All of kind ", stringify!($one), ", in the engine's order.")]
+                pub fn $many(&self) -> impl ExactSizeIterator<Item = $data<'_>> + DoubleEndedIterator {
+                    let model = self.model();
+                    (0..model.count(<kind::$kind as ElementKind>::KIND)).map(move |index| View::new(self, Id::new(index, model.lineage())))
+                }
+            }
+        )?
+    };
+}
+
+kind!(body, body_mut, bodies, "xbody" => Body, BodyMut, BodyData, BodyDataMut);
+kind!(joint, joint_mut, joints, "jnt" => Joint, JointMut, JointData, JointDataMut);
+kind!(geom, geom_mut, geoms, "mjOBJ_GEOM" => Geom, GeomMut, GeomData, GeomDataMut);
+kind!(site, site_mut, sites, "mjOBJ_SITE" => Site, SiteMut, SiteData, SiteDataMut);
+kind!(camera, camera_mut, cameras, "cam" => Camera, CameraMut, CameraData, CameraDataMut);
+kind!(light, light_mut, lights, "mjOBJ_LIGHT" => Light, LightMut, LightData, LightDataMut);
+kind!(tendon, tendon_mut, tendons, "ten" => Tendon, TendonMut, TendonData, TendonDataMut);
+kind!(actuator, actuator_mut, actuators, "mjOBJ_ACTUATOR" => Actuator, ActuatorMut, ActuatorData, ActuatorDataMut);
+kind!(sensor, sensor_mut, sensors, "sensordata" => Sensor, SensorMut, SensorData, SensorDataMut);
+kind!(keyframe, keyframe_mut, keyframes, "key" => Keyframe, KeyframeMut);
+
+/// The range that starts at an element's address; empty where the element has none (the address is -1 then).
+#[inline]
+fn range(addresses: &[i32], counts: &[i32], index: usize) -> std::ops::Range<usize> {
+    let start = usize::try_from(addresses[index]).unwrap_or(0);
+    start..start + crate::ffi::size(counts[index])
+}

@@ -1,0 +1,104 @@
+//! Where C's view of memory becomes Rust's: arrays that may be NULL, strings, sizes, and the status of a guarded call. The
+//! only place with `from_raw_parts`.
+
+#![allow(clippy::disallowed_methods, reason = "the lint keeps `from_raw_parts` in this file")]
+
+use std::ffi::{CStr, CString, c_char, c_int};
+
+use mujoco_sys::guard;
+
+use crate::error::{Error, Result};
+
+/// A C size as a Rust one. The engine has no negative sizes.
+#[inline]
+pub(crate) fn size(size: c_int) -> usize {
+    size as usize
+}
+
+/// The array at `array`, empty if the engine has none (it keeps NULL for those).
+///
+/// # Safety
+///
+/// `array` is NULL or points at `length` initialised values that nothing writes to during `'a`.
+#[inline]
+pub(crate) unsafe fn array<'a, T>(array: *const T, length: usize) -> &'a [T] {
+    if array.is_null() || length == 0 {
+        return &[];
+    }
+    // SAFETY: not NULL, and the rest is the caller's promise.
+    unsafe { std::slice::from_raw_parts(array, length) }
+}
+
+/// As [`array`], to be written to.
+///
+/// # Safety
+///
+/// As for [`array`], and nothing else reads or writes the values during `'a`.
+#[inline]
+pub(crate) unsafe fn array_mut<'a, T>(array: *mut T, length: usize) -> &'a mut [T] {
+    if array.is_null() || length == 0 {
+        return &mut [];
+    }
+    // SAFETY: not NULL, and the rest is the caller's promise.
+    unsafe { std::slice::from_raw_parts_mut(array, length) }
+}
+
+/// As [`array`], in rows of `N` values.
+///
+/// # Safety
+///
+/// As for [`array`], with `rows * N` values.
+#[inline]
+pub(crate) unsafe fn rows<'a, T, const N: usize>(values: *const T, rows: usize) -> &'a [[T; N]] {
+    // SAFETY: `[T; N]` has the alignment of `T` and the size of `N` of them; the rest is the caller's promise.
+    unsafe { array(values.cast::<[T; N]>(), rows) }
+}
+
+/// As [`array_mut`], in rows of `N` values.
+///
+/// # Safety
+///
+/// As for [`array_mut`], with `rows * N` values.
+#[inline]
+pub(crate) unsafe fn rows_mut<'a, T, const N: usize>(values: *mut T, rows: usize) -> &'a mut [[T; N]] {
+    // SAFETY: as in `rows`.
+    unsafe { array_mut(values.cast::<[T; N]>(), rows) }
+}
+
+/// What is behind a C string. Text that is not UTF-8 keeps its shape, with replacement characters.
+///
+/// # Safety
+///
+/// `text` is NULL or a NUL-terminated string.
+pub(crate) unsafe fn text(text: *const c_char) -> String {
+    if text.is_null() {
+        return String::new();
+    }
+    // SAFETY: the caller's promise.
+    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+}
+
+/// A C string for the engine. A NUL inside would cut it short there, so it is an error.
+pub(crate) fn c_string(what: &'static str, text: impl Into<Vec<u8>>) -> Result<CString> {
+    CString::new(text).map_err(|error| Error::Invalid {
+        what: what.to_owned(),
+        value: format!("text with a NUL byte at position {}", error.nul_position()),
+        expected: "text without NUL bytes".to_owned(),
+    })
+}
+
+/// Turns the status of a guarded call into a result.
+#[inline]
+pub(crate) fn check(function: &'static str, status: c_int) -> Result<()> {
+    if status == guard::OK { Ok(()) } else { Err(caught(function, status)) }
+}
+
+#[cold]
+fn caught(function: &'static str, status: c_int) -> Error {
+    if status == guard::OUT_OF_MEMORY {
+        return Error::OutOfMemory { function };
+    }
+    // SAFETY: the pointer is this thread's own buffer, NUL-terminated and unchanged until the thread's next caught error.
+    let message = unsafe { text(guard::message()) };
+    Error::Engine { function, message }
+}

@@ -1,0 +1,96 @@
+//! What may be changed after compilation.
+
+use std::ops::Deref;
+use std::ptr;
+
+use mujoco_sys::{self as sys, guard, mjModel};
+
+use super::{Model, Options};
+use crate::error::Result;
+use crate::ffi;
+
+/// A model that may be changed: from [`Model::edit`] before it is shared, from
+/// [`Data::edit_model`](crate::Data::edit_model) afterwards. It reads like a [`Model`].
+///
+/// Every real number can be written to (`body_mass_mut`, `dof_damping_mut`, …); whatever is in them, the engine stays within
+/// its memory. Sizes, addresses, ids and types cannot.
+///
+/// What the compiler derived from a number does not follow when the number changes: call
+/// [`update_constants`](Self::update_constants) after masses, inertias or positions.
+#[derive(Debug)]
+pub struct ModelMut<'m> {
+    model: &'m mut Model,
+}
+
+impl<'m> ModelMut<'m> {
+    pub(crate) fn new(model: &'m mut Model) -> Self {
+        Self { model }
+    }
+
+    /// Changes the physics options, after checking them: nothing is changed if one is out of range.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and what is allowed.
+    ///
+    /// ```
+    /// use mujoco_safe::{Error, sample};
+    ///
+    /// let mut model = sample::cartpole();
+    /// let error = model.edit().options(|options| options.timestep = -1.0).unwrap_err();
+    /// assert!(matches!(error, Error::Invalid { .. }));
+    /// assert_eq!(model.timestep(), 0.01);
+    /// ```
+    #[doc(alias = "mjOption")]
+    pub fn options(&mut self, change: impl FnOnce(&mut Options)) -> Result<()> {
+        let mut options = self.model.options();
+        change(&mut options);
+        options.check()?;
+        options.write(&mut self.model.raw_mut().opt);
+        Ok(())
+    }
+
+    /// Sets the duration of a step in seconds.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`](crate::Error::Invalid) unless it is positive and finite.
+    pub fn set_timestep(&mut self, timestep: f64) -> Result<()> {
+        self.options(|options| options.timestep = timestep)
+    }
+
+    /// Computes anew what the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse weights,
+    /// reference lengths, the statistics and the rest of what has a `0` in its name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`](crate::Error::Engine) if the numbers do not make a model, such as a body without mass that moves.
+    #[doc(alias = "mj_setConst")]
+    pub fn update_constants(&mut self) -> Result<()> {
+        let mut scratch = ptr::null_mut();
+        // SAFETY: a valid model, a place for the result.
+        ffi::check("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
+        if scratch.is_null() {
+            return Err(crate::Error::OutOfMemory { function: "mj_makeData" });
+        }
+        // SAFETY: a model that is borrowed exclusively, and a data that was made for it.
+        let result = ffi::check("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
+        // SAFETY: made above, and used no more.
+        unsafe { sys::mj_deleteData(scratch) };
+        result
+    }
+
+    #[inline]
+    pub(crate) fn raw_mut(&mut self) -> &mut mjModel {
+        self.model.raw_mut()
+    }
+}
+
+impl Deref for ModelMut<'_> {
+    type Target = Model;
+
+    #[inline]
+    fn deref(&self) -> &Model {
+        self.model
+    }
+}

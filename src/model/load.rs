@@ -1,0 +1,255 @@
+//! Loading.
+
+use std::ffi::CString;
+use std::path::Path;
+use std::ptr::{self, NonNull};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use mujoco_sys::{guard, mjVFS};
+
+use super::virtual_files::VirtualFiles;
+use super::{Model, mjb};
+use crate::engine::{self, collecting_warnings};
+use crate::error::{Error, Result};
+use crate::ffi;
+use crate::id::Lineage;
+
+/// The name under which a text is known to the engine's compiler.
+const TEXT: &str = "model.xml";
+
+/// What the engine keeps of XML for the whole process: the tree of the last model, under a lock.
+pub(super) struct XmlState {
+    /// The model whose tree it is.
+    pub(super) last: Option<Lineage>,
+    /// The error that made the engine jump out while it held its lock. Entering it again would wait for ever.
+    locked: Option<String>,
+}
+
+impl XmlState {
+    /// Waits for other loads, as the engine would, and refuses where the engine would wait for ever.
+    pub(super) fn enter() -> Result<MutexGuard<'static, Self>> {
+        static STATE: Mutex<XmlState> = Mutex::new(XmlState { last: None, locked: None });
+        let state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
+        match &state.locked {
+            Some(cause) => Err(Error::LoaderLocked { cause: cause.clone() }),
+            None => Ok(state),
+        }
+    }
+
+    /// Notes what a call into the compiler left behind.
+    pub(super) fn leave(&mut self, result: Result<()>) -> Result<()> {
+        if let Err(Error::Engine { message, .. }) = &result {
+            self.locked = Some(message.clone());
+        }
+        result
+    }
+}
+
+impl Model {
+    /// Loads a model from an MJCF or URDF file. Files that it names (includes, meshes, textures, height fields) are looked
+    /// for relative to it.
+    ///
+    /// The file is trusted as far as the engine's own compiler goes, which is not proof against every malicious text; see
+    /// [`from_xml_str`](Self::from_xml_str).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be read, [`Error::Load`] with the compiler's message if it is not a model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Error, Model};
+    ///
+    /// let error = Model::from_xml_path("no/such/model.xml").unwrap_err();
+    /// assert!(matches!(error, Error::File { .. }));
+    /// ```
+    #[doc(alias = "mj_loadXML")]
+    #[doc(alias = "load_model")]
+    pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        // Opened here for the operating system's own message; the engine's only says that it could not.
+        let file = std::fs::File::open(path).map_err(Error::file(path))?;
+        let kind = file.metadata().map_err(Error::file(path))?.file_type();
+        if !kind.is_file() {
+            return Err(Error::file(path)(std::io::Error::other("not a regular file")));
+        }
+        let text = std::fs::read(path).map_err(Error::file(path))?;
+        check_file_names(&path.display().to_string(), &text)?;
+        Self::compile(&path_c_string(path)?, ptr::null(), &path.display().to_string())
+    }
+
+    /// Loads a model from a text in MJCF or URDF.
+    ///
+    /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash or to run without end on a few kinds of
+    /// hostile input (textures of billions of pixels, mesh faces beyond the vertices, a muscle whose length range does not
+    /// settle), so a text from strangers should be compiled in a process of its own.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Load`] with the compiler's whole message, and the line where it knows one.
+    ///
+    /// ```
+    /// use mujoco_safe::Model;
+    ///
+    /// let error = Model::from_xml_str("<mujoco>\n  <worldbod/>\n</mujoco>").unwrap_err();
+    /// assert!(error.to_string().contains("line 2"), "{error}");
+    /// ```
+    pub fn from_xml_str(xml: &str) -> Result<Self> {
+        Self::from_xml_str_with_files(xml, &[])
+    }
+
+    /// Loads a model from a text whose other files are in memory too. The compiler looks for a file by its name without a
+    /// path, here first and then on the disk.
+    ///
+    /// # Errors
+    ///
+    /// As for [`from_xml_str`](Self::from_xml_str), and [`Error::Invalid`] for a file without a name or content.
+    ///
+    /// ```
+    /// use mujoco_safe::Model;
+    ///
+    /// let model = Model::from_xml_str_with_files(
+    ///     r#"<mujoco><include file="ball.xml"/></mujoco>"#,
+    ///     &[("ball.xml", br#"<mujoco><worldbody><geom name="ball" size="0.1"/></worldbody></mujoco>"#)],
+    /// )?;
+    /// assert_eq!(model.ngeom(), 1);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjVFS")]
+    pub fn from_xml_str_with_files(xml: &str, files: &[(&str, &[u8])]) -> Result<Self> {
+        let mut virtual_files = VirtualFiles::new();
+        virtual_files.add(TEXT, xml.as_bytes())?;
+        check_file_names(TEXT, xml.as_bytes())?;
+        for (name, content) in files {
+            virtual_files.add(name, content)?;
+            check_file_names(name, content)?;
+        }
+        Self::compile(&ffi::c_string("the text's name", TEXT)?, virtual_files.as_ptr(), "the XML given")
+    }
+
+    /// Loads a binary model (MJB) that [`save_binary`](Self::save_binary) or the engine wrote.
+    ///
+    /// The engine trusts such a file; this function does not. Every size, address, id and enum is checked before the engine
+    /// sees the file, so a damaged or hostile one is an error.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a whole and consistent model.
+    #[doc(alias = "mj_loadModel")]
+    pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(Error::file(path))?;
+        Self::from_binary_named(&bytes, &path.display().to_string())
+    }
+
+    /// As [`from_binary_path`](Self::from_binary_path), from memory.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidBinary`] if the bytes are not a whole and consistent model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Error, Model, sample};
+    ///
+    /// let bytes = sample::cartpole().to_binary()?;
+    /// assert_eq!(Model::from_binary(&bytes)?.nv(), 2);
+    /// assert!(matches!(Model::from_binary(&bytes[..100]), Err(Error::InvalidBinary { .. })));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn from_binary(bytes: &[u8]) -> Result<Self> {
+        Self::from_binary_named(bytes, "the bytes given")
+    }
+
+    fn from_binary_named(bytes: &[u8], source_name: &str) -> Result<Self> {
+        engine::ready()?;
+        let invalid = |reason: String| Error::InvalidBinary { source_name: source_name.to_owned(), reason };
+        mjb::check(bytes).map_err(|error| invalid(error.to_string()))?;
+        let name = "model.mjb";
+        let mut file = VirtualFiles::new();
+        file.add(name, bytes)?;
+        let name = ffi::c_string("the binary model's name", name)?;
+        let mut loaded = ptr::null_mut();
+        let (result, warnings) = collecting_warnings(|| {
+            // SAFETY: a valid name and table. The bytes were validated, so what the engine reads by them stays inside.
+            let status = unsafe { guard::mj_load_model(name.as_ptr(), file.as_ptr(), &raw mut loaded) };
+            ffi::check("mj_loadModel", status)
+        });
+        result?;
+        let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;
+        // SAFETY: the engine allocated it for us, and its content was validated.
+        Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
+    }
+
+    fn compile(name: &CString, files: *const mjVFS, source_name: &str) -> Result<Self> {
+        const MESSAGE: usize = 4096;
+        engine::ready()?;
+        let mut xml = XmlState::enter()?;
+        // Whatever happens now, the tree of the last model is not that model's any more.
+        xml.last = None;
+        let mut message = [0; MESSAGE];
+        let mut loaded = ptr::null_mut();
+        let (result, mut warnings) = collecting_warnings(|| {
+            // SAFETY: a valid name, a table or NULL, a buffer of the given size, a place for the result.
+            let status = unsafe {
+                guard::mj_load_xml(name.as_ptr(), files, message.as_mut_ptr(), MESSAGE as i32, &raw mut loaded)
+            };
+            ffi::check("mj_loadXML", status)
+        });
+        xml.leave(result)?;
+        // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
+        let message = unsafe { ffi::text(message.as_ptr()) };
+        let Some(raw) = NonNull::new(loaded) else {
+            warnings.insert(0, message);
+            return Err(Error::Load { source_name: source_name.to_owned(), message: warnings.join("; ") });
+        };
+        // Upon success the same buffer holds the compiler's warning, if there was one.
+        if !message.is_empty() && !warnings.contains(&message) {
+            warnings.push(message);
+        }
+        for warning in &warnings {
+            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
+        }
+        let lineage = Lineage::new();
+        xml.last = Some(lineage);
+        // SAFETY: the engine compiled it for us.
+        Ok(unsafe { Self::from_raw(raw, lineage, warnings) })
+    }
+}
+
+/// Refuses file names that make the engine raise a fatal error while its parser holds its lock: empty ones, and those that
+/// are too long for its table. A look at the text is enough, since decoding an entity only makes a name shorter.
+fn check_file_names(source_name: &str, text: &[u8]) -> Result<()> {
+    const LONGEST: usize = 900;
+    let refuse = |value: &[u8], why: &str| {
+        let shown: String = String::from_utf8_lossy(value).chars().take(60).collect();
+        Err(Error::Load { source_name: source_name.to_owned(), message: format!("the file name '{shown}' {why}") })
+    };
+    let mut rest = text;
+    while let Some(at) = rest.windows(4).position(|window| window == b"file") {
+        rest = &rest[at + 4..];
+        let after = rest.trim_ascii_start();
+        let Some(after) = after.strip_prefix(b"=").map(<[u8]>::trim_ascii_start) else { continue };
+        let Some((&quote, after)) = after.split_first().filter(|(quote, _)| matches!(quote, b'"' | b'\'')) else {
+            continue;
+        };
+        let Some(end) = after.iter().position(|&byte| byte == quote) else { continue };
+        let name = &after[..end];
+        match name.last() {
+            None | Some(b'/' | b'\\') => return refuse(name, "has nothing behind its last slash"),
+            _ if name.len() > LONGEST => return refuse(name, "is longer than 900 bytes"),
+            _ if name.windows(2).any(|window| window == b"&#") => {
+                return refuse(name, "has a numeric character reference");
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// A path as the engine's C code takes it.
+pub(super) fn path_c_string(path: &Path) -> Result<CString> {
+    #[cfg(unix)]
+    let bytes = std::os::unix::ffi::OsStrExt::as_bytes(path.as_os_str());
+    #[cfg(not(unix))]
+    let bytes = path.to_string_lossy().into_owned().into_bytes();
+    ffi::c_string("the path", bytes)
+}

@@ -1,0 +1,181 @@
+//! What is simulated: bodies, joints, geoms and the rest, compiled and constant while it runs.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `load.rs` | from a path, a text, a text with files in memory, a binary model |
+//! | `virtual_files.rs` | the engine's virtual file system, for loading from memory |
+//! | `names.rs` | names to ids and back |
+//! | `options.rs` | the physics options and statistics, typed and checked |
+//! | `edit.rs` | what may be changed after compilation |
+//! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
+//! | `save.rs` | to XML, to a binary model |
+//! | `mjb/` | the validation of binary models |
+
+mod edit;
+mod load;
+mod mjb;
+mod names;
+mod options;
+mod position;
+mod save;
+mod virtual_files;
+
+use std::fmt;
+use std::ptr::{self, NonNull};
+
+use mujoco_sys::{self as sys, guard, mjModel};
+
+pub use self::edit::ModelMut;
+pub use self::options::{DisableFlags, EnableFlags, Options, Statistics};
+use crate::error::Result;
+use crate::ffi;
+use crate::id::Lineage;
+
+/// A compiled model. Constant once it is shared: a [`Data`](crate::Data) holds it in an [`Arc`](std::sync::Arc), and any
+/// number of threads may use it at once. Before that it is changed through [`edit`](Model::edit), and afterwards through
+/// [`Data::edit_model`](crate::Data::edit_model).
+///
+/// ```
+/// use mujoco_safe::Model;
+///
+/// let model = Model::from_xml_str(
+///     r#"<mujoco>
+///          <worldbody>
+///            <body name="ball" pos="0 0 1"><freejoint/><geom size="0.1"/></body>
+///          </worldbody>
+///        </mujoco>"#,
+/// )?;
+/// assert_eq!((model.nq(), model.nv()), (7, 6));
+/// assert_eq!(format!("{model:?}"), "Model: 2 bodies, 1 joint, 1 geom (nq 7, nv 6, nu 0)");
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+#[doc(alias = "mjModel")]
+pub struct Model {
+    raw: NonNull<mjModel>,
+    lineage: Lineage,
+    warnings: Vec<String>,
+}
+
+// SAFETY: the engine's promise is that "all top-level API functions treat mjModel as const", and its structures have no thread
+// affinity. This crate writes to a model only through `&mut Model`.
+unsafe impl Send for Model {}
+// SAFETY: as above: `&Model` only ever reads.
+unsafe impl Sync for Model {}
+
+impl Model {
+    /// Takes ownership of a model of the engine's.
+    ///
+    /// # Safety
+    ///
+    /// `raw` is a model of this engine that nobody else owns, and that the engine compiled or this crate validated.
+    unsafe fn from_raw(raw: NonNull<mjModel>, lineage: Lineage, warnings: Vec<String>) -> Self {
+        Self { raw, lineage, warnings }
+    }
+
+    /// A copy, or an error if there is no memory for it. [`Clone`] panics in that case.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`](crate::Error::Engine) if the engine cannot allocate it.
+    #[doc(alias = "mj_copyModel")]
+    pub fn try_clone(&self) -> Result<Self> {
+        let mut copy = ptr::null_mut();
+        // SAFETY: with NULL as its destination the engine allocates a new model; `self` is a valid source.
+        ffi::check("mj_copyModel", unsafe { guard::mj_copy_model(ptr::null_mut(), self.as_ptr(), &raw mut copy) })?;
+        let raw = NonNull::new(copy).ok_or(crate::Error::OutOfMemory { function: "mj_copyModel" })?;
+        // SAFETY: a copy of a valid model, and ours alone.
+        Ok(unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) })
+    }
+
+    /// What the engine's compiler warned about when the model was loaded.
+    pub fn compile_warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The engine's structure, for calls past this crate.
+    #[inline]
+    pub fn as_ptr(&self) -> *const mjModel {
+        self.raw.as_ptr()
+    }
+
+    /// For changing the model, as long as it is not shared.
+    ///
+    /// ```
+    /// use mujoco_safe::{Integrator, sample};
+    ///
+    /// let mut model = sample::cartpole();
+    /// model.edit().options(|options| {
+    ///     options.timestep = 0.002;
+    ///     options.integrator = Integrator::Rk4;
+    /// })?;
+    /// model.edit().body_mass_mut()[1] = 2.0;
+    /// assert_eq!(model.timestep(), 0.002);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn edit(&mut self) -> ModelMut<'_> {
+        ModelMut::new(self)
+    }
+
+    /// Whether ids and data of the one fit the other: the same model, or a clone of it.
+    pub fn is_same_structure(&self, other: &Self) -> bool {
+        self.lineage == other.lineage
+    }
+
+    #[inline]
+    pub(crate) fn lineage(&self) -> Lineage {
+        self.lineage
+    }
+
+    /// The engine's structure.
+    #[inline]
+    pub(crate) fn raw(&self) -> &mjModel {
+        // SAFETY: valid until `self` is dropped, and only written to through `&mut self`.
+        unsafe { self.raw.as_ref() }
+    }
+
+    #[inline]
+    pub(crate) fn raw_mut(&mut self) -> &mut mjModel {
+        // SAFETY: valid until `self` is dropped, and borrowed exclusively.
+        unsafe { self.raw.as_mut() }
+    }
+}
+
+impl Clone for Model {
+    /// # Panics
+    ///
+    /// If there is no memory; see [`try_clone`](Self::try_clone).
+    fn clone(&self) -> Self {
+        self.try_clone().unwrap_or_else(|error| panic!("cannot clone a model: {error}"))
+    }
+}
+
+impl Drop for Model {
+    fn drop(&mut self) {
+        // SAFETY: ours, and nobody else holds the pointer. The function only frees memory and cannot raise an error.
+        unsafe { sys::mj_deleteModel(self.raw.as_ptr()) }
+    }
+}
+
+impl fmt::Debug for Model {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = |number: usize, one: &str, many: &str| format!("{number} {}", if number == 1 { one } else { many });
+        write!(
+            f,
+            "Model: {}, {}, {}",
+            count(self.nbody(), "body", "bodies"),
+            count(self.njnt(), "joint", "joints"),
+            count(self.ngeom(), "geom", "geoms")
+        )?;
+        for (number, one, many) in [
+            (self.nu(), "actuator", "actuators"),
+            (self.nsensor(), "sensor", "sensors"),
+            (self.ntendon(), "tendon", "tendons"),
+            (self.nkey(), "keyframe", "keyframes"),
+        ] {
+            if number > 0 {
+                write!(f, ", {}", count(number, one, many))?;
+            }
+        }
+        write!(f, " (nq {}, nv {}, nu {})", self.nq(), self.nv(), self.nu())
+    }
+}

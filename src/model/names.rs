@@ -1,0 +1,102 @@
+//! Names to ids and back.
+
+use std::ffi::CStr;
+
+use mujoco_sys as sys;
+
+use super::Model;
+use crate::error::{Error, Result};
+use crate::id::{ElementKind, Id, Kind};
+
+impl Model {
+    /// How many elements of a kind there are.
+    #[inline]
+    pub fn count(&self, kind: Kind) -> usize {
+        match kind {
+            Kind::Body => self.nbody(),
+            Kind::Joint => self.njnt(),
+            Kind::Geom => self.ngeom(),
+            Kind::Site => self.nsite(),
+            Kind::Camera => self.ncam(),
+            Kind::Light => self.nlight(),
+            Kind::Tendon => self.ntendon(),
+            Kind::Actuator => self.nu(),
+            Kind::Sensor => self.nsensor(),
+            Kind::Keyframe => self.nkey(),
+        }
+    }
+
+    /// The name of an element; `None` if it has none.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    #[doc(alias = "mj_id2name")]
+    pub fn name<K: ElementKind>(&self, id: Id<K>) -> Option<&str> {
+        self.check_id(id);
+        self.name_at(K::KIND, id.index())
+    }
+
+    /// The name of the element of a kind at an index; `None` if it has none, or if there is no such element.
+    pub(crate) fn name_at(&self, kind: Kind, index: usize) -> Option<&str> {
+        let index = i32::try_from(index).ok()?;
+        // SAFETY: the engine checks type and index, and returns NULL or a string inside the model.
+        let name = unsafe { sys::mj_id2name(self.as_ptr(), kind.object_type(), index) };
+        if name.is_null() {
+            return None;
+        }
+        // SAFETY: NUL-terminated, and it lives as long as the model.
+        unsafe { CStr::from_ptr(name) }.to_str().ok().filter(|name| !name.is_empty())
+    }
+
+    /// The names of all elements of a kind that have one.
+    pub fn names(&self, kind: Kind) -> impl Iterator<Item = &str> {
+        (0..self.count(kind)).filter_map(move |index| self.name_at(kind, index))
+    }
+
+    /// The id behind a name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchName`] with the names that there are.
+    #[doc(alias = "mj_name2id")]
+    pub fn id<K: ElementKind>(&self, name: &str) -> Result<Id<K>> {
+        let unknown = || Error::NoSuchName {
+            kind: K::KIND,
+            name: name.to_owned(),
+            known: self.names(K::KIND).map(str::to_owned).collect(),
+        };
+        // The engine finds an unnamed element under the empty name.
+        let name_c = Some(name)
+            .filter(|name| !name.is_empty())
+            .and_then(|name| std::ffi::CString::new(name).ok())
+            .ok_or_else(unknown)?;
+        // SAFETY: a valid type and string; returns -1 or an index.
+        let index = unsafe { sys::mj_name2id(self.as_ptr(), K::KIND.object_type(), name_c.as_ptr()) };
+        usize::try_from(index).map(|index| Id::new(index, self.lineage)).map_err(|_| unknown())
+    }
+
+    /// The id at an index, counted from 0.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchIndex`] beyond the last element.
+    pub fn id_at<K: ElementKind>(&self, index: usize) -> Result<Id<K>> {
+        let count = self.count(K::KIND);
+        if index < count {
+            Ok(Id::new(index, self.lineage))
+        } else {
+            Err(Error::NoSuchIndex { kind: K::KIND, index, count })
+        }
+    }
+
+    /// Panics if the id is of another model.
+    #[inline]
+    #[track_caller]
+    pub(crate) fn check_id<K: ElementKind>(&self, id: Id<K>) {
+        assert!(
+            id.lineage() == self.lineage && id.index() < self.count(K::KIND),
+            "{id:?} belongs to another model: ids are valid for the model that they came from and for its clones"
+        );
+    }
+}

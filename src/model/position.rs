@@ -1,0 +1,64 @@
+//! Differences and sums of positions. A position has quaternions in it, so it has more numbers than degrees of freedom, and
+//! the difference of two positions is a velocity, not their difference as vectors.
+
+use mujoco_sys as sys;
+
+use super::Model;
+use crate::error::{Error, Result};
+
+impl Model {
+    /// The constant velocity (`nv`) that leads from `qpos1` to `qpos2` (each `nq`) in the time `dt` in seconds. With `dt` of 1
+    /// it is the difference of the positions in the tangent space, which is the state error of a controller.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong length, [`Error::Invalid`] if `dt` is zero or not finite.
+    ///
+    /// ```
+    /// use mujoco_safe::sample;
+    ///
+    /// let model = sample::humanoid();
+    /// let (from, mut to) = (model.qpos0().to_vec(), model.qpos0().to_vec());
+    /// let velocity = vec![0.1; model.nv()];
+    /// model.integrate_pos(&mut to, &velocity, 1.0)?;
+    /// let mut found = vec![0.0; model.nv()];
+    /// model.differentiate_pos(&mut found, 1.0, &from, &to)?;
+    /// assert!(found.iter().zip(&velocity).all(|(a, b)| (a - b).abs() < 1e-12));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_differentiatePos")]
+    #[inline]
+    pub fn differentiate_pos(&self, qvel: &mut [f64], dt: f64, qpos1: &[f64], qpos2: &[f64]) -> Result<()> {
+        Error::check_length("qvel of differentiate_pos", qvel.len(), self.nv())?;
+        Error::check_length("qpos1 of differentiate_pos", qpos1.len(), self.nq())?;
+        Error::check_length("qpos2 of differentiate_pos", qpos2.len(), self.nq())?;
+        check_interval(dt, dt != 0.0, "finite and not zero")?;
+        // SAFETY: the lengths are those that the engine writes and reads; it only does arithmetic on them.
+        unsafe { sys::mj_differentiatePos(self.as_ptr(), qvel.as_mut_ptr(), dt, qpos1.as_ptr(), qpos2.as_ptr()) }
+        Ok(())
+    }
+
+    /// Moves `qpos` (`nq`) along the velocity `qvel` (`nv`) for the time `dt` in seconds.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong length, [`Error::Invalid`] if `dt` is not finite.
+    #[doc(alias = "mj_integratePos")]
+    #[inline]
+    pub fn integrate_pos(&self, qpos: &mut [f64], qvel: &[f64], dt: f64) -> Result<()> {
+        Error::check_length("qpos of integrate_pos", qpos.len(), self.nq())?;
+        Error::check_length("qvel of integrate_pos", qvel.len(), self.nv())?;
+        check_interval(dt, true, "finite")?;
+        // SAFETY: as above.
+        unsafe { sys::mj_integratePos(self.as_ptr(), qpos.as_mut_ptr(), qvel.as_ptr(), dt) }
+        Ok(())
+    }
+}
+
+fn check_interval(dt: f64, allowed: bool, expected: &str) -> Result<()> {
+    if dt.is_finite() && allowed {
+        Ok(())
+    } else {
+        Err(Error::Invalid { what: "dt".to_owned(), value: dt.to_string(), expected: expected.to_owned() })
+    }
+}

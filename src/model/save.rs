@@ -1,0 +1,90 @@
+//! Saving.
+
+use std::path::Path;
+
+use mujoco_sys::{self as sys, guard};
+
+use super::load::{XmlState, path_c_string};
+use super::{Model, mjb};
+use crate::engine::collecting_warnings;
+use crate::error::{Error, Result};
+use crate::ffi;
+
+impl Model {
+    /// Writes the model as MJCF, with the numbers that it has now.
+    ///
+    /// The engine keeps one XML tree in the whole process, that of the model that was loaded last, and puts the numbers of
+    /// whatever model it is given into that. So this works as long as no other XML was loaded since this model, or the model
+    /// that it is a clone of.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::XmlReplaced`] if another model was loaded since, [`Error::Save`] if the file cannot be written.
+    #[doc(alias = "mj_saveLastXML")]
+    pub fn save_xml(&self, path: impl AsRef<Path>) -> Result<()> {
+        const MESSAGE: usize = 4096;
+        let path = path.as_ref();
+        let name = path_c_string(path)?;
+        let failed = |reason: String| Error::Save { path: path.to_owned(), reason };
+        let mut xml = XmlState::enter()?;
+        if xml.last != Some(self.lineage) {
+            return Err(Error::XmlReplaced);
+        }
+        let mut message = [0; MESSAGE];
+        let mut saved = 0;
+        let (result, warnings) = collecting_warnings(|| {
+            // SAFETY: a valid name and model, a buffer of the given size, a place for the result.
+            let status = unsafe {
+                guard::mj_save_last_xml(
+                    name.as_ptr(),
+                    self.as_ptr(),
+                    message.as_mut_ptr(),
+                    MESSAGE as i32,
+                    &raw mut saved,
+                )
+            };
+            ffi::check("mj_saveLastXML", status)
+        });
+        xml.leave(result)?;
+        if saved == 1 && path.is_file() {
+            return Ok(());
+        }
+        // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
+        let message = unsafe { ffi::text(message.as_ptr()) };
+        let reason =
+            std::iter::once(message).chain(warnings).filter(|text| !text.is_empty()).collect::<Vec<_>>().join("; ");
+        Err(failed(if reason.is_empty() { "the engine could not write the file".to_owned() } else { reason }))
+    }
+
+    /// Writes the model in the engine's binary form (MJB), which loads faster than XML and fits this engine version only.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be written.
+    #[doc(alias = "mj_saveModel")]
+    pub fn save_binary(&self, path: impl AsRef<Path>) -> Result<()> {
+        let path = path.as_ref();
+        std::fs::write(path, self.to_binary()?).map_err(Error::file(path))
+    }
+
+    /// The model in the engine's binary form.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] if the engine cannot write it.
+    #[doc(alias = "mj_sizeModel")]
+    pub fn to_binary(&self) -> Result<Vec<u8>> {
+        // SAFETY: a valid model; only adds sizes up.
+        let bound = unsafe { sys::mj_sizeModel(self.as_ptr()) };
+        let mut bytes = vec![0; ffi::size(bound)];
+        // SAFETY: the buffer has the size that is passed, and it is no smaller than the engine asked for.
+        let status = unsafe { guard::mj_save_model(self.as_ptr(), std::ptr::null(), bytes.as_mut_ptr().cast(), bound) };
+        ffi::check("mj_saveModel", status)?;
+        // The engine asks for room for the padding between its arrays, which it does not write.
+        let length = mjb::length(&bytes).map_err(|error| {
+            Error::Unsupported(format!("Bug: the engine wrote a binary model that is not one: {error}"))
+        })?;
+        bytes.truncate(length);
+        Ok(bytes)
+    }
+}

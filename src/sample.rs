@@ -1,0 +1,64 @@
+//! Models to begin with: two that come with the crate, and those that the engine's package installs.
+
+use std::path::{Path, PathBuf};
+
+use crate::model::Model;
+
+/// The source of [`cartpole`].
+pub const CARTPOLE_XML: &str = include_str!("../models/cartpole.xml");
+/// The source of [`humanoid`].
+pub const HUMANOID_XML: &str = include_str!("../models/humanoid.xml");
+
+/// Where Debian's package `libmujoco-samples` puts the engine's own sample models.
+pub const SYSTEM_MODELS: &str = "/usr/share/mujoco/model";
+
+/// A pole on a cart: 2 joints, 1 motor, and a keyframe `hanging_down`.
+///
+/// # Panics
+///
+/// If the engine cannot be used at all: see [`Error::EngineVersion`](crate::Error::EngineVersion) and
+/// [`Error::LoaderLocked`](crate::Error::LoaderLocked).
+pub fn cartpole() -> Model {
+    bundled(CARTPOLE_XML)
+}
+
+/// A humanoid of 40 kg: 27 degrees of freedom, 21 motors, and the keyframes `squat`, `stand_on_left_leg` and `stand`.
+///
+/// # Panics
+///
+/// As for [`cartpole`].
+///
+/// ```
+/// let model = mujoco_safe::sample::humanoid();
+/// assert_eq!((model.nq(), model.nv(), model.nu()), (28, 27, 21));
+/// assert!(model.compile_warnings().is_empty());
+/// ```
+#[doc(alias = "sample_model_and_data")]
+pub fn humanoid() -> Model {
+    bundled(HUMANOID_XML)
+}
+
+fn bundled(xml: &str) -> Model {
+    Model::from_xml_str(xml).unwrap_or_else(|error| panic!("a bundled model does not load: {error}"))
+}
+
+/// The model files (`.xml`) of the engine's package, in the order of their paths; none if it is not installed. Some are parts
+/// that others include.
+#[doc(alias = "example_model_files")]
+pub fn system_models() -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    collect(Path::new(SYSTEM_MODELS), &mut found);
+    found.sort();
+    found
+}
+
+fn collect(dir: &Path, found: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(dir) else { return };
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        if path.is_dir() {
+            collect(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "xml") {
+            found.push(path);
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! Recorded states: times, states and controls.
+
+use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::path::Path;
+
+use crate::control::Controller;
+use crate::data::Data;
+use crate::error::{Error, Result};
+use crate::model::Model;
+
+/// What a simulation went through: at each recorded moment the time, the physics state `[qpos; qvel; act]` and the controls.
+///
+/// ```
+/// use mujoco_safe::{Data, RandomController, Trajectory, sample};
+///
+/// let mut data = Data::new(sample::humanoid())?;
+/// let mut trajectory = Trajectory::new(data.model());
+/// trajectory.record(&mut data, &mut RandomController::new(1), 400)?;
+/// assert_eq!(trajectory.len(), 400);
+/// assert_eq!(trajectory.qpos(0), data.model().qpos0());
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    sizes: Sizes,
+    times: Vec<f64>,
+    /// One state behind another.
+    states: Vec<f64>,
+    /// One vector of controls behind another.
+    controls: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Sizes {
+    nq: usize,
+    nv: usize,
+    na: usize,
+    nu: usize,
+}
+
+impl Sizes {
+    fn of(model: &Model) -> Self {
+        Self { nq: model.nq(), nv: model.nv(), na: model.na(), nu: model.nu() }
+    }
+
+    fn state(self) -> usize {
+        self.nq + self.nv + self.na
+    }
+
+    /// The names of the columns of a file.
+    fn columns(self) -> impl Iterator<Item = String> {
+        let part = |name: &'static str, count: usize| (0..count).map(move |index| format!("{name}{index}"));
+        std::iter::once("time".to_owned())
+            .chain(part("qpos", self.nq))
+            .chain(part("qvel", self.nv))
+            .chain(part("act", self.na))
+            .chain(part("ctrl", self.nu))
+    }
+}
+
+impl Trajectory {
+    /// An empty one, for simulations of this model.
+    pub fn new(model: &Model) -> Self {
+        Self { sizes: Sizes::of(model), times: Vec::new(), states: Vec::new(), controls: Vec::new() }
+    }
+
+    /// An empty one with room for this many records, so that [`push`](Self::push) allocates nothing up to there.
+    pub fn with_capacity(model: &Model, records: usize) -> Self {
+        let sizes = Sizes::of(model);
+        Self {
+            sizes,
+            times: Vec::with_capacity(records),
+            states: Vec::with_capacity(records * sizes.state()),
+            controls: Vec::with_capacity(records * sizes.nu),
+        }
+    }
+
+    /// Records the present time, state and controls.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the simulation's model has other sizes.
+    pub fn push(&mut self, data: &Data) -> Result<()> {
+        let sizes = Sizes::of(data.model());
+        if sizes != self.sizes {
+            return Err(Error::Shape {
+                what: "the simulation to record (state, controls)",
+                expected: (self.sizes.state(), self.sizes.nu),
+                found: (sizes.state(), sizes.nu),
+            });
+        }
+        self.times.push(data.time());
+        for part in [data.qpos(), data.qvel(), data.act()] {
+            self.states.extend_from_slice(part);
+        }
+        self.controls.extend_from_slice(data.ctrl());
+        Ok(())
+    }
+
+    /// Takes `steps` steps under a controller and records each moment before its step, with the controls that were set for it.
+    ///
+    /// # Errors
+    ///
+    /// Those of the controller and of [`Data::step`]; what was recorded up to there stays.
+    pub fn record(&mut self, data: &mut Data, controller: &mut impl Controller, steps: usize) -> Result<()> {
+        for _ in 0..steps {
+            controller.control(data)?;
+            self.push(data)?;
+            data.step()?;
+        }
+        Ok(())
+    }
+
+    /// The number of records.
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// All times, s.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// All states, one `[qpos; qvel; act]` behind another.
+    pub fn states(&self) -> &[f64] {
+        &self.states
+    }
+
+    /// All controls, one vector behind another.
+    pub fn controls(&self) -> &[f64] {
+        &self.controls
+    }
+
+    /// The state `[qpos; qvel; act]` of a record.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such record.
+    pub fn state(&self, record: usize) -> &[f64] {
+        &self.states[record * self.sizes.state()..][..self.sizes.state()]
+    }
+
+    /// The positions of a record.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such record.
+    pub fn qpos(&self, record: usize) -> &[f64] {
+        &self.state(record)[..self.sizes.nq]
+    }
+
+    /// The velocities of a record.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such record.
+    pub fn qvel(&self, record: usize) -> &[f64] {
+        &self.state(record)[self.sizes.nq..][..self.sizes.nv]
+    }
+
+    /// The controls of a record.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such record.
+    pub fn ctrl(&self, record: usize) -> &[f64] {
+        &self.controls[record * self.sizes.nu..][..self.sizes.nu]
+    }
+
+    /// Sets a simulation to a record: time, state and controls.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the simulation's model has other sizes.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such record.
+    pub fn apply(&self, record: usize, data: &mut Data) -> Result<()> {
+        data.set_physics_state(self.state(record))?;
+        Error::check_length("the recorded controls", self.sizes.nu, data.model().nu())?;
+        data.ctrl_mut().copy_from_slice(self.ctrl(record));
+        data.set_time(self.times[record]);
+        Ok(())
+    }
+
+    /// Writes the records as text with a header line. Reading them back gives the same numbers, bit for bit.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be written.
+    pub fn save_csv(&self, path: impl AsRef<Path>) -> Result<()> {
+        let path = path.as_ref();
+        self.write_csv(path).map_err(Error::file(path))
+    }
+
+    fn write_csv(&self, path: &Path) -> std::io::Result<()> {
+        let mut out = BufWriter::new(std::fs::File::create(path)?);
+        writeln!(out, "{}", self.sizes.columns().collect::<Vec<_>>().join(","))?;
+        for record in 0..self.len() {
+            write!(out, "{}", self.times[record])?;
+            for value in self.state(record).iter().chain(self.ctrl(record)) {
+                // Rust prints the shortest digits that read back as the same number.
+                write!(out, ",{value}")?;
+            }
+            writeln!(out)?;
+        }
+        out.flush()
+    }
+
+    /// Reads what [`save_csv`](Self::save_csv) wrote, for simulations of this model.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be read, is of a model of other sizes, or has something other than numbers in it;
+    /// the text names the line.
+    pub fn load_csv(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        Self::read_csv(model, path).map_err(Error::file(path))
+    }
+
+    fn read_csv(model: &Model, path: &Path) -> std::io::Result<Self> {
+        let bad = |text: String| std::io::Error::new(std::io::ErrorKind::InvalidData, text);
+        let mut trajectory = Self::new(model);
+        let sizes = trajectory.sizes;
+        let mut lines = BufReader::new(std::fs::File::open(path)?).lines();
+        let header = lines.next().transpose()?.unwrap_or_default();
+        let expected = sizes.columns().collect::<Vec<_>>().join(",");
+        if header.trim_end() != expected {
+            let (found, columns) = (header.split(',').count(), sizes.state() + sizes.nu + 1);
+            return Err(bad(format!(
+                "line 1 is not the header of this model's trajectories ({columns} columns from 'time' on, found {found})"
+            )));
+        }
+        for (index, line) in lines.enumerate() {
+            let line = line?;
+            let number = index + 2;
+            let values: Vec<f64> = line
+                .split(',')
+                .map(|cell| {
+                    cell.trim().parse().map_err(|_| bad(format!("line {number}: '{}' is not a number", cell.trim())))
+                })
+                .collect::<std::io::Result<_>>()?;
+            if values.len() != 1 + sizes.state() + sizes.nu {
+                return Err(bad(format!(
+                    "line {number} has {} columns, not {}",
+                    values.len(),
+                    1 + sizes.state() + sizes.nu
+                )));
+            }
+            trajectory.times.push(values[0]);
+            trajectory.states.extend_from_slice(&values[1..=sizes.state()]);
+            trajectory.controls.extend_from_slice(&values[1 + sizes.state()..]);
+        }
+        Ok(trajectory)
+    }
+}

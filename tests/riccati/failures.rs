@@ -1,0 +1,197 @@
+//! Every way of having no solution: which error, and what it carries.
+
+use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiMatrix, RiccatiSolution};
+use nalgebra::{DMatrix, Matrix2, Matrix4, dmatrix, matrix};
+
+use super::{Generator, assert_close, assert_close_matrix, scalar, solve};
+
+#[test]
+fn a_matrix_of_the_wrong_shape_is_named_with_the_right_one() {
+    let shapes = [(3, 3), (3, 2), (3, 3), (2, 2), (3, 2)];
+    let attempt = |shapes: [(usize, usize); 5]| {
+        let [a, b, q, r, s] = shapes.map(|(rows, columns)| DMatrix::identity(rows, columns) * 0.5);
+        Riccati::new(&a, &b, &q, &r).with_cross_term(&s).solve().map(drop)
+    };
+    assert_eq!(attempt(shapes), Ok(()));
+    let names = [RiccatiMatrix::A, RiccatiMatrix::B, RiccatiMatrix::Q, RiccatiMatrix::R, RiccatiMatrix::S];
+    for (index, matrix) in names.into_iter().enumerate() {
+        let mut wrong = shapes;
+        // A's columns: its rows and B's columns are what the others are measured by. Of the others, the rows.
+        if index == 0 {
+            wrong[index].1 += 1;
+        } else {
+            wrong[index].0 += 1;
+        }
+        let (expected, got) = (shapes[index], wrong[index]);
+        assert_eq!(attempt(wrong), Err(RiccatiError::WrongShape { matrix, expected, got }));
+    }
+}
+
+#[test]
+fn an_entry_that_is_not_a_number_is_located() {
+    for value in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+        let q = dmatrix![1.0, value; 0.0, 1.0];
+        let Err(RiccatiError::NotFinite { matrix, row, column, value: got }) =
+            Riccati::new(&Matrix2::identity(), &Matrix2::identity(), &q, &Matrix2::identity()).solve()
+        else {
+            panic!("{value} was accepted");
+        };
+        assert_eq!((matrix, row, column, got.to_bits()), (RiccatiMatrix::Q, 0, 1, value.to_bits()));
+    }
+}
+
+#[test]
+fn an_asymmetric_weight_is_refused_and_one_off_by_rounding_is_not() {
+    let identity = Matrix2::identity();
+    let a = matrix![1.0, 0.1; 0.0, 1.0];
+    let lopsided = matrix![2.0, 0.5; 0.4, 1.0];
+    let expected = |matrix| Err(RiccatiError::NotSymmetric { matrix, row: 0, column: 1, value: 0.5, mirror: 0.4 });
+    assert_eq!(Riccati::new(&a, &identity, &lopsided, &identity).solve(), expected(RiccatiMatrix::Q));
+    assert_eq!(Riccati::new(&a, &identity, &identity, &lopsided).solve(), expected(RiccatiMatrix::R));
+
+    let nearly = matrix![2.0, 0.5 + 1e-10; 0.5 - 1e-10, 1.0];
+    let solution = Riccati::new(&a, &identity, &nearly, &nearly).solve().unwrap();
+    let symmetric = matrix![2.0, 0.5; 0.5, 1.0];
+    assert_close_matrix(&solution.p, &Riccati::new(&a, &identity, &symmetric, &symmetric).solve().unwrap().p, 1e-14);
+}
+
+#[test]
+fn controls_that_cost_nothing_are_refused() {
+    let identity = Matrix2::identity();
+    for (r, smallest) in
+        [(matrix![1.0, 2.0; 2.0, 1.0], -1.0), (matrix![1.0, 0.0; 0.0, 0.0], 0.0), (matrix![1.0, 1.0; 1.0, 1.0], 0.0)]
+    {
+        let Err(RiccatiError::ControlCostNotPositive { smallest_eigenvalue }) =
+            Riccati::new(&identity, &identity, &identity, &r).solve()
+        else {
+            panic!("{r} was accepted");
+        };
+        assert!((smallest_eigenvalue - smallest).abs() < 1e-15, "{smallest_eigenvalue}");
+    }
+}
+
+#[test]
+fn a_mode_out_of_reach_is_named_by_its_eigenvalue() {
+    let mut generator = Generator(7);
+    // One mode out of reach among others that are not, on a real axis or not, seen from other axes.
+    let spiral = dmatrix![0.0, -1.25; 1.25, 0.0];
+    for (block, modulus) in [(dmatrix![1.3], 1.3), (dmatrix![-1.0], 1.0), (spiral, 1.25)] {
+        let (reached, hidden) = (7, block.nrows());
+        let size = reached + hidden;
+        let mut a = generator.matrix(size, size);
+        a.view_mut((reached, 0), (hidden, reached)).fill(0.0);
+        a.view_mut((reached, reached), (hidden, hidden)).copy_from(&block);
+        let mut b = generator.matrix(size, 2);
+        b.rows_mut(reached, hidden).fill(0.0);
+        let axes = generator.rotation(size);
+        let (a, b) = (&axes * a * axes.transpose(), &axes * b);
+        let got = solve(&a, &b, &DMatrix::identity(size, size), &DMatrix::identity(2, 2));
+        let Err(RiccatiError::UncontrollableMode { eigenvalue, distance }) = got else {
+            panic!("{block} out of reach, but {got:?}");
+        };
+        assert_close(eigenvalue.re.hypot(eigenvalue.im), modulus, 1e-9);
+        assert!(distance < 1e-12, "{distance:e}");
+    }
+}
+
+#[test]
+fn a_body_in_free_flight_is_out_of_reach() {
+    // Position and velocity of a mass that nothing pushes: a double eigenvalue, which rounding spreads.
+    let mut a = DMatrix::identity(4, 4);
+    a[(0, 1)] = 0.005;
+    a[(2, 3)] = 0.005;
+    let b = dmatrix![0.0; 0.0; 1e-5; 0.005];
+    let axes = Generator(8).rotation(4);
+    let got = solve(&(&axes * a * axes.transpose()), &(&axes * b), &DMatrix::identity(4, 4), &dmatrix![1.0]);
+    let Err(RiccatiError::UncontrollableMode { eigenvalue, .. }) = got else {
+        panic!("{got:?}");
+    };
+    assert!((eigenvalue - 1.0).norm_sqr() < 1e-12, "{eigenvalue}");
+}
+
+#[test]
+fn a_mode_on_the_unit_circle_that_costs_nothing_has_no_stabilising_solution() {
+    let turn = 0.7_f64;
+    let oscillator = dmatrix![turn.cos(), -turn.sin(); turn.sin(), turn.cos()];
+    let (b, one) = (dmatrix![0.3; 1.0], dmatrix![1.0]);
+    let got = solve(&oscillator, &b, &DMatrix::zeros(2, 2), &one);
+    let Err(RiccatiError::UnobservableMode { eigenvalue, distance }) = got else {
+        panic!("{got:?}");
+    };
+    assert!((eigenvalue.re - turn.cos()).abs() < 1e-12 && (eigenvalue.im.abs() - turn.sin()).abs() < 1e-12);
+    assert!(distance < 1e-12, "{distance:e}");
+    let weighted = solve(&oscillator, &b, &(DMatrix::identity(2, 2) * 1e-9), &one).unwrap();
+    assert!(weighted.spectral_radius < 1.0);
+}
+
+#[test]
+fn the_mode_that_costs_nothing_is_found_among_others() {
+    // Coupled to the rest, and beside a mode that is out of reach but harmless.
+    let mut generator = Generator(10);
+    let turning = |turn: f64| dmatrix![turn.cos(), -turn.sin(); turn.sin(), turn.cos()];
+    for block in [dmatrix![1.0], dmatrix![-1.0], turning(0.3), turning(1.9), turning(2.5)] {
+        let free = block.nrows();
+        let size = free + 5;
+        let last = size - 1;
+        let mut a = generator.matrix(size, size) * 0.3;
+        a.view_mut((free, 0), (size - free, free)).fill(0.0);
+        a.view_mut((0, 0), (free, free)).copy_from(&block);
+        a.row_mut(last).fill(0.0);
+        a[(last, last)] = 0.5;
+        let mut b = generator.matrix(size, 2);
+        b.row_mut(last).fill(0.0);
+        let mut q = DMatrix::identity(size, size);
+        q.view_mut((0, 0), (free, free)).fill(0.0);
+
+        let got = solve(&a, &b, &q, &DMatrix::identity(2, 2));
+        let Err(RiccatiError::UnobservableMode { eigenvalue, distance }) = got else {
+            panic!("{block} at no cost, but {got:?}");
+        };
+        assert_close(eigenvalue.re.hypot(eigenvalue.im), 1.0, 1e-9);
+        assert!((eigenvalue.re - block[(0, 0)]).abs() < 1e-9, "{eigenvalue}");
+        assert!(distance < 1e-12, "{distance:e}");
+    }
+}
+
+#[test]
+fn a_cost_without_a_lower_bound_does_not_converge() {
+    // p² + p + 1 = 0 has no real root.
+    let got = scalar(1.0, 1.0, -1.0, 1.0);
+    assert!(matches!(got, Err(RiccatiError::NoConvergence { iterations: 1.. })), "{got:?}");
+}
+
+#[test]
+fn entries_beyond_what_arithmetic_holds_end_in_an_error() {
+    for size in [1, 3, 20] {
+        let huge = DMatrix::from_element(size, size, 1e200);
+        let identity = DMatrix::identity(size, size);
+        let got = solve(&huge, &huge, &identity, &identity);
+        assert!(got.is_err(), "{got:?}");
+    }
+}
+
+#[test]
+fn a_residual_above_the_tolerance_is_an_error_with_both_numbers() {
+    let mut generator = Generator(9);
+    let (a, b) = (generator.matrix(10, 10), generator.matrix(10, 2));
+    let (q, r) = (generator.positive(10), generator.positive(2));
+    let reached = solve(&a, &b, &q, &r).unwrap().relative_residual;
+    assert!(reached > 0.0);
+    let strict = Riccati::new(&a, &b, &q, &r).with_residual_tolerance(reached / 2.0).solve();
+    assert_eq!(strict, Err(RiccatiError::Inaccurate { relative_residual: reached, tolerance: reached / 2.0 }));
+    assert!(Riccati::new(&a, &b, &q, &r).with_residual_tolerance(reached).solve().is_ok());
+}
+
+#[test]
+fn messages_say_what_is_wrong_where_and_what_would_be_right() {
+    let identity = Matrix2::identity();
+    let message = |result: Result<RiccatiSolution, RiccatiError>| result.unwrap_err().to_string();
+    let shape = message(Riccati::new(&identity, &identity, &Matrix4::identity(), &identity).solve());
+    assert_eq!(shape, "Q is 4 by 4; beside the other matrices it should be 2 by 2");
+    let entry = message(Riccati::new(&identity, &matrix![0.0, f64::NAN; 0.0, 0.0], &identity, &identity).solve());
+    assert_eq!(entry, "the entry of B in row 0, column 1 is NaN; every entry should be a finite number");
+    let mode = message(Riccati::new(&(identity * 2.0), &matrix![1.0, 0.0; 0.0, 0.0], &identity, &identity).solve());
+    assert!(mode.contains("eigenvalue 2+0i") && mode.contains("actuator"), "{mode}");
+    let weight = message(scalar(1.0, 1.0, 0.0, 1.0));
+    assert!(weight.contains("on the unit circle") && weight.contains("weight in Q"), "{weight}");
+}
