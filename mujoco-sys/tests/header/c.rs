@@ -35,7 +35,11 @@ pub(crate) fn checks(items: &[Item]) -> (String, Checked) {
         let check = match item {
             Item::Constant { name, value } => {
                 checked.constants += 1;
-                claim(&format!("({name}) == ({value})"), &format!("value of {name}"))
+                let condition = match value.strip_prefix("b ") {
+                    Some(string) => format!("__builtin_strcmp({name}, {string}) == 0"),
+                    None => format!("({name}) == ({value})"),
+                };
+                claim(&condition, &format!("value of {name}"))
             }
             Item::Alias { name, of } => {
                 checked.aliases += 1;
@@ -157,7 +161,10 @@ impl<'a> Names<'a> {
     }
 
     fn function(&self, name: &str, signature: &Signature) -> String {
-        let parameters: Vec<String> = signature.parameters.iter().map(|of| self.declare(of, "", false)).collect();
+        let mut parameters: Vec<String> = signature.parameters.iter().map(|of| self.declare(of, "", false)).collect();
+        if signature.variadic {
+            parameters.push("...".to_owned());
+        }
         let parameters = if parameters.is_empty() { "void".to_owned() } else { parameters.join(", ") };
         let declarator = format!("{name}({parameters})");
         match &signature.result {

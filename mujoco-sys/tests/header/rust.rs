@@ -17,6 +17,7 @@ pub(crate) enum Type {
 #[derive(Clone, Debug)]
 pub(crate) struct Signature {
     pub(crate) parameters: Vec<Type>,
+    pub(crate) variadic: bool,
     pub(crate) result: Option<Box<Type>>,
 }
 
@@ -79,7 +80,8 @@ fn public(tokens: &mut Tokens<'_>) -> Item {
         "const" => {
             let name = tokens.word();
             tokens.expect(&[":"]);
-            let _ = of(tokens);
+            tokens.take("&"); // a string is a reference to its bytes
+            let _type = of(tokens);
             tokens.expect(&["="]);
             Item::Constant { name, value: tokens.until(";") }
         }
@@ -116,6 +118,9 @@ fn public(tokens: &mut Tokens<'_>) -> Item {
 fn fields(tokens: &mut Tokens<'_>) -> Vec<(String, Type)> {
     let mut fields = Vec::new();
     while !tokens.take("}") {
+        while tokens.take("#") {
+            tokens.skip_brackets();
+        }
         tokens.expect(&["pub"]);
         let name = tokens.word();
         tokens.expect(&[":"]);
@@ -129,14 +134,19 @@ fn fields(tokens: &mut Tokens<'_>) -> Vec<(String, Type)> {
 fn signature(tokens: &mut Tokens<'_>) -> Signature {
     tokens.expect(&["("]);
     let mut parameters = Vec::new();
+    let mut variadic = false;
     while !tokens.take(")") {
+        if tokens.take("...") {
+            variadic = true;
+            continue;
+        }
         let _name = tokens.word();
         tokens.expect(&[":"]);
         parameters.push(of(tokens));
         tokens.take(",");
     }
     let result = tokens.take("->").then(|| Box::new(of(tokens)));
-    Signature { parameters, result }
+    Signature { parameters, variadic, result }
 }
 
 fn of(tokens: &mut Tokens<'_>) -> Type {
@@ -219,8 +229,13 @@ impl<'a> Tokens<'a> {
         let length = if is_word(first) {
             self.rest.find(|c| !is_word(c)).unwrap_or(self.rest.len())
         } else if first == '"' {
-            // No string of the bindings has a quotation mark in it.
-            self.rest[1..].find('"').expect("a string ends") + 2
+            let mut escaped = false;
+            let ends = |c: char| {
+                let ends = c == '"' && !escaped;
+                escaped = c == '\\' && !escaped;
+                ends
+            };
+            self.rest[1..].find(ends).expect("a string ends") + 2
         } else if self.rest.starts_with("::") || self.rest.starts_with("->") {
             2
         } else {
