@@ -57,7 +57,8 @@ fn generate(engine: &Engine, out: &Path) {
         .unwrap_or_else(|error| crate::help::end(&[format!("bindgen could not read the engine's headers: {error}")]))
         .to_string();
     std::fs::write(out.join("bindings.rs"), text).expect("OUT_DIR can be written to");
-    let fields = crate::fields::table(&engine.include).unwrap_or_else(|why| crate::help::end(&[why]));
+    let fields =
+        crate::fields::table(&engine.include, &mut cc::Build::new()).unwrap_or_else(|why| crate::help::end(&[why]));
     let path = out.join("fields.tsv");
     std::fs::write(&path, fields).expect("OUT_DIR can be written to");
     println!("cargo::metadata=fields={}", path.display());

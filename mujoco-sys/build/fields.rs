@@ -6,9 +6,9 @@
 
 use std::path::Path;
 
-/// The table of the headers in `include`.
-pub(crate) fn table(include: &Path) -> Result<String, String> {
-    let expanded = cc::Build::new()
+/// The table of the headers in `include`, expanded by the preprocessor of `compiler`.
+pub(crate) fn table(include: &Path, compiler: &mut cc::Build) -> Result<String, String> {
+    let expanded = compiler
         .file(Path::new(env!("CARGO_MANIFEST_DIR")).join("build/fields.h"))
         .include(include)
         .flag("-P") // no line markers

@@ -20,6 +20,9 @@ pub(crate) fn announce(engine: &Engine, out: &Path) {
     println!("cargo::metadata=include={}", engine.include.display());
     println!("cargo::metadata=libdir={}", engine.library_dir.display());
     println!("cargo::metadata=version={}", engine.version);
+    // For this crate's own tests, which compare the bindings with the header.
+    println!("cargo::rustc-env=MUJOCO_SYS_INCLUDE={}", engine.include.display());
+    println!("cargo::rustc-env=MUJOCO_SYS_TARGET={}", std::env::var("TARGET").expect("Cargo sets TARGET"));
 }
 
 /// Links `libmujoco.so` and the library's own name (which is what the loader asks for) into `out`.

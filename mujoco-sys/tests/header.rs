@@ -1,0 +1,177 @@
+//! The bindings against the headers of the engine that is installed, with nothing but a C compiler.
+//!
+//! Everything that the bindings declare is translated into C that compiles only if the headers declare the same: sizes,
+//! alignments, offsets and types of fields, values of constants, types of functions and of global variables. What the headers
+//! have beyond the bindings is looked for among the functions, and in the table of fields.
+
+#[path = "header/c.rs"]
+mod c;
+#[path = "../build/fields.rs"]
+mod fields;
+#[path = "header/rust.rs"]
+mod rust;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use rust::Item;
+
+/// The bindings that this crate was compiled with: the committed ones, unless the feature `bindgen` made others.
+const BINDINGS: &str = include_str!(concat!(env!("OUT_DIR"), "/bindings.rs"));
+const COMMITTED: &str = include_str!("../src/bindings/v2_2_2.rs");
+const COMMITTED_VERSION: u32 = 222;
+const INCLUDE: &str = env!("MUJOCO_SYS_INCLUDE");
+
+/// The C compiler of the build script, which sets from the environment what a test has to say.
+fn compiler() -> cc::Build {
+    let mut build = cc::Build::new();
+    build.target(env!("MUJOCO_SYS_TARGET")).host(env!("MUJOCO_SYS_TARGET")).opt_level(0).cargo_metadata(false);
+    build
+}
+
+/// What the C compiler says of this text: nothing, or its errors.
+fn compile(name: &str, text: &str) -> Result<(), String> {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).with_extension("c");
+    fs::write(&file, text).expect("the directory for tests' files can be written to");
+    let output = compiler()
+        .include(INCLUDE)
+        .get_compiler()
+        .to_command()
+        .args(["-std=gnu11", "-fsyntax-only", "-Werror=incompatible-pointer-types"])
+        .arg(&file)
+        .output()
+        .expect("the C compiler runs");
+    if output.status.success() { Ok(()) } else { Err(String::from_utf8_lossy(&output.stderr).into_owned()) }
+}
+
+#[test]
+fn everything_that_the_bindings_declare_is_what_the_header_declares() {
+    let (text, checked) = c::checks(&rust::items(BINDINGS));
+    // As many of each kind as the bindings have, counted in another way: no check was lost in translation.
+    let lines = |start: &str| BINDINGS.lines().filter(|line| line.trim_start().starts_with(start)).count();
+    let expected = c::Checked {
+        constants: lines("pub const "),
+        aliases: lines("pub type ") + lines("pub use "),
+        records: lines("pub struct ") + lines("pub union "),
+        fields: BINDINGS.matches("Offset of field: ").count(),
+        functions: lines("pub fn "),
+        statics: lines("pub static mut "),
+        layouts: BINDINGS.matches("[\"").count(),
+    };
+    assert_eq!(checked, expected);
+    assert!(checked.functions > 200 && checked.fields > 800, "{checked:?}");
+    if let Err(errors) = compile("bindings", &text) {
+        panic!("the bindings are not those of the header in {INCLUDE}:\n{errors}");
+    }
+}
+
+/// A difference of each kind, made by a change to the text of the bindings, is an error that names what differs.
+#[test]
+fn a_difference_of_any_kind_between_bindings_and_header_is_found() {
+    let changes = [
+        ("constant", "mjMAXCONPAIR: u32 = ", "mjMAXCONPAIR: u32 = 1", "mjMAXCONPAIR"),
+        ("real_constant", "mjMINVAL: f64 = 0.0", "mjMINVAL: f64 = 0.1", "mjMINVAL"),
+        ("enum_constant", "mjJNT_HINGE: mjtJoint_ = ", "mjJNT_HINGE: mjtJoint_ = 1", "mjJNT_HINGE"),
+        ("enum_type", "mjtJoint_ = ::core::ffi::c_uint", "mjtJoint_ = ::core::ffi::c_int", "mjtJoint_"),
+        ("alias", "mjtNum = f64", "mjtNum = f32", "mjtNum"),
+        ("size", "size_of::<mjModel_>() - ", "size_of::<mjModel_>() - 1", "size of mjModel_"),
+        ("alignment", "align_of::<mjModel_>() - ", "align_of::<mjModel_>() - 1", "alignment of mjModel_"),
+        ("offset", "offset_of!(mjContact_, dist) - ", "offset_of!(mjContact_, dist) - 1", "mjContact_.dist"),
+        ("field", "pub dist: mjtNum", "pub dist: i64", "mjContact_.dist"),
+        ("parameter", "fn mju_zero3(res: *mut mjtNum)", "fn mju_zero3(res: *mut f32)", "mju_zero3"),
+        ("constness", "fn mju_dot3(vec1: *const mjtNum", "fn mju_dot3(vec1: *mut mjtNum", "mju_dot3"),
+        ("arity", "fn mj_version()", "fn mj_version(more: f64)", "mj_version"),
+        ("result", "fn mj_version() -> ::core::ffi::c_int", "fn mj_version() -> f64", "mj_version"),
+        ("global", "static mut mjcb_time: mjfTime", "static mut mjcb_time: mjfAct", "mjcb_time"),
+        ("function", "fn mj_version()", "fn mj_version_2()", ""),
+    ];
+    for (name, from, to, named) in changes {
+        assert!(BINDINGS.contains(from), "{name}: the bindings have no {from:?}");
+        let changed = BINDINGS.replacen(from, to, 1);
+        let (text, _) = c::checks(&rust::items(&changed));
+        let outcome = compile(name, &text);
+        if name == "function" {
+            // A declaration of what the headers do not have is no error in C: the comparison of the lists finds it.
+            assert_eq!(outcome, Ok(()));
+            assert_ne!(bound_functions(&changed), declared_functions());
+            continue;
+        }
+        let errors = outcome.expect_err(name);
+        assert!(errors.contains(named), "{name}: {errors}");
+    }
+}
+
+#[test]
+fn the_bindings_have_exactly_the_functions_of_the_header() {
+    let (bound, declared) = (bound_functions(BINDINGS), declared_functions());
+    let missing: Vec<_> = declared.difference(&bound).collect();
+    let unknown: Vec<_> = bound.difference(&declared).collect();
+    assert!(missing.is_empty() && unknown.is_empty(), "not bound: {missing:?}; not in the header: {unknown:?}");
+}
+
+fn bound_functions(bindings: &str) -> BTreeSet<String> {
+    rust::items(bindings)
+        .into_iter()
+        .filter_map(|item| if let Item::Function { name, .. } = item { Some(name) } else { None })
+        .collect()
+}
+
+/// What stands between `MJAPI` and a parenthesis, in every header.
+fn declared_functions() -> BTreeSet<String> {
+    let headers = fs::read_dir(Path::new(INCLUDE).join("mujoco")).expect("the headers were there for the build script");
+    let mut functions = BTreeSet::new();
+    for header in headers {
+        let path = header.expect("a directory can be read").path();
+        // Debian's sources have Latin-1 in places.
+        let text = String::from_utf8_lossy(&fs::read(&path).expect("a header can be read")).into_owned();
+        let code: String = text
+            .lines()
+            .filter(|line| !line.trim_start().starts_with('#'))
+            .map(|line| line.split_once("//").map_or(line, |(code, _)| code).to_owned() + "\n")
+            .collect();
+        for declaration in code.split("MJAPI").skip(1) {
+            let declaration = declaration.split(';').next().unwrap_or_default().trim_start();
+            // A global variable is `extern`.
+            if let Some((head, _)) = declaration.split_once('(').filter(|(head, _)| !head.starts_with("extern")) {
+                let name = head.trim_end().rsplit([' ', '\n', '*']).next().unwrap_or_default();
+                functions.insert(name.to_owned());
+            }
+        }
+    }
+    functions
+}
+
+#[test]
+fn the_committed_table_of_fields_is_that_of_the_headers() {
+    // For another engine the build script makes the table, from the same headers.
+    if mujoco_sys::mjVERSION_HEADER == COMMITTED_VERSION {
+        let made = fields::table(Path::new(INCLUDE), &mut compiler()).expect("the headers can be expanded");
+        let committed = include_str!("../fields/v2_2_2.tsv");
+        assert_eq!(first_difference(committed, &made), None);
+    }
+}
+
+#[test]
+fn without_bindgen_the_bindings_are_the_committed_ones() {
+    if cfg!(not(feature = "bindgen")) {
+        assert_eq!(first_difference(COMMITTED, BINDINGS), None);
+    }
+}
+
+#[cfg(feature = "bindgen")]
+#[test]
+fn bindgen_makes_the_committed_bindings_from_the_header_of_their_version() {
+    if mujoco_sys::mjVERSION_HEADER == COMMITTED_VERSION {
+        // The first line names the version of bindgen.
+        let body = |text: &'static str| text.split_once('\n').expect("more than a line").1;
+        assert_eq!(first_difference(body(COMMITTED), body(BINDINGS)), None);
+    }
+}
+
+/// The first line in which two texts differ: its number, and what each has there.
+fn first_difference<'a>(a: &'a str, b: &'a str) -> Option<(usize, Option<&'a str>, Option<&'a str>)> {
+    let (mut left, mut right) = (a.lines(), b.lines());
+    let count = a.lines().count().max(b.lines().count());
+    (1..=count).map(|number| (number, left.next(), right.next())).find(|(_, left, right)| left != right)
+}
