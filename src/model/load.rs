@@ -1,12 +1,13 @@
 //! Loading.
 
-use std::ffi::CString;
+use std::ffi::{CString, c_int};
 use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use mujoco_sys::{guard, mjVFS};
 
+use super::text_check::{self, Files};
 use super::virtual_files::VirtualFiles;
 use super::{Model, mjb};
 use crate::engine::{self, collecting_warnings};
@@ -16,6 +17,9 @@ use crate::id::Lineage;
 
 /// The name under which a text is known to the engine's compiler.
 const TEXT: &str = "model.xml";
+
+/// What errors call that text.
+const GIVEN: &str = "the XML given";
 
 /// What the engine keeps of XML for the whole process: the tree of the last model, under a lock.
 pub(super) struct XmlState {
@@ -36,10 +40,14 @@ impl XmlState {
         }
     }
 
-    /// Notes what a call into the compiler left behind.
-    pub(super) fn leave(&mut self, result: Result<()>) -> Result<()> {
-        if let Err(Error::Engine { message, .. }) = &result {
-            self.locked = Some(message.clone());
+    /// The result of a call into the compiler, and a note of what it left behind: an engine error has jumped over the release
+    /// of the lock. A C++ exception has released it.
+    pub(super) fn leave(&mut self, function: &'static str, status: c_int) -> Result<()> {
+        let result = ffi::check(function, status);
+        if let Err(error) = &result
+            && status == guard::ERROR
+        {
+            self.locked = Some(error.to_string());
         }
         result
     }
@@ -66,22 +74,18 @@ impl Model {
     #[doc(alias = "load_model")]
     pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        // Opened here for the operating system's own message; the engine's only says that it could not.
-        let file = std::fs::File::open(path).map_err(Error::file(path))?;
-        let kind = file.metadata().map_err(Error::file(path))?.file_type();
-        if !kind.is_file() {
-            return Err(Error::file(path)(std::io::Error::other("not a regular file")));
-        }
-        let text = std::fs::read(path).map_err(Error::file(path))?;
-        check_file_names(&path.display().to_string(), &text)?;
+        // Read here for the operating system's own message; the engine's only says that it could not.
+        let text = read_regular(path)?;
+        text_check::check(&path.display().to_string(), &text, &Files::Disk(path))?;
         Self::compile(&path_c_string(path)?, ptr::null(), &path.display().to_string())
     }
 
     /// Loads a model from a text in MJCF or URDF.
     ///
     /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash or to run without end on a few kinds of
-    /// hostile input (textures of billions of pixels, mesh faces beyond the vertices, a muscle whose length range does not
-    /// settle), so a text from strangers should be compiled in a process of its own.
+    /// hostile input. Those that a look at the text can see are refused here (textures of billions of pixels, mesh faces beyond
+    /// the vertices, files that include each other without end); the rest is not (a muscle whose length range does not settle,
+    /// a damaged mesh file, sizes that take all memory), so a text from strangers should be compiled in a process of its own.
     ///
     /// # Errors
     ///
@@ -116,14 +120,15 @@ impl Model {
     /// ```
     #[doc(alias = "mjVFS")]
     pub fn from_xml_str_with_files(xml: &str, files: &[(&str, &[u8])]) -> Result<Self> {
+        engine::ready()?;
         let mut virtual_files = VirtualFiles::new();
         virtual_files.add(TEXT, xml.as_bytes())?;
-        check_file_names(TEXT, xml.as_bytes())?;
         for (name, content) in files {
             virtual_files.add(name, content)?;
-            check_file_names(name, content)?;
         }
-        Self::compile(&ffi::c_string("the text's name", TEXT)?, virtual_files.as_ptr(), "the XML given")
+        let texts: Vec<(&str, &[u8])> = std::iter::once((TEXT, xml.as_bytes())).chain(files.iter().copied()).collect();
+        text_check::check(GIVEN, xml.as_bytes(), &Files::Memory(&texts))?;
+        Self::compile(&ffi::c_string("the text's name", TEXT)?, virtual_files.as_ptr(), GIVEN)
     }
 
     /// Loads a binary model (MJB) that [`save_binary`](Self::save_binary) or the engine wrote.
@@ -137,7 +142,7 @@ impl Model {
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(Error::file(path))?;
+        let bytes = read_regular(path)?;
         Self::from_binary_named(&bytes, &path.display().to_string())
     }
 
@@ -176,7 +181,9 @@ impl Model {
         result?;
         let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;
         // SAFETY: the engine allocated it for us, and its content was validated.
-        Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
+        let model = unsafe { Self::from_raw(raw, Lineage::new(), warnings) };
+        model.check_size()?;
+        Ok(model)
     }
 
     fn compile(name: &CString, files: *const mjVFS, source_name: &str) -> Result<Self> {
@@ -187,14 +194,11 @@ impl Model {
         xml.last = None;
         let mut message = [0; MESSAGE];
         let mut loaded = ptr::null_mut();
-        let (result, mut warnings) = collecting_warnings(|| {
+        let (status, mut warnings) = collecting_warnings(|| {
             // SAFETY: a valid name, a table or NULL, a buffer of the given size, a place for the result.
-            let status = unsafe {
-                guard::mj_load_xml(name.as_ptr(), files, message.as_mut_ptr(), MESSAGE as i32, &raw mut loaded)
-            };
-            ffi::check("mj_loadXML", status)
+            unsafe { guard::mj_load_xml(name.as_ptr(), files, message.as_mut_ptr(), MESSAGE as i32, &raw mut loaded) }
         });
-        xml.leave(result)?;
+        xml.leave("mj_loadXML", status)?;
         // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
         let message = unsafe { ffi::text(message.as_ptr()) };
         let Some(raw) = NonNull::new(loaded) else {
@@ -205,44 +209,42 @@ impl Model {
         if !message.is_empty() && !warnings.contains(&message) {
             warnings.push(message);
         }
-        for warning in &warnings {
+        let lineage = Lineage::new();
+        // SAFETY: the engine compiled it for us.
+        let model = unsafe { Self::from_raw(raw, lineage, warnings) };
+        model.check_size()?;
+        xml.last = Some(lineage);
+        // A logger is the user's code: it may load a model, too.
+        drop(xml);
+        for warning in &model.warnings {
             log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
         }
-        let lineage = Lineage::new();
-        xml.last = Some(lineage);
-        // SAFETY: the engine compiled it for us.
-        Ok(unsafe { Self::from_raw(raw, lineage, warnings) })
+        Ok(model)
+    }
+
+    /// Refuses a model whose matrices have more entries than a C int can count: the engine would write before its stack.
+    fn check_size(&self) -> Result<()> {
+        let (nv, nbody) = (self.nv(), self.nbody());
+        // The largest of them is the derivative of the bodies' accelerations, of the integrator `Implicit`.
+        if i32::try_from(6 * nv * nv.max(nbody)).is_ok() && i32::try_from(nbody * nbody).is_ok() {
+            return Ok(());
+        }
+        Err(Error::Unsupported(format!(
+            "{nbody} bodies and {nv} degrees of freedom are more than the engine can count"
+        )))
     }
 }
 
-/// Refuses file names that make the engine raise a fatal error while its parser holds its lock: empty ones, and those that
-/// are too long for its table. A look at the text is enough, since decoding an entity only makes a name shorter.
-fn check_file_names(source_name: &str, text: &[u8]) -> Result<()> {
-    const LONGEST: usize = 900;
-    let refuse = |value: &[u8], why: &str| {
-        let shown: String = String::from_utf8_lossy(value).chars().take(60).collect();
-        Err(Error::Load { source_name: source_name.to_owned(), message: format!("the file name '{shown}' {why}") })
-    };
-    let mut rest = text;
-    while let Some(at) = rest.windows(4).position(|window| window == b"file") {
-        rest = &rest[at + 4..];
-        let after = rest.trim_ascii_start();
-        let Some(after) = after.strip_prefix(b"=").map(<[u8]>::trim_ascii_start) else { continue };
-        let Some((&quote, after)) = after.split_first().filter(|(quote, _)| matches!(quote, b'"' | b'\'')) else {
-            continue;
-        };
-        let Some(end) = after.iter().position(|&byte| byte == quote) else { continue };
-        let name = &after[..end];
-        match name.last() {
-            None | Some(b'/' | b'\\') => return refuse(name, "has nothing behind its last slash"),
-            _ if name.len() > LONGEST => return refuse(name, "is longer than 900 bytes"),
-            _ if name.windows(2).any(|window| window == b"&#") => {
-                return refuse(name, "has a numeric character reference");
-            }
-            _ => {}
-        }
+/// What a file contains. A pipe or a device, which could make the reader wait for ever, is an error.
+fn read_regular(path: &Path) -> Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path).map_err(Error::file(path))?;
+    if metadata.is_dir() {
+        return Err(Error::file(path)(std::io::ErrorKind::IsADirectory.into()));
     }
-    Ok(())
+    if !metadata.is_file() {
+        return Err(Error::file(path)(std::io::Error::other("not a regular file")));
+    }
+    std::fs::read(path).map_err(Error::file(path))
 }
 
 /// A path as the engine's C code takes it.

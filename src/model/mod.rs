@@ -3,6 +3,7 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `load.rs` | from a path, a text, a text with files in memory, a binary model |
+//! | `text_check.rs` | what the engine's compiler must not see in a text |
 //! | `virtual_files.rs` | the engine's virtual file system, for loading from memory |
 //! | `names.rs` | names to ids and back |
 //! | `options.rs` | the physics options and statistics, typed and checked |
@@ -18,6 +19,7 @@ mod names;
 mod options;
 mod position;
 mod save;
+mod text_check;
 mod virtual_files;
 
 use std::fmt;
