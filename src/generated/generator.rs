@@ -18,8 +18,9 @@ struct Field<'t> {
 /// Arrays that have a typed accessor of their own, written by hand.
 const BY_HAND: [&str; 3] = ["names", "text_data", "contact"];
 
-/// Reals that are not numbers: `wrap_prm` holds the id of a site, as a double.
-const READ_ONLY: [&str; 1] = ["wrap_prm"];
+/// Reals that are not free: `wrap_prm` holds the id of a site, as a double; the convex hull of a mesh was computed from its
+/// vertices, and collision with vertices that it does not fit need not end.
+const READ_ONLY: [&str; 2] = ["wrap_prm", "mesh_vert"];
 
 /// What the header's one-line comment leaves open, for the fields that a program uses most.
 const NOTES: [(&str, &str); 22] = [

@@ -577,15 +577,6 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`mesh_vert`](Self::mesh_vert), to be written to.
-    #[inline]
-    pub fn mesh_vert_mut(&mut self) -> &mut [[f32; 3]] {
-        let rows = self.nmeshvert();
-        let array = self.raw_mut().mesh_vert;
-        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
-        unsafe { ffi::rows_mut(array, rows) }
-    }
-
     /// [`mesh_normal`](Self::mesh_normal), to be written to.
     #[inline]
     pub fn mesh_normal_mut(&mut self) -> &mut [[f32; 3]] {
