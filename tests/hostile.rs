@@ -556,6 +556,22 @@ fn texts_on_which_the_compiler_crashes_are_refused() {
             "<mujoco><asset><texture name='t' type='cube' builtin='flat' width='40000' height='40000'/></asset></mujoco>",
             "too large",
         ),
+        (
+            "<mujoco><option jacobian='sparse'/><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody>
+             <tendon><fixed><joint joint='j' coef='1'/><joint joint='j' coef='1'/></fixed></tendon></mujoco>",
+            "same joint twice",
+        ),
+        (
+            "<mujoco><option jacobian='sparse'/><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody>
+             <tendon><fixed><joint joint='j' coef='1'/><joint joint='&#106;' coef='1'/></fixed></tendon></mujoco>",
+            "same joint twice",
+        ),
+        (
+            "<mujoco><size njmax='5'/><worldbody><geom type='plane' size='1 1 1'/>
+             <body name='b'><freejoint/><geom size='.1'/></body></worldbody>
+             <actuator><adhesion body='b' ctrlrange='0 1'/></actuator></mujoco>",
+            "adhesion needs room",
+        ),
         ("<mujoco><include file='/dev/zero'/></mujoco>", "regular file"),
         ("<mujoco><include file='/dev/stdin'/></mujoco>", ""),
     ] {

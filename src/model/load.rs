@@ -5,7 +5,7 @@ use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use mujoco_sys::{guard, mjVFS};
+use mujoco_sys::{self as sys, guard, mjVFS};
 
 use super::text_check::{self, Files};
 use super::virtual_files::VirtualFiles;
@@ -121,6 +121,9 @@ impl Model {
     #[doc(alias = "mjVFS")]
     pub fn from_xml_str_with_files(xml: &str, files: &[(&str, &[u8])]) -> Result<Self> {
         engine::ready()?;
+        if xml.is_empty() {
+            return Err(Error::Load { source_name: GIVEN.to_owned(), message: "the text is empty".to_owned() });
+        }
         let mut virtual_files = VirtualFiles::new();
         virtual_files.add(TEXT, xml.as_bytes())?;
         for (name, content) in files {
@@ -182,7 +185,7 @@ impl Model {
         let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;
         // SAFETY: the engine allocated it for us, and its content was validated.
         let model = unsafe { Self::from_raw(raw, Lineage::new(), warnings) };
-        model.check_size()?;
+        model.check_structure()?;
         Ok(model)
     }
 
@@ -212,7 +215,7 @@ impl Model {
         let lineage = Lineage::new();
         // SAFETY: the engine compiled it for us.
         let model = unsafe { Self::from_raw(raw, lineage, warnings) };
-        model.check_size()?;
+        model.check_structure()?;
         xml.last = Some(lineage);
         // A logger is the user's code: it may load a model, too.
         drop(xml);
@@ -220,6 +223,29 @@ impl Model {
             log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
         }
         Ok(model)
+    }
+
+    /// Refuses what the compiler lets through and the engine answers with writing out of bounds.
+    fn check_structure(&self) -> Result<()> {
+        self.check_size()?;
+        // Each entry of a fixed tendon is an entry in a row of `ten_J`, which has room for one a degree of freedom.
+        for (&start, &count) in self.tendon_adr().iter().zip(self.tendon_num()) {
+            let path = ffi::size(start)..ffi::size(start) + ffi::size(count);
+            let types = &self.wrap_type()[path.clone()];
+            let mut joints = self.wrap_objid()[path].to_vec();
+            joints.sort_unstable();
+            if types.contains(&(sys::mjWRAP_JOINT as i32)) && joints.windows(2).any(|pair| pair[0] == pair[1]) {
+                return Err(Error::Unsupported("a fixed tendon with the same joint twice".to_owned()));
+            }
+        }
+        // Adhesion takes the rows of the first contact for granted, of which there are up to ten.
+        if self.actuator_trntype().contains(&(sys::mjTRN_BODY as i32)) && self.njmax() < text_check::ROWS_OF_A_CONTACT {
+            return Err(Error::Unsupported(format!(
+                "adhesion with room for {} constraints (njmax) only",
+                self.njmax()
+            )));
+        }
+        Ok(())
     }
 
     /// Refuses a model whose matrices have more entries than a C int can count: the engine would write before its stack.

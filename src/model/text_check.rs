@@ -18,6 +18,8 @@ const LONGEST_NAME: usize = 900;
 /// Bodies, and degrees of freedom: the engine counts pairs of them with a C int, and writes before its stack when that
 /// overflows.
 const MOST_BODIES: usize = 40_000;
+/// The rows that a contact may take in the constraint Jacobian.
+pub(super) const ROWS_OF_A_CONTACT: usize = 10;
 /// Numbers in the image of a texture or in a height field.
 const MOST_NUMBERS: u64 = 500_000_000;
 
@@ -31,8 +33,15 @@ pub(super) enum Files<'f> {
 
 /// Refuses what the compiler must not see in this text, or in the texts that it includes.
 pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<()> {
-    let mut check = Check { files, seen: HashSet::new(), bodies: 0, dofs: 0 };
-    check.text(source_name, text, 0).map(|_| ())
+    let mut check =
+        Check { files, seen: HashSet::new(), bodies: 0, dofs: 0, joints: Vec::new(), no_rows: false, adhesion: false };
+    check.text(source_name, text, 0)?;
+    // The compiler takes a step, so that a look at the compiled model comes too late.
+    if check.adhesion && check.no_rows {
+        let message = format!("adhesion needs room for at least {ROWS_OF_A_CONTACT} constraints (njmax)");
+        return Err(Error::Load { source_name: source_name.to_owned(), message });
+    }
+    Ok(())
 }
 
 struct Check<'f> {
@@ -41,6 +50,12 @@ struct Check<'f> {
     seen: HashSet<Vec<u8>>,
     bodies: usize,
     dofs: usize,
+    /// The joints of the fixed tendon that was begun last.
+    joints: Vec<Vec<u8>>,
+    /// Whether there is room for no contact's constraints.
+    no_rows: bool,
+    /// Whether there is an actuator on a body.
+    adhesion: bool,
 }
 
 impl<'f> Check<'f> {
@@ -76,6 +91,12 @@ impl<'f> Check<'f> {
                     let inner = self.text(&String::from_utf8_lossy(name), &content, included + 1)?;
                     deepest = deepest.max(depth + inner);
                 }
+            }
+            if self.is_repeated(&tag) {
+                return refuse(
+                    tag.position,
+                    "a fixed tendon has the same joint twice, and the compiler no room for it",
+                );
             }
             self.count(&tag);
             if self.bodies > MOST_BODIES || self.dofs > MOST_BODIES {
@@ -129,9 +150,25 @@ impl<'f> Check<'f> {
         }
     }
 
+    /// Whether this is another entry for a joint that the fixed tendon has an entry for.
+    fn is_repeated(&mut self, tag: &Tag<'_>) -> bool {
+        match (tag.name, tag.attribute(b"joint")) {
+            (b"fixed", _) => self.joints.clear(),
+            (b"joint", Some(joint)) if self.joints.iter().any(|known| known == joint) => return true,
+            (b"joint", Some(joint)) => self.joints.push(joint.to_owned()),
+            _ => {}
+        }
+        false
+    }
+
     /// Counts bodies and degrees of freedom.
     fn count(&mut self, tag: &Tag<'_>) {
         match tag.name {
+            b"size" => {
+                let rows = tag.attribute(b"njmax").and_then(|rows| numbers(rows).next().flatten());
+                self.no_rows |= rows.is_some_and(|rows| (0..ROWS_OF_A_CONTACT as i64).contains(&rows));
+            }
+            b"adhesion" | b"general" => self.adhesion |= tag.attribute(b"body").is_some(),
             b"body" => self.bodies += 1,
             b"freejoint" => self.dofs += 6,
             b"joint" => {
