@@ -60,6 +60,67 @@ use crate::model::{Model, ModelMut};
 /// Where the engine itself would print, wait for a key and end the process, the call returns
 /// [`Error::Engine`]. The data is then half computed and refuses everything with [`Error::Poisoned`] until it is
 /// [`reset`](Self::reset).
+///
+/// # What does not compile
+///
+/// A view, a slice or a contact borrows the simulation, so it cannot outlive it,
+///
+/// ```compile_fail,E0597
+/// # use mujoco_safe::{Data, sample};
+/// let knee = {
+///     let data = Data::new(sample::humanoid()).unwrap();
+///     data.joint("left_knee").unwrap() // `data` does not live long enough
+/// };
+/// println!("{:?}", knee.qpos());
+/// ```
+///
+/// and a step cannot change what it shows:
+///
+/// ```compile_fail,E0502
+/// # use mujoco_safe::{Data, sample};
+/// let mut data = Data::new(sample::humanoid()).unwrap();
+/// let qpos = data.qpos();
+/// data.step().unwrap(); // also borrowed as immutable
+/// println!("{qpos:?}");
+/// ```
+///
+/// ```compile_fail,E0502
+/// # use mujoco_safe::{Data, sample};
+/// let mut data = Data::new(sample::humanoid()).unwrap();
+/// let contacts: Vec<_> = data.contacts().collect();
+/// data.reset().unwrap(); // also borrowed as immutable
+/// println!("{:?}", contacts[0].force());
+/// ```
+///
+/// The model of a simulation is shared, and changes through [`edit_model`](Self::edit_model) only:
+///
+/// ```compile_fail,E0596
+/// # use mujoco_safe::{Data, sample};
+/// let data = Data::new(sample::humanoid()).unwrap();
+/// let mut model = data.model().clone();
+/// model.edit(); // cannot borrow data in an `Arc` as mutable
+/// ```
+///
+/// Any number of threads may read a simulation, or one may step it, but not both at once:
+///
+/// ```compile_fail,E0502
+/// # use mujoco_safe::{Data, sample};
+/// let mut data = Data::new(sample::humanoid()).unwrap();
+/// let torso = data.body("torso").unwrap();
+/// std::thread::scope(|scope| {
+///     scope.spawn(|| data.step()); // also borrowed as immutable
+///     println!("{:?}", torso.xpos());
+/// });
+/// ```
+///
+/// ```compile_fail,E0499
+/// # use mujoco_safe::{Data, sample};
+/// let mut data = Data::new(sample::humanoid()).unwrap();
+/// std::thread::scope(|scope| {
+///     scope.spawn(|| data.step());
+///     scope.spawn(|| data.step()); // more than once as mutable
+/// });
+/// ```
 #[doc(alias = "mjData")]
 pub struct Data {
     raw: NonNull<mjData>,
@@ -128,12 +189,31 @@ impl Data {
     ///
     /// The model cannot be replaced by another one in this way:
     ///
-    /// ```compile_fail
+    /// ```compile_fail,E0521
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut a = Data::new(sample::humanoid()).unwrap();
     /// let mut b = Data::new(sample::cartpole()).unwrap();
-    /// a.edit_model(|a| b.edit_model(|b| std::mem::swap(a, b)));
+    /// a.edit_model(|a| b.edit_model(|b| std::mem::swap(a, b))); // borrowed data escapes
+    /// ```
+    ///
+    /// ```compile_fail,E0308
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid()).unwrap();
+    /// let mut other = sample::cartpole();
+    /// data.edit_model(|model| std::mem::swap(model, &mut other)); // a `ModelMut` is no `Model`
+    /// ```
+    ///
+    /// nor can anything of it be kept:
+    ///
+    /// ```compile_fail,E0521
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid()).unwrap();
+    /// let mut mass = None;
+    /// data.edit_model(|model| mass = Some(model.body_mass_mut())); // borrowed data escapes
+    /// data.step();
     /// ```
     pub fn edit_model<R>(&mut self, edit: impl FnOnce(&mut ModelMut<'_>) -> R) -> Result<R> {
         if Arc::get_mut(&mut self.model).is_none() {

@@ -17,6 +17,33 @@ use crate::ffi;
 ///
 /// What the compiler derived from a number does not follow when the number changes: call
 /// [`update_constants`](Self::update_constants) after masses, inertias or positions.
+///
+/// A model that is lent is not changed by anyone else:
+///
+/// ```compile_fail,E0499
+/// # use mujoco_safe::sample;
+/// let mut model = sample::cartpole();
+/// let mut edit = model.edit();
+/// let masses = edit.body_mass_mut();
+/// model.edit().update_constants().unwrap(); // more than once as mutable
+/// masses[1] = 2.0;
+/// ```
+///
+/// ```compile_fail,E0505
+/// # use mujoco_safe::{Data, sample};
+/// let mut model = sample::cartpole();
+/// let mut edit = model.edit();
+/// let data = Data::new(model); // move out while borrowed
+/// edit.body_mass_mut()[1] = 2.0;
+/// ```
+///
+/// Nor are sizes, addresses, ids and types:
+///
+/// ```compile_fail,E0599
+/// # use mujoco_safe::sample;
+/// let mut model = sample::cartpole();
+/// model.edit().body_parentid_mut()[1] = 7; // no such method
+/// ```
 #[derive(Debug)]
 pub struct ModelMut<'m> {
     model: &'m mut Model,
