@@ -73,8 +73,8 @@ impl Data {
     /// Linearises a step of the simulation about the present state and controls, with the step `eps` of the differences;
     /// `1e-6` with [`Differences::Central`] is a good choice.
     ///
-    /// The state, the controls and the time are as before afterwards. What is computed from them is that of the last
-    /// perturbed state, and counts as not computed.
+    /// The state, the controls and the time are as before afterwards, to the last bit. What is computed from them is that of
+    /// the last perturbed state, and counts as not computed.
     ///
     /// # Errors
     ///
@@ -88,6 +88,7 @@ impl Data {
     /// let system = data.transition_fd(1e-6, Differences::Central)?;
     /// // The next position of the cart by its velocity: a little less than the time step, because of damping.
     /// assert!((system.a[(0, 2)] - 0.01).abs() < 1e-5);
+    /// assert_eq!(data.time(), 0.0);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjd_transitionFD")]
@@ -138,10 +139,14 @@ impl Data {
         let c = pointer("C of transition_fd", outputs.c, (ny, nx))?;
         let d = pointer("D of transition_fd", outputs.d, (ny, nu))?;
         let central = i32::from(differences == Differences::Central);
-        self.run("mjd_transitionFD", Stage::Nothing, |model, data| {
+        let time = self.time();
+        let result = self.run("mjd_transitionFD", Stage::Nothing, |model, data| {
             // SAFETY: a model and a data that go together, and outputs that are NULL or have the shapes that the engine writes.
             unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }
-        })
+        });
+        // The engine puts the state back that it perturbed, but its steps have moved the clock.
+        self.set_time(time);
+        result
     }
 }
 
