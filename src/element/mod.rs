@@ -181,7 +181,7 @@ macro_rules! kind {
             #[doc = concat!("The ", stringify!($one), " behind a key: see [`element`](crate::element).")]
             #[doc(alias = $short)]
             #[inline]
-            pub fn $one<'m, Q: Key<kind::$kind>>(&'m self, key: Q) -> Q::Found<$kind<'m>> {
+            pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$kind<'_>> {
                 key.find(self, |id| View::new(self, id))
             }
 
@@ -211,13 +211,13 @@ macro_rules! kind {
                 #[doc = concat!("The ", stringify!($one), " behind a key: see [`element`](crate::element).")]
                 #[doc(alias = $short)]
                 #[inline]
-                pub fn $one<'d, Q: Key<kind::$kind>>(&'d self, key: Q) -> Q::Found<$data<'d>> {
+                pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$data<'_>> {
                     key.find(self.model(), |id| View::new(self, id))
                 }
 
                 #[doc = concat!("The ", stringify!($one), " behind a key, to be written to.")]
                 #[inline]
-                pub fn $one_mut<'d, Q: Key<kind::$kind>>(&'d mut self, key: Q) -> Q::Found<$data_mut<'d>> {
+                pub fn $one_mut<Q: Key<kind::$kind>>(&mut self, key: Q) -> Q::Found<$data_mut<'_>> {
                     let id = key.id(self.model());
                     Q::found(id, |id| ViewMut::new(self, id))
                 }
