@@ -18,8 +18,9 @@ struct Field<'t> {
 /// Arrays that have a typed accessor of their own, written by hand.
 const BY_HAND: [&str; 3] = ["names", "text_data", "contact"];
 
-/// Reals that are not numbers: `wrap_prm` holds the id of a site, as a double.
-const READ_ONLY: [&str; 1] = ["wrap_prm"];
+/// Reals that decide where the engine reads: `wrap_prm` holds the id of a site, as a double; `hfield_size` divides positions to
+/// give rows and columns; among vertices that are not numbers none is the farthest, and its index is -1.
+const READ_ONLY: [&str; 3] = ["wrap_prm", "hfield_size", "mesh_vert"];
 
 /// What the header's one-line comment leaves open, for the fields that a program uses most.
 const NOTES: [(&str, &str); 22] = [
@@ -231,6 +232,7 @@ fn writer(text: &mut String, field: Field<'_>) {
     };
     let _ = writeln!(
         text,
-        "    /// [`{name}`](Self::{name}), to be written to.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n"
+        "    /// [`{name}`](crate::{}::{name}), to be written to.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
+        field.owner,
     );
 }
