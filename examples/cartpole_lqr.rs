@@ -47,7 +47,11 @@ fn arguments() -> Result<Arguments, String> {
     Ok(arguments)
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> std::process::ExitCode {
+    common::finish(run())
+}
+
+fn run() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = arguments()?;
     let model = Arc::new(sample::cartpole());
     let mut data = Data::new(model.clone())?;

@@ -28,7 +28,11 @@ use set_point::SetPoint;
 use simulate::{Disturbance, simulate};
 use weights::{Dofs, weights};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> std::process::ExitCode {
+    common::finish(balance())
+}
+
+fn balance() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse()?;
     // `--json` leaves the output to the program that reads it.
     let say = |text: String| {
