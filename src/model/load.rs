@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use mujoco_sys::{guard, mjVFS};
 
 use super::virtual_files::VirtualFiles;
-use super::{Model, mjb};
+use super::{Model, mjb, text};
 use crate::engine::{self, collecting_warnings};
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -73,7 +73,7 @@ impl Model {
             return Err(Error::file(path)(std::io::Error::other("not a regular file")));
         }
         let text = std::fs::read(path).map_err(Error::file(path))?;
-        check_file_names(&path.display().to_string(), &text)?;
+        text::check(&path.display().to_string(), &text)?;
         Self::compile(&path_c_string(path)?, ptr::null(), &path.display().to_string())
     }
 
@@ -81,7 +81,8 @@ impl Model {
     ///
     /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash or to run without end on a few kinds of
     /// hostile input (textures of billions of pixels, mesh faces beyond the vertices, a muscle whose length range does not
-    /// settle), so a text from strangers should be compiled in a process of its own.
+    /// settle, adhesion actuators on more contacts than `njmax` has room for at the start), so a text from strangers should be
+    /// compiled in a process of its own.
     ///
     /// # Errors
     ///
@@ -118,10 +119,10 @@ impl Model {
     pub fn from_xml_str_with_files(xml: &str, files: &[(&str, &[u8])]) -> Result<Self> {
         let mut virtual_files = VirtualFiles::new();
         virtual_files.add(TEXT, xml.as_bytes())?;
-        check_file_names(TEXT, xml.as_bytes())?;
+        text::check(TEXT, xml.as_bytes())?;
         for (name, content) in files {
             virtual_files.add(name, content)?;
-            check_file_names(name, content)?;
+            text::check(name, content)?;
         }
         Self::compile(&ffi::c_string("the text's name", TEXT)?, virtual_files.as_ptr(), "the XML given")
     }
@@ -211,38 +212,12 @@ impl Model {
         let lineage = Lineage::new();
         xml.last = Some(lineage);
         // SAFETY: the engine compiled it for us.
-        Ok(unsafe { Self::from_raw(raw, lineage, warnings) })
-    }
-}
-
-/// Refuses file names that make the engine raise a fatal error while its parser holds its lock: empty ones, and those that
-/// are too long for its table. A look at the text is enough, since decoding an entity only makes a name shorter.
-fn check_file_names(source_name: &str, text: &[u8]) -> Result<()> {
-    const LONGEST: usize = 900;
-    let refuse = |value: &[u8], why: &str| {
-        let shown: String = String::from_utf8_lossy(value).chars().take(60).collect();
-        Err(Error::Load { source_name: source_name.to_owned(), message: format!("the file name '{shown}' {why}") })
-    };
-    let mut rest = text;
-    while let Some(at) = rest.windows(4).position(|window| window == b"file") {
-        rest = &rest[at + 4..];
-        let after = rest.trim_ascii_start();
-        let Some(after) = after.strip_prefix(b"=").map(<[u8]>::trim_ascii_start) else { continue };
-        let Some((&quote, after)) = after.split_first().filter(|(quote, _)| matches!(quote, b'"' | b'\'')) else {
-            continue;
-        };
-        let Some(end) = after.iter().position(|&byte| byte == quote) else { continue };
-        let name = &after[..end];
-        match name.last() {
-            None | Some(b'/' | b'\\') => return refuse(name, "has nothing behind its last slash"),
-            _ if name.len() > LONGEST => return refuse(name, "is longer than 900 bytes"),
-            _ if name.windows(2).any(|window| window == b"&#") => {
-                return refuse(name, "has a numeric character reference");
-            }
-            _ => {}
+        let model = unsafe { Self::from_raw(raw, lineage, warnings) };
+        match model.hazard() {
+            None => Ok(model),
+            Some(message) => Err(Error::Load { source_name: source_name.to_owned(), message }),
         }
     }
-    Ok(())
 }
 
 /// A path as the engine's C code takes it.
