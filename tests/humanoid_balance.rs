@@ -244,6 +244,29 @@ fn the_program_takes_any_humanoid_by_its_path() {
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
+/// A pose on the left leg for the engine's own sample humanoid, which has other joints and no keyframe. Found for this test.
+const SAMPLE_ON_ONE_LEG: &str = "0 0 1.25785 0.98186988 -0.18944998 -0.00623 -0.0012 0 0 0.34907 -0.03491 0 -0.7854 -1.309 0 0 \
+                                 0.06108 0 -0.09266 -0.13963 -0.0364 0.10425 0 0 0 0 0 0";
+
+#[test]
+fn the_program_balances_the_engines_own_sample_humanoid() {
+    let sample = Path::new(sample::SYSTEM_MODELS).join("humanoid/humanoid.xml");
+    let Ok(xml) = std::fs::read_to_string(&sample) else {
+        eprintln!("skipped: {} is not installed (libmujoco-samples)", sample.display());
+        return;
+    };
+    let scratch = Scratch::new("sample");
+    let path = scratch.0.join("one_leg.xml");
+    let keyframe = format!("<keyframe><key name=\"one_leg\" qpos=\"{SAMPLE_ON_ONE_LEG}\"/></keyframe></mujoco>");
+    std::fs::write(&path, xml.replace("</mujoco>", &keyframe)).expect("the temporary directory can be written to");
+    let path = path.to_str().expect("a plain path");
+    for push in ["20,0", "0,20"] {
+        let output = program(&["--model", path, "--keyframe", "one_leg", "--foot", "left_foot", "--push", push]);
+        assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
+        assert!(text(&output.stdout).contains("with constant controls it falls"));
+    }
+}
+
 #[test]
 fn the_program_says_what_is_wrong_with_its_arguments() {
     for (arguments, expected) in [
