@@ -46,6 +46,7 @@ fn items(value: &Value) -> &[Value] {
 /// The same numbers, or near enough where the bits need not be the same: the largest difference is held against the largest
 /// number, or 1.
 #[track_caller]
+#[allow(clippy::float_cmp, reason = "the point of it")]
 fn assert_same(what: &str, ours: &[f64], theirs: &[f64], tolerance: f64) {
     assert_eq!(ours.len(), theirs.len(), "{what}: as many numbers");
     let size = theirs.iter().fold(1.0_f64, |size, value| size.max(value.abs()));

@@ -132,7 +132,7 @@ fn a_reset_is_the_engines() {
 
 #[test]
 fn warnings_are_counted_as_the_engine_counts_them() {
-    // One run for each, since each of the two warnings is raised only where the other does not come first.
+    // One run for each of the two limits.
     for (size, warning, number) in [
         (r#"<size nconmax="2" njmax="500"/>"#, Warning::ContactFull, sys::mjWARN_CONTACTFULL),
         (r#"<size nconmax="100" njmax="5"/>"#, Warning::ConstraintFull, sys::mjWARN_CNSTRFULL),
