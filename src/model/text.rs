@@ -34,8 +34,7 @@ fn file_names(text: &[u8]) -> std::result::Result<(), String> {
 /// The compiler takes a step of the simulation. With an adhesion actuator and more contacts than `njmax` has room for, that
 /// writes out of bounds (see `hazard.rs`).
 fn adhesion(text: &[u8]) -> std::result::Result<(), String> {
-    let adhesive =
-        contains(text, b"<adhesion") || contains(text, b"<actuator") && attribute(text, b"body").next().is_some();
+    let adhesive = contains(text, b"<adhesion") || attribute(actuators(text), b"body").next().is_some();
     if !adhesive {
         return Ok(());
     }
@@ -46,6 +45,15 @@ fn adhesion(text: &[u8]) -> std::result::Result<(), String> {
             "njmax is {njmax}; with an actuator on a body, such as adhesion, it must be at least {LEAST_NJMAX}, or be left to the compiler"
         )),
     }
+}
+
+/// From the first tag of a section of actuators to the last, whatever is in between. Sensors have a `body` too. The engine's
+/// parser takes `< actuator>` and `< /actuator>` as well, so only the word counts.
+fn actuators(text: &[u8]) -> &[u8] {
+    let word = b"actuator";
+    let mut places = text.windows(word.len()).enumerate().filter(|(_, window)| window == word).map(|(at, _)| at);
+    let Some(first) = places.next() else { return &[] };
+    &text[first..places.next_back().unwrap_or(first)]
 }
 
 fn contains(text: &[u8], word: &[u8]) -> bool {
@@ -86,5 +94,21 @@ mod tests {
             assert!(check("text", text.as_bytes()).is_err(), "{name}");
         }
         assert!(check("text", br#"<mujoco><include file="dir/part.xml"/></mujoco>"#).is_ok());
+    }
+
+    #[test]
+    fn little_room_for_constraints_is_refused_only_where_an_actuator_is_on_a_body() {
+        let text = |actuator: &str| {
+            format!(
+                r#"<mujoco><size njmax="5"/><sensor><subtreecom body="a"/></sensor><actuator>{actuator}</actuator>
+                   <sensor><subtreecom body="a"/></sensor></mujoco>"#
+            )
+        };
+        assert!(check("text", text(r#"<motor joint="b"/>"#).as_bytes()).is_ok());
+        assert!(check("text", text(r#"<general body="a"/>"#).as_bytes()).is_err());
+        assert!(check("text", text(r#"<!-- </actuator> --><general body="a"/>"#).as_bytes()).is_err());
+        let spaced = br#"<size njmax="5"/><!-- <actuator></actuator> -->< actuator><general body="a"/>< /actuator>"#;
+        assert!(check("text", spaced).is_err());
+        assert!(check("text", text(r#"</actuator><actuator><general body="a"/>"#).as_bytes()).is_err());
     }
 }
