@@ -86,18 +86,21 @@ pub(crate) trait Owner {
 }
 
 impl Owner for Model {
+    #[inline]
     fn model_of(&self) -> &Model {
         self
     }
 }
 
 impl Owner for ModelMut<'_> {
+    #[inline]
     fn model_of(&self) -> &Model {
         self
     }
 }
 
 impl Owner for Data {
+    #[inline]
     fn model_of(&self) -> &Model {
         self.model()
     }
@@ -105,6 +108,7 @@ impl Owner for Data {
 
 #[allow(private_bounds, reason = "there are only the two owners")]
 impl<'a, O: Owner, K: ElementKind> View<'a, O, K> {
+    #[inline]
     fn new(owner: &'a O, id: Id<K>) -> Self {
         Self { owner, id }
     }
@@ -135,11 +139,13 @@ impl<'a, O: Owner, K: ElementKind> View<'a, O, K> {
 
 #[allow(private_bounds, reason = "there are only the two owners")]
 impl<'a, O: Owner, K: ElementKind> ViewMut<'a, O, K> {
+    #[inline]
     fn new(owner: &'a mut O, id: Id<K>) -> Self {
         Self { owner, id }
     }
 
     /// The same element, to be read.
+    #[inline]
     pub fn as_view(&self) -> View<'_, O, K> {
         View::new(self.owner, self.id)
     }
