@@ -134,19 +134,52 @@ impl Data {
         }
         let (nx, nu, ny) = (2 * self.model().nv() + self.model().na(), self.model().nu(), self.model().nsensordata());
         let outputs = outputs.into();
+        // The engine counts the entries of a matrix with a C int; beyond that it would write past its stack.
+        let largest = nx.max(nu).saturating_mul(nx.max(ny));
+        if i32::try_from(largest).is_err() {
+            return Err(Error::Unsupported(format!("transition_fd of {nx} states, {nu} controls and {ny} outputs")));
+        }
         let a = pointer("A of transition_fd", outputs.a, (nx, nx))?;
         let b = pointer("B of transition_fd", outputs.b, (nx, nu))?;
         let c = pointer("C of transition_fd", outputs.c, (ny, nx))?;
         let d = pointer("D of transition_fd", outputs.d, (ny, nu))?;
         let central = i32::from(differences == Differences::Central);
+        let spills = self.last_control_is_stuck(eps);
         let time = self.time();
-        let result = self.run("mjd_transitionFD", Stage::Nothing, |model, data| {
-            // SAFETY: a model and a data that go together, and outputs that are NULL or have the shapes that the engine writes.
-            unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }
-        });
-        // The engine puts the state back that it perturbed, but its steps have moved the clock.
+        let mut call = |a, b, c, d| {
+            self.run("mjd_transitionFD", Stage::Nothing, |model, data| {
+                // SAFETY: a model and a data that go together, and outputs that are NULL or have the shapes that the engine
+                // writes.
+                unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }
+            })
+        };
+        let null = ptr::null_mut;
+        // Where the control of the last actuator can be moved to neither side, 2.2.2 clears nq + nv + na numbers in a row of
+        // 2 nv + na, and the rest of them is what lies behind: D, or the saved state that it goes on from. With B computed
+        // alone nothing that is still needed lies there.
+        if !b.is_null() && spills {
+            call(a, null(), c, null())?;
+            call(null(), null(), null(), d)?;
+            call(null(), b, null(), null())?;
+        } else {
+            call(a, b, c, d)?;
+        }
+        // The engine takes steps, and puts back everything but the time.
         self.set_time(time);
-        result
+        Ok(())
+    }
+
+    /// Whether the control of the last actuator is so near to or beyond its range that it cannot be moved by `eps`, in a model
+    /// in which that makes the engine write too far.
+    fn last_control_is_stuck(&self, eps: f64) -> bool {
+        let model = self.model();
+        let Some(last) = model.nu().checked_sub(1) else { return false };
+        let [low, high] = model.actuator_ctrlrange()[last];
+        let inside = |ctrl: f64| low <= ctrl && ctrl <= high;
+        let ctrl = self.ctrl()[last];
+        model.nq() > model.nv()
+            && model.actuator_ctrllimited()[last] != 0
+            && !(inside(ctrl) && (inside(ctrl + eps) || inside(ctrl - eps)))
     }
 }
 

@@ -86,7 +86,7 @@ pub(crate) fn collecting_warnings<T>(load: impl FnOnce() -> T) -> (T, Vec<String
 /// `MUJOCO_LOG.TXT` to the working directory.
 unsafe extern "C" fn on_warning(message: *const c_char) {
     // A logger is the user's code: its panic must not cross the engine.
-    let _ = catch_unwind(AssertUnwindSafe(|| {
+    let caught = catch_unwind(AssertUnwindSafe(|| {
         // SAFETY: the engine passes a NUL-terminated string.
         let message = unsafe { ffi::text(message) };
         // Neither access can fail for a reason but a thread that is ending.
@@ -103,6 +103,10 @@ unsafe extern "C" fn on_warning(message: *const c_char) {
             log::warn!(target: LOG_TARGET, "{message}");
         }
     }));
+    // What was thrown is the user's type too, and dropping it may panic again.
+    if let Err(payload) = caught {
+        std::mem::forget(payload);
+    }
 }
 
 #[cfg(test)]

@@ -128,9 +128,7 @@ pub enum Error {
     },
 
     /// The call needs quantities that have not been computed for the present model and state.
-    #[error(
-        "{call} needs {needs}, which have not been computed since the last reset or change of the model: call forward or step first"
-    )]
+    #[error("{call} needs {needs}, which have not been computed {}", remedy(call))]
     NotComputed {
         /// The call that was made.
         call: &'static str,
@@ -197,6 +195,15 @@ impl Error {
     pub(crate) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::File { path, source }
+    }
+}
+
+/// What makes a call possible that needs earlier ones.
+fn remedy(call: &str) -> &'static str {
+    if call == "step2" {
+        "since the last step, reset or change of the model: call step1 first, once for each step2"
+    } else {
+        "since the last reset or change of the model: call forward or step first"
     }
 }
 

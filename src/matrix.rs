@@ -44,6 +44,13 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
 use crate::ffi;
 
+/// How many values there are. The product must not wrap round: nalgebra checks the size of what it views with the same
+/// arithmetic, and would read beyond the values.
+#[track_caller]
+fn count(nrows: usize, ncols: usize) -> usize {
+    nrows.checked_mul(ncols).unwrap_or_else(|| panic!("a matrix of {nrows} rows and {ncols} columns is too large"))
+}
+
 /// A matrix that owns its values, row by row.
 #[derive(Clone, PartialEq, Default)]
 pub struct Matrix {
@@ -54,9 +61,13 @@ pub struct Matrix {
 
 impl Matrix {
     /// A matrix of zeros.
+    ///
+    /// # Panics
+    ///
+    /// If there is no room for so many.
     #[doc(alias = "mj_zeros")]
     pub fn zeros(nrows: usize, ncols: usize) -> Self {
-        Self { nrows, ncols, values: vec![0.0; nrows * ncols] }
+        Self { nrows, ncols, values: vec![0.0; count(nrows, ncols)] }
     }
 
     /// The matrix of these rows.
@@ -71,10 +82,10 @@ impl Matrix {
     ///
     /// If there are not `nrows * ncols` values.
     pub fn from_row_major(nrows: usize, ncols: usize, values: Vec<f64>) -> Self {
+        let expected = count(nrows, ncols);
         assert!(
-            values.len() == nrows * ncols,
-            "a matrix of {nrows} rows and {ncols} columns needs {} values, not {}",
-            nrows * ncols,
+            values.len() == expected,
+            "a matrix of {nrows} rows and {ncols} columns needs {expected} values, not {}",
             values.len()
         );
         Self { nrows, ncols, values }

@@ -58,6 +58,15 @@ impl Sizes {
     }
 }
 
+fn other_sizes(what: &'static str, expected: Sizes, found: Sizes) -> Error {
+    let differs = expected.state() != found.state() || expected.nu != found.nu;
+    if differs {
+        return Error::Shape { what, expected: (expected.state(), expected.nu), found: (found.state(), found.nu) };
+    }
+    let list = |sizes: Sizes| format!("nq {}, nv {}, na {}", sizes.nq, sizes.nv, sizes.na);
+    Error::Invalid { what: what.to_owned(), value: list(found), expected: list(expected) }
+}
+
 impl Trajectory {
     /// An empty one, for simulations of this model.
     pub fn new(model: &Model) -> Self {
@@ -83,11 +92,7 @@ impl Trajectory {
     pub fn push(&mut self, data: &Data) -> Result<()> {
         let sizes = Sizes::of(data.model());
         if sizes != self.sizes {
-            return Err(Error::Shape {
-                what: "the simulation to record (state, controls)",
-                expected: (self.sizes.state(), self.sizes.nu),
-                found: (sizes.state(), sizes.nu),
-            });
+            return Err(other_sizes("the simulation to record (state, controls)", self.sizes, sizes));
         }
         self.times.push(data.time());
         for part in [data.qpos(), data.qvel(), data.act()] {
@@ -142,6 +147,7 @@ impl Trajectory {
     ///
     /// If there is no such record.
     pub fn state(&self, record: usize) -> &[f64] {
+        self.check(record);
         &self.states[record * self.sizes.state()..][..self.sizes.state()]
     }
 
@@ -169,7 +175,14 @@ impl Trajectory {
     ///
     /// If there is no such record.
     pub fn ctrl(&self, record: usize) -> &[f64] {
+        self.check(record);
         &self.controls[record * self.sizes.nu..][..self.sizes.nu]
+    }
+
+    /// Before a product that could wrap round to another record.
+    #[track_caller]
+    fn check(&self, record: usize) {
+        assert!(record < self.len(), "record {record} of a trajectory of {}", self.len());
     }
 
     /// Sets a simulation to a record: time, state and controls.
@@ -182,8 +195,11 @@ impl Trajectory {
     ///
     /// If there is no such record.
     pub fn apply(&self, record: usize, data: &mut Data) -> Result<()> {
+        let sizes = Sizes::of(data.model());
+        if sizes != self.sizes {
+            return Err(other_sizes("the simulation to apply to (state, controls)", self.sizes, sizes));
+        }
         data.set_physics_state(self.state(record))?;
-        Error::check_length("the recorded controls", self.sizes.nu, data.model().nu())?;
         data.ctrl_mut().copy_from_slice(self.ctrl(record));
         data.set_time(self.times[record]);
         Ok(())

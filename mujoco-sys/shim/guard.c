@@ -107,6 +107,8 @@ GUARDED_RESULT(mj_version, NO_DATA, (int* result), ())
 
 // Life of a model and of a data.
 GUARDED_RESULT(mj_copyModel, NO_DATA, (mjModel * dest, const mjModel* m, mjModel** result), (dest, m))
+GUARDED_RESULT(mj_makeEmptyFileVFS, NO_DATA, (mjVFS * vfs, const char* filename, int filesize, int* result),
+               (vfs, filename, filesize))
 GUARDED_RESULT(mj_loadModel, NO_DATA, (const char* filename, const mjVFS* vfs, mjModel** result), (filename, vfs))
 GUARDED(mj_saveModel, NO_DATA, (const mjModel* m, const char* filename, void* buffer, int size),
         (m, filename, buffer, size))

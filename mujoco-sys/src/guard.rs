@@ -64,6 +64,9 @@ guarded! {
         filename: *const c_char, m: *const mjModel, error: *mut c_char, error_size: c_int, result: *mut c_int,
     );
     mujoco_sys_mj_copyModel = mj_copy_model(dest: *mut mjModel, m: *const mjModel, result: *mut *mut mjModel);
+    mujoco_sys_mj_makeEmptyFileVFS = mj_make_empty_file_vfs(
+        vfs: *mut mjVFS, filename: *const c_char, filesize: c_int, result: *mut c_int,
+    );
     mujoco_sys_mj_loadModel = mj_load_model(filename: *const c_char, vfs: *const mjVFS, result: *mut *mut mjModel);
     mujoco_sys_mj_saveModel = mj_save_model(m: *const mjModel, filename: *const c_char, buffer: *mut c_void, size: c_int);
     mujoco_sys_mj_makeData = mj_make_data(m: *const mjModel, result: *mut *mut mjData);

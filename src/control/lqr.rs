@@ -122,7 +122,8 @@ impl Controller for Lqr {
     fn control(&mut self, data: &mut Data) -> Result<()> {
         let model = data.model();
         let nv = model.nv();
-        // `differentiate_pos` would find a model of other sizes, but not one without joints.
+        Error::check_length("the positions of an LQR", model.nq(), self.qpos0.len())?;
+        Error::check_length("the activations of an LQR", model.na(), self.act0.len())?;
         Error::check_length("the deviation of an LQR", 2 * nv + model.na(), self.deviation.len())?;
         Error::check_length("the controls of an LQR", model.nu(), self.ctrl0.len())?;
         let (dq, rest) = self.deviation.split_at_mut(nv);

@@ -6,7 +6,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::Controller;
 use crate::data::Data;
 use crate::error::{Error, Result};
-use crate::id::ActuatorId;
+use crate::id::{ActuatorId, Lineage};
 use crate::model::Model;
 
 /// Sets all controls to zero: the passive dynamics.
@@ -80,21 +80,24 @@ pub struct PdController {
     kp: f64,
     kd: f64,
     target: Vec<f64>,
+    lineage: Lineage,
 }
 
 impl PdController {
     /// One with these gains for all actuators, whose targets are their lengths in the reference configuration.
     pub fn new(model: &Model, kp: f64, kd: f64) -> Self {
-        Self { kp, kd, target: model.actuator_length0().to_vec() }
+        Self { kp, kd, target: model.actuator_length0().to_vec(), lineage: model.lineage() }
     }
 
     /// Sets the target length of an actuator.
     ///
     /// # Panics
     ///
-    /// If the model has more actuators than the one that the controller was made for.
+    /// If the actuator is one of another model than that which the controller was made for.
     pub fn set_target(&mut self, actuator: impl Into<ActuatorId>, length: f64) {
-        self.target[actuator.into().index()] = length;
+        let actuator = actuator.into();
+        assert!(actuator.lineage() == self.lineage, "{actuator:?} belongs to another model than this controller");
+        self.target[actuator.index()] = length;
     }
 }
 

@@ -79,7 +79,10 @@ impl Data {
         let n = vector.len().checked_div(nv).unwrap_or(0);
         Error::check_length("the vector of solve_m", vector.len(), n.max(1) * nv)?;
         Error::check_length("the result of solve_m", result.len(), vector.len())?;
-        let n = i32::try_from(n).map_err(|_| Error::Unsupported(format!("solve_m of {n} vectors at once")))?;
+        // The engine counts all their numbers with a C int.
+        let n = i32::try_from(vector.len())
+            .map(|_| n as i32)
+            .map_err(|_| Error::Unsupported(format!("solve_m of {n} vectors of length {nv} at once")))?;
         // SAFETY: both have n × nv values.
         let status = unsafe {
             guard::mj_solve_m(self.model().as_ptr(), self.as_mut_ptr(), result.as_mut_ptr(), vector.as_ptr(), n)

@@ -65,6 +65,8 @@ pub struct Data {
     raw: NonNull<mjData>,
     model: Arc<Model>,
     stage: Stage,
+    /// Whether `step2` may go on from here: the forward pipeline was computed, and the state was not advanced since.
+    first_half: bool,
     /// Why the data is unusable, if it is.
     failure: Option<Box<str>>,
 }
@@ -98,7 +100,7 @@ impl Data {
     /// `raw` is NULL or a data that the engine made for a model of the same structure as `model`, and nobody else's.
     unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
         let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
-        Ok(Self { raw, model, stage: Stage::Nothing, failure: None })
+        Ok(Self { raw, model, stage: Stage::Nothing, first_half: false, failure: None })
     }
 
     /// The model.
@@ -203,6 +205,7 @@ impl Data {
         // SAFETY: made for this model, and ours alone.
         let mut copy = unsafe { Self::from_raw(copy, self.model.clone()) }?;
         copy.stage = self.stage;
+        copy.first_half = self.first_half;
         copy.failure.clone_from(&self.failure);
         Ok(copy)
     }
@@ -224,6 +227,7 @@ impl Data {
         ffi::check("mj_copyData", status)?;
         // What was computed under other options is laid out otherwise.
         self.stage = if Arc::ptr_eq(&self.model, &other.model) { other.stage } else { Stage::Nothing };
+        self.first_half = other.first_half;
         self.failure.clone_from(&other.failure);
         Ok(())
     }

@@ -44,7 +44,9 @@ impl Data {
         self.run("mj_step1", Stage::Velocity, |m, d| {
             // SAFETY: as in `step`.
             unsafe { guard::mj_step1(m, d) }
-        })
+        })?;
+        self.first_half = true;
+        Ok(())
     }
 
     /// The second half of a step: actuation, accelerations, integration. With the integrator
@@ -52,12 +54,17 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// As for [`step`](Self::step), and [`Error::NotComputed`] without a [`step1`](Self::step1) before it, or after a change of
-    /// the model in between.
+    /// As for [`step`](Self::step), and [`Error::NotComputed`] without a [`step1`](Self::step1) or
+    /// [`forward`](Self::forward) before it, or if the state was advanced or the model changed in between. (The engine would
+    /// go on with what it has: after a step with quantities of the state before it, after [`inverse`](Self::inverse) without
+    /// the matrices that the dual solvers need.)
     #[doc(alias = "mj_step2")]
     #[inline]
     pub fn step2(&mut self) -> Result<()> {
         self.check_computed("step2", Stage::Velocity)?;
+        if !self.first_half {
+            return Err(Error::NotComputed { call: "step2", needs: Stage::Velocity });
+        }
         self.check_inputs()?;
         self.run("mj_step2", Stage::Acceleration, |m, d| {
             // SAFETY: as in `step`, and the stages before this one were computed for this model.
@@ -79,7 +86,9 @@ impl Data {
         self.run("mj_forward", Stage::Acceleration, |m, d| {
             // SAFETY: as in `step`.
             unsafe { guard::mj_forward(m, d) }
-        })
+        })?;
+        self.first_half = true;
+        Ok(())
     }
 
     /// Inverse dynamics: from positions, velocities and the accelerations in `qacc` to the forces that cause them, in
@@ -121,6 +130,7 @@ impl Data {
         call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
     ) -> Result<()> {
         let time = self.time();
+        self.first_half = false;
         let warnings = Lifted::lift(self.raw_mut());
         let status = if self.model().has_adhesion() {
             self.run_with_adhesion(call)

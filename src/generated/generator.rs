@@ -19,7 +19,8 @@ struct Field<'t> {
 const BY_HAND: [&str; 3] = ["names", "text_data", "contact"];
 
 /// Reals that decide where the engine reads: `wrap_prm` holds the id of a site, as a double; `hfield_size` divides positions to
-/// give rows and columns; among vertices that are not numbers none is the farthest, and its index is -1.
+/// give rows and columns; the convex hull of a mesh was computed from its vertices, and collision with vertices that it does
+/// not fit need not end.
 const READ_ONLY: [&str; 3] = ["wrap_prm", "hfield_size", "mesh_vert"];
 
 /// What the header's one-line comment leaves open, for the fields that a program uses most.

@@ -73,6 +73,11 @@ impl<'m> ModelMut<'m> {
         if scratch.is_null() {
             return Err(crate::Error::OutOfMemory { function: "mj_makeData" });
         }
+        // SAFETY: just made, and ours. A counter that is not zero keeps the engine from printing a warning through a buffer that
+        // all threads share; what it would warn about, such as a singular inertia, every step with the model tells.
+        for warning in unsafe { &mut (*scratch).warning } {
+            warning.number = 1;
+        }
         // SAFETY: a model that is borrowed exclusively, and a data that was made for it.
         let result = ffi::check("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
         // SAFETY: made above, and used no more.

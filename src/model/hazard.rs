@@ -21,6 +21,12 @@ impl Model {
 
     /// Why the engine cannot be trusted with this model, if it cannot.
     pub(super) fn hazard(&self) -> Option<String> {
+        // The engine counts the entries of its matrices with a C int, and would write before its stack. The largest is the
+        // derivative of the bodies' accelerations, of the integrator `Implicit`.
+        let (nv, nbody) = (self.nv(), self.nbody());
+        if i32::try_from(6 * nv * nv.max(nbody)).is_err() || i32::try_from(nbody * nbody).is_err() {
+            return Some(format!("{nbody} bodies and {nv} degrees of freedom are more than the engine can count"));
+        }
         if self.has_adhesion() && self.njmax() == 0 {
             // The engine does not even warn then.
             return Some("an adhesion actuator needs room for constraints, but njmax is 0".to_owned());

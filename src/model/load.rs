@@ -1,14 +1,15 @@
 //! Loading.
 
-use std::ffi::CString;
+use std::ffi::{CString, c_int};
 use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use mujoco_sys::{guard, mjVFS};
 
+use super::text_check::{self, Files};
 use super::virtual_files::VirtualFiles;
-use super::{Model, mjb, text};
+use super::{Model, mjb};
 use crate::engine::{self, collecting_warnings};
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -16,6 +17,9 @@ use crate::id::Lineage;
 
 /// The name under which a text is known to the engine's compiler.
 const TEXT: &str = "model.xml";
+
+/// What errors call that text.
+const GIVEN: &str = "the XML given";
 
 /// What the engine keeps of XML for the whole process: the tree of the last model, under a lock.
 pub(super) struct XmlState {
@@ -36,10 +40,14 @@ impl XmlState {
         }
     }
 
-    /// Notes what a call into the compiler left behind.
-    pub(super) fn leave(&mut self, result: Result<()>) -> Result<()> {
-        if let Err(Error::Engine { message, .. }) = &result {
-            self.locked = Some(message.clone());
+    /// The result of a call into the compiler, and a note of what it left behind: an engine error has jumped over the release
+    /// of the lock. A C++ exception has released it.
+    pub(super) fn leave(&mut self, function: &'static str, status: c_int) -> Result<()> {
+        let result = ffi::check(function, status);
+        if let Err(error) = &result
+            && status == guard::ERROR
+        {
+            self.locked = Some(error.to_string());
         }
         result
     }
@@ -66,23 +74,19 @@ impl Model {
     #[doc(alias = "load_model")]
     pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        // Opened here for the operating system's own message; the engine's only says that it could not.
-        let file = std::fs::File::open(path).map_err(Error::file(path))?;
-        let kind = file.metadata().map_err(Error::file(path))?.file_type();
-        if !kind.is_file() {
-            return Err(Error::file(path)(std::io::Error::other("not a regular file")));
-        }
-        let text = std::fs::read(path).map_err(Error::file(path))?;
-        text::check(&path.display().to_string(), &text)?;
+        // Read here for the operating system's own message; the engine's only says that it could not.
+        let text = read_regular(path)?;
+        text_check::check(&path.display().to_string(), &text, &Files::Disk(path))?;
         Self::compile(&path_c_string(path)?, ptr::null(), &path.display().to_string())
     }
 
     /// Loads a model from a text in MJCF or URDF.
     ///
     /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash or to run without end on a few kinds of
-    /// hostile input (textures of billions of pixels, mesh faces beyond the vertices, a muscle whose length range does not
-    /// settle, adhesion actuators on more contacts than `njmax` has room for at the start), so a text from strangers should be
-    /// compiled in a process of its own.
+    /// hostile input. Those that a look at the text can see are refused here (textures of billions of pixels, mesh faces beyond
+    /// the vertices, files that include each other without end); the rest is not (a muscle whose length range does not settle,
+    /// a damaged mesh file, sizes that take all memory, adhesion actuators on more contacts than `njmax` has room for at the
+    /// start), so a text from strangers should be compiled in a process of its own.
     ///
     /// # Errors
     ///
@@ -117,14 +121,18 @@ impl Model {
     /// ```
     #[doc(alias = "mjVFS")]
     pub fn from_xml_str_with_files(xml: &str, files: &[(&str, &[u8])]) -> Result<Self> {
+        engine::ready()?;
+        if xml.is_empty() {
+            return Err(Error::Load { source_name: GIVEN.to_owned(), message: "the text is empty".to_owned() });
+        }
         let mut virtual_files = VirtualFiles::new();
         virtual_files.add(TEXT, xml.as_bytes())?;
-        text::check(TEXT, xml.as_bytes())?;
         for (name, content) in files {
             virtual_files.add(name, content)?;
-            text::check(name, content)?;
         }
-        Self::compile(&ffi::c_string("the text's name", TEXT)?, virtual_files.as_ptr(), "the XML given")
+        let texts: Vec<(&str, &[u8])> = std::iter::once((TEXT, xml.as_bytes())).chain(files.iter().copied()).collect();
+        text_check::check(GIVEN, xml.as_bytes(), &Files::Memory(&texts))?;
+        Self::compile(&ffi::c_string("the text's name", TEXT)?, virtual_files.as_ptr(), GIVEN)
     }
 
     /// Loads a binary model (MJB) that [`save_binary`](Self::save_binary) or the engine wrote.
@@ -138,7 +146,7 @@ impl Model {
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(Error::file(path))?;
+        let bytes = read_regular(path)?;
         Self::from_binary_named(&bytes, &path.display().to_string())
     }
 
@@ -188,14 +196,11 @@ impl Model {
         xml.last = None;
         let mut message = [0; MESSAGE];
         let mut loaded = ptr::null_mut();
-        let (result, mut warnings) = collecting_warnings(|| {
+        let (status, mut warnings) = collecting_warnings(|| {
             // SAFETY: a valid name, a table or NULL, a buffer of the given size, a place for the result.
-            let status = unsafe {
-                guard::mj_load_xml(name.as_ptr(), files, message.as_mut_ptr(), MESSAGE as i32, &raw mut loaded)
-            };
-            ffi::check("mj_loadXML", status)
+            unsafe { guard::mj_load_xml(name.as_ptr(), files, message.as_mut_ptr(), MESSAGE as i32, &raw mut loaded) }
         });
-        xml.leave(result)?;
+        xml.leave("mj_loadXML", status)?;
         // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
         let message = unsafe { ffi::text(message.as_ptr()) };
         let Some(raw) = NonNull::new(loaded) else {
@@ -206,18 +211,32 @@ impl Model {
         if !message.is_empty() && !warnings.contains(&message) {
             warnings.push(message);
         }
-        for warning in &warnings {
-            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
-        }
         let lineage = Lineage::new();
-        xml.last = Some(lineage);
         // SAFETY: the engine compiled it for us.
         let model = unsafe { Self::from_raw(raw, lineage, warnings) };
-        match model.hazard() {
-            None => Ok(model),
-            Some(message) => Err(Error::Load { source_name: source_name.to_owned(), message }),
+        if let Some(message) = model.hazard() {
+            return Err(Error::Load { source_name: source_name.to_owned(), message });
         }
+        xml.last = Some(lineage);
+        // A logger is the user's code: it may load a model, too.
+        drop(xml);
+        for warning in &model.warnings {
+            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
+        }
+        Ok(model)
     }
+}
+
+/// What a file contains. A pipe or a device, which could make the reader wait for ever, is an error.
+fn read_regular(path: &Path) -> Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path).map_err(Error::file(path))?;
+    if metadata.is_dir() {
+        return Err(Error::file(path)(std::io::ErrorKind::IsADirectory.into()));
+    }
+    if !metadata.is_file() {
+        return Err(Error::file(path)(std::io::Error::other("not a regular file")));
+    }
+    std::fs::read(path).map_err(Error::file(path))
 }
 
 /// A path as the engine's C code takes it.

@@ -3,7 +3,7 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `load.rs` | from a path, a text, a text with files in memory, a binary model |
-//! | `text.rs` | what a look at a text can see before the engine's compiler does |
+//! | `text_check.rs` | what the engine's compiler must not see in a text |
 //! | `virtual_files.rs` | the engine's virtual file system, for loading from memory |
 //! | `names.rs` | names to ids and back |
 //! | `options.rs` | the physics options and statistics, typed and checked |
@@ -21,7 +21,7 @@ mod names;
 mod options;
 mod position;
 mod save;
-mod text;
+mod text_check;
 mod virtual_files;
 
 use std::fmt;

@@ -26,15 +26,19 @@ impl Model {
         let path = path.as_ref();
         let name = path_c_string(path)?;
         let failed = |reason: String| Error::Save { path: path.to_owned(), reason };
+        // A pipe or a device could make the engine wait for ever, and what was written there cannot be checked.
+        if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
+            return Err(failed("not a regular file".to_owned()));
+        }
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {
             return Err(Error::XmlReplaced);
         }
         let mut message = [0; MESSAGE];
         let mut saved = 0;
-        let (result, warnings) = collecting_warnings(|| {
+        let (status, warnings) = collecting_warnings(|| {
             // SAFETY: a valid name and model, a buffer of the given size, a place for the result.
-            let status = unsafe {
+            unsafe {
                 guard::mj_save_last_xml(
                     name.as_ptr(),
                     self.as_ptr(),
@@ -42,12 +46,16 @@ impl Model {
                     MESSAGE as i32,
                     &raw mut saved,
                 )
-            };
-            ffi::check("mj_saveLastXML", status)
+            }
         });
-        xml.leave(result)?;
-        if saved == 1 && path.is_file() {
-            return Ok(());
+        xml.leave("mj_saveLastXML", status)?;
+        if saved == 1 {
+            // The engine looks at no error of writing, such as a full disk, so look at what was written.
+            return match std::fs::read(path) {
+                Ok(text) if text.trim_ascii_end().ends_with(b"</mujoco>") => Ok(()),
+                Ok(_) => Err(failed("the file was not written to its end".to_owned())),
+                Err(error) => Err(failed(error.to_string())),
+            };
         }
         // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
         let message = unsafe { ffi::text(message.as_ptr()) };
@@ -76,7 +84,9 @@ impl Model {
     pub fn to_binary(&self) -> Result<Vec<u8>> {
         // SAFETY: a valid model; only adds sizes up.
         let bound = unsafe { sys::mj_sizeModel(self.as_ptr()) };
-        let mut bytes = vec![0; ffi::size(bound)];
+        let size =
+            usize::try_from(bound).map_err(|_| Error::Unsupported("a binary model of more than 2 GiB".to_owned()))?;
+        let mut bytes = vec![0; size];
         // SAFETY: the buffer has the size that is passed, and it is no smaller than the engine asked for.
         let status = unsafe { guard::mj_save_model(self.as_ptr(), std::ptr::null(), bytes.as_mut_ptr().cast(), bound) };
         ffi::check("mj_saveModel", status)?;

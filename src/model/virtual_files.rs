@@ -3,7 +3,7 @@
 use std::ffi::CString;
 use std::ptr;
 
-use mujoco_sys::{self as sys, mjVFS};
+use mujoco_sys::{self as sys, guard, mjVFS};
 
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -45,8 +45,13 @@ impl VirtualFiles {
         let size = i32::try_from(content.len())
             .map_err(|_| invalid(format!("{} bytes long", content.len()), "below 2 GiB"))?;
         let name_c: CString = ffi::c_string("the name of an in-memory file", name)?;
-        // SAFETY: a valid table, a valid string, a positive size; the name was checked above, so no engine error can be raised.
-        match unsafe { sys::mj_makeEmptyFileVFS(&raw mut *self.raw, name_c.as_ptr(), size) } {
+        let mut outcome = 0;
+        // SAFETY: a valid table, a valid string, a positive size, a place for the result. An error, when memory runs out, leaves
+        // no more than a name behind the last file.
+        let status =
+            unsafe { guard::mj_make_empty_file_vfs(&raw mut *self.raw, name_c.as_ptr(), size, &raw mut outcome) };
+        ffi::check("mj_makeEmptyFileVFS", status)?;
+        match outcome {
             0 => {}
             1 => return Err(invalid("one too many".to_owned(), "among the first 2000")),
             _ => return Err(invalid("given twice".to_owned(), "unique: the engine looks files up without their path")),

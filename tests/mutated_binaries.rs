@@ -1,0 +1,73 @@
+//! Damaged binary models are errors, or models that work: nothing in between.
+
+#![forbid(unsafe_code)]
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use mujoco_safe::{Data, Error, Model, sample};
+use mutate::{DAMAGES, Damage, Map};
+
+#[path = "common/mutate.rs"]
+mod mutate;
+
+/// What becomes of the bytes; whether they are still a model.
+fn try_it(bytes: &[u8]) -> bool {
+    let model = match Model::from_binary(bytes) {
+        Ok(model) => model,
+        Err(error) => {
+            assert!(matches!(error, Error::InvalidBinary { .. } | Error::Unsupported(_)), "{error}");
+            return false;
+        }
+    };
+    // Numbers may have become anything, so a step may fail, as long as it comes back.
+    let mut data = match Data::new(model.clone()) {
+        Ok(data) => data,
+        Err(error) => panic!("a model that was accepted has no simulation: {error}"),
+    };
+    for _ in 0..10 {
+        if data.step().is_err() {
+            data.reset().unwrap();
+        }
+    }
+    let _ = data.model().options();
+    drop(data.clone());
+    drop(model.clone());
+    assert!(model.to_binary().is_ok());
+    true
+}
+
+fn mutations(model: &Model, seeds: std::ops::Range<u64>) {
+    let good = model.to_binary().unwrap();
+    assert!(try_it(&good), "the model itself");
+    let map = Map::new(&good);
+    let mut accepted = 0;
+    for damage in DAMAGES {
+        for seed in seeds.clone() {
+            let mutant = map.mutant(&good, damage, seed);
+            let outcome = catch_unwind(AssertUnwindSafe(|| try_it(&mutant)));
+            let is_model = outcome.unwrap_or_else(|_| panic!("{damage:?}, seed {seed}"));
+            assert!(!(is_model && matches!(damage, Damage::Truncation | Damage::Extension)), "{damage:?}, seed {seed}");
+            accepted += usize::from(is_model);
+        }
+    }
+    println!("{accepted} mutations were still models");
+}
+
+#[test]
+fn mutated_models_are_errors_or_work() {
+    // Nine kinds of damage: more than 500 mutations.
+    mutations(&sample::cartpole(), 0..20);
+    mutations(&sample::humanoid(), 0..20);
+    let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
+    mutations(&Model::from_xml_path(every_element).unwrap(), 0..20);
+}
+
+#[test]
+fn every_short_beginning_of_a_file_is_an_error() {
+    let good = sample::cartpole().to_binary().unwrap();
+    for length in (0..1000).chain((1000..good.len()).step_by(997)) {
+        assert!(!try_it(&good[..length]), "the first {length} bytes");
+    }
+    let long = [&good[..], b"x"].concat();
+    assert!(!try_it(&long), "a byte too many");
+}
