@@ -38,10 +38,10 @@ impl Model {
             let mut joints: Vec<i32> =
                 (start..start + count).filter(is_joint).map(|at| self.wrap_objid()[at]).collect();
             joints.sort_unstable();
-            let twice = joints.windows(2).find(|pair| pair[0] == pair[1])?[0];
+            joints.windows(2).find(|pair| pair[0] == pair[1])?;
             // Its sparse Jacobian has room for one number for each degree of freedom.
             Some(format!(
-                "the fixed {tendon:?} has joint {twice} twice; give it once, with the sum of the coefficients"
+                "the fixed {tendon:?} has the same joint twice; give it once, with the sum of the coefficients"
             ))
         })
     }
