@@ -73,8 +73,8 @@ impl Data {
     /// Linearises a step of the simulation about the present state and controls, with the step `eps` of the differences;
     /// `1e-6` with [`Differences::Central`] is a good choice.
     ///
-    /// The state, the controls and the time are as before afterwards. What is computed from them is that of the last
-    /// perturbed state, and counts as not computed.
+    /// The state, the controls and the time are as before afterwards, to the last bit. What is computed from them is that of
+    /// the last perturbed state, and counts as not computed.
     ///
     /// # Errors
     ///
@@ -88,6 +88,7 @@ impl Data {
     /// let system = data.transition_fd(1e-6, Differences::Central)?;
     /// // The next position of the cart by its velocity: a little less than the time step, because of damping.
     /// assert!((system.a[(0, 2)] - 0.01).abs() < 1e-5);
+    /// assert_eq!(data.time(), 0.0);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjd_transitionFD")]

@@ -5,7 +5,7 @@ use std::ffi::c_char;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 
-use mujoco_sys::{guard, mj_version, mjVERSION_HEADER, mju_user_warning};
+use mujoco_sys::{guard, mj_version, mjVERSION_HEADER};
 
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -63,10 +63,7 @@ pub(crate) fn ready() -> Result<()> {
     static SAME_VERSION: OnceLock<bool> = OnceLock::new();
     let same = SAME_VERSION.get_or_init(|| {
         // SAFETY: the engine has not been called yet by this crate, so no other thread reads the handlers at this moment.
-        unsafe {
-            guard::install();
-            mju_user_warning = Some(on_warning);
-        }
+        unsafe { guard::install(Some(on_warning)) };
         engine_version() == built_against()
     });
     if *same { Ok(()) } else { Err(Error::EngineVersion { built: built_against(), running: engine_version() }) }

@@ -15,6 +15,7 @@ macro_rules! engine_enum {
         impl $name {
             /// The variant of an engine constant, if there is one.
             #[allow(dead_code, reason = "not every enum is read back from the engine")]
+            #[inline]
             pub(crate) fn from_raw(raw: i32) -> Option<Self> {
                 match raw {
                     $(raw if raw == sys::$constant as i32 => Some(Self::$variant),)*
@@ -32,6 +33,7 @@ macro_rules! engine_enum {
 
             /// The variant of a field that loading has validated.
             #[allow(dead_code, reason = "idem")]
+            #[inline]
             pub(crate) fn of_field(raw: i32) -> Self {
                 Self::from_raw(raw).unwrap_or_else(|| panic!(concat!("Bug: a model with ", stringify!($name), " {}"), raw))
             }
@@ -129,6 +131,7 @@ engine_enum! {
 
 impl JointType {
     /// The joint's numbers in `qpos`: 7, 4 or 1.
+    #[inline]
     pub fn nq(self) -> usize {
         match self {
             Self::Free => 7,
@@ -138,6 +141,7 @@ impl JointType {
     }
 
     /// The joint's degrees of freedom: 6, 3 or 1.
+    #[inline]
     pub fn nv(self) -> usize {
         match self {
             Self::Free => 6,

@@ -216,19 +216,19 @@ fn shape((rows, columns): (usize, usize)) -> String {
 fn names(name: &str, known: &[String]) -> String {
     const SHOWN: usize = 40;
     let nearest = known.iter().map(|candidate| (distance(name, candidate), candidate)).min();
-    let mut text = match nearest {
+    let proposal = match nearest {
         Some((distance, candidate)) if distance <= 1 + name.len() / 3 => format!(", did you mean '{candidate}'?"),
         _ => String::new(),
     };
     if known.is_empty() {
-        text.push_str(" (none of this kind has a name)");
-    } else {
-        let more = known.len().saturating_sub(SHOWN);
-        let list = known.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
-        text.push_str(&format!(" (there are: {list}"));
-        text.push_str(&if more > 0 { format!(" and {more} more)") } else { ")".to_owned() });
+        return proposal + " (none of this kind has a name)";
     }
-    text
+    let list = known.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let more = match known.len().saturating_sub(SHOWN) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!("{proposal} (there are: {list}{more})")
 }
 
 /// Levenshtein's edit distance.

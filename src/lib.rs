@@ -95,3 +95,8 @@ pub use crate::id::{
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics};
 pub use crate::trajectory::Trajectory;
+
+/// The README's example, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

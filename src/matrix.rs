@@ -177,6 +177,7 @@ impl Matrix {
     }
 
     /// For the engine to write to.
+    #[inline]
     pub(crate) fn as_mut_ptr(&mut self) -> *mut f64 {
         self.values.as_mut_ptr()
     }

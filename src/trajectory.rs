@@ -107,7 +107,7 @@ impl Trajectory {
     /// # Errors
     ///
     /// Those of the controller and of [`Data::step`]; what was recorded up to there stays.
-    pub fn record(&mut self, data: &mut Data, controller: &mut impl Controller, steps: usize) -> Result<()> {
+    pub fn record(&mut self, data: &mut Data, controller: &mut (impl Controller + ?Sized), steps: usize) -> Result<()> {
         for _ in 0..steps {
             controller.control(data)?;
             self.push(data)?;

@@ -443,7 +443,7 @@ fn no_number_in_a_simulation_crashes_or_hangs_a_step() {
 
 #[test]
 fn no_number_in_a_model_crashes_or_hangs_a_step() {
-    let targets: [fn(&mut mujoco_safe::ModelMut<'_>, f64); 25] = [
+    let targets: [fn(&mut mujoco_safe::ModelMut<'_>, f64); 24] = [
         |model, number| model.qpos0_mut().fill(number),
         |model, number| model.body_mass_mut().fill(number),
         |model, number| model.body_inertia_mut().as_flattened_mut().fill(number),
@@ -468,7 +468,6 @@ fn no_number_in_a_model_crashes_or_hangs_a_step() {
         |model, number| model.actuator_gear_mut().as_flattened_mut().fill(number),
         |model, number| model.actuator_ctrlrange_mut().as_flattened_mut().fill(number),
         |model, number| model.hfield_data_mut().fill(number as f32),
-        |model, number| model.hfield_size_mut().as_flattened_mut().fill(number),
     ];
     for xml in [sample::HUMANOID_XML, COLLIDERS] {
         let shared = Arc::new(Model::from_xml_str(xml).unwrap());

@@ -5,8 +5,10 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mujoco_safe::{Data, Error, Model, sample};
-use rand::{RngExt, SeedableRng};
-use rand_xoshiro::Xoshiro256PlusPlus;
+use mutate::{DAMAGES, Damage, Map};
+
+#[path = "common/mutate.rs"]
+mod mutate;
 
 /// What becomes of the bytes; whether they are still a model.
 fn try_it(bytes: &[u8]) -> bool {
@@ -34,33 +36,30 @@ fn try_it(bytes: &[u8]) -> bool {
     true
 }
 
-fn mutations(model: &Model, count: usize, seed: u64) {
+fn mutations(model: &Model, seeds: std::ops::Range<u64>) {
     let good = model.to_binary().unwrap();
-    // Textures are most of a file, and of no consequence: aim before them as often as anywhere.
-    let head = good.len().min(50_000);
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    assert!(try_it(&good), "the model itself");
+    let map = Map::new(&good);
     let mut accepted = 0;
-    for round in 0..count {
-        let mut bytes = good.clone();
-        if round % 5 == 0 {
-            bytes.truncate(random.random_range(0..good.len()));
-        } else {
-            for _ in 0..random.random_range(1..=4) {
-                let end = if round % 2 == 0 { head } else { good.len() };
-                let at = random.random_range(0..end);
-                bytes[at] = random.random();
-            }
+    for damage in DAMAGES {
+        for seed in seeds.clone() {
+            let mutant = map.mutant(&good, damage, seed);
+            let outcome = catch_unwind(AssertUnwindSafe(|| try_it(&mutant)));
+            let is_model = outcome.unwrap_or_else(|_| panic!("{damage:?}, seed {seed}"));
+            assert!(!(is_model && matches!(damage, Damage::Truncation | Damage::Extension)), "{damage:?}, seed {seed}");
+            accepted += usize::from(is_model);
         }
-        let outcome = catch_unwind(AssertUnwindSafe(|| try_it(&bytes)));
-        accepted += usize::from(outcome.unwrap_or_else(|_| panic!("mutation {round} of seed {seed}")));
     }
-    println!("{accepted} of {count} mutations were still models");
+    println!("{accepted} mutations were still models");
 }
 
 #[test]
 fn mutated_models_are_errors_or_work() {
-    mutations(&sample::cartpole(), 250, 1);
-    mutations(&sample::humanoid(), 250, 2);
+    // Nine kinds of damage: more than 500 mutations.
+    mutations(&sample::cartpole(), 0..20);
+    mutations(&sample::humanoid(), 0..20);
+    let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
+    mutations(&Model::from_xml_path(every_element).unwrap(), 0..20);
 }
 
 #[test]

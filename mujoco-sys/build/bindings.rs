@@ -48,6 +48,8 @@ fn generate(engine: &Engine, out: &Path) {
         .clang_arg(format!("-I{}", engine.include.display()))
         // The headers document with plain comments, not with Doxygen's.
         .clang_arg("-fparse-all-comments")
+        // An installed engine's headers count as the system's.
+        .clang_arg("-fretain-comments-from-system-headers")
         .allowlist_item("(_?mj|MJ).*")
         // A C int is never turned into a Rust enum unchecked: constants, with the engine's own names.
         .default_enum_style(bindgen::EnumVariation::Consts)

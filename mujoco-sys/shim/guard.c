@@ -6,6 +6,8 @@
 
 static _Thread_local struct mujoco_sys_guard* innermost;
 static _Thread_local char message[1024];
+static _Thread_local int full_constraints_are_fatal;
+static void (*warning_sink)(const char*);
 
 void mujoco_sys_set_message(const char* text) {
   strncpy(message, text ? text : "", sizeof(message) - 1);
@@ -26,7 +28,26 @@ static void on_error(const char* text) {
   longjmp(innermost->return_to, 1);
 }
 
-void mujoco_sys_install(void) { mju_user_error = on_error; }
+static void on_warning(const char* text) {
+  // The handler is only told the text.
+  static const char full[] = "Pre-allocated constraint buffer is full";
+  if (full_constraints_are_fatal && innermost && strncmp(text, full, sizeof(full) - 1) == 0) {
+    on_error(text);
+  }
+  if (warning_sink) {
+    warning_sink(text);
+  } else {
+    fprintf(stderr, "MuJoCo warning: %s\n", text);
+  }
+}
+
+void mujoco_sys_install(void (*warn)(const char*)) {
+  warning_sink = warn;
+  mju_user_error = on_error;
+  mju_user_warning = on_warning;
+}
+
+void mujoco_sys_full_constraints_are_fatal(int fatal) { full_constraints_are_fatal = fatal; }
 
 // The mark of the engine's own stack inside mjData. After an error it stays where the failing call had pushed it; the part
 // below belongs to the callers further out, so it is put back to where it was rather than to zero.

@@ -28,8 +28,12 @@ enum {
   MUJOCO_SYS_EXCEPTION = 3,      // another C++ exception; its text is in mujoco_sys_message()
 };
 
-// Makes the handler the engine's own, for the whole process. Idempotent.
-void mujoco_sys_install(void);
+// Makes the handlers the engine's own, for the whole process. Warnings go to `warn`, or to standard error if it is NULL.
+void mujoco_sys_install(void (*warn)(const char*));
+
+// Whether a full constraint buffer is an error in this thread, instead of a warning. It has to be for a model with an actuator
+// of the adhesion kind: the engine looks up the constraints of each contact and trusts that there are some.
+void mujoco_sys_full_constraints_are_fatal(int fatal);
 
 // The text of this thread's last caught error. Valid until the thread's next one.
 const char* mujoco_sys_message(void);

@@ -38,9 +38,16 @@ macro_rules! guarded {
 }
 
 unsafe extern "C" {
-    /// Makes the guards' handler the engine's `mju_user_error`, for the whole process. Idempotent.
+    /// Makes the guards' handlers the engine's `mju_user_error` and `mju_user_warning`, for the whole process. Warnings go to
+    /// `warn`, or to standard error if there is none.
     #[link_name = "mujoco_sys_install"]
-    pub fn install();
+    pub fn install(warn: Option<unsafe extern "C" fn(*const c_char)>);
+
+    /// Whether a full constraint buffer is an error in this thread, instead of a warning. It has to be while a model with an
+    /// actuator of the adhesion kind (`mjTRN_BODY`) is simulated, and the engine only warns while
+    /// `warning[mjWARN_CNSTRFULL].number` is zero. Otherwise it writes out of bounds.
+    #[link_name = "mujoco_sys_full_constraints_are_fatal"]
+    pub fn full_constraints_are_fatal(fatal: c_int);
 
     /// The text of this thread's last caught error; valid until the next one.
     #[link_name = "mujoco_sys_message"]

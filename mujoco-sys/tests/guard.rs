@@ -91,7 +91,7 @@ fn install() {
     INSTALLED.get_or_init(|| {
         // SAFETY: every test comes here before it lets the engine work, so that nobody reads the two global pointers now.
         unsafe {
-            guard::install();
+            guard::install(None);
             mujoco_sys::mjcb_control = Some(control);
         }
     });

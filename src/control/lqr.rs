@@ -133,26 +133,34 @@ impl Controller for Lqr {
         for ((da, act), act0) in da.iter_mut().zip(data.act()).zip(&self.act0) {
             *da = act - act0;
         }
-        let nx = self.deviation.len();
-        for ((ctrl, ctrl0), row) in
-            data.ctrl_mut().iter_mut().zip(&self.ctrl0).zip(self.gain.as_slice().chunks_exact(nx.max(1)))
-        {
-            *ctrl = ctrl0 - dot(row, &self.deviation);
+        let ctrl = data.ctrl_mut();
+        ctrl.copy_from_slice(&self.ctrl0);
+        let nx = self.deviation.len().max(1);
+        for (ctrl, rows) in ctrl.chunks_mut(2).zip(self.gain.as_slice().chunks(2 * nx)) {
+            // The last row of an odd number is both.
+            let feedback = dots([&rows[..nx], &rows[rows.len() - nx..]], &self.deviation);
+            for (ctrl, feedback) in ctrl.iter_mut().zip(feedback) {
+                *ctrl -= feedback;
+            }
         }
         Ok(())
     }
 }
 
-/// The scalar product, in four sums, which the compiler can keep in vector registers.
+/// The scalar products of two vectors with a third: each in four sums, which the compiler can keep in vector registers, and both
+/// at once, which loads the third once.
 #[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a4, a_rest), (b4, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    let mut sums = [0.0; 4];
-    for (a, b) in a4.iter().zip(b4) {
+fn dots([a, b]: [&[f64]; 2], x: &[f64]) -> [f64; 2] {
+    let ((a, a_rest), (b, b_rest), (x, x_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>(), x.as_chunks::<4>());
+    let (mut a_sums, mut b_sums) = ([0.0; 4], [0.0; 4]);
+    for ((a, b), x) in a.iter().zip(b).zip(x) {
         for lane in 0..4 {
-            sums[lane] += a[lane] * b[lane];
+            a_sums[lane] += a[lane] * x[lane];
+        }
+        for lane in 0..4 {
+            b_sums[lane] += b[lane] * x[lane];
         }
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums[0] + sums[1] + (sums[2] + sums[3]) + rest
+    [(a_sums, a_rest), (b_sums, b_rest)]
+        .map(|([a, b, c, d], rest)| a + b + (c + d) + rest.iter().zip(x_rest).map(|(a, x)| a * x).sum::<f64>())
 }

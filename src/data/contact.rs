@@ -113,7 +113,12 @@ impl<'d> Contact<'d> {
         let mut result = [0.0; 6];
         // SAFETY: the index is below `ncon`, and the forces were computed with the layout that the model's options give.
         unsafe {
-            sys::mj_contactForce(self.data.model().as_ptr(), self.data.as_ptr(), self.index as i32, result.as_mut_ptr())
+            sys::mj_contactForce(
+                self.data.model().as_ptr(),
+                self.data.as_ptr(),
+                self.index as i32,
+                result.as_mut_ptr(),
+            );
         };
         let [fx, fy, fz, tx, ty, tz] = result;
         Ok(ContactForce { force: [fx, fy, fz], torque: [tx, ty, tz] })

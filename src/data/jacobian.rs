@@ -24,6 +24,7 @@ pub struct Jacobian {
 }
 
 /// A matrix that the engine may leave out, and the size that it must have.
+#[inline]
 fn output(what: &'static str, matrix: Option<&mut Matrix>, nv: usize) -> Result<*mut f64> {
     match matrix {
         None => Ok(ptr::null_mut()),
@@ -63,6 +64,7 @@ macro_rules! jacobian_of {
         ///
         /// If the id is of another model.
         #[doc(alias = $alias)]
+        #[inline]
         pub fn $into(&self, id: impl Into<$id>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
             let index = self.index_for(stringify!($name), id.into())?;
             let (jacp, jacr) = self.outputs(translation, rotation)?;
@@ -184,11 +186,13 @@ impl Data {
         Jacobian { translation: Matrix::zeros(3, nv), rotation: Matrix::zeros(3, nv) }
     }
 
+    #[inline]
     fn outputs(&self, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<(*mut f64, *mut f64)> {
         let nv = self.model().nv();
         Ok((output("translation", translation, nv)?, output("rotation", rotation, nv)?))
     }
 
+    #[inline]
     fn index_for<K: ElementKind>(&self, call: &'static str, id: Id<K>) -> Result<c_int> {
         self.model().check_id(id);
         self.check_computed(call, Stage::Position)?;

@@ -2,7 +2,7 @@
 
 use std::ffi::c_int;
 
-use mujoco_sys::{guard, mjData, mjModel};
+use mujoco_sys::{guard, mjData, mjModel, mjWARN_CNSTRFULL};
 
 use super::warning::{Counted, Lifted};
 use super::{Data, Stage};
@@ -132,13 +132,33 @@ impl Data {
         let time = self.time();
         self.first_half = false;
         let warnings = Lifted::lift(self.raw_mut());
-        let status = call(self.model().as_ptr(), self.as_mut_ptr());
+        let status = if self.model().has_adhesion() {
+            self.run_with_adhesion(call)
+        } else {
+            call(self.model().as_ptr(), self.as_mut_ptr())
+        };
         let counted = warnings.lower(self.raw_mut());
         if status == guard::OK && counted == Counted::Nothing {
             self.stage = computes;
             return Ok(());
         }
         self.settle(function, computes, time, &warnings, status, counted)
+    }
+
+    /// A call on a model with an adhesion actuator, for which a full constraint buffer has to be an error.
+    #[cold]
+    fn run_with_adhesion(&mut self, call: impl FnOnce(*const mjModel, *mut mjData) -> c_int) -> c_int {
+        const COUNTER: usize = mjWARN_CNSTRFULL as usize;
+        // The engine speaks of it only while the counter is zero.
+        let lifted = std::mem::take(&mut self.raw_mut().warning[COUNTER].number);
+        // SAFETY: sets a flag of this thread, which no engine call of another model sees: it is cleared before this returns.
+        unsafe { guard::full_constraints_are_fatal(1) };
+        let status = call(self.model().as_ptr(), self.as_mut_ptr());
+        // SAFETY: as above.
+        unsafe { guard::full_constraints_are_fatal(0) };
+        let counter = &mut self.raw_mut().warning[COUNTER].number;
+        *counter = counter.saturating_add(lifted);
+        status
     }
 
     #[cold]

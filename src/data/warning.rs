@@ -5,6 +5,7 @@
 //! lifted for the time of a call, the engine counts in silence, and what it counted is read off and logged afterwards. A
 //! counter that came back below the lift tells that the engine has reset the data.
 
+use std::cmp::Ordering;
 use std::fmt;
 
 use mujoco_sys::{self as sys, mjData, mjWarningStat};
@@ -115,9 +116,9 @@ impl Data {
     /// Logs the warnings whose counters were zero before.
     #[cold]
     pub(super) fn log_new_warnings(&self, before: &Lifted) {
-        for (warning, old) in Warning::ALL.into_iter().zip(before.numbers) {
+        for (warning, old) in Warning::ALL.into_iter().zip(before.before) {
             let now = self.warning(warning);
-            if old == 0 && now.number > 0 {
+            if old.number == 0 && now.number > 0 {
                 log::warn!(target: LOG_TARGET, "{}", warning.message(now.last_info, self));
             }
         }
@@ -129,7 +130,7 @@ const LIFT: i32 = 1 << 30;
 
 /// The counters of a data whose engine counters are lifted.
 pub(super) struct Lifted {
-    numbers: [i32; COUNT],
+    before: [mjWarningStat; COUNT],
 }
 
 /// What the engine did to the counters.
@@ -146,34 +147,78 @@ pub(super) enum Counted {
 impl Lifted {
     #[inline]
     pub(super) fn lift(data: &mut mjData) -> Self {
-        let mut numbers = [0; COUNT];
-        for (number, stat) in numbers.iter_mut().zip(&mut data.warning) {
-            *number = std::mem::replace(&mut stat.number, LIFT);
-        }
-        Self { numbers }
+        // Whole, because that is a handful of vector instructions.
+        Self { before: std::mem::replace(&mut data.warning, [mjWarningStat { lastinfo: 0, number: LIFT }; COUNT]) }
     }
 
     /// Puts the counters back, with what was counted meanwhile.
     #[inline]
     pub(super) fn lower(&self, data: &mut mjData) -> Counted {
-        let mut counted = Counted::Nothing;
-        for (&number, stat) in self.numbers.iter().zip(&mut data.warning) {
-            if stat.number == LIFT {
-                stat.number = number;
-            } else {
-                counted = counted.max(lower_changed(number, stat));
-            }
+        if data.warning.iter().all(|stat| stat.number == LIFT) {
+            data.warning = self.before;
+            Counted::Nothing
+        } else {
+            self.lower_changed(data)
         }
-        counted
+    }
+
+    #[cold]
+    fn lower_changed(&self, data: &mut mjData) -> Counted {
+        let lowered = self.before.iter().zip(&mut data.warning).map(|(before, stat)| match stat.number.cmp(&LIFT) {
+            Ordering::Equal => {
+                *stat = *before;
+                Counted::Nothing
+            }
+            Ordering::Greater => {
+                stat.number = before.number.saturating_add(stat.number - LIFT);
+                Counted::Warned
+            }
+            Ordering::Less => Counted::Reset,
+        });
+        lowered.max().unwrap_or(Counted::Nothing)
     }
 }
 
-#[cold]
-fn lower_changed(number: i32, stat: &mut mjWarningStat) -> Counted {
-    if stat.number > LIFT {
-        stat.number = number.saturating_add(stat.number - LIFT);
-        Counted::Warned
-    } else {
-        Counted::Reset
+#[cfg(test)]
+mod tests {
+    use mujoco_sys::mjWarningStat;
+
+    use super::{Counted, Lifted};
+    use crate::{Data, sample};
+
+    /// Lifts counters of 3, has the engine's part done by `engine`, and lowers them again.
+    fn lowered(engine: impl FnOnce(&mut [mjWarningStat])) -> (Counted, Vec<(i32, i32)>) {
+        let mut data = Data::new(sample::cartpole()).unwrap();
+        data.raw_mut().warning.fill(mjWarningStat { lastinfo: 7, number: 3 });
+        let lifted = Lifted::lift(data.raw_mut());
+        engine(&mut data.raw_mut().warning);
+        let counted = lifted.lower(data.raw_mut());
+        (counted, data.raw().warning.iter().map(|stat| (stat.number, stat.lastinfo)).collect())
+    }
+
+    #[test]
+    fn counters_that_nothing_was_counted_on_are_as_before() {
+        let (counted, stats) = lowered(|_| ());
+        assert!(counted == Counted::Nothing && stats == [(3, 7); 8]);
+    }
+
+    #[test]
+    fn a_warning_adds_to_its_counter_only() {
+        let (counted, stats) = lowered(|warning| {
+            warning[1].number += 2;
+            warning[1].lastinfo = 5;
+        });
+        assert!(counted == Counted::Warned);
+        assert_eq!((stats[0], stats[1], stats[2]), ((3, 7), (5, 5), (3, 7)));
+    }
+
+    #[test]
+    fn a_reset_by_the_engine_is_told_from_a_warning() {
+        let (counted, stats) = lowered(|warning| {
+            warning.fill(mjWarningStat { lastinfo: 0, number: 0 });
+            warning[6] = mjWarningStat { lastinfo: 1, number: 1 };
+        });
+        assert!(counted == Counted::Reset);
+        assert_eq!((stats[0], stats[6]), ((0, 0), (1, 1)));
     }
 }

@@ -86,18 +86,21 @@ pub(crate) trait Owner {
 }
 
 impl Owner for Model {
+    #[inline]
     fn model_of(&self) -> &Model {
         self
     }
 }
 
 impl Owner for ModelMut<'_> {
+    #[inline]
     fn model_of(&self) -> &Model {
         self
     }
 }
 
 impl Owner for Data {
+    #[inline]
     fn model_of(&self) -> &Model {
         self.model()
     }
@@ -105,6 +108,7 @@ impl Owner for Data {
 
 #[allow(private_bounds, reason = "there are only the two owners")]
 impl<'a, O: Owner, K: ElementKind> View<'a, O, K> {
+    #[inline]
     fn new(owner: &'a O, id: Id<K>) -> Self {
         Self { owner, id }
     }
@@ -135,11 +139,13 @@ impl<'a, O: Owner, K: ElementKind> View<'a, O, K> {
 
 #[allow(private_bounds, reason = "there are only the two owners")]
 impl<'a, O: Owner, K: ElementKind> ViewMut<'a, O, K> {
+    #[inline]
     fn new(owner: &'a mut O, id: Id<K>) -> Self {
         Self { owner, id }
     }
 
     /// The same element, to be read.
+    #[inline]
     pub fn as_view(&self) -> View<'_, O, K> {
         View::new(self.owner, self.id)
     }
@@ -181,7 +187,7 @@ macro_rules! kind {
             #[doc = concat!("The ", stringify!($one), " behind a key: see [`element`](crate::element).")]
             #[doc(alias = $short)]
             #[inline]
-            pub fn $one<'m, Q: Key<kind::$kind>>(&'m self, key: Q) -> Q::Found<$kind<'m>> {
+            pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$kind<'_>> {
                 key.find(self, |id| View::new(self, id))
             }
 
@@ -211,13 +217,13 @@ macro_rules! kind {
                 #[doc = concat!("The ", stringify!($one), " behind a key: see [`element`](crate::element).")]
                 #[doc(alias = $short)]
                 #[inline]
-                pub fn $one<'d, Q: Key<kind::$kind>>(&'d self, key: Q) -> Q::Found<$data<'d>> {
+                pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$data<'_>> {
                     key.find(self.model(), |id| View::new(self, id))
                 }
 
                 #[doc = concat!("The ", stringify!($one), " behind a key, to be written to.")]
                 #[inline]
-                pub fn $one_mut<'d, Q: Key<kind::$kind>>(&'d mut self, key: Q) -> Q::Found<$data_mut<'d>> {
+                pub fn $one_mut<Q: Key<kind::$kind>>(&mut self, key: Q) -> Q::Found<$data_mut<'_>> {
                     let id = key.id(self.model());
                     Q::found(id, |id| ViewMut::new(self, id))
                 }

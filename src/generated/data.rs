@@ -16,7 +16,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qpos, self.model().nq()) }
     }
 
-    /// [`qpos`](Self::qpos), to be written to.
+    /// [`qpos`](crate::Data::qpos), to be written to.
     #[inline]
     pub fn qpos_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nq();
@@ -36,7 +36,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qvel, self.model().nv()) }
     }
 
-    /// [`qvel`](Self::qvel), to be written to.
+    /// [`qvel`](crate::Data::qvel), to be written to.
     #[inline]
     pub fn qvel_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -56,7 +56,7 @@ impl Data {
         unsafe { ffi::array(self.raw().act, self.model().na()) }
     }
 
-    /// [`act`](Self::act), to be written to.
+    /// [`act`](crate::Data::act), to be written to.
     #[inline]
     pub fn act_mut(&mut self) -> &mut [f64] {
         let rows = self.model().na();
@@ -74,7 +74,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qacc_warmstart, self.model().nv()) }
     }
 
-    /// [`qacc_warmstart`](Self::qacc_warmstart), to be written to.
+    /// [`qacc_warmstart`](crate::Data::qacc_warmstart), to be written to.
     #[inline]
     pub fn qacc_warmstart_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -94,7 +94,7 @@ impl Data {
         unsafe { ffi::array(self.raw().ctrl, self.model().nu()) }
     }
 
-    /// [`ctrl`](Self::ctrl), to be written to.
+    /// [`ctrl`](crate::Data::ctrl), to be written to.
     #[inline]
     pub fn ctrl_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nu();
@@ -114,7 +114,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qfrc_applied, self.model().nv()) }
     }
 
-    /// [`qfrc_applied`](Self::qfrc_applied), to be written to.
+    /// [`qfrc_applied`](crate::Data::qfrc_applied), to be written to.
     #[inline]
     pub fn qfrc_applied_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -134,7 +134,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().xfrc_applied, self.model().nbody()) }
     }
 
-    /// [`xfrc_applied`](Self::xfrc_applied), to be written to.
+    /// [`xfrc_applied`](crate::Data::xfrc_applied), to be written to.
     #[inline]
     pub fn xfrc_applied_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.model().nbody();
@@ -154,7 +154,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().mocap_pos, self.model().nmocap()) }
     }
 
-    /// [`mocap_pos`](Self::mocap_pos), to be written to.
+    /// [`mocap_pos`](crate::Data::mocap_pos), to be written to.
     #[inline]
     pub fn mocap_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nmocap();
@@ -174,7 +174,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().mocap_quat, self.model().nmocap()) }
     }
 
-    /// [`mocap_quat`](Self::mocap_quat), to be written to.
+    /// [`mocap_quat`](crate::Data::mocap_quat), to be written to.
     #[inline]
     pub fn mocap_quat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.model().nmocap();
@@ -194,7 +194,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qacc, self.model().nv()) }
     }
 
-    /// [`qacc`](Self::qacc), to be written to.
+    /// [`qacc`](crate::Data::qacc), to be written to.
     #[inline]
     pub fn qacc_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -212,7 +212,7 @@ impl Data {
         unsafe { ffi::array(self.raw().act_dot, self.model().na()) }
     }
 
-    /// [`act_dot`](Self::act_dot), to be written to.
+    /// [`act_dot`](crate::Data::act_dot), to be written to.
     #[inline]
     pub fn act_dot_mut(&mut self) -> &mut [f64] {
         let rows = self.model().na();
@@ -230,7 +230,7 @@ impl Data {
         unsafe { ffi::array(self.raw().userdata, self.model().nuserdata()) }
     }
 
-    /// [`userdata`](Self::userdata), to be written to.
+    /// [`userdata`](crate::Data::userdata), to be written to.
     #[inline]
     pub fn userdata_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nuserdata();
@@ -250,7 +250,7 @@ impl Data {
         unsafe { ffi::array(self.raw().sensordata, self.model().nsensordata()) }
     }
 
-    /// [`sensordata`](Self::sensordata), to be written to.
+    /// [`sensordata`](crate::Data::sensordata), to be written to.
     #[inline]
     pub fn sensordata_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nsensordata();
@@ -270,7 +270,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().xpos, self.model().nbody()) }
     }
 
-    /// [`xpos`](Self::xpos), to be written to.
+    /// [`xpos`](crate::Data::xpos), to be written to.
     #[inline]
     pub fn xpos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nbody();
@@ -290,7 +290,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().xquat, self.model().nbody()) }
     }
 
-    /// [`xquat`](Self::xquat), to be written to.
+    /// [`xquat`](crate::Data::xquat), to be written to.
     #[inline]
     pub fn xquat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.model().nbody();
@@ -310,7 +310,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().xmat, self.model().nbody()) }
     }
 
-    /// [`xmat`](Self::xmat), to be written to.
+    /// [`xmat`](crate::Data::xmat), to be written to.
     #[inline]
     pub fn xmat_mut(&mut self) -> &mut [[f64; 9]] {
         let rows = self.model().nbody();
@@ -330,7 +330,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().xipos, self.model().nbody()) }
     }
 
-    /// [`xipos`](Self::xipos), to be written to.
+    /// [`xipos`](crate::Data::xipos), to be written to.
     #[inline]
     pub fn xipos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nbody();
@@ -348,7 +348,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().ximat, self.model().nbody()) }
     }
 
-    /// [`ximat`](Self::ximat), to be written to.
+    /// [`ximat`](crate::Data::ximat), to be written to.
     #[inline]
     pub fn ximat_mut(&mut self) -> &mut [[f64; 9]] {
         let rows = self.model().nbody();
@@ -366,7 +366,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().xanchor, self.model().njnt()) }
     }
 
-    /// [`xanchor`](Self::xanchor), to be written to.
+    /// [`xanchor`](crate::Data::xanchor), to be written to.
     #[inline]
     pub fn xanchor_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().njnt();
@@ -384,7 +384,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().xaxis, self.model().njnt()) }
     }
 
-    /// [`xaxis`](Self::xaxis), to be written to.
+    /// [`xaxis`](crate::Data::xaxis), to be written to.
     #[inline]
     pub fn xaxis_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().njnt();
@@ -404,7 +404,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().geom_xpos, self.model().ngeom()) }
     }
 
-    /// [`geom_xpos`](Self::geom_xpos), to be written to.
+    /// [`geom_xpos`](crate::Data::geom_xpos), to be written to.
     #[inline]
     pub fn geom_xpos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().ngeom();
@@ -422,7 +422,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().geom_xmat, self.model().ngeom()) }
     }
 
-    /// [`geom_xmat`](Self::geom_xmat), to be written to.
+    /// [`geom_xmat`](crate::Data::geom_xmat), to be written to.
     #[inline]
     pub fn geom_xmat_mut(&mut self) -> &mut [[f64; 9]] {
         let rows = self.model().ngeom();
@@ -442,7 +442,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().site_xpos, self.model().nsite()) }
     }
 
-    /// [`site_xpos`](Self::site_xpos), to be written to.
+    /// [`site_xpos`](crate::Data::site_xpos), to be written to.
     #[inline]
     pub fn site_xpos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nsite();
@@ -460,7 +460,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().site_xmat, self.model().nsite()) }
     }
 
-    /// [`site_xmat`](Self::site_xmat), to be written to.
+    /// [`site_xmat`](crate::Data::site_xmat), to be written to.
     #[inline]
     pub fn site_xmat_mut(&mut self) -> &mut [[f64; 9]] {
         let rows = self.model().nsite();
@@ -478,7 +478,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cam_xpos, self.model().ncam()) }
     }
 
-    /// [`cam_xpos`](Self::cam_xpos), to be written to.
+    /// [`cam_xpos`](crate::Data::cam_xpos), to be written to.
     #[inline]
     pub fn cam_xpos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().ncam();
@@ -496,7 +496,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cam_xmat, self.model().ncam()) }
     }
 
-    /// [`cam_xmat`](Self::cam_xmat), to be written to.
+    /// [`cam_xmat`](crate::Data::cam_xmat), to be written to.
     #[inline]
     pub fn cam_xmat_mut(&mut self) -> &mut [[f64; 9]] {
         let rows = self.model().ncam();
@@ -514,7 +514,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().light_xpos, self.model().nlight()) }
     }
 
-    /// [`light_xpos`](Self::light_xpos), to be written to.
+    /// [`light_xpos`](crate::Data::light_xpos), to be written to.
     #[inline]
     pub fn light_xpos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nlight();
@@ -532,7 +532,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().light_xdir, self.model().nlight()) }
     }
 
-    /// [`light_xdir`](Self::light_xdir), to be written to.
+    /// [`light_xdir`](crate::Data::light_xdir), to be written to.
     #[inline]
     pub fn light_xdir_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nlight();
@@ -552,7 +552,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().subtree_com, self.model().nbody()) }
     }
 
-    /// [`subtree_com`](Self::subtree_com), to be written to.
+    /// [`subtree_com`](crate::Data::subtree_com), to be written to.
     #[inline]
     pub fn subtree_com_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nbody();
@@ -570,7 +570,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cdof, self.model().nv()) }
     }
 
-    /// [`cdof`](Self::cdof), to be written to.
+    /// [`cdof`](crate::Data::cdof), to be written to.
     #[inline]
     pub fn cdof_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.model().nv();
@@ -588,7 +588,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cinert, self.model().nbody()) }
     }
 
-    /// [`cinert`](Self::cinert), to be written to.
+    /// [`cinert`](crate::Data::cinert), to be written to.
     #[inline]
     pub fn cinert_mut(&mut self) -> &mut [[f64; 10]] {
         let rows = self.model().nbody();
@@ -653,7 +653,7 @@ impl Data {
         unsafe { ffi::array(self.raw().ten_length, self.model().ntendon()) }
     }
 
-    /// [`ten_length`](Self::ten_length), to be written to.
+    /// [`ten_length`](crate::Data::ten_length), to be written to.
     #[inline]
     pub fn ten_length_mut(&mut self) -> &mut [f64] {
         let rows = self.model().ntendon();
@@ -671,7 +671,7 @@ impl Data {
         unsafe { MatrixView::from_raw(self.raw().ten_J, self.model().ntendon(), self.model().nv()) }
     }
 
-    /// [`ten_J`](Self::ten_J), to be written to.
+    /// [`ten_J`](crate::Data::ten_J), to be written to.
     #[inline]
     pub fn ten_J_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.model().ntendon();
@@ -699,7 +699,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().wrap_xpos, self.model().nwrap()) }
     }
 
-    /// [`wrap_xpos`](Self::wrap_xpos), to be written to.
+    /// [`wrap_xpos`](crate::Data::wrap_xpos), to be written to.
     #[inline]
     pub fn wrap_xpos_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.model().nwrap();
@@ -717,7 +717,7 @@ impl Data {
         unsafe { ffi::array(self.raw().actuator_length, self.model().nu()) }
     }
 
-    /// [`actuator_length`](Self::actuator_length), to be written to.
+    /// [`actuator_length`](crate::Data::actuator_length), to be written to.
     #[inline]
     pub fn actuator_length_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nu();
@@ -737,7 +737,7 @@ impl Data {
         unsafe { MatrixView::from_raw(self.raw().actuator_moment, self.model().nu(), self.model().nv()) }
     }
 
-    /// [`actuator_moment`](Self::actuator_moment), to be written to.
+    /// [`actuator_moment`](crate::Data::actuator_moment), to be written to.
     #[inline]
     pub fn actuator_moment_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.model().nu();
@@ -756,7 +756,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().crb, self.model().nbody()) }
     }
 
-    /// [`crb`](Self::crb), to be written to.
+    /// [`crb`](crate::Data::crb), to be written to.
     #[inline]
     pub fn crb_mut(&mut self) -> &mut [[f64; 10]] {
         let rows = self.model().nbody();
@@ -774,7 +774,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qM, self.model().nM()) }
     }
 
-    /// [`qM`](Self::qM), to be written to.
+    /// [`qM`](crate::Data::qM), to be written to.
     #[inline]
     pub fn qM_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nM();
@@ -792,7 +792,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qLD, self.model().nM()) }
     }
 
-    /// [`qLD`](Self::qLD), to be written to.
+    /// [`qLD`](crate::Data::qLD), to be written to.
     #[inline]
     pub fn qLD_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nM();
@@ -810,7 +810,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qLDiagInv, self.model().nv()) }
     }
 
-    /// [`qLDiagInv`](Self::qLDiagInv), to be written to.
+    /// [`qLDiagInv`](crate::Data::qLDiagInv), to be written to.
     #[inline]
     pub fn qLDiagInv_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -828,7 +828,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qLDiagSqrtInv, self.model().nv()) }
     }
 
-    /// [`qLDiagSqrtInv`](Self::qLDiagSqrtInv), to be written to.
+    /// [`qLDiagSqrtInv`](crate::Data::qLDiagSqrtInv), to be written to.
     #[inline]
     pub fn qLDiagSqrtInv_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -942,7 +942,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_J, self.nefc() * self.model().nv()) }
     }
 
-    /// [`efc_J`](Self::efc_J), to be written to.
+    /// [`efc_J`](crate::Data::efc_J), to be written to.
     #[inline]
     pub fn efc_J_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -963,7 +963,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_JT, self.model().nv() * self.nefc()) }
     }
 
-    /// [`efc_JT`](Self::efc_JT), to be written to.
+    /// [`efc_JT`](crate::Data::efc_JT), to be written to.
     #[inline]
     pub fn efc_JT_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -982,7 +982,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_pos, self.nefc()) }
     }
 
-    /// [`efc_pos`](Self::efc_pos), to be written to.
+    /// [`efc_pos`](crate::Data::efc_pos), to be written to.
     #[inline]
     pub fn efc_pos_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1000,7 +1000,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_margin, self.nefc()) }
     }
 
-    /// [`efc_margin`](Self::efc_margin), to be written to.
+    /// [`efc_margin`](crate::Data::efc_margin), to be written to.
     #[inline]
     pub fn efc_margin_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1018,7 +1018,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_frictionloss, self.nefc()) }
     }
 
-    /// [`efc_frictionloss`](Self::efc_frictionloss), to be written to.
+    /// [`efc_frictionloss`](crate::Data::efc_frictionloss), to be written to.
     #[inline]
     pub fn efc_frictionloss_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1036,7 +1036,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_diagApprox, self.nefc()) }
     }
 
-    /// [`efc_diagApprox`](Self::efc_diagApprox), to be written to.
+    /// [`efc_diagApprox`](crate::Data::efc_diagApprox), to be written to.
     #[inline]
     pub fn efc_diagApprox_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1054,7 +1054,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().efc_KBIP, self.nefc()) }
     }
 
-    /// [`efc_KBIP`](Self::efc_KBIP), to be written to.
+    /// [`efc_KBIP`](crate::Data::efc_KBIP), to be written to.
     #[inline]
     pub fn efc_KBIP_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.nefc();
@@ -1072,7 +1072,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_D, self.nefc()) }
     }
 
-    /// [`efc_D`](Self::efc_D), to be written to.
+    /// [`efc_D`](crate::Data::efc_D), to be written to.
     #[inline]
     pub fn efc_D_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1090,7 +1090,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_R, self.nefc()) }
     }
 
-    /// [`efc_R`](Self::efc_R), to be written to.
+    /// [`efc_R`](crate::Data::efc_R), to be written to.
     #[inline]
     pub fn efc_R_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1139,7 +1139,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_AR, self.nefc() * self.nefc()) }
     }
 
-    /// [`efc_AR`](Self::efc_AR), to be written to.
+    /// [`efc_AR`](crate::Data::efc_AR), to be written to.
     #[inline]
     pub fn efc_AR_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1158,7 +1158,7 @@ impl Data {
         unsafe { ffi::array(self.raw().ten_velocity, self.model().ntendon()) }
     }
 
-    /// [`ten_velocity`](Self::ten_velocity), to be written to.
+    /// [`ten_velocity`](crate::Data::ten_velocity), to be written to.
     #[inline]
     pub fn ten_velocity_mut(&mut self) -> &mut [f64] {
         let rows = self.model().ntendon();
@@ -1176,7 +1176,7 @@ impl Data {
         unsafe { ffi::array(self.raw().actuator_velocity, self.model().nu()) }
     }
 
-    /// [`actuator_velocity`](Self::actuator_velocity), to be written to.
+    /// [`actuator_velocity`](crate::Data::actuator_velocity), to be written to.
     #[inline]
     pub fn actuator_velocity_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nu();
@@ -1194,7 +1194,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cvel, self.model().nbody()) }
     }
 
-    /// [`cvel`](Self::cvel), to be written to.
+    /// [`cvel`](crate::Data::cvel), to be written to.
     #[inline]
     pub fn cvel_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.model().nbody();
@@ -1212,7 +1212,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cdof_dot, self.model().nv()) }
     }
 
-    /// [`cdof_dot`](Self::cdof_dot), to be written to.
+    /// [`cdof_dot`](crate::Data::cdof_dot), to be written to.
     #[inline]
     pub fn cdof_dot_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.model().nv();
@@ -1230,7 +1230,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qfrc_bias, self.model().nv()) }
     }
 
-    /// [`qfrc_bias`](Self::qfrc_bias), to be written to.
+    /// [`qfrc_bias`](crate::Data::qfrc_bias), to be written to.
     #[inline]
     pub fn qfrc_bias_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -1248,7 +1248,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qfrc_passive, self.model().nv()) }
     }
 
-    /// [`qfrc_passive`](Self::qfrc_passive), to be written to.
+    /// [`qfrc_passive`](crate::Data::qfrc_passive), to be written to.
     #[inline]
     pub fn qfrc_passive_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -1266,7 +1266,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_vel, self.nefc()) }
     }
 
-    /// [`efc_vel`](Self::efc_vel), to be written to.
+    /// [`efc_vel`](crate::Data::efc_vel), to be written to.
     #[inline]
     pub fn efc_vel_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1284,7 +1284,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_aref, self.nefc()) }
     }
 
-    /// [`efc_aref`](Self::efc_aref), to be written to.
+    /// [`efc_aref`](crate::Data::efc_aref), to be written to.
     #[inline]
     pub fn efc_aref_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1302,7 +1302,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().subtree_linvel, self.model().nbody()) }
     }
 
-    /// [`subtree_linvel`](Self::subtree_linvel), to be written to.
+    /// [`subtree_linvel`](crate::Data::subtree_linvel), to be written to.
     #[inline]
     pub fn subtree_linvel_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nbody();
@@ -1320,7 +1320,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().subtree_angmom, self.model().nbody()) }
     }
 
-    /// [`subtree_angmom`](Self::subtree_angmom), to be written to.
+    /// [`subtree_angmom`](crate::Data::subtree_angmom), to be written to.
     #[inline]
     pub fn subtree_angmom_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.model().nbody();
@@ -1338,7 +1338,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qH, self.model().nM()) }
     }
 
-    /// [`qH`](Self::qH), to be written to.
+    /// [`qH`](crate::Data::qH), to be written to.
     #[inline]
     pub fn qH_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nM();
@@ -1356,7 +1356,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qHDiagInv, self.model().nv()) }
     }
 
-    /// [`qHDiagInv`](Self::qHDiagInv), to be written to.
+    /// [`qHDiagInv`](crate::Data::qHDiagInv), to be written to.
     #[inline]
     pub fn qHDiagInv_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -1401,7 +1401,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qDeriv, self.model().nD()) }
     }
 
-    /// [`qDeriv`](Self::qDeriv), to be written to.
+    /// [`qDeriv`](crate::Data::qDeriv), to be written to.
     #[inline]
     pub fn qDeriv_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nD();
@@ -1419,7 +1419,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qLU, self.model().nD()) }
     }
 
-    /// [`qLU`](Self::qLU), to be written to.
+    /// [`qLU`](crate::Data::qLU), to be written to.
     #[inline]
     pub fn qLU_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nD();
@@ -1437,7 +1437,7 @@ impl Data {
         unsafe { ffi::array(self.raw().actuator_force, self.model().nu()) }
     }
 
-    /// [`actuator_force`](Self::actuator_force), to be written to.
+    /// [`actuator_force`](crate::Data::actuator_force), to be written to.
     #[inline]
     pub fn actuator_force_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nu();
@@ -1457,7 +1457,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qfrc_actuator, self.model().nv()) }
     }
 
-    /// [`qfrc_actuator`](Self::qfrc_actuator), to be written to.
+    /// [`qfrc_actuator`](crate::Data::qfrc_actuator), to be written to.
     #[inline]
     pub fn qfrc_actuator_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -1475,7 +1475,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qfrc_smooth, self.model().nv()) }
     }
 
-    /// [`qfrc_smooth`](Self::qfrc_smooth), to be written to.
+    /// [`qfrc_smooth`](crate::Data::qfrc_smooth), to be written to.
     #[inline]
     pub fn qfrc_smooth_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -1493,7 +1493,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qacc_smooth, self.model().nv()) }
     }
 
-    /// [`qacc_smooth`](Self::qacc_smooth), to be written to.
+    /// [`qacc_smooth`](crate::Data::qacc_smooth), to be written to.
     #[inline]
     pub fn qacc_smooth_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -1511,7 +1511,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_b, self.nefc()) }
     }
 
-    /// [`efc_b`](Self::efc_b), to be written to.
+    /// [`efc_b`](crate::Data::efc_b), to be written to.
     #[inline]
     pub fn efc_b_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1529,7 +1529,7 @@ impl Data {
         unsafe { ffi::array(self.raw().efc_force, self.nefc()) }
     }
 
-    /// [`efc_force`](Self::efc_force), to be written to.
+    /// [`efc_force`](crate::Data::efc_force), to be written to.
     #[inline]
     pub fn efc_force_mut(&mut self) -> &mut [f64] {
         let rows = self.nefc();
@@ -1556,7 +1556,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qfrc_constraint, self.model().nv()) }
     }
 
-    /// [`qfrc_constraint`](Self::qfrc_constraint), to be written to.
+    /// [`qfrc_constraint`](crate::Data::qfrc_constraint), to be written to.
     #[inline]
     pub fn qfrc_constraint_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -1576,7 +1576,7 @@ impl Data {
         unsafe { ffi::array(self.raw().qfrc_inverse, self.model().nv()) }
     }
 
-    /// [`qfrc_inverse`](Self::qfrc_inverse), to be written to.
+    /// [`qfrc_inverse`](crate::Data::qfrc_inverse), to be written to.
     #[inline]
     pub fn qfrc_inverse_mut(&mut self) -> &mut [f64] {
         let rows = self.model().nv();
@@ -1594,7 +1594,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cacc, self.model().nbody()) }
     }
 
-    /// [`cacc`](Self::cacc), to be written to.
+    /// [`cacc`](crate::Data::cacc), to be written to.
     #[inline]
     pub fn cacc_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.model().nbody();
@@ -1612,7 +1612,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cfrc_int, self.model().nbody()) }
     }
 
-    /// [`cfrc_int`](Self::cfrc_int), to be written to.
+    /// [`cfrc_int`](crate::Data::cfrc_int), to be written to.
     #[inline]
     pub fn cfrc_int_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.model().nbody();
@@ -1630,7 +1630,7 @@ impl Data {
         unsafe { ffi::rows(self.raw().cfrc_ext, self.model().nbody()) }
     }
 
-    /// [`cfrc_ext`](Self::cfrc_ext), to be written to.
+    /// [`cfrc_ext`](crate::Data::cfrc_ext), to be written to.
     #[inline]
     pub fn cfrc_ext_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.model().nbody();

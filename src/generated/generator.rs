@@ -18,9 +18,10 @@ struct Field<'t> {
 /// Arrays that have a typed accessor of their own, written by hand.
 const BY_HAND: [&str; 3] = ["names", "text_data", "contact"];
 
-/// Reals that are not free: `wrap_prm` holds the id of a site, as a double; the convex hull of a mesh was computed from its
-/// vertices, and collision with vertices that it does not fit need not end.
-const READ_ONLY: [&str; 2] = ["wrap_prm", "mesh_vert"];
+/// Reals that decide where the engine reads: `wrap_prm` holds the id of a site, as a double; `hfield_size` divides positions to
+/// give rows and columns; the convex hull of a mesh was computed from its vertices, and collision with vertices that it does
+/// not fit need not end.
+const READ_ONLY: [&str; 3] = ["wrap_prm", "hfield_size", "mesh_vert"];
 
 /// What the header's one-line comment leaves open, for the fields that a program uses most.
 const NOTES: [(&str, &str); 22] = [
@@ -232,6 +233,7 @@ fn writer(text: &mut String, field: Field<'_>) {
     };
     let _ = writeln!(
         text,
-        "    /// [`{name}`](Self::{name}), to be written to.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n"
+        "    /// [`{name}`](crate::{}::{name}), to be written to.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
+        field.owner,
     );
 }

@@ -5,7 +5,7 @@ use crate::matrix::MatrixViewMut;
 use crate::model::ModelMut;
 
 impl ModelMut<'_> {
-    /// [`qpos0`](Self::qpos0), to be written to.
+    /// [`qpos0`](crate::Model::qpos0), to be written to.
     #[inline]
     pub fn qpos0_mut(&mut self) -> &mut [f64] {
         let rows = self.nq();
@@ -14,7 +14,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`qpos_spring`](Self::qpos_spring), to be written to.
+    /// [`qpos_spring`](crate::Model::qpos_spring), to be written to.
     #[inline]
     pub fn qpos_spring_mut(&mut self) -> &mut [f64] {
         let rows = self.nq();
@@ -23,7 +23,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`body_pos`](Self::body_pos), to be written to.
+    /// [`body_pos`](crate::Model::body_pos), to be written to.
     #[inline]
     pub fn body_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nbody();
@@ -32,7 +32,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`body_quat`](Self::body_quat), to be written to.
+    /// [`body_quat`](crate::Model::body_quat), to be written to.
     #[inline]
     pub fn body_quat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.nbody();
@@ -41,7 +41,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`body_ipos`](Self::body_ipos), to be written to.
+    /// [`body_ipos`](crate::Model::body_ipos), to be written to.
     #[inline]
     pub fn body_ipos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nbody();
@@ -50,7 +50,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`body_iquat`](Self::body_iquat), to be written to.
+    /// [`body_iquat`](crate::Model::body_iquat), to be written to.
     #[inline]
     pub fn body_iquat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.nbody();
@@ -59,7 +59,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`body_mass`](Self::body_mass), to be written to.
+    /// [`body_mass`](crate::Model::body_mass), to be written to.
     #[inline]
     pub fn body_mass_mut(&mut self) -> &mut [f64] {
         let rows = self.nbody();
@@ -68,7 +68,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`body_subtreemass`](Self::body_subtreemass), to be written to.
+    /// [`body_subtreemass`](crate::Model::body_subtreemass), to be written to.
     #[inline]
     pub fn body_subtreemass_mut(&mut self) -> &mut [f64] {
         let rows = self.nbody();
@@ -77,7 +77,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`body_inertia`](Self::body_inertia), to be written to.
+    /// [`body_inertia`](crate::Model::body_inertia), to be written to.
     #[inline]
     pub fn body_inertia_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nbody();
@@ -86,7 +86,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`body_invweight0`](Self::body_invweight0), to be written to.
+    /// [`body_invweight0`](crate::Model::body_invweight0), to be written to.
     #[inline]
     pub fn body_invweight0_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.nbody();
@@ -95,7 +95,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`body_user`](Self::body_user), to be written to.
+    /// [`body_user`](crate::Model::body_user), to be written to.
     #[inline]
     pub fn body_user_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nbody();
@@ -105,7 +105,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`jnt_solref`](Self::jnt_solref), to be written to.
+    /// [`jnt_solref`](crate::Model::jnt_solref), to be written to.
     #[inline]
     pub fn jnt_solref_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.njnt();
@@ -114,7 +114,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`jnt_solimp`](Self::jnt_solimp), to be written to.
+    /// [`jnt_solimp`](crate::Model::jnt_solimp), to be written to.
     #[inline]
     pub fn jnt_solimp_mut(&mut self) -> &mut [[f64; 5]] {
         let rows = self.njnt();
@@ -123,7 +123,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`jnt_pos`](Self::jnt_pos), to be written to.
+    /// [`jnt_pos`](crate::Model::jnt_pos), to be written to.
     #[inline]
     pub fn jnt_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.njnt();
@@ -132,7 +132,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`jnt_axis`](Self::jnt_axis), to be written to.
+    /// [`jnt_axis`](crate::Model::jnt_axis), to be written to.
     #[inline]
     pub fn jnt_axis_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.njnt();
@@ -141,7 +141,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`jnt_stiffness`](Self::jnt_stiffness), to be written to.
+    /// [`jnt_stiffness`](crate::Model::jnt_stiffness), to be written to.
     #[inline]
     pub fn jnt_stiffness_mut(&mut self) -> &mut [f64] {
         let rows = self.njnt();
@@ -150,7 +150,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`jnt_range`](Self::jnt_range), to be written to.
+    /// [`jnt_range`](crate::Model::jnt_range), to be written to.
     #[inline]
     pub fn jnt_range_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.njnt();
@@ -159,7 +159,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`jnt_margin`](Self::jnt_margin), to be written to.
+    /// [`jnt_margin`](crate::Model::jnt_margin), to be written to.
     #[inline]
     pub fn jnt_margin_mut(&mut self) -> &mut [f64] {
         let rows = self.njnt();
@@ -168,7 +168,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`jnt_user`](Self::jnt_user), to be written to.
+    /// [`jnt_user`](crate::Model::jnt_user), to be written to.
     #[inline]
     pub fn jnt_user_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.njnt();
@@ -178,7 +178,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`dof_solref`](Self::dof_solref), to be written to.
+    /// [`dof_solref`](crate::Model::dof_solref), to be written to.
     #[inline]
     pub fn dof_solref_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.nv();
@@ -187,7 +187,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`dof_solimp`](Self::dof_solimp), to be written to.
+    /// [`dof_solimp`](crate::Model::dof_solimp), to be written to.
     #[inline]
     pub fn dof_solimp_mut(&mut self) -> &mut [[f64; 5]] {
         let rows = self.nv();
@@ -196,7 +196,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`dof_frictionloss`](Self::dof_frictionloss), to be written to.
+    /// [`dof_frictionloss`](crate::Model::dof_frictionloss), to be written to.
     #[inline]
     pub fn dof_frictionloss_mut(&mut self) -> &mut [f64] {
         let rows = self.nv();
@@ -205,7 +205,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`dof_armature`](Self::dof_armature), to be written to.
+    /// [`dof_armature`](crate::Model::dof_armature), to be written to.
     #[inline]
     pub fn dof_armature_mut(&mut self) -> &mut [f64] {
         let rows = self.nv();
@@ -214,7 +214,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`dof_damping`](Self::dof_damping), to be written to.
+    /// [`dof_damping`](crate::Model::dof_damping), to be written to.
     #[inline]
     pub fn dof_damping_mut(&mut self) -> &mut [f64] {
         let rows = self.nv();
@@ -223,7 +223,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`dof_invweight0`](Self::dof_invweight0), to be written to.
+    /// [`dof_invweight0`](crate::Model::dof_invweight0), to be written to.
     #[inline]
     pub fn dof_invweight0_mut(&mut self) -> &mut [f64] {
         let rows = self.nv();
@@ -232,7 +232,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`dof_M0`](Self::dof_M0), to be written to.
+    /// [`dof_M0`](crate::Model::dof_M0), to be written to.
     #[inline]
     pub fn dof_M0_mut(&mut self) -> &mut [f64] {
         let rows = self.nv();
@@ -241,7 +241,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`geom_solmix`](Self::geom_solmix), to be written to.
+    /// [`geom_solmix`](crate::Model::geom_solmix), to be written to.
     #[inline]
     pub fn geom_solmix_mut(&mut self) -> &mut [f64] {
         let rows = self.ngeom();
@@ -250,7 +250,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`geom_solref`](Self::geom_solref), to be written to.
+    /// [`geom_solref`](crate::Model::geom_solref), to be written to.
     #[inline]
     pub fn geom_solref_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.ngeom();
@@ -259,7 +259,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`geom_solimp`](Self::geom_solimp), to be written to.
+    /// [`geom_solimp`](crate::Model::geom_solimp), to be written to.
     #[inline]
     pub fn geom_solimp_mut(&mut self) -> &mut [[f64; 5]] {
         let rows = self.ngeom();
@@ -268,7 +268,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`geom_size`](Self::geom_size), to be written to.
+    /// [`geom_size`](crate::Model::geom_size), to be written to.
     #[inline]
     pub fn geom_size_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ngeom();
@@ -277,7 +277,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`geom_rbound`](Self::geom_rbound), to be written to.
+    /// [`geom_rbound`](crate::Model::geom_rbound), to be written to.
     #[inline]
     pub fn geom_rbound_mut(&mut self) -> &mut [f64] {
         let rows = self.ngeom();
@@ -286,7 +286,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`geom_pos`](Self::geom_pos), to be written to.
+    /// [`geom_pos`](crate::Model::geom_pos), to be written to.
     #[inline]
     pub fn geom_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ngeom();
@@ -295,7 +295,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`geom_quat`](Self::geom_quat), to be written to.
+    /// [`geom_quat`](crate::Model::geom_quat), to be written to.
     #[inline]
     pub fn geom_quat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.ngeom();
@@ -304,7 +304,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`geom_friction`](Self::geom_friction), to be written to.
+    /// [`geom_friction`](crate::Model::geom_friction), to be written to.
     #[inline]
     pub fn geom_friction_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ngeom();
@@ -313,7 +313,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`geom_margin`](Self::geom_margin), to be written to.
+    /// [`geom_margin`](crate::Model::geom_margin), to be written to.
     #[inline]
     pub fn geom_margin_mut(&mut self) -> &mut [f64] {
         let rows = self.ngeom();
@@ -322,7 +322,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`geom_gap`](Self::geom_gap), to be written to.
+    /// [`geom_gap`](crate::Model::geom_gap), to be written to.
     #[inline]
     pub fn geom_gap_mut(&mut self) -> &mut [f64] {
         let rows = self.ngeom();
@@ -331,7 +331,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`geom_fluid`](Self::geom_fluid), to be written to.
+    /// [`geom_fluid`](crate::Model::geom_fluid), to be written to.
     #[inline]
     pub fn geom_fluid_mut(&mut self) -> &mut [[f64; 12]] {
         let rows = self.ngeom();
@@ -340,7 +340,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`geom_user`](Self::geom_user), to be written to.
+    /// [`geom_user`](crate::Model::geom_user), to be written to.
     #[inline]
     pub fn geom_user_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.ngeom();
@@ -350,7 +350,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`geom_rgba`](Self::geom_rgba), to be written to.
+    /// [`geom_rgba`](crate::Model::geom_rgba), to be written to.
     #[inline]
     pub fn geom_rgba_mut(&mut self) -> &mut [[f32; 4]] {
         let rows = self.ngeom();
@@ -359,7 +359,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`site_size`](Self::site_size), to be written to.
+    /// [`site_size`](crate::Model::site_size), to be written to.
     #[inline]
     pub fn site_size_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nsite();
@@ -368,7 +368,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`site_pos`](Self::site_pos), to be written to.
+    /// [`site_pos`](crate::Model::site_pos), to be written to.
     #[inline]
     pub fn site_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nsite();
@@ -377,7 +377,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`site_quat`](Self::site_quat), to be written to.
+    /// [`site_quat`](crate::Model::site_quat), to be written to.
     #[inline]
     pub fn site_quat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.nsite();
@@ -386,7 +386,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`site_user`](Self::site_user), to be written to.
+    /// [`site_user`](crate::Model::site_user), to be written to.
     #[inline]
     pub fn site_user_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nsite();
@@ -396,7 +396,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`site_rgba`](Self::site_rgba), to be written to.
+    /// [`site_rgba`](crate::Model::site_rgba), to be written to.
     #[inline]
     pub fn site_rgba_mut(&mut self) -> &mut [[f32; 4]] {
         let rows = self.nsite();
@@ -405,7 +405,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`cam_pos`](Self::cam_pos), to be written to.
+    /// [`cam_pos`](crate::Model::cam_pos), to be written to.
     #[inline]
     pub fn cam_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ncam();
@@ -414,7 +414,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`cam_quat`](Self::cam_quat), to be written to.
+    /// [`cam_quat`](crate::Model::cam_quat), to be written to.
     #[inline]
     pub fn cam_quat_mut(&mut self) -> &mut [[f64; 4]] {
         let rows = self.ncam();
@@ -423,7 +423,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`cam_poscom0`](Self::cam_poscom0), to be written to.
+    /// [`cam_poscom0`](crate::Model::cam_poscom0), to be written to.
     #[inline]
     pub fn cam_poscom0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ncam();
@@ -432,7 +432,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`cam_pos0`](Self::cam_pos0), to be written to.
+    /// [`cam_pos0`](crate::Model::cam_pos0), to be written to.
     #[inline]
     pub fn cam_pos0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.ncam();
@@ -441,7 +441,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`cam_mat0`](Self::cam_mat0), to be written to.
+    /// [`cam_mat0`](crate::Model::cam_mat0), to be written to.
     #[inline]
     pub fn cam_mat0_mut(&mut self) -> &mut [[f64; 9]] {
         let rows = self.ncam();
@@ -450,7 +450,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`cam_fovy`](Self::cam_fovy), to be written to.
+    /// [`cam_fovy`](crate::Model::cam_fovy), to be written to.
     #[inline]
     pub fn cam_fovy_mut(&mut self) -> &mut [f64] {
         let rows = self.ncam();
@@ -459,7 +459,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`cam_ipd`](Self::cam_ipd), to be written to.
+    /// [`cam_ipd`](crate::Model::cam_ipd), to be written to.
     #[inline]
     pub fn cam_ipd_mut(&mut self) -> &mut [f64] {
         let rows = self.ncam();
@@ -468,7 +468,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`cam_user`](Self::cam_user), to be written to.
+    /// [`cam_user`](crate::Model::cam_user), to be written to.
     #[inline]
     pub fn cam_user_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.ncam();
@@ -478,7 +478,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`light_pos`](Self::light_pos), to be written to.
+    /// [`light_pos`](crate::Model::light_pos), to be written to.
     #[inline]
     pub fn light_pos_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -487,7 +487,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`light_dir`](Self::light_dir), to be written to.
+    /// [`light_dir`](crate::Model::light_dir), to be written to.
     #[inline]
     pub fn light_dir_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -496,7 +496,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`light_poscom0`](Self::light_poscom0), to be written to.
+    /// [`light_poscom0`](crate::Model::light_poscom0), to be written to.
     #[inline]
     pub fn light_poscom0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -505,7 +505,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`light_pos0`](Self::light_pos0), to be written to.
+    /// [`light_pos0`](crate::Model::light_pos0), to be written to.
     #[inline]
     pub fn light_pos0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -514,7 +514,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`light_dir0`](Self::light_dir0), to be written to.
+    /// [`light_dir0`](crate::Model::light_dir0), to be written to.
     #[inline]
     pub fn light_dir0_mut(&mut self) -> &mut [[f64; 3]] {
         let rows = self.nlight();
@@ -523,7 +523,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`light_attenuation`](Self::light_attenuation), to be written to.
+    /// [`light_attenuation`](crate::Model::light_attenuation), to be written to.
     #[inline]
     pub fn light_attenuation_mut(&mut self) -> &mut [[f32; 3]] {
         let rows = self.nlight();
@@ -532,7 +532,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`light_cutoff`](Self::light_cutoff), to be written to.
+    /// [`light_cutoff`](crate::Model::light_cutoff), to be written to.
     #[inline]
     pub fn light_cutoff_mut(&mut self) -> &mut [f32] {
         let rows = self.nlight();
@@ -541,7 +541,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`light_exponent`](Self::light_exponent), to be written to.
+    /// [`light_exponent`](crate::Model::light_exponent), to be written to.
     #[inline]
     pub fn light_exponent_mut(&mut self) -> &mut [f32] {
         let rows = self.nlight();
@@ -550,7 +550,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`light_ambient`](Self::light_ambient), to be written to.
+    /// [`light_ambient`](crate::Model::light_ambient), to be written to.
     #[inline]
     pub fn light_ambient_mut(&mut self) -> &mut [[f32; 3]] {
         let rows = self.nlight();
@@ -559,7 +559,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`light_diffuse`](Self::light_diffuse), to be written to.
+    /// [`light_diffuse`](crate::Model::light_diffuse), to be written to.
     #[inline]
     pub fn light_diffuse_mut(&mut self) -> &mut [[f32; 3]] {
         let rows = self.nlight();
@@ -568,7 +568,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`light_specular`](Self::light_specular), to be written to.
+    /// [`light_specular`](crate::Model::light_specular), to be written to.
     #[inline]
     pub fn light_specular_mut(&mut self) -> &mut [[f32; 3]] {
         let rows = self.nlight();
@@ -577,7 +577,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`mesh_normal`](Self::mesh_normal), to be written to.
+    /// [`mesh_normal`](crate::Model::mesh_normal), to be written to.
     #[inline]
     pub fn mesh_normal_mut(&mut self) -> &mut [[f32; 3]] {
         let rows = self.nmeshvert();
@@ -586,7 +586,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`mesh_texcoord`](Self::mesh_texcoord), to be written to.
+    /// [`mesh_texcoord`](crate::Model::mesh_texcoord), to be written to.
     #[inline]
     pub fn mesh_texcoord_mut(&mut self) -> &mut [[f32; 2]] {
         let rows = self.nmeshtexvert();
@@ -595,7 +595,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`skin_rgba`](Self::skin_rgba), to be written to.
+    /// [`skin_rgba`](crate::Model::skin_rgba), to be written to.
     #[inline]
     pub fn skin_rgba_mut(&mut self) -> &mut [[f32; 4]] {
         let rows = self.nskin();
@@ -604,7 +604,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`skin_inflate`](Self::skin_inflate), to be written to.
+    /// [`skin_inflate`](crate::Model::skin_inflate), to be written to.
     #[inline]
     pub fn skin_inflate_mut(&mut self) -> &mut [f32] {
         let rows = self.nskin();
@@ -613,7 +613,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`skin_vert`](Self::skin_vert), to be written to.
+    /// [`skin_vert`](crate::Model::skin_vert), to be written to.
     #[inline]
     pub fn skin_vert_mut(&mut self) -> &mut [[f32; 3]] {
         let rows = self.nskinvert();
@@ -622,7 +622,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`skin_texcoord`](Self::skin_texcoord), to be written to.
+    /// [`skin_texcoord`](crate::Model::skin_texcoord), to be written to.
     #[inline]
     pub fn skin_texcoord_mut(&mut self) -> &mut [[f32; 2]] {
         let rows = self.nskintexvert();
@@ -631,7 +631,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`skin_bonebindpos`](Self::skin_bonebindpos), to be written to.
+    /// [`skin_bonebindpos`](crate::Model::skin_bonebindpos), to be written to.
     #[inline]
     pub fn skin_bonebindpos_mut(&mut self) -> &mut [[f32; 3]] {
         let rows = self.nskinbone();
@@ -640,7 +640,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`skin_bonebindquat`](Self::skin_bonebindquat), to be written to.
+    /// [`skin_bonebindquat`](crate::Model::skin_bonebindquat), to be written to.
     #[inline]
     pub fn skin_bonebindquat_mut(&mut self) -> &mut [[f32; 4]] {
         let rows = self.nskinbone();
@@ -649,7 +649,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`skin_bonevertweight`](Self::skin_bonevertweight), to be written to.
+    /// [`skin_bonevertweight`](crate::Model::skin_bonevertweight), to be written to.
     #[inline]
     pub fn skin_bonevertweight_mut(&mut self) -> &mut [f32] {
         let rows = self.nskinbonevert();
@@ -658,16 +658,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`hfield_size`](Self::hfield_size), to be written to.
-    #[inline]
-    pub fn hfield_size_mut(&mut self) -> &mut [[f64; 4]] {
-        let rows = self.nhfield();
-        let array = self.raw_mut().hfield_size;
-        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
-        unsafe { ffi::rows_mut(array, rows) }
-    }
-
-    /// [`hfield_data`](Self::hfield_data), to be written to.
+    /// [`hfield_data`](crate::Model::hfield_data), to be written to.
     #[inline]
     pub fn hfield_data_mut(&mut self) -> &mut [f32] {
         let rows = self.nhfielddata();
@@ -676,7 +667,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`mat_texrepeat`](Self::mat_texrepeat), to be written to.
+    /// [`mat_texrepeat`](crate::Model::mat_texrepeat), to be written to.
     #[inline]
     pub fn mat_texrepeat_mut(&mut self) -> &mut [[f32; 2]] {
         let rows = self.nmat();
@@ -685,7 +676,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`mat_emission`](Self::mat_emission), to be written to.
+    /// [`mat_emission`](crate::Model::mat_emission), to be written to.
     #[inline]
     pub fn mat_emission_mut(&mut self) -> &mut [f32] {
         let rows = self.nmat();
@@ -694,7 +685,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`mat_specular`](Self::mat_specular), to be written to.
+    /// [`mat_specular`](crate::Model::mat_specular), to be written to.
     #[inline]
     pub fn mat_specular_mut(&mut self) -> &mut [f32] {
         let rows = self.nmat();
@@ -703,7 +694,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`mat_shininess`](Self::mat_shininess), to be written to.
+    /// [`mat_shininess`](crate::Model::mat_shininess), to be written to.
     #[inline]
     pub fn mat_shininess_mut(&mut self) -> &mut [f32] {
         let rows = self.nmat();
@@ -712,7 +703,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`mat_reflectance`](Self::mat_reflectance), to be written to.
+    /// [`mat_reflectance`](crate::Model::mat_reflectance), to be written to.
     #[inline]
     pub fn mat_reflectance_mut(&mut self) -> &mut [f32] {
         let rows = self.nmat();
@@ -721,7 +712,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`mat_rgba`](Self::mat_rgba), to be written to.
+    /// [`mat_rgba`](crate::Model::mat_rgba), to be written to.
     #[inline]
     pub fn mat_rgba_mut(&mut self) -> &mut [[f32; 4]] {
         let rows = self.nmat();
@@ -730,7 +721,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`pair_solref`](Self::pair_solref), to be written to.
+    /// [`pair_solref`](crate::Model::pair_solref), to be written to.
     #[inline]
     pub fn pair_solref_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.npair();
@@ -739,7 +730,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`pair_solimp`](Self::pair_solimp), to be written to.
+    /// [`pair_solimp`](crate::Model::pair_solimp), to be written to.
     #[inline]
     pub fn pair_solimp_mut(&mut self) -> &mut [[f64; 5]] {
         let rows = self.npair();
@@ -748,7 +739,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`pair_margin`](Self::pair_margin), to be written to.
+    /// [`pair_margin`](crate::Model::pair_margin), to be written to.
     #[inline]
     pub fn pair_margin_mut(&mut self) -> &mut [f64] {
         let rows = self.npair();
@@ -757,7 +748,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`pair_gap`](Self::pair_gap), to be written to.
+    /// [`pair_gap`](crate::Model::pair_gap), to be written to.
     #[inline]
     pub fn pair_gap_mut(&mut self) -> &mut [f64] {
         let rows = self.npair();
@@ -766,7 +757,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`pair_friction`](Self::pair_friction), to be written to.
+    /// [`pair_friction`](crate::Model::pair_friction), to be written to.
     #[inline]
     pub fn pair_friction_mut(&mut self) -> &mut [[f64; 5]] {
         let rows = self.npair();
@@ -775,7 +766,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`eq_solref`](Self::eq_solref), to be written to.
+    /// [`eq_solref`](crate::Model::eq_solref), to be written to.
     #[inline]
     pub fn eq_solref_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.neq();
@@ -784,7 +775,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`eq_solimp`](Self::eq_solimp), to be written to.
+    /// [`eq_solimp`](crate::Model::eq_solimp), to be written to.
     #[inline]
     pub fn eq_solimp_mut(&mut self) -> &mut [[f64; 5]] {
         let rows = self.neq();
@@ -793,7 +784,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`eq_data`](Self::eq_data), to be written to.
+    /// [`eq_data`](crate::Model::eq_data), to be written to.
     #[inline]
     pub fn eq_data_mut(&mut self) -> &mut [[f64; 11]] {
         let rows = self.neq();
@@ -802,7 +793,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`tendon_width`](Self::tendon_width), to be written to.
+    /// [`tendon_width`](crate::Model::tendon_width), to be written to.
     #[inline]
     pub fn tendon_width_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -811,7 +802,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tendon_solref_lim`](Self::tendon_solref_lim), to be written to.
+    /// [`tendon_solref_lim`](crate::Model::tendon_solref_lim), to be written to.
     #[inline]
     pub fn tendon_solref_lim_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.ntendon();
@@ -820,7 +811,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`tendon_solimp_lim`](Self::tendon_solimp_lim), to be written to.
+    /// [`tendon_solimp_lim`](crate::Model::tendon_solimp_lim), to be written to.
     #[inline]
     pub fn tendon_solimp_lim_mut(&mut self) -> &mut [[f64; 5]] {
         let rows = self.ntendon();
@@ -829,7 +820,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`tendon_solref_fri`](Self::tendon_solref_fri), to be written to.
+    /// [`tendon_solref_fri`](crate::Model::tendon_solref_fri), to be written to.
     #[inline]
     pub fn tendon_solref_fri_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.ntendon();
@@ -838,7 +829,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`tendon_solimp_fri`](Self::tendon_solimp_fri), to be written to.
+    /// [`tendon_solimp_fri`](crate::Model::tendon_solimp_fri), to be written to.
     #[inline]
     pub fn tendon_solimp_fri_mut(&mut self) -> &mut [[f64; 5]] {
         let rows = self.ntendon();
@@ -847,7 +838,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`tendon_range`](Self::tendon_range), to be written to.
+    /// [`tendon_range`](crate::Model::tendon_range), to be written to.
     #[inline]
     pub fn tendon_range_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.ntendon();
@@ -856,7 +847,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`tendon_margin`](Self::tendon_margin), to be written to.
+    /// [`tendon_margin`](crate::Model::tendon_margin), to be written to.
     #[inline]
     pub fn tendon_margin_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -865,7 +856,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tendon_stiffness`](Self::tendon_stiffness), to be written to.
+    /// [`tendon_stiffness`](crate::Model::tendon_stiffness), to be written to.
     #[inline]
     pub fn tendon_stiffness_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -874,7 +865,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tendon_damping`](Self::tendon_damping), to be written to.
+    /// [`tendon_damping`](crate::Model::tendon_damping), to be written to.
     #[inline]
     pub fn tendon_damping_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -883,7 +874,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tendon_frictionloss`](Self::tendon_frictionloss), to be written to.
+    /// [`tendon_frictionloss`](crate::Model::tendon_frictionloss), to be written to.
     #[inline]
     pub fn tendon_frictionloss_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -892,7 +883,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tendon_lengthspring`](Self::tendon_lengthspring), to be written to.
+    /// [`tendon_lengthspring`](crate::Model::tendon_lengthspring), to be written to.
     #[inline]
     pub fn tendon_lengthspring_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -901,7 +892,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tendon_length0`](Self::tendon_length0), to be written to.
+    /// [`tendon_length0`](crate::Model::tendon_length0), to be written to.
     #[inline]
     pub fn tendon_length0_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -910,7 +901,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tendon_invweight0`](Self::tendon_invweight0), to be written to.
+    /// [`tendon_invweight0`](crate::Model::tendon_invweight0), to be written to.
     #[inline]
     pub fn tendon_invweight0_mut(&mut self) -> &mut [f64] {
         let rows = self.ntendon();
@@ -919,7 +910,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tendon_user`](Self::tendon_user), to be written to.
+    /// [`tendon_user`](crate::Model::tendon_user), to be written to.
     #[inline]
     pub fn tendon_user_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.ntendon();
@@ -929,7 +920,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`tendon_rgba`](Self::tendon_rgba), to be written to.
+    /// [`tendon_rgba`](crate::Model::tendon_rgba), to be written to.
     #[inline]
     pub fn tendon_rgba_mut(&mut self) -> &mut [[f32; 4]] {
         let rows = self.ntendon();
@@ -938,7 +929,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_dynprm`](Self::actuator_dynprm), to be written to.
+    /// [`actuator_dynprm`](crate::Model::actuator_dynprm), to be written to.
     #[inline]
     pub fn actuator_dynprm_mut(&mut self) -> &mut [[f64; 10]] {
         let rows = self.nu();
@@ -947,7 +938,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_gainprm`](Self::actuator_gainprm), to be written to.
+    /// [`actuator_gainprm`](crate::Model::actuator_gainprm), to be written to.
     #[inline]
     pub fn actuator_gainprm_mut(&mut self) -> &mut [[f64; 10]] {
         let rows = self.nu();
@@ -956,7 +947,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_biasprm`](Self::actuator_biasprm), to be written to.
+    /// [`actuator_biasprm`](crate::Model::actuator_biasprm), to be written to.
     #[inline]
     pub fn actuator_biasprm_mut(&mut self) -> &mut [[f64; 10]] {
         let rows = self.nu();
@@ -965,7 +956,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_ctrlrange`](Self::actuator_ctrlrange), to be written to.
+    /// [`actuator_ctrlrange`](crate::Model::actuator_ctrlrange), to be written to.
     #[inline]
     pub fn actuator_ctrlrange_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.nu();
@@ -974,7 +965,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_forcerange`](Self::actuator_forcerange), to be written to.
+    /// [`actuator_forcerange`](crate::Model::actuator_forcerange), to be written to.
     #[inline]
     pub fn actuator_forcerange_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.nu();
@@ -983,7 +974,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_actrange`](Self::actuator_actrange), to be written to.
+    /// [`actuator_actrange`](crate::Model::actuator_actrange), to be written to.
     #[inline]
     pub fn actuator_actrange_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.nu();
@@ -992,7 +983,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_gear`](Self::actuator_gear), to be written to.
+    /// [`actuator_gear`](crate::Model::actuator_gear), to be written to.
     #[inline]
     pub fn actuator_gear_mut(&mut self) -> &mut [[f64; 6]] {
         let rows = self.nu();
@@ -1001,7 +992,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_cranklength`](Self::actuator_cranklength), to be written to.
+    /// [`actuator_cranklength`](crate::Model::actuator_cranklength), to be written to.
     #[inline]
     pub fn actuator_cranklength_mut(&mut self) -> &mut [f64] {
         let rows = self.nu();
@@ -1010,7 +1001,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`actuator_acc0`](Self::actuator_acc0), to be written to.
+    /// [`actuator_acc0`](crate::Model::actuator_acc0), to be written to.
     #[inline]
     pub fn actuator_acc0_mut(&mut self) -> &mut [f64] {
         let rows = self.nu();
@@ -1019,7 +1010,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`actuator_length0`](Self::actuator_length0), to be written to.
+    /// [`actuator_length0`](crate::Model::actuator_length0), to be written to.
     #[inline]
     pub fn actuator_length0_mut(&mut self) -> &mut [f64] {
         let rows = self.nu();
@@ -1028,7 +1019,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`actuator_lengthrange`](Self::actuator_lengthrange), to be written to.
+    /// [`actuator_lengthrange`](crate::Model::actuator_lengthrange), to be written to.
     #[inline]
     pub fn actuator_lengthrange_mut(&mut self) -> &mut [[f64; 2]] {
         let rows = self.nu();
@@ -1037,7 +1028,7 @@ impl ModelMut<'_> {
         unsafe { ffi::rows_mut(array, rows) }
     }
 
-    /// [`actuator_user`](Self::actuator_user), to be written to.
+    /// [`actuator_user`](crate::Model::actuator_user), to be written to.
     #[inline]
     pub fn actuator_user_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nu();
@@ -1047,7 +1038,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`sensor_cutoff`](Self::sensor_cutoff), to be written to.
+    /// [`sensor_cutoff`](crate::Model::sensor_cutoff), to be written to.
     #[inline]
     pub fn sensor_cutoff_mut(&mut self) -> &mut [f64] {
         let rows = self.nsensor();
@@ -1056,7 +1047,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`sensor_noise`](Self::sensor_noise), to be written to.
+    /// [`sensor_noise`](crate::Model::sensor_noise), to be written to.
     #[inline]
     pub fn sensor_noise_mut(&mut self) -> &mut [f64] {
         let rows = self.nsensor();
@@ -1065,7 +1056,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`sensor_user`](Self::sensor_user), to be written to.
+    /// [`sensor_user`](crate::Model::sensor_user), to be written to.
     #[inline]
     pub fn sensor_user_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nsensor();
@@ -1075,7 +1066,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`numeric_data`](Self::numeric_data), to be written to.
+    /// [`numeric_data`](crate::Model::numeric_data), to be written to.
     #[inline]
     pub fn numeric_data_mut(&mut self) -> &mut [f64] {
         let rows = self.nnumericdata();
@@ -1084,7 +1075,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`tuple_objprm`](Self::tuple_objprm), to be written to.
+    /// [`tuple_objprm`](crate::Model::tuple_objprm), to be written to.
     #[inline]
     pub fn tuple_objprm_mut(&mut self) -> &mut [f64] {
         let rows = self.ntupledata();
@@ -1093,7 +1084,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`key_time`](Self::key_time), to be written to.
+    /// [`key_time`](crate::Model::key_time), to be written to.
     #[inline]
     pub fn key_time_mut(&mut self) -> &mut [f64] {
         let rows = self.nkey();
@@ -1102,7 +1093,7 @@ impl ModelMut<'_> {
         unsafe { ffi::array_mut(array, rows) }
     }
 
-    /// [`key_qpos`](Self::key_qpos), to be written to.
+    /// [`key_qpos`](crate::Model::key_qpos), to be written to.
     #[inline]
     pub fn key_qpos_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nkey();
@@ -1112,7 +1103,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`key_qvel`](Self::key_qvel), to be written to.
+    /// [`key_qvel`](crate::Model::key_qvel), to be written to.
     #[inline]
     pub fn key_qvel_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nkey();
@@ -1122,7 +1113,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`key_act`](Self::key_act), to be written to.
+    /// [`key_act`](crate::Model::key_act), to be written to.
     #[inline]
     pub fn key_act_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nkey();
@@ -1132,7 +1123,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`key_mpos`](Self::key_mpos), to be written to.
+    /// [`key_mpos`](crate::Model::key_mpos), to be written to.
     #[inline]
     pub fn key_mpos_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nkey();
@@ -1142,7 +1133,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`key_mquat`](Self::key_mquat), to be written to.
+    /// [`key_mquat`](crate::Model::key_mquat), to be written to.
     #[inline]
     pub fn key_mquat_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nkey();
@@ -1152,7 +1143,7 @@ impl ModelMut<'_> {
         unsafe { MatrixViewMut::from_raw(array, rows, columns) }
     }
 
-    /// [`key_ctrl`](Self::key_ctrl), to be written to.
+    /// [`key_ctrl`](crate::Model::key_ctrl), to be written to.
     #[inline]
     pub fn key_ctrl_mut(&mut self) -> MatrixViewMut<'_> {
         let rows = self.nkey();

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use mujoco_sys::{self as sys, guard, mjVFS};
+use mujoco_sys::{guard, mjVFS};
 
 use super::text_check::{self, Files};
 use super::virtual_files::VirtualFiles;
@@ -85,7 +85,8 @@ impl Model {
     /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash or to run without end on a few kinds of
     /// hostile input. Those that a look at the text can see are refused here (textures of billions of pixels, mesh faces beyond
     /// the vertices, files that include each other without end); the rest is not (a muscle whose length range does not settle,
-    /// a damaged mesh file, sizes that take all memory), so a text from strangers should be compiled in a process of its own.
+    /// a damaged mesh file, sizes that take all memory, adhesion actuators on more contacts than `njmax` has room for at the
+    /// start), so a text from strangers should be compiled in a process of its own.
     ///
     /// # Errors
     ///
@@ -184,9 +185,7 @@ impl Model {
         result?;
         let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;
         // SAFETY: the engine allocated it for us, and its content was validated.
-        let model = unsafe { Self::from_raw(raw, Lineage::new(), warnings) };
-        model.check_structure()?;
-        Ok(model)
+        Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
     }
 
     fn compile(name: &CString, files: *const mjVFS, source_name: &str) -> Result<Self> {
@@ -215,7 +214,9 @@ impl Model {
         let lineage = Lineage::new();
         // SAFETY: the engine compiled it for us.
         let model = unsafe { Self::from_raw(raw, lineage, warnings) };
-        model.check_structure()?;
+        if let Some(message) = model.hazard() {
+            return Err(Error::Load { source_name: source_name.to_owned(), message });
+        }
         xml.last = Some(lineage);
         // A logger is the user's code: it may load a model, too.
         drop(xml);
@@ -223,41 +224,6 @@ impl Model {
             log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
         }
         Ok(model)
-    }
-
-    /// Refuses what the compiler lets through and the engine answers with writing out of bounds.
-    fn check_structure(&self) -> Result<()> {
-        self.check_size()?;
-        // Each entry of a fixed tendon is an entry in a row of `ten_J`, which has room for one a degree of freedom.
-        for (&start, &count) in self.tendon_adr().iter().zip(self.tendon_num()) {
-            let path = ffi::size(start)..ffi::size(start) + ffi::size(count);
-            let types = &self.wrap_type()[path.clone()];
-            let mut joints = self.wrap_objid()[path].to_vec();
-            joints.sort_unstable();
-            if types.contains(&(sys::mjWRAP_JOINT as i32)) && joints.windows(2).any(|pair| pair[0] == pair[1]) {
-                return Err(Error::Unsupported("a fixed tendon with the same joint twice".to_owned()));
-            }
-        }
-        // Adhesion takes the rows of the first contact for granted, of which there are up to ten.
-        if self.actuator_trntype().contains(&(sys::mjTRN_BODY as i32)) && self.njmax() < text_check::ROWS_OF_A_CONTACT {
-            return Err(Error::Unsupported(format!(
-                "adhesion with room for {} constraints (njmax) only",
-                self.njmax()
-            )));
-        }
-        Ok(())
-    }
-
-    /// Refuses a model whose matrices have more entries than a C int can count: the engine would write before its stack.
-    fn check_size(&self) -> Result<()> {
-        let (nv, nbody) = (self.nv(), self.nbody());
-        // The largest of them is the derivative of the bodies' accelerations, of the integrator `Implicit`.
-        if i32::try_from(6 * nv * nv.max(nbody)).is_ok() && i32::try_from(nbody * nbody).is_ok() {
-            return Ok(());
-        }
-        Err(Error::Unsupported(format!(
-            "{nbody} bodies and {nv} degrees of freedom are more than the engine can count"
-        )))
     }
 }
 

@@ -9,10 +9,12 @@
 //! | `options.rs` | the physics options and statistics, typed and checked |
 //! | `edit.rs` | what may be changed after compilation |
 //! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
+//! | `hazard.rs` | what the engine compiles and then mishandles |
 //! | `save.rs` | to XML, to a binary model |
 //! | `mjb/` | the validation of binary models |
 
 mod edit;
+mod hazard;
 mod load;
 mod mjb;
 mod names;
@@ -56,6 +58,8 @@ pub struct Model {
     raw: NonNull<mjModel>,
     lineage: Lineage,
     warnings: Vec<String>,
+    /// See [`has_adhesion`](Model::has_adhesion).
+    adhesive: bool,
 }
 
 // SAFETY: the engine's promise is that "all top-level API functions treat mjModel as const", and its structures have no thread
@@ -71,7 +75,9 @@ impl Model {
     ///
     /// `raw` is a model of this engine that nobody else owns, and that the engine compiled or this crate validated.
     unsafe fn from_raw(raw: NonNull<mjModel>, lineage: Lineage, warnings: Vec<String>) -> Self {
-        Self { raw, lineage, warnings }
+        let mut model = Self { raw, lineage, warnings, adhesive: false };
+        model.adhesive = model.find_adhesion();
+        model
     }
 
     /// A copy, or an error if there is no memory for it. [`Clone`] panics in that case.

@@ -18,8 +18,9 @@ const LONGEST_NAME: usize = 900;
 /// Bodies, and degrees of freedom: the engine counts pairs of them with a C int, and writes before its stack when that
 /// overflows.
 const MOST_BODIES: usize = 40_000;
-/// The rows that a contact may take in the constraint Jacobian.
-pub(super) const ROWS_OF_A_CONTACT: usize = 10;
+/// The least room for constraints that a text with adhesion may give. The compiler takes a step, in which each contact needs
+/// up to ten (see `hazard.rs`).
+const LEAST_NJMAX: i64 = 100;
 /// Numbers in the image of a texture or in a height field.
 const MOST_NUMBERS: u64 = 500_000_000;
 
@@ -33,12 +34,21 @@ pub(super) enum Files<'f> {
 
 /// Refuses what the compiler must not see in this text, or in the texts that it includes.
 pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<()> {
-    let mut check =
-        Check { files, seen: HashSet::new(), bodies: 0, dofs: 0, joints: Vec::new(), no_rows: false, adhesion: false };
+    let mut check = Check {
+        files,
+        seen: HashSet::new(),
+        bodies: 0,
+        dofs: 0,
+        joints: Vec::new(),
+        little_room: false,
+        adhesion: false,
+    };
     check.text(source_name, text, 0)?;
     // The compiler takes a step, so that a look at the compiled model comes too late.
-    if check.adhesion && check.no_rows {
-        let message = format!("adhesion needs room for at least {ROWS_OF_A_CONTACT} constraints (njmax)");
+    if check.adhesion && check.little_room {
+        let message = format!(
+            "adhesion needs room for at least {LEAST_NJMAX} constraints (njmax), or for as many as the compiler finds"
+        );
         return Err(Error::Load { source_name: source_name.to_owned(), message });
     }
     Ok(())
@@ -52,8 +62,8 @@ struct Check<'f> {
     dofs: usize,
     /// The joints of the fixed tendon that was begun last.
     joints: Vec<Vec<u8>>,
-    /// Whether there is room for no contact's constraints.
-    no_rows: bool,
+    /// Whether there is little room for constraints.
+    little_room: bool,
     /// Whether there is an actuator on a body.
     adhesion: bool,
 }
@@ -95,7 +105,7 @@ impl<'f> Check<'f> {
             if self.is_repeated(&tag) {
                 return refuse(
                     tag.position,
-                    "a fixed tendon has the same joint twice, and the compiler no room for it",
+                    "a fixed tendon has the same joint twice; give it once, with the sum of the coefficients",
                 );
             }
             self.count(&tag);
@@ -166,7 +176,7 @@ impl<'f> Check<'f> {
         match tag.name {
             b"size" => {
                 let rows = tag.attribute(b"njmax").and_then(|rows| numbers(rows).next().flatten());
-                self.no_rows |= rows.is_some_and(|rows| (0..ROWS_OF_A_CONTACT as i64).contains(&rows));
+                self.little_room |= rows.is_some_and(|rows| (0..LEAST_NJMAX).contains(&rows));
             }
             b"adhesion" | b"general" => self.adhesion |= tag.attribute(b"body").is_some(),
             b"body" => self.bodies += 1,

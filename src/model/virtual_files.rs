@@ -15,15 +15,12 @@ pub(super) struct VirtualFiles {
 
 impl VirtualFiles {
     pub(super) fn new() -> Self {
-        let layout = std::alloc::Layout::new::<mjVFS>();
-        // SAFETY: the layout has a size. `mjVFS` is made of C ints, chars and pointers, for which all zeros is a valid value
-        // (and means: no files), and the block is allocated as `Box` will free it.
+        let mut raw = Box::<mjVFS>::new_uninit();
+        // SAFETY: the engine sets the whole structure to zero, which is a valid value for the ints, chars and pointers that it
+        // is made of.
         let raw = unsafe {
-            let block = std::alloc::alloc_zeroed(layout).cast::<mjVFS>();
-            if block.is_null() {
-                std::alloc::handle_alloc_error(layout);
-            }
-            Box::from_raw(block)
+            sys::mj_defaultVFS(raw.as_mut_ptr());
+            raw.assume_init()
         };
         Self { raw }
     }

@@ -21,7 +21,7 @@ impl Number for u8 {}
 
 /// A jump that depends on the value, which is what memcheck looks at.
 fn look<T: PartialEq + Default>(value: T) -> usize {
-    if black_box(value) == T::default() { 0 } else { 1 }
+    usize::from(black_box(value) != T::default())
 }
 
 impl Touch for usize {
@@ -158,7 +158,7 @@ accessors! {
         light_pos0_mut light_dir0_mut light_attenuation_mut light_cutoff_mut light_exponent_mut light_ambient_mut
         light_diffuse_mut light_specular_mut mesh_normal_mut mesh_texcoord_mut skin_rgba_mut skin_inflate_mut
         skin_vert_mut skin_texcoord_mut skin_bonebindpos_mut skin_bonebindquat_mut skin_bonevertweight_mut
-        hfield_size_mut hfield_data_mut mat_texrepeat_mut mat_emission_mut mat_specular_mut mat_shininess_mut
+        hfield_data_mut mat_texrepeat_mut mat_emission_mut mat_specular_mut mat_shininess_mut
         mat_reflectance_mut mat_rgba_mut pair_solref_mut pair_solimp_mut pair_margin_mut pair_gap_mut
         pair_friction_mut eq_solref_mut eq_solimp_mut eq_data_mut tendon_width_mut tendon_solref_lim_mut
         tendon_solimp_lim_mut tendon_solref_fri_mut tendon_solimp_fri_mut tendon_range_mut tendon_margin_mut

@@ -61,246 +61,437 @@ pub const mjMAXLINE: u32 = 100;
 pub const mjMAXLINEPNT: u32 = 1000;
 pub const mjMAXPLANEGRID: u32 = 200;
 pub type mjtNum = f64;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub type mjtByte = ::core::ffi::c_uchar;
+#[doc = " entire constraint solver"]
 pub const mjDSBL_CONSTRAINT: mjtDisableBit_ = 1;
+#[doc = " equality constraints"]
 pub const mjDSBL_EQUALITY: mjtDisableBit_ = 2;
+#[doc = " joint and tendon frictionloss constraints"]
 pub const mjDSBL_FRICTIONLOSS: mjtDisableBit_ = 4;
+#[doc = " joint and tendon limit constraints"]
 pub const mjDSBL_LIMIT: mjtDisableBit_ = 8;
+#[doc = " contact constraints"]
 pub const mjDSBL_CONTACT: mjtDisableBit_ = 16;
+#[doc = " passive forces"]
 pub const mjDSBL_PASSIVE: mjtDisableBit_ = 32;
+#[doc = " gravitational forces"]
 pub const mjDSBL_GRAVITY: mjtDisableBit_ = 64;
+#[doc = " clamp control to specified range"]
 pub const mjDSBL_CLAMPCTRL: mjtDisableBit_ = 128;
+#[doc = " warmstart constraint solver"]
 pub const mjDSBL_WARMSTART: mjtDisableBit_ = 256;
+#[doc = " remove collisions with parent body"]
 pub const mjDSBL_FILTERPARENT: mjtDisableBit_ = 512;
+#[doc = " apply actuation forces"]
 pub const mjDSBL_ACTUATION: mjtDisableBit_ = 1024;
+#[doc = " integrator safety: make ref[0]>=2*timestep"]
 pub const mjDSBL_REFSAFE: mjtDisableBit_ = 2048;
+#[doc = " sensors"]
 pub const mjDSBL_SENSOR: mjtDisableBit_ = 4096;
+#[doc = " number of disable flags"]
 pub const mjNDISABLE: mjtDisableBit_ = 13;
 pub type mjtDisableBit_ = ::core::ffi::c_uint;
 pub use self::mjtDisableBit_ as mjtDisableBit;
+#[doc = " override contact parameters"]
 pub const mjENBL_OVERRIDE: mjtEnableBit_ = 1;
+#[doc = " energy computation"]
 pub const mjENBL_ENERGY: mjtEnableBit_ = 2;
+#[doc = " record solver statistics"]
 pub const mjENBL_FWDINV: mjtEnableBit_ = 4;
+#[doc = " add noise to sensor data\n experimental features:"]
 pub const mjENBL_SENSORNOISE: mjtEnableBit_ = 8;
+#[doc = " multi-point convex collision detection"]
 pub const mjENBL_MULTICCD: mjtEnableBit_ = 16;
+#[doc = " number of enable flags"]
 pub const mjNENABLE: mjtEnableBit_ = 5;
 pub type mjtEnableBit_ = ::core::ffi::c_uint;
 pub use self::mjtEnableBit_ as mjtEnableBit;
+#[doc = " global position and orientation (quat)       (7)"]
 pub const mjJNT_FREE: mjtJoint_ = 0;
+#[doc = " orientation (quat) relative to parent        (4)"]
 pub const mjJNT_BALL: mjtJoint_ = 1;
+#[doc = " sliding distance along body-fixed axis       (1)"]
 pub const mjJNT_SLIDE: mjtJoint_ = 2;
+#[doc = " rotation angle (rad) around body-fixed axis  (1)"]
 pub const mjJNT_HINGE: mjtJoint_ = 3;
 pub type mjtJoint_ = ::core::ffi::c_uint;
 pub use self::mjtJoint_ as mjtJoint;
+#[doc = " plane"]
 pub const mjGEOM_PLANE: mjtGeom_ = 0;
+#[doc = " height field"]
 pub const mjGEOM_HFIELD: mjtGeom_ = 1;
+#[doc = " sphere"]
 pub const mjGEOM_SPHERE: mjtGeom_ = 2;
+#[doc = " capsule"]
 pub const mjGEOM_CAPSULE: mjtGeom_ = 3;
+#[doc = " ellipsoid"]
 pub const mjGEOM_ELLIPSOID: mjtGeom_ = 4;
+#[doc = " cylinder"]
 pub const mjGEOM_CYLINDER: mjtGeom_ = 5;
+#[doc = " box"]
 pub const mjGEOM_BOX: mjtGeom_ = 6;
+#[doc = " mesh"]
 pub const mjGEOM_MESH: mjtGeom_ = 7;
+#[doc = " number of regular geom types"]
 pub const mjNGEOMTYPES: mjtGeom_ = 8;
+#[doc = " arrow"]
 pub const mjGEOM_ARROW: mjtGeom_ = 100;
+#[doc = " arrow without wedges"]
 pub const mjGEOM_ARROW1: mjtGeom_ = 101;
+#[doc = " arrow in both directions"]
 pub const mjGEOM_ARROW2: mjtGeom_ = 102;
+#[doc = " line"]
 pub const mjGEOM_LINE: mjtGeom_ = 103;
+#[doc = " skin"]
 pub const mjGEOM_SKIN: mjtGeom_ = 104;
+#[doc = " text label"]
 pub const mjGEOM_LABEL: mjtGeom_ = 105;
+#[doc = " missing geom type"]
 pub const mjGEOM_NONE: mjtGeom_ = 1001;
 pub type mjtGeom_ = ::core::ffi::c_uint;
 pub use self::mjtGeom_ as mjtGeom;
+#[doc = " pos and rot fixed in body"]
 pub const mjCAMLIGHT_FIXED: mjtCamLight_ = 0;
+#[doc = " pos tracks body, rot fixed in global"]
 pub const mjCAMLIGHT_TRACK: mjtCamLight_ = 1;
+#[doc = " pos tracks subtree com, rot fixed in body"]
 pub const mjCAMLIGHT_TRACKCOM: mjtCamLight_ = 2;
+#[doc = " pos fixed in body, rot tracks target body"]
 pub const mjCAMLIGHT_TARGETBODY: mjtCamLight_ = 3;
+#[doc = " pos fixed in body, rot tracks target subtree com"]
 pub const mjCAMLIGHT_TARGETBODYCOM: mjtCamLight_ = 4;
 pub type mjtCamLight_ = ::core::ffi::c_uint;
 pub use self::mjtCamLight_ as mjtCamLight;
+#[doc = " 2d texture, suitable for planes and hfields"]
 pub const mjTEXTURE_2D: mjtTexture_ = 0;
+#[doc = " cube texture, suitable for all other geom types"]
 pub const mjTEXTURE_CUBE: mjtTexture_ = 1;
+#[doc = " cube texture used as skybox"]
 pub const mjTEXTURE_SKYBOX: mjtTexture_ = 2;
 pub type mjtTexture_ = ::core::ffi::c_uint;
 pub use self::mjtTexture_ as mjtTexture;
+#[doc = " semi-implicit Euler"]
 pub const mjINT_EULER: mjtIntegrator_ = 0;
+#[doc = " 4th-order Runge Kutta"]
 pub const mjINT_RK4: mjtIntegrator_ = 1;
+#[doc = " implicit in velocity"]
 pub const mjINT_IMPLICIT: mjtIntegrator_ = 2;
 pub type mjtIntegrator_ = ::core::ffi::c_uint;
 pub use self::mjtIntegrator_ as mjtIntegrator;
+#[doc = " test precomputed and dynamic pairs"]
 pub const mjCOL_ALL: mjtCollision_ = 0;
+#[doc = " test predefined pairs only"]
 pub const mjCOL_PAIR: mjtCollision_ = 1;
+#[doc = " test dynamic pairs only"]
 pub const mjCOL_DYNAMIC: mjtCollision_ = 2;
 pub type mjtCollision_ = ::core::ffi::c_uint;
 pub use self::mjtCollision_ as mjtCollision;
+#[doc = " pyramidal"]
 pub const mjCONE_PYRAMIDAL: mjtCone_ = 0;
+#[doc = " elliptic"]
 pub const mjCONE_ELLIPTIC: mjtCone_ = 1;
 pub type mjtCone_ = ::core::ffi::c_uint;
 pub use self::mjtCone_ as mjtCone;
+#[doc = " dense"]
 pub const mjJAC_DENSE: mjtJacobian_ = 0;
+#[doc = " sparse"]
 pub const mjJAC_SPARSE: mjtJacobian_ = 1;
+#[doc = " dense if nv<60, sparse otherwise"]
 pub const mjJAC_AUTO: mjtJacobian_ = 2;
 pub type mjtJacobian_ = ::core::ffi::c_uint;
 pub use self::mjtJacobian_ as mjtJacobian;
+#[doc = " PGS    (dual)"]
 pub const mjSOL_PGS: mjtSolver_ = 0;
+#[doc = " CG     (primal)"]
 pub const mjSOL_CG: mjtSolver_ = 1;
+#[doc = " Newton (primal)"]
 pub const mjSOL_NEWTON: mjtSolver_ = 2;
 pub type mjtSolver_ = ::core::ffi::c_uint;
 pub use self::mjtSolver_ as mjtSolver;
+#[doc = " connect two bodies at a point (ball joint)"]
 pub const mjEQ_CONNECT: mjtEq_ = 0;
+#[doc = " fix relative position and orientation of two bodies"]
 pub const mjEQ_WELD: mjtEq_ = 1;
+#[doc = " couple the values of two scalar joints with cubic"]
 pub const mjEQ_JOINT: mjtEq_ = 2;
+#[doc = " couple the lengths of two tendons with cubic"]
 pub const mjEQ_TENDON: mjtEq_ = 3;
+#[doc = " unsupported, will cause an error if used"]
 pub const mjEQ_DISTANCE: mjtEq_ = 4;
 pub type mjtEq_ = ::core::ffi::c_uint;
 pub use self::mjtEq_ as mjtEq;
+#[doc = " null object"]
 pub const mjWRAP_NONE: mjtWrap_ = 0;
+#[doc = " constant moment arm"]
 pub const mjWRAP_JOINT: mjtWrap_ = 1;
+#[doc = " pulley used to split tendon"]
 pub const mjWRAP_PULLEY: mjtWrap_ = 2;
+#[doc = " pass through site"]
 pub const mjWRAP_SITE: mjtWrap_ = 3;
+#[doc = " wrap around sphere"]
 pub const mjWRAP_SPHERE: mjtWrap_ = 4;
+#[doc = " wrap around (infinite) cylinder"]
 pub const mjWRAP_CYLINDER: mjtWrap_ = 5;
 pub type mjtWrap_ = ::core::ffi::c_uint;
 pub use self::mjtWrap_ as mjtWrap;
+#[doc = " force on joint"]
 pub const mjTRN_JOINT: mjtTrn_ = 0;
+#[doc = " force on joint, expressed in parent frame"]
 pub const mjTRN_JOINTINPARENT: mjtTrn_ = 1;
+#[doc = " force via slider-crank linkage"]
 pub const mjTRN_SLIDERCRANK: mjtTrn_ = 2;
+#[doc = " force on tendon"]
 pub const mjTRN_TENDON: mjtTrn_ = 3;
+#[doc = " force on site"]
 pub const mjTRN_SITE: mjtTrn_ = 4;
+#[doc = " adhesion force on a body's geoms"]
 pub const mjTRN_BODY: mjtTrn_ = 5;
+#[doc = " undefined transmission type"]
 pub const mjTRN_UNDEFINED: mjtTrn_ = 1000;
 pub type mjtTrn_ = ::core::ffi::c_uint;
 pub use self::mjtTrn_ as mjtTrn;
+#[doc = " no internal dynamics; ctrl specifies force"]
 pub const mjDYN_NONE: mjtDyn_ = 0;
+#[doc = " integrator: da/dt = u"]
 pub const mjDYN_INTEGRATOR: mjtDyn_ = 1;
+#[doc = " linear filter: da/dt = (u-a) / tau"]
 pub const mjDYN_FILTER: mjtDyn_ = 2;
+#[doc = " piece-wise linear filter with two time constants"]
 pub const mjDYN_MUSCLE: mjtDyn_ = 3;
+#[doc = " user-defined dynamics type"]
 pub const mjDYN_USER: mjtDyn_ = 4;
 pub type mjtDyn_ = ::core::ffi::c_uint;
 pub use self::mjtDyn_ as mjtDyn;
+#[doc = " fixed gain"]
 pub const mjGAIN_FIXED: mjtGain_ = 0;
+#[doc = " const + kp*length + kv*velocity"]
 pub const mjGAIN_AFFINE: mjtGain_ = 1;
+#[doc = " muscle FLV curve computed by mju_muscleGain()"]
 pub const mjGAIN_MUSCLE: mjtGain_ = 2;
+#[doc = " user-defined gain type"]
 pub const mjGAIN_USER: mjtGain_ = 3;
 pub type mjtGain_ = ::core::ffi::c_uint;
 pub use self::mjtGain_ as mjtGain;
+#[doc = " no bias"]
 pub const mjBIAS_NONE: mjtBias_ = 0;
+#[doc = " const + kp*length + kv*velocity"]
 pub const mjBIAS_AFFINE: mjtBias_ = 1;
+#[doc = " muscle passive force computed by mju_muscleBias()"]
 pub const mjBIAS_MUSCLE: mjtBias_ = 2;
+#[doc = " user-defined bias type"]
 pub const mjBIAS_USER: mjtBias_ = 3;
 pub type mjtBias_ = ::core::ffi::c_uint;
 pub use self::mjtBias_ as mjtBias;
+#[doc = " unknown object type"]
 pub const mjOBJ_UNKNOWN: mjtObj_ = 0;
+#[doc = " body"]
 pub const mjOBJ_BODY: mjtObj_ = 1;
+#[doc = " body, used to access regular frame instead of i-frame"]
 pub const mjOBJ_XBODY: mjtObj_ = 2;
+#[doc = " joint"]
 pub const mjOBJ_JOINT: mjtObj_ = 3;
+#[doc = " dof"]
 pub const mjOBJ_DOF: mjtObj_ = 4;
+#[doc = " geom"]
 pub const mjOBJ_GEOM: mjtObj_ = 5;
+#[doc = " site"]
 pub const mjOBJ_SITE: mjtObj_ = 6;
+#[doc = " camera"]
 pub const mjOBJ_CAMERA: mjtObj_ = 7;
+#[doc = " light"]
 pub const mjOBJ_LIGHT: mjtObj_ = 8;
+#[doc = " mesh"]
 pub const mjOBJ_MESH: mjtObj_ = 9;
+#[doc = " skin"]
 pub const mjOBJ_SKIN: mjtObj_ = 10;
+#[doc = " heightfield"]
 pub const mjOBJ_HFIELD: mjtObj_ = 11;
+#[doc = " texture"]
 pub const mjOBJ_TEXTURE: mjtObj_ = 12;
+#[doc = " material for rendering"]
 pub const mjOBJ_MATERIAL: mjtObj_ = 13;
+#[doc = " geom pair to include"]
 pub const mjOBJ_PAIR: mjtObj_ = 14;
+#[doc = " body pair to exclude"]
 pub const mjOBJ_EXCLUDE: mjtObj_ = 15;
+#[doc = " equality constraint"]
 pub const mjOBJ_EQUALITY: mjtObj_ = 16;
+#[doc = " tendon"]
 pub const mjOBJ_TENDON: mjtObj_ = 17;
+#[doc = " actuator"]
 pub const mjOBJ_ACTUATOR: mjtObj_ = 18;
+#[doc = " sensor"]
 pub const mjOBJ_SENSOR: mjtObj_ = 19;
+#[doc = " numeric"]
 pub const mjOBJ_NUMERIC: mjtObj_ = 20;
+#[doc = " text"]
 pub const mjOBJ_TEXT: mjtObj_ = 21;
+#[doc = " tuple"]
 pub const mjOBJ_TUPLE: mjtObj_ = 22;
+#[doc = " keyframe"]
 pub const mjOBJ_KEY: mjtObj_ = 23;
 pub type mjtObj_ = ::core::ffi::c_uint;
 pub use self::mjtObj_ as mjtObj;
+#[doc = " equality constraint"]
 pub const mjCNSTR_EQUALITY: mjtConstraint_ = 0;
+#[doc = " dof friction"]
 pub const mjCNSTR_FRICTION_DOF: mjtConstraint_ = 1;
+#[doc = " tendon friction"]
 pub const mjCNSTR_FRICTION_TENDON: mjtConstraint_ = 2;
+#[doc = " joint limit"]
 pub const mjCNSTR_LIMIT_JOINT: mjtConstraint_ = 3;
+#[doc = " tendon limit"]
 pub const mjCNSTR_LIMIT_TENDON: mjtConstraint_ = 4;
+#[doc = " frictionless contact"]
 pub const mjCNSTR_CONTACT_FRICTIONLESS: mjtConstraint_ = 5;
+#[doc = " frictional contact, pyramidal friction cone"]
 pub const mjCNSTR_CONTACT_PYRAMIDAL: mjtConstraint_ = 6;
+#[doc = " frictional contact, elliptic friction cone"]
 pub const mjCNSTR_CONTACT_ELLIPTIC: mjtConstraint_ = 7;
 pub type mjtConstraint_ = ::core::ffi::c_uint;
 pub use self::mjtConstraint_ as mjtConstraint;
+#[doc = " constraint satisfied, zero cost (limit, contact)"]
 pub const mjCNSTRSTATE_SATISFIED: mjtConstraintState_ = 0;
+#[doc = " quadratic cost (equality, friction, limit, contact)"]
 pub const mjCNSTRSTATE_QUADRATIC: mjtConstraintState_ = 1;
+#[doc = " linear cost, negative side (friction)"]
 pub const mjCNSTRSTATE_LINEARNEG: mjtConstraintState_ = 2;
+#[doc = " linear cost, positive side (friction)"]
 pub const mjCNSTRSTATE_LINEARPOS: mjtConstraintState_ = 3;
+#[doc = " squared distance to cone cost (elliptic contact)"]
 pub const mjCNSTRSTATE_CONE: mjtConstraintState_ = 4;
 pub type mjtConstraintState_ = ::core::ffi::c_uint;
 pub use self::mjtConstraintState_ as mjtConstraintState;
+#[doc = " scalar contact normal forces summed over sensor zone"]
 pub const mjSENS_TOUCH: mjtSensor_ = 0;
+#[doc = " 3D linear acceleration, in local frame"]
 pub const mjSENS_ACCELEROMETER: mjtSensor_ = 1;
+#[doc = " 3D linear velocity, in local frame"]
 pub const mjSENS_VELOCIMETER: mjtSensor_ = 2;
+#[doc = " 3D angular velocity, in local frame"]
 pub const mjSENS_GYRO: mjtSensor_ = 3;
+#[doc = " 3D force between site's body and its parent body"]
 pub const mjSENS_FORCE: mjtSensor_ = 4;
+#[doc = " 3D torque between site's body and its parent body"]
 pub const mjSENS_TORQUE: mjtSensor_ = 5;
+#[doc = " 3D magnetometer"]
 pub const mjSENS_MAGNETOMETER: mjtSensor_ = 6;
+#[doc = " scalar distance to nearest geom or site along z-axis"]
 pub const mjSENS_RANGEFINDER: mjtSensor_ = 7;
+#[doc = " scalar joint position (hinge and slide only)"]
 pub const mjSENS_JOINTPOS: mjtSensor_ = 8;
+#[doc = " scalar joint velocity (hinge and slide only)"]
 pub const mjSENS_JOINTVEL: mjtSensor_ = 9;
+#[doc = " scalar tendon position"]
 pub const mjSENS_TENDONPOS: mjtSensor_ = 10;
+#[doc = " scalar tendon velocity"]
 pub const mjSENS_TENDONVEL: mjtSensor_ = 11;
+#[doc = " scalar actuator position"]
 pub const mjSENS_ACTUATORPOS: mjtSensor_ = 12;
+#[doc = " scalar actuator velocity"]
 pub const mjSENS_ACTUATORVEL: mjtSensor_ = 13;
+#[doc = " scalar actuator force"]
 pub const mjSENS_ACTUATORFRC: mjtSensor_ = 14;
+#[doc = " 4D ball joint quaternion"]
 pub const mjSENS_BALLQUAT: mjtSensor_ = 15;
+#[doc = " 3D ball joint angular velocity"]
 pub const mjSENS_BALLANGVEL: mjtSensor_ = 16;
+#[doc = " joint limit distance-margin"]
 pub const mjSENS_JOINTLIMITPOS: mjtSensor_ = 17;
+#[doc = " joint limit velocity"]
 pub const mjSENS_JOINTLIMITVEL: mjtSensor_ = 18;
+#[doc = " joint limit force"]
 pub const mjSENS_JOINTLIMITFRC: mjtSensor_ = 19;
+#[doc = " tendon limit distance-margin"]
 pub const mjSENS_TENDONLIMITPOS: mjtSensor_ = 20;
+#[doc = " tendon limit velocity"]
 pub const mjSENS_TENDONLIMITVEL: mjtSensor_ = 21;
+#[doc = " tendon limit force"]
 pub const mjSENS_TENDONLIMITFRC: mjtSensor_ = 22;
+#[doc = " 3D position"]
 pub const mjSENS_FRAMEPOS: mjtSensor_ = 23;
+#[doc = " 4D unit quaternion orientation"]
 pub const mjSENS_FRAMEQUAT: mjtSensor_ = 24;
+#[doc = " 3D unit vector: x-axis of object's frame"]
 pub const mjSENS_FRAMEXAXIS: mjtSensor_ = 25;
+#[doc = " 3D unit vector: y-axis of object's frame"]
 pub const mjSENS_FRAMEYAXIS: mjtSensor_ = 26;
+#[doc = " 3D unit vector: z-axis of object's frame"]
 pub const mjSENS_FRAMEZAXIS: mjtSensor_ = 27;
+#[doc = " 3D linear velocity"]
 pub const mjSENS_FRAMELINVEL: mjtSensor_ = 28;
+#[doc = " 3D angular velocity"]
 pub const mjSENS_FRAMEANGVEL: mjtSensor_ = 29;
+#[doc = " 3D linear acceleration"]
 pub const mjSENS_FRAMELINACC: mjtSensor_ = 30;
+#[doc = " 3D angular acceleration"]
 pub const mjSENS_FRAMEANGACC: mjtSensor_ = 31;
+#[doc = " 3D center of mass of subtree"]
 pub const mjSENS_SUBTREECOM: mjtSensor_ = 32;
+#[doc = " 3D linear velocity of subtree"]
 pub const mjSENS_SUBTREELINVEL: mjtSensor_ = 33;
+#[doc = " 3D angular momentum of subtree"]
 pub const mjSENS_SUBTREEANGMOM: mjtSensor_ = 34;
+#[doc = " simulation time"]
 pub const mjSENS_CLOCK: mjtSensor_ = 35;
+#[doc = " sensor data provided by mjcb_sensor callback"]
 pub const mjSENS_USER: mjtSensor_ = 36;
 pub type mjtSensor_ = ::core::ffi::c_uint;
 pub use self::mjtSensor_ as mjtSensor;
+#[doc = " no computations"]
 pub const mjSTAGE_NONE: mjtStage_ = 0;
+#[doc = " position-dependent computations"]
 pub const mjSTAGE_POS: mjtStage_ = 1;
+#[doc = " velocity-dependent computations"]
 pub const mjSTAGE_VEL: mjtStage_ = 2;
+#[doc = " acceleration/force-dependent computations"]
 pub const mjSTAGE_ACC: mjtStage_ = 3;
 pub type mjtStage_ = ::core::ffi::c_uint;
 pub use self::mjtStage_ as mjtStage;
+#[doc = " real values, no constraints"]
 pub const mjDATATYPE_REAL: mjtDataType_ = 0;
+#[doc = " positive values; 0 or negative: inactive"]
 pub const mjDATATYPE_POSITIVE: mjtDataType_ = 1;
+#[doc = " 3D unit vector"]
 pub const mjDATATYPE_AXIS: mjtDataType_ = 2;
+#[doc = " unit quaternion"]
 pub const mjDATATYPE_QUATERNION: mjtDataType_ = 3;
 pub type mjtDataType_ = ::core::ffi::c_uint;
 pub use self::mjtDataType_ as mjtDataType;
+#[doc = " do not process any actuators"]
 pub const mjLRMODE_NONE: mjtLRMode_ = 0;
+#[doc = " process muscle actuators"]
 pub const mjLRMODE_MUSCLE: mjtLRMode_ = 1;
+#[doc = " process muscle and user actuators"]
 pub const mjLRMODE_MUSCLEUSER: mjtLRMode_ = 2;
+#[doc = " process all actuators"]
 pub const mjLRMODE_ALL: mjtLRMode_ = 3;
 pub type mjtLRMode_ = ::core::ffi::c_uint;
 pub use self::mjtLRMode_ as mjtLRMode;
+#[doc = "---------------------------------- mjLROpt -------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjLROpt_ {
+    #[doc = " which actuators to process (mjtLRMode)"]
     pub mode: ::core::ffi::c_int,
+    #[doc = " use existing length range if available"]
     pub useexisting: ::core::ffi::c_int,
+    #[doc = " use joint and tendon limits if available"]
     pub uselimit: ::core::ffi::c_int,
+    #[doc = " target acceleration used to compute force"]
     pub accel: mjtNum,
+    #[doc = " maximum force; 0: no limit"]
     pub maxforce: mjtNum,
+    #[doc = " time constant for velocity reduction; min 0.01"]
     pub timeconst: mjtNum,
+    #[doc = " simulation timestep; 0: use mjOption.timestep"]
     pub timestep: mjtNum,
+    #[doc = " total simulation time interval"]
     pub inttotal: mjtNum,
+    #[doc = " evaluation time interval (at the end)"]
     pub inteval: mjtNum,
+    #[doc = " convergence tolerance (relative to range)"]
     pub tolrange: mjtNum,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -318,13 +509,19 @@ const _: () = {
     ["Offset of field: mjLROpt_::inteval"][::core::mem::offset_of!(mjLROpt_, inteval) - 56usize];
     ["Offset of field: mjLROpt_::tolrange"][::core::mem::offset_of!(mjLROpt_, tolrange) - 64usize];
 };
+#[doc = "---------------------------------- mjLROpt -------------------------------------------------------"]
 pub type mjLROpt = mjLROpt_;
+#[doc = "---------------------------------- mjVFS ---------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjVFS_ {
+    #[doc = " number of files present"]
     pub nfile: ::core::ffi::c_int,
+    #[doc = " file name without path"]
     pub filename: [[::core::ffi::c_char; 1000usize]; 2000usize],
+    #[doc = " file size in bytes"]
     pub filesize: [::core::ffi::c_int; 2000usize],
+    #[doc = " buffer with file data"]
     pub filedata: [*mut ::core::ffi::c_void; 2000usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -336,33 +533,59 @@ const _: () = {
     ["Offset of field: mjVFS_::filesize"][::core::mem::offset_of!(mjVFS_, filesize) - 2000004usize];
     ["Offset of field: mjVFS_::filedata"][::core::mem::offset_of!(mjVFS_, filedata) - 2008008usize];
 };
+#[doc = "---------------------------------- mjVFS ---------------------------------------------------------"]
 pub type mjVFS = mjVFS_;
+#[doc = "---------------------------------- mjOption ------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjOption_ {
+    #[doc = " timestep"]
     pub timestep: mjtNum,
+    #[doc = " update rate for remote API (Hz)"]
     pub apirate: mjtNum,
+    #[doc = " ratio of friction-to-normal contact impedance"]
     pub impratio: mjtNum,
+    #[doc = " main solver tolerance"]
     pub tolerance: mjtNum,
+    #[doc = " noslip solver tolerance"]
     pub noslip_tolerance: mjtNum,
+    #[doc = " MPR solver tolerance"]
     pub mpr_tolerance: mjtNum,
+    #[doc = " gravitational acceleration"]
     pub gravity: [mjtNum; 3usize],
+    #[doc = " wind (for lift, drag and viscosity)"]
     pub wind: [mjtNum; 3usize],
+    #[doc = " global magnetic flux"]
     pub magnetic: [mjtNum; 3usize],
+    #[doc = " density of medium"]
     pub density: mjtNum,
+    #[doc = " viscosity of medium"]
     pub viscosity: mjtNum,
+    #[doc = " margin"]
     pub o_margin: mjtNum,
+    #[doc = " solref"]
     pub o_solref: [mjtNum; 2usize],
+    #[doc = " solimp"]
     pub o_solimp: [mjtNum; 5usize],
+    #[doc = " integration mode (mjtIntegrator)"]
     pub integrator: ::core::ffi::c_int,
+    #[doc = " collision mode (mjtCollision)"]
     pub collision: ::core::ffi::c_int,
+    #[doc = " type of friction cone (mjtCone)"]
     pub cone: ::core::ffi::c_int,
+    #[doc = " type of Jacobian (mjtJacobian)"]
     pub jacobian: ::core::ffi::c_int,
+    #[doc = " solver algorithm (mjtSolver)"]
     pub solver: ::core::ffi::c_int,
+    #[doc = " maximum number of main solver iterations"]
     pub iterations: ::core::ffi::c_int,
+    #[doc = " maximum number of noslip solver iterations"]
     pub noslip_iterations: ::core::ffi::c_int,
+    #[doc = " maximum number of MPR solver iterations"]
     pub mpr_iterations: ::core::ffi::c_int,
+    #[doc = " bit flags for disabling standard features"]
     pub disableflags: ::core::ffi::c_int,
+    #[doc = " bit flags for enabling optional features"]
     pub enableflags: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -394,7 +617,9 @@ const _: () = {
     ["Offset of field: mjOption_::disableflags"][::core::mem::offset_of!(mjOption_, disableflags) - 232usize];
     ["Offset of field: mjOption_::enableflags"][::core::mem::offset_of!(mjOption_, enableflags) - 236usize];
 };
+#[doc = "---------------------------------- mjOption ------------------------------------------------------"]
 pub type mjOption = mjOption_;
+#[doc = "---------------------------------- mjVisual ------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjVisual_ {
@@ -408,13 +633,21 @@ pub struct mjVisual_ {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjVisual___bindgen_ty_1 {
+    #[doc = " y-field of view for free camera (degrees)"]
     pub fovy: f32,
+    #[doc = " inter-pupilary distance for free camera"]
     pub ipd: f32,
+    #[doc = " initial azimuth of free camera (degrees)"]
     pub azimuth: f32,
+    #[doc = " initial elevation of free camera (degrees)"]
     pub elevation: f32,
+    #[doc = " line width for wireframe and ray rendering"]
     pub linewidth: f32,
+    #[doc = " glow coefficient for selected body"]
     pub glow: f32,
+    #[doc = " width of offscreen buffer"]
     pub offwidth: ::core::ffi::c_int,
+    #[doc = " height of offscreen buffer"]
     pub offheight: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -439,10 +672,15 @@ const _: () = {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjVisual___bindgen_ty_2 {
+    #[doc = " size of shadowmap texture"]
     pub shadowsize: ::core::ffi::c_int,
+    #[doc = " number of multisamples for offscreen rendering"]
     pub offsamples: ::core::ffi::c_int,
+    #[doc = " number of slices for builtin geom drawing"]
     pub numslices: ::core::ffi::c_int,
+    #[doc = " number of stacks for builtin geom drawing"]
     pub numstacks: ::core::ffi::c_int,
+    #[doc = " number of quads for box rendering"]
     pub numquads: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -463,9 +701,13 @@ const _: () = {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjVisual___bindgen_ty_3 {
+    #[doc = " ambient rgb (alpha=1)"]
     pub ambient: [f32; 3usize],
+    #[doc = " diffuse rgb (alpha=1)"]
     pub diffuse: [f32; 3usize],
+    #[doc = " specular rgb (alpha=1)"]
     pub specular: [f32; 3usize],
+    #[doc = " is headlight active"]
     pub active: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -484,18 +726,31 @@ const _: () = {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjVisual___bindgen_ty_4 {
+    #[doc = " mouse perturbation stiffness (space->force)"]
     pub stiffness: f32,
+    #[doc = " mouse perturbation stiffness (space->torque)"]
     pub stiffnessrot: f32,
+    #[doc = " from force units to space units"]
     pub force: f32,
+    #[doc = " from torque units to space units"]
     pub torque: f32,
+    #[doc = " scale geom alphas when transparency is enabled"]
     pub alpha: f32,
+    #[doc = " OpenGL fog starts at fogstart * mjModel.stat.extent"]
     pub fogstart: f32,
+    #[doc = " OpenGL fog ends at fogend * mjModel.stat.extent"]
     pub fogend: f32,
+    #[doc = " near clipping plane = znear * mjModel.stat.extent"]
     pub znear: f32,
+    #[doc = " far clipping plane = zfar * mjModel.stat.extent"]
     pub zfar: f32,
+    #[doc = " haze ratio"]
     pub haze: f32,
+    #[doc = " directional light: shadowclip * mjModel.stat.extent"]
     pub shadowclip: f32,
+    #[doc = " spot light: shadowscale * light.cutoff"]
     pub shadowscale: f32,
+    #[doc = " scale tendon width"]
     pub actuatortendon: f32,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -532,21 +787,37 @@ const _: () = {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjVisual___bindgen_ty_5 {
+    #[doc = " width of force arrow"]
     pub forcewidth: f32,
+    #[doc = " contact width"]
     pub contactwidth: f32,
+    #[doc = " contact height"]
     pub contactheight: f32,
+    #[doc = " autoconnect capsule width"]
     pub connect: f32,
+    #[doc = " com radius"]
     pub com: f32,
+    #[doc = " camera object"]
     pub camera: f32,
+    #[doc = " light object"]
     pub light: f32,
+    #[doc = " selection point"]
     pub selectpoint: f32,
+    #[doc = " joint length"]
     pub jointlength: f32,
+    #[doc = " joint width"]
     pub jointwidth: f32,
+    #[doc = " actuator length"]
     pub actuatorlength: f32,
+    #[doc = " actuator width"]
     pub actuatorwidth: f32,
+    #[doc = " bodyframe axis length"]
     pub framelength: f32,
+    #[doc = " bodyframe axis width"]
     pub framewidth: f32,
+    #[doc = " constraint width"]
     pub constraint: f32,
+    #[doc = " slidercrank width"]
     pub slidercrank: f32,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -588,27 +859,49 @@ const _: () = {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjVisual___bindgen_ty_6 {
+    #[doc = " fog"]
     pub fog: [f32; 4usize],
+    #[doc = " haze"]
     pub haze: [f32; 4usize],
+    #[doc = " external force"]
     pub force: [f32; 4usize],
+    #[doc = " inertia box"]
     pub inertia: [f32; 4usize],
+    #[doc = " joint"]
     pub joint: [f32; 4usize],
+    #[doc = " actuator, neutral"]
     pub actuator: [f32; 4usize],
+    #[doc = " actuator, negative limit"]
     pub actuatornegative: [f32; 4usize],
+    #[doc = " actuator, positive limit"]
     pub actuatorpositive: [f32; 4usize],
+    #[doc = " center of mass"]
     pub com: [f32; 4usize],
+    #[doc = " camera object"]
     pub camera: [f32; 4usize],
+    #[doc = " light object"]
     pub light: [f32; 4usize],
+    #[doc = " selection point"]
     pub selectpoint: [f32; 4usize],
+    #[doc = " auto connect"]
     pub connect: [f32; 4usize],
+    #[doc = " contact point"]
     pub contactpoint: [f32; 4usize],
+    #[doc = " contact force"]
     pub contactforce: [f32; 4usize],
+    #[doc = " contact friction force"]
     pub contactfriction: [f32; 4usize],
+    #[doc = " contact torque"]
     pub contacttorque: [f32; 4usize],
+    #[doc = " contact point in gap"]
     pub contactgap: [f32; 4usize],
+    #[doc = " rangefinder ray"]
     pub rangefinder: [f32; 4usize],
+    #[doc = " constraint"]
     pub constraint: [f32; 4usize],
+    #[doc = " slidercrank"]
     pub slidercrank: [f32; 4usize],
+    #[doc = " used when crank must be stretched/broken"]
     pub crankbroken: [f32; 4usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -669,14 +962,21 @@ const _: () = {
     ["Offset of field: mjVisual_::scale"][::core::mem::offset_of!(mjVisual_, scale) - 144usize];
     ["Offset of field: mjVisual_::rgba"][::core::mem::offset_of!(mjVisual_, rgba) - 208usize];
 };
+#[doc = "---------------------------------- mjVisual ------------------------------------------------------"]
 pub type mjVisual = mjVisual_;
+#[doc = "---------------------------------- mjStatistic ---------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjStatistic_ {
+    #[doc = " mean diagonal inertia"]
     pub meaninertia: mjtNum,
+    #[doc = " mean body mass"]
     pub meanmass: mjtNum,
+    #[doc = " mean body size"]
     pub meansize: mjtNum,
+    #[doc = " spatial extent"]
     pub extent: mjtNum,
+    #[doc = " center of model"]
     pub center: [mjtNum; 3usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -689,344 +989,681 @@ const _: () = {
     ["Offset of field: mjStatistic_::extent"][::core::mem::offset_of!(mjStatistic_, extent) - 24usize];
     ["Offset of field: mjStatistic_::center"][::core::mem::offset_of!(mjStatistic_, center) - 32usize];
 };
+#[doc = "---------------------------------- mjStatistic ---------------------------------------------------"]
 pub type mjStatistic = mjStatistic_;
+#[doc = "---------------------------------- mjModel -------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjModel_ {
+    #[doc = " number of generalized coordinates = dim(qpos)"]
     pub nq: ::core::ffi::c_int,
+    #[doc = " number of degrees of freedom = dim(qvel)"]
     pub nv: ::core::ffi::c_int,
+    #[doc = " number of actuators/controls = dim(ctrl)"]
     pub nu: ::core::ffi::c_int,
+    #[doc = " number of activation states = dim(act)"]
     pub na: ::core::ffi::c_int,
+    #[doc = " number of bodies"]
     pub nbody: ::core::ffi::c_int,
+    #[doc = " number of joints"]
     pub njnt: ::core::ffi::c_int,
+    #[doc = " number of geoms"]
     pub ngeom: ::core::ffi::c_int,
+    #[doc = " number of sites"]
     pub nsite: ::core::ffi::c_int,
+    #[doc = " number of cameras"]
     pub ncam: ::core::ffi::c_int,
+    #[doc = " number of lights"]
     pub nlight: ::core::ffi::c_int,
+    #[doc = " number of meshes"]
     pub nmesh: ::core::ffi::c_int,
+    #[doc = " number of vertices in all meshes"]
     pub nmeshvert: ::core::ffi::c_int,
+    #[doc = " number of vertices with texcoords in all meshes"]
     pub nmeshtexvert: ::core::ffi::c_int,
+    #[doc = " number of triangular faces in all meshes"]
     pub nmeshface: ::core::ffi::c_int,
+    #[doc = " number of ints in mesh auxiliary data"]
     pub nmeshgraph: ::core::ffi::c_int,
+    #[doc = " number of skins"]
     pub nskin: ::core::ffi::c_int,
+    #[doc = " number of vertices in all skins"]
     pub nskinvert: ::core::ffi::c_int,
+    #[doc = " number of vertiex with texcoords in all skins"]
     pub nskintexvert: ::core::ffi::c_int,
+    #[doc = " number of triangular faces in all skins"]
     pub nskinface: ::core::ffi::c_int,
+    #[doc = " number of bones in all skins"]
     pub nskinbone: ::core::ffi::c_int,
+    #[doc = " number of vertices in all skin bones"]
     pub nskinbonevert: ::core::ffi::c_int,
+    #[doc = " number of heightfields"]
     pub nhfield: ::core::ffi::c_int,
+    #[doc = " number of data points in all heightfields"]
     pub nhfielddata: ::core::ffi::c_int,
+    #[doc = " number of textures"]
     pub ntex: ::core::ffi::c_int,
+    #[doc = " number of bytes in texture rgb data"]
     pub ntexdata: ::core::ffi::c_int,
+    #[doc = " number of materials"]
     pub nmat: ::core::ffi::c_int,
+    #[doc = " number of predefined geom pairs"]
     pub npair: ::core::ffi::c_int,
+    #[doc = " number of excluded geom pairs"]
     pub nexclude: ::core::ffi::c_int,
+    #[doc = " number of equality constraints"]
     pub neq: ::core::ffi::c_int,
+    #[doc = " number of tendons"]
     pub ntendon: ::core::ffi::c_int,
+    #[doc = " number of wrap objects in all tendon paths"]
     pub nwrap: ::core::ffi::c_int,
+    #[doc = " number of sensors"]
     pub nsensor: ::core::ffi::c_int,
+    #[doc = " number of numeric custom fields"]
     pub nnumeric: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in all numeric fields"]
     pub nnumericdata: ::core::ffi::c_int,
+    #[doc = " number of text custom fields"]
     pub ntext: ::core::ffi::c_int,
+    #[doc = " number of mjtBytes in all text fields"]
     pub ntextdata: ::core::ffi::c_int,
+    #[doc = " number of tuple custom fields"]
     pub ntuple: ::core::ffi::c_int,
+    #[doc = " number of objects in all tuple fields"]
     pub ntupledata: ::core::ffi::c_int,
+    #[doc = " number of keyframes"]
     pub nkey: ::core::ffi::c_int,
+    #[doc = " number of mocap bodies"]
     pub nmocap: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in body_user"]
     pub nuser_body: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in jnt_user"]
     pub nuser_jnt: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in geom_user"]
     pub nuser_geom: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in site_user"]
     pub nuser_site: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in cam_user"]
     pub nuser_cam: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in tendon_user"]
     pub nuser_tendon: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in actuator_user"]
     pub nuser_actuator: ::core::ffi::c_int,
+    #[doc = " number of mjtNums in sensor_user"]
     pub nuser_sensor: ::core::ffi::c_int,
+    #[doc = " number of chars in all names"]
     pub nnames: ::core::ffi::c_int,
+    #[doc = " number of non-zeros in sparse inertia matrix"]
     pub nM: ::core::ffi::c_int,
+    #[doc = " number of non-zeros in sparse derivative matrix"]
     pub nD: ::core::ffi::c_int,
+    #[doc = " number of potential equality-constraint rows"]
     pub nemax: ::core::ffi::c_int,
+    #[doc = " number of available rows in constraint Jacobian"]
     pub njmax: ::core::ffi::c_int,
+    #[doc = " number of potential contacts in contact list"]
     pub nconmax: ::core::ffi::c_int,
+    #[doc = " number of fields in mjData stack"]
     pub nstack: ::core::ffi::c_int,
+    #[doc = " number of extra fields in mjData"]
     pub nuserdata: ::core::ffi::c_int,
+    #[doc = " number of fields in sensor data vector"]
     pub nsensordata: ::core::ffi::c_int,
+    #[doc = " number of bytes in buffer"]
     pub nbuffer: ::core::ffi::c_int,
+    #[doc = " physics options"]
     pub opt: mjOption,
+    #[doc = " visualization options"]
     pub vis: mjVisual,
+    #[doc = " model statistics"]
     pub stat: mjStatistic,
+    #[doc = " main buffer; all pointers point in it    (nbuffer)"]
     pub buffer: *mut ::core::ffi::c_void,
+    #[doc = " qpos values at default pose              (nq x 1)"]
     pub qpos0: *mut mjtNum,
+    #[doc = " reference pose for springs               (nq x 1)"]
     pub qpos_spring: *mut mjtNum,
+    #[doc = " id of body's parent                      (nbody x 1)"]
     pub body_parentid: *mut ::core::ffi::c_int,
+    #[doc = " id of root above body                    (nbody x 1)"]
     pub body_rootid: *mut ::core::ffi::c_int,
+    #[doc = " id of body that this body is welded to   (nbody x 1)"]
     pub body_weldid: *mut ::core::ffi::c_int,
+    #[doc = " id of mocap data; -1: none               (nbody x 1)"]
     pub body_mocapid: *mut ::core::ffi::c_int,
+    #[doc = " number of joints for this body           (nbody x 1)"]
     pub body_jntnum: *mut ::core::ffi::c_int,
+    #[doc = " start addr of joints; -1: no joints      (nbody x 1)"]
     pub body_jntadr: *mut ::core::ffi::c_int,
+    #[doc = " number of motion degrees of freedom      (nbody x 1)"]
     pub body_dofnum: *mut ::core::ffi::c_int,
+    #[doc = " start addr of dofs; -1: no dofs          (nbody x 1)"]
     pub body_dofadr: *mut ::core::ffi::c_int,
+    #[doc = " number of geoms                          (nbody x 1)"]
     pub body_geomnum: *mut ::core::ffi::c_int,
+    #[doc = " start addr of geoms; -1: no geoms        (nbody x 1)"]
     pub body_geomadr: *mut ::core::ffi::c_int,
+    #[doc = " body is simple (has diagonal M)          (nbody x 1)"]
     pub body_simple: *mut mjtByte,
+    #[doc = " inertial frame is same as body frame     (nbody x 1)"]
     pub body_sameframe: *mut mjtByte,
+    #[doc = " position offset rel. to parent body      (nbody x 3)"]
     pub body_pos: *mut mjtNum,
+    #[doc = " orientation offset rel. to parent body   (nbody x 4)"]
     pub body_quat: *mut mjtNum,
+    #[doc = " local position of center of mass         (nbody x 3)"]
     pub body_ipos: *mut mjtNum,
+    #[doc = " local orientation of inertia ellipsoid   (nbody x 4)"]
     pub body_iquat: *mut mjtNum,
+    #[doc = " mass                                     (nbody x 1)"]
     pub body_mass: *mut mjtNum,
+    #[doc = " mass of subtree starting at this body    (nbody x 1)"]
     pub body_subtreemass: *mut mjtNum,
+    #[doc = " diagonal inertia in ipos/iquat frame     (nbody x 3)"]
     pub body_inertia: *mut mjtNum,
+    #[doc = " mean inv inert in qpos0 (trn, rot)       (nbody x 2)"]
     pub body_invweight0: *mut mjtNum,
+    #[doc = " user data                                (nbody x nuser_body)"]
     pub body_user: *mut mjtNum,
+    #[doc = " type of joint (mjtJoint)                 (njnt x 1)"]
     pub jnt_type: *mut ::core::ffi::c_int,
+    #[doc = " start addr in 'qpos' for joint's data    (njnt x 1)"]
     pub jnt_qposadr: *mut ::core::ffi::c_int,
+    #[doc = " start addr in 'qvel' for joint's data    (njnt x 1)"]
     pub jnt_dofadr: *mut ::core::ffi::c_int,
+    #[doc = " id of joint's body                       (njnt x 1)"]
     pub jnt_bodyid: *mut ::core::ffi::c_int,
+    #[doc = " group for visibility                     (njnt x 1)"]
     pub jnt_group: *mut ::core::ffi::c_int,
+    #[doc = " does joint have limits                   (njnt x 1)"]
     pub jnt_limited: *mut mjtByte,
+    #[doc = " constraint solver reference: limit       (njnt x mjNREF)"]
     pub jnt_solref: *mut mjtNum,
+    #[doc = " constraint solver impedance: limit       (njnt x mjNIMP)"]
     pub jnt_solimp: *mut mjtNum,
+    #[doc = " local anchor position                    (njnt x 3)"]
     pub jnt_pos: *mut mjtNum,
+    #[doc = " local joint axis                         (njnt x 3)"]
     pub jnt_axis: *mut mjtNum,
+    #[doc = " stiffness coefficient                    (njnt x 1)"]
     pub jnt_stiffness: *mut mjtNum,
+    #[doc = " joint limits                             (njnt x 2)"]
     pub jnt_range: *mut mjtNum,
+    #[doc = " min distance for limit detection         (njnt x 1)"]
     pub jnt_margin: *mut mjtNum,
+    #[doc = " user data                                (njnt x nuser_jnt)"]
     pub jnt_user: *mut mjtNum,
+    #[doc = " id of dof's body                         (nv x 1)"]
     pub dof_bodyid: *mut ::core::ffi::c_int,
+    #[doc = " id of dof's joint                        (nv x 1)"]
     pub dof_jntid: *mut ::core::ffi::c_int,
+    #[doc = " id of dof's parent; -1: none             (nv x 1)"]
     pub dof_parentid: *mut ::core::ffi::c_int,
+    #[doc = " dof address in M-diagonal                (nv x 1)"]
     pub dof_Madr: *mut ::core::ffi::c_int,
+    #[doc = " number of consecutive simple dofs        (nv x 1)"]
     pub dof_simplenum: *mut ::core::ffi::c_int,
+    #[doc = " constraint solver reference:frictionloss (nv x mjNREF)"]
     pub dof_solref: *mut mjtNum,
+    #[doc = " constraint solver impedance:frictionloss (nv x mjNIMP)"]
     pub dof_solimp: *mut mjtNum,
+    #[doc = " dof friction loss                        (nv x 1)"]
     pub dof_frictionloss: *mut mjtNum,
+    #[doc = " dof armature inertia/mass                (nv x 1)"]
     pub dof_armature: *mut mjtNum,
+    #[doc = " damping coefficient                      (nv x 1)"]
     pub dof_damping: *mut mjtNum,
+    #[doc = " diag. inverse inertia in qpos0           (nv x 1)"]
     pub dof_invweight0: *mut mjtNum,
+    #[doc = " diag. inertia in qpos0                   (nv x 1)"]
     pub dof_M0: *mut mjtNum,
+    #[doc = " geometric type (mjtGeom)                 (ngeom x 1)"]
     pub geom_type: *mut ::core::ffi::c_int,
+    #[doc = " geom contact type                        (ngeom x 1)"]
     pub geom_contype: *mut ::core::ffi::c_int,
+    #[doc = " geom contact affinity                    (ngeom x 1)"]
     pub geom_conaffinity: *mut ::core::ffi::c_int,
+    #[doc = " contact dimensionality (1, 3, 4, 6)      (ngeom x 1)"]
     pub geom_condim: *mut ::core::ffi::c_int,
+    #[doc = " id of geom's body                        (ngeom x 1)"]
     pub geom_bodyid: *mut ::core::ffi::c_int,
+    #[doc = " id of geom's mesh/hfield (-1: none)      (ngeom x 1)"]
     pub geom_dataid: *mut ::core::ffi::c_int,
+    #[doc = " material id for rendering                (ngeom x 1)"]
     pub geom_matid: *mut ::core::ffi::c_int,
+    #[doc = " group for visibility                     (ngeom x 1)"]
     pub geom_group: *mut ::core::ffi::c_int,
+    #[doc = " geom contact priority                    (ngeom x 1)"]
     pub geom_priority: *mut ::core::ffi::c_int,
+    #[doc = " same as body frame (1) or iframe (2)     (ngeom x 1)"]
     pub geom_sameframe: *mut mjtByte,
+    #[doc = " mixing coef for solref/imp in geom pair  (ngeom x 1)"]
     pub geom_solmix: *mut mjtNum,
+    #[doc = " constraint solver reference: contact     (ngeom x mjNREF)"]
     pub geom_solref: *mut mjtNum,
+    #[doc = " constraint solver impedance: contact     (ngeom x mjNIMP)"]
     pub geom_solimp: *mut mjtNum,
+    #[doc = " geom-specific size parameters            (ngeom x 3)"]
     pub geom_size: *mut mjtNum,
+    #[doc = " radius of bounding sphere                (ngeom x 1)"]
     pub geom_rbound: *mut mjtNum,
+    #[doc = " local position offset rel. to body       (ngeom x 3)"]
     pub geom_pos: *mut mjtNum,
+    #[doc = " local orientation offset rel. to body    (ngeom x 4)"]
     pub geom_quat: *mut mjtNum,
+    #[doc = " friction for (slide, spin, roll)         (ngeom x 3)"]
     pub geom_friction: *mut mjtNum,
+    #[doc = " detect contact if dist<margin            (ngeom x 1)"]
     pub geom_margin: *mut mjtNum,
+    #[doc = " include in solver if dist<margin-gap     (ngeom x 1)"]
     pub geom_gap: *mut mjtNum,
+    #[doc = " fluid interaction parameters             (ngeom x mjNFLUID)"]
     pub geom_fluid: *mut mjtNum,
+    #[doc = " user data                                (ngeom x nuser_geom)"]
     pub geom_user: *mut mjtNum,
+    #[doc = " rgba when material is omitted            (ngeom x 4)"]
     pub geom_rgba: *mut f32,
+    #[doc = " geom type for rendering (mjtGeom)        (nsite x 1)"]
     pub site_type: *mut ::core::ffi::c_int,
+    #[doc = " id of site's body                        (nsite x 1)"]
     pub site_bodyid: *mut ::core::ffi::c_int,
+    #[doc = " material id for rendering                (nsite x 1)"]
     pub site_matid: *mut ::core::ffi::c_int,
+    #[doc = " group for visibility                     (nsite x 1)"]
     pub site_group: *mut ::core::ffi::c_int,
+    #[doc = " same as body frame (1) or iframe (2)     (nsite x 1)"]
     pub site_sameframe: *mut mjtByte,
+    #[doc = " geom size for rendering                  (nsite x 3)"]
     pub site_size: *mut mjtNum,
+    #[doc = " local position offset rel. to body       (nsite x 3)"]
     pub site_pos: *mut mjtNum,
+    #[doc = " local orientation offset rel. to body    (nsite x 4)"]
     pub site_quat: *mut mjtNum,
+    #[doc = " user data                                (nsite x nuser_site)"]
     pub site_user: *mut mjtNum,
+    #[doc = " rgba when material is omitted            (nsite x 4)"]
     pub site_rgba: *mut f32,
+    #[doc = " camera tracking mode (mjtCamLight)       (ncam x 1)"]
     pub cam_mode: *mut ::core::ffi::c_int,
+    #[doc = " id of camera's body                      (ncam x 1)"]
     pub cam_bodyid: *mut ::core::ffi::c_int,
+    #[doc = " id of targeted body; -1: none            (ncam x 1)"]
     pub cam_targetbodyid: *mut ::core::ffi::c_int,
+    #[doc = " position rel. to body frame              (ncam x 3)"]
     pub cam_pos: *mut mjtNum,
+    #[doc = " orientation rel. to body frame           (ncam x 4)"]
     pub cam_quat: *mut mjtNum,
+    #[doc = " global position rel. to sub-com in qpos0 (ncam x 3)"]
     pub cam_poscom0: *mut mjtNum,
+    #[doc = " global position rel. to body in qpos0    (ncam x 3)"]
     pub cam_pos0: *mut mjtNum,
+    #[doc = " global orientation in qpos0              (ncam x 9)"]
     pub cam_mat0: *mut mjtNum,
+    #[doc = " y-field of view (deg)                    (ncam x 1)"]
     pub cam_fovy: *mut mjtNum,
+    #[doc = " inter-pupilary distance                  (ncam x 1)"]
     pub cam_ipd: *mut mjtNum,
+    #[doc = " user data                                (ncam x nuser_cam)"]
     pub cam_user: *mut mjtNum,
+    #[doc = " light tracking mode (mjtCamLight)        (nlight x 1)"]
     pub light_mode: *mut ::core::ffi::c_int,
+    #[doc = " id of light's body                       (nlight x 1)"]
     pub light_bodyid: *mut ::core::ffi::c_int,
+    #[doc = " id of targeted body; -1: none            (nlight x 1)"]
     pub light_targetbodyid: *mut ::core::ffi::c_int,
+    #[doc = " directional light                        (nlight x 1)"]
     pub light_directional: *mut mjtByte,
+    #[doc = " does light cast shadows                  (nlight x 1)"]
     pub light_castshadow: *mut mjtByte,
+    #[doc = " is light on                              (nlight x 1)"]
     pub light_active: *mut mjtByte,
+    #[doc = " position rel. to body frame              (nlight x 3)"]
     pub light_pos: *mut mjtNum,
+    #[doc = " direction rel. to body frame             (nlight x 3)"]
     pub light_dir: *mut mjtNum,
+    #[doc = " global position rel. to sub-com in qpos0 (nlight x 3)"]
     pub light_poscom0: *mut mjtNum,
+    #[doc = " global position rel. to body in qpos0    (nlight x 3)"]
     pub light_pos0: *mut mjtNum,
+    #[doc = " global direction in qpos0                (nlight x 3)"]
     pub light_dir0: *mut mjtNum,
+    #[doc = " OpenGL attenuation (quadratic model)     (nlight x 3)"]
     pub light_attenuation: *mut f32,
+    #[doc = " OpenGL cutoff                            (nlight x 1)"]
     pub light_cutoff: *mut f32,
+    #[doc = " OpenGL exponent                          (nlight x 1)"]
     pub light_exponent: *mut f32,
+    #[doc = " ambient rgb (alpha=1)                    (nlight x 3)"]
     pub light_ambient: *mut f32,
+    #[doc = " diffuse rgb (alpha=1)                    (nlight x 3)"]
     pub light_diffuse: *mut f32,
+    #[doc = " specular rgb (alpha=1)                   (nlight x 3)"]
     pub light_specular: *mut f32,
+    #[doc = " first vertex address                     (nmesh x 1)"]
     pub mesh_vertadr: *mut ::core::ffi::c_int,
+    #[doc = " number of vertices                       (nmesh x 1)"]
     pub mesh_vertnum: *mut ::core::ffi::c_int,
+    #[doc = " texcoord data address; -1: no texcoord   (nmesh x 1)"]
     pub mesh_texcoordadr: *mut ::core::ffi::c_int,
+    #[doc = " first face address                       (nmesh x 1)"]
     pub mesh_faceadr: *mut ::core::ffi::c_int,
+    #[doc = " number of faces                          (nmesh x 1)"]
     pub mesh_facenum: *mut ::core::ffi::c_int,
+    #[doc = " graph data address; -1: no graph         (nmesh x 1)"]
     pub mesh_graphadr: *mut ::core::ffi::c_int,
+    #[doc = " vertex positions for all meshes          (nmeshvert x 3)"]
     pub mesh_vert: *mut f32,
+    #[doc = " vertex normals for all meshes            (nmeshvert x 3)"]
     pub mesh_normal: *mut f32,
+    #[doc = " vertex texcoords for all meshes          (nmeshtexvert x 2)"]
     pub mesh_texcoord: *mut f32,
+    #[doc = " triangle face data                       (nmeshface x 3)"]
     pub mesh_face: *mut ::core::ffi::c_int,
+    #[doc = " convex graph data                        (nmeshgraph x 1)"]
     pub mesh_graph: *mut ::core::ffi::c_int,
+    #[doc = " skin material id; -1: none               (nskin x 1)"]
     pub skin_matid: *mut ::core::ffi::c_int,
+    #[doc = " group for visibility                     (nskin x 1)"]
     pub skin_group: *mut ::core::ffi::c_int,
+    #[doc = " skin rgba                                (nskin x 4)"]
     pub skin_rgba: *mut f32,
+    #[doc = " inflate skin in normal direction         (nskin x 1)"]
     pub skin_inflate: *mut f32,
+    #[doc = " first vertex address                     (nskin x 1)"]
     pub skin_vertadr: *mut ::core::ffi::c_int,
+    #[doc = " number of vertices                       (nskin x 1)"]
     pub skin_vertnum: *mut ::core::ffi::c_int,
+    #[doc = " texcoord data address; -1: no texcoord   (nskin x 1)"]
     pub skin_texcoordadr: *mut ::core::ffi::c_int,
+    #[doc = " first face address                       (nskin x 1)"]
     pub skin_faceadr: *mut ::core::ffi::c_int,
+    #[doc = " number of faces                          (nskin x 1)"]
     pub skin_facenum: *mut ::core::ffi::c_int,
+    #[doc = " first bone in skin                       (nskin x 1)"]
     pub skin_boneadr: *mut ::core::ffi::c_int,
+    #[doc = " number of bones in skin                  (nskin x 1)"]
     pub skin_bonenum: *mut ::core::ffi::c_int,
+    #[doc = " vertex positions for all skin meshes     (nskinvert x 3)"]
     pub skin_vert: *mut f32,
+    #[doc = " vertex texcoords for all skin meshes     (nskintexvert x 2)"]
     pub skin_texcoord: *mut f32,
+    #[doc = " triangle faces for all skin meshes       (nskinface x 3)"]
     pub skin_face: *mut ::core::ffi::c_int,
+    #[doc = " first vertex in each bone                (nskinbone x 1)"]
     pub skin_bonevertadr: *mut ::core::ffi::c_int,
+    #[doc = " number of vertices in each bone          (nskinbone x 1)"]
     pub skin_bonevertnum: *mut ::core::ffi::c_int,
+    #[doc = " bind pos of each bone                    (nskinbone x 3)"]
     pub skin_bonebindpos: *mut f32,
+    #[doc = " bind quat of each bone                   (nskinbone x 4)"]
     pub skin_bonebindquat: *mut f32,
+    #[doc = " body id of each bone                     (nskinbone x 1)"]
     pub skin_bonebodyid: *mut ::core::ffi::c_int,
+    #[doc = " mesh ids of vertices in each bone        (nskinbonevert x 1)"]
     pub skin_bonevertid: *mut ::core::ffi::c_int,
+    #[doc = " weights of vertices in each bone         (nskinbonevert x 1)"]
     pub skin_bonevertweight: *mut f32,
+    #[doc = " (x, y, z_top, z_bottom)                  (nhfield x 4)"]
     pub hfield_size: *mut mjtNum,
+    #[doc = " number of rows in grid                   (nhfield x 1)"]
     pub hfield_nrow: *mut ::core::ffi::c_int,
+    #[doc = " number of columns in grid                (nhfield x 1)"]
     pub hfield_ncol: *mut ::core::ffi::c_int,
+    #[doc = " address in hfield_data                   (nhfield x 1)"]
     pub hfield_adr: *mut ::core::ffi::c_int,
+    #[doc = " elevation data                           (nhfielddata x 1)"]
     pub hfield_data: *mut f32,
+    #[doc = " texture type (mjtTexture)                (ntex x 1)"]
     pub tex_type: *mut ::core::ffi::c_int,
+    #[doc = " number of rows in texture image          (ntex x 1)"]
     pub tex_height: *mut ::core::ffi::c_int,
+    #[doc = " number of columns in texture image       (ntex x 1)"]
     pub tex_width: *mut ::core::ffi::c_int,
+    #[doc = " address in rgb                           (ntex x 1)"]
     pub tex_adr: *mut ::core::ffi::c_int,
+    #[doc = " rgb (alpha = 1)                          (ntexdata x 1)"]
     pub tex_rgb: *mut mjtByte,
+    #[doc = " texture id; -1: none                     (nmat x 1)"]
     pub mat_texid: *mut ::core::ffi::c_int,
+    #[doc = " make texture cube uniform                (nmat x 1)"]
     pub mat_texuniform: *mut mjtByte,
+    #[doc = " texture repetition for 2d mapping        (nmat x 2)"]
     pub mat_texrepeat: *mut f32,
+    #[doc = " emission (x rgb)                         (nmat x 1)"]
     pub mat_emission: *mut f32,
+    #[doc = " specular (x white)                       (nmat x 1)"]
     pub mat_specular: *mut f32,
+    #[doc = " shininess coef                           (nmat x 1)"]
     pub mat_shininess: *mut f32,
+    #[doc = " reflectance (0: disable)                 (nmat x 1)"]
     pub mat_reflectance: *mut f32,
+    #[doc = " rgba                                     (nmat x 4)"]
     pub mat_rgba: *mut f32,
+    #[doc = " contact dimensionality                   (npair x 1)"]
     pub pair_dim: *mut ::core::ffi::c_int,
+    #[doc = " id of geom1                              (npair x 1)"]
     pub pair_geom1: *mut ::core::ffi::c_int,
+    #[doc = " id of geom2                              (npair x 1)"]
     pub pair_geom2: *mut ::core::ffi::c_int,
+    #[doc = " (body1+1)<<16 + body2+1                  (npair x 1)"]
     pub pair_signature: *mut ::core::ffi::c_int,
+    #[doc = " constraint solver reference: contact     (npair x mjNREF)"]
     pub pair_solref: *mut mjtNum,
+    #[doc = " constraint solver impedance: contact     (npair x mjNIMP)"]
     pub pair_solimp: *mut mjtNum,
+    #[doc = " detect contact if dist<margin            (npair x 1)"]
     pub pair_margin: *mut mjtNum,
+    #[doc = " include in solver if dist<margin-gap     (npair x 1)"]
     pub pair_gap: *mut mjtNum,
+    #[doc = " tangent1, 2, spin, roll1, 2              (npair x 5)"]
     pub pair_friction: *mut mjtNum,
+    #[doc = " (body1+1)<<16 + body2+1                  (nexclude x 1)"]
     pub exclude_signature: *mut ::core::ffi::c_int,
+    #[doc = " constraint type (mjtEq)                  (neq x 1)"]
     pub eq_type: *mut ::core::ffi::c_int,
+    #[doc = " id of object 1                           (neq x 1)"]
     pub eq_obj1id: *mut ::core::ffi::c_int,
+    #[doc = " id of object 2                           (neq x 1)"]
     pub eq_obj2id: *mut ::core::ffi::c_int,
+    #[doc = " enable/disable constraint                (neq x 1)"]
     pub eq_active: *mut mjtByte,
+    #[doc = " constraint solver reference              (neq x mjNREF)"]
     pub eq_solref: *mut mjtNum,
+    #[doc = " constraint solver impedance              (neq x mjNIMP)"]
     pub eq_solimp: *mut mjtNum,
+    #[doc = " numeric data for constraint              (neq x mjNEQDATA)"]
     pub eq_data: *mut mjtNum,
+    #[doc = " address of first object in tendon's path (ntendon x 1)"]
     pub tendon_adr: *mut ::core::ffi::c_int,
+    #[doc = " number of objects in tendon's path       (ntendon x 1)"]
     pub tendon_num: *mut ::core::ffi::c_int,
+    #[doc = " material id for rendering                (ntendon x 1)"]
     pub tendon_matid: *mut ::core::ffi::c_int,
+    #[doc = " group for visibility                     (ntendon x 1)"]
     pub tendon_group: *mut ::core::ffi::c_int,
+    #[doc = " does tendon have length limits           (ntendon x 1)"]
     pub tendon_limited: *mut mjtByte,
+    #[doc = " width for rendering                      (ntendon x 1)"]
     pub tendon_width: *mut mjtNum,
+    #[doc = " constraint solver reference: limit       (ntendon x mjNREF)"]
     pub tendon_solref_lim: *mut mjtNum,
+    #[doc = " constraint solver impedance: limit       (ntendon x mjNIMP)"]
     pub tendon_solimp_lim: *mut mjtNum,
+    #[doc = " constraint solver reference: friction    (ntendon x mjNREF)"]
     pub tendon_solref_fri: *mut mjtNum,
+    #[doc = " constraint solver impedance: friction    (ntendon x mjNIMP)"]
     pub tendon_solimp_fri: *mut mjtNum,
+    #[doc = " tendon length limits                     (ntendon x 2)"]
     pub tendon_range: *mut mjtNum,
+    #[doc = " min distance for limit detection         (ntendon x 1)"]
     pub tendon_margin: *mut mjtNum,
+    #[doc = " stiffness coefficient                    (ntendon x 1)"]
     pub tendon_stiffness: *mut mjtNum,
+    #[doc = " damping coefficient                      (ntendon x 1)"]
     pub tendon_damping: *mut mjtNum,
+    #[doc = " loss due to friction                     (ntendon x 1)"]
     pub tendon_frictionloss: *mut mjtNum,
+    #[doc = " tendon length in qpos_spring             (ntendon x 1)"]
     pub tendon_lengthspring: *mut mjtNum,
+    #[doc = " tendon length in qpos0                   (ntendon x 1)"]
     pub tendon_length0: *mut mjtNum,
+    #[doc = " inv. weight in qpos0                     (ntendon x 1)"]
     pub tendon_invweight0: *mut mjtNum,
+    #[doc = " user data                                (ntendon x nuser_tendon)"]
     pub tendon_user: *mut mjtNum,
+    #[doc = " rgba when material is omitted            (ntendon x 4)"]
     pub tendon_rgba: *mut f32,
+    #[doc = " wrap object type (mjtWrap)               (nwrap x 1)"]
     pub wrap_type: *mut ::core::ffi::c_int,
+    #[doc = " object id: geom, site, joint             (nwrap x 1)"]
     pub wrap_objid: *mut ::core::ffi::c_int,
+    #[doc = " divisor, joint coef, or site id          (nwrap x 1)"]
     pub wrap_prm: *mut mjtNum,
+    #[doc = " transmission type (mjtTrn)               (nu x 1)"]
     pub actuator_trntype: *mut ::core::ffi::c_int,
+    #[doc = " dynamics type (mjtDyn)                   (nu x 1)"]
     pub actuator_dyntype: *mut ::core::ffi::c_int,
+    #[doc = " gain type (mjtGain)                      (nu x 1)"]
     pub actuator_gaintype: *mut ::core::ffi::c_int,
+    #[doc = " bias type (mjtBias)                      (nu x 1)"]
     pub actuator_biastype: *mut ::core::ffi::c_int,
+    #[doc = " transmission id: joint, tendon, site     (nu x 2)"]
     pub actuator_trnid: *mut ::core::ffi::c_int,
+    #[doc = " group for visibility                     (nu x 1)"]
     pub actuator_group: *mut ::core::ffi::c_int,
+    #[doc = " is control limited                       (nu x 1)"]
     pub actuator_ctrllimited: *mut mjtByte,
+    #[doc = " is force limited                         (nu x 1)"]
     pub actuator_forcelimited: *mut mjtByte,
+    #[doc = " is activation limited                    (nu x 1)"]
     pub actuator_actlimited: *mut mjtByte,
+    #[doc = " dynamics parameters                      (nu x mjNDYN)"]
     pub actuator_dynprm: *mut mjtNum,
+    #[doc = " gain parameters                          (nu x mjNGAIN)"]
     pub actuator_gainprm: *mut mjtNum,
+    #[doc = " bias parameters                          (nu x mjNBIAS)"]
     pub actuator_biasprm: *mut mjtNum,
+    #[doc = " range of controls                        (nu x 2)"]
     pub actuator_ctrlrange: *mut mjtNum,
+    #[doc = " range of forces                          (nu x 2)"]
     pub actuator_forcerange: *mut mjtNum,
+    #[doc = " range of activations                     (nu x 2)"]
     pub actuator_actrange: *mut mjtNum,
+    #[doc = " scale length and transmitted force       (nu x 6)"]
     pub actuator_gear: *mut mjtNum,
+    #[doc = " crank length for slider-crank            (nu x 1)"]
     pub actuator_cranklength: *mut mjtNum,
+    #[doc = " acceleration from unit force in qpos0    (nu x 1)"]
     pub actuator_acc0: *mut mjtNum,
+    #[doc = " actuator length in qpos0                 (nu x 1)"]
     pub actuator_length0: *mut mjtNum,
+    #[doc = " feasible actuator length range           (nu x 2)"]
     pub actuator_lengthrange: *mut mjtNum,
+    #[doc = " user data                                (nu x nuser_actuator)"]
     pub actuator_user: *mut mjtNum,
+    #[doc = " sensor type (mjtSensor)                  (nsensor x 1)"]
     pub sensor_type: *mut ::core::ffi::c_int,
+    #[doc = " numeric data type (mjtDataType)          (nsensor x 1)"]
     pub sensor_datatype: *mut ::core::ffi::c_int,
+    #[doc = " required compute stage (mjtStage)        (nsensor x 1)"]
     pub sensor_needstage: *mut ::core::ffi::c_int,
+    #[doc = " type of sensorized object (mjtObj)       (nsensor x 1)"]
     pub sensor_objtype: *mut ::core::ffi::c_int,
+    #[doc = " id of sensorized object                  (nsensor x 1)"]
     pub sensor_objid: *mut ::core::ffi::c_int,
+    #[doc = " type of reference frame (mjtObj)         (nsensor x 1)"]
     pub sensor_reftype: *mut ::core::ffi::c_int,
+    #[doc = " id of reference frame; -1: global frame  (nsensor x 1)"]
     pub sensor_refid: *mut ::core::ffi::c_int,
+    #[doc = " number of scalar outputs                 (nsensor x 1)"]
     pub sensor_dim: *mut ::core::ffi::c_int,
+    #[doc = " address in sensor array                  (nsensor x 1)"]
     pub sensor_adr: *mut ::core::ffi::c_int,
+    #[doc = " cutoff for real and positive; 0: ignore  (nsensor x 1)"]
     pub sensor_cutoff: *mut mjtNum,
+    #[doc = " noise standard deviation                 (nsensor x 1)"]
     pub sensor_noise: *mut mjtNum,
+    #[doc = " user data                                (nsensor x nuser_sensor)"]
     pub sensor_user: *mut mjtNum,
+    #[doc = " address of field in numeric_data         (nnumeric x 1)"]
     pub numeric_adr: *mut ::core::ffi::c_int,
+    #[doc = " size of numeric field                    (nnumeric x 1)"]
     pub numeric_size: *mut ::core::ffi::c_int,
+    #[doc = " array of all numeric fields              (nnumericdata x 1)"]
     pub numeric_data: *mut mjtNum,
+    #[doc = " address of text in text_data             (ntext x 1)"]
     pub text_adr: *mut ::core::ffi::c_int,
+    #[doc = " size of text field (strlen+1)            (ntext x 1)"]
     pub text_size: *mut ::core::ffi::c_int,
+    #[doc = " array of all text fields (0-terminated)  (ntextdata x 1)"]
     pub text_data: *mut ::core::ffi::c_char,
+    #[doc = " address of text in text_data             (ntuple x 1)"]
     pub tuple_adr: *mut ::core::ffi::c_int,
+    #[doc = " number of objects in tuple               (ntuple x 1)"]
     pub tuple_size: *mut ::core::ffi::c_int,
+    #[doc = " array of object types in all tuples      (ntupledata x 1)"]
     pub tuple_objtype: *mut ::core::ffi::c_int,
+    #[doc = " array of object ids in all tuples        (ntupledata x 1)"]
     pub tuple_objid: *mut ::core::ffi::c_int,
+    #[doc = " array of object params in all tuples     (ntupledata x 1)"]
     pub tuple_objprm: *mut mjtNum,
+    #[doc = " key time                                 (nkey x 1)"]
     pub key_time: *mut mjtNum,
+    #[doc = " key position                             (nkey x nq)"]
     pub key_qpos: *mut mjtNum,
+    #[doc = " key velocity                             (nkey x nv)"]
     pub key_qvel: *mut mjtNum,
+    #[doc = " key activation                           (nkey x na)"]
     pub key_act: *mut mjtNum,
+    #[doc = " key mocap position                       (nkey x 3*nmocap)"]
     pub key_mpos: *mut mjtNum,
+    #[doc = " key mocap quaternion                     (nkey x 4*nmocap)"]
     pub key_mquat: *mut mjtNum,
+    #[doc = " key control                              (nkey x nu)"]
     pub key_ctrl: *mut mjtNum,
+    #[doc = " body name pointers                       (nbody x 1)"]
     pub name_bodyadr: *mut ::core::ffi::c_int,
+    #[doc = " joint name pointers                      (njnt x 1)"]
     pub name_jntadr: *mut ::core::ffi::c_int,
+    #[doc = " geom name pointers                       (ngeom x 1)"]
     pub name_geomadr: *mut ::core::ffi::c_int,
+    #[doc = " site name pointers                       (nsite x 1)"]
     pub name_siteadr: *mut ::core::ffi::c_int,
+    #[doc = " camera name pointers                     (ncam x 1)"]
     pub name_camadr: *mut ::core::ffi::c_int,
+    #[doc = " light name pointers                      (nlight x 1)"]
     pub name_lightadr: *mut ::core::ffi::c_int,
+    #[doc = " mesh name pointers                       (nmesh x 1)"]
     pub name_meshadr: *mut ::core::ffi::c_int,
+    #[doc = " skin name pointers                       (nskin x 1)"]
     pub name_skinadr: *mut ::core::ffi::c_int,
+    #[doc = " hfield name pointers                     (nhfield x 1)"]
     pub name_hfieldadr: *mut ::core::ffi::c_int,
+    #[doc = " texture name pointers                    (ntex x 1)"]
     pub name_texadr: *mut ::core::ffi::c_int,
+    #[doc = " material name pointers                   (nmat x 1)"]
     pub name_matadr: *mut ::core::ffi::c_int,
+    #[doc = " geom pair name pointers                  (npair x 1)"]
     pub name_pairadr: *mut ::core::ffi::c_int,
+    #[doc = " exclude name pointers                    (nexclude x 1)"]
     pub name_excludeadr: *mut ::core::ffi::c_int,
+    #[doc = " equality constraint name pointers        (neq x 1)"]
     pub name_eqadr: *mut ::core::ffi::c_int,
+    #[doc = " tendon name pointers                     (ntendon x 1)"]
     pub name_tendonadr: *mut ::core::ffi::c_int,
+    #[doc = " actuator name pointers                   (nu x 1)"]
     pub name_actuatoradr: *mut ::core::ffi::c_int,
+    #[doc = " sensor name pointers                     (nsensor x 1)"]
     pub name_sensoradr: *mut ::core::ffi::c_int,
+    #[doc = " numeric name pointers                    (nnumeric x 1)"]
     pub name_numericadr: *mut ::core::ffi::c_int,
+    #[doc = " text name pointers                       (ntext x 1)"]
     pub name_textadr: *mut ::core::ffi::c_int,
+    #[doc = " tuple name pointers                      (ntuple x 1)"]
     pub name_tupleadr: *mut ::core::ffi::c_int,
+    #[doc = " keyframe name pointers                   (nkey x 1)"]
     pub name_keyadr: *mut ::core::ffi::c_int,
+    #[doc = " names of all objects, 0-terminated       (nnames x 1)"]
     pub names: *mut ::core::ffi::c_char,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -1380,50 +2017,91 @@ const _: () = {
     ["Offset of field: mjModel_::name_keyadr"][::core::mem::offset_of!(mjModel_, name_keyadr) - 3264usize];
     ["Offset of field: mjModel_::names"][::core::mem::offset_of!(mjModel_, names) - 3272usize];
 };
+#[doc = "---------------------------------- mjModel -------------------------------------------------------"]
 pub type mjModel = mjModel_;
+#[doc = " (near) singular inertia matrix"]
 pub const mjWARN_INERTIA: mjtWarning_ = 0;
+#[doc = " too many contacts in contact list"]
 pub const mjWARN_CONTACTFULL: mjtWarning_ = 1;
+#[doc = " too many constraints"]
 pub const mjWARN_CNSTRFULL: mjtWarning_ = 2;
+#[doc = " too many visual geoms"]
 pub const mjWARN_VGEOMFULL: mjtWarning_ = 3;
+#[doc = " bad number in qpos"]
 pub const mjWARN_BADQPOS: mjtWarning_ = 4;
+#[doc = " bad number in qvel"]
 pub const mjWARN_BADQVEL: mjtWarning_ = 5;
+#[doc = " bad number in qacc"]
 pub const mjWARN_BADQACC: mjtWarning_ = 6;
+#[doc = " bad number in ctrl"]
 pub const mjWARN_BADCTRL: mjtWarning_ = 7;
+#[doc = " number of warnings"]
 pub const mjNWARNING: mjtWarning_ = 8;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub type mjtWarning_ = ::core::ffi::c_uint;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub use self::mjtWarning_ as mjtWarning;
+#[doc = " step"]
 pub const mjTIMER_STEP: mjtTimer_ = 0;
+#[doc = " forward"]
 pub const mjTIMER_FORWARD: mjtTimer_ = 1;
+#[doc = " inverse"]
 pub const mjTIMER_INVERSE: mjtTimer_ = 2;
+#[doc = " fwdPosition"]
 pub const mjTIMER_POSITION: mjtTimer_ = 3;
+#[doc = " fwdVelocity"]
 pub const mjTIMER_VELOCITY: mjtTimer_ = 4;
+#[doc = " fwdActuation"]
 pub const mjTIMER_ACTUATION: mjtTimer_ = 5;
+#[doc = " fwdAcceleration"]
 pub const mjTIMER_ACCELERATION: mjtTimer_ = 6;
+#[doc = " fwdConstraint"]
 pub const mjTIMER_CONSTRAINT: mjtTimer_ = 7;
+#[doc = " kinematics, com, tendon, transmission"]
 pub const mjTIMER_POS_KINEMATICS: mjtTimer_ = 8;
+#[doc = " inertia computations"]
 pub const mjTIMER_POS_INERTIA: mjtTimer_ = 9;
+#[doc = " collision detection"]
 pub const mjTIMER_POS_COLLISION: mjtTimer_ = 10;
+#[doc = " make constraints"]
 pub const mjTIMER_POS_MAKE: mjtTimer_ = 11;
+#[doc = " project constraints"]
 pub const mjTIMER_POS_PROJECT: mjtTimer_ = 12;
+#[doc = " number of timers"]
 pub const mjNTIMER: mjtTimer_ = 13;
 pub type mjtTimer_ = ::core::ffi::c_uint;
 pub use self::mjtTimer_ as mjtTimer;
+#[doc = "---------------------------------- mjContact -----------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjContact_ {
+    #[doc = " distance between nearest points; neg: penetration"]
     pub dist: mjtNum,
+    #[doc = " position of contact point: midpoint between geoms"]
     pub pos: [mjtNum; 3usize],
+    #[doc = " normal is in [0-2]"]
     pub frame: [mjtNum; 9usize],
+    #[doc = " include if dist<includemargin=margin-gap"]
     pub includemargin: mjtNum,
+    #[doc = " tangent1, 2, spin, roll1, 2"]
     pub friction: [mjtNum; 5usize],
+    #[doc = " constraint solver reference"]
     pub solref: [mjtNum; 2usize],
+    #[doc = " constraint solver impedance"]
     pub solimp: [mjtNum; 5usize],
+    #[doc = " friction of regularized cone, set by mj_makeConstraint"]
     pub mu: mjtNum,
+    #[doc = " cone Hessian, set by mj_updateConstraint"]
     pub H: [mjtNum; 36usize],
+    #[doc = " contact space dimensionality: 1, 3, 4 or 6"]
     pub dim: ::core::ffi::c_int,
+    #[doc = " id of geom 1"]
     pub geom1: ::core::ffi::c_int,
+    #[doc = " id of geom 2"]
     pub geom2: ::core::ffi::c_int,
+    #[doc = " 0: include, 1: in gap, 2: fused, 3: equality, 4: no dofs"]
     pub exclude: ::core::ffi::c_int,
+    #[doc = " address in efc; -1: not included, -2-i: distance constraint i"]
     pub efc_address: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -1445,11 +2123,15 @@ const _: () = {
     ["Offset of field: mjContact_::exclude"][::core::mem::offset_of!(mjContact_, exclude) - 516usize];
     ["Offset of field: mjContact_::efc_address"][::core::mem::offset_of!(mjContact_, efc_address) - 520usize];
 };
+#[doc = "---------------------------------- mjContact -----------------------------------------------------"]
 pub type mjContact = mjContact_;
+#[doc = "---------------------------------- diagnostics ---------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjWarningStat_ {
+    #[doc = " info from last warning"]
     pub lastinfo: ::core::ffi::c_int,
+    #[doc = " how many times was warning raised"]
     pub number: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -1459,11 +2141,14 @@ const _: () = {
     ["Offset of field: mjWarningStat_::lastinfo"][::core::mem::offset_of!(mjWarningStat_, lastinfo) - 0usize];
     ["Offset of field: mjWarningStat_::number"][::core::mem::offset_of!(mjWarningStat_, number) - 4usize];
 };
+#[doc = "---------------------------------- diagnostics ---------------------------------------------------"]
 pub type mjWarningStat = mjWarningStat_;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjTimerStat_ {
+    #[doc = " cumulative duration"]
     pub duration: mjtNum,
+    #[doc = " how many times was timer called"]
     pub number: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -1477,12 +2162,19 @@ pub type mjTimerStat = mjTimerStat_;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjSolverStat_ {
+    #[doc = " cost reduction, scaled by 1/trace(M(qpos0))"]
     pub improvement: mjtNum,
+    #[doc = " gradient norm (primal only, scaled)"]
     pub gradient: mjtNum,
+    #[doc = " slope in linesearch"]
     pub lineslope: mjtNum,
+    #[doc = " number of active constraints"]
     pub nactive: ::core::ffi::c_int,
+    #[doc = " number of constraint state changes"]
     pub nchange: ::core::ffi::c_int,
+    #[doc = " number of cost evaluations in line search"]
     pub neval: ::core::ffi::c_int,
+    #[doc = " number of Cholesky updates in line search"]
     pub nupdate: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -1498,128 +2190,249 @@ const _: () = {
     ["Offset of field: mjSolverStat_::nupdate"][::core::mem::offset_of!(mjSolverStat_, nupdate) - 36usize];
 };
 pub type mjSolverStat = mjSolverStat_;
+#[doc = "---------------------------------- mjData --------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjData_ {
+    #[doc = " number of mjtNums that can fit in stack"]
     pub nstack: ::core::ffi::c_int,
+    #[doc = " size of main buffer in bytes"]
     pub nbuffer: ::core::ffi::c_int,
+    #[doc = " first available mjtNum address in stack"]
     pub pstack: ::core::ffi::c_int,
+    #[doc = " maximum stack allocation"]
     pub maxuse_stack: ::core::ffi::c_int,
+    #[doc = " maximum number of contacts"]
     pub maxuse_con: ::core::ffi::c_int,
+    #[doc = " maximum number of scalar constraints"]
     pub maxuse_efc: ::core::ffi::c_int,
+    #[doc = " warning statistics"]
     pub warning: [mjWarningStat; 8usize],
+    #[doc = " timer statistics"]
     pub timer: [mjTimerStat; 13usize],
+    #[doc = " solver statistics per iteration"]
     pub solver: [mjSolverStat; 1000usize],
+    #[doc = " number of solver iterations"]
     pub solver_iter: ::core::ffi::c_int,
+    #[doc = " number of non-zeros in Hessian or efc_AR"]
     pub solver_nnz: ::core::ffi::c_int,
+    #[doc = " forward-inverse comparison: qfrc, efc"]
     pub solver_fwdinv: [mjtNum; 2usize],
+    #[doc = " number of equality constraints"]
     pub ne: ::core::ffi::c_int,
+    #[doc = " number of friction constraints"]
     pub nf: ::core::ffi::c_int,
+    #[doc = " number of constraints"]
     pub nefc: ::core::ffi::c_int,
+    #[doc = " number of detected contacts"]
     pub ncon: ::core::ffi::c_int,
+    #[doc = " simulation time"]
     pub time: mjtNum,
+    #[doc = " potential, kinetic energy"]
     pub energy: [mjtNum; 2usize],
+    #[doc = " main buffer; all pointers point in it    (nbuffer bytes)"]
     pub buffer: *mut ::core::ffi::c_void,
+    #[doc = " stack buffer                             (nstack mjtNums)"]
     pub stack: *mut mjtNum,
+    #[doc = " position                                 (nq x 1)"]
     pub qpos: *mut mjtNum,
+    #[doc = " velocity                                 (nv x 1)"]
     pub qvel: *mut mjtNum,
+    #[doc = " actuator activation                      (na x 1)"]
     pub act: *mut mjtNum,
+    #[doc = " acceleration used for warmstart          (nv x 1)"]
     pub qacc_warmstart: *mut mjtNum,
+    #[doc = " control                                  (nu x 1)"]
     pub ctrl: *mut mjtNum,
+    #[doc = " applied generalized force                (nv x 1)"]
     pub qfrc_applied: *mut mjtNum,
+    #[doc = " applied Cartesian force/torque           (nbody x 6)"]
     pub xfrc_applied: *mut mjtNum,
+    #[doc = " positions of mocap bodies                (nmocap x 3)"]
     pub mocap_pos: *mut mjtNum,
+    #[doc = " orientations of mocap bodies             (nmocap x 4)"]
     pub mocap_quat: *mut mjtNum,
+    #[doc = " acceleration                             (nv x 1)"]
     pub qacc: *mut mjtNum,
+    #[doc = " time-derivative of actuator activation   (na x 1)"]
     pub act_dot: *mut mjtNum,
+    #[doc = " user data, not touched by engine         (nuserdata x 1)"]
     pub userdata: *mut mjtNum,
+    #[doc = " sensor data array                        (nsensordata x 1)"]
     pub sensordata: *mut mjtNum,
+    #[doc = " Cartesian position of body frame         (nbody x 3)"]
     pub xpos: *mut mjtNum,
+    #[doc = " Cartesian orientation of body frame      (nbody x 4)"]
     pub xquat: *mut mjtNum,
+    #[doc = " Cartesian orientation of body frame      (nbody x 9)"]
     pub xmat: *mut mjtNum,
+    #[doc = " Cartesian position of body com           (nbody x 3)"]
     pub xipos: *mut mjtNum,
+    #[doc = " Cartesian orientation of body inertia    (nbody x 9)"]
     pub ximat: *mut mjtNum,
+    #[doc = " Cartesian position of joint anchor       (njnt x 3)"]
     pub xanchor: *mut mjtNum,
+    #[doc = " Cartesian joint axis                     (njnt x 3)"]
     pub xaxis: *mut mjtNum,
+    #[doc = " Cartesian geom position                  (ngeom x 3)"]
     pub geom_xpos: *mut mjtNum,
+    #[doc = " Cartesian geom orientation               (ngeom x 9)"]
     pub geom_xmat: *mut mjtNum,
+    #[doc = " Cartesian site position                  (nsite x 3)"]
     pub site_xpos: *mut mjtNum,
+    #[doc = " Cartesian site orientation               (nsite x 9)"]
     pub site_xmat: *mut mjtNum,
+    #[doc = " Cartesian camera position                (ncam x 3)"]
     pub cam_xpos: *mut mjtNum,
+    #[doc = " Cartesian camera orientation             (ncam x 9)"]
     pub cam_xmat: *mut mjtNum,
+    #[doc = " Cartesian light position                 (nlight x 3)"]
     pub light_xpos: *mut mjtNum,
+    #[doc = " Cartesian light direction                (nlight x 3)"]
     pub light_xdir: *mut mjtNum,
+    #[doc = " center of mass of each subtree           (nbody x 3)"]
     pub subtree_com: *mut mjtNum,
+    #[doc = " com-based motion axis of each dof        (nv x 6)"]
     pub cdof: *mut mjtNum,
+    #[doc = " com-based body inertia and mass          (nbody x 10)"]
     pub cinert: *mut mjtNum,
+    #[doc = " start address of tendon's path           (ntendon x 1)"]
     pub ten_wrapadr: *mut ::core::ffi::c_int,
+    #[doc = " number of wrap points in path            (ntendon x 1)"]
     pub ten_wrapnum: *mut ::core::ffi::c_int,
+    #[doc = " number of non-zeros in Jacobian row      (ntendon x 1)"]
     pub ten_J_rownnz: *mut ::core::ffi::c_int,
+    #[doc = " row start address in colind array        (ntendon x 1)"]
     pub ten_J_rowadr: *mut ::core::ffi::c_int,
+    #[doc = " column indices in sparse Jacobian        (ntendon x nv)"]
     pub ten_J_colind: *mut ::core::ffi::c_int,
+    #[doc = " tendon lengths                           (ntendon x 1)"]
     pub ten_length: *mut mjtNum,
+    #[doc = " tendon Jacobian                          (ntendon x nv)"]
     pub ten_J: *mut mjtNum,
+    #[doc = " geom id; -1: site; -2: pulley            (nwrap*2 x 1)"]
     pub wrap_obj: *mut ::core::ffi::c_int,
+    #[doc = " Cartesian 3D points in all path          (nwrap*2 x 3)"]
     pub wrap_xpos: *mut mjtNum,
+    #[doc = " actuator lengths                         (nu x 1)"]
     pub actuator_length: *mut mjtNum,
+    #[doc = " actuator moments                         (nu x nv)"]
     pub actuator_moment: *mut mjtNum,
+    #[doc = " com-based composite inertia and mass     (nbody x 10)"]
     pub crb: *mut mjtNum,
+    #[doc = " total inertia (sparse)                   (nM x 1)"]
     pub qM: *mut mjtNum,
+    #[doc = " L'*D*L factorization of M (sparse)       (nM x 1)"]
     pub qLD: *mut mjtNum,
+    #[doc = " 1/diag(D)                                (nv x 1)"]
     pub qLDiagInv: *mut mjtNum,
+    #[doc = " 1/sqrt(diag(D))                          (nv x 1)"]
     pub qLDiagSqrtInv: *mut mjtNum,
+    #[doc = " list of all detected contacts            (nconmax x 1)"]
     pub contact: *mut mjContact,
+    #[doc = " constraint type (mjtConstraint)          (njmax x 1)"]
     pub efc_type: *mut ::core::ffi::c_int,
+    #[doc = " id of object of specified type           (njmax x 1)"]
     pub efc_id: *mut ::core::ffi::c_int,
+    #[doc = " number of non-zeros in Jacobian row      (njmax x 1)"]
     pub efc_J_rownnz: *mut ::core::ffi::c_int,
+    #[doc = " row start address in colind array        (njmax x 1)"]
     pub efc_J_rowadr: *mut ::core::ffi::c_int,
+    #[doc = " number of subsequent rows in supernode   (njmax x 1)"]
     pub efc_J_rowsuper: *mut ::core::ffi::c_int,
+    #[doc = " column indices in Jacobian               (njmax x nv)"]
     pub efc_J_colind: *mut ::core::ffi::c_int,
+    #[doc = " number of non-zeros in Jacobian row    T (nv x 1)"]
     pub efc_JT_rownnz: *mut ::core::ffi::c_int,
+    #[doc = " row start address in colind array      T (nv x 1)"]
     pub efc_JT_rowadr: *mut ::core::ffi::c_int,
+    #[doc = " number of subsequent rows in supernode T (nv x 1)"]
     pub efc_JT_rowsuper: *mut ::core::ffi::c_int,
+    #[doc = " column indices in Jacobian             T (nv x njmax)"]
     pub efc_JT_colind: *mut ::core::ffi::c_int,
+    #[doc = " constraint Jacobian                      (njmax x nv)"]
     pub efc_J: *mut mjtNum,
+    #[doc = " constraint Jacobian transposed           (nv x njmax)"]
     pub efc_JT: *mut mjtNum,
+    #[doc = " constraint position (equality, contact)  (njmax x 1)"]
     pub efc_pos: *mut mjtNum,
+    #[doc = " inclusion margin (contact)               (njmax x 1)"]
     pub efc_margin: *mut mjtNum,
+    #[doc = " frictionloss (friction)                  (njmax x 1)"]
     pub efc_frictionloss: *mut mjtNum,
+    #[doc = " approximation to diagonal of A           (njmax x 1)"]
     pub efc_diagApprox: *mut mjtNum,
+    #[doc = " stiffness, damping, impedance, imp'      (njmax x 4)"]
     pub efc_KBIP: *mut mjtNum,
+    #[doc = " constraint mass                          (njmax x 1)"]
     pub efc_D: *mut mjtNum,
+    #[doc = " inverse constraint mass                  (njmax x 1)"]
     pub efc_R: *mut mjtNum,
+    #[doc = " number of non-zeros in AR                (njmax x 1)"]
     pub efc_AR_rownnz: *mut ::core::ffi::c_int,
+    #[doc = " row start address in colind array        (njmax x 1)"]
     pub efc_AR_rowadr: *mut ::core::ffi::c_int,
+    #[doc = " column indices in sparse AR              (njmax x njmax)"]
     pub efc_AR_colind: *mut ::core::ffi::c_int,
+    #[doc = " J*inv(M)*J' + R                          (njmax x njmax)"]
     pub efc_AR: *mut mjtNum,
+    #[doc = " tendon velocities                        (ntendon x 1)"]
     pub ten_velocity: *mut mjtNum,
+    #[doc = " actuator velocities                      (nu x 1)"]
     pub actuator_velocity: *mut mjtNum,
+    #[doc = " com-based velocity [3D rot; 3D tran]     (nbody x 6)"]
     pub cvel: *mut mjtNum,
+    #[doc = " time-derivative of cdof                  (nv x 6)"]
     pub cdof_dot: *mut mjtNum,
+    #[doc = " C(qpos,qvel)                             (nv x 1)"]
     pub qfrc_bias: *mut mjtNum,
+    #[doc = " passive force                            (nv x 1)"]
     pub qfrc_passive: *mut mjtNum,
+    #[doc = " velocity in constraint space: J*qvel     (njmax x 1)"]
     pub efc_vel: *mut mjtNum,
+    #[doc = " reference pseudo-acceleration            (njmax x 1)"]
     pub efc_aref: *mut mjtNum,
+    #[doc = " linear velocity of subtree com           (nbody x 3)"]
     pub subtree_linvel: *mut mjtNum,
+    #[doc = " angular momentum about subtree com       (nbody x 3)"]
     pub subtree_angmom: *mut mjtNum,
+    #[doc = " L'*D*L factorization of modified M       (nM x 1)"]
     pub qH: *mut mjtNum,
+    #[doc = " 1/diag(D) of modified M                  (nv x 1)"]
     pub qHDiagInv: *mut mjtNum,
+    #[doc = " non-zeros in each row                    (nv x 1)"]
     pub D_rownnz: *mut ::core::ffi::c_int,
+    #[doc = " address of each row in D_colind          (nv x 1)"]
     pub D_rowadr: *mut ::core::ffi::c_int,
+    #[doc = " column indices of non-zeros              (nD x 1)"]
     pub D_colind: *mut ::core::ffi::c_int,
+    #[doc = " d (passive + actuator - bias) / d qvel   (nD x 1)"]
     pub qDeriv: *mut mjtNum,
+    #[doc = " sparse LU of (qM - dt*qDeriv)            (nD x 1)"]
     pub qLU: *mut mjtNum,
+    #[doc = " actuator force in actuation space        (nu x 1)"]
     pub actuator_force: *mut mjtNum,
+    #[doc = " actuator force                           (nv x 1)"]
     pub qfrc_actuator: *mut mjtNum,
+    #[doc = " net unconstrained force                  (nv x 1)"]
     pub qfrc_smooth: *mut mjtNum,
+    #[doc = " unconstrained acceleration               (nv x 1)"]
     pub qacc_smooth: *mut mjtNum,
+    #[doc = " linear cost term: J*qacc_smooth - aref   (njmax x 1)"]
     pub efc_b: *mut mjtNum,
+    #[doc = " constraint force in constraint space     (njmax x 1)"]
     pub efc_force: *mut mjtNum,
+    #[doc = " constraint state (mjtConstraintState)    (njmax x 1)"]
     pub efc_state: *mut ::core::ffi::c_int,
+    #[doc = " constraint force                         (nv x 1)"]
     pub qfrc_constraint: *mut mjtNum,
+    #[doc = " net external force; should equal:        (nv x 1)\n qfrc_applied + J'*xfrc_applied + qfrc_actuator"]
     pub qfrc_inverse: *mut mjtNum,
+    #[doc = " com-based acceleration                   (nbody x 6)"]
     pub cacc: *mut mjtNum,
+    #[doc = " com-based interaction force with parent  (nbody x 6)"]
     pub cfrc_int: *mut mjtNum,
+    #[doc = " com-based external force on body         (nbody x 6)"]
     pub cfrc_ext: *mut mjtNum,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -1747,8 +2560,11 @@ const _: () = {
     ["Offset of field: mjData_::cfrc_int"][::core::mem::offset_of!(mjData_, cfrc_int) - 41160usize];
     ["Offset of field: mjData_::cfrc_ext"][::core::mem::offset_of!(mjData_, cfrc_ext) - 41168usize];
 };
+#[doc = "---------------------------------- mjData --------------------------------------------------------"]
 pub type mjData = mjData_;
+#[doc = " generic MuJoCo function"]
 pub type mjfGeneric = ::core::option::Option<unsafe extern "C" fn(m: *const mjModel, d: *mut mjData)>;
+#[doc = " contact filter: 1- discard, 0- collide"]
 pub type mjfConFilt = ::core::option::Option<
     unsafe extern "C" fn(
         m: *const mjModel,
@@ -1757,11 +2573,15 @@ pub type mjfConFilt = ::core::option::Option<
         geom2: ::core::ffi::c_int,
     ) -> ::core::ffi::c_int,
 >;
+#[doc = " sensor simulation"]
 pub type mjfSensor =
     ::core::option::Option<unsafe extern "C" fn(m: *const mjModel, d: *mut mjData, stage: ::core::ffi::c_int)>;
+#[doc = " timer"]
 pub type mjfTime = ::core::option::Option<unsafe extern "C" fn() -> mjtNum>;
+#[doc = " actuator dynamics, gain, bias"]
 pub type mjfAct =
     ::core::option::Option<unsafe extern "C" fn(m: *const mjModel, d: *const mjData, id: ::core::ffi::c_int) -> mjtNum>;
+#[doc = " collision detection"]
 pub type mjfCollision = ::core::option::Option<
     unsafe extern "C" fn(
         m: *const mjModel,
@@ -1772,35 +2592,56 @@ pub type mjfCollision = ::core::option::Option<
         margin: mjtNum,
     ) -> ::core::ffi::c_int,
 >;
+#[doc = " top left"]
 pub const mjGRID_TOPLEFT: mjtGridPos_ = 0;
+#[doc = " top right"]
 pub const mjGRID_TOPRIGHT: mjtGridPos_ = 1;
+#[doc = " bottom left"]
 pub const mjGRID_BOTTOMLEFT: mjtGridPos_ = 2;
+#[doc = " bottom right"]
 pub const mjGRID_BOTTOMRIGHT: mjtGridPos_ = 3;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub type mjtGridPos_ = ::core::ffi::c_uint;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub use self::mjtGridPos_ as mjtGridPos;
+#[doc = " default/window buffer"]
 pub const mjFB_WINDOW: mjtFramebuffer_ = 0;
+#[doc = " offscreen buffer"]
 pub const mjFB_OFFSCREEN: mjtFramebuffer_ = 1;
 pub type mjtFramebuffer_ = ::core::ffi::c_uint;
 pub use self::mjtFramebuffer_ as mjtFramebuffer;
+#[doc = " 50% scale, suitable for low-res rendering"]
 pub const mjFONTSCALE_50: mjtFontScale_ = 50;
+#[doc = " normal scale, suitable in the absence of DPI scaling"]
 pub const mjFONTSCALE_100: mjtFontScale_ = 100;
+#[doc = " 150% scale"]
 pub const mjFONTSCALE_150: mjtFontScale_ = 150;
+#[doc = " 200% scale"]
 pub const mjFONTSCALE_200: mjtFontScale_ = 200;
+#[doc = " 250% scale"]
 pub const mjFONTSCALE_250: mjtFontScale_ = 250;
+#[doc = " 300% scale"]
 pub const mjFONTSCALE_300: mjtFontScale_ = 300;
 pub type mjtFontScale_ = ::core::ffi::c_uint;
 pub use self::mjtFontScale_ as mjtFontScale;
+#[doc = " normal font"]
 pub const mjFONT_NORMAL: mjtFont_ = 0;
+#[doc = " normal font with shadow (for higher contrast)"]
 pub const mjFONT_SHADOW: mjtFont_ = 1;
+#[doc = " big font (for user alerts)"]
 pub const mjFONT_BIG: mjtFont_ = 2;
 pub type mjtFont_ = ::core::ffi::c_uint;
 pub use self::mjtFont_ as mjtFont;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjrRect_ {
+    #[doc = " left (usually 0)"]
     pub left: ::core::ffi::c_int,
+    #[doc = " bottom (usually 0)"]
     pub bottom: ::core::ffi::c_int,
+    #[doc = " width (usually buffer width)"]
     pub width: ::core::ffi::c_int,
+    #[doc = " height (usually buffer height)"]
     pub height: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -1813,64 +2654,121 @@ const _: () = {
     ["Offset of field: mjrRect_::height"][::core::mem::offset_of!(mjrRect_, height) - 12usize];
 };
 pub type mjrRect = mjrRect_;
+#[doc = "---------------------------------- mjrContext ----------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjrContext_ {
+    #[doc = " line width for wireframe rendering"]
     pub lineWidth: f32,
+    #[doc = " clipping radius for directional lights"]
     pub shadowClip: f32,
+    #[doc = " fraction of light cutoff for spot lights"]
     pub shadowScale: f32,
+    #[doc = " fog start = stat.extent * vis.map.fogstart"]
     pub fogStart: f32,
+    #[doc = " fog end = stat.extent * vis.map.fogend"]
     pub fogEnd: f32,
+    #[doc = " fog rgba"]
     pub fogRGBA: [f32; 4usize],
+    #[doc = " size of shadow map texture"]
     pub shadowSize: ::core::ffi::c_int,
+    #[doc = " width of offscreen buffer"]
     pub offWidth: ::core::ffi::c_int,
+    #[doc = " height of offscreen buffer"]
     pub offHeight: ::core::ffi::c_int,
+    #[doc = " number of offscreen buffer multisamples"]
     pub offSamples: ::core::ffi::c_int,
+    #[doc = " font scale"]
     pub fontScale: ::core::ffi::c_int,
+    #[doc = " auxiliary buffer width"]
     pub auxWidth: [::core::ffi::c_int; 10usize],
+    #[doc = " auxiliary buffer height"]
     pub auxHeight: [::core::ffi::c_int; 10usize],
+    #[doc = " auxiliary buffer multisamples"]
     pub auxSamples: [::core::ffi::c_int; 10usize],
+    #[doc = " offscreen framebuffer object"]
     pub offFBO: ::core::ffi::c_uint,
+    #[doc = " offscreen framebuffer for resolving multisamples"]
     pub offFBO_r: ::core::ffi::c_uint,
+    #[doc = " offscreen color buffer"]
     pub offColor: ::core::ffi::c_uint,
+    #[doc = " offscreen color buffer for resolving multisamples"]
     pub offColor_r: ::core::ffi::c_uint,
+    #[doc = " offscreen depth and stencil buffer"]
     pub offDepthStencil: ::core::ffi::c_uint,
+    #[doc = " offscreen depth and stencil buffer for resolving multisamples"]
     pub offDepthStencil_r: ::core::ffi::c_uint,
+    #[doc = " shadow map framebuffer object"]
     pub shadowFBO: ::core::ffi::c_uint,
+    #[doc = " shadow map texture"]
     pub shadowTex: ::core::ffi::c_uint,
+    #[doc = " auxiliary framebuffer object"]
     pub auxFBO: [::core::ffi::c_uint; 10usize],
+    #[doc = " auxiliary framebuffer object for resolving"]
     pub auxFBO_r: [::core::ffi::c_uint; 10usize],
+    #[doc = " auxiliary color buffer"]
     pub auxColor: [::core::ffi::c_uint; 10usize],
+    #[doc = " auxiliary color buffer for resolving"]
     pub auxColor_r: [::core::ffi::c_uint; 10usize],
+    #[doc = " number of allocated textures"]
     pub ntexture: ::core::ffi::c_int,
+    #[doc = " type of texture (mjtTexture) (ntexture)"]
     pub textureType: [::core::ffi::c_int; 100usize],
+    #[doc = " texture names"]
     pub texture: [::core::ffi::c_uint; 100usize],
+    #[doc = " all planes from model"]
     pub basePlane: ::core::ffi::c_uint,
+    #[doc = " all meshes from model"]
     pub baseMesh: ::core::ffi::c_uint,
+    #[doc = " all hfields from model"]
     pub baseHField: ::core::ffi::c_uint,
+    #[doc = " all buildin geoms, with quality from model"]
     pub baseBuiltin: ::core::ffi::c_uint,
+    #[doc = " normal font"]
     pub baseFontNormal: ::core::ffi::c_uint,
+    #[doc = " shadow font"]
     pub baseFontShadow: ::core::ffi::c_uint,
+    #[doc = " big font"]
     pub baseFontBig: ::core::ffi::c_uint,
+    #[doc = " all planes from model"]
     pub rangePlane: ::core::ffi::c_int,
+    #[doc = " all meshes from model"]
     pub rangeMesh: ::core::ffi::c_int,
+    #[doc = " all hfields from model"]
     pub rangeHField: ::core::ffi::c_int,
+    #[doc = " all builtin geoms, with quality from model"]
     pub rangeBuiltin: ::core::ffi::c_int,
+    #[doc = " all characters in font"]
     pub rangeFont: ::core::ffi::c_int,
+    #[doc = " number of skins"]
     pub nskin: ::core::ffi::c_int,
+    #[doc = " skin vertex position VBOs (nskin)"]
     pub skinvertVBO: *mut ::core::ffi::c_uint,
+    #[doc = " skin vertex normal VBOs (nskin)"]
     pub skinnormalVBO: *mut ::core::ffi::c_uint,
+    #[doc = " skin vertex texture coordinate VBOs (nskin)"]
     pub skintexcoordVBO: *mut ::core::ffi::c_uint,
+    #[doc = " skin face index VBOs (nskin)"]
     pub skinfaceVBO: *mut ::core::ffi::c_uint,
+    #[doc = " character widths: normal and shadow"]
     pub charWidth: [::core::ffi::c_int; 127usize],
+    #[doc = " chacarter widths: big"]
     pub charWidthBig: [::core::ffi::c_int; 127usize],
+    #[doc = " character heights: normal and shadow"]
     pub charHeight: ::core::ffi::c_int,
+    #[doc = " character heights: big"]
     pub charHeightBig: ::core::ffi::c_int,
+    #[doc = " is OpenGL initialized"]
     pub glInitialized: ::core::ffi::c_int,
+    #[doc = " is default/window framebuffer available"]
     pub windowAvailable: ::core::ffi::c_int,
+    #[doc = " number of samples for default/window framebuffer"]
     pub windowSamples: ::core::ffi::c_int,
+    #[doc = " is stereo available for default/window framebuffer"]
     pub windowStereo: ::core::ffi::c_int,
+    #[doc = " is default/window framebuffer double buffered"]
     pub windowDoublebuffer: ::core::ffi::c_int,
+    #[doc = " currently active framebuffer: mjFB_WINDOW or mjFB_OFFSCREEN"]
     pub currentBuffer: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -1938,69 +2836,125 @@ const _: () = {
         [::core::mem::offset_of!(mjrContext_, windowDoublebuffer) - 2296usize];
     ["Offset of field: mjrContext_::currentBuffer"][::core::mem::offset_of!(mjrContext_, currentBuffer) - 2300usize];
 };
+#[doc = "---------------------------------- mjrContext ----------------------------------------------------"]
 pub type mjrContext = mjrContext_;
+#[doc = " no button"]
 pub const mjBUTTON_NONE: mjtButton_ = 0;
+#[doc = " left button"]
 pub const mjBUTTON_LEFT: mjtButton_ = 1;
+#[doc = " right button"]
 pub const mjBUTTON_RIGHT: mjtButton_ = 2;
+#[doc = " middle button"]
 pub const mjBUTTON_MIDDLE: mjtButton_ = 3;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub type mjtButton_ = ::core::ffi::c_uint;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub use self::mjtButton_ as mjtButton;
+#[doc = " no event"]
 pub const mjEVENT_NONE: mjtEvent_ = 0;
+#[doc = " mouse move"]
 pub const mjEVENT_MOVE: mjtEvent_ = 1;
+#[doc = " mouse button press"]
 pub const mjEVENT_PRESS: mjtEvent_ = 2;
+#[doc = " mouse button release"]
 pub const mjEVENT_RELEASE: mjtEvent_ = 3;
+#[doc = " scroll"]
 pub const mjEVENT_SCROLL: mjtEvent_ = 4;
+#[doc = " key press"]
 pub const mjEVENT_KEY: mjtEvent_ = 5;
+#[doc = " resize"]
 pub const mjEVENT_RESIZE: mjtEvent_ = 6;
 pub type mjtEvent_ = ::core::ffi::c_uint;
 pub use self::mjtEvent_ as mjtEvent;
+#[doc = " end of definition list (not an item)"]
 pub const mjITEM_END: mjtItem_ = -2;
+#[doc = " section (not an item)"]
 pub const mjITEM_SECTION: mjtItem_ = -1;
+#[doc = " separator"]
 pub const mjITEM_SEPARATOR: mjtItem_ = 0;
+#[doc = " static text"]
 pub const mjITEM_STATIC: mjtItem_ = 1;
+#[doc = " button"]
 pub const mjITEM_BUTTON: mjtItem_ = 2;
+#[doc = " check box, int value"]
 pub const mjITEM_CHECKINT: mjtItem_ = 3;
+#[doc = " check box, mjtByte value"]
 pub const mjITEM_CHECKBYTE: mjtItem_ = 4;
+#[doc = " radio group"]
 pub const mjITEM_RADIO: mjtItem_ = 5;
+#[doc = " radio group, single line"]
 pub const mjITEM_RADIOLINE: mjtItem_ = 6;
+#[doc = " selection box"]
 pub const mjITEM_SELECT: mjtItem_ = 7;
+#[doc = " slider, int value"]
 pub const mjITEM_SLIDERINT: mjtItem_ = 8;
+#[doc = " slider, mjtNum value"]
 pub const mjITEM_SLIDERNUM: mjtItem_ = 9;
+#[doc = " editable array, int values"]
 pub const mjITEM_EDITINT: mjtItem_ = 10;
+#[doc = " editable array, mjtNum values"]
 pub const mjITEM_EDITNUM: mjtItem_ = 11;
+#[doc = " editable text"]
 pub const mjITEM_EDITTXT: mjtItem_ = 12;
+#[doc = " number of item types"]
 pub const mjNITEM: mjtItem_ = 13;
 pub type mjtItem_ = ::core::ffi::c_int;
 pub use self::mjtItem_ as mjtItem;
+#[doc = " predicate function: set enable/disable based on item category"]
 pub type mjfItemEnable = ::core::option::Option<
     unsafe extern "C" fn(category: ::core::ffi::c_int, data: *mut ::core::ffi::c_void) -> ::core::ffi::c_int,
 >;
+#[doc = "---------------------------------- mjuiState -----------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjuiState_ {
+    #[doc = " number of rectangles used"]
     pub nrect: ::core::ffi::c_int,
+    #[doc = " rectangles (index 0: entire window)"]
     pub rect: [mjrRect; 25usize],
+    #[doc = " pointer to user data (for callbacks)"]
     pub userdata: *mut ::core::ffi::c_void,
+    #[doc = " (type mjtEvent)"]
     pub type_: ::core::ffi::c_int,
+    #[doc = " is left button down"]
     pub left: ::core::ffi::c_int,
+    #[doc = " is right button down"]
     pub right: ::core::ffi::c_int,
+    #[doc = " is middle button down"]
     pub middle: ::core::ffi::c_int,
+    #[doc = " is last press a double click"]
     pub doubleclick: ::core::ffi::c_int,
+    #[doc = " which button was pressed (mjtButton)"]
     pub button: ::core::ffi::c_int,
+    #[doc = " time of last button press"]
     pub buttontime: f64,
+    #[doc = " x position"]
     pub x: f64,
+    #[doc = " y position"]
     pub y: f64,
+    #[doc = " x displacement"]
     pub dx: f64,
+    #[doc = " y displacement"]
     pub dy: f64,
+    #[doc = " x scroll"]
     pub sx: f64,
+    #[doc = " y scroll"]
     pub sy: f64,
+    #[doc = " is control down"]
     pub control: ::core::ffi::c_int,
+    #[doc = " is shift down"]
     pub shift: ::core::ffi::c_int,
+    #[doc = " is alt down"]
     pub alt: ::core::ffi::c_int,
+    #[doc = " which key was pressed"]
     pub key: ::core::ffi::c_int,
+    #[doc = " time of last key press"]
     pub keytime: f64,
+    #[doc = " which rectangle contains mouse"]
     pub mouserect: ::core::ffi::c_int,
+    #[doc = " which rectangle is dragged with mouse"]
     pub dragrect: ::core::ffi::c_int,
+    #[doc = " which button started drag (mjtButton)"]
     pub dragbutton: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2032,20 +2986,33 @@ const _: () = {
     ["Offset of field: mjuiState_::dragrect"][::core::mem::offset_of!(mjuiState_, dragrect) - 524usize];
     ["Offset of field: mjuiState_::dragbutton"][::core::mem::offset_of!(mjuiState_, dragbutton) - 528usize];
 };
+#[doc = "---------------------------------- mjuiState -----------------------------------------------------"]
 pub type mjuiState = mjuiState_;
+#[doc = "---------------------------------- mjuiThemeSpacing ----------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjuiThemeSpacing_ {
+    #[doc = " total width"]
     pub total: ::core::ffi::c_int,
+    #[doc = " scrollbar width"]
     pub scroll: ::core::ffi::c_int,
+    #[doc = " label width"]
     pub label: ::core::ffi::c_int,
+    #[doc = " section gap"]
     pub section: ::core::ffi::c_int,
+    #[doc = " item side gap"]
     pub itemside: ::core::ffi::c_int,
+    #[doc = " item middle gap"]
     pub itemmid: ::core::ffi::c_int,
+    #[doc = " item vertical gap"]
     pub itemver: ::core::ffi::c_int,
+    #[doc = " text horizontal gap"]
     pub texthor: ::core::ffi::c_int,
+    #[doc = " text vertical gap"]
     pub textver: ::core::ffi::c_int,
+    #[doc = " number of pixels to scroll"]
     pub linescroll: ::core::ffi::c_int,
+    #[doc = " number of multisamples"]
     pub samples: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2065,30 +3032,53 @@ const _: () = {
         [::core::mem::offset_of!(mjuiThemeSpacing_, linescroll) - 36usize];
     ["Offset of field: mjuiThemeSpacing_::samples"][::core::mem::offset_of!(mjuiThemeSpacing_, samples) - 40usize];
 };
+#[doc = "---------------------------------- mjuiThemeSpacing ----------------------------------------------"]
 pub type mjuiThemeSpacing = mjuiThemeSpacing_;
+#[doc = "---------------------------------- mjuiThemeColor ------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjuiThemeColor_ {
+    #[doc = " master background"]
     pub master: [f32; 3usize],
+    #[doc = " scrollbar thumb"]
     pub thumb: [f32; 3usize],
+    #[doc = " section title"]
     pub secttitle: [f32; 3usize],
+    #[doc = " section font"]
     pub sectfont: [f32; 3usize],
+    #[doc = " section symbol"]
     pub sectsymbol: [f32; 3usize],
+    #[doc = " section pane"]
     pub sectpane: [f32; 3usize],
+    #[doc = " shortcut background"]
     pub shortcut: [f32; 3usize],
+    #[doc = " font active"]
     pub fontactive: [f32; 3usize],
+    #[doc = " font inactive"]
     pub fontinactive: [f32; 3usize],
+    #[doc = " decor inactive"]
     pub decorinactive: [f32; 3usize],
+    #[doc = " inactive slider color 2"]
     pub decorinactive2: [f32; 3usize],
+    #[doc = " button"]
     pub button: [f32; 3usize],
+    #[doc = " check"]
     pub check: [f32; 3usize],
+    #[doc = " radio"]
     pub radio: [f32; 3usize],
+    #[doc = " select"]
     pub select: [f32; 3usize],
+    #[doc = " select pane"]
     pub select2: [f32; 3usize],
+    #[doc = " slider"]
     pub slider: [f32; 3usize],
+    #[doc = " slider color 2"]
     pub slider2: [f32; 3usize],
+    #[doc = " edit"]
     pub edit: [f32; 3usize],
+    #[doc = " edit invalid"]
     pub edit2: [f32; 3usize],
+    #[doc = " edit cursor"]
     pub cursor: [f32; 3usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2120,11 +3110,15 @@ const _: () = {
     ["Offset of field: mjuiThemeColor_::edit2"][::core::mem::offset_of!(mjuiThemeColor_, edit2) - 228usize];
     ["Offset of field: mjuiThemeColor_::cursor"][::core::mem::offset_of!(mjuiThemeColor_, cursor) - 240usize];
 };
+#[doc = "---------------------------------- mjuiThemeColor ------------------------------------------------"]
 pub type mjuiThemeColor = mjuiThemeColor_;
+#[doc = "---------------------------------- mjuiItem ------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjuiItemSingle_ {
+    #[doc = " 0: none, 1: control, 2: shift; 4: alt"]
     pub modifier: ::core::ffi::c_int,
+    #[doc = " shortcut key; 0: undefined"]
     pub shortcut: ::core::ffi::c_int,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2137,7 +3131,9 @@ const _: () = {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjuiItemMulti_ {
+    #[doc = " number of elements in group"]
     pub nelem: ::core::ffi::c_int,
+    #[doc = " element names"]
     pub name: [[::core::ffi::c_char; 40usize]; 35usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2150,7 +3146,9 @@ const _: () = {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjuiItemSlider_ {
+    #[doc = " slider range"]
     pub range: [f64; 2usize],
+    #[doc = " number of range divisions"]
     pub divisions: f64,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2163,7 +3161,9 @@ const _: () = {
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjuiItemEdit_ {
+    #[doc = " number of elements in list"]
     pub nelem: ::core::ffi::c_int,
+    #[doc = " element range (min>=max: ignore)"]
     pub range: [[f64; 2usize]; 7usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2176,21 +3176,33 @@ const _: () = {
 #[repr(C)]
 #[derive(Copy, Clone)]
 pub struct mjuiItem_ {
+    #[doc = " type (mjtItem)"]
     pub type_: ::core::ffi::c_int,
+    #[doc = " name"]
     pub name: [::core::ffi::c_char; 40usize],
+    #[doc = " 0: disable, 1: enable, 2+: use predicate"]
     pub state: ::core::ffi::c_int,
+    #[doc = " data pointer (type-specific)"]
     pub pdata: *mut ::core::ffi::c_void,
+    #[doc = " id of section containing item"]
     pub sectionid: ::core::ffi::c_int,
+    #[doc = " id of item within section"]
     pub itemid: ::core::ffi::c_int,
     pub __bindgen_anon_1: mjuiItem___bindgen_ty_1,
+    #[doc = " rectangle occupied by item"]
     pub rect: mjrRect,
 }
+#[doc = " type-specific properties"]
 #[repr(C)]
 #[derive(Copy, Clone)]
 pub union mjuiItem___bindgen_ty_1 {
+    #[doc = " check and button"]
     pub single: mjuiItemSingle_,
+    #[doc = " static, radio and select"]
     pub multi: mjuiItemMulti_,
+    #[doc = " slider"]
     pub slider: mjuiItemSlider_,
+    #[doc = " edit"]
     pub edit: mjuiItemEdit_,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2218,16 +3230,25 @@ const _: () = {
     ["Offset of field: mjuiItem_::rect"][::core::mem::offset_of!(mjuiItem_, rect) - 1472usize];
 };
 pub type mjuiItem = mjuiItem_;
+#[doc = "---------------------------------- mjuiSection ---------------------------------------------------"]
 #[repr(C)]
 #[derive(Copy, Clone)]
 pub struct mjuiSection_ {
+    #[doc = " name"]
     pub name: [::core::ffi::c_char; 40usize],
+    #[doc = " 0: closed, 1: open"]
     pub state: ::core::ffi::c_int,
+    #[doc = " 0: none, 1: control, 2: shift; 4: alt"]
     pub modifier: ::core::ffi::c_int,
+    #[doc = " shortcut key; 0: undefined"]
     pub shortcut: ::core::ffi::c_int,
+    #[doc = " number of items in use"]
     pub nitem: ::core::ffi::c_int,
+    #[doc = " preallocated array of items"]
     pub item: [mjuiItem; 80usize],
+    #[doc = " rectangle occupied by title"]
     pub rtitle: mjrRect,
+    #[doc = " rectangle occupied by content"]
     pub rcontent: mjrRect,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2243,31 +3264,55 @@ const _: () = {
     ["Offset of field: mjuiSection_::rtitle"][::core::mem::offset_of!(mjuiSection_, rtitle) - 119096usize];
     ["Offset of field: mjuiSection_::rcontent"][::core::mem::offset_of!(mjuiSection_, rcontent) - 119112usize];
 };
+#[doc = "---------------------------------- mjuiSection ---------------------------------------------------"]
 pub type mjuiSection = mjuiSection_;
+#[doc = "---------------------------------- mjUI ----------------------------------------------------------"]
 #[repr(C)]
 #[derive(Copy, Clone)]
 pub struct mjUI_ {
+    #[doc = " UI theme spacing"]
     pub spacing: mjuiThemeSpacing,
+    #[doc = " UI theme color"]
     pub color: mjuiThemeColor,
+    #[doc = " callback to set item state programmatically"]
     pub predicate: mjfItemEnable,
+    #[doc = " pointer to user data (passed to predicate)"]
     pub userdata: *mut ::core::ffi::c_void,
+    #[doc = " index of this ui rectangle in mjuiState"]
     pub rectid: ::core::ffi::c_int,
+    #[doc = " aux buffer index of this ui"]
     pub auxid: ::core::ffi::c_int,
+    #[doc = " number of radio columns (0 defaults to 2)"]
     pub radiocol: ::core::ffi::c_int,
+    #[doc = " width"]
     pub width: ::core::ffi::c_int,
+    #[doc = " current heigth"]
     pub height: ::core::ffi::c_int,
+    #[doc = " height when all sections open"]
     pub maxheight: ::core::ffi::c_int,
+    #[doc = " scroll from top of UI"]
     pub scroll: ::core::ffi::c_int,
+    #[doc = " 0: none, -1: scroll, otherwise 1+section"]
     pub mousesect: ::core::ffi::c_int,
+    #[doc = " item within section"]
     pub mouseitem: ::core::ffi::c_int,
+    #[doc = " help button down: print shortcuts"]
     pub mousehelp: ::core::ffi::c_int,
+    #[doc = " 0: none, otherwise 1+section"]
     pub editsect: ::core::ffi::c_int,
+    #[doc = " item within section"]
     pub edititem: ::core::ffi::c_int,
+    #[doc = " cursor position"]
     pub editcursor: ::core::ffi::c_int,
+    #[doc = " horizontal scroll"]
     pub editscroll: ::core::ffi::c_int,
+    #[doc = " current text"]
     pub edittext: [::core::ffi::c_char; 300usize],
+    #[doc = " pointer to changed edit in last mjui_event"]
     pub editchanged: *mut mjuiItem,
+    #[doc = " number of sections in use"]
     pub nsect: ::core::ffi::c_int,
+    #[doc = " preallocated array of sections"]
     pub sect: [mjuiSection; 10usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2297,14 +3342,21 @@ const _: () = {
     ["Offset of field: mjUI_::nsect"][::core::mem::offset_of!(mjUI_, nsect) - 680usize];
     ["Offset of field: mjUI_::sect"][::core::mem::offset_of!(mjUI_, sect) - 688usize];
 };
+#[doc = "---------------------------------- mjUI ----------------------------------------------------------"]
 pub type mjUI = mjUI_;
+#[doc = "---------------------------------- mjuiDef -------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjuiDef_ {
+    #[doc = " type (mjtItem); -1: section"]
     pub type_: ::core::ffi::c_int,
+    #[doc = " name"]
     pub name: [::core::ffi::c_char; 40usize],
+    #[doc = " state"]
     pub state: ::core::ffi::c_int,
+    #[doc = " pointer to data"]
     pub pdata: *mut ::core::ffi::c_void,
+    #[doc = " string with type-specific properties"]
     pub other: [::core::ffi::c_char; 300usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2317,114 +3369,205 @@ const _: () = {
     ["Offset of field: mjuiDef_::pdata"][::core::mem::offset_of!(mjuiDef_, pdata) - 48usize];
     ["Offset of field: mjuiDef_::other"][::core::mem::offset_of!(mjuiDef_, other) - 56usize];
 };
+#[doc = "---------------------------------- mjuiDef -------------------------------------------------------"]
 pub type mjuiDef = mjuiDef_;
+#[doc = " model elements in body 0"]
 pub const mjCAT_STATIC: mjtCatBit_ = 1;
+#[doc = " model elements in all other bodies"]
 pub const mjCAT_DYNAMIC: mjtCatBit_ = 2;
+#[doc = " decorative geoms"]
 pub const mjCAT_DECOR: mjtCatBit_ = 4;
+#[doc = " select all categories"]
 pub const mjCAT_ALL: mjtCatBit_ = 7;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub type mjtCatBit_ = ::core::ffi::c_uint;
+#[doc = "---------------------------------- primitive types (mjt) -----------------------------------------"]
 pub use self::mjtCatBit_ as mjtCatBit;
+#[doc = " no action"]
 pub const mjMOUSE_NONE: mjtMouse_ = 0;
+#[doc = " rotate, vertical plane"]
 pub const mjMOUSE_ROTATE_V: mjtMouse_ = 1;
+#[doc = " rotate, horizontal plane"]
 pub const mjMOUSE_ROTATE_H: mjtMouse_ = 2;
+#[doc = " move, vertical plane"]
 pub const mjMOUSE_MOVE_V: mjtMouse_ = 3;
+#[doc = " move, horizontal plane"]
 pub const mjMOUSE_MOVE_H: mjtMouse_ = 4;
+#[doc = " zoom"]
 pub const mjMOUSE_ZOOM: mjtMouse_ = 5;
+#[doc = " selection"]
 pub const mjMOUSE_SELECT: mjtMouse_ = 6;
 pub type mjtMouse_ = ::core::ffi::c_uint;
 pub use self::mjtMouse_ as mjtMouse;
+#[doc = " translation"]
 pub const mjPERT_TRANSLATE: mjtPertBit_ = 1;
+#[doc = " rotation"]
 pub const mjPERT_ROTATE: mjtPertBit_ = 2;
 pub type mjtPertBit_ = ::core::ffi::c_uint;
 pub use self::mjtPertBit_ as mjtPertBit;
+#[doc = " free camera"]
 pub const mjCAMERA_FREE: mjtCamera_ = 0;
+#[doc = " tracking camera; uses trackbodyid"]
 pub const mjCAMERA_TRACKING: mjtCamera_ = 1;
+#[doc = " fixed camera; uses fixedcamid"]
 pub const mjCAMERA_FIXED: mjtCamera_ = 2;
+#[doc = " user is responsible for setting OpenGL camera"]
 pub const mjCAMERA_USER: mjtCamera_ = 3;
 pub type mjtCamera_ = ::core::ffi::c_uint;
 pub use self::mjtCamera_ as mjtCamera;
+#[doc = " nothing"]
 pub const mjLABEL_NONE: mjtLabel_ = 0;
+#[doc = " body labels"]
 pub const mjLABEL_BODY: mjtLabel_ = 1;
+#[doc = " joint labels"]
 pub const mjLABEL_JOINT: mjtLabel_ = 2;
+#[doc = " geom labels"]
 pub const mjLABEL_GEOM: mjtLabel_ = 3;
+#[doc = " site labels"]
 pub const mjLABEL_SITE: mjtLabel_ = 4;
+#[doc = " camera labels"]
 pub const mjLABEL_CAMERA: mjtLabel_ = 5;
+#[doc = " light labels"]
 pub const mjLABEL_LIGHT: mjtLabel_ = 6;
+#[doc = " tendon labels"]
 pub const mjLABEL_TENDON: mjtLabel_ = 7;
+#[doc = " actuator labels"]
 pub const mjLABEL_ACTUATOR: mjtLabel_ = 8;
+#[doc = " constraint labels"]
 pub const mjLABEL_CONSTRAINT: mjtLabel_ = 9;
+#[doc = " skin labels"]
 pub const mjLABEL_SKIN: mjtLabel_ = 10;
+#[doc = " selected object"]
 pub const mjLABEL_SELECTION: mjtLabel_ = 11;
+#[doc = " coordinates of selection point"]
 pub const mjLABEL_SELPNT: mjtLabel_ = 12;
+#[doc = " magnitude of contact force"]
 pub const mjLABEL_CONTACTFORCE: mjtLabel_ = 13;
+#[doc = " number of label types"]
 pub const mjNLABEL: mjtLabel_ = 14;
 pub type mjtLabel_ = ::core::ffi::c_uint;
 pub use self::mjtLabel_ as mjtLabel;
+#[doc = " no frames"]
 pub const mjFRAME_NONE: mjtFrame_ = 0;
+#[doc = " body frames"]
 pub const mjFRAME_BODY: mjtFrame_ = 1;
+#[doc = " geom frames"]
 pub const mjFRAME_GEOM: mjtFrame_ = 2;
+#[doc = " site frames"]
 pub const mjFRAME_SITE: mjtFrame_ = 3;
+#[doc = " camera frames"]
 pub const mjFRAME_CAMERA: mjtFrame_ = 4;
+#[doc = " light frames"]
 pub const mjFRAME_LIGHT: mjtFrame_ = 5;
+#[doc = " contact frames"]
 pub const mjFRAME_CONTACT: mjtFrame_ = 6;
+#[doc = " world frame"]
 pub const mjFRAME_WORLD: mjtFrame_ = 7;
+#[doc = " number of visualization frames"]
 pub const mjNFRAME: mjtFrame_ = 8;
 pub type mjtFrame_ = ::core::ffi::c_uint;
 pub use self::mjtFrame_ as mjtFrame;
+#[doc = " mesh convex hull"]
 pub const mjVIS_CONVEXHULL: mjtVisFlag_ = 0;
+#[doc = " textures"]
 pub const mjVIS_TEXTURE: mjtVisFlag_ = 1;
+#[doc = " joints"]
 pub const mjVIS_JOINT: mjtVisFlag_ = 2;
+#[doc = " cameras"]
 pub const mjVIS_CAMERA: mjtVisFlag_ = 3;
+#[doc = " actuators"]
 pub const mjVIS_ACTUATOR: mjtVisFlag_ = 4;
+#[doc = " activations"]
 pub const mjVIS_ACTIVATION: mjtVisFlag_ = 5;
+#[doc = " lights"]
 pub const mjVIS_LIGHT: mjtVisFlag_ = 6;
+#[doc = " tendons"]
 pub const mjVIS_TENDON: mjtVisFlag_ = 7;
+#[doc = " rangefinder sensors"]
 pub const mjVIS_RANGEFINDER: mjtVisFlag_ = 8;
+#[doc = " point constraints"]
 pub const mjVIS_CONSTRAINT: mjtVisFlag_ = 9;
+#[doc = " equivalent inertia boxes"]
 pub const mjVIS_INERTIA: mjtVisFlag_ = 10;
+#[doc = " scale equivalent inertia boxes with mass"]
 pub const mjVIS_SCLINERTIA: mjtVisFlag_ = 11;
+#[doc = " perturbation force"]
 pub const mjVIS_PERTFORCE: mjtVisFlag_ = 12;
+#[doc = " perturbation object"]
 pub const mjVIS_PERTOBJ: mjtVisFlag_ = 13;
+#[doc = " contact points"]
 pub const mjVIS_CONTACTPOINT: mjtVisFlag_ = 14;
+#[doc = " contact force"]
 pub const mjVIS_CONTACTFORCE: mjtVisFlag_ = 15;
+#[doc = " split contact force into normal and tanget"]
 pub const mjVIS_CONTACTSPLIT: mjtVisFlag_ = 16;
+#[doc = " make dynamic geoms more transparent"]
 pub const mjVIS_TRANSPARENT: mjtVisFlag_ = 17;
+#[doc = " auto connect joints and body coms"]
 pub const mjVIS_AUTOCONNECT: mjtVisFlag_ = 18;
+#[doc = " center of mass"]
 pub const mjVIS_COM: mjtVisFlag_ = 19;
+#[doc = " selection point"]
 pub const mjVIS_SELECT: mjtVisFlag_ = 20;
+#[doc = " static bodies"]
 pub const mjVIS_STATIC: mjtVisFlag_ = 21;
+#[doc = " skin"]
 pub const mjVIS_SKIN: mjtVisFlag_ = 22;
+#[doc = " number of visualization flags"]
 pub const mjNVISFLAG: mjtVisFlag_ = 23;
 pub type mjtVisFlag_ = ::core::ffi::c_uint;
 pub use self::mjtVisFlag_ as mjtVisFlag;
+#[doc = " shadows"]
 pub const mjRND_SHADOW: mjtRndFlag_ = 0;
+#[doc = " wireframe"]
 pub const mjRND_WIREFRAME: mjtRndFlag_ = 1;
+#[doc = " reflections"]
 pub const mjRND_REFLECTION: mjtRndFlag_ = 2;
+#[doc = " additive transparency"]
 pub const mjRND_ADDITIVE: mjtRndFlag_ = 3;
+#[doc = " skybox"]
 pub const mjRND_SKYBOX: mjtRndFlag_ = 4;
+#[doc = " fog"]
 pub const mjRND_FOG: mjtRndFlag_ = 5;
+#[doc = " haze"]
 pub const mjRND_HAZE: mjtRndFlag_ = 6;
+#[doc = " segmentation with random color"]
 pub const mjRND_SEGMENT: mjtRndFlag_ = 7;
+#[doc = " segmentation with segid+1 color"]
 pub const mjRND_IDCOLOR: mjtRndFlag_ = 8;
+#[doc = " cull backward faces"]
 pub const mjRND_CULL_FACE: mjtRndFlag_ = 9;
+#[doc = " number of rendering flags"]
 pub const mjNRNDFLAG: mjtRndFlag_ = 10;
 pub type mjtRndFlag_ = ::core::ffi::c_uint;
 pub use self::mjtRndFlag_ as mjtRndFlag;
+#[doc = " no stereo; use left eye only"]
 pub const mjSTEREO_NONE: mjtStereo_ = 0;
+#[doc = " quad buffered; revert to side-by-side if no hardware support"]
 pub const mjSTEREO_QUADBUFFERED: mjtStereo_ = 1;
+#[doc = " side-by-side"]
 pub const mjSTEREO_SIDEBYSIDE: mjtStereo_ = 2;
 pub type mjtStereo_ = ::core::ffi::c_uint;
 pub use self::mjtStereo_ as mjtStereo;
+#[doc = "---------------------------------- mjvPerturb ----------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjvPerturb_ {
+    #[doc = " selected body id; non-positive: none"]
     pub select: ::core::ffi::c_int,
+    #[doc = " selected skin id; negative: none"]
     pub skinselect: ::core::ffi::c_int,
+    #[doc = " perturbation bitmask (mjtPertBit)"]
     pub active: ::core::ffi::c_int,
+    #[doc = " secondary perturbation bitmask (mjtPertBit)"]
     pub active2: ::core::ffi::c_int,
+    #[doc = " desired position for selected object"]
     pub refpos: [mjtNum; 3usize],
+    #[doc = " desired orientation for selected object"]
     pub refquat: [mjtNum; 4usize],
+    #[doc = " selection point in object coordinates"]
     pub localpos: [mjtNum; 3usize],
+    #[doc = " relative mouse motion-to-space scaling (set by initPerturb)"]
     pub scale: mjtNum,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2440,16 +3583,25 @@ const _: () = {
     ["Offset of field: mjvPerturb_::localpos"][::core::mem::offset_of!(mjvPerturb_, localpos) - 72usize];
     ["Offset of field: mjvPerturb_::scale"][::core::mem::offset_of!(mjvPerturb_, scale) - 96usize];
 };
+#[doc = "---------------------------------- mjvPerturb ----------------------------------------------------"]
 pub type mjvPerturb = mjvPerturb_;
+#[doc = "---------------------------------- mjvCamera -----------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjvCamera_ {
+    #[doc = " camera type (mjtCamera)"]
     pub type_: ::core::ffi::c_int,
+    #[doc = " fixed camera id"]
     pub fixedcamid: ::core::ffi::c_int,
+    #[doc = " body id to track"]
     pub trackbodyid: ::core::ffi::c_int,
+    #[doc = " lookat point"]
     pub lookat: [mjtNum; 3usize],
+    #[doc = " distance to lookat point or tracked body"]
     pub distance: mjtNum,
+    #[doc = " camera azimuth (deg)"]
     pub azimuth: mjtNum,
+    #[doc = " camera elevation (deg)"]
     pub elevation: mjtNum,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2464,17 +3616,27 @@ const _: () = {
     ["Offset of field: mjvCamera_::azimuth"][::core::mem::offset_of!(mjvCamera_, azimuth) - 48usize];
     ["Offset of field: mjvCamera_::elevation"][::core::mem::offset_of!(mjvCamera_, elevation) - 56usize];
 };
+#[doc = "---------------------------------- mjvCamera -----------------------------------------------------"]
 pub type mjvCamera = mjvCamera_;
+#[doc = "---------------------------------- mjvGLCamera ---------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjvGLCamera_ {
+    #[doc = " position"]
     pub pos: [f32; 3usize],
+    #[doc = " forward direction"]
     pub forward: [f32; 3usize],
+    #[doc = " up direction"]
     pub up: [f32; 3usize],
+    #[doc = " hor. center (left,right set to match aspect)"]
     pub frustum_center: f32,
+    #[doc = " bottom"]
     pub frustum_bottom: f32,
+    #[doc = " top"]
     pub frustum_top: f32,
+    #[doc = " near"]
     pub frustum_near: f32,
+    #[doc = " far"]
     pub frustum_far: f32,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2490,31 +3652,55 @@ const _: () = {
     ["Offset of field: mjvGLCamera_::frustum_near"][::core::mem::offset_of!(mjvGLCamera_, frustum_near) - 48usize];
     ["Offset of field: mjvGLCamera_::frustum_far"][::core::mem::offset_of!(mjvGLCamera_, frustum_far) - 52usize];
 };
+#[doc = "---------------------------------- mjvGLCamera ---------------------------------------------------"]
 pub type mjvGLCamera = mjvGLCamera_;
+#[doc = "---------------------------------- mjvGeom -------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjvGeom_ {
+    #[doc = " geom type (mjtGeom)"]
     pub type_: ::core::ffi::c_int,
+    #[doc = " mesh, hfield or plane id; -1: none"]
     pub dataid: ::core::ffi::c_int,
+    #[doc = " mujoco object type; mjOBJ_UNKNOWN for decor"]
     pub objtype: ::core::ffi::c_int,
+    #[doc = " mujoco object id; -1 for decor"]
     pub objid: ::core::ffi::c_int,
+    #[doc = " visual category"]
     pub category: ::core::ffi::c_int,
+    #[doc = " texture id; -1: no texture"]
     pub texid: ::core::ffi::c_int,
+    #[doc = " uniform cube mapping"]
     pub texuniform: ::core::ffi::c_int,
+    #[doc = " mesh geom has texture coordinates"]
     pub texcoord: ::core::ffi::c_int,
+    #[doc = " segmentation id; -1: not shown"]
     pub segid: ::core::ffi::c_int,
+    #[doc = " texture repetition for 2D mapping"]
     pub texrepeat: [f32; 2usize],
+    #[doc = " size parameters"]
     pub size: [f32; 3usize],
+    #[doc = " Cartesian position"]
     pub pos: [f32; 3usize],
+    #[doc = " Cartesian orientation"]
     pub mat: [f32; 9usize],
+    #[doc = " color and transparency"]
     pub rgba: [f32; 4usize],
+    #[doc = " emission coef"]
     pub emission: f32,
+    #[doc = " specular coef"]
     pub specular: f32,
+    #[doc = " shininess coef"]
     pub shininess: f32,
+    #[doc = " reflectance coef"]
     pub reflectance: f32,
+    #[doc = " text label"]
     pub label: [::core::ffi::c_char; 100usize],
+    #[doc = " distance to camera (used by sorter)"]
     pub camdist: f32,
+    #[doc = " geom rbound from model, 0 if not model geom"]
     pub modelrbound: f32,
+    #[doc = " treat geom as transparent"]
     pub transparent: mjtByte,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2544,20 +3730,33 @@ const _: () = {
     ["Offset of field: mjvGeom_::modelrbound"][::core::mem::offset_of!(mjvGeom_, modelrbound) - 240usize];
     ["Offset of field: mjvGeom_::transparent"][::core::mem::offset_of!(mjvGeom_, transparent) - 244usize];
 };
+#[doc = "---------------------------------- mjvGeom -------------------------------------------------------"]
 pub type mjvGeom = mjvGeom_;
+#[doc = "---------------------------------- mjvLight ------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjvLight_ {
+    #[doc = " position rel. to body frame"]
     pub pos: [f32; 3usize],
+    #[doc = " direction rel. to body frame"]
     pub dir: [f32; 3usize],
+    #[doc = " OpenGL attenuation (quadratic model)"]
     pub attenuation: [f32; 3usize],
+    #[doc = " OpenGL cutoff"]
     pub cutoff: f32,
+    #[doc = " OpenGL exponent"]
     pub exponent: f32,
+    #[doc = " ambient rgb (alpha=1)"]
     pub ambient: [f32; 3usize],
+    #[doc = " diffuse rgb (alpha=1)"]
     pub diffuse: [f32; 3usize],
+    #[doc = " specular rgb (alpha=1)"]
     pub specular: [f32; 3usize],
+    #[doc = " headlight"]
     pub headlight: mjtByte,
+    #[doc = " directional light"]
     pub directional: mjtByte,
+    #[doc = " does light cast shadows"]
     pub castshadow: mjtByte,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2576,18 +3775,29 @@ const _: () = {
     ["Offset of field: mjvLight_::directional"][::core::mem::offset_of!(mjvLight_, directional) - 81usize];
     ["Offset of field: mjvLight_::castshadow"][::core::mem::offset_of!(mjvLight_, castshadow) - 82usize];
 };
+#[doc = "---------------------------------- mjvLight ------------------------------------------------------"]
 pub type mjvLight = mjvLight_;
+#[doc = "---------------------------------- mjvOption -----------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjvOption_ {
+    #[doc = " what objects to label (mjtLabel)"]
     pub label: ::core::ffi::c_int,
+    #[doc = " which frame to show (mjtFrame)"]
     pub frame: ::core::ffi::c_int,
+    #[doc = " geom visualization by group"]
     pub geomgroup: [mjtByte; 6usize],
+    #[doc = " site visualization by group"]
     pub sitegroup: [mjtByte; 6usize],
+    #[doc = " joint visualization by group"]
     pub jointgroup: [mjtByte; 6usize],
+    #[doc = " tendon visualization by group"]
     pub tendongroup: [mjtByte; 6usize],
+    #[doc = " actuator visualization by group"]
     pub actuatorgroup: [mjtByte; 6usize],
+    #[doc = " skin visualization by group"]
     pub skingroup: [mjtByte; 6usize],
+    #[doc = " visualization flags (indexed by mjtVisFlag)"]
     pub flags: [mjtByte; 23usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2604,30 +3814,53 @@ const _: () = {
     ["Offset of field: mjvOption_::skingroup"][::core::mem::offset_of!(mjvOption_, skingroup) - 38usize];
     ["Offset of field: mjvOption_::flags"][::core::mem::offset_of!(mjvOption_, flags) - 44usize];
 };
+#[doc = "---------------------------------- mjvOption -----------------------------------------------------"]
 pub type mjvOption = mjvOption_;
+#[doc = "---------------------------------- mjvScene ------------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjvScene_ {
+    #[doc = " size of allocated geom buffer"]
     pub maxgeom: ::core::ffi::c_int,
+    #[doc = " number of geoms currently in buffer"]
     pub ngeom: ::core::ffi::c_int,
+    #[doc = " buffer for geoms (ngeom)"]
     pub geoms: *mut mjvGeom,
+    #[doc = " buffer for ordering geoms by distance to camera (ngeom)"]
     pub geomorder: *mut ::core::ffi::c_int,
+    #[doc = " number of skins"]
     pub nskin: ::core::ffi::c_int,
+    #[doc = " number of faces in skin (nskin)"]
     pub skinfacenum: *mut ::core::ffi::c_int,
+    #[doc = " address of skin vertices (nskin)"]
     pub skinvertadr: *mut ::core::ffi::c_int,
+    #[doc = " number of vertices in skin (nskin)"]
     pub skinvertnum: *mut ::core::ffi::c_int,
+    #[doc = " skin vertex data (nskin)"]
     pub skinvert: *mut f32,
+    #[doc = " skin normal data (nskin)"]
     pub skinnormal: *mut f32,
+    #[doc = " number of lights currently in buffer"]
     pub nlight: ::core::ffi::c_int,
+    #[doc = " buffer for lights (nlight)"]
     pub lights: [mjvLight; 100usize],
+    #[doc = " left and right camera"]
     pub camera: [mjvGLCamera; 2usize],
+    #[doc = " enable model transformation"]
     pub enabletransform: mjtByte,
+    #[doc = " model translation"]
     pub translate: [f32; 3usize],
+    #[doc = " model quaternion rotation"]
     pub rotate: [f32; 4usize],
+    #[doc = " model scaling"]
     pub scale: f32,
+    #[doc = " stereoscopic rendering (mjtStereo)"]
     pub stereo: ::core::ffi::c_int,
+    #[doc = " rendering flags (indexed by mjtRndFlag)"]
     pub flags: [mjtByte; 10usize],
+    #[doc = " frame pixel width; 0: disable framing"]
     pub framewidth: ::core::ffi::c_int,
+    #[doc = " frame color"]
     pub framergb: [f32; 3usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2656,42 +3889,77 @@ const _: () = {
     ["Offset of field: mjvScene_::framewidth"][::core::mem::offset_of!(mjvScene_, framewidth) - 8640usize];
     ["Offset of field: mjvScene_::framergb"][::core::mem::offset_of!(mjvScene_, framergb) - 8644usize];
 };
+#[doc = "---------------------------------- mjvScene ------------------------------------------------------"]
 pub type mjvScene = mjvScene_;
+#[doc = "---------------------------------- mjvFigure -----------------------------------------------------"]
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct mjvFigure_ {
+    #[doc = " show legend"]
     pub flg_legend: ::core::ffi::c_int,
+    #[doc = " show grid tick labels (x,y)"]
     pub flg_ticklabel: [::core::ffi::c_int; 2usize],
+    #[doc = " automatically extend axis ranges to fit data"]
     pub flg_extend: ::core::ffi::c_int,
+    #[doc = " isolated line segments (i.e. GL_LINES)"]
     pub flg_barplot: ::core::ffi::c_int,
+    #[doc = " vertical selection line"]
     pub flg_selection: ::core::ffi::c_int,
+    #[doc = " symmetric y-axis"]
     pub flg_symmetric: ::core::ffi::c_int,
+    #[doc = " line width"]
     pub linewidth: f32,
+    #[doc = " grid line width"]
     pub gridwidth: f32,
+    #[doc = " number of grid points in (x,y)"]
     pub gridsize: [::core::ffi::c_int; 2usize],
+    #[doc = " grid line rgb"]
     pub gridrgb: [f32; 3usize],
+    #[doc = " figure color and alpha"]
     pub figurergba: [f32; 4usize],
+    #[doc = " pane color and alpha"]
     pub panergba: [f32; 4usize],
+    #[doc = " legend color and alpha"]
     pub legendrgba: [f32; 4usize],
+    #[doc = " text color"]
     pub textrgb: [f32; 3usize],
+    #[doc = " line colors"]
     pub linergb: [[f32; 3usize]; 100usize],
+    #[doc = " axis ranges; (min>=max) automatic"]
     pub range: [[f32; 2usize]; 2usize],
+    #[doc = " x-tick label format for sprintf"]
     pub xformat: [::core::ffi::c_char; 20usize],
+    #[doc = " y-tick label format for sprintf"]
     pub yformat: [::core::ffi::c_char; 20usize],
+    #[doc = " string used to determine min y-tick width"]
     pub minwidth: [::core::ffi::c_char; 20usize],
+    #[doc = " figure title; subplots separated with 2+ spaces"]
     pub title: [::core::ffi::c_char; 1000usize],
+    #[doc = " x-axis label"]
     pub xlabel: [::core::ffi::c_char; 100usize],
+    #[doc = " line names for legend"]
     pub linename: [[::core::ffi::c_char; 100usize]; 100usize],
+    #[doc = " number of lines to offset legend"]
     pub legendoffset: ::core::ffi::c_int,
+    #[doc = " selected subplot (for title rendering)"]
     pub subplot: ::core::ffi::c_int,
+    #[doc = " if point is in legend rect, highlight line"]
     pub highlight: [::core::ffi::c_int; 2usize],
+    #[doc = " if id>=0 and no point, highlight id"]
     pub highlightid: ::core::ffi::c_int,
+    #[doc = " selection line x-value"]
     pub selection: f32,
+    #[doc = " number of points in line; (0) disable"]
     pub linepnt: [::core::ffi::c_int; 100usize],
+    #[doc = " line data (x,y)"]
     pub linedata: [[f32; 2000usize]; 100usize],
+    #[doc = " range of x-axis in pixels"]
     pub xaxispixel: [::core::ffi::c_int; 2usize],
+    #[doc = " range of y-axis in pixels"]
     pub yaxispixel: [::core::ffi::c_int; 2usize],
+    #[doc = " range of x-axis in data units"]
     pub xaxisdata: [f32; 2usize],
+    #[doc = " range of y-axis in data units"]
     pub yaxisdata: [f32; 2usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -2732,8 +4000,10 @@ const _: () = {
     ["Offset of field: mjvFigure_::xaxisdata"][::core::mem::offset_of!(mjvFigure_, xaxisdata) - 812932usize];
     ["Offset of field: mjvFigure_::yaxisdata"][::core::mem::offset_of!(mjvFigure_, yaxisdata) - 812940usize];
 };
+#[doc = "---------------------------------- mjvFigure -----------------------------------------------------"]
 pub type mjvFigure = mjvFigure_;
 unsafe extern "C" {
+    #[doc = " user error and memory handlers"]
     pub static mut mju_user_error: ::core::option::Option<unsafe extern "C" fn(arg1: *const ::core::ffi::c_char)>;
 }
 unsafe extern "C" {
@@ -2747,6 +4017,7 @@ unsafe extern "C" {
     pub static mut mju_user_free: ::core::option::Option<unsafe extern "C" fn(arg1: *mut ::core::ffi::c_void)>;
 }
 unsafe extern "C" {
+    #[doc = " callbacks extending computation pipeline"]
     pub static mut mjcb_passive: mjfGeneric;
 }
 unsafe extern "C" {
@@ -2771,9 +4042,11 @@ unsafe extern "C" {
     pub static mut mjcb_act_bias: mjfAct;
 }
 unsafe extern "C" {
+    #[doc = " collision function table"]
     pub static mut mjCOLLISIONFUNC: [[mjfCollision; 8usize]; 8usize];
 }
 unsafe extern "C" {
+    #[doc = " string names"]
     pub static mut mjDISABLESTRING: [*const ::core::ffi::c_char; 13usize];
 }
 unsafe extern "C" {
@@ -2795,9 +4068,11 @@ unsafe extern "C" {
     pub static mut mjRNDSTRING: [[*const ::core::ffi::c_char; 3usize]; 10usize];
 }
 unsafe extern "C" {
+    #[doc = " Initialize VFS to empty (no deallocation)."]
     pub fn mj_defaultVFS(vfs: *mut mjVFS);
 }
 unsafe extern "C" {
+    #[doc = " Add file to VFS, return 0: success, 1: full, 2: repeated name, -1: failed to load."]
     pub fn mj_addFileVFS(
         vfs: *mut mjVFS,
         directory: *const ::core::ffi::c_char,
@@ -2805,6 +4080,7 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Make empty file in VFS, return 0: success, 1: full, 2: repeated name."]
     pub fn mj_makeEmptyFileVFS(
         vfs: *mut mjVFS,
         filename: *const ::core::ffi::c_char,
@@ -2812,15 +4088,19 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Return file index in VFS, or -1 if not found in VFS."]
     pub fn mj_findFileVFS(vfs: *const mjVFS, filename: *const ::core::ffi::c_char) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Delete file from VFS, return 0: success, -1: not found in VFS."]
     pub fn mj_deleteFileVFS(vfs: *mut mjVFS, filename: *const ::core::ffi::c_char) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Delete all files from VFS."]
     pub fn mj_deleteVFS(vfs: *mut mjVFS);
 }
 unsafe extern "C" {
+    #[doc = " Parse XML file in MJCF or URDF format, compile it, return low-level model.\n If vfs is not NULL, look up files in vfs before reading from disk.\n If error is not NULL, it must have size error_sz."]
     pub fn mj_loadXML(
         filename: *const ::core::ffi::c_char,
         vfs: *const mjVFS,
@@ -2829,6 +4109,7 @@ unsafe extern "C" {
     ) -> *mut mjModel;
 }
 unsafe extern "C" {
+    #[doc = " Update XML data structures with info from low-level model, save as MJCF.\n If error is not NULL, it must have size error_sz."]
     pub fn mj_saveLastXML(
         filename: *const ::core::ffi::c_char,
         m: *const mjModel,
@@ -2837,9 +4118,11 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Free last XML model if loaded. Called internally at each load."]
     pub fn mj_freeLastXML();
 }
 unsafe extern "C" {
+    #[doc = " Print internal XML schema as plain text or HTML, with style-padding or &nbsp;."]
     pub fn mj_printSchema(
         filename: *const ::core::ffi::c_char,
         buffer: *mut ::core::ffi::c_char,
@@ -2849,21 +4132,27 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Advance simulation, use control callback to obtain external force and control."]
     pub fn mj_step(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Advance simulation in two steps: before external force and control is set by user."]
     pub fn mj_step1(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Advance simulation in two steps: after external force and control is set by user."]
     pub fn mj_step2(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Forward dynamics: same as mj_step but do not integrate in time."]
     pub fn mj_forward(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Inverse dynamics: qacc must be set before calling."]
     pub fn mj_inverse(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Forward dynamics with skip; skipstage is mjtStage."]
     pub fn mj_forwardSkip(
         m: *const mjModel,
         d: *mut mjData,
@@ -2872,6 +4161,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Inverse dynamics with skip; skipstage is mjtStage."]
     pub fn mj_inverseSkip(
         m: *const mjModel,
         d: *mut mjData,
@@ -2880,21 +4170,27 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Set default options for length range computation."]
     pub fn mj_defaultLROpt(opt: *mut mjLROpt);
 }
 unsafe extern "C" {
+    #[doc = " Set solver parameters to default values."]
     pub fn mj_defaultSolRefImp(solref: *mut mjtNum, solimp: *mut mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set physics options to default values."]
     pub fn mj_defaultOption(opt: *mut mjOption);
 }
 unsafe extern "C" {
+    #[doc = " Set visual options to default values."]
     pub fn mj_defaultVisual(vis: *mut mjVisual);
 }
 unsafe extern "C" {
+    #[doc = " Copy mjModel, allocate new if dest is NULL."]
     pub fn mj_copyModel(dest: *mut mjModel, src: *const mjModel) -> *mut mjModel;
 }
 unsafe extern "C" {
+    #[doc = " Save model to binary MJB file or memory buffer; buffer has precedence when given."]
     pub fn mj_saveModel(
         m: *const mjModel,
         filename: *const ::core::ffi::c_char,
@@ -2903,42 +4199,55 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Load model from binary MJB file.\n If vfs is not NULL, look up file in vfs before reading from disk."]
     pub fn mj_loadModel(filename: *const ::core::ffi::c_char, vfs: *const mjVFS) -> *mut mjModel;
 }
 unsafe extern "C" {
+    #[doc = " Free memory allocation in model."]
     pub fn mj_deleteModel(m: *mut mjModel);
 }
 unsafe extern "C" {
+    #[doc = " Return size of buffer needed to hold model."]
     pub fn mj_sizeModel(m: *const mjModel) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Allocate mjData correponding to given model.\n If the model buffer is unallocated the initial configuration will not be set."]
     pub fn mj_makeData(m: *const mjModel) -> *mut mjData;
 }
 unsafe extern "C" {
+    #[doc = " Copy mjData.\n m is only required to contain the size fields from MJMODEL_INTS."]
     pub fn mj_copyData(dest: *mut mjData, m: *const mjModel, src: *const mjData) -> *mut mjData;
 }
 unsafe extern "C" {
+    #[doc = " Reset data to defaults."]
     pub fn mj_resetData(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Reset data to defaults, fill everything else with debug_value."]
     pub fn mj_resetDataDebug(m: *const mjModel, d: *mut mjData, debug_value: ::core::ffi::c_uchar);
 }
 unsafe extern "C" {
+    #[doc = " Reset data, set fields from specified keyframe."]
     pub fn mj_resetDataKeyframe(m: *const mjModel, d: *mut mjData, key: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Allocate array of specified size on mjData stack. Call mju_error on stack overflow."]
     pub fn mj_stackAlloc(d: *mut mjData, size: ::core::ffi::c_int) -> *mut mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Free memory allocation in mjData."]
     pub fn mj_deleteData(d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Reset all callbacks to NULL pointers (NULL is the default)."]
     pub fn mj_resetCallbacks();
 }
 unsafe extern "C" {
+    #[doc = " Set constant fields of mjModel, corresponding to qpos0 configuration."]
     pub fn mj_setConst(m: *mut mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Set actuator_lengthrange for specified actuator; return 1 if ok, 0 if error."]
     pub fn mj_setLengthRange(
         m: *mut mjModel,
         d: *mut mjData,
@@ -2949,6 +4258,7 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Print mjModel to text file, specifying format.\n float_format must be a valid printf-style format string for a single float value."]
     pub fn mj_printFormattedModel(
         m: *const mjModel,
         filename: *const ::core::ffi::c_char,
@@ -2956,9 +4266,11 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Print model to text file."]
     pub fn mj_printModel(m: *const mjModel, filename: *const ::core::ffi::c_char);
 }
 unsafe extern "C" {
+    #[doc = " Print mjData to text file, specifying format.\n float_format must be a valid printf-style format string for a single float value"]
     pub fn mj_printFormattedData(
         m: *const mjModel,
         d: *mut mjData,
@@ -2967,12 +4279,15 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Print data to text file."]
     pub fn mj_printData(m: *const mjModel, d: *mut mjData, filename: *const ::core::ffi::c_char);
 }
 unsafe extern "C" {
+    #[doc = " Print matrix to screen."]
     pub fn mju_printMat(mat: *const mjtNum, nr: ::core::ffi::c_int, nc: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Print sparse matrix to screen."]
     pub fn mju_printMatSparse(
         mat: *const mjtNum,
         nr: ::core::ffi::c_int,
@@ -2982,117 +4297,155 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Run position-dependent computations."]
     pub fn mj_fwdPosition(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Run velocity-dependent computations."]
     pub fn mj_fwdVelocity(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute actuator force qfrc_actuator."]
     pub fn mj_fwdActuation(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Add up all non-constraint forces, compute qacc_unc."]
     pub fn mj_fwdAcceleration(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Run selected constraint solver."]
     pub fn mj_fwdConstraint(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Euler integrator, semi-implicit in velocity."]
     pub fn mj_Euler(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Runge-Kutta explicit order-N integrator."]
     pub fn mj_RungeKutta(m: *const mjModel, d: *mut mjData, N: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Run position-dependent computations in inverse dynamics."]
     pub fn mj_invPosition(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Run velocity-dependent computations in inverse dynamics."]
     pub fn mj_invVelocity(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Apply the analytical formula for inverse constraint dynamics."]
     pub fn mj_invConstraint(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compare forward and inverse dynamics, save results in fwdinv."]
     pub fn mj_compareFwdInv(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Evaluate position-dependent sensors."]
     pub fn mj_sensorPos(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Evaluate velocity-dependent sensors."]
     pub fn mj_sensorVel(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Evaluate acceleration and force-dependent sensors."]
     pub fn mj_sensorAcc(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Evaluate position-dependent energy (potential)."]
     pub fn mj_energyPos(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Evaluate velocity-dependent energy (kinetic)."]
     pub fn mj_energyVel(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Check qpos, reset if any element is too big or nan."]
     pub fn mj_checkPos(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Check qvel, reset if any element is too big or nan."]
     pub fn mj_checkVel(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Check qacc, reset if any element is too big or nan."]
     pub fn mj_checkAcc(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Run forward kinematics."]
     pub fn mj_kinematics(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Map inertias and motion dofs to global frame centered at CoM."]
     pub fn mj_comPos(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute camera and light positions and orientations."]
     pub fn mj_camlight(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute tendon lengths, velocities and moment arms."]
     pub fn mj_tendon(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute actuator transmission lengths and moments."]
     pub fn mj_transmission(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Run composite rigid body inertia algorithm (CRB)."]
     pub fn mj_crb(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute sparse L'*D*L factorizaton of inertia matrix."]
     pub fn mj_factorM(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Solve linear system M * x = y using factorization:  x = inv(L'*D*L)*y"]
     pub fn mj_solveM(m: *const mjModel, d: *mut mjData, x: *mut mjtNum, y: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Half of linear solve:  x = sqrt(inv(D))*inv(L')*y"]
     pub fn mj_solveM2(m: *const mjModel, d: *mut mjData, x: *mut mjtNum, y: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Compute cvel, cdof_dot."]
     pub fn mj_comVel(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute qfrc_passive from spring-dampers, viscosity and density."]
     pub fn mj_passive(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " subtree linear velocity and angular momentum"]
     pub fn mj_subtreeVel(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " RNE: compute M(qpos)*qacc + C(qpos,qvel); flg_acc=0 removes inertial term."]
     pub fn mj_rne(m: *const mjModel, d: *mut mjData, flg_acc: ::core::ffi::c_int, result: *mut mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " RNE with complete data: compute cacc, cfrc_ext, cfrc_int."]
     pub fn mj_rnePostConstraint(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Run collision detection."]
     pub fn mj_collision(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Construct constraints."]
     pub fn mj_makeConstraint(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute inverse constaint inertia efc_AR."]
     pub fn mj_projectConstraint(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute efc_vel, efc_aref."]
     pub fn mj_referenceConstraint(m: *const mjModel, d: *mut mjData);
 }
 unsafe extern "C" {
+    #[doc = " Compute efc_state, efc_force, qfrc_constraint, and (optionally) cone Hessians.\n If cost is not NULL, set *cost = s(jar) where jar = Jac*qacc-aref."]
     pub fn mj_constraintUpdate(
         m: *const mjModel,
         d: *mut mjData,
@@ -3102,24 +4455,31 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Add contact to d->contact list; return 0 if success; 1 if buffer full."]
     pub fn mj_addContact(m: *const mjModel, d: *mut mjData, con: *const mjContact) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Determine type of friction cone."]
     pub fn mj_isPyramidal(m: *const mjModel) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Determine type of constraint Jacobian."]
     pub fn mj_isSparse(m: *const mjModel) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Determine type of solver (PGS is dual, CG and Newton are primal)."]
     pub fn mj_isDual(m: *const mjModel) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Multiply dense or sparse constraint Jacobian by vector."]
     pub fn mj_mulJacVec(m: *const mjModel, d: *mut mjData, res: *mut mjtNum, vec: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Multiply dense or sparse constraint Jacobian transpose by vector."]
     pub fn mj_mulJacTVec(m: *const mjModel, d: *mut mjData, res: *mut mjtNum, vec: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Compute 3/6-by-nv end-effector Jacobian of global point attached to given body."]
     pub fn mj_jac(
         m: *const mjModel,
         d: *const mjData,
@@ -3130,6 +4490,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Compute body frame end-effector Jacobian."]
     pub fn mj_jacBody(
         m: *const mjModel,
         d: *const mjData,
@@ -3139,6 +4500,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Compute body center-of-mass end-effector Jacobian."]
     pub fn mj_jacBodyCom(
         m: *const mjModel,
         d: *const mjData,
@@ -3148,9 +4510,11 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Compute subtree center-of-mass end-effector Jacobian."]
     pub fn mj_jacSubtreeCom(m: *const mjModel, d: *mut mjData, jacp: *mut mjtNum, body: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Compute geom end-effector Jacobian."]
     pub fn mj_jacGeom(
         m: *const mjModel,
         d: *const mjData,
@@ -3160,6 +4524,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Compute site end-effector Jacobian."]
     pub fn mj_jacSite(
         m: *const mjModel,
         d: *const mjData,
@@ -3169,6 +4534,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Compute translation end-effector Jacobian of point, and rotation Jacobian of axis."]
     pub fn mj_jacPointAxis(
         m: *const mjModel,
         d: *mut mjData,
@@ -3180,6 +4546,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Get id of object with specified name, return -1 if not found; type is mjtObj."]
     pub fn mj_name2id(
         m: *const mjModel,
         type_: ::core::ffi::c_int,
@@ -3187,6 +4554,7 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Get name of object with specified id, return 0 if invalid type or id; type is mjtObj."]
     pub fn mj_id2name(
         m: *const mjModel,
         type_: ::core::ffi::c_int,
@@ -3194,15 +4562,19 @@ unsafe extern "C" {
     ) -> *const ::core::ffi::c_char;
 }
 unsafe extern "C" {
+    #[doc = " Convert sparse inertia matrix M into full (i.e. dense) matrix."]
     pub fn mj_fullM(m: *const mjModel, dst: *mut mjtNum, M: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Multiply vector by inertia matrix."]
     pub fn mj_mulM(m: *const mjModel, d: *const mjData, res: *mut mjtNum, vec: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Multiply vector by (inertia matrix)^(1/2)."]
     pub fn mj_mulM2(m: *const mjModel, d: *const mjData, res: *mut mjtNum, vec: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Add inertia matrix to destination matrix.\n Destination can be sparse uncompressed, or dense when all int* are NULL"]
     pub fn mj_addM(
         m: *const mjModel,
         d: *mut mjData,
@@ -3213,6 +4585,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Apply cartesian force and torque (outside xfrc_applied mechanism)."]
     pub fn mj_applyFT(
         m: *const mjModel,
         d: *mut mjData,
@@ -3224,6 +4597,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Compute object 6D velocity in object-centered frame, world/local orientation."]
     pub fn mj_objectVelocity(
         m: *const mjModel,
         d: *const mjData,
@@ -3234,6 +4608,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Compute object 6D acceleration in object-centered frame, world/local orientation."]
     pub fn mj_objectAcceleration(
         m: *const mjModel,
         d: *const mjData,
@@ -3244,9 +4619,11 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Extract 6D force:torque given contact id, in the contact frame."]
     pub fn mj_contactForce(m: *const mjModel, d: *const mjData, id: ::core::ffi::c_int, result: *mut mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Compute velocity by finite-differencing two positions."]
     pub fn mj_differentiatePos(
         m: *const mjModel,
         qvel: *mut mjtNum,
@@ -3256,12 +4633,15 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Integrate position with given velocity."]
     pub fn mj_integratePos(m: *const mjModel, qpos: *mut mjtNum, qvel: *const mjtNum, dt: mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Normalize all quaternions in qpos-type vector."]
     pub fn mj_normalizeQuat(m: *const mjModel, qpos: *mut mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Map from body local to global Cartesian coordinates."]
     pub fn mj_local2Global(
         d: *mut mjData,
         xpos: *mut mjtNum,
@@ -3273,18 +4653,23 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Sum all body masses."]
     pub fn mj_getTotalmass(m: *const mjModel) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Scale body masses and inertias to achieve specified total mass."]
     pub fn mj_setTotalmass(m: *mut mjModel, newmass: mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Return version number: 1.0.2 is encoded as 102."]
     pub fn mj_version() -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Return the current version of MuJoCo as a null-terminated string."]
     pub fn mj_versionString() -> *const ::core::ffi::c_char;
 }
 unsafe extern "C" {
+    #[doc = " Intersect ray (pnt+x*vec, x>=0) with visible geoms, except geoms in bodyexclude.\n Return distance (x) to nearest surface, or -1 if no intersection and output geomid.\n geomgroup, flg_static are as in mjvOption; geomgroup==NULL skips group exclusion."]
     pub fn mj_ray(
         m: *const mjModel,
         d: *const mjData,
@@ -3297,6 +4682,7 @@ unsafe extern "C" {
     ) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Interect ray with hfield, return nearest distance or -1 if no intersection."]
     pub fn mj_rayHfield(
         m: *const mjModel,
         d: *const mjData,
@@ -3306,6 +4692,7 @@ unsafe extern "C" {
     ) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Interect ray with mesh, return nearest distance or -1 if no intersection."]
     pub fn mj_rayMesh(
         m: *const mjModel,
         d: *const mjData,
@@ -3315,6 +4702,7 @@ unsafe extern "C" {
     ) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Interect ray with pure geom, return nearest distance or -1 if no intersection."]
     pub fn mju_rayGeom(
         pos: *const mjtNum,
         mat: *const mjtNum,
@@ -3325,6 +4713,7 @@ unsafe extern "C" {
     ) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Interect ray with skin, return nearest distance or -1 if no intersection,\n and also output nearest vertex id."]
     pub fn mju_raySkin(
         nface: ::core::ffi::c_int,
         nvert: ::core::ffi::c_int,
@@ -3336,15 +4725,19 @@ unsafe extern "C" {
     ) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Set default camera."]
     pub fn mjv_defaultCamera(cam: *mut mjvCamera);
 }
 unsafe extern "C" {
+    #[doc = " Set default free camera."]
     pub fn mjv_defaultFreeCamera(m: *const mjModel, cam: *mut mjvCamera);
 }
 unsafe extern "C" {
+    #[doc = " Set default perturbation."]
     pub fn mjv_defaultPerturb(pert: *mut mjvPerturb);
 }
 unsafe extern "C" {
+    #[doc = " Transform pose from room to model space."]
     pub fn mjv_room2model(
         modelpos: *mut mjtNum,
         modelquat: *mut mjtNum,
@@ -3354,6 +4747,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Transform pose from model to room space."]
     pub fn mjv_model2room(
         roompos: *mut mjtNum,
         roomquat: *mut mjtNum,
@@ -3363,18 +4757,23 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Get camera info in model space; average left and right OpenGL cameras."]
     pub fn mjv_cameraInModel(headpos: *mut mjtNum, forward: *mut mjtNum, up: *mut mjtNum, scn: *const mjvScene);
 }
 unsafe extern "C" {
+    #[doc = " Get camera info in room space; average left and right OpenGL cameras."]
     pub fn mjv_cameraInRoom(headpos: *mut mjtNum, forward: *mut mjtNum, up: *mut mjtNum, scn: *const mjvScene);
 }
 unsafe extern "C" {
+    #[doc = " Get frustum height at unit distance from camera; average left and right OpenGL cameras."]
     pub fn mjv_frustumHeight(scn: *const mjvScene) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Rotate 3D vec in horizontal plane by angle between (0,1) and (forward_x,forward_y)."]
     pub fn mjv_alignToCamera(res: *mut mjtNum, vec: *const mjtNum, forward: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Move camera with mouse; action is mjtMouse."]
     pub fn mjv_moveCamera(
         m: *const mjModel,
         action: ::core::ffi::c_int,
@@ -3385,6 +4784,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Move perturb object with mouse; action is mjtMouse."]
     pub fn mjv_movePerturb(
         m: *const mjModel,
         d: *const mjData,
@@ -3396,6 +4796,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Move model with mouse; action is mjtMouse."]
     pub fn mjv_moveModel(
         m: *const mjModel,
         action: ::core::ffi::c_int,
@@ -3406,9 +4807,11 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Copy perturb pos,quat from selected body; set scale for perturbation."]
     pub fn mjv_initPerturb(m: *const mjModel, d: *const mjData, scn: *const mjvScene, pert: *mut mjvPerturb);
 }
 unsafe extern "C" {
+    #[doc = " Set perturb pos,quat in d->mocap when selected body is mocap, and in d->qpos otherwise.\n Write d->qpos only if flg_paused and subtree root for selected body has free joint."]
     pub fn mjv_applyPerturbPose(
         m: *const mjModel,
         d: *mut mjData,
@@ -3417,12 +4820,15 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Set perturb force,torque in d->xfrc_applied, if selected body is dynamic."]
     pub fn mjv_applyPerturbForce(m: *const mjModel, d: *mut mjData, pert: *const mjvPerturb);
 }
 unsafe extern "C" {
+    #[doc = " Return the average of two OpenGL cameras."]
     pub fn mjv_averageCamera(cam1: *const mjvGLCamera, cam2: *const mjvGLCamera) -> mjvGLCamera;
 }
 unsafe extern "C" {
+    #[doc = " Select geom or skin with mouse, return bodyid; -1: none selected."]
     pub fn mjv_select(
         m: *const mjModel,
         d: *const mjData,
@@ -3437,12 +4843,15 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Set default visualization options."]
     pub fn mjv_defaultOption(opt: *mut mjvOption);
 }
 unsafe extern "C" {
+    #[doc = " Set default figure."]
     pub fn mjv_defaultFigure(fig: *mut mjvFigure);
 }
 unsafe extern "C" {
+    #[doc = " Initialize given geom fields when not NULL, set the rest to their default values."]
     pub fn mjv_initGeom(
         geom: *mut mjvGeom,
         type_: ::core::ffi::c_int,
@@ -3453,6 +4862,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Set (type, size, pos, mat) for connector-type geom between given points.\n Assume that mjv_initGeom was already called to set all other properties."]
     pub fn mjv_makeConnector(
         geom: *mut mjvGeom,
         type_: ::core::ffi::c_int,
@@ -3466,15 +4876,19 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Set default abstract scene."]
     pub fn mjv_defaultScene(scn: *mut mjvScene);
 }
 unsafe extern "C" {
+    #[doc = " Allocate resources in abstract scene."]
     pub fn mjv_makeScene(m: *const mjModel, scn: *mut mjvScene, maxgeom: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Free abstract scene."]
     pub fn mjv_freeScene(scn: *mut mjvScene);
 }
 unsafe extern "C" {
+    #[doc = " Update entire scene given model state."]
     pub fn mjv_updateScene(
         m: *const mjModel,
         d: *mut mjData,
@@ -3486,6 +4900,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Add geoms from selected categories."]
     pub fn mjv_addGeoms(
         m: *const mjModel,
         d: *mut mjData,
@@ -3496,24 +4911,31 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Make list of lights."]
     pub fn mjv_makeLights(m: *const mjModel, d: *mut mjData, scn: *mut mjvScene);
 }
 unsafe extern "C" {
+    #[doc = " Update camera."]
     pub fn mjv_updateCamera(m: *const mjModel, d: *mut mjData, cam: *mut mjvCamera, scn: *mut mjvScene);
 }
 unsafe extern "C" {
+    #[doc = " Update skins."]
     pub fn mjv_updateSkin(m: *const mjModel, d: *mut mjData, scn: *mut mjvScene);
 }
 unsafe extern "C" {
+    #[doc = " Set default mjrContext."]
     pub fn mjr_defaultContext(con: *mut mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Allocate resources in custom OpenGL context; fontscale is mjtFontScale."]
     pub fn mjr_makeContext(m: *const mjModel, con: *mut mjrContext, fontscale: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Change font of existing context."]
     pub fn mjr_changeFont(fontscale: ::core::ffi::c_int, con: *mut mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Add Aux buffer with given index to context; free previous Aux buffer."]
     pub fn mjr_addAux(
         index: ::core::ffi::c_int,
         width: ::core::ffi::c_int,
@@ -3523,27 +4945,35 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Free resources in custom OpenGL context, set to default."]
     pub fn mjr_freeContext(con: *mut mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Upload texture to GPU, overwriting previous upload if any."]
     pub fn mjr_uploadTexture(m: *const mjModel, con: *const mjrContext, texid: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Upload mesh to GPU, overwriting previous upload if any."]
     pub fn mjr_uploadMesh(m: *const mjModel, con: *const mjrContext, meshid: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Upload height field to GPU, overwriting previous upload if any."]
     pub fn mjr_uploadHField(m: *const mjModel, con: *const mjrContext, hfieldid: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Make con->currentBuffer current again."]
     pub fn mjr_restoreBuffer(con: *const mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Set OpenGL framebuffer for rendering: mjFB_WINDOW or mjFB_OFFSCREEN.\n If only one buffer is available, set that buffer and ignore framebuffer argument."]
     pub fn mjr_setBuffer(framebuffer: ::core::ffi::c_int, con: *mut mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Read pixels from current OpenGL framebuffer to client buffer.\n Viewport is in OpenGL framebuffer; client buffer starts at (0,0)."]
     pub fn mjr_readPixels(rgb: *mut ::core::ffi::c_uchar, depth: *mut f32, viewport: mjrRect, con: *const mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Draw pixels from client buffer to current OpenGL framebuffer.\n Viewport is in OpenGL framebuffer; client buffer starts at (0,0)."]
     pub fn mjr_drawPixels(
         rgb: *const ::core::ffi::c_uchar,
         depth: *const f32,
@@ -3552,6 +4982,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Blit from src viewpoint in current framebuffer to dst viewport in other framebuffer.\n If src, dst have different size and flg_depth==0, color is interpolated with GL_LINEAR."]
     pub fn mjr_blitBuffer(
         src: mjrRect,
         dst: mjrRect,
@@ -3561,9 +4992,11 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Set Aux buffer for custom OpenGL rendering (call restoreBuffer when done)."]
     pub fn mjr_setAux(index: ::core::ffi::c_int, con: *const mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Blit from Aux buffer to con->currentBuffer."]
     pub fn mjr_blitAux(
         index: ::core::ffi::c_int,
         src: mjrRect,
@@ -3573,6 +5006,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Draw text at (x,y) in relative coordinates; font is mjtFont."]
     pub fn mjr_text(
         font: ::core::ffi::c_int,
         txt: *const ::core::ffi::c_char,
@@ -3585,6 +5019,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Draw text overlay; font is mjtFont; gridpos is mjtGridPos."]
     pub fn mjr_overlay(
         font: ::core::ffi::c_int,
         gridpos: ::core::ffi::c_int,
@@ -3595,12 +5030,15 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Get maximum viewport for active buffer."]
     pub fn mjr_maxViewport(con: *const mjrContext) -> mjrRect;
 }
 unsafe extern "C" {
+    #[doc = " Draw rectangle."]
     pub fn mjr_rectangle(viewport: mjrRect, r: f32, g: f32, b: f32, a: f32);
 }
 unsafe extern "C" {
+    #[doc = " Draw rectangle with centered text."]
     pub fn mjr_label(
         viewport: mjrRect,
         font: ::core::ffi::c_int,
@@ -3616,18 +5054,23 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Draw 2D figure."]
     pub fn mjr_figure(viewport: mjrRect, fig: *mut mjvFigure, con: *const mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Render 3D scene."]
     pub fn mjr_render(viewport: mjrRect, scn: *mut mjvScene, con: *const mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Call glFinish."]
     pub fn mjr_finish();
 }
 unsafe extern "C" {
+    #[doc = " Call glGetError and return result."]
     pub fn mjr_getError() -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Find first rectangle containing mouse, -1: not found."]
     pub fn mjr_findRect(
         x: ::core::ffi::c_int,
         y: ::core::ffi::c_int,
@@ -3636,21 +5079,27 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Get builtin UI theme spacing (ind: 0-1)."]
     pub fn mjui_themeSpacing(ind: ::core::ffi::c_int) -> mjuiThemeSpacing;
 }
 unsafe extern "C" {
+    #[doc = " Get builtin UI theme color (ind: 0-3)."]
     pub fn mjui_themeColor(ind: ::core::ffi::c_int) -> mjuiThemeColor;
 }
 unsafe extern "C" {
+    #[doc = " Add definitions to UI."]
     pub fn mjui_add(ui: *mut mjUI, def: *const mjuiDef);
 }
 unsafe extern "C" {
+    #[doc = " Add definitions to UI section."]
     pub fn mjui_addToSection(ui: *mut mjUI, sect: ::core::ffi::c_int, def: *const mjuiDef);
 }
 unsafe extern "C" {
+    #[doc = " Compute UI sizes."]
     pub fn mjui_resize(ui: *mut mjUI, con: *const mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Update specific section/item; -1: update all."]
     pub fn mjui_update(
         section: ::core::ffi::c_int,
         item: ::core::ffi::c_int,
@@ -3660,153 +5109,203 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Handle UI event, return pointer to changed item, NULL if no change."]
     pub fn mjui_event(ui: *mut mjUI, state: *mut mjuiState, con: *const mjrContext) -> *mut mjuiItem;
 }
 unsafe extern "C" {
+    #[doc = " Copy UI image to current buffer."]
     pub fn mjui_render(ui: *mut mjUI, state: *const mjuiState, con: *const mjrContext);
 }
 unsafe extern "C" {
+    #[doc = " Main error function; does not return to caller."]
     pub fn mju_error(msg: *const ::core::ffi::c_char);
 }
 unsafe extern "C" {
+    #[doc = " Error function with int argument; msg is a printf format string."]
     pub fn mju_error_i(msg: *const ::core::ffi::c_char, i: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Error function with string argument."]
     pub fn mju_error_s(msg: *const ::core::ffi::c_char, text: *const ::core::ffi::c_char);
 }
 unsafe extern "C" {
+    #[doc = " Main warning function; returns to caller."]
     pub fn mju_warning(msg: *const ::core::ffi::c_char);
 }
 unsafe extern "C" {
+    #[doc = " Warning function with int argument."]
     pub fn mju_warning_i(msg: *const ::core::ffi::c_char, i: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Warning function with string argument."]
     pub fn mju_warning_s(msg: *const ::core::ffi::c_char, text: *const ::core::ffi::c_char);
 }
 unsafe extern "C" {
+    #[doc = " Clear user error and memory handlers."]
     pub fn mju_clearHandlers();
 }
 unsafe extern "C" {
+    #[doc = " Allocate memory; byte-align on 64; pad size to multiple of 64."]
     pub fn mju_malloc(size: usize) -> *mut ::core::ffi::c_void;
 }
 unsafe extern "C" {
+    #[doc = " Free memory, using free() by default."]
     pub fn mju_free(ptr: *mut ::core::ffi::c_void);
 }
 unsafe extern "C" {
+    #[doc = " High-level warning function: count warnings in mjData, print only the first."]
     pub fn mj_warning(d: *mut mjData, warning: ::core::ffi::c_int, info: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Write [datetime, type: message] to MUJOCO_LOG.TXT."]
     pub fn mju_writeLog(type_: *const ::core::ffi::c_char, msg: *const ::core::ffi::c_char);
 }
 unsafe extern "C" {
+    #[doc = " Return 1 (for backward compatibility)."]
     pub fn mj_activate(filename: *const ::core::ffi::c_char) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Do nothing (for backward compatibility)."]
     pub fn mj_deactivate();
 }
 unsafe extern "C" {
+    #[doc = " Set res = 0."]
     pub fn mju_zero3(res: *mut mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec."]
     pub fn mju_copy3(res: *mut mjtNum, data: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec*scl."]
     pub fn mju_scl3(res: *mut mjtNum, vec: *const mjtNum, scl: mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec1 + vec2."]
     pub fn mju_add3(res: *mut mjtNum, vec1: *const mjtNum, vec2: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec1 - vec2."]
     pub fn mju_sub3(res: *mut mjtNum, vec1: *const mjtNum, vec2: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = res + vec."]
     pub fn mju_addTo3(res: *mut mjtNum, vec: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = res - vec."]
     pub fn mju_subFrom3(res: *mut mjtNum, vec: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = res + vec*scl."]
     pub fn mju_addToScl3(res: *mut mjtNum, vec: *const mjtNum, scl: mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec1 + vec2*scl."]
     pub fn mju_addScl3(res: *mut mjtNum, vec1: *const mjtNum, vec2: *const mjtNum, scl: mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Normalize vector, return length before normalization."]
     pub fn mju_normalize3(res: *mut mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return vector length (without normalizing the vector)."]
     pub fn mju_norm3(vec: *const mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return dot-product of vec1 and vec2."]
     pub fn mju_dot3(vec1: *const mjtNum, vec2: *const mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return Cartesian distance between 3D vectors pos1 and pos2."]
     pub fn mju_dist3(pos1: *const mjtNum, pos2: *const mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Multiply vector by 3D rotation matrix: res = mat * vec."]
     pub fn mju_rotVecMat(res: *mut mjtNum, vec: *const mjtNum, mat: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Multiply vector by transposed 3D rotation matrix: res = mat' * vec."]
     pub fn mju_rotVecMatT(res: *mut mjtNum, vec: *const mjtNum, mat: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Compute cross-product: res = cross(a, b)."]
     pub fn mju_cross(res: *mut mjtNum, a: *const mjtNum, b: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = 0."]
     pub fn mju_zero4(res: *mut mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = (1,0,0,0)."]
     pub fn mju_unit4(res: *mut mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec."]
     pub fn mju_copy4(res: *mut mjtNum, data: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Normalize vector, return length before normalization."]
     pub fn mju_normalize4(res: *mut mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Set res = 0."]
     pub fn mju_zero(res: *mut mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec."]
     pub fn mju_copy(res: *mut mjtNum, data: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Return sum(vec)."]
     pub fn mju_sum(vec: *const mjtNum, n: ::core::ffi::c_int) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return L1 norm: sum(abs(vec))."]
     pub fn mju_L1(vec: *const mjtNum, n: ::core::ffi::c_int) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec*scl."]
     pub fn mju_scl(res: *mut mjtNum, vec: *const mjtNum, scl: mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec1 + vec2."]
     pub fn mju_add(res: *mut mjtNum, vec1: *const mjtNum, vec2: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec1 - vec2."]
     pub fn mju_sub(res: *mut mjtNum, vec1: *const mjtNum, vec2: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Set res = res + vec."]
     pub fn mju_addTo(res: *mut mjtNum, vec: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Set res = res - vec."]
     pub fn mju_subFrom(res: *mut mjtNum, vec: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Set res = res + vec*scl."]
     pub fn mju_addToScl(res: *mut mjtNum, vec: *const mjtNum, scl: mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Set res = vec1 + vec2*scl."]
     pub fn mju_addScl(res: *mut mjtNum, vec1: *const mjtNum, vec2: *const mjtNum, scl: mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Normalize vector, return length before normalization."]
     pub fn mju_normalize(res: *mut mjtNum, n: ::core::ffi::c_int) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return vector length (without normalizing vector)."]
     pub fn mju_norm(res: *const mjtNum, n: ::core::ffi::c_int) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return dot-product of vec1 and vec2."]
     pub fn mju_dot(vec1: *const mjtNum, vec2: *const mjtNum, n: ::core::ffi::c_int) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Multiply matrix and vector: res = mat * vec."]
     pub fn mju_mulMatVec(
         res: *mut mjtNum,
         mat: *const mjtNum,
@@ -3816,6 +5315,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Multiply transposed matrix and vector: res = mat' * vec."]
     pub fn mju_mulMatTVec(
         res: *mut mjtNum,
         mat: *const mjtNum,
@@ -3825,9 +5325,11 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Transpose matrix: res = mat'."]
     pub fn mju_transpose(res: *mut mjtNum, mat: *const mjtNum, nr: ::core::ffi::c_int, nc: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Multiply matrices: res = mat1 * mat2."]
     pub fn mju_mulMatMat(
         res: *mut mjtNum,
         mat1: *const mjtNum,
@@ -3838,6 +5340,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Multiply matrices, second argument transposed: res = mat1 * mat2'."]
     pub fn mju_mulMatMatT(
         res: *mut mjtNum,
         mat1: *const mjtNum,
@@ -3848,6 +5351,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Multiply matrices, first argument transposed: res = mat1' * mat2."]
     pub fn mju_mulMatTMat(
         res: *mut mjtNum,
         mat1: *const mjtNum,
@@ -3858,6 +5362,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Set res = mat' * diag * mat if diag is not NULL, and res = mat' * mat otherwise."]
     pub fn mju_sqrMatTD(
         res: *mut mjtNum,
         mat: *const mjtNum,
@@ -3867,6 +5372,7 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Coordinate transform of 6D motion or force vector in rotation:translation format.\n rotnew2old is 3-by-3, NULL means no rotation; flg_force specifies force or motion type."]
     pub fn mju_transformSpatial(
         res: *mut mjtNum,
         vec: *const mjtNum,
@@ -3877,42 +5383,55 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Rotate vector by quaternion."]
     pub fn mju_rotVecQuat(res: *mut mjtNum, vec: *const mjtNum, quat: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Conjugate quaternion, corresponding to opposite rotation."]
     pub fn mju_negQuat(res: *mut mjtNum, quat: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Multiply quaternions."]
     pub fn mju_mulQuat(res: *mut mjtNum, quat1: *const mjtNum, quat2: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Multiply quaternion and axis."]
     pub fn mju_mulQuatAxis(res: *mut mjtNum, quat: *const mjtNum, axis: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Convert axisAngle to quaternion."]
     pub fn mju_axisAngle2Quat(res: *mut mjtNum, axis: *const mjtNum, angle: mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Convert quaternion (corresponding to orientation difference) to 3D velocity."]
     pub fn mju_quat2Vel(res: *mut mjtNum, quat: *const mjtNum, dt: mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Subtract quaternions, express as 3D velocity: qb*quat(res) = qa."]
     pub fn mju_subQuat(res: *mut mjtNum, qa: *const mjtNum, qb: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Convert quaternion to 3D rotation matrix."]
     pub fn mju_quat2Mat(res: *mut mjtNum, quat: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Convert 3D rotation matrix to quaternion."]
     pub fn mju_mat2Quat(quat: *mut mjtNum, mat: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Compute time-derivative of quaternion, given 3D rotational velocity."]
     pub fn mju_derivQuat(res: *mut mjtNum, quat: *const mjtNum, vel: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Integrate quaternion given 3D angular velocity."]
     pub fn mju_quatIntegrate(quat: *mut mjtNum, vel: *const mjtNum, scale: mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Construct quaternion performing rotation from z-axis to given vector."]
     pub fn mju_quatZ2Vec(quat: *mut mjtNum, vec: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Multiply two poses."]
     pub fn mju_mulPose(
         posres: *mut mjtNum,
         quatres: *mut mjtNum,
@@ -3923,18 +5442,23 @@ unsafe extern "C" {
     );
 }
 unsafe extern "C" {
+    #[doc = " Conjugate pose, corresponding to the opposite spatial transformation."]
     pub fn mju_negPose(posres: *mut mjtNum, quatres: *mut mjtNum, pos: *const mjtNum, quat: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Transform vector by pose."]
     pub fn mju_trnVecPose(res: *mut mjtNum, pos: *const mjtNum, quat: *const mjtNum, vec: *const mjtNum);
 }
 unsafe extern "C" {
+    #[doc = " Cholesky decomposition: mat = L*L'; return rank, decomposition performed in-place into mat."]
     pub fn mju_cholFactor(mat: *mut mjtNum, n: ::core::ffi::c_int, mindiag: mjtNum) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Solve mat * res = vec, where mat is Cholesky-factorized"]
     pub fn mju_cholSolve(res: *mut mjtNum, mat: *const mjtNum, vec: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Cholesky rank-one update: L*L' +/- x*x'; return rank."]
     pub fn mju_cholUpdate(
         mat: *mut mjtNum,
         x: *mut mjtNum,
@@ -3943,6 +5467,7 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Eigenvalue decomposition of symmetric 3x3 matrix."]
     pub fn mju_eig3(
         eigval: *mut mjtNum,
         eigvec: *mut mjtNum,
@@ -3951,6 +5476,7 @@ unsafe extern "C" {
     ) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Muscle active force, prm = (range[2], force, scale, lmin, lmax, vmax, fpmax, fvmax)."]
     pub fn mju_muscleGain(
         len: mjtNum,
         vel: mjtNum,
@@ -3960,75 +5486,99 @@ unsafe extern "C" {
     ) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Muscle passive force, prm = (range[2], force, scale, lmin, lmax, vmax, fpmax, fvmax)."]
     pub fn mju_muscleBias(len: mjtNum, lengthrange: *const mjtNum, acc0: mjtNum, prm: *const mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Muscle activation dynamics, prm = (tau_act, tau_deact)."]
     pub fn mju_muscleDynamics(ctrl: mjtNum, act: mjtNum, prm: *const mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Convert contact force to pyramid representation."]
     pub fn mju_encodePyramid(pyramid: *mut mjtNum, force: *const mjtNum, mu: *const mjtNum, dim: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Convert pyramid representation to contact force."]
     pub fn mju_decodePyramid(force: *mut mjtNum, pyramid: *const mjtNum, mu: *const mjtNum, dim: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Integrate spring-damper analytically, return pos(dt)."]
     pub fn mju_springDamper(pos0: mjtNum, vel0: mjtNum, Kp: mjtNum, Kv: mjtNum, dt: mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return min(a,b) with single evaluation of a and b."]
     pub fn mju_min(a: mjtNum, b: mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return max(a,b) with single evaluation of a and b."]
     pub fn mju_max(a: mjtNum, b: mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Clip x to the range [min, max]."]
     pub fn mju_clip(x: mjtNum, min: mjtNum, max: mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Return sign of x: +1, -1 or 0."]
     pub fn mju_sign(x: mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Round x to nearest integer."]
     pub fn mju_round(x: mjtNum) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Convert type id (mjtObj) to type name."]
     pub fn mju_type2Str(type_: ::core::ffi::c_int) -> *const ::core::ffi::c_char;
 }
 unsafe extern "C" {
+    #[doc = " Convert type name to type id (mjtObj)."]
     pub fn mju_str2Type(str_: *const ::core::ffi::c_char) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Construct a warning message given the warning type and info."]
     pub fn mju_warningText(warning: ::core::ffi::c_int, info: ::core::ffi::c_int) -> *const ::core::ffi::c_char;
 }
 unsafe extern "C" {
+    #[doc = " Return 1 if nan or abs(x)>mjMAXVAL, 0 otherwise. Used by check functions."]
     pub fn mju_isBad(x: mjtNum) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Return 1 if all elements are 0."]
     pub fn mju_isZero(vec: *mut mjtNum, n: ::core::ffi::c_int) -> ::core::ffi::c_int;
 }
 unsafe extern "C" {
+    #[doc = " Standard normal random number generator (optional second number)."]
     pub fn mju_standardNormal(num2: *mut mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Convert from float to mjtNum."]
     pub fn mju_f2n(res: *mut mjtNum, vec: *const f32, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Convert from mjtNum to float."]
     pub fn mju_n2f(res: *mut f32, vec: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Convert from double to mjtNum."]
     pub fn mju_d2n(res: *mut mjtNum, vec: *const f64, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Convert from mjtNum to double."]
     pub fn mju_n2d(res: *mut f64, vec: *const mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Insertion sort, resulting list is in increasing order."]
     pub fn mju_insertionSort(list: *mut mjtNum, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Integer insertion sort, resulting list is in increasing order."]
     pub fn mju_insertionSortInt(list: *mut ::core::ffi::c_int, n: ::core::ffi::c_int);
 }
 unsafe extern "C" {
+    #[doc = " Generate Halton sequence."]
     pub fn mju_Halton(index: ::core::ffi::c_int, base: ::core::ffi::c_int) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Call strncpy, then set dst[n-1] = 0."]
     pub fn mju_strncpy(
         dst: *mut ::core::ffi::c_char,
         src: *const ::core::ffi::c_char,
@@ -4036,9 +5586,11 @@ unsafe extern "C" {
     ) -> *mut ::core::ffi::c_char;
 }
 unsafe extern "C" {
+    #[doc = " Sigmoid function over 0<=x<=1 constructed from half-quadratics."]
     pub fn mju_sigmoid(x: mjtNum) -> mjtNum;
 }
 unsafe extern "C" {
+    #[doc = " Finite differenced transition matrices (control theory notation)\n   d(x_next) = A*dx + B*du\n   d(sensor) = C*dx + D*du\n   required output matrix dimensions:\n      A: (2*nv+na x 2*nv+na)\n      B: (2*nv+na x nu)\n      D: (nsensordata x 2*nv+na)\n      C: (nsensordata x nu)"]
     pub fn mjd_transitionFD(
         m: *const mjModel,
         d: *mut mjData,

@@ -1,0 +1,61 @@
+//! The Jacobians of a body's centre of mass: [`Data::jac_body_com_into`], which writes to the caller's matrices, and
+//! [`Data::jac_body_com`], which allocates them, against `mj_jacBodyCom`. The body is a foot of the humanoid.
+//!
+//! ```text
+//! cargo bench --bench jacobian
+//! ```
+
+mod common;
+
+use std::hint::black_box;
+
+use mujoco_safe::{BodyId, Data, Matrix, Result, sample, sys};
+
+/// How many calls a run makes.
+const CALLS: u32 = 100;
+
+struct Foot {
+    data: Data,
+    id: BodyId,
+    translation: Matrix,
+    rotation: Matrix,
+}
+
+fn main() -> Result<()> {
+    let mut criterion = common::criterion();
+    let mut data = Data::new(sample::humanoid())?;
+    data.forward()?;
+    let (id, nv) = (data.model().body("foot_left")?.id(), data.model().nv());
+    let mut foot = Foot { data, id, translation: Matrix::zeros(3, nv), rotation: Matrix::zeros(3, nv) };
+
+    let into = |foot: &mut Foot| {
+        for _ in 0..CALLS {
+            let outputs = (Some(&mut foot.translation), Some(&mut foot.rotation));
+            foot.data.jac_body_com_into(black_box(foot.id), outputs.0, outputs.1).expect("positions are computed");
+        }
+    };
+    let allocating = |foot: &mut Foot| {
+        for _ in 0..CALLS {
+            black_box(foot.data.jac_body_com(black_box(foot.id)).expect("positions are computed"));
+        }
+    };
+    let raw = |foot: &mut Foot| {
+        let (model, data) = (foot.data.model().as_ptr(), foot.data.as_ptr());
+        let outputs = (foot.translation.as_mut_slice().as_mut_ptr(), foot.rotation.as_mut_slice().as_mut_ptr());
+        for _ in 0..CALLS {
+            let body = black_box(foot.id).index() as i32;
+            // SAFETY: a data and its own model, one of its bodies, and outputs of 3 × nv values.
+            unsafe { sys::mj_jacBodyCom(model, data, outputs.0, outputs.1, body) }
+        }
+    };
+    common::compare(
+        &mut criterion,
+        "jacobian",
+        &mut foot,
+        CALLS,
+        &[("jac_body_com_into", &into), ("jac_body_com", &allocating), ("mj_jacBodyCom", &raw)],
+    );
+
+    criterion.final_summary();
+    Ok(())
+}

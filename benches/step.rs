@@ -1,0 +1,68 @@
+//! What does safety cost a simulation? [`Data::step`] against `mj_step`, from the same state through the same steps under the
+//! same random controls: the humanoid, standing, and the cart-pole. Going back to the start, which both do, is less than a
+//! thousandth of it.
+//!
+//! What the ratio measures is the guard, the look at the state for numbers that the engine would reset, and the warning counters:
+//! by callgrind 200 instructions beside the engine's 19 000 for a step of the cart-pole, and 425 beside its 570 000 for one of the
+//! humanoid.
+//!
+//! ```text
+//! cargo bench --bench step
+//! ```
+
+mod common;
+
+use criterion::Criterion;
+use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, sample, sys};
+
+/// A simulation, where it begins, and what it does then.
+struct Episode {
+    data: Data,
+    start: Vec<f64>,
+    controls: Vec<Vec<f64>>,
+}
+
+impl Episode {
+    /// From a keyframe, with controls of up to `strength` of their range.
+    fn new(model: Model, key: &str, strength: f64, steps: u32) -> Result<Self> {
+        let mut data = Data::new(model)?;
+        data.reset_to_key(key)?;
+        let start = data.state(StateSpec::INTEGRATION);
+        let mut random = RandomController::new(1);
+        let controls = (0..steps)
+            .map(|_| {
+                random.control(&mut data)?;
+                Ok(data.ctrl().iter().map(|ctrl| strength * ctrl).collect())
+            })
+            .collect::<Result<_>>()?;
+        Ok(Self { data, start, controls })
+    }
+
+    fn run(&mut self, step: impl Fn(&mut Data)) {
+        self.data.set_state(StateSpec::INTEGRATION, &self.start).expect("the start has the right length");
+        for controls in &self.controls {
+            self.data.ctrl_mut().copy_from_slice(controls);
+            step(&mut self.data);
+        }
+    }
+}
+
+fn compare(criterion: &mut Criterion, name: &str, mut episode: Episode) {
+    let steps = episode.controls.len() as u32;
+    let safe = |episode: &mut Episode| episode.run(|data| data.step().expect("a stable simulation"));
+    let raw = |episode: &mut Episode| {
+        episode.run(|data| {
+            // SAFETY: a data and its own model; no engine error can come from a state that the other way stepped from.
+            unsafe { sys::mj_step(data.model().as_ptr(), data.as_mut_ptr()) }
+        });
+    };
+    common::compare(criterion, name, &mut episode, steps, &[("Data::step", &safe), ("mj_step", &raw)]);
+}
+
+fn main() -> Result<()> {
+    let mut criterion = common::criterion();
+    compare(&mut criterion, "step/humanoid", Episode::new(sample::humanoid(), "stand", 0.1, 50)?);
+    compare(&mut criterion, "step/cartpole", Episode::new(sample::cartpole(), "hanging_down", 0.1, 200)?);
+    criterion.final_summary();
+    Ok(())
+}

@@ -1,0 +1,61 @@
+//! Linearisation by central differences: [`Data::transition_fd_into`], and [`Data::transition_fd`], which allocates its result and
+//! computes the sensors' part too, against `mjd_transitionFD`. The humanoid on its left leg, and the cart-pole.
+//!
+//! ```text
+//! cargo bench --bench transition_fd
+//! ```
+
+mod common;
+
+use std::hint::black_box;
+use std::ptr::null_mut;
+
+use common::balance::Balance;
+use criterion::Criterion;
+use mujoco_safe::{Data, Differences, Lqr, Matrix, Result, TransitionOutputs, sys};
+
+struct Linearisation {
+    data: Data,
+    a: Matrix,
+    b: Matrix,
+}
+
+fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
+    let (nx, nu) = (2 * data.model().nv() + data.model().na(), data.model().nu());
+    let mut state = Linearisation { data, a: Matrix::zeros(nx, nx), b: Matrix::zeros(nx, nu) };
+
+    let into = |state: &mut Linearisation| {
+        for _ in 0..calls {
+            let outputs = TransitionOutputs { a: Some(&mut state.a), b: Some(&mut state.b), ..Default::default() };
+            state.data.transition_fd_into(Lqr::EPS, Differences::Central, outputs).expect("a stable state");
+        }
+    };
+    let allocating = |state: &mut Linearisation| {
+        for _ in 0..calls {
+            black_box(state.data.transition_fd(Lqr::EPS, Differences::Central).expect("a stable state"));
+        }
+    };
+    let raw = |state: &mut Linearisation| {
+        let (a, b) = (state.a.as_mut_slice().as_mut_ptr(), state.b.as_mut_slice().as_mut_ptr());
+        let (model, data) = (state.data.model().as_ptr(), state.data.as_mut_ptr());
+        for _ in 0..calls {
+            // SAFETY: a data and its own model, A and B of the shapes that the engine writes, and neither C nor D.
+            unsafe { sys::mjd_transitionFD(model, data, Lqr::EPS, 1, a, b, null_mut(), null_mut()) }
+        }
+    };
+    common::compare(
+        criterion,
+        name,
+        &mut state,
+        calls,
+        &[("transition_fd_into", &into), ("transition_fd", &allocating), ("mjd_transitionFD", &raw)],
+    );
+}
+
+fn main() -> Result<()> {
+    let mut criterion = common::criterion();
+    compare(&mut criterion, "transition_fd/humanoid", Balance::humanoid()?.data, 1);
+    compare(&mut criterion, "transition_fd/cartpole", Balance::cartpole()?.data, 100);
+    criterion.final_summary();
+    Ok(())
+}

@@ -1,0 +1,144 @@
+//! A pole balanced on a cart: linearise, solve for the regulator, simulate.
+//!
+//! ```text
+//! cargo run --release --example cartpole_lqr -- --angle 0.3 --out out
+//! ```
+//!
+//! `--angle RAD` where the pole starts (0.1), `--seconds S` how long (10), `--out DIR` where the plot goes (none is written
+//! without), `--json` to print A, B, K and the outcome as one JSON object.
+
+#[path = "common/mod.rs"]
+mod common;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use common::chart::{self, Line, PALETTE, Panel};
+use common::option;
+use mujoco_safe::nalgebra::{DMatrix, dvector};
+use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Trajectory, sample};
+
+struct Arguments {
+    angle: f64,
+    seconds: f64,
+    out: Option<PathBuf>,
+    json: bool,
+}
+
+fn arguments() -> Result<Arguments, String> {
+    use lexopt::Arg::{Long, Short, Value};
+    let mut arguments = Arguments { angle: 0.1, seconds: 10.0, out: None, json: false };
+    let mut parser = lexopt::Parser::from_env();
+    while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
+        match argument {
+            Long("angle") => arguments.angle = option::number(&mut parser, "--angle")?,
+            Long("seconds") => arguments.seconds = option::number(&mut parser, "--seconds")?,
+            Long("out") => arguments.out = Some(option::text(&mut parser, "--out")?.into()),
+            Long("json") => arguments.json = true,
+            Short('h') | Long("help") => {
+                println!("cartpole_lqr [--angle RAD] [--seconds S] [--out DIR] [--json]");
+                std::process::exit(0);
+            }
+            Short(_) | Long(_) | Value(_) => {
+                return Err(format!("{}; --help lists the options", argument.unexpected()));
+            }
+        }
+    }
+    Ok(arguments)
+}
+
+fn main() -> std::process::ExitCode {
+    common::finish(run())
+}
+
+fn run() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments = arguments()?;
+    let model = Arc::new(sample::cartpole());
+    let mut data = Data::new(model.clone())?;
+
+    // The state is [cart position, pole angle, cart velocity, pole velocity], and the upright pole at rest is its origin. How
+    // does the next state depend on this one, and on the motor?
+    let system = data.transition_fd(1e-6, Differences::Central)?;
+
+    // What a deviation costs, and the gain that makes the sum of all future costs least.
+    let weights =
+        LqrWeights { q: DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]), r: DMatrix::identity(1, 1), s: None };
+    let solution = Lqr::solve(&system, &weights)?;
+    let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
+
+    // From a leaning pole.
+    data.joint_mut("hinge")?.qpos_mut()[0] = arguments.angle;
+    let steps = (arguments.seconds / model.timestep()).round() as usize;
+    let mut trajectory = Trajectory::with_capacity(&model, steps);
+    trajectory.record(&mut data, &mut lqr, steps)?;
+    let upright = data.qpos()[1].abs() < 0.01 && data.qvel()[1].abs() < 0.01;
+
+    if arguments.json {
+        let rows = |matrix: &Matrix| (0..matrix.nrows()).map(|row| matrix.row(row).to_vec()).collect::<Vec<_>>();
+        println!(
+            "{}",
+            serde_json::json!({
+                "A": rows(&system.a),
+                "B": rows(&system.b),
+                "K": rows(lqr.gain()),
+                "residual": solution.relative_residual,
+                "spectral_radius": solution.spectral_radius,
+                "final_state": data.physics_state(),
+                "upright": upright,
+            })
+        );
+    } else {
+        println!("A = {:.6?}\nB = {:.6?}\nK = {:.6?}", system.a, system.b, lqr.gain());
+        println!(
+            "relative residual {:.1e}, spectral radius of A − BK {:.9}",
+            solution.relative_residual, solution.spectral_radius
+        );
+        println!(
+            "from {} rad the pole is {} after {} s: [qpos; qvel] = {:.6?}",
+            arguments.angle,
+            if upright { "upright" } else { "not upright" },
+            arguments.seconds,
+            data.physics_state()
+        );
+    }
+
+    if let Some(out) = &arguments.out {
+        std::fs::create_dir_all(out)?;
+        let path = out.join("cartpole.svg");
+        plot(&path, &trajectory)?;
+        if !arguments.json {
+            println!("wrote {}", path.display());
+        }
+    }
+    if upright { Ok(()) } else { Err("the pole has fallen".into()) }
+}
+
+fn plot(path: &std::path::Path, trajectory: &Trajectory) -> Result<(), Box<dyn std::error::Error>> {
+    let line = |label: &str, color: usize, value: &dyn Fn(usize) -> f64| {
+        Line::new(
+            label,
+            PALETTE[color],
+            (0..trajectory.len()).map(|record| (trajectory.times()[record], value(record))),
+        )
+    };
+    let state = vec![
+        line("cart position (m)", 0, &|record| trajectory.qpos(record)[0]),
+        line("pole angle (rad)", 1, &|record| trajectory.qpos(record)[1]),
+    ];
+    // Outside of its range the control is clamped by the engine.
+    let control = vec![line("", 2, &|record| trajectory.ctrl(record)[0].clamp(-1.0, 1.0))];
+    chart::draw(
+        path,
+        280,
+        &[
+            Panel { title: "Cart-pole under LQR", x: "time (s)", y: "position", lines: state, at_least: None },
+            Panel {
+                title: "Control",
+                x: "time (s)",
+                y: "fraction of the motor's range",
+                lines: control,
+                at_least: None,
+            },
+        ],
+    )
+}

@@ -1,0 +1,162 @@
+//! Line charts as SVG.
+
+use std::error::Error;
+use std::path::Path;
+
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use plotters::style::FontFamily;
+
+/// Where charts are drawn.
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+pub const INK: RGBColor = RGBColor(40, 44, 52);
+const GRID: RGBColor = RGBColor(226, 228, 232);
+
+/// Plotters rounds to whole pixels, which shows in a slow curve; so charts are drawn large, to be scaled down.
+const SCALE: u32 = 3;
+const WIDTH: u32 = 760;
+const LEGEND: u32 = 150;
+
+/// Colours that stay apart for colour-blind eyes (Okabe and Ito, 2008).
+pub const PALETTE: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(120, 120, 120),
+];
+
+/// A line of a chart.
+pub struct Line {
+    /// What the legend calls it; empty for no entry.
+    pub label: String,
+    pub points: Vec<(f64, f64)>,
+    pub color: RGBColor,
+    pub dashed: bool,
+}
+
+impl Line {
+    pub fn new(label: &str, color: RGBColor, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { label: label.to_owned(), points: points.into_iter().collect(), color, dashed: false }
+    }
+}
+
+/// One pair of axes.
+pub struct Panel<'a> {
+    pub title: &'a str,
+    pub x: &'a str,
+    pub y: &'a str,
+    pub lines: Vec<Line>,
+    /// What the vertical axis shows at least.
+    pub at_least: Option<(f64, f64)>,
+}
+
+/// Draws panels one below another, each `height` units high.
+pub fn draw(path: &Path, height: u32, panels: &[Panel<'_>]) -> Result<(), Box<dyn Error>> {
+    canvas(path, height * panels.len() as u32, |root| {
+        for (area, panel) in root.split_evenly((panels.len(), 1)).iter().zip(panels) {
+            draw_panel(area, panel)?;
+        }
+        Ok(())
+    })
+}
+
+/// A white picture of this height, to be drawn on.
+pub fn canvas(
+    path: &Path,
+    height: u32,
+    draw: impl FnOnce(&Area<'_>) -> Result<(), Box<dyn Error>>,
+) -> Result<(), Box<dyn Error>> {
+    let root = SVGBackend::new(path, (scaled(WIDTH), scaled(height))).into_drawing_area();
+    root.fill(&WHITE)?;
+    draw(&root)?;
+    root.present().map_err(|error| format!("{}: {error}", path.display()).into())
+}
+
+/// A text style of this size.
+pub fn font(size: u32) -> TextStyle<'static> {
+    (FontFamily::SansSerif, scaled(size)).into_font().color(&INK)
+}
+
+/// A length in the units of the picture.
+pub fn scaled(length: u32) -> u32 {
+    SCALE * length
+}
+
+fn draw_panel(area: &Area<'_>, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> {
+    let all = || panel.lines.iter().flat_map(|line| &line.points);
+    let (x_low, x_high) = range(all().map(|point| point.0));
+    let (mut low, mut high) = range(all().map(|point| point.1));
+    if let Some((least, most)) = panel.at_least {
+        (low, high) = (low.min(least), high.max(most));
+    }
+    let margin = 0.06 * (high - low);
+    let mut chart: ChartContext<'_, _, Cartesian2d<RangedCoordf64, RangedCoordf64>> = ChartBuilder::on(area)
+        .caption(panel.title, font(16))
+        .margin(scaled(10))
+        .margin_right(scaled(LEGEND))
+        .x_label_area_size(scaled(40))
+        .y_label_area_size(scaled(64))
+        .build_cartesian_2d(x_low..x_high, low - margin..high + margin)?;
+    chart
+        .configure_mesh()
+        .x_desc(panel.x)
+        .y_desc(panel.y)
+        .axis_desc_style(font(14))
+        .label_style(font(13))
+        .axis_style(INK.stroke_width(SCALE))
+        .bold_line_style(GRID.stroke_width(SCALE))
+        .light_line_style(TRANSPARENT)
+        .set_all_tick_mark_size(scaled(4))
+        .x_labels(9)
+        .y_labels(6)
+        .x_label_formatter(&|value| short(*value))
+        .y_label_formatter(&|value| short(*value))
+        .draw()?;
+    for line in &panel.lines {
+        let style = line.color.stroke_width(scaled(2) * 3 / 4);
+        let points = line.points.iter().copied();
+        if line.dashed {
+            chart.draw_series(DashedLineSeries::new(points, scaled(7), scaled(5), style))?;
+        } else {
+            chart.draw_series(LineSeries::new(points, style))?;
+        }
+    }
+    legend(area, &panel.lines)
+}
+
+/// The names of the lines, beside the chart, where they cover nothing.
+fn legend(area: &Area<'_>, lines: &[Line]) -> Result<(), Box<dyn Error>> {
+    let left = area.dim_in_pixel().0 as i32 - scaled(LEGEND - 12) as i32;
+    for (index, line) in lines.iter().filter(|line| !line.label.is_empty()).enumerate() {
+        let middle = scaled(48 + 22 * index as u32) as i32;
+        let style = line.color.stroke_width(scaled(2));
+        area.draw(&PathElement::new([(left, middle), (left + scaled(18) as i32, middle)], style))?;
+        area.draw(&Text::new(line.label.clone(), (left + scaled(24) as i32, middle - scaled(7) as i32), font(13)))?;
+    }
+    Ok(())
+}
+
+/// A number of an axis.
+fn short(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    // The sum of a zero and a negative zero is a zero.
+    (rounded + 0.0).to_string()
+}
+
+/// The range of some numbers, never empty.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let widen = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+    let (low, high) = values.filter(|value| value.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), widen);
+    if low < high {
+        (low, high)
+    } else if low.is_finite() {
+        (low - 1.0, high + 1.0)
+    } else {
+        (0.0, 1.0)
+    }
+}

@@ -1,0 +1,100 @@
+//! The pictures: force against height, and how the robot held itself.
+
+use std::error::Error;
+use std::path::Path;
+
+use mujoco_safe::Model;
+
+use crate::common::chart::{self, Line, PALETTE, Panel};
+use crate::set_point::{SetPoint, Sweep};
+use crate::simulate::Run;
+
+/// The vertical force that inverse dynamics calls for, against the height.
+pub fn force_against_height(
+    path: &Path,
+    sweep: &Sweep,
+    set_point: &SetPoint,
+    weight: f64,
+) -> Result<(), Box<dyn Error>> {
+    let millimetres: Vec<f64> = sweep.heights.iter().map(|height| height * 1e3).collect();
+    let (first, last) = (millimetres[0], millimetres[millimetres.len() - 1]);
+    let lowest = sweep.forces.iter().copied().fold(f64::INFINITY, f64::min);
+    let best = set_point.offset * 1e3;
+    let lines = vec![
+        Line::new("force", PALETTE[0], millimetres.iter().copied().zip(sweep.forces.iter().copied())),
+        dashed("weight", 6, vec![(first, weight), (last, weight)]),
+        dashed(&format!("best: {best:.3} mm"), 1, vec![(best, lowest), (best, weight)]),
+    ];
+    let panel = Panel {
+        title: "Vertical force that the keyframe would need from outside",
+        x: "vertical offset (mm)",
+        y: "force (N)",
+        lines,
+        at_least: None,
+    };
+    chart::draw(path, 340, &[panel])
+}
+
+fn dashed(label: &str, color: usize, points: Vec<(f64, f64)>) -> Line {
+    Line { label: label.to_owned(), points, color: PALETTE[color], dashed: true }
+}
+
+/// Centre of mass, height and controls over time.
+pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result<(), Box<dyn Error>> {
+    const SHOWN: usize = 6;
+    let times = run.trajectory.times();
+    let drift = |axis: usize, label: &str, color: usize| {
+        let start = run.com[0][axis];
+        Line::new(
+            label,
+            PALETTE[color],
+            times.iter().zip(&run.com).map(move |(&time, com)| (time, (com[axis] - start) * 1e3)),
+        )
+    };
+    let height = |run: &Run| -> Vec<(f64, f64)> {
+        run.trajectory.times().iter().zip(&run.com).map(|(&time, com)| (time, com[2])).collect()
+    };
+    // The controls that work hardest, each by its name.
+    let effort =
+        |index: usize| (0..run.trajectory.len()).map(|record| run.trajectory.ctrl(record)[index].powi(2)).sum::<f64>();
+    let mut busiest: Vec<usize> = (0..model.nu()).collect();
+    busiest.sort_by(|&a, &b| effort(b).total_cmp(&effort(a)));
+    let controls = busiest
+        .iter()
+        .take(SHOWN)
+        .enumerate()
+        .map(|(color, &index)| {
+            let name = model.actuators().nth(index).and_then(|actuator| actuator.name()).unwrap_or("?");
+            Line::new(
+                name,
+                PALETTE[color],
+                (0..run.trajectory.len()).map(|record| (times[record], run.trajectory.ctrl(record)[index])),
+            )
+        })
+        .collect();
+
+    let panels = [
+        Panel {
+            title: "Centre of mass, from where it started",
+            x: "time (s)",
+            y: "drift (mm)",
+            lines: vec![drift(0, "forwards (x)", 0), drift(1, "to the left (y)", 1)],
+            at_least: Some((-5.0, 5.0)),
+        },
+        Panel {
+            title: "Height of the centre of mass",
+            x: "time (s)",
+            y: "height (m)",
+            lines: vec![Line::new("LQR", PALETTE[0], height(run)), dashed("constant controls", 1, height(open_loop))],
+            at_least: Some((0.6, 1.0)),
+        },
+        Panel {
+            title: &format!("The {SHOWN} busiest controls"),
+            x: "time (s)",
+            y: "control",
+            lines: controls,
+            at_least: Some((-1.0, 1.0)),
+        },
+    ];
+    chart::draw(path, 280, &panels)
+}

@@ -1,0 +1,48 @@
+//! Models that the engine compiles, and then runs out of its arrays with. A binary model is refused by its own check; these
+//! come from valid XML too.
+
+use mujoco_sys::{mjTRN_BODY, mjWRAP_JOINT};
+
+use super::Model;
+use crate::ffi;
+
+impl Model {
+    /// Whether an actuator sticks to what its body touches (`mjTRN_BODY`). The engine looks up the constraints of each
+    /// contact for it, and trusts that there are some: a contact for which the constraint buffer had no room makes it write
+    /// before the start of an array.
+    #[inline]
+    pub(crate) fn has_adhesion(&self) -> bool {
+        self.adhesive
+    }
+
+    pub(super) fn find_adhesion(&self) -> bool {
+        self.actuator_trntype().contains(&(mjTRN_BODY as i32))
+    }
+
+    /// Why the engine cannot be trusted with this model, if it cannot.
+    pub(super) fn hazard(&self) -> Option<String> {
+        // The engine counts the entries of its matrices with a C int, and would write before its stack. The largest is the
+        // derivative of the bodies' accelerations, of the integrator `Implicit`.
+        let (nv, nbody) = (self.nv(), self.nbody());
+        if i32::try_from(6 * nv * nv.max(nbody)).is_err() || i32::try_from(nbody * nbody).is_err() {
+            return Some(format!("{nbody} bodies and {nv} degrees of freedom are more than the engine can count"));
+        }
+        if self.has_adhesion() && self.njmax() == 0 {
+            // The engine does not even warn then.
+            return Some("an adhesion actuator needs room for constraints, but njmax is 0".to_owned());
+        }
+        self.tendons().find_map(|tendon| {
+            let (start, count) =
+                (ffi::size(self.tendon_adr()[tendon.index()]), ffi::size(self.tendon_num()[tendon.index()]));
+            let is_joint = |&at: &usize| self.wrap_type()[at] == mjWRAP_JOINT as i32;
+            let mut joints: Vec<i32> =
+                (start..start + count).filter(is_joint).map(|at| self.wrap_objid()[at]).collect();
+            joints.sort_unstable();
+            joints.windows(2).find(|pair| pair[0] == pair[1])?;
+            // Its sparse Jacobian has room for one number for each degree of freedom.
+            Some(format!(
+                "the fixed {tendon:?} has the same joint twice; give it once, with the sum of the coefficients"
+            ))
+        })
+    }
+}

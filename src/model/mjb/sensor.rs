@@ -1,0 +1,179 @@
+//! Sensors: what each type measures, on what, when, and how many numbers it writes.
+
+use mujoco_sys::{
+    mjDATATYPE_AXIS, mjDATATYPE_POSITIVE, mjDATATYPE_QUATERNION, mjDATATYPE_REAL, mjJNT_BALL, mjJNT_HINGE, mjJNT_SLIDE,
+    mjOBJ_ACTUATOR, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_JOINT, mjOBJ_SITE, mjOBJ_TENDON, mjOBJ_UNKNOWN,
+    mjOBJ_XBODY, mjSTAGE_ACC, mjSTAGE_POS, mjSTAGE_VEL,
+};
+use mujoco_sys::{
+    mjSENS_ACCELEROMETER, mjSENS_ACTUATORFRC, mjSENS_ACTUATORPOS, mjSENS_ACTUATORVEL, mjSENS_BALLANGVEL,
+    mjSENS_BALLQUAT, mjSENS_CLOCK, mjSENS_FORCE, mjSENS_FRAMEANGACC, mjSENS_FRAMEANGVEL, mjSENS_FRAMELINACC,
+    mjSENS_FRAMELINVEL, mjSENS_FRAMEPOS, mjSENS_FRAMEQUAT, mjSENS_FRAMEXAXIS, mjSENS_FRAMEYAXIS, mjSENS_FRAMEZAXIS,
+    mjSENS_GYRO, mjSENS_JOINTLIMITFRC, mjSENS_JOINTLIMITPOS, mjSENS_JOINTLIMITVEL, mjSENS_JOINTPOS, mjSENS_JOINTVEL,
+    mjSENS_MAGNETOMETER, mjSENS_RANGEFINDER, mjSENS_SUBTREEANGMOM, mjSENS_SUBTREECOM, mjSENS_SUBTREELINVEL,
+    mjSENS_TENDONLIMITFRC, mjSENS_TENDONLIMITPOS, mjSENS_TENDONLIMITVEL, mjSENS_TENDONPOS, mjSENS_TENDONVEL,
+    mjSENS_TORQUE, mjSENS_TOUCH, mjSENS_USER, mjSENS_VELOCIMETER,
+};
+
+use super::custom::objects;
+use super::invalid::Invalid;
+use super::layout::{field, size};
+use super::rule::{all_in, ids, is, is_in, size_is};
+use super::view::View;
+
+/// What a type of sensor is attached to.
+#[derive(Clone, Copy, PartialEq)]
+enum On {
+    Site,
+    /// A slide or hinge joint.
+    Scalar,
+    /// A ball joint.
+    Ball,
+    Joint,
+    Tendon,
+    Actuator,
+    Body,
+    /// A body, geom, site or camera.
+    Frame,
+    /// The same, optionally seen from another one.
+    Relative,
+    Nothing,
+}
+
+/// Numbers, their data type, the stage that computes them, and the object. `None`: a user sensor, which may have any.
+fn rule(kind: u32) -> Option<(i64, u32, u32, On)> {
+    use On::{Actuator, Ball, Body, Frame, Joint, Nothing, Relative, Scalar, Site, Tendon};
+    let (pos, vel, acc) = (mjSTAGE_POS, mjSTAGE_VEL, mjSTAGE_ACC);
+    let (real, positive, axis, quaternion) =
+        (mjDATATYPE_REAL, mjDATATYPE_POSITIVE, mjDATATYPE_AXIS, mjDATATYPE_QUATERNION);
+    Some(match kind {
+        mjSENS_TOUCH => (1, positive, acc, Site),
+        mjSENS_ACCELEROMETER | mjSENS_FORCE | mjSENS_TORQUE => (3, real, acc, Site),
+        mjSENS_VELOCIMETER | mjSENS_GYRO => (3, real, vel, Site),
+        mjSENS_MAGNETOMETER => (3, real, pos, Site),
+        mjSENS_RANGEFINDER => (1, positive, pos, Site),
+        mjSENS_JOINTPOS => (1, real, pos, Scalar),
+        mjSENS_JOINTVEL => (1, real, vel, Scalar),
+        mjSENS_TENDONPOS | mjSENS_TENDONLIMITPOS => (1, real, pos, Tendon),
+        mjSENS_TENDONVEL | mjSENS_TENDONLIMITVEL => (1, real, vel, Tendon),
+        mjSENS_TENDONLIMITFRC => (1, real, acc, Tendon),
+        mjSENS_ACTUATORPOS => (1, real, pos, Actuator),
+        mjSENS_ACTUATORVEL => (1, real, vel, Actuator),
+        mjSENS_ACTUATORFRC => (1, real, acc, Actuator),
+        mjSENS_BALLQUAT => (4, quaternion, pos, Ball),
+        mjSENS_BALLANGVEL => (3, real, vel, Ball),
+        mjSENS_JOINTLIMITPOS => (1, real, pos, Joint),
+        mjSENS_JOINTLIMITVEL => (1, real, vel, Joint),
+        mjSENS_JOINTLIMITFRC => (1, real, acc, Joint),
+        mjSENS_FRAMEPOS => (3, real, pos, Relative),
+        mjSENS_FRAMEQUAT => (4, quaternion, pos, Relative),
+        mjSENS_FRAMEXAXIS | mjSENS_FRAMEYAXIS | mjSENS_FRAMEZAXIS => (3, axis, pos, Relative),
+        mjSENS_FRAMELINVEL | mjSENS_FRAMEANGVEL => (3, real, vel, Relative),
+        mjSENS_FRAMELINACC | mjSENS_FRAMEANGACC => (3, real, acc, Frame),
+        mjSENS_SUBTREECOM => (3, real, pos, Body),
+        mjSENS_SUBTREELINVEL | mjSENS_SUBTREEANGMOM => (3, real, vel, Body),
+        mjSENS_CLOCK => (1, real, pos, Nothing),
+        _ => return None,
+    })
+}
+
+pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
+    all_in(view, field::sensor_type, 0..=mjSENS_USER.into())?;
+    all_in(view, field::sensor_datatype, 0..=mjDATATYPE_QUATERNION.into())?;
+    let mut next = 0;
+    for (i, kind) in view.values(field::sensor_type).enumerate() {
+        match rule(kind as u32) {
+            Some((dim, datatype, stage, on)) => {
+                let why = format!("as for every sensor of type {kind}");
+                is(view, field::sensor_dim, i, dim, &why)?;
+                is(view, field::sensor_datatype, i, datatype.into(), &why)?;
+                is(view, field::sensor_needstage, i, stage.into(), &why)?;
+                object(view, i, on)?;
+            }
+            None => user(view, i)?,
+        }
+        is(view, field::sensor_adr, i, next, "where the one before it ends")?;
+        next += i64::from(view.get(field::sensor_dim, i));
+    }
+    size_is(view, size::nsensordata, next as u64, "the sum of sensor_dim")
+}
+
+/// A user sensor's numbers come from a callback. But the engine treats them by their data type, whatever their number.
+fn user(view: &View<'_>, i: usize) -> Result<(), Invalid> {
+    is_in(view, field::sensor_needstage, i, mjSTAGE_POS.into()..=mjSTAGE_ACC.into())?;
+    match view.get(field::sensor_datatype, i) as u32 {
+        mjDATATYPE_AXIS => is(view, field::sensor_dim, i, 3, "since it is an axis")?,
+        mjDATATYPE_QUATERNION => is(view, field::sensor_dim, i, 4, "since it is a quaternion")?,
+        _ => is_in(view, field::sensor_dim, i, 0..=view.size(size::nsensordata) as i64)?,
+    }
+    let kind = view.get(field::sensor_objtype, i);
+    let Some(count) = objects(view, kind) else {
+        return Err(Invalid::element(field::sensor_objtype.name(), i, kind, "there is no such type of object"));
+    };
+    is_in(view, field::sensor_objid, i, ids(count))?;
+    no_reference(view, i)
+}
+
+/// The measured object, and the one that it is seen from.
+fn object(view: &View<'_>, i: usize, on: On) -> Result<(), Invalid> {
+    let wanted = match on {
+        On::Site => mjOBJ_SITE,
+        On::Scalar | On::Ball | On::Joint => mjOBJ_JOINT,
+        On::Tendon => mjOBJ_TENDON,
+        On::Actuator => mjOBJ_ACTUATOR,
+        On::Body => mjOBJ_BODY,
+        On::Nothing => mjOBJ_UNKNOWN,
+        On::Frame | On::Relative => view.get(field::sensor_objtype, i) as u32,
+    };
+    let why = "the type of object that its type of sensor measures";
+    is(view, field::sensor_objtype, i, wanted.into(), why)?;
+    if on == On::Nothing {
+        is(view, field::sensor_objid, i, -1, "since it measures no object")?;
+        return no_reference(view, i);
+    }
+    let framed = matches!(on, On::Frame | On::Relative);
+    if framed && !is_frame(wanted) {
+        return Err(not_a_frame(field::sensor_objtype.name(), i, wanted));
+    }
+    is_in(view, field::sensor_objid, i, ids(objects(view, wanted as i32).unwrap_or(0)))?;
+    if matches!(on, On::Scalar | On::Ball) {
+        joint(view, i, on)?;
+    }
+    if on != On::Relative || view.get(field::sensor_reftype, i) as u32 == mjOBJ_UNKNOWN {
+        return no_reference(view, i);
+    }
+    let reference = view.get(field::sensor_reftype, i);
+    if !is_frame(reference as u32) {
+        return Err(not_a_frame(field::sensor_reftype.name(), i, reference as u32));
+    }
+    is_in(view, field::sensor_refid, i, ids(objects(view, reference).unwrap_or(0)))
+}
+
+fn no_reference(view: &View<'_>, i: usize) -> Result<(), Invalid> {
+    let why = "since it is not seen from another object";
+    is(view, field::sensor_reftype, i, mjOBJ_UNKNOWN.into(), why)?;
+    is(view, field::sensor_refid, i, -1, why)
+}
+
+/// The joint has as many positions as the sensor reads.
+fn joint(view: &View<'_>, i: usize, on: On) -> Result<(), Invalid> {
+    let id = view.get(field::sensor_objid, i) as usize;
+    let fits = match view.get(field::jnt_type, id) as u32 {
+        mjJNT_SLIDE | mjJNT_HINGE => on == On::Scalar,
+        mjJNT_BALL => on == On::Ball,
+        _ => false,
+    };
+    if fits {
+        return Ok(());
+    }
+    let wanted = if on == On::Ball { "it must be a ball joint" } else { "it must be a slide or hinge joint" };
+    Err(Invalid::element(field::sensor_objid.name(), i, id, wanted))
+}
+
+fn is_frame(kind: u32) -> bool {
+    [mjOBJ_BODY, mjOBJ_XBODY, mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_CAMERA].contains(&kind)
+}
+
+fn not_a_frame(name: &str, i: usize, kind: u32) -> Invalid {
+    Invalid::element(name, i, kind as i32, "it must be the type of a body, geom, site or camera")
+}

@@ -1,0 +1,144 @@
+//! A file's bytes seen as a model: header, sizes, the three option structs, and every array at its place.
+//!
+//! Nothing is copied and nothing is trusted: a [`View`] exists only if the file is exactly as long as its own sizes say, so
+//! that every array of every view lies inside the bytes.
+
+use mujoco_sys::{mjOption, mjStatistic, mjVisual};
+
+use super::invalid::Invalid;
+use super::layout::{Array, Element, Extent, Field, MODEL_ARRAYS, SIZES, Size};
+
+/// What the engine writes at the start: a magic number, and what it was compiled with (bytes in an `mjtNum`, the numbers of
+/// size fields and of arrays in `mjModel`).
+const HEADER: [(&str, i32); 4] = [
+    ("magic number", 54321),
+    ("size of mjtNum", 8),
+    ("number of sizes", SIZES as i32),
+    ("number of arrays", MODEL_ARRAYS.len() as i32),
+];
+
+const INT: usize = size_of::<i32>();
+pub(super) const SIZES_AT: usize = HEADER.len() * INT;
+pub(super) const OPTION_AT: usize = SIZES_AT + SIZES * INT;
+pub(super) const VISUAL_AT: usize = OPTION_AT + size_of::<mjOption>();
+const ARRAYS_AT: usize = VISUAL_AT + size_of::<mjVisual>() + size_of::<mjStatistic>();
+
+pub(super) struct View<'a> {
+    bytes: &'a [u8],
+    sizes: [usize; SIZES],
+    starts: Vec<usize>,
+}
+
+impl<'a> View<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Invalid> {
+        let sizes = read_sizes(bytes)?;
+        let (starts, end) = places(&sizes);
+        if end != bytes.len() as u128 {
+            let length = bytes.len();
+            return Err(Invalid::file(format!("the file has {length} bytes; its sizes call for {end}")));
+        }
+        Ok(Self { bytes, sizes, starts })
+    }
+
+    pub(super) fn size(&self, size: Size) -> usize {
+        self.sizes[size.0]
+    }
+
+    pub(super) fn sizes(&self) -> &[usize; SIZES] {
+        &self.sizes
+    }
+
+    /// The number of elements in an array.
+    pub(super) fn len<T>(&self, field: Field<T>) -> usize {
+        extent(field.array().rows, &self.sizes) as usize * extent(field.array().columns, &self.sizes) as usize
+    }
+
+    /// An element. Panics if there is none.
+    pub(super) fn get<T: Element>(&self, field: Field<T>, index: usize) -> T {
+        debug_assert!(index < self.len(field), "Bug: {}[{index}] does not exist", field.name());
+        read(self.bytes, self.starts[field.index] + index * T::BYTES)
+    }
+
+    pub(super) fn values<T: Element>(&self, field: Field<T>) -> impl DoubleEndedIterator<Item = T> + ExactSizeIterator {
+        (0..self.len(field)).map(move |i| self.get(field, i))
+    }
+
+    /// An array of bytes as it is.
+    pub(super) fn slice(&self, field: Field<u8>) -> &'a [u8] {
+        let start = self.starts[field.index];
+        &self.bytes[start..start + self.len(field)]
+    }
+
+    /// Where an element is in the file.
+    #[cfg(test)]
+    pub(super) fn position<T: Element>(&self, field: Field<T>, index: usize) -> usize {
+        self.starts[field.index] + index * T::BYTES
+    }
+
+    /// The number at `offset` in the file's `mjOption`.
+    pub(super) fn option<T: Element>(&self, offset: usize) -> T {
+        read(self.bytes, OPTION_AT + offset)
+    }
+
+    /// The number at `offset` in the file's `mjVisual`.
+    pub(super) fn visual<T: Element>(&self, offset: usize) -> T {
+        read(self.bytes, VISUAL_AT + offset)
+    }
+}
+
+/// How many bytes the model at the start of `bytes` has, by its own sizes.
+pub(crate) fn length(bytes: &[u8]) -> Result<usize, Invalid> {
+    let (_, end) = places(&read_sizes(bytes)?);
+    usize::try_from(end).map_err(|_| Invalid::file(format!("its sizes call for {end} bytes")))
+}
+
+/// The sizes, if the header is that of this engine's models.
+fn read_sizes(bytes: &[u8]) -> Result<[usize; SIZES], Invalid> {
+    if bytes.len() < ARRAYS_AT {
+        let length = bytes.len();
+        return Err(Invalid::file(format!(
+            "the file has {length} bytes; a model without a single array has {ARRAYS_AT}"
+        )));
+    }
+    for (i, (name, wanted)) in HEADER.into_iter().enumerate() {
+        let value = read::<i32>(bytes, i * INT);
+        if value != wanted {
+            return Err(Invalid::scalar(
+                &format!("the header's {name}"),
+                value,
+                format!("MuJoCo 2.2.2 writes {wanted}"),
+            ));
+        }
+    }
+    let mut sizes = [0; SIZES];
+    for (i, size) in sizes.iter_mut().enumerate() {
+        let value = read::<i32>(bytes, SIZES_AT + i * INT);
+        *size = usize::try_from(value).map_err(|_| Invalid::scalar(Size(i).name(), value, "a size is not negative"))?;
+    }
+    Ok(sizes)
+}
+
+/// Where each array starts, and where the last one ends.
+fn places(sizes: &[usize; SIZES]) -> (Vec<usize>, u128) {
+    let mut starts = Vec::with_capacity(MODEL_ARRAYS.len());
+    let mut end = ARRAYS_AT as u128;
+    for array in MODEL_ARRAYS {
+        // Where this is cut off, the length of the file differs too, which is an error.
+        starts.push(end as usize);
+        end += array_bytes(array, sizes);
+    }
+    (starts, end)
+}
+
+fn read<T: Element>(bytes: &[u8], at: usize) -> T {
+    T::read(&bytes[at..at + T::BYTES])
+}
+
+pub(super) fn extent(extent: Extent, sizes: &[usize; SIZES]) -> u128 {
+    extent.times as u128 * extent.size.map_or(1, |size| sizes[size.0] as u128)
+}
+
+/// The bytes of an array. Sizes have 31 bits, so nothing here comes near the 128 of the result.
+pub(super) fn array_bytes(array: &Array, sizes: &[usize; SIZES]) -> u128 {
+    extent(array.rows, sizes) * extent(array.columns, sizes) * array.element as u128
+}

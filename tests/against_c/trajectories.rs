@@ -1,0 +1,154 @@
+//! Steps, and what starts them.
+
+use std::sync::Arc;
+
+use mujoco_safe::{Cone, Integrator, Model, Solver, Warning, sample, sys};
+
+use crate::twins::{Subject, Twins, c, subjects, usual_subjects};
+
+/// As many steps as take a few seconds at most.
+fn steps(subject: &Subject) -> usize {
+    match subject.model.nv() {
+        0..=60 => 1000,
+        61..=400 => 300,
+        401..=1000 => 50,
+        _ => 20,
+    }
+}
+
+#[test]
+fn a_trajectory_under_random_controls_is_the_engines() {
+    for subject in subjects() {
+        let mut twins = Twins::new(subject);
+        twins.shake();
+        let steps = steps(subject);
+        for step in 1..=steps {
+            twins.control();
+            twins.step();
+            twins.assert_same_state(&format!("after step {step}"));
+        }
+        twins.assert_same_dynamics("at the end");
+        println!("{}: {steps} steps, {} contacts at the end", twins.name, twins.ours.ncon());
+    }
+}
+
+#[test]
+fn a_trajectory_is_the_engines_with_every_integrator_solver_and_cone() {
+    for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
+        for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
+            for cone in [Cone::Pyramidal, Cone::Elliptic] {
+                let mut model = sample::humanoid();
+                let changed = model.edit().options(|options| {
+                    (options.integrator, options.solver, options.cone) = (integrator, solver, cone);
+                });
+                changed.expect("these are options");
+                let name = format!("humanoid with {integrator:?}, {solver:?}, {cone:?}");
+                let mut twins = Twins::new(&Subject { name, model: Arc::new(model) });
+                let mut contacts = 0;
+                for step in 1..=200 {
+                    twins.control();
+                    twins.step();
+                    twins.assert_same_state(&format!("after step {step}"));
+                    contacts += twins.ours.ncon();
+                }
+                assert!(contacts > 0, "{} has come to the ground", twins.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_halves_of_a_step_are_the_engines() {
+    for subject in usual_subjects() {
+        let mut twins = Twins::new(subject);
+        twins.shake();
+        for step in 1..=steps(subject) / 10 {
+            twins.ours.step1().expect("the first half");
+            c!(mj_step1(twins.raw.m(), twins.raw.d));
+            twins.assert_same_state(&format!("in the middle of step {step}"));
+            twins.control();
+            twins.ours.step2().expect("the second half");
+            c!(mj_step2(twins.raw.m(), twins.raw.d));
+            twins.assert_same_state(&format!("after step {step}"));
+        }
+        twins.assert_same_dynamics("at the end");
+    }
+}
+
+#[test]
+fn forward_dynamics_are_the_engines() {
+    for subject in usual_subjects() {
+        let mut twins = Twins::in_motion(subject);
+        twins.assert_same_dynamics("in motion");
+        twins.control();
+        twins.shake();
+        twins.forward();
+        twins.assert_same_state("shaken");
+        twins.assert_same_dynamics("shaken");
+    }
+}
+
+#[test]
+fn inverse_dynamics_are_the_engines() {
+    for subject in usual_subjects() {
+        let mut twins = Twins::in_motion(subject);
+        let nv = twins.model.nv();
+        let accelerations = twins.numbers(nv);
+        twins.ours.qacc_mut().copy_from_slice(&accelerations);
+        twins.raw.write(|d| d.qacc, &accelerations);
+        twins.ours.inverse().expect("inverse dynamics");
+        c!(mj_inverse(twins.raw.m(), twins.raw.d));
+        let theirs = twins.raw.values(|d| d.qfrc_inverse, nv);
+        crate::twins::assert_same(&twins.name, twins.ours.qfrc_inverse(), &theirs);
+        twins.assert_same_dynamics("after inverse");
+    }
+}
+
+#[test]
+fn a_reset_is_the_engines() {
+    for subject in usual_subjects() {
+        let mut twins = Twins::in_motion(subject);
+        twins.ours.reset().expect("a reset");
+        c!(mj_resetData(twins.raw.m(), twins.raw.d));
+        twins.assert_same_state("after reset");
+        for key in 0..twins.model.nkey() {
+            twins.shake();
+            twins.control();
+            twins.step();
+            twins.ours.reset_to_key(key).expect("there is such a keyframe");
+            c!(mj_resetDataKeyframe(twins.raw.m(), twins.raw.d, key as i32));
+            let when = format!("after reset to keyframe {key}");
+            twins.assert_same_state(&when);
+            let nmocap = twins.model.nmocap();
+            let (pos, quat) =
+                (twins.raw.values(|d| d.mocap_pos, 3 * nmocap), twins.raw.values(|d| d.mocap_quat, 4 * nmocap));
+            crate::twins::assert_same(&when, twins.ours.mocap_pos().as_flattened(), &pos);
+            crate::twins::assert_same(&when, twins.ours.mocap_quat().as_flattened(), &quat);
+            twins.forward();
+            twins.assert_same_dynamics(&when);
+        }
+    }
+}
+
+#[test]
+fn warnings_are_counted_as_the_engine_counts_them() {
+    // One run for each of the two limits.
+    for (size, warning, number) in [
+        (r#"<size nconmax="2" njmax="500"/>"#, Warning::ContactFull, sys::mjWARN_CONTACTFULL),
+        (r#"<size nconmax="100" njmax="5"/>"#, Warning::ConstraintFull, sys::mjWARN_CNSTRFULL),
+    ] {
+        let xml = sample::HUMANOID_XML.replacen("<option ", &format!("{size}<option "), 1);
+        let model = Arc::new(Model::from_xml_str(&xml).expect("a humanoid with little room"));
+        let mut twins = Twins::new(&Subject { name: format!("humanoid with {size}"), model });
+        for step in 1..=300 {
+            twins.control();
+            twins.step();
+            let counted = twins.ours.warning(warning);
+            let stat = twins.raw.data().warning[number as usize];
+            assert_eq!(counted.number, stat.number as usize, "{}, step {step}", twins.name);
+            assert_eq!(counted.last_info, stat.lastinfo, "{}, step {step}", twins.name);
+            twins.assert_same_state(&format!("after step {step}"));
+        }
+        assert!(twins.ours.warning(warning).number > 10, "{}: {warning} is raised", twins.name);
+    }
+}

@@ -1,0 +1,237 @@
+//! A simulation of the library's and one of C's, which go through the same.
+
+use std::sync::{Arc, OnceLock};
+
+use mujoco_safe::sys::{self, mjData, mjModel};
+use mujoco_safe::{Controller, Data, Model, RandomController, sample};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// A call in C.
+macro_rules! c {
+    ($function:ident($($argument:expr),* $(,)?)) => {
+        // SAFETY: every test calls with the model and data of one pair of twins, and with arrays of the engine's own sizes.
+        unsafe { mujoco_safe::sys::$function($($argument),*) }
+    };
+}
+pub(crate) use c;
+
+/// A model to compare on.
+pub(crate) struct Subject {
+    pub(crate) name: String,
+    pub(crate) model: Arc<Model>,
+}
+
+const ZOO_XML: &str = include_str!("../models/zoo.xml");
+
+/// The models of this file's first paragraph, loaded once.
+pub(crate) fn subjects() -> &'static [Subject] {
+    static SUBJECTS: OnceLock<Vec<Subject>> = OnceLock::new();
+    SUBJECTS.get_or_init(|| {
+        let zoo = Model::from_xml_str(ZOO_XML).expect("the zoo loads");
+        let mut subjects: Vec<_> = [("cartpole", sample::cartpole()), ("humanoid", sample::humanoid()), ("zoo", zoo)]
+            .map(|(name, model)| Subject { name: name.to_owned(), model: Arc::new(model) })
+            .into();
+        let installed = sample::system_models();
+        if installed.is_empty() {
+            println!("skipped the engine's models: none under {} (package libmujoco-samples)", sample::SYSTEM_MODELS);
+        }
+        for path in installed {
+            let name = path.strip_prefix(sample::SYSTEM_MODELS).unwrap_or(&path).display().to_string();
+            match Model::from_xml_path(&path) {
+                Ok(model) => subjects.push(Subject { name, model: Arc::new(model) }),
+                Err(error) => println!("skipped {name}, which does not load by itself: {error}"),
+            }
+        }
+        subjects
+    })
+}
+
+/// All but the largest, whose simulations take hundreds of megabytes each.
+pub(crate) fn usual_subjects() -> impl Iterator<Item = &'static Subject> {
+    subjects().iter().filter(|subject| subject.model.nv() <= 1000)
+}
+
+/// Those small enough for what takes time with the square of the size.
+pub(crate) fn small_subjects() -> impl Iterator<Item = &'static Subject> {
+    subjects().iter().filter(|subject| subject.model.nv() <= 50)
+}
+
+/// `length` values from `start` on, in the engine's memory.
+///
+/// # Safety
+///
+/// The engine's array has that many.
+pub(crate) unsafe fn read<T: Copy>(array: *const T, start: usize, length: usize) -> Vec<T> {
+    // SAFETY: the caller's promise.
+    (start..start + length).map(|index| unsafe { *array.add(index) }).collect()
+}
+
+/// Bits, so that −0 is not 0 and a number that is none equals itself.
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// The library's values are the engine's.
+#[track_caller]
+pub(crate) fn assert_same(what: &str, ours: &[f64], theirs: &[f64]) {
+    assert!(bits(ours) == bits(theirs), "{what}: the library has {ours:?}, the engine {theirs:?}");
+}
+
+/// A simulation made and used by C alone.
+pub(crate) struct Raw {
+    pub(crate) d: *mut mjData,
+    model: Arc<Model>,
+}
+
+impl Raw {
+    pub(crate) fn new(model: &Arc<Model>) -> Self {
+        let d = c!(mj_makeData(model.as_ptr()));
+        assert!(!d.is_null(), "the engine has no memory");
+        Self { d, model: model.clone() }
+    }
+
+    pub(crate) fn m(&self) -> *const mjModel {
+        self.model.as_ptr()
+    }
+
+    pub(crate) fn data(&self) -> &mjData {
+        // SAFETY: made in `new`, deleted in `drop`, and no call in C goes on while the reference is in use.
+        unsafe { &*self.d }
+    }
+
+    pub(crate) fn values(&self, array: impl Fn(&mjData) -> *const f64, length: usize) -> Vec<f64> {
+        // SAFETY: the tests give each array with its own size.
+        unsafe { read(array(self.data()), 0, length) }
+    }
+
+    pub(crate) fn write(&mut self, array: impl Fn(&mjData) -> *mut f64, values: &[f64]) {
+        let array = array(self.data());
+        for (index, value) in values.iter().enumerate() {
+            // SAFETY: as above.
+            unsafe { *array.add(index) = *value };
+        }
+    }
+}
+
+impl Drop for Raw {
+    fn drop(&mut self) {
+        c!(mj_deleteData(self.d));
+    }
+}
+
+/// The two simulations, and the random numbers that both get.
+pub(crate) struct Twins {
+    pub(crate) name: String,
+    pub(crate) model: Arc<Model>,
+    pub(crate) ours: Data,
+    pub(crate) raw: Raw,
+    controller: RandomController,
+    random: Xoshiro256PlusPlus,
+}
+
+impl Twins {
+    /// At rest in the reference position.
+    pub(crate) fn new(subject: &Subject) -> Self {
+        let model = subject.model.clone();
+        Self {
+            name: subject.name.clone(),
+            ours: Data::new(model.clone()).expect("there is memory"),
+            raw: Raw::new(&model),
+            controller: RandomController::new(1),
+            random: Xoshiro256PlusPlus::seed_from_u64(2),
+            model,
+        }
+    }
+
+    /// In motion: from random velocities, after some steps under random controls and forces, with all quantities computed.
+    pub(crate) fn in_motion(subject: &Subject) -> Self {
+        let mut twins = Self::new(subject);
+        twins.shake();
+        // The largest model takes 5 ms for a step.
+        let steps = if twins.model.nv() > 1000 { 5 } else { 60 };
+        for _ in 0..steps {
+            twins.control();
+            twins.step();
+        }
+        twins.forward();
+        twins
+    }
+
+    /// Numbers between -1 and 1.
+    pub(crate) fn numbers(&mut self, length: usize) -> Vec<f64> {
+        (0..length).map(|_| self.random.random::<f64>() * 2.0 - 1.0).collect()
+    }
+
+    /// Gives both random velocities and forces.
+    pub(crate) fn shake(&mut self) {
+        let nv = self.model.nv();
+        let velocities: Vec<f64> = self.numbers(nv).iter().map(|number| 0.2 * number).collect();
+        let forces: Vec<f64> = self.numbers(nv).iter().map(|number| 0.05 * number).collect();
+        self.ours.qvel_mut().copy_from_slice(&velocities);
+        self.ours.qfrc_applied_mut().copy_from_slice(&forces);
+        self.raw.write(|d| d.qvel, &velocities);
+        self.raw.write(|d| d.qfrc_applied, &forces);
+    }
+
+    /// Gives both random controls.
+    pub(crate) fn control(&mut self) {
+        self.controller.control(&mut self.ours).expect("controls can be set");
+        self.raw.write(|d| d.ctrl, self.ours.ctrl());
+    }
+
+    pub(crate) fn step(&mut self) {
+        self.ours.step().unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        c!(mj_step(self.raw.m(), self.raw.d));
+    }
+
+    pub(crate) fn forward(&mut self) {
+        self.ours.forward().unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        c!(mj_forward(self.raw.m(), self.raw.d));
+    }
+
+    /// Both have the same time, state, inputs and warnings.
+    #[track_caller]
+    pub(crate) fn assert_same_state(&self, when: &str) {
+        let (model, ours, raw) = (&self.model, &self.ours, &self.raw);
+        let (nq, nv, nu, na) = (model.nq(), model.nv(), model.nu(), model.na());
+        let name = &self.name;
+        assert_same(&format!("{name}, {when}: time"), &[ours.time()], &[raw.data().time]);
+        assert_same(&format!("{name}, {when}: qpos"), ours.qpos(), &raw.values(|d| d.qpos, nq));
+        assert_same(&format!("{name}, {when}: qvel"), ours.qvel(), &raw.values(|d| d.qvel, nv));
+        assert_same(&format!("{name}, {when}: act"), ours.act(), &raw.values(|d| d.act, na));
+        assert_same(&format!("{name}, {when}: ctrl"), ours.ctrl(), &raw.values(|d| d.ctrl, nu));
+        let warmstart = raw.values(|d| d.qacc_warmstart, nv);
+        assert_same(&format!("{name}, {when}: qacc_warmstart"), ours.qacc_warmstart(), &warmstart);
+        for index in 0..sys::mjNWARNING as usize {
+            // SAFETY: the library's data is valid, and nothing writes to it meanwhile.
+            let (ours, raw) = (unsafe { (*ours.as_ptr()).warning[index] }, raw.data().warning[index]);
+            assert_eq!((ours.number, ours.lastinfo), (raw.number, raw.lastinfo), "{name}, {when}: warning {index}");
+        }
+    }
+
+    /// Both have computed the same, as far as the outcome of forward dynamics goes.
+    #[track_caller]
+    pub(crate) fn assert_same_dynamics(&self, when: &str) {
+        let (model, ours, raw) = (&self.model, &self.ours, &self.raw);
+        let (nv, nu) = (model.nv(), model.nu());
+        let same = |what: &str, ours: &[f64], theirs: &[f64]| {
+            assert_same(&format!("{}, {when}: {what}", self.name), ours, theirs);
+        };
+        same("qacc", ours.qacc(), &raw.values(|d| d.qacc, nv));
+        same("qfrc_bias", ours.qfrc_bias(), &raw.values(|d| d.qfrc_bias, nv));
+        same("qfrc_passive", ours.qfrc_passive(), &raw.values(|d| d.qfrc_passive, nv));
+        same("qfrc_actuator", ours.qfrc_actuator(), &raw.values(|d| d.qfrc_actuator, nv));
+        same("qfrc_constraint", ours.qfrc_constraint(), &raw.values(|d| d.qfrc_constraint, nv));
+        same("actuator_force", ours.actuator_force(), &raw.values(|d| d.actuator_force, nu));
+        same("act_dot", ours.act_dot(), &raw.values(|d| d.act_dot, model.na()));
+        same("xpos", ours.xpos().as_flattened(), &raw.values(|d| d.xpos, 3 * model.nbody()));
+        same("xmat", ours.xmat().as_flattened(), &raw.values(|d| d.xmat, 9 * model.nbody()));
+        same("subtree_com", ours.subtree_com().as_flattened(), &raw.values(|d| d.subtree_com, 3 * model.nbody()));
+        same("sensordata", ours.sensordata(), &raw.values(|d| d.sensordata, model.nsensordata()));
+        same("qM", ours.qM(), &raw.values(|d| d.qM, model.nM()));
+        assert_eq!(ours.nefc(), raw.data().nefc as usize, "{}, {when}: nefc", self.name);
+        same("efc_force", ours.efc_force(), &raw.values(|d| d.efc_force, ours.nefc()));
+        same("efc_pos", ours.efc_pos(), &raw.values(|d| d.efc_pos, ours.nefc()));
+    }
+}

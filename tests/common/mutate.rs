@@ -1,0 +1,214 @@
+//! Damaged binary models, the same ones in every run: a mutant is made from a valid file, a kind of damage and a seed.
+//!
+//! Where things are in the file comes straight from the table of fields in `mujoco-sys`, not from the crate's own reader, so
+//! that a mistake in one is not repeated in the other.
+
+#![allow(unreachable_pub, dead_code, reason = "included by several tests, each of which uses some of it")]
+
+/// What is done to the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Damage {
+    /// One to four bits or bytes anywhere.
+    Anywhere,
+    /// The same, but not in the textures, which are most of a typical file.
+    OutsideTextures,
+    /// One to three of the header's integers and the model's sizes.
+    Sizes,
+    /// One to four bits or integers of the options, the visual settings and the statistics.
+    Options,
+    /// One to four elements of one or more integer arrays.
+    Integers,
+    /// One to four elements of arrays of bytes other than textures: flags, names, texts.
+    Bytes,
+    /// One to four real numbers become special ones.
+    Reals,
+    /// The end is missing.
+    Truncation,
+    /// There is something after the end, or inserted.
+    Extension,
+}
+
+pub const DAMAGES: [Damage; 9] = [
+    Damage::Anywhere,
+    Damage::OutsideTextures,
+    Damage::Sizes,
+    Damage::Options,
+    Damage::Integers,
+    Damage::Bytes,
+    Damage::Reals,
+    Damage::Truncation,
+    Damage::Extension,
+];
+
+/// Where a file's parts are.
+pub struct Map {
+    integers: Vec<(usize, usize)>,
+    bytes: Vec<(usize, usize)>,
+    reals: Vec<(usize, usize, usize)>,
+    textures: (usize, usize),
+}
+
+const FIELDS: &str = include_str!("../../mujoco-sys/fields/v2_2_2.tsv");
+const HEADER: usize = 4 * (4 + 58);
+/// `mjOption`, `mjVisual`, `mjStatistic`.
+const STRUCTS: usize = 240 + 560 + 56;
+
+impl Map {
+    /// Of a file that is known to be valid.
+    pub fn new(file: &[u8]) -> Self {
+        let rows: Vec<Vec<&str>> = FIELDS.lines().skip(1).map(|line| line.split('\t').collect()).collect();
+        let names: Vec<&str> = rows.iter().filter(|row| row[..2] == ["Model", "size"]).map(|row| row[3]).collect();
+        let size = |name: &str| {
+            names
+                .iter()
+                .position(|&known| known == name)
+                .map_or_else(|| name.parse().unwrap(), |i| integer(file, 16 + 4 * i))
+        };
+        let extent = |text: &str| text.split('*').map(size).product::<usize>();
+        let mut map = Self { integers: vec![], bytes: vec![], reals: vec![], textures: (0, 0) };
+        let mut at = HEADER + STRUCTS;
+        for row in rows.iter().filter(|row| row[..2] == ["Model", "array"]) {
+            let count = extent(row[4]) * extent(row[5]);
+            let width = match row[2] {
+                "mjtNum" => 8,
+                "mjtByte" | "char" => 1,
+                _ => 4,
+            };
+            if row[3] == "tex_rgb" {
+                map.textures = (at, count);
+            } else if count > 0 {
+                match row[2] {
+                    "int" => map.integers.push((at, count)),
+                    "mjtByte" | "char" => map.bytes.push((at, count)),
+                    _ => map.reals.push((at, count, width)),
+                }
+            }
+            at += count * width;
+        }
+        assert_eq!(at, file.len(), "the table of fields does not describe the file");
+        map
+    }
+
+    /// The file with some damage.
+    pub fn mutant(&self, file: &[u8], damage: Damage, seed: u64) -> Vec<u8> {
+        let mut random =
+            Random(seed.wrapping_mul(2).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ damage as u64);
+        let mut file = file.to_vec();
+        let times = 1 + random.below(4);
+        match damage {
+            Damage::Anywhere => (0..times).for_each(|_| flip(&mut file, 0, usize::MAX, &mut random)),
+            Damage::OutsideTextures => {
+                for _ in 0..times {
+                    let (start, length) = self.textures;
+                    let at = random.below(file.len() - length);
+                    let at = if at < start { at } else { at + length };
+                    flip(&mut file, at, 1, &mut random);
+                }
+            }
+            Damage::Sizes => (0..times.min(3)).for_each(|_| {
+                let at = 4 * random.below(HEADER / 4);
+                disturb(&mut file, at, &mut random);
+            }),
+            Damage::Options => (0..times).for_each(|_| {
+                if random.below(2) == 0 {
+                    flip(&mut file, HEADER, STRUCTS, &mut random);
+                } else {
+                    let at = HEADER + 4 * random.below(STRUCTS / 4);
+                    disturb(&mut file, at, &mut random);
+                }
+            }),
+            Damage::Integers => (0..times).for_each(|_| {
+                let (start, count) = self.integers[random.below(self.integers.len())];
+                let at = start + 4 * random.below(count);
+                disturb(&mut file, at, &mut random);
+            }),
+            Damage::Bytes => (0..times).for_each(|_| {
+                let (start, count) = self.bytes[random.below(self.bytes.len())];
+                let values = [0, 1, 2, 3, 255, random.below(256) as u8];
+                file[start + random.below(count)] = values[random.below(values.len())];
+            }),
+            Damage::Reals => (0..times).for_each(|_| {
+                let (start, count, width) = self.reals[random.below(self.reals.len())];
+                let at = start + width * random.below(count);
+                let values = [
+                    f64::NAN,
+                    f64::INFINITY,
+                    f64::NEG_INFINITY,
+                    0.0,
+                    -1.0,
+                    1e300,
+                    -1e30,
+                    1e-300,
+                    1e6,
+                    0.5,
+                    2_147_483_648.0,
+                ];
+                let value = values[random.below(values.len())];
+                if width == 8 {
+                    file[at..at + 8].copy_from_slice(&value.to_ne_bytes());
+                } else {
+                    file[at..at + 4].copy_from_slice(&(value as f32).to_ne_bytes());
+                }
+            }),
+            Damage::Truncation => {
+                let removed = if random.below(2) == 0 { 1 + random.below(16) } else { 1 + random.below(file.len()) };
+                file.truncate(file.len() - removed.min(file.len()));
+            }
+            Damage::Extension => {
+                let added = vec![random.below(256) as u8; 1 + random.below(64)];
+                let at = if random.below(2) == 0 { file.len() } else { random.below(file.len()) };
+                file.splice(at..at, added);
+            }
+        }
+        file
+    }
+}
+
+/// Flips a bit or replaces a byte, somewhere in the given range.
+fn flip(file: &mut [u8], start: usize, length: usize, random: &mut Random) {
+    let at = start + random.below(length.min(file.len() - start));
+    if random.below(2) == 0 {
+        file[at] ^= 1 << random.below(8);
+    } else {
+        file[at] = random.below(256) as u8;
+    }
+}
+
+/// Gives an integer a value that is a little wrong, or very.
+fn disturb(file: &mut [u8], at: usize, random: &mut Random) {
+    let old = i32::from_ne_bytes(file[at..at + 4].try_into().unwrap());
+    let value = match random.below(10) {
+        0 => -1,
+        1 => 0,
+        2 => old.wrapping_add(1),
+        3 => old.wrapping_sub(1),
+        4 => old.wrapping_mul(2),
+        5 => random.below(16) as i32,
+        6 => old ^ (1 << random.below(31)),
+        7 => [i32::MAX, i32::MIN, 1 << 30, 1 << 16, 1 << 24, -2][random.below(6)],
+        8 => random.below(1000) as i32,
+        _ => random.next() as i32,
+    };
+    file[at..at + 4].copy_from_slice(&value.to_ne_bytes());
+}
+
+fn integer(file: &[u8], at: usize) -> usize {
+    i32::from_ne_bytes(file[at..at + 4].try_into().unwrap()) as usize
+}
+
+/// SplitMix64, by Sebastiano Vigna: enough for this, and the same everywhere.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+}

@@ -1,0 +1,86 @@
+//! Models that are valid, and with which the engine itself runs out of its arrays: they are refused, or end in an error.
+#![forbid(unsafe_code)]
+
+use mujoco_safe::{Data, Error, Model};
+
+/// A ball that an adhesion actuator sticks to the floor, with room for so many constraints. It starts above the floor: the
+/// engine's compiler takes a step, which already needs the room.
+fn sticky(njmax: &str) -> String {
+    format!(
+        r#"<mujoco>
+             <size {njmax}/>
+             <worldbody>
+               <geom name="floor" type="plane" size="1 1 .1"/>
+               <body name="ball" pos="0 0 .105"><freejoint/><geom size=".1"/></body>
+             </worldbody>
+             <actuator><adhesion body="ball" ctrlrange="0 1" gain="10"/></actuator>
+           </mujoco>"#
+    )
+}
+
+#[test]
+fn an_adhesion_actuator_with_little_room_for_constraints_is_refused() {
+    for njmax in ["njmax='0'", "njmax = \"3\"", "njmax=\" 99 \""] {
+        let error = Model::from_xml_str(&sticky(njmax)).unwrap_err();
+        assert!(matches!(&error, Error::Load { message, .. } if message.contains("njmax")), "{error}");
+    }
+}
+
+/// The binary model, with another `njmax`. A file can say so, though no text can.
+fn binary_with_njmax(model: &Model, njmax: i32) -> Vec<u8> {
+    let mut bytes = model.to_binary().unwrap();
+    // Four integers of header, and then the sizes, in the order of the engine's own list.
+    let table = include_str!("../mujoco-sys/fields/v2_2_2.tsv");
+    let sizes: Vec<&str> =
+        table.lines().filter_map(|line| line.strip_prefix("Model\tsize\tint\t")?.split('\t').next()).collect();
+    let at = 4 * (4 + sizes.iter().position(|&size| size == "njmax").unwrap());
+    assert_eq!(bytes[at..at + 4], (model.njmax() as i32).to_ne_bytes());
+    bytes[at..at + 4].copy_from_slice(&njmax.to_ne_bytes());
+    bytes
+}
+
+#[test]
+fn an_adhesion_actuator_with_a_full_constraint_buffer_is_an_error_and_not_a_write_out_of_bounds() {
+    let model = Model::from_xml_str(&sticky("njmax=\"100\"")).unwrap();
+    for njmax in 1..4 {
+        let mut data = Data::new(Model::from_binary(&binary_with_njmax(&model, njmax)).unwrap()).unwrap();
+        for _ in 0..3 {
+            let error = (0..200).find_map(|_| data.step().err()).expect("one contact needs four constraints");
+            assert!(error.to_string().contains("constraint buffer is full"), "{error}");
+            assert!(matches!(data.step(), Err(Error::Poisoned { .. })));
+            data.reset().unwrap();
+        }
+    }
+    assert!(matches!(Model::from_binary(&binary_with_njmax(&model, 0)), Err(Error::InvalidBinary { .. })));
+}
+
+#[test]
+fn an_adhesion_actuator_with_room_for_its_constraints_works() {
+    let mut data = Data::new(Model::from_xml_str(&sticky("njmax=\"100\"")).unwrap()).unwrap();
+    data.ctrl_mut()[0] = 1.0;
+    for _ in 0..500 {
+        data.step().unwrap();
+    }
+    assert!(data.contacts().next().expect("it lies on the floor").force().unwrap().force[0] > 0.0);
+    assert_eq!(data.warning(mujoco_safe::Warning::ConstraintFull).number, 0);
+}
+
+#[test]
+fn a_fixed_tendon_that_has_a_joint_twice_is_refused() {
+    let error = Model::from_xml_str(
+        r#"<mujoco>
+             <worldbody><body><joint name="hinge"/><geom size=".1"/></body></worldbody>
+             <tendon>
+               <fixed name="twice"><joint joint="hinge" coef="1"/><joint joint="hinge" coef="2"/></fixed>
+             </tendon>
+           </mujoco>"#,
+    )
+    .unwrap_err();
+    let text = error.to_string();
+    assert!(text.contains("the same joint twice"), "{text}");
+}
+
+#[test]
+fn a_model_of_every_element_has_none_of_these() {
+    Model::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml")).unwrap();
+}
