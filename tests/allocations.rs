@@ -1,0 +1,289 @@
+//! Nothing allocates in a control loop: neither this crate nor, once it is warm, the engine.
+//!
+//! The functions below take the place of the C library's in this program, so that they count what Rust, C and C++ allocate
+//! alike.
+#![cfg(all(target_os = "linux", target_env = "gnu"))]
+
+use std::cell::Cell;
+use std::ffi::{c_int, c_void};
+use std::sync::Arc;
+
+use mujoco_safe::{
+    Controller, Data, Differences, Lqr, LqrWeights, Matrix, Model, PdController, RandomController, StateSpace,
+    StateSpec, Trajectory, ZeroController, sample,
+};
+use nalgebra::DMatrix;
+
+thread_local! {
+    /// What this thread has allocated so far. Without a destructor, so that it needs no allocation itself.
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+}
+
+unsafe extern "C" {
+    fn __libc_malloc(size: usize) -> *mut c_void;
+    fn __libc_calloc(count: usize, size: usize) -> *mut c_void;
+    fn __libc_realloc(block: *mut c_void, size: usize) -> *mut c_void;
+    fn __libc_memalign(alignment: usize, size: usize) -> *mut c_void;
+}
+
+/// The C library's, counted.
+#[unsafe(no_mangle)]
+extern "C" fn malloc(size: usize) -> *mut c_void {
+    count();
+    // SAFETY: the C library's own, under the name that it keeps for this.
+    unsafe { __libc_malloc(size) }
+}
+
+/// The C library's, counted.
+#[unsafe(no_mangle)]
+extern "C" fn calloc(number: usize, size: usize) -> *mut c_void {
+    count();
+    // SAFETY: as above.
+    unsafe { __libc_calloc(number, size) }
+}
+
+/// The C library's, counted.
+///
+/// # Safety
+///
+/// `block` is NULL or was allocated.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn realloc(block: *mut c_void, size: usize) -> *mut c_void {
+    count();
+    // SAFETY: the caller's promise.
+    unsafe { __libc_realloc(block, size) }
+}
+
+/// The C library's, counted.
+#[unsafe(no_mangle)]
+extern "C" fn aligned_alloc(alignment: usize, size: usize) -> *mut c_void {
+    count();
+    // SAFETY: as for `malloc`.
+    unsafe { __libc_memalign(alignment, size) }
+}
+
+/// The C library's, counted.
+///
+/// # Safety
+///
+/// `block` can be written to.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn posix_memalign(block: *mut *mut c_void, alignment: usize, size: usize) -> c_int {
+    const OUT_OF_MEMORY: c_int = 12;
+    count();
+    // SAFETY: as for `malloc`, and the caller's promise.
+    unsafe {
+        *block = __libc_memalign(alignment, size);
+        if (*block).is_null() { OUT_OF_MEMORY } else { 0 }
+    }
+}
+
+/// How many allocations `action` makes on this thread.
+fn allocations<T>(action: impl FnOnce() -> T) -> (usize, T) {
+    let before = COUNT.get();
+    let result = action();
+    (COUNT.get() - before, result)
+}
+
+/// Calls `action` once to warm up, and then demands that it allocates nothing.
+#[track_caller]
+fn allocates_nothing(what: &str, mut action: impl FnMut()) {
+    action();
+    let (number, ()) = allocations(|| (0..5).for_each(|_| action()));
+    assert_eq!(number, 0, "allocations in five calls of {what}");
+}
+
+fn squatting() -> Data {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    data.forward().unwrap();
+    data
+}
+
+#[test]
+fn the_counter_counts_what_rust_and_the_engine_allocate() {
+    assert!(allocations(|| std::hint::black_box(vec![1_u8; 100])).0 >= 1);
+    let model = Arc::new(sample::cartpole());
+    // The structure, its buffer and its stack.
+    assert!(allocations(|| Data::new(model.clone()).unwrap()).0 >= 3);
+    assert!(allocations(|| Model::from_xml_str("<mujoco/>").unwrap()).0 > 100);
+}
+
+#[test]
+fn the_pipeline() {
+    let mut data = squatting();
+    allocates_nothing("step", || data.step().unwrap());
+    allocates_nothing("step1 and step2", || {
+        data.step1().unwrap();
+        data.step2().unwrap();
+    });
+    allocates_nothing("forward", || data.forward().unwrap());
+    allocates_nothing("inverse", || data.inverse().unwrap());
+    allocates_nothing("reset", || data.reset().unwrap());
+    allocates_nothing("reset_to_key", || data.reset_to_key(1).unwrap());
+    let mut random = RandomController::new(1);
+    let (number, ()) = allocations(|| {
+        for _ in 0..500 {
+            random.control(&mut data).unwrap();
+            data.step().unwrap();
+        }
+    });
+    assert_eq!(number, 0, "a humanoid that tumbles");
+}
+
+#[test]
+fn every_solver_and_integrator() {
+    use mujoco_safe::{Cone, Integrator, JacobianStorage, Solver};
+    let mut data = squatting();
+    for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
+        for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
+            for (jacobian, cone) in
+                [(JacobianStorage::Dense, Cone::Elliptic), (JacobianStorage::Sparse, Cone::Pyramidal)]
+            {
+                data.edit_model(|model| {
+                    model.options(|options| {
+                        (options.solver, options.integrator) = (solver, integrator);
+                        (options.jacobian, options.cone) = (jacobian, cone);
+                    })
+                })
+                .unwrap()
+                .unwrap();
+                allocates_nothing("step", || data.step().unwrap());
+            }
+        }
+    }
+}
+
+#[test]
+fn reading_and_writing() {
+    let mut data = squatting();
+    let model = data.model().clone();
+    let (knee, torso) = (model.joint("left_knee").unwrap().id(), model.body("torso").unwrap().id());
+    let mut sum = 0.0;
+    allocates_nothing("arrays", || {
+        sum +=
+            data.qpos()[0] + data.xpos()[1][2] + data.actuator_moment()[(0, 0)] + data.efc_force().iter().sum::<f64>();
+        sum += model.body_mass()[1] + model.nq() as f64 + data.time() + data.energy()[0];
+        data.ctrl_mut().fill(0.1);
+        data.xfrc_applied_mut()[1] = [0.0; 6];
+    });
+    allocates_nothing("views", || {
+        let joint = data.joint(knee);
+        sum += joint.qpos()[0] + joint.qvel()[0] + model.joint(knee).range()[1] + data.body(torso).xpos()[2];
+        sum += data.geoms().map(|geom| geom.xpos()[2]).sum::<f64>();
+        data.joint_mut(knee).qvel_mut()[0] = 0.0;
+        data.joint_mut(knee).qfrc_applied_mut()[0] = 0.0;
+    });
+    allocates_nothing("names", || {
+        sum += data.joint(knee).name().map_or(0.0, |name| name.len() as f64);
+    });
+    assert!(sum.is_finite());
+}
+
+#[test]
+fn contacts_and_their_forces() {
+    let mut data = squatting();
+    data.step().unwrap();
+    assert!(data.contacts().len() > 0);
+    let mut sum = 0.0;
+    allocates_nothing("contacts", || {
+        for contact in data.contacts() {
+            sum += contact.force().unwrap().force[0] + contact.force_in_world().unwrap()[2] + contact.dist();
+            sum += contact.geoms()[0].index() as f64 + contact.normal()[2];
+        }
+    });
+    assert!(sum.is_finite());
+}
+
+#[test]
+fn jacobians_and_inertia() {
+    let mut data = squatting();
+    let model = data.model().clone();
+    let (torso, geom) = (model.body("torso").unwrap().id(), model.geom(1).unwrap().id());
+    let nv = model.nv();
+    let (mut first, mut second) = (Matrix::zeros(3, nv), Matrix::zeros(3, nv));
+    allocates_nothing("Jacobians", || {
+        data.jac_into(torso, [0.0; 3], Some(&mut first), Some(&mut second)).unwrap();
+        data.jac_body_into(torso, Some(&mut first), Some(&mut second)).unwrap();
+        data.jac_body_com_into(torso, Some(&mut first), None).unwrap();
+        data.jac_geom_into(geom, None, Some(&mut second)).unwrap();
+        data.jac_subtree_com_into(torso, &mut first).unwrap();
+    });
+    let (mut full, mut result, vector) = (Matrix::zeros(nv, nv), vec![0.0; nv], vec![1.0; nv]);
+    allocates_nothing("inertia", || {
+        data.full_m_into(&mut full).unwrap();
+        data.mul_m(&mut result, &vector).unwrap();
+        data.solve_m(&mut result, &vector).unwrap();
+    });
+    let (from, mut to) = (model.qpos0().to_vec(), model.qpos0().to_vec());
+    allocates_nothing("positions", || {
+        model.integrate_pos(&mut to, &vector, 0.1).unwrap();
+        model.differentiate_pos(&mut result, 0.1, &from, &to).unwrap();
+    });
+}
+
+#[test]
+fn linearising() {
+    let mut data = squatting();
+    let mut system = StateSpace::zeros(data.model());
+    allocates_nothing("transition_fd_into", || {
+        data.transition_fd_into(1e-6, Differences::Central, &mut system).unwrap();
+    });
+    let last = data.model().nu() - 1;
+    data.ctrl_mut()[last] = 5.0;
+    allocates_nothing("transition_fd_into with a control beyond its range", || {
+        data.transition_fd_into(1e-6, Differences::Forward, &mut system).unwrap();
+    });
+}
+
+#[test]
+fn controllers() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let weights = LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
+    let mut lqr = Lqr::at_present_state(&mut data, &weights).unwrap();
+    let (mut pd, mut random) = (PdController::new(data.model(), 1.0, 0.1), RandomController::new(1));
+    allocates_nothing("the controllers", || {
+        lqr.control(&mut data).unwrap();
+        data.step().unwrap();
+        pd.control(&mut data).unwrap();
+        random.control(&mut data).unwrap();
+        ZeroController.control(&mut data).unwrap();
+    });
+}
+
+#[test]
+fn states_and_trajectories() {
+    let mut data = squatting();
+    let mut state = vec![0.0; data.model().state_size(StateSpec::INTEGRATION)];
+    allocates_nothing("states", || {
+        data.state_into(StateSpec::INTEGRATION, &mut state).unwrap();
+        data.set_state(StateSpec::INTEGRATION, &state).unwrap();
+    });
+    let mut trajectory = Trajectory::with_capacity(data.model(), 100);
+    allocates_nothing("push", || trajectory.push(&data).unwrap());
+    let mut random = RandomController::new(1);
+    let (number, result) = allocations(|| trajectory.record(&mut data, &mut random, 94));
+    result.unwrap();
+    assert_eq!((number, trajectory.len()), (0, 100), "record within the capacity");
+    allocates_nothing("apply", || trajectory.apply(3, &mut data).unwrap());
+}
+
+#[test]
+fn copies_into_what_is_there() {
+    let source = squatting();
+    let mut copy = source.clone();
+    allocates_nothing("copy_from", || copy.copy_from(&source).unwrap());
+    allocates_nothing("clone_from", || copy.clone_from(&source));
+    // The first edit copies the model that is shared, the next ones write to the copy.
+    allocates_nothing("edit_model", || {
+        copy.edit_model(|model| {
+            model.set_timestep(0.002).unwrap();
+            model.body_mass_mut()[1] = 1.0;
+        })
+        .unwrap();
+    });
+}
