@@ -435,7 +435,8 @@ fn runge_kutta_is_not_linearised() {
 fn an_option_out_of_range_is_told_and_nothing_has_changed() {
     let mut model = sample::cartpole();
     let before = model.options();
-    let changes: [(fn(&mut mujoco_safe::Options), &[&str]); 9] = [
+    type Change = fn(&mut mujoco_safe::Options);
+    let changes: [(Change, &[&str]); 9] = [
         (|options| options.timestep = -1.0, &["the option timestep is -1", "positive and finite"]),
         (|options| options.timestep = f64::NAN, &["timestep is NaN"]),
         (|options| options.impratio = 0.0, &["impratio is 0"]),

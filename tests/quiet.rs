@@ -46,8 +46,8 @@ fn logged(part: &str) -> usize {
 
 /// Six balls on the floor, with room for fewer contacts and constraints.
 fn crowded(size: &str) -> Data {
-    let balls: String =
-        (0..6).map(|x| format!(r#"<body pos="{x} 0 .09"><freejoint/><geom size=".1"/></body>"#)).collect();
+    let balls =
+        [0, 1, 2, 3, 4, 5].map(|x| format!(r#"<body pos="{x} 0 .09"><freejoint/><geom size=".1"/></body>"#)).concat();
     let xml =
         format!(r#"<mujoco><size {size}/><worldbody><geom type="plane" size="9 9 1"/>{balls}</worldbody></mujoco>"#);
     Data::new(Model::from_xml_str(&xml).unwrap()).unwrap()

@@ -2,7 +2,7 @@
 //!
 //! `model.joint("left_knee")?` looks a name up once and gives a [`Joint`]: an id and a borrow of the model. It and its
 //! [`id`](View::id) are keys themselves, and with them nothing can fail any more: `data.joint(knee)` is the same joint in a
-//! simulation, and reading a field through it costs what indexing a slice costs.
+//! simulation, and reading a field through it costs little more than indexing a slice (`cargo bench --bench view`).
 //!
 //! ```
 //! use std::sync::Arc;
