@@ -433,9 +433,9 @@ fn runge_kutta_is_not_linearised() {
 
 #[test]
 fn an_option_out_of_range_is_told_and_nothing_has_changed() {
+    type Change = fn(&mut mujoco_safe::Options);
     let mut model = sample::cartpole();
     let before = model.options();
-    type Change = fn(&mut mujoco_safe::Options);
     let changes: [(Change, &[&str]); 9] = [
         (|options| options.timestep = -1.0, &["the option timestep is -1", "positive and finite"]),
         (|options| options.timestep = f64::NAN, &["timestep is NaN"]),
