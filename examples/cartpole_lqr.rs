@@ -15,7 +15,6 @@ use std::sync::Arc;
 
 use common::chart::{self, Line, PALETTE, Panel};
 use common::option;
-use mujoco_safe::nalgebra::{DMatrix, dvector};
 use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Trajectory, sample};
 
 struct Arguments {
@@ -61,8 +60,7 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     let system = data.transition_fd(1e-6, Differences::Central)?;
 
     // What a deviation costs, and the gain that makes the sum of all future costs least.
-    let weights =
-        LqrWeights { q: DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]), r: DMatrix::identity(1, 1), s: None };
+    let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
     let solution = Lqr::solve(&system, &weights)?;
     let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
 

@@ -18,6 +18,11 @@ use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
+/// Below this the differences drown in rounding, and would be zeros without a word.
+const SMALLEST_EPS: f64 = 1e-12;
+/// Beyond this they are no derivative.
+const LARGEST_EPS: f64 = 1.0;
+
 /// How a derivative is approximated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Differences {
@@ -78,7 +83,7 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is positive and finite, [`Error::Unsupported`] with the Runge–Kutta integrator, and the
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, [`Error::Unsupported`] with the Runge–Kutta integrator, and the
     /// errors of [`step`](Self::step).
     ///
     /// ```
@@ -122,9 +127,12 @@ impl Data {
     ) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        if !(eps.is_finite() && eps > 0.0) {
-            let what = "eps of transition_fd".to_owned();
-            return Err(Error::Invalid { what, value: eps.to_string(), expected: "positive and finite".to_owned() });
+        if !(SMALLEST_EPS..=LARGEST_EPS).contains(&eps) {
+            return Err(Error::Invalid {
+                what: "eps of transition_fd".to_owned(),
+                value: eps.to_string(),
+                expected: format!("between {SMALLEST_EPS:e} and {LARGEST_EPS}"),
+            });
         }
         if self.model().options().integrator == Integrator::Rk4 {
             return Err(Error::Unsupported(

@@ -3,7 +3,6 @@
 //! ```
 //! use std::sync::Arc;
 //! use mujoco_safe::{Controller, Data, Lqr, LqrWeights, Trajectory, sample};
-//! use nalgebra::{DMatrix, dvector};
 //!
 //! // A model is loaded once and shared; a simulation holds on to it.
 //! let model = Arc::new(sample::cartpole()); // or Model::from_xml_path("cartpole.xml")?
@@ -13,7 +12,7 @@
 //! let hinge = model.joint("hinge")?;
 //!
 //! // Linearise a step about the upright position and solve for the regulator.
-//! let weights = LqrWeights { q: DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]), r: DMatrix::identity(1, 1), s: None };
+//! let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
 //! let mut lqr = Lqr::at_present_state(&mut data, &weights)?;
 //!
 //! // Let the pole lean, and record how it comes back.

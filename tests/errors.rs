@@ -257,7 +257,7 @@ fn every_wrong_shape_of_a_linearisation_is_told() {
         }
     }
     for eps in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
-        text_of(data.transition_fd(eps, Differences::Forward), &["eps", "positive and finite"]);
+        text_of(data.transition_fd(eps, Differences::Forward), &["eps", "between 1e-12 and 1"]);
     }
     data.transition_fd_into(1e-6, Differences::Forward, TransitionOutputs::default()).unwrap();
 }

@@ -81,6 +81,14 @@ fn a_fixed_tendon_that_has_a_joint_twice_is_refused() {
 }
 
 #[test]
+fn a_timestep_with_which_time_does_not_go_on_is_refused() {
+    for timestep in ["0", "-0.01", "nan"] {
+        let error = Model::from_xml_str(&format!("<mujoco><option timestep=\"{timestep}\"/></mujoco>")).unwrap_err();
+        assert!(error.to_string().contains("timestep"), "{timestep}: {error}");
+    }
+}
+
+#[test]
 fn a_model_of_every_element_has_none_of_these() {
     Model::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml")).unwrap();
 }

@@ -1,6 +1,6 @@
 //! The linear-quadratic regulator.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::Controller;
 use super::riccati::{Riccati, RiccatiError, RiccatiSolution};
@@ -20,6 +20,14 @@ pub struct LqrWeights {
     pub s: Option<DMatrix<f64>>,
 }
 
+impl LqrWeights {
+    /// Weights without products: one number for each state, `[dq; dv; da]`, and one for each control.
+    pub fn diagonal(state: &[f64], control: &[f64]) -> Self {
+        let diagonal = |values: &[f64]| DMatrix::from_diagonal(&DVector::from_column_slice(values));
+        Self { q: diagonal(state), r: diagonal(control), s: None }
+    }
+}
+
 /// The linear-quadratic regulator about a set-point: `ctrl = ctrl0 − K dx`, where `dx = [qpos ⊖ qpos0; qvel; act − act0]` and
 /// the difference of positions is that of [`differentiate_pos`](crate::Model::differentiate_pos), so that quaternions are
 /// treated as rotations. K minimises the sum of all future costs of the linearised system (Anderson and Moore, *Optimal
@@ -29,11 +37,10 @@ pub struct LqrWeights {
 ///
 /// ```
 /// use mujoco_safe::{Controller, Data, Lqr, LqrWeights, sample};
-/// use nalgebra::{DMatrix, dvector};
 ///
 /// // The cart-pole, upright.
 /// let mut data = Data::new(sample::cartpole())?;
-/// let weights = LqrWeights { q: DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]), r: DMatrix::identity(1, 1), s: None };
+/// let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
 /// let mut lqr = Lqr::at_present_state(&mut data, &weights)?;
 ///
 /// data.qpos_mut()[1] = 0.1;

@@ -27,6 +27,10 @@ impl Model {
         if i32::try_from(6 * nv * nv.max(nbody)).is_err() || i32::try_from(nbody * nbody).is_err() {
             return Some(format!("{nbody} bodies and {nv} degrees of freedom are more than the engine can count"));
         }
+        let timestep = self.timestep();
+        if !(timestep.is_finite() && timestep > 0.0) {
+            return Some(format!("the timestep is {timestep}, but must be positive and finite: time would not go on"));
+        }
         if self.has_adhesion() && self.njmax() == 0 {
             // The engine does not even warn then.
             return Some("an adhesion actuator needs room for constraints, but njmax is 0".to_owned());
