@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::Controller;
 use super::riccati::{Riccati, RiccatiError, RiccatiSolution};
 use crate::data::Data;
-use crate::derivative::{Differences, StateSpace};
+use crate::derivative::{Differences, StateSpace, TransitionOutputs};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
@@ -71,7 +71,10 @@ impl Lqr {
     ///
     /// Those of [`transition_fd`](Data::transition_fd), and [`Error::Riccati`] if there is no stabilising gain.
     pub fn at_present_state(data: &mut Data, weights: &LqrWeights) -> Result<Self> {
-        let system = data.transition_fd(Self::EPS, Differences::Central)?;
+        let mut system = StateSpace::zeros(data.model());
+        // The sensors have no part in it.
+        let outputs = TransitionOutputs { a: Some(&mut system.a), b: Some(&mut system.b), ..Default::default() };
+        data.transition_fd_into(Self::EPS, Differences::Central, outputs)?;
         let solution = Self::solve(&system, weights)?;
         Self::with_gain(data, Matrix::from(&solution.k))
     }
