@@ -72,13 +72,12 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     let upright = data.qpos()[1].abs() < 0.01 && data.qvel()[1].abs() < 0.01;
 
     if arguments.json {
-        let rows = |matrix: &Matrix| (0..matrix.nrows()).map(|row| matrix.row(row).to_vec()).collect::<Vec<_>>();
         println!(
             "{}",
             serde_json::json!({
-                "A": rows(&system.a),
-                "B": rows(&system.b),
-                "K": rows(lqr.gain()),
+                "A": system.a.rows().collect::<Vec<_>>(),
+                "B": system.b.rows().collect::<Vec<_>>(),
+                "K": lqr.gain().rows().collect::<Vec<_>>(),
                 "residual": solution.relative_residual,
                 "spectral_radius": solution.spectral_radius,
                 "final_state": data.physics_state(),

@@ -131,6 +131,11 @@ impl Matrix {
         self.view().row(row)
     }
 
+    /// All rows, from the first to the last.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        self.view().rows()
+    }
+
     /// One row, to be written to.
     ///
     /// # Panics
@@ -269,6 +274,11 @@ impl<'a> MatrixView<'a> {
         &self.values[row * self.ncols..][..self.ncols]
     }
 
+    /// All rows, from the first to the last.
+    pub fn rows(self) -> impl ExactSizeIterator<Item = &'a [f64]> {
+        (0..self.nrows).map(move |row| self.row(row))
+    }
+
     /// The transpose, as a nalgebra view of the same memory.
     #[inline]
     pub fn transposed(&self) -> DMatrixView<'a, f64> {
@@ -300,7 +310,7 @@ impl Index<(usize, usize)> for MatrixView<'_> {
 
 impl fmt::Debug for MatrixView<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries((0..self.nrows).map(|row| self.row(row))).finish()
+        f.debug_list().entries(self.rows()).finish()
     }
 }
 

@@ -104,13 +104,12 @@ fn balance() -> Result<(), Box<dyn Error>> {
     });
 
     if arguments.json {
-        let rows = |matrix: &Matrix| (0..matrix.nrows()).map(|row| matrix.row(row).to_vec()).collect::<Vec<_>>();
         println!(
             "{}",
             serde_json::json!({
-                "A": rows(&system.a),
-                "B": rows(&system.b),
-                "K": rows(lqr.gain()),
+                "A": system.a.rows().collect::<Vec<_>>(),
+                "B": system.b.rows().collect::<Vec<_>>(),
+                "K": lqr.gain().rows().collect::<Vec<_>>(),
                 "force_at_keyframe": set_point.at_keyframe[2],
                 "weight": weight,
                 "offset": set_point.offset,
