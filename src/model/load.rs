@@ -16,7 +16,7 @@ use crate::ffi;
 use crate::id::Lineage;
 
 /// The name under which a text is known to the engine's compiler.
-const TEXT: &str = "model.xml";
+const TEXT: &str = "(main).xml";
 
 /// What errors call that text.
 const GIVEN: &str = "the XML given";
