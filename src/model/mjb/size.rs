@@ -10,8 +10,9 @@ use super::view::{View, array_bytes};
 const ALIGNMENT: u128 = 64;
 
 /// The engine's buffer sizes, stack marks and products are C ints. A stack mark has the size of the next block added before
-/// it is compared with the stack's end, so each must stay well below half of the range.
-const LARGEST_STACK: usize = 1 << 28;
+/// it is compared with the stack's end, so that the two together must stay in the range. (The compiler gives hundreds of
+/// millions to models with many contacts.)
+const LARGEST_STACK: usize = (1 << 30) - 1;
 const LARGEST_PRODUCT: u64 = 1 << 30;
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
@@ -36,7 +37,7 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
         return Err(Invalid::scalar(
             "nstack",
             nstack,
-            format!("it must be at most {LARGEST_STACK} numbers, which is 2 GiB"),
+            format!("it must be at most {LARGEST_STACK} numbers, which is 8 GiB"),
         ));
     }
     products(view)

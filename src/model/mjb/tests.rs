@@ -159,7 +159,7 @@ fn simulation_data_that_would_not_fit_is_refused() {
     assert!(with_size(size::nuserdata, i32::MAX).starts_with("the simulation data would have "));
     assert_eq!(
         with_size(size::nstack, i32::MAX),
-        "nstack is 2147483647; it must be at most 268435456 numbers, which is 2 GiB"
+        "nstack is 2147483647; it must be at most 1073741823 numbers, which is 8 GiB"
     );
     assert!(with_size(size::nbuffer, 97_994).contains("it must be 97993, the bytes of its arrays in memory"));
 }
