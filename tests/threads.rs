@@ -53,7 +53,7 @@ fn models_load_in_several_threads_at_once_and_each_error_stays_in_its_own() {
             scope.spawn(move || {
                 for _ in 0..20 {
                     let good = format!(r#"<mujoco><worldbody><geom name="g{index}" size=".1"/></worldbody></mujoco>"#);
-                    let bad = format!(r#"<mujoco><worldbody><wrong{index}/></worldbody></mujoco>"#);
+                    let bad = format!("<mujoco><worldbody><wrong{index}/></worldbody></mujoco>");
                     let model = Model::from_xml_str(&good).expect("it is valid");
                     assert_eq!(model.geom(0).expect("there is one").name(), Some(&*format!("g{index}")));
                     let error = Model::from_xml_str(&bad).expect_err("it is not valid").to_string();
