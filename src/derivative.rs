@@ -17,6 +17,7 @@ use crate::data::{Data, Stage};
 use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
+use crate::model::Model;
 
 /// Below this the differences drown in rounding, and would be zeros without a word.
 const SMALLEST_EPS: f64 = 1e-12;
@@ -49,8 +50,8 @@ pub struct StateSpace {
 
 impl StateSpace {
     /// Zeros, in the shapes that belong to a model.
-    pub fn zeros(model: &crate::Model) -> Self {
-        let (nx, nu, ny) = (2 * model.nv() + model.na(), model.nu(), model.nsensordata());
+    pub fn zeros(model: &Model) -> Self {
+        let (nx, nu, ny) = sizes(model);
         Self { a: Matrix::zeros(nx, nx), b: Matrix::zeros(nx, nu), c: Matrix::zeros(ny, nx), d: Matrix::zeros(ny, nu) }
     }
 }
@@ -140,7 +141,7 @@ impl Data {
                     .to_owned(),
             ));
         }
-        let (nx, nu, ny) = (2 * self.model().nv() + self.model().na(), self.model().nu(), self.model().nsensordata());
+        let (nx, nu, ny) = sizes(self.model());
         let outputs = outputs.into();
         // The engine counts the entries of a matrix with a C int; beyond that it would write past its stack.
         let largest = nx.max(nu).saturating_mul(nx.max(ny));
@@ -189,6 +190,11 @@ impl Data {
             && model.actuator_ctrllimited()[last] != 0
             && !(inside(ctrl) && (inside(ctrl + eps) || inside(ctrl - eps)))
     }
+}
+
+/// How many states (`2 nv + na`), controls and outputs the linear system of a model has.
+pub(crate) fn sizes(model: &Model) -> (usize, usize, usize) {
+    (2 * model.nv() + model.na(), model.nu(), model.nsensordata())
 }
 
 fn pointer(what: &'static str, matrix: Option<&mut Matrix>, shape: (usize, usize)) -> Result<*mut f64> {

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::Controller;
 use super::riccati::{Riccati, RiccatiError, RiccatiSolution};
 use crate::data::Data;
-use crate::derivative::{Differences, StateSpace, TransitionOutputs};
+use crate::derivative::{self, Differences, StateSpace, TransitionOutputs};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
@@ -99,9 +99,8 @@ impl Lqr {
     ///
     /// [`Error::Shape`] if the gain has another shape.
     pub fn with_gain(data: &Data, gain: Matrix) -> Result<Self> {
-        let model = data.model();
-        let nx = 2 * model.nv() + model.na();
-        Error::check_shape("the gain of an LQR", gain.shape(), (model.nu(), nx))?;
+        let (nx, nu, _) = derivative::sizes(data.model());
+        Error::check_shape("the gain of an LQR", gain.shape(), (nu, nx))?;
         Ok(Self {
             qpos0: data.qpos().to_vec(),
             act0: data.act().to_vec(),
