@@ -546,3 +546,13 @@ fn readings_of_a_sensor_are_its_part_of_the_sensor_data() {
     assert_eq!(data.sensordata()[3], 1.0);
     assert!(!model.options().enable.contains(EnableFlags::SENSORNOISE));
 }
+
+#[test]
+fn custom_texts_are_found_by_their_address_and_size() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
+    let model = mujoco_safe::Model::from_xml_path(path).expect("it is valid");
+    let texts: Vec<&[u8]> = (0..model.ntext())
+        .map(|text| &model.text_data()[model.text_adr()[text] as usize..][..model.text_size()[text] as usize])
+        .collect();
+    assert_eq!(texts, [&b"every kind of element\0"[..], b"metre\0"]);
+}

@@ -15,7 +15,7 @@ struct Field<'t> {
     comment: &'t str,
 }
 
-/// Arrays that have a typed accessor of their own, written by hand.
+/// Arrays that have an accessor of their own, written by hand: `Model::name`, `Model::text_data`, `Data::contacts`.
 const BY_HAND: [&str; 3] = ["names", "text_data", "contact"];
 
 /// Reals that decide where the engine reads: `wrap_prm` holds the id of a site, as a double; `hfield_size` divides positions to

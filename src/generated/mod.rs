@@ -3,9 +3,9 @@
 //! They are generated because there are 450 of them and the engine describes them itself: `mujoco-sys` expands the engine's
 //! `mjxmacro.h` into a table (type, rows, columns, comment), and `generator.rs` turns each line of the table into a documented
 //! method. One column gives a slice, a fixed number of columns a slice of arrays, a number that the model decides a
-//! [`MatrixView`](crate::MatrixView). Real numbers may be written to: whatever is in them, the engine stays within its memory.
-//! Integers are sizes, addresses and ids, which it trusts, so they are read-only here; the few that are plain switches have
-//! setters written by hand.
+//! [`MatrixView`](crate::MatrixView). Real numbers may be written to: whatever is in them, the engine stays within its memory
+//! (save the three arrays that the generator lists). Integers are sizes, addresses and ids, which it trusts, so they are
+//! read-only.
 //!
 //! The test `generated` keeps the files equal to what the generator makes of the table:
 //! `UPDATE_GENERATED=1 cargo test --test generated` writes them.

@@ -12,8 +12,9 @@ use crate::ffi;
 /// A model that may be changed: from [`Model::edit`] before it is shared, from
 /// [`Data::edit_model`](crate::Data::edit_model) afterwards. It reads like a [`Model`].
 ///
-/// Every real number can be written to (`body_mass_mut`, `dof_damping_mut`, …); whatever is in them, the engine stays within
-/// its memory. Sizes, addresses, ids and types cannot.
+/// Real numbers can be written to (`body_mass_mut`, `dof_damping_mut`, …); whatever is in them, the engine stays within its
+/// memory. The three arrays of reals that decide where it reads, `wrap_prm`, `hfield_size` and `mesh_vert`, cannot, and neither
+/// can sizes, addresses, ids and types.
 ///
 /// What the compiler derived from a number does not follow when the number changes: call
 /// [`update_constants`](Self::update_constants) after masses, inertias or positions.

@@ -6,6 +6,7 @@ use mujoco_sys as sys;
 
 use super::Model;
 use crate::error::{Error, Result};
+use crate::ffi;
 use crate::id::{ElementKind, Id, Kind};
 
 impl Model {
@@ -52,6 +53,13 @@ impl Model {
     /// The names of all elements of a kind that have one.
     pub fn names(&self, kind: Kind) -> impl Iterator<Item = &str> {
         (0..self.count(kind)).filter_map(move |index| self.name_at(kind, index))
+    }
+
+    /// The contents of the model's custom texts, each ended by a NUL byte; `text_adr` and `text_size` tell where each is.
+    pub fn text_data(&self) -> &[u8] {
+        // SAFETY: the engine allocated the array with this size, `u8` has the layout of C's char, and nothing writes to a model
+        // that is borrowed.
+        unsafe { ffi::array(self.raw().text_data.cast::<u8>(), self.ntextdata()) }
     }
 
     /// The id behind a name.
