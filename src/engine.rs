@@ -5,7 +5,7 @@ use std::ffi::c_char;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 
-use mujoco_sys::{guard, mj_version, mjVERSION_HEADER};
+use mujoco_sys::{callback, guard, mj_version, mjVERSION_HEADER};
 
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -67,6 +67,21 @@ pub(crate) fn ready() -> Result<()> {
         engine_version() == built_against()
     });
     if *same { Ok(()) } else { Err(Error::EngineVersion { built: built_against(), running: engine_version() }) }
+}
+
+/// Gives the engine a clock, for the whole process: from then on each simulation sums up how long the parts of its steps take.
+/// Without it the engine's timers count calls only. Reading the clock takes a step about 20 times 25 ns.
+///
+/// Call it before anything is simulated: a step that is under way in another thread would take the whole time since the
+/// machine was started for its duration.
+///
+/// ```
+/// mujoco_safe::enable_timers();
+/// ```
+#[doc(alias = "mjcb_time")]
+pub fn enable_timers() {
+    // SAFETY: the function that becomes the engine's clock looks at nothing but the system's.
+    unsafe { callback::keep_time() };
 }
 
 thread_local! {

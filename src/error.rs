@@ -32,6 +32,15 @@ pub enum Error {
         message: String,
     },
 
+    /// A closure that the engine called has panicked. The data is poisoned: reset it.
+    #[error("the {callback} callback panicked: {message}")]
+    Callback {
+        /// Which of the [`Callbacks`](crate::Callbacks).
+        callback: &'static str,
+        /// What the panic said.
+        message: String,
+    },
+
     /// An earlier call failed in the engine and left the data half computed; only a reset makes it usable again.
     #[error("this data is unusable since {failure}; reset it first")]
     Poisoned {

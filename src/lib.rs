@@ -58,6 +58,7 @@
 //! SI throughout: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices count from 0. The
 //! number of positions `nq` and the number of degrees of freedom `nv` differ where there are free or ball joints.
 
+pub mod callback;
 pub mod control;
 pub mod data;
 pub mod derivative;
@@ -79,12 +80,13 @@ pub use nalgebra;
 /// The raw bindings, for calls past this crate.
 pub use mujoco_sys as sys;
 
+pub use crate::callback::Callbacks;
 pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, ZeroController};
 pub use crate::data::{
     Contact, ContactForce, Data, Instability, Jacobian, Quantity, Stage, StateSpec, Warning, WarningCount,
 };
 pub use crate::derivative::{Differences, StateSpace, TransitionOutputs};
-pub use crate::engine::{Version, built_against, engine_version};
+pub use crate::engine::{Version, built_against, enable_timers, engine_version};
 pub use crate::enums::{Collision, Cone, GeomType, Integrator, JacobianStorage, JointType, Solver};
 pub use crate::error::{Error, Result};
 pub use crate::id::{

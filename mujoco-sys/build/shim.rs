@@ -1,4 +1,4 @@
-//! The C side of the guard.
+//! The C side of the guard and of the callbacks.
 
 use crate::find::Engine;
 
@@ -6,7 +6,11 @@ use crate::find::Engine;
 pub(crate) fn compile(engine: &Engine) {
     println!("cargo::rerun-if-changed=shim");
     let mut c = cc::Build::new();
-    c.file("shim/guard.c").include(&engine.include).warnings(true).extra_warnings(true).std("c11");
+    c.files(["shim/guard.c", "shim/callbacks.c"])
+        .include(&engine.include)
+        .warnings(true)
+        .extra_warnings(true)
+        .std("c11");
     c.compile("mujoco_sys_guard");
 
     // The loaders are C++ inside and throw (out of memory, for one), which only C++ can catch.

@@ -47,7 +47,11 @@ void mujoco_sys_install(void (*warn)(const char*)) {
   mju_user_warning = on_warning;
 }
 
-void mujoco_sys_full_constraints_are_fatal(int fatal) { full_constraints_are_fatal = fatal; }
+int mujoco_sys_full_constraints_are_fatal(int fatal) {
+  const int before = full_constraints_are_fatal;
+  full_constraints_are_fatal = fatal;
+  return before;
+}
 
 // The mark of the engine's own stack inside mjData. After an error it stays where the failing call had pushed it; the part
 // below belongs to the callers further out, so it is put back to where it was rather than to zero.

@@ -32,8 +32,9 @@ enum {
 void mujoco_sys_install(void (*warn)(const char*));
 
 // Whether a full constraint buffer is an error in this thread, instead of a warning. It has to be for a model with an actuator
-// of the adhesion kind: the engine looks up the constraints of each contact and trusts that there are some.
-void mujoco_sys_full_constraints_are_fatal(int fatal);
+// of the adhesion kind: the engine looks up the constraints of each contact and trusts that there are some. Returns what was so
+// before, for the caller to put back: a callback of one model may simulate another.
+int mujoco_sys_full_constraints_are_fatal(int fatal);
 
 // The text of this thread's last caught error. Valid until the thread's next one.
 const char* mujoco_sys_message(void);

@@ -45,9 +45,10 @@ unsafe extern "C" {
 
     /// Whether a full constraint buffer is an error in this thread, instead of a warning. It has to be while a model with an
     /// actuator of the adhesion kind (`mjTRN_BODY`) is simulated, and the engine only warns while
-    /// `warning[mjWARN_CNSTRFULL].number` is zero. Otherwise it writes out of bounds.
+    /// `warning[mjWARN_CNSTRFULL].number` is zero. Otherwise it writes out of bounds. Returns what was so before, to be put
+    /// back.
     #[link_name = "mujoco_sys_full_constraints_are_fatal"]
-    pub fn full_constraints_are_fatal(fatal: c_int);
+    pub fn full_constraints_are_fatal(fatal: c_int) -> c_int;
 
     /// The text of this thread's last caught error; valid until the next one.
     #[link_name = "mujoco_sys_message"]

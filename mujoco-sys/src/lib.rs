@@ -1,5 +1,5 @@
 //! Raw bindings to the [MuJoCo](https://mujoco.org) physics engine, for `mujoco-safe`, and the C shim through which the
-//! engine's fatal errors come back as return codes ([`guard`]).
+//! engine's fatal errors come back as return codes ([`guard`]) and its callbacks may fail ([`callback`]).
 //!
 //! Everything here is `unsafe` or a plain C type; the safe crate is `mujoco-safe`. The bindings are bindgen's. Those of
 //! MuJoCo 2.2.2 (Debian's `libmujoco-dev`) are committed and compared with the installed headers by this crate's tests; the
@@ -10,6 +10,7 @@
 //! A crate that depends directly on this one gets, in its build script, `DEP_MUJOCO_VERSION` (222 for 2.2.2),
 //! `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and, for an engine that the loader does not find by itself, `DEP_MUJOCO_RPATH`.
 
+pub mod callback;
 pub mod guard;
 
 #[allow(

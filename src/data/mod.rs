@@ -32,6 +32,7 @@ pub use self::stability::{Instability, Quantity};
 pub use self::stage::Stage;
 pub use self::state::StateSpec;
 pub use self::warning::{Warning, WarningCount};
+use crate::callback::Slot;
 use crate::element::Key;
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -130,6 +131,8 @@ pub struct Data {
     first_half: bool,
     /// Why the data is unusable, if it is.
     failure: Option<Box<str>>,
+    /// The closures that the engine calls, within the scope of [`with_callbacks`](Self::with_callbacks).
+    pub(crate) callbacks: Option<Arc<Slot>>,
 }
 
 // SAFETY: the engine's data has no thread affinity, and it is ours alone.
@@ -161,7 +164,7 @@ impl Data {
     /// `raw` is NULL or a data that the engine made for a model of the same structure as `model`, and nobody else's.
     unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
         let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
-        Ok(Self { raw, model, stage: Stage::Nothing, first_half: false, failure: None })
+        Ok(Self { raw, model, stage: Stage::Nothing, first_half: false, failure: None, callbacks: None })
     }
 
     /// The model.
@@ -328,6 +331,11 @@ impl Data {
     #[inline]
     pub fn stage(&self) -> Stage {
         self.stage
+    }
+
+    /// Notes how far the engine has come, for a closure that it calls in the middle of its work.
+    pub(crate) fn is_at(&mut self, stage: Stage) {
+        self.stage = stage;
     }
 
     /// The engine's structure, for calls past this crate.

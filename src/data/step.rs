@@ -1,11 +1,13 @@
 //! The pipeline: step, forward, inverse.
 
 use std::ffi::c_int;
+use std::ptr;
 
 use mujoco_sys::{guard, mjData, mjModel, mjWARN_CNSTRFULL};
 
 use super::warning::{Counted, Lifted};
 use super::{Data, Stage};
+use crate::callback;
 use crate::error::{Error, Result};
 use crate::ffi;
 
@@ -132,36 +134,31 @@ impl Data {
         let time = self.time();
         self.first_half = false;
         let warnings = Lifted::lift(self.raw_mut());
-        let status = if self.model().has_adhesion() {
-            self.run_with_adhesion(call)
-        } else {
-            call(self.model().as_ptr(), self.as_mut_ptr())
+        let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
+        let adhesive = self.model().has_adhesion();
+        let (status, failure) = match &self.callbacks {
+            None if adhesive => (run_with_adhesion(model, data, call), None),
+            None => (call(model, data), None),
+            Some(slot) => {
+                let slot = slot.clone();
+                callback::computing(ptr::from_mut(self), data, &slot, || {
+                    if adhesive { run_with_adhesion(model, data, call) } else { call(model, data) }
+                })
+            }
         };
         let counted = warnings.lower(self.raw_mut());
         if status == guard::OK && counted == Counted::Nothing {
             self.stage = computes;
             return Ok(());
         }
-        self.settle(function, computes, time, &warnings, status, counted)
-    }
-
-    /// A call on a model with an adhesion actuator, for which a full constraint buffer has to be an error.
-    #[cold]
-    fn run_with_adhesion(&mut self, call: impl FnOnce(*const mjModel, *mut mjData) -> c_int) -> c_int {
-        const COUNTER: usize = mjWARN_CNSTRFULL as usize;
-        // The engine speaks of it only while the counter is zero.
-        let lifted = std::mem::take(&mut self.raw_mut().warning[COUNTER].number);
-        // SAFETY: sets a flag of this thread, which no engine call of another model sees: it is cleared before this returns.
-        unsafe { guard::full_constraints_are_fatal(1) };
-        let status = call(self.model().as_ptr(), self.as_mut_ptr());
-        // SAFETY: as above.
-        unsafe { guard::full_constraints_are_fatal(0) };
-        let counter = &mut self.raw_mut().warning[COUNTER].number;
-        *counter = counter.saturating_add(lifted);
-        status
+        self.settle(function, computes, time, &warnings, status, counted, failure)
     }
 
     #[cold]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "all that is known of a call, taken out of the way of the ones that go well"
+    )]
     fn settle(
         &mut self,
         function: &'static str,
@@ -170,9 +167,11 @@ impl Data {
         warnings: &Lifted,
         status: c_int,
         counted: Counted,
+        failure: Option<Error>,
     ) -> Result<()> {
         let failed = match ffi::check(function, status) {
-            Err(error) => Some(error),
+            // The engine only knows that a closure has failed.
+            Err(error) => Some(failure.unwrap_or(error)),
             Ok(()) if counted == Counted::Reset => Some(Error::Unstable(self.reset_by_engine(time))),
             Ok(()) => None,
         };
@@ -189,4 +188,25 @@ impl Data {
             }
         }
     }
+}
+
+/// A call on a model with an adhesion actuator, for which a full constraint buffer has to be an error.
+#[cold]
+fn run_with_adhesion(
+    model: *const mjModel,
+    data: *mut mjData,
+    call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
+) -> c_int {
+    const COUNTER: usize = mjWARN_CNSTRFULL as usize;
+    // SAFETY: `run` passes its own data, and nothing refers to the counter. The engine speaks of it only while it is zero.
+    let lifted = std::mem::take(unsafe { &mut (*data).warning[COUNTER].number });
+    // SAFETY: sets a flag of this thread, which is put back before this returns.
+    let outer = unsafe { guard::full_constraints_are_fatal(1) };
+    let status = call(model, data);
+    // SAFETY: as above.
+    unsafe { guard::full_constraints_are_fatal(outer) };
+    // SAFETY: as above.
+    let counter = unsafe { &mut (*data).warning[COUNTER].number };
+    *counter = counter.saturating_add(lifted);
+    status
 }

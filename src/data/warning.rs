@@ -97,7 +97,8 @@ pub struct WarningCount {
 }
 
 impl Data {
-    /// How often a warning was raised since the last reset. The first of each kind is logged, under the target `mujoco`.
+    /// How often a warning was raised since the last reset. The first of each kind is logged, under the target `mujoco`. Within
+    /// a callback the count is that of the call so far.
     ///
     /// ```
     /// use mujoco_safe::{Data, Warning, sample};
@@ -110,7 +111,7 @@ impl Data {
     #[doc(alias = "mjWarningStat")]
     pub fn warning(&self, warning: Warning) -> WarningCount {
         let stat = &self.raw().warning[warning as usize];
-        WarningCount { number: usize::try_from(stat.number).unwrap_or(0), last_info: stat.lastinfo }
+        WarningCount { number: usize::try_from(stat.number % LIFT).unwrap_or(0), last_info: stat.lastinfo }
     }
 
     /// Logs the warnings whose counters were zero before.

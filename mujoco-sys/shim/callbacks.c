@@ -1,0 +1,89 @@
+#define _POSIX_C_SOURCE 199309L
+#include "callbacks.h"
+
+#include <time.h>
+
+static mujoco_sys_handler_fn handler;
+
+// Asks the handler. Its frames are gone when the error is raised, so the jump leaves nothing of it behind.
+static mjtNum ask(int what, const mjModel* m, const mjData* d, int first, int second, mjtNum value) {
+  // Only the handler of an actuator gets a constant data from the engine, and it is the same data as everywhere else.
+  const mujoco_sys_handler_fn answer = __atomic_load_n(&handler, __ATOMIC_ACQUIRE);
+  if (answer(what, m, (mjData*)d, first, second, &value)) {
+    mju_error("a callback failed");
+  }
+  return value;
+}
+
+static void control(const mjModel* m, mjData* d) { ask(MUJOCO_SYS_CONTROL, m, d, 0, 0, 0); }
+
+static void passive(const mjModel* m, mjData* d) { ask(MUJOCO_SYS_PASSIVE, m, d, 0, 0, 0); }
+
+static void sensor(const mjModel* m, mjData* d, int stage) { ask(MUJOCO_SYS_SENSOR, m, d, stage, 0, 0); }
+
+// The rule that the engine's callback replaces: the masks must agree, and neither may one geom's moving part be the other's nor
+// its parent, unless that parent is the world.
+static int left_out(const mjModel* m, int geom1, int geom2) {
+  if (!(m->geom_contype[geom1] & m->geom_conaffinity[geom2]) && !(m->geom_contype[geom2] & m->geom_conaffinity[geom1])) {
+    return 1;
+  }
+  const int part1 = m->body_weldid[m->geom_bodyid[geom1]];
+  const int part2 = m->body_weldid[m->geom_bodyid[geom2]];
+  if (part1 == part2) {
+    return 1;
+  }
+  if ((m->opt.disableflags & mjDSBL_FILTERPARENT) || !part1 || !part2) {
+    return 0;
+  }
+  return part1 == m->body_weldid[m->body_parentid[part2]] || part2 == m->body_weldid[m->body_parentid[part1]];
+}
+
+static int contact_filter(const mjModel* m, mjData* d, int geom1, int geom2) {
+  return ask(MUJOCO_SYS_CONTACT_FILTER, m, d, geom1, geom2, left_out(m, geom1, geom2)) != 0;
+}
+
+static mjtNum dynamics(const mjModel* m, const mjData* d, int id) {
+  return ask(MUJOCO_SYS_ACTUATOR_DYNAMICS, m, d, id, 0, 0);
+}
+
+static mjtNum gain(const mjModel* m, const mjData* d, int id) { return ask(MUJOCO_SYS_ACTUATOR_GAIN, m, d, id, 0, 1); }
+
+static mjtNum bias(const mjModel* m, const mjData* d, int id) { return ask(MUJOCO_SYS_ACTUATOR_BIAS, m, d, id, 0, 0); }
+
+// Whole, since other threads may be simulating. What they read is NULL or the callback, and both are good.
+#define PUBLISH(pointer, function) __atomic_store_n(&(pointer), (function), __ATOMIC_RELEASE)
+
+void mujoco_sys_answer(int what, mujoco_sys_handler_fn new_handler) {
+  PUBLISH(handler, new_handler);
+  switch (what) {
+    case MUJOCO_SYS_CONTROL:
+      PUBLISH(mjcb_control, control);
+      break;
+    case MUJOCO_SYS_PASSIVE:
+      PUBLISH(mjcb_passive, passive);
+      break;
+    case MUJOCO_SYS_SENSOR:
+      PUBLISH(mjcb_sensor, sensor);
+      break;
+    case MUJOCO_SYS_CONTACT_FILTER:
+      PUBLISH(mjcb_contactfilter, contact_filter);
+      break;
+    case MUJOCO_SYS_ACTUATOR_DYNAMICS:
+      PUBLISH(mjcb_act_dyn, dynamics);
+      break;
+    case MUJOCO_SYS_ACTUATOR_GAIN:
+      PUBLISH(mjcb_act_gain, gain);
+      break;
+    case MUJOCO_SYS_ACTUATOR_BIAS:
+      PUBLISH(mjcb_act_bias, bias);
+      break;
+  }
+}
+
+static mjtNum seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (mjtNum)now.tv_sec + 1e-9 * (mjtNum)now.tv_nsec;
+}
+
+void mujoco_sys_keep_time(void) { PUBLISH(mjcb_time, seconds); }

@@ -1,0 +1,315 @@
+//! Closures in the middle of a step: what each can do, that none can do more, and that they reach no other simulation.
+
+#![forbid(unsafe_code)]
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use mujoco_safe::{Callbacks, Data, Differences, Error, Integrator, Model, Quantity, Stage, sample};
+
+/// A motor, and a user actuator of each kind, on a mass that slides.
+const SLIDER: &str = r#"<mujoco>
+  <option gravity="0 0 0"/>
+  <worldbody>
+    <body name="mass"><joint name="slide" type="slide" axis="1 0 0" damping="0"/><geom size=".1" mass="1" contype="0"/></body>
+  </worldbody>
+  <actuator>
+    <motor name="motor" joint="slide"/>
+    <general name="gain" joint="slide" gaintype="user"/>
+    <general name="bias" joint="slide" biastype="user" gainprm="0"/>
+    <general name="dynamics" joint="slide" dyntype="user"/>
+  </actuator>
+  <sensor>
+    <user name="position" objtype="body" objname="mass" datatype="real" dim="2" needstage="pos"/>
+    <user name="velocity" objtype="body" objname="mass" datatype="real" dim="1" needstage="vel"/>
+    <user name="acceleration" objtype="body" objname="mass" datatype="real" dim="1" needstage="acc"/>
+  </sensor>
+</mujoco>"#;
+
+fn slider() -> Data {
+    Data::new(Model::from_xml_str(SLIDER).unwrap()).unwrap()
+}
+
+#[test]
+fn a_control_callback_is_a_controller_bit_for_bit() {
+    let push = |data: &Data| 30.0 * data.qpos()[1] + 5.0 * data.qvel()[1];
+    let mut with_callback = Data::new(sample::cartpole()).unwrap();
+    with_callback.qpos_mut()[1] = 0.2;
+    let mut by_hand = with_callback.clone();
+    let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = push(moment));
+    with_callback.with_callbacks(callbacks, |data| (0..300).try_for_each(|_| data.step())).unwrap();
+    for _ in 0..300 {
+        by_hand.step1().unwrap();
+        by_hand.ctrl_mut()[0] = push(&by_hand);
+        by_hand.step2().unwrap();
+    }
+    assert_eq!(with_callback.physics_state(), by_hand.physics_state());
+    assert!(with_callback.ctrl()[0] != 0.0);
+}
+
+#[test]
+fn runge_kutta_calls_the_control_four_times_a_step() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap().unwrap();
+    let mut calls = 0;
+    data.with_callbacks(Callbacks::new().control(|_| calls += 1), |data| data.step()).unwrap();
+    assert_eq!(calls, 4);
+}
+
+#[test]
+fn applied_forces_of_a_control_callback_act_in_the_same_step() {
+    let mut data = slider();
+    let callbacks = Callbacks::new().control(|moment| {
+        moment.qfrc_applied_mut()[0] = 2.0;
+        moment.xfrc_applied_mut()[1][0] = 3.0;
+    });
+    data.with_callbacks(callbacks, |data| data.forward()).unwrap();
+    assert!((data.qacc()[0] - 5.0).abs() < 1e-12);
+}
+
+#[test]
+fn passive_forces_are_added_to_those_of_the_engine() {
+    let mut data = slider();
+    data.edit_model(|model| model.dof_damping_mut()[0] = 4.0).unwrap();
+    data.qvel_mut()[0] = 1.0;
+    let callbacks = Callbacks::new().passive(|moment| moment.qfrc_passive_mut()[0] += 1.0);
+    data.with_callbacks(callbacks, |data| data.forward()).unwrap();
+    assert_eq!(data.qfrc_passive(), [-3.0]);
+}
+
+#[test]
+fn user_actuators_have_the_gain_the_bias_and_the_dynamics_of_the_closures() {
+    let mut data = slider();
+    let gain = data.model().actuator("gain").unwrap().id();
+    let bias = data.model().actuator("bias").unwrap().id();
+    let dynamics = data.model().actuator("dynamics").unwrap().id();
+    data.ctrl_mut().copy_from_slice(&[0.0, 2.0, 0.0, 0.5]);
+    data.qpos_mut()[0] = 3.0;
+    let callbacks = Callbacks::new()
+        .actuator_gain(|data, actuator| {
+            assert_eq!(actuator, gain);
+            7.0 * data.actuator(actuator).length()
+        })
+        .actuator_bias(|_, actuator| {
+            assert_eq!(actuator, bias);
+            -1.0
+        })
+        .actuator_dynamics(|data, actuator| {
+            assert_eq!(actuator, dynamics);
+            10.0 * data.actuator(actuator).ctrl()
+        });
+    data.with_callbacks(callbacks, |data| data.step()).unwrap();
+    assert_eq!(data.actuator(gain).force(), 7.0 * 3.0 * 2.0);
+    assert_eq!(data.actuator(bias).force(), -1.0);
+    assert_eq!(data.act(), [10.0 * 0.5 * data.model().timestep()]);
+    // Without them, the engine's own values.
+    data.reset().unwrap();
+    data.ctrl_mut().fill(1.0);
+    data.step().unwrap();
+    assert_eq!((data.actuator(gain).force(), data.actuator(bias).force(), data.act()[0]), (1.0, 0.0, 0.0));
+}
+
+#[test]
+fn user_sensors_are_filled_in_at_their_stage() {
+    let mut data = slider();
+    data.ctrl_mut()[0] = 2.0;
+    data.qvel_mut()[0] = 0.5;
+    let mut stages = Vec::new();
+    let callbacks = Callbacks::new().sensor(|moment| {
+        stages.push(moment.stage());
+        match moment.stage() {
+            Stage::Position => moment.data_mut("position").unwrap().copy_from_slice(&[1.0, 2.0]),
+            Stage::Velocity => moment.data_mut("velocity").unwrap()[0] = 3.0,
+            _ => {
+                let acceleration = moment.qacc()[0];
+                moment.data_mut("acceleration").unwrap()[0] = acceleration;
+            }
+        }
+        assert!(moment.data_mut("no such sensor").is_err());
+    });
+    data.with_callbacks(callbacks, |data| data.forward()).unwrap();
+    assert_eq!(stages, [Stage::Position, Stage::Velocity, Stage::Acceleration]);
+    assert_eq!(data.sensordata(), [1.0, 2.0, 3.0, 2.0]);
+}
+
+#[test]
+fn a_contact_filter_decides_instead_of_the_engine() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("stand").unwrap();
+    data.forward().unwrap();
+    assert!(data.ncon() > 0);
+    data.with_callbacks(Callbacks::new().contact_filter(|_, _, _| false), |data| data.forward()).unwrap();
+    assert_eq!(data.ncon(), 0);
+    data.with_callbacks(Callbacks::new().contact_filter(|_, _, _| true), |data| data.forward()).unwrap();
+    assert!(data.ncon() > 10, "parts of one body collide: {}", data.ncon());
+}
+
+#[test]
+fn a_panic_is_an_error_of_the_call_that_ran_it() {
+    let callbacks = || -> [(&str, Callbacks<'static>); 7] {
+        [
+            ("control", Callbacks::new().control(|_| panic!("no control"))),
+            ("passive", Callbacks::new().passive(|_| panic!("no passive"))),
+            ("sensor", Callbacks::new().sensor(|_| panic!("no sensor"))),
+            ("contact_filter", Callbacks::new().contact_filter(|_, _, _| panic!("no contact_filter"))),
+            ("actuator_gain", Callbacks::new().actuator_gain(|_, _| panic!("no actuator_gain"))),
+            ("actuator_bias", Callbacks::new().actuator_bias(|_, _| panic!("no {}", "actuator_bias"))),
+            ("actuator_dynamics", Callbacks::new().actuator_dynamics(|_, _| panic!("no actuator_dynamics"))),
+        ]
+    };
+    for (name, callbacks) in callbacks() {
+        let text = SLIDER
+            .replace("</worldbody>", r#"<body><geom size=".1"/></body><geom size=".1"/></worldbody>"#)
+            .replace(r#"contype="0"/></body>"#, "/></body>");
+        let mut data = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
+        let result = data.with_callbacks(callbacks, |data| {
+            let result = data.step();
+            assert!(matches!(data.step(), Err(Error::Poisoned { .. })), "{name}");
+            result
+        });
+        match result {
+            Err(Error::Callback { callback, message }) => {
+                assert_eq!((callback, message), (name, format!("no {name}")));
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+        // Nothing is left of it.
+        data.reset().unwrap();
+        data.step().unwrap();
+    }
+}
+
+#[test]
+fn a_control_that_is_not_a_number_is_an_error_and_not_a_step_without_control() {
+    let mut data = slider();
+    let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[1] = f64::NAN);
+    match data.with_callbacks(callbacks, |data| data.step()) {
+        Err(Error::Unstable(instability)) => {
+            assert_eq!((instability.quantity, instability.index), (Quantity::Control, 1));
+            assert_eq!(instability.name.as_deref(), Some("gain"));
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn forces_that_are_not_numbers_are_an_error() {
+    let mut data = slider();
+    let callbacks = Callbacks::new().passive(|moment| moment.qfrc_passive_mut()[0] = f64::NAN);
+    assert!(matches!(data.with_callbacks(callbacks, |data| data.step()), Err(Error::Unstable(_))));
+}
+
+#[test]
+fn what_is_not_computed_yet_is_refused_in_the_middle_of_a_step() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("stand").unwrap();
+    data.step().unwrap(); // everything was computed once, for an earlier state
+    let foot = data.model().body("foot_left").unwrap().id();
+    let (mut filtered, mut controlled) = (0, 0);
+    let callbacks = Callbacks::new()
+        .contact_filter(|data, _, collide| {
+            filtered += 1;
+            assert!(matches!(data.full_m(), Err(Error::NotComputed { .. })));
+            collide
+        })
+        .control(|moment| {
+            controlled += 1;
+            assert!(moment.jac_body_com(foot).is_ok());
+            assert!(moment.full_m().is_ok());
+            let contact = moment.contacts().next().unwrap();
+            assert!(matches!(contact.force(), Err(Error::NotComputed { .. })));
+        });
+    data.with_callbacks(callbacks, |data| data.step()).unwrap();
+    assert!(filtered > 0 && controlled == 1);
+    assert!(data.contacts().next().unwrap().force().is_ok());
+}
+
+#[test]
+fn another_simulation_is_not_called_for() {
+    let calls = AtomicUsize::new(0);
+    let count = || {
+        calls.fetch_add(1, Ordering::Relaxed);
+    };
+    let mut data = slider();
+    let mut other = data.clone();
+    let callbacks = Callbacks::new().control(|moment| {
+        count();
+        // In the middle of this one: another, a clone of this one, and a model that the engine simulates to compile it.
+        other.step().unwrap();
+        assert!(Model::from_xml_str(SLIDER).is_ok());
+        assert_eq!(moment.stage(), Stage::Velocity);
+    });
+    data.with_callbacks(callbacks, |data| {
+        data.step().unwrap();
+        data.clone().step().unwrap_or_else(|error| panic!("{error}"));
+        std::thread::scope(|scope| {
+            scope.spawn(|| slider().step().unwrap());
+        });
+    });
+    assert_eq!(calls.load(Ordering::Relaxed), 1);
+    // And after the scope, not for this one either.
+    data.step().unwrap();
+    assert_eq!(calls.load(Ordering::Relaxed), 1);
+}
+
+#[test]
+fn they_go_with_the_simulation_into_another_thread() {
+    let mut data = slider();
+    let mut threads = Vec::new();
+    let callbacks = Callbacks::new().control(|_| threads.push(std::thread::current().id()));
+    data.with_callbacks(callbacks, |data| {
+        std::thread::scope(|scope| scope.spawn(|| data.step()).join().unwrap()).unwrap();
+    });
+    assert!(threads.len() == 1 && threads[0] != std::thread::current().id());
+}
+
+#[test]
+fn a_simulation_that_is_swapped_out_of_the_scope_leaves_them_behind() {
+    let calls = AtomicUsize::new(0);
+    let (mut data, mut other) = (slider(), slider());
+    let callbacks = Callbacks::new().control(|_| {
+        calls.fetch_add(1, Ordering::Relaxed);
+    });
+    data.with_callbacks(callbacks, |data| std::mem::swap(data, &mut other));
+    data.step().unwrap();
+    other.step().unwrap();
+    assert_eq!(calls.load(Ordering::Relaxed), 0);
+}
+
+#[test]
+fn a_panic_of_the_scope_itself_takes_them_away() {
+    let calls = AtomicUsize::new(0);
+    let mut data = slider();
+    let callbacks = Callbacks::new().control(|_| {
+        calls.fetch_add(1, Ordering::Relaxed);
+    });
+    let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        data.with_callbacks(callbacks, |_| panic!("out of the scope"));
+    }));
+    assert!(caught.is_err());
+    data.step().unwrap();
+    assert_eq!(calls.load(Ordering::Relaxed), 0);
+}
+
+#[test]
+fn a_scope_within_a_scope_has_its_own() {
+    let (outer, inner) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let mut data = slider();
+    data.with_callbacks(Callbacks::new().control(|_| _ = outer.fetch_add(1, Ordering::Relaxed)), |data| {
+        data.with_callbacks(Callbacks::new().control(|_| _ = inner.fetch_add(1, Ordering::Relaxed)), |data| {
+            data.step()
+        })
+        .unwrap();
+        data.step().unwrap();
+    });
+    assert_eq!((outer.into_inner(), inner.into_inner()), (1, 1));
+}
+
+#[test]
+fn a_feedback_law_is_part_of_what_is_linearised() {
+    // x'' = −k x by a control callback: A[v, x] = −h k.
+    let mut data = slider();
+    let stiffness = 40.0;
+    let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = -stiffness * moment.qpos()[0]);
+    let system = data.with_callbacks(callbacks, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
+    assert!((system.a[(1, 0)] + data.model().timestep() * stiffness).abs() < 1e-8, "{}", system.a[(1, 0)]);
+}
