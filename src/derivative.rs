@@ -13,7 +13,7 @@ use std::ptr;
 
 use mujoco_sys::guard;
 
-use crate::data::{Data, Stage};
+use crate::data::{Computed, Data};
 use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
@@ -156,7 +156,7 @@ impl Data {
         let spills = self.last_control_is_stuck(eps);
         let time = self.time();
         let mut call = |a, b, c, d| {
-            self.run("mjd_transitionFD", Stage::Nothing, |model, data| {
+            self.run("mjd_transitionFD", Computed::empty(), |model, data| {
                 // SAFETY: a model and a data that go together, and outputs that are NULL or have the shapes that the engine
                 // writes.
                 unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }

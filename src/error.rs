@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::control::riccati::RiccatiError;
-use crate::data::{Instability, Stage};
+use crate::data::{Instability, Needs};
 use crate::engine::Version;
 use crate::id::Kind;
 
@@ -137,12 +137,12 @@ pub enum Error {
     },
 
     /// The call needs quantities that have not been computed for the present model and state.
-    #[error("{call} needs {needs}, which have not been computed {}", remedy(call))]
+    #[error("{call} needs {needs}, which have not been computed {}", needs.remedy())]
     NotComputed {
         /// The call that was made.
         call: &'static str,
         /// What it needs.
-        needs: Stage,
+        needs: Needs,
     },
 
     /// Two objects belong to models that were loaded separately.
@@ -204,15 +204,6 @@ impl Error {
     pub(crate) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::File { path, source }
-    }
-}
-
-/// What makes a call possible that needs earlier ones.
-fn remedy(call: &str) -> &'static str {
-    if call == "step2" {
-        "since the last step, reset or change of the model: call step1 first, once for each step2"
-    } else {
-        "since the last reset or change of the model: call forward or step first"
     }
 }
 

@@ -83,7 +83,7 @@ pub use mujoco_sys as sys;
 pub use crate::callback::Callbacks;
 pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, ZeroController};
 pub use crate::data::{
-    Contact, ContactForce, Data, Instability, Jacobian, Quantity, Stage, StateSpec, Warning, WarningCount,
+    Contact, ContactForce, Data, Instability, Jacobian, Needs, Quantity, Stage, StateSpec, Warning, WarningCount,
 };
 pub use crate::derivative::{Differences, StateSpace, TransitionOutputs};
 pub use crate::engine::{Version, built_against, enable_timers, engine_version};

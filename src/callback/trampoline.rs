@@ -10,7 +10,7 @@ use mujoco_sys::{callback as asked, mjData, mjModel, mjSTAGE_POS, mjSTAGE_VEL, m
 
 use super::scope::Slot;
 use super::{Callbacks, ControlMoment, PassiveMoment, SensorMoment};
-use crate::data::{Data, Stage};
+use crate::data::{Computed, Data};
 use crate::error::Error;
 use crate::ffi;
 use crate::id::Id;
@@ -22,6 +22,8 @@ pub(crate) type Failure = Error;
 struct Present {
     data: *mut Data,
     raw: *const mjData,
+    /// What the call computes, from what there was before it.
+    reaches: Computed,
     callbacks: *mut Callbacks<'static>,
     failure: RefCell<Option<Failure>>,
 }
@@ -44,12 +46,13 @@ impl Drop for Restore {
 pub(crate) fn computing(
     data: *mut Data,
     raw: *const mjData,
+    reaches: Computed,
     slot: &Slot,
     call: impl FnOnce() -> c_int,
 ) -> (c_int, Option<Failure>) {
     let mut callbacks = slot.lock();
     let Some(callbacks) = callbacks.as_mut() else { return (call(), None) };
-    let present = Present { data, raw, callbacks: ptr::from_mut(callbacks), failure: RefCell::new(None) };
+    let present = Present { data, raw, reaches, callbacks: ptr::from_mut(callbacks), failure: RefCell::new(None) };
     let status = {
         let _restore = Restore(PRESENT.replace(&raw const present));
         call()
@@ -99,7 +102,10 @@ unsafe extern "C" fn handler(
     // SAFETY: the shim passes a place of its own.
     let value = unsafe { &mut *value };
     let question = Question { what, first: ffi::size(first), second: ffi::size(second) };
-    let answer = catch_unwind(AssertUnwindSafe(|| question.put(callbacks, data, value)));
+    let answer = catch_unwind(AssertUnwindSafe(|| {
+        data.is_at(question.moment() & present.reaches);
+        question.put(callbacks, data, value)
+    }));
     let failure = match answer {
         Ok(Ok(())) => return 0,
         Ok(Err(failure)) => failure,
@@ -117,9 +123,7 @@ struct Question {
 }
 
 impl Question {
-    fn put(&self, callbacks: &mut Callbacks<'static>, data: &mut Data, value: &mut f64) -> Result<(), Failure> {
-        data.is_at(self.stage());
-        let data = &*data;
+    fn put(&self, callbacks: &mut Callbacks<'static>, data: &Data, value: &mut f64) -> Result<(), Failure> {
         let lineage = data.model().lineage();
         match self.what {
             asked::CONTROL => {
@@ -159,15 +163,16 @@ impl Question {
         Ok(())
     }
 
-    /// How far the engine has computed when it asks.
-    fn stage(&self) -> Stage {
+    /// What the engine has computed when it asks, if the call goes through the whole pipeline.
+    fn moment(&self) -> Computed {
         const POSITION: usize = mjSTAGE_POS as usize;
         const VELOCITY: usize = mjSTAGE_VEL as usize;
         match (self.what, self.first) {
-            (asked::CONTACT_FILTER, _) => Stage::Nothing,
-            (asked::PASSIVE, _) | (asked::SENSOR, POSITION) => Stage::Position,
-            (asked::SENSOR, stage) if stage != VELOCITY => Stage::Acceleration,
-            _ => Stage::Velocity,
+            (asked::CONTACT_FILTER, _) => Computed::KINEMATICS,
+            (asked::SENSOR, POSITION) => Computed::POSITION,
+            (asked::PASSIVE, _) => Computed::BEFORE_PASSIVE,
+            (asked::SENSOR, stage) if stage != VELOCITY => Computed::FORCES,
+            _ => Computed::VELOCITY,
         }
     }
 

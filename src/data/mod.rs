@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `step.rs` | step, forward, inverse: the pipeline |
 //! | `stage.rs` | how far the pipeline has been computed |
+//! | `computed.rs` | the same, piece by piece |
 //! | `stability.rs` | states that the engine would silently reset |
 //! | `warning.rs` | the engine's warnings, counted and logged |
 //! | `state.rs` | the state as one vector |
@@ -11,6 +12,7 @@
 //! | `inertia.rs` | the inertia matrix: full, products, solutions |
 //! | `contact.rs` | contacts and their forces |
 
+mod computed;
 mod contact;
 mod inertia;
 mod jacobian;
@@ -26,6 +28,8 @@ use std::sync::Arc;
 
 use mujoco_sys::{self as sys, guard, mjData};
 
+pub(crate) use self::computed::Computed;
+pub use self::computed::Needs;
 pub use self::contact::{Contact, ContactForce};
 pub use self::jacobian::Jacobian;
 pub use self::stability::{Instability, Quantity};
@@ -126,9 +130,8 @@ use crate::model::{Model, ModelMut};
 pub struct Data {
     raw: NonNull<mjData>,
     model: Arc<Model>,
-    stage: Stage,
-    /// Whether `step2` may go on from here: the forward pipeline was computed, and the state was not advanced since.
-    first_half: bool,
+    /// What is there for the present model.
+    computed: Computed,
     /// Why the data is unusable, if it is.
     failure: Option<Box<str>>,
     /// The closures that the engine calls, within the scope of [`with_callbacks`](Self::with_callbacks).
@@ -164,7 +167,7 @@ impl Data {
     /// `raw` is NULL or a data that the engine made for a model of the same structure as `model`, and nobody else's.
     unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
         let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
-        Ok(Self { raw, model, stage: Stage::Nothing, first_half: false, failure: None, callbacks: None })
+        Ok(Self { raw, model, computed: Computed::empty(), failure: None, callbacks: None })
     }
 
     /// The model.
@@ -223,7 +226,7 @@ impl Data {
             self.model = Arc::new(self.model.try_clone()?);
         }
         let model = Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared");
-        self.stage = Stage::Nothing;
+        self.computed = Computed::empty();
         Ok(edit(&mut model.edit()))
     }
 
@@ -268,7 +271,7 @@ impl Data {
     }
 
     fn was_reset(&mut self, function: &'static str, status: i32) -> Result<()> {
-        self.stage = Stage::Nothing;
+        self.computed = Computed::empty();
         self.failure = None;
         ffi::check(function, status).inspect_err(|error| self.failure = Some(error.to_string().into()))
     }
@@ -287,8 +290,7 @@ impl Data {
         ffi::check("mj_copyData", status)?;
         // SAFETY: made for this model, and ours alone.
         let mut copy = unsafe { Self::from_raw(copy, self.model.clone()) }?;
-        copy.stage = self.stage;
-        copy.first_half = self.first_half;
+        copy.computed = self.computed;
         copy.failure.clone_from(&self.failure);
         Ok(copy)
     }
@@ -309,8 +311,7 @@ impl Data {
             unsafe { guard::mj_copy_data(self.raw.as_ptr(), self.model.as_ptr(), other.raw.as_ptr(), &raw mut copied) };
         ffi::check("mj_copyData", status)?;
         // What was computed under other options is laid out otherwise.
-        self.stage = if Arc::ptr_eq(&self.model, &other.model) { other.stage } else { Stage::Nothing };
-        self.first_half = other.first_half;
+        self.computed = if Arc::ptr_eq(&self.model, &other.model) { other.computed } else { Computed::empty() };
         self.failure.clone_from(&other.failure);
         Ok(())
     }
@@ -330,12 +331,12 @@ impl Data {
     /// How far the present quantities have been computed.
     #[inline]
     pub fn stage(&self) -> Stage {
-        self.stage
+        self.computed.stage()
     }
 
     /// Notes how far the engine has come, for a closure that it calls in the middle of its work.
-    pub(crate) fn is_at(&mut self, stage: Stage) {
-        self.stage = stage;
+    pub(crate) fn is_at(&mut self, computed: Computed) {
+        self.computed = computed;
     }
 
     /// The engine's structure, for calls past this crate.
@@ -376,7 +377,11 @@ impl Data {
     #[inline]
     pub(crate) fn check_computed(&self, call: &'static str, needs: Stage) -> Result<()> {
         self.check_usable()?;
-        if self.stage >= needs { Ok(()) } else { Err(Error::NotComputed { call, needs }) }
+        if self.computed.contains(needs.into()) {
+            Ok(())
+        } else {
+            Err(Error::NotComputed { call, needs: needs.into() })
+        }
     }
 }
 
@@ -392,7 +397,7 @@ impl Clone for Data {
     fn clone_from(&mut self, source: &Self) {
         if self.copy_from(source).is_ok() {
             self.model = source.model.clone();
-            self.stage = source.stage;
+            self.computed = source.computed;
         } else {
             *self = source.clone();
         }

@@ -6,7 +6,7 @@ use std::ptr;
 use mujoco_sys::{guard, mjData, mjModel, mjWARN_CNSTRFULL};
 
 use super::warning::{Counted, Lifted};
-use super::{Data, Stage};
+use super::{Computed, Data, Needs};
 use crate::callback;
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -26,7 +26,7 @@ impl Data {
     pub fn step(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        self.run("mj_step", Stage::Acceleration, |m, d| {
+        self.run("mj_step", Computed::AFTER_STEP, |m, d| {
             // SAFETY: `run` passes a model and a data that go together.
             unsafe { guard::mj_step(m, d) }
         })
@@ -43,12 +43,10 @@ impl Data {
     pub fn step1(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        self.run("mj_step1", Stage::Velocity, |m, d| {
+        self.run("mj_step1", Computed::AFTER_STEP1, |m, d| {
             // SAFETY: as in `step`.
             unsafe { guard::mj_step1(m, d) }
-        })?;
-        self.first_half = true;
-        Ok(())
+        })
     }
 
     /// The second half of a step: actuation, accelerations, integration. With the integrator
@@ -63,12 +61,12 @@ impl Data {
     #[doc(alias = "mj_step2")]
     #[inline]
     pub fn step2(&mut self) -> Result<()> {
-        self.check_computed("step2", Stage::Velocity)?;
-        if !self.first_half {
-            return Err(Error::NotComputed { call: "step2", needs: Stage::Velocity });
+        self.check_usable()?;
+        if !self.computed.contains(Computed::AFTER_STEP1) {
+            return Err(Error::NotComputed { call: "step2", needs: Needs::FIRST_HALF });
         }
         self.check_inputs()?;
-        self.run("mj_step2", Stage::Acceleration, |m, d| {
+        self.run("mj_step2", Computed::AFTER_STEP, |m, d| {
             // SAFETY: as in `step`, and the stages before this one were computed for this model.
             unsafe { guard::mj_step2(m, d) }
         })
@@ -85,12 +83,10 @@ impl Data {
     pub fn forward(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        self.run("mj_forward", Stage::Acceleration, |m, d| {
+        self.run("mj_forward", Computed::AFTER_FORWARD, |m, d| {
             // SAFETY: as in `step`.
             unsafe { guard::mj_forward(m, d) }
-        })?;
-        self.first_half = true;
-        Ok(())
+        })
     }
 
     /// Inverse dynamics: from positions, velocities and the accelerations in `qacc` to the forces that cause them, in
@@ -117,22 +113,23 @@ impl Data {
     pub fn inverse(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        self.run("mj_inverse", Stage::Acceleration, |m, d| {
+        self.forget_old_contacts();
+        self.run("mj_inverse", Computed::AFTER_INVERSE, |m, d| {
             // SAFETY: as in `step`.
             unsafe { guard::mj_inverse(m, d) }
         })
     }
 
-    /// Makes a guarded call that may warn, fail or reset, and notes how far it has computed.
+    /// Makes a guarded call that may warn, fail or reset, and notes what is computed afterwards. Every engine
+    /// call that computes goes through here.
     #[inline]
     pub(crate) fn run(
         &mut self,
         function: &'static str,
-        computes: Stage,
+        computes: Computed,
         call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
     ) -> Result<()> {
         let time = self.time();
-        self.first_half = false;
         let warnings = Lifted::lift(self.raw_mut());
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
         let adhesive = self.model().has_adhesion();
@@ -141,17 +138,29 @@ impl Data {
             None => (call(model, data), None),
             Some(slot) => {
                 let slot = slot.clone();
-                callback::computing(ptr::from_mut(self), data, &slot, || {
+                // What leaves nothing behind, such as finite differences, goes through the whole pipeline all the same.
+                let reaches = if computes.is_empty() { Computed::AFTER_FORWARD } else { computes };
+                callback::computing(ptr::from_mut(self), data, reaches, &slot, || {
                     if adhesive { run_with_adhesion(model, data, call) } else { call(model, data) }
                 })
             }
         };
         let counted = warnings.lower(self.raw_mut());
         if status == guard::OK && counted == Counted::Nothing {
-            self.stage = computes;
+            self.computed = computes;
             return Ok(());
         }
         self.settle(function, computes, time, &warnings, status, counted, failure)
+    }
+
+    /// The engine's inverse dynamics computes what an adhesion actuator acts on from the contacts and constraints of the call
+    /// before. Those of another model, or that do not belong together, would lead it out of bounds, so there are none then.
+    #[inline]
+    pub(super) fn forget_old_contacts(&mut self) {
+        if self.model().has_adhesion() && !self.computed.contains(Computed::CONSTRAINT) {
+            let raw = self.raw_mut();
+            (raw.ncon, raw.ne, raw.nf, raw.nefc) = (0, 0, 0, 0);
+        }
     }
 
     #[cold]
@@ -162,7 +171,7 @@ impl Data {
     fn settle(
         &mut self,
         function: &'static str,
-        computes: Stage,
+        computes: Computed,
         time: f64,
         warnings: &Lifted,
         status: c_int,
@@ -177,12 +186,12 @@ impl Data {
         };
         match failed {
             None => {
-                self.stage = computes;
+                self.computed = computes;
                 self.log_new_warnings(warnings);
                 Ok(())
             }
             Some(error) => {
-                self.stage = Stage::Nothing;
+                self.computed = Computed::empty();
                 self.failure = Some(error.to_string().into());
                 Err(error)
             }

@@ -1,0 +1,225 @@
+//! What has been computed for the present model, piece by piece.
+
+#![allow(dead_code, reason = "for the parts of the pipeline, called one by one")]
+
+use std::fmt;
+
+use bitflags::bitflags;
+
+use super::Stage;
+
+bitflags! {
+    /// One bit for each part of the pipeline: its results are there, laid out as the present options say, and nothing that they
+    /// were made of was computed anew since.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) struct Computed: u32 {
+        const KINEMATICS = 1;
+        const COM_POS = 1 << 1;
+        const CAMLIGHT = 1 << 2;
+        const TENDON = 1 << 3;
+        const CRB = 1 << 4;
+        const FACTOR_M = 1 << 5;
+        const COLLISION = 1 << 6;
+        const CONSTRAINT = 1 << 7;
+        const TRANSMISSION = 1 << 8;
+        const PROJECTION = 1 << 9;
+        const TENDON_VELOCITY = 1 << 10;
+        const ACTUATOR_VELOCITY = 1 << 11;
+        const COM_VEL = 1 << 12;
+        const PASSIVE = 1 << 13;
+        const REFERENCE = 1 << 14;
+        const BIAS = 1 << 15;
+        const SUBTREE_VEL = 1 << 16;
+        const ACTUATION = 1 << 17;
+        const ACCELERATION = 1 << 18;
+        const FORCE = 1 << 19;
+        const POST_CONSTRAINT = 1 << 20;
+        /// The state was not advanced since the positions were taken from it.
+        const CURRENT = 1 << 21;
+
+        /// What [`Stage::Position`] stands for.
+        const POSITION = Self::KINEMATICS.bits() | Self::COM_POS.bits() | Self::CAMLIGHT.bits() | Self::TENDON.bits()
+            | Self::CRB.bits() | Self::FACTOR_M.bits() | Self::COLLISION.bits() | Self::CONSTRAINT.bits()
+            | Self::TRANSMISSION.bits();
+        /// What [`Stage::Velocity`] stands for.
+        const VELOCITY = Self::POSITION.bits() | Self::TENDON_VELOCITY.bits() | Self::ACTUATOR_VELOCITY.bits()
+            | Self::COM_VEL.bits() | Self::PASSIVE.bits() | Self::REFERENCE.bits() | Self::BIAS.bits();
+        /// What [`Stage::Acceleration`] stands for, which inverse dynamics reaches too.
+        const FORCES = Self::VELOCITY.bits() | Self::FORCE.bits();
+
+        /// What is there when passive forces have just been computed.
+        const BEFORE_PASSIVE = Self::POSITION.bits() | Self::TENDON_VELOCITY.bits() | Self::ACTUATOR_VELOCITY.bits()
+            | Self::COM_VEL.bits();
+
+        /// What the first half of a step leaves.
+        const AFTER_STEP1 = Self::VELOCITY.bits() | Self::PROJECTION.bits() | Self::CURRENT.bits();
+        /// What forward dynamics leaves.
+        const AFTER_FORWARD = Self::AFTER_STEP1.bits() | Self::ACTUATION.bits() | Self::ACCELERATION.bits()
+            | Self::FORCE.bits();
+        /// What a step leaves: quantities of the state before.
+        const AFTER_STEP = Self::AFTER_FORWARD.bits() & !Self::CURRENT.bits();
+        /// What inverse dynamics leaves, which uses neither the projection nor the actuators.
+        const AFTER_INVERSE = Self::FORCES.bits() | Self::CURRENT.bits();
+    }
+}
+
+impl Computed {
+    /// Each part of the pipeline, what it reads of the others, and the method that computes it, in an order that works.
+    const PARTS: [(Self, Self, &'static str); 21] = [
+        (Self::KINEMATICS, Self::empty(), "kinematics"),
+        (Self::COM_POS, Self::KINEMATICS, "com_pos"),
+        (Self::CAMLIGHT, Self::COM_POS, "camlight"),
+        (Self::TENDON, Self::COM_POS, "tendon"),
+        (Self::CRB, Self::COM_POS, "crb"),
+        (Self::FACTOR_M, Self::CRB, "factor_m"),
+        (Self::COLLISION, Self::KINEMATICS, "collision"),
+        (Self::CONSTRAINT, Self::TENDON.union(Self::COLLISION), "make_constraint"),
+        (Self::TRANSMISSION, Self::TENDON, "transmission"),
+        (Self::PROJECTION, Self::FACTOR_M.union(Self::CONSTRAINT), "project_constraint"),
+        (Self::TENDON_VELOCITY, Self::TENDON, "tendon_velocity"),
+        (Self::ACTUATOR_VELOCITY, Self::TRANSMISSION, "actuator_velocity"),
+        (Self::COM_VEL, Self::COM_POS, "com_vel"),
+        (Self::PASSIVE, Self::COM_VEL.union(Self::TENDON_VELOCITY), "passive"),
+        (Self::REFERENCE, Self::CONSTRAINT, "reference_constraint"),
+        (Self::BIAS, Self::COM_VEL, "bias"),
+        (Self::SUBTREE_VEL, Self::COM_VEL, "subtree_vel"),
+        (Self::ACTUATION, Self::ACTUATOR_VELOCITY, "fwd_actuation"),
+        (
+            Self::ACCELERATION,
+            Self::FACTOR_M.union(Self::PASSIVE).union(Self::BIAS).union(Self::ACTUATION),
+            "fwd_acceleration",
+        ),
+        (Self::FORCE, Self::PROJECTION.union(Self::REFERENCE).union(Self::ACCELERATION), "fwd_constraint"),
+        (Self::POST_CONSTRAINT, Self::FORCE, "rne_post_constraint"),
+    ];
+
+    /// What becomes stale when these are computed anew: all that was made of them, directly or not.
+    const fn dependents(self) -> Self {
+        let mut stale = Self::empty();
+        let mut part = 0;
+        // One pass is enough, because a part comes after what it reads.
+        while part < Self::PARTS.len() {
+            let (result, reads, _) = Self::PARTS[part];
+            if reads.intersects(self.union(stale)) {
+                stale = stale.union(result);
+            }
+            part += 1;
+        }
+        stale
+    }
+
+    /// What is left when `gives` has been computed anew.
+    pub(super) const fn after(self, gives: Self) -> Self {
+        self.difference(gives.dependents()).union(gives)
+    }
+
+    pub(super) fn stage(self) -> Stage {
+        [Stage::Acceleration, Stage::Velocity, Stage::Position]
+            .into_iter()
+            .find(|&stage| self.contains(stage.into()))
+            .unwrap_or(Stage::Nothing)
+    }
+}
+
+impl From<Stage> for Computed {
+    #[inline]
+    fn from(stage: Stage) -> Self {
+        match stage {
+            Stage::Nothing => Self::empty(),
+            Stage::Position => Self::POSITION,
+            Stage::Velocity => Self::VELOCITY,
+            Stage::Acceleration => Self::FORCES,
+        }
+    }
+}
+
+/// What a call needs that has not been computed: a whole [`Stage`], or the results of some parts of the pipeline.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Needs(Need);
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Need {
+    Stage(Stage),
+    Parts(Computed),
+    FirstHalf,
+}
+
+impl Needs {
+    /// The parts that are missing.
+    pub(super) const fn parts(missing: Computed) -> Self {
+        Self(Need::Parts(missing))
+    }
+
+    /// A first half of a step, which nothing has made of no use since.
+    pub(super) const FIRST_HALF: Self = Self(Need::FirstHalf);
+
+    /// Since when it has not been computed, and which call computes it.
+    pub(crate) fn remedy(self) -> &'static str {
+        match self.0 {
+            Need::Stage(_) => "since the last reset or change of the model: call forward or step first",
+            Need::FirstHalf => {
+                "since the last step, reset or change of the model: call step1 first, once for each step2"
+            }
+            Need::Parts(_) => {
+                "since the last step, reset, change of the model or change of what they are made of: call these first, in \
+                 this order, or forward"
+            }
+        }
+    }
+}
+
+impl From<Stage> for Needs {
+    fn from(stage: Stage) -> Self {
+        Self(Need::Stage(stage))
+    }
+}
+
+impl fmt::Display for Needs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let missing = match self.0 {
+            Need::Stage(stage) => return stage.fmt(f),
+            Need::FirstHalf => return Stage::Velocity.fmt(f),
+            Need::Parts(missing) => missing,
+        };
+        f.write_str("the results of ")?;
+        // The positions of a state that was advanced are those of another one.
+        let missing = if missing.contains(Computed::CURRENT) { missing | Computed::KINEMATICS } else { missing };
+        let parts = Computed::PARTS.iter().filter(|(part, ..)| missing.contains(*part));
+        for (index, (_, _, method)) in parts.enumerate() {
+            write!(f, "{}{method}", if index > 0 { ", " } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for Needs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Needs({self})")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Computed;
+
+    #[test]
+    fn every_part_comes_after_what_it_reads() {
+        let mut earlier = Computed::empty();
+        for (part, reads, method) in Computed::PARTS {
+            assert!(earlier.contains(reads), "{method} reads {:?}", reads - earlier);
+            assert_eq!(part.bits().count_ones(), 1, "{method}");
+            earlier |= part;
+        }
+        assert_eq!(earlier | Computed::CURRENT, Computed::all());
+    }
+
+    #[test]
+    fn what_is_computed_anew_makes_stale_what_was_made_of_it() {
+        let all = Computed::all();
+        assert_eq!(all.after(Computed::KINEMATICS), Computed::KINEMATICS | Computed::CURRENT);
+        let stale = all - all.after(Computed::COLLISION);
+        let rows = Computed::CONSTRAINT | Computed::PROJECTION | Computed::REFERENCE;
+        assert_eq!(stale, rows | Computed::FORCE | Computed::POST_CONSTRAINT);
+        assert_eq!(all - all.after(Computed::POST_CONSTRAINT), Computed::empty());
+    }
+}
