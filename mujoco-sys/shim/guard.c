@@ -131,6 +131,37 @@ GUARDED(mj_inverse, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_forwardSkip, d, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
 GUARDED(mj_inverseSkip, d, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
 
+// Parts of the pipeline.
+GUARDED(mj_kinematics, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_comPos, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_camlight, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_tendon, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_crb, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_factorM, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_collision, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_makeConstraint, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_projectConstraint, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_transmission, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_comVel, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_passive, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_referenceConstraint, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_fwdPosition, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_fwdVelocity, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_fwdActuation, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_fwdAcceleration, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_fwdConstraint, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_invPosition, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_invVelocity, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_invConstraint, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_compareFwdInv, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_sensorPos, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_sensorVel, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_sensorAcc, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_energyPos, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_energyVel, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_Euler, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_RungeKutta, d, (const mjModel* m, mjData* d, int N), (m, d, N))
+
 // Functions of a computed state that use the engine's stack or check their arguments with mju_error.
 GUARDED(mj_jacSubtreeCom, d, (const mjModel* m, mjData* d, mjtNum* jacp, int body), (m, d, jacp, body))
 GUARDED(mj_jacPointAxis, d,
@@ -141,6 +172,39 @@ GUARDED(mj_rne, d, (const mjModel* m, mjData* d, int with_acceleration, mjtNum* 
         (m, d, with_acceleration, result))
 GUARDED(mj_rnePostConstraint, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_subtreeVel, d, (const mjModel* m, mjData* d), (m, d))
+
+GUARDED(mj_solveM2, d, (const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y, int n), (m, d, x, y, n))
+GUARDED(mj_addM, d, (const mjModel* m, mjData* d, mjtNum* dst, int* rownnz, int* rowadr, int* colind),
+        (m, d, dst, rownnz, rowadr, colind))
+GUARDED(mj_applyFT, d,
+        (const mjModel* m, mjData* d, const mjtNum* force, const mjtNum* torque, const mjtNum* point, int body,
+         mjtNum* qfrc_target),
+        (m, d, force, torque, point, body, qfrc_target))
+GUARDED(mj_objectVelocity, NO_DATA,
+        (const mjModel* m, const mjData* d, int objtype, int objid, mjtNum* res, int flg_local),
+        (m, d, objtype, objid, res, flg_local))
+GUARDED(mj_objectAcceleration, NO_DATA,
+        (const mjModel* m, const mjData* d, int objtype, int objid, mjtNum* res, int flg_local),
+        (m, d, objtype, objid, res, flg_local))
+GUARDED(mj_constraintUpdate, d,
+        (const mjModel* m, mjData* d, const mjtNum* jar, mjtNum* cost, int flg_coneHessian),
+        (m, d, jar, cost, flg_coneHessian))
+GUARDED_RESULT(mj_addContact, d, (const mjModel* m, mjData* d, const mjContact* con, int* result), (m, d, con))
+GUARDED_RESULT(mj_ray, NO_DATA,
+               (const mjModel* m, const mjData* d, const mjtNum* pnt, const mjtNum* vec, const mjtByte* geomgroup,
+                mjtByte flg_static, int bodyexclude, int* geomid, mjtNum* result),
+               (m, d, pnt, vec, geomgroup, flg_static, bodyexclude, geomid))
+GUARDED(mj_printData, d, (const mjModel* m, mjData* d, const char* filename), (m, d, filename))
+
+// A narrow-phase collision function from the engine's table, or no contacts where it has none.
+static int collide(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin) {
+  mjfCollision function = mjCOLLISIONFUNC[m->geom_type[g1]][m->geom_type[g2]];
+  return function ? function(m, d, con, g1, g2, margin) : -1;
+}
+
+int mujoco_sys_collide(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin, int* result) {
+  GUARDED_RUN(NO_DATA, *result = collide(m, d, con, g1, g2, margin))
+}
 
 GUARDED(mjd_transitionFD, d,
         (const mjModel* m, mjData* d, mjtNum eps, int centered, mjtNum* A, mjtNum* B, mjtNum* C, mjtNum* D),

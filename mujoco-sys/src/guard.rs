@@ -13,7 +13,7 @@
 
 use std::os::raw::{c_char, c_int, c_void};
 
-use crate::{mjData, mjModel, mjVFS, mjtNum};
+use crate::{mjContact, mjData, mjModel, mjVFS, mjtNum};
 
 /// The call went through.
 pub const OK: c_int = 0;
@@ -86,6 +86,36 @@ guarded! {
     mujoco_sys_mj_forwardSkip = mj_forward_skip(m: *const mjModel, d: *mut mjData, stage: c_int, skip_sensor: c_int);
     mujoco_sys_mj_inverseSkip = mj_inverse_skip(m: *const mjModel, d: *mut mjData, stage: c_int, skip_sensor: c_int);
 
+    mujoco_sys_mj_kinematics = mj_kinematics(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_comPos = mj_com_pos(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_camlight = mj_camlight(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_tendon = mj_tendon(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_crb = mj_crb(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_factorM = mj_factor_m(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_collision = mj_collision(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_makeConstraint = mj_make_constraint(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_projectConstraint = mj_project_constraint(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_transmission = mj_transmission(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_comVel = mj_com_vel(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_passive = mj_passive(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_referenceConstraint = mj_reference_constraint(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_fwdPosition = mj_fwd_position(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_fwdVelocity = mj_fwd_velocity(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_fwdActuation = mj_fwd_actuation(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_fwdAcceleration = mj_fwd_acceleration(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_fwdConstraint = mj_fwd_constraint(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_invPosition = mj_inv_position(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_invVelocity = mj_inv_velocity(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_invConstraint = mj_inv_constraint(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_compareFwdInv = mj_compare_fwd_inv(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_sensorPos = mj_sensor_pos(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_sensorVel = mj_sensor_vel(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_sensorAcc = mj_sensor_acc(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_energyPos = mj_energy_pos(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_energyVel = mj_energy_vel(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_Euler = mj_euler(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_RungeKutta = mj_runge_kutta(m: *const mjModel, d: *mut mjData, order: c_int);
+
     mujoco_sys_mj_jacSubtreeCom = mj_jac_subtree_com(m: *const mjModel, d: *mut mjData, jacp: *mut mjtNum, body: c_int);
     mujoco_sys_mj_jacPointAxis = mj_jac_point_axis(
         m: *const mjModel, d: *mut mjData, jacp: *mut mjtNum, jacr: *mut mjtNum,
@@ -95,6 +125,38 @@ guarded! {
     mujoco_sys_mj_rne = mj_rne(m: *const mjModel, d: *mut mjData, with_acceleration: c_int, result: *mut mjtNum);
     mujoco_sys_mj_rnePostConstraint = mj_rne_post_constraint(m: *const mjModel, d: *mut mjData);
     mujoco_sys_mj_subtreeVel = mj_subtree_vel(m: *const mjModel, d: *mut mjData);
+
+    mujoco_sys_mj_solveM2 = mj_solve_m2(m: *const mjModel, d: *mut mjData, x: *mut mjtNum, y: *const mjtNum, n: c_int);
+    mujoco_sys_mj_addM = mj_add_m(
+        m: *const mjModel, d: *mut mjData, dst: *mut mjtNum, rownnz: *mut c_int, rowadr: *mut c_int, colind: *mut c_int,
+    );
+    mujoco_sys_mj_applyFT = mj_apply_ft(
+        m: *const mjModel, d: *mut mjData, force: *const mjtNum, torque: *const mjtNum, point: *const mjtNum,
+        body: c_int, qfrc_target: *mut mjtNum,
+    );
+    mujoco_sys_mj_objectVelocity = mj_object_velocity(
+        m: *const mjModel, d: *const mjData, object_type: c_int, object: c_int, result: *mut mjtNum, local: c_int,
+    );
+    mujoco_sys_mj_objectAcceleration = mj_object_acceleration(
+        m: *const mjModel, d: *const mjData, object_type: c_int, object: c_int, result: *mut mjtNum, local: c_int,
+    );
+    mujoco_sys_mj_constraintUpdate = mj_constraint_update(
+        m: *const mjModel, d: *mut mjData, jar: *const mjtNum, cost: *mut mjtNum, with_cone_hessian: c_int,
+    );
+    mujoco_sys_mj_addContact = mj_add_contact(
+        m: *const mjModel, d: *mut mjData, contact: *const mjContact, result: *mut c_int,
+    );
+    mujoco_sys_mj_ray = mj_ray(
+        m: *const mjModel, d: *const mjData, point: *const mjtNum, vector: *const mjtNum, geomgroup: *const u8,
+        with_static: u8, bodyexclude: c_int, geom: *mut c_int, result: *mut mjtNum,
+    );
+    mujoco_sys_mj_printData = mj_print_data(m: *const mjModel, d: *mut mjData, filename: *const c_char);
+    /// `mjCOLLISIONFUNC` of the types of the two geoms, the first of which must not be the larger one. The number of contacts
+    /// goes to `*result`; -1 where the engine has no function for the pair.
+    mujoco_sys_collide = collide(
+        m: *const mjModel, d: *const mjData, contacts: *mut mjContact, geom1: c_int, geom2: c_int, margin: mjtNum,
+        result: *mut c_int,
+    );
 
     mujoco_sys_mjd_transitionFD = mjd_transition_fd(
         m: *const mjModel, d: *mut mjData, eps: mjtNum, centered: c_int,

@@ -1,7 +1,5 @@
 //! What has been computed for the present model, piece by piece.
 
-#![allow(dead_code, reason = "for the parts of the pipeline, called one by one")]
-
 use std::fmt;
 
 use bitflags::bitflags;
@@ -69,19 +67,19 @@ impl Computed {
         (Self::KINEMATICS, Self::empty(), "kinematics"),
         (Self::COM_POS, Self::KINEMATICS, "com_pos"),
         (Self::CAMLIGHT, Self::COM_POS, "camlight"),
-        (Self::TENDON, Self::COM_POS, "tendon"),
-        (Self::CRB, Self::COM_POS, "crb"),
+        (Self::TENDON, Self::COM_POS, "compute_tendon"),
+        (Self::CRB, Self::COM_POS, "compute_crb"),
         (Self::FACTOR_M, Self::CRB, "factor_m"),
         (Self::COLLISION, Self::KINEMATICS, "collision"),
         (Self::CONSTRAINT, Self::TENDON.union(Self::COLLISION), "make_constraint"),
         (Self::TRANSMISSION, Self::TENDON, "transmission"),
         (Self::PROJECTION, Self::FACTOR_M.union(Self::CONSTRAINT), "project_constraint"),
-        (Self::TENDON_VELOCITY, Self::TENDON, "tendon_velocity"),
-        (Self::ACTUATOR_VELOCITY, Self::TRANSMISSION, "actuator_velocity"),
+        (Self::TENDON_VELOCITY, Self::TENDON, "compute_ten_velocity"),
+        (Self::ACTUATOR_VELOCITY, Self::TRANSMISSION, "compute_actuator_velocity"),
         (Self::COM_VEL, Self::COM_POS, "com_vel"),
         (Self::PASSIVE, Self::COM_VEL.union(Self::TENDON_VELOCITY), "passive"),
         (Self::REFERENCE, Self::CONSTRAINT, "reference_constraint"),
-        (Self::BIAS, Self::COM_VEL, "bias"),
+        (Self::BIAS, Self::COM_VEL, "compute_qfrc_bias"),
         (Self::SUBTREE_VEL, Self::COM_VEL, "subtree_vel"),
         (Self::ACTUATION, Self::ACTUATOR_VELOCITY, "fwd_actuation"),
         (
@@ -108,9 +106,16 @@ impl Computed {
         stale
     }
 
+    /// What a model with an adhesion actuator makes of the constraints, beyond what the table says.
+    const MADE_OF_TRANSMISSION: Self = Self::TRANSMISSION.union(Self::TRANSMISSION.dependents());
+
     /// What is left when `gives` has been computed anew.
-    pub(super) const fn after(self, gives: Self) -> Self {
-        self.difference(gives.dependents()).union(gives)
+    pub(super) const fn after(self, gives: Self, adhesion: bool) -> Self {
+        let mut stale = gives.dependents();
+        if adhesion && gives.union(stale).intersects(Self::CONSTRAINT) {
+            stale = stale.union(Self::MADE_OF_TRANSMISSION);
+        }
+        self.difference(stale).union(gives)
     }
 
     pub(super) fn stage(self) -> Stage {
@@ -216,10 +221,14 @@ mod tests {
     #[test]
     fn what_is_computed_anew_makes_stale_what_was_made_of_it() {
         let all = Computed::all();
-        assert_eq!(all.after(Computed::KINEMATICS), Computed::KINEMATICS | Computed::CURRENT);
-        let stale = all - all.after(Computed::COLLISION);
+        assert_eq!(all.after(Computed::KINEMATICS, false), Computed::KINEMATICS | Computed::CURRENT);
+        let stale = all - all.after(Computed::COLLISION, false);
         let rows = Computed::CONSTRAINT | Computed::PROJECTION | Computed::REFERENCE;
         assert_eq!(stale, rows | Computed::FORCE | Computed::POST_CONSTRAINT);
-        assert_eq!(all - all.after(Computed::POST_CONSTRAINT), Computed::empty());
+        let with_adhesion = all - all.after(Computed::COLLISION, true);
+        let actuators =
+            Computed::TRANSMISSION | Computed::ACTUATOR_VELOCITY | Computed::ACTUATION | Computed::ACCELERATION;
+        assert_eq!(with_adhesion - stale, actuators);
+        assert_eq!(all - all.after(Computed::POST_CONSTRAINT, false), Computed::empty());
     }
 }

@@ -5,17 +5,21 @@
 //! | `step.rs` | step, forward, inverse: the pipeline |
 //! | `stage.rs` | how far the pipeline has been computed |
 //! | `computed.rs` | the same, piece by piece |
+//! | `pipeline.rs` | the parts of the pipeline, called one by one |
 //! | `stability.rs` | states that the engine would silently reset |
 //! | `warning.rs` | the engine's warnings, counted and logged |
 //! | `state.rs` | the state as one vector |
 //! | `jacobian.rs` | Jacobians of points on bodies |
 //! | `inertia.rs` | the inertia matrix: full, products, solutions |
+//! | `constraint.rs` | products with the Jacobian of the constraints, their cost |
 //! | `contact.rs` | contacts and their forces |
 
 mod computed;
+mod constraint;
 mod contact;
 mod inertia;
 mod jacobian;
+pub mod pipeline;
 mod stability;
 mod stage;
 mod state;

@@ -163,6 +163,21 @@ impl Data {
         }
     }
 
+    /// The engine makes rows for the contacts that there is room for, and leaves the others as collision detection left them. When
+    /// it makes them a second time, those must not keep the rows of the first.
+    pub(super) fn forget_old_rows(&mut self) {
+        /// The contact has no degrees of freedom, which the engine finds anew.
+        const EXCLUDED_WITHOUT_DOFS: i32 = 4;
+        let (contacts, ncon) = (self.raw().contact, self.ncon());
+        // SAFETY: the engine keeps `ncon` contacts there, and `self` is borrowed exclusively.
+        for contact in unsafe { ffi::array_mut(contacts, ncon) } {
+            contact.efc_address = -1;
+            if contact.exclude == EXCLUDED_WITHOUT_DOFS {
+                contact.exclude = 0;
+            }
+        }
+    }
+
     #[cold]
     #[allow(
         clippy::too_many_arguments,
