@@ -1,72 +1,56 @@
-//! The physics options and statistics.
+//! The settings that a model carries beside its elements: options of the physics, settings of the visualiser, statistics. Each
+//! is a struct of plain values, read as a copy and written back after a check.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `flags.rs` | features that are switched on and off |
+//! | `statistics.rs` | the figures that set the model's scale |
+//! | `visual.rs`, `visual_check.rs` | the settings of the visualiser, and what they may be |
+//! | `mirror.rs` | a struct of the engine's as one of Rust, field by field |
+//! | `check.rs` | ranges that several settings share |
 
-use bitflags::bitflags;
-use mujoco_sys::{self as sys, mjOption};
+mod check;
+mod flags;
+mod mirror;
+mod statistics;
+mod visual;
+mod visual_check;
 
+use mujoco_sys::mjOption;
+
+use self::check::Checks;
+pub use self::flags::{DisableFlags, EnableFlags};
+use self::mirror::Mirror;
+pub use self::statistics::Statistics;
+pub use self::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
+pub(super) use self::visual_check::{LARGEST_IMAGE, MOST_SAMPLES, MOST_SLICES};
 use super::Model;
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
-use crate::error::{Error, Result};
-
-bitflags! {
-    /// Standard features that are switched off.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-    #[doc(alias = "mjtDisableBit")]
-    pub struct DisableFlags: u32 {
-        /// The entire constraint solver.
-        const CONSTRAINT = sys::mjDSBL_CONSTRAINT;
-        /// Equality constraints.
-        const EQUALITY = sys::mjDSBL_EQUALITY;
-        /// Friction loss of joints and tendons.
-        const FRICTIONLOSS = sys::mjDSBL_FRICTIONLOSS;
-        /// Limits of joints and tendons.
-        const LIMIT = sys::mjDSBL_LIMIT;
-        /// Contacts.
-        const CONTACT = sys::mjDSBL_CONTACT;
-        /// Springs, dampers and fluid forces.
-        const PASSIVE = sys::mjDSBL_PASSIVE;
-        /// Gravity.
-        const GRAVITY = sys::mjDSBL_GRAVITY;
-        /// Clamping of controls to their ranges.
-        const CLAMPCTRL = sys::mjDSBL_CLAMPCTRL;
-        /// Starting the solver from the last solution.
-        const WARMSTART = sys::mjDSBL_WARMSTART;
-        /// The exclusion of collisions between a body and its parent.
-        const FILTERPARENT = sys::mjDSBL_FILTERPARENT;
-        /// Actuator forces.
-        const ACTUATION = sys::mjDSBL_ACTUATION;
-        /// The lower bound of twice the timestep on constraint time constants.
-        const REFSAFE = sys::mjDSBL_REFSAFE;
-        /// Sensors.
-        const SENSOR = sys::mjDSBL_SENSOR;
-    }
-}
-
-bitflags! {
-    /// Optional features that are switched on.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-    #[doc(alias = "mjtEnableBit")]
-    pub struct EnableFlags: u32 {
-        /// The contact parameters of the options override those of the geoms.
-        const OVERRIDE = sys::mjENBL_OVERRIDE;
-        /// Potential and kinetic energy are computed.
-        const ENERGY = sys::mjENBL_ENERGY;
-        /// Forward and inverse dynamics are compared.
-        const FWDINV = sys::mjENBL_FWDINV;
-        /// Noise is added to sensor readings.
-        const SENSORNOISE = sys::mjENBL_SENSORNOISE;
-        /// Several contact points between convex shapes.
-        const MULTICCD = sys::mjENBL_MULTICCD;
-    }
-}
+use crate::error::Result;
 
 /// The physics options of a model. A copy: read it with [`Model::options`], change it with
 /// [`ModelMut::options`](super::ModelMut::options).
+///
+/// The default is the engine's own, which is what a model gets whose XML has no `<option>`.
+///
+/// ```
+/// use mujoco_safe::{Integrator, Options};
+///
+/// let options = Options::default();
+/// assert_eq!((options.timestep, options.gravity), (0.002, [0.0, 0.0, -9.81]));
+/// assert_eq!(options.integrator, Integrator::Euler);
+/// ```
+///
+/// With the feature `serde` it can be kept in a file. What the file leaves out has its default.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[non_exhaustive]
 #[doc(alias = "mjOption")]
 pub struct Options {
     /// Duration of a step, s. Positive.
     pub timestep: f64,
+    /// How often a remote client may be served, Hz. The engine keeps the number and makes no use of it. Not negative.
+    pub apirate: f64,
     /// Ratio of the impedance of friction to that of the normal direction in contacts. Positive.
     pub impratio: f64,
     /// At which improvement the main solver stops. Not negative.
@@ -113,14 +97,46 @@ pub struct Options {
     pub enable: EnableFlags,
 }
 
+impl Default for Options {
+    #[doc(alias = "mj_defaultOption")]
+    fn default() -> Self {
+        Self {
+            timestep: 0.002,
+            apirate: 100.0,
+            impratio: 1.0,
+            tolerance: 1e-8,
+            noslip_tolerance: 1e-6,
+            mpr_tolerance: 1e-6,
+            gravity: [0.0, 0.0, -9.81],
+            wind: [0.0; 3],
+            magnetic: [0.0, -0.5, 0.0],
+            density: 0.0,
+            viscosity: 0.0,
+            o_margin: 0.0,
+            o_solref: [0.02, 1.0],
+            o_solimp: [0.9, 0.95, 0.001, 0.5, 2.0],
+            integrator: Integrator::Euler,
+            collision: Collision::All,
+            cone: Cone::Pyramidal,
+            jacobian: JacobianStorage::Auto,
+            solver: Solver::Newton,
+            iterations: 100,
+            noslip_iterations: 0,
+            mpr_iterations: 50,
+            disable: DisableFlags::empty(),
+            enable: EnableFlags::empty(),
+        }
+    }
+}
+
 impl Options {
     /// The most iterations that are accepted.
     const MOST_ITERATIONS: usize = 1_000_000;
 
     fn read(raw: &mjOption) -> Self {
-        let iterations = |raw: i32| usize::try_from(raw).unwrap_or(0);
         Self {
             timestep: raw.timestep,
+            apirate: raw.apirate,
             impratio: raw.impratio,
             tolerance: raw.tolerance,
             noslip_tolerance: raw.noslip_tolerance,
@@ -138,9 +154,9 @@ impl Options {
             cone: Cone::of_field(raw.cone),
             jacobian: JacobianStorage::of_field(raw.jacobian),
             solver: Solver::of_field(raw.solver),
-            iterations: iterations(raw.iterations),
-            noslip_iterations: iterations(raw.noslip_iterations),
-            mpr_iterations: iterations(raw.mpr_iterations),
+            iterations: Mirror::read(raw.iterations),
+            noslip_iterations: Mirror::read(raw.noslip_iterations),
+            mpr_iterations: Mirror::read(raw.mpr_iterations),
             disable: DisableFlags::from_bits_truncate(raw.disableflags as u32),
             enable: EnableFlags::from_bits_truncate(raw.enableflags as u32),
         }
@@ -148,53 +164,50 @@ impl Options {
 
     /// What [`check`](Self::check) has found to be in range.
     pub(super) fn write(&self, raw: &mut mjOption) {
-        raw.timestep = self.timestep;
-        raw.impratio = self.impratio;
-        raw.tolerance = self.tolerance;
-        raw.noslip_tolerance = self.noslip_tolerance;
-        raw.mpr_tolerance = self.mpr_tolerance;
-        raw.gravity = self.gravity;
-        raw.wind = self.wind;
-        raw.magnetic = self.magnetic;
-        raw.density = self.density;
-        raw.viscosity = self.viscosity;
-        raw.o_margin = self.o_margin;
-        raw.o_solref = self.o_solref;
-        raw.o_solimp = self.o_solimp;
-        raw.integrator = self.integrator.raw();
-        raw.collision = self.collision.raw();
-        raw.cone = self.cone.raw();
-        raw.jacobian = self.jacobian.raw();
-        raw.solver = self.solver.raw();
-        raw.iterations = self.iterations as i32;
-        raw.noslip_iterations = self.noslip_iterations as i32;
-        raw.mpr_iterations = self.mpr_iterations as i32;
-        raw.disableflags = self.disable.bits() as i32;
-        raw.enableflags = self.enable.bits() as i32;
+        *raw = mjOption {
+            timestep: self.timestep,
+            apirate: self.apirate,
+            impratio: self.impratio,
+            tolerance: self.tolerance,
+            noslip_tolerance: self.noslip_tolerance,
+            mpr_tolerance: self.mpr_tolerance,
+            gravity: self.gravity,
+            wind: self.wind,
+            magnetic: self.magnetic,
+            density: self.density,
+            viscosity: self.viscosity,
+            o_margin: self.o_margin,
+            o_solref: self.o_solref,
+            o_solimp: self.o_solimp,
+            integrator: self.integrator.raw(),
+            collision: self.collision.raw(),
+            cone: self.cone.raw(),
+            jacobian: self.jacobian.raw(),
+            solver: self.solver.raw(),
+            iterations: self.iterations.write(),
+            noslip_iterations: self.noslip_iterations.write(),
+            mpr_iterations: self.mpr_iterations.write(),
+            disableflags: self.disable.bits() as i32,
+            enableflags: self.enable.bits() as i32,
+        };
     }
 
     /// Refuses what the engine would answer with a fatal error, with nonsense, or by never returning.
     pub(super) fn check(&self) -> Result<()> {
-        let fail = |what: &str, value: String, expected: &str| {
-            Err(Error::Invalid { what: format!("the option {what}"), value, expected: expected.to_owned() })
-        };
-        for (what, value) in [("timestep", self.timestep), ("impratio", self.impratio)] {
-            if !(value.is_finite() && value > 0.0) {
-                return fail(what, value.to_string(), "positive and finite");
-            }
-        }
-        for (what, value) in [
+        let option = Checks("the option ");
+        option.positive("timestep", self.timestep)?;
+        option.positive("impratio", self.impratio)?;
+        for (name, value) in [
+            ("apirate", self.apirate),
             ("tolerance", self.tolerance),
             ("noslip_tolerance", self.noslip_tolerance),
             ("mpr_tolerance", self.mpr_tolerance),
             ("density", self.density),
             ("viscosity", self.viscosity),
         ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return fail(what, value.to_string(), "finite and not negative");
-            }
+            option.not_negative(name, value)?;
         }
-        for (what, values) in [
+        for (name, values) in [
             ("gravity", &self.gravity[..]),
             ("wind", &self.wind),
             ("magnetic", &self.magnetic),
@@ -202,48 +215,21 @@ impl Options {
             ("o_solref", &self.o_solref),
             ("o_solimp", &self.o_solimp),
         ] {
-            if !values.iter().all(|value| value.is_finite()) {
-                return fail(what, format!("{values:?}"), "finite");
-            }
+            option.finite(name, values)?;
         }
-        for (what, value) in [
+        for (name, value) in [
             ("iterations", self.iterations),
             ("noslip_iterations", self.noslip_iterations),
             ("mpr_iterations", self.mpr_iterations),
         ] {
-            if value > Self::MOST_ITERATIONS {
-                return fail(what, value.to_string(), "a million at most");
-            }
+            option.require(value <= Self::MOST_ITERATIONS, name, value, "a million at most")?;
         }
         // `from_bits_retain` can make flags that the engine does not know.
         let unknown =
             (self.disable.bits() & !DisableFlags::all().bits(), self.enable.bits() & !EnableFlags::all().bits());
-        if unknown != (0, 0) {
-            return fail(
-                "disable or enable",
-                format!("made of unknown bits {unknown:?}"),
-                "made of the flags that there are",
-            );
-        }
-        Ok(())
+        let value = format_args!("made of unknown bits {unknown:?}");
+        option.require(unknown == (0, 0), "disable or enable", value, "made of the flags that there are")
     }
-}
-
-/// Figures of the model at `qpos0`, which set its scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-#[doc(alias = "mjStatistic")]
-pub struct Statistics {
-    /// Mean of the inertia matrix's diagonal.
-    pub meaninertia: f64,
-    /// Mean mass of a body, kg.
-    pub meanmass: f64,
-    /// Mean size of a body, m.
-    pub meansize: f64,
-    /// Extent of the model, m.
-    pub extent: f64,
-    /// Its centre, m, world frame.
-    pub center: [f64; 3],
 }
 
 impl Model {
@@ -257,18 +243,5 @@ impl Model {
     #[inline]
     pub fn timestep(&self) -> f64 {
         self.raw().opt.timestep
-    }
-
-    /// Figures of the model at `qpos0`.
-    #[doc(alias = "stat")]
-    pub fn statistics(&self) -> Statistics {
-        let raw = &self.raw().stat;
-        Statistics {
-            meaninertia: raw.meaninertia,
-            meanmass: raw.meanmass,
-            meansize: raw.meansize,
-            extent: raw.extent,
-            center: raw.center,
-        }
     }
 }
