@@ -7,6 +7,7 @@ macro_rules! engine_enum {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $constant:ident),* $(,)? }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[non_exhaustive]
         pub enum $name {
             $($(#[$variant_doc])* #[doc = concat!("\n\nEngine constant `", stringify!($constant), "`.")] $variant),*
@@ -40,6 +41,7 @@ macro_rules! engine_enum {
         }
     };
 }
+pub(crate) use engine_enum;
 
 engine_enum! {
     /// How a step advances the state in time.

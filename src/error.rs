@@ -103,6 +103,17 @@ pub enum Error {
         known: Vec<String>,
     },
 
+    /// The engine's struct has no field of this name.
+    #[error("mj{structure} has no field '{name}'{}", proposals(near))]
+    NoSuchField {
+        /// The struct, without `mj`.
+        structure: &'static str,
+        /// The name that was given.
+        name: String,
+        /// Names that are like it, the nearest first.
+        near: Vec<String>,
+    },
+
     /// There is no element of this index.
     #[error("there is no {kind} {index}: the model has {count}, counted from 0")]
     NoSuchIndex {
@@ -217,7 +228,7 @@ fn names(name: &str, known: &[String]) -> String {
     const SHOWN: usize = 40;
     let nearest = known.iter().map(|candidate| (distance(name, candidate), candidate)).min();
     let proposal = match nearest {
-        Some((distance, candidate)) if distance <= 1 + name.len() / 3 => format!(", did you mean '{candidate}'?"),
+        Some((distance, candidate)) if is_near(distance, name) => format!(", did you mean '{candidate}'?"),
         _ => String::new(),
     };
     if known.is_empty() {
@@ -229,6 +240,29 @@ fn names(name: &str, known: &[String]) -> String {
         more => format!(" and {more} more"),
     };
     format!("{proposal} (there are: {list}{more})")
+}
+
+/// The names that differ little from `name`, or have it in them, or are in it: the nearest first, and not many.
+pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<String> {
+    const SHOWN: usize = 8;
+    let mut near: Vec<(usize, &str)> = known
+        .map(|candidate| (distance(name, candidate), candidate))
+        .filter(|&(distance, candidate)| {
+            is_near(distance, name) || (name.len() > 1 && (candidate.contains(name) || name.contains(candidate)))
+        })
+        .collect();
+    near.sort_by_key(|&(distance, _)| distance);
+    near.into_iter().take(SHOWN).map(|(_, candidate)| candidate.to_owned()).collect()
+}
+
+/// Whether an edit distance is that of a slip.
+fn is_near(distance: usize, name: &str) -> bool {
+    distance <= 1 + name.len() / 3
+}
+
+/// The end of an error that knows names that are near.
+fn proposals(near: &[String]) -> String {
+    if near.is_empty() { String::new() } else { format!(", did you mean '{}'?", near.join("', '")) }
 }
 
 /// Levenshtein's edit distance.
@@ -249,7 +283,7 @@ fn distance(a: &str, b: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{distance, names};
+    use super::{distance, names, near_names};
 
     #[test]
     fn edit_distance_counts_insertions_deletions_and_replacements() {
@@ -264,5 +298,14 @@ mod tests {
         let text = names("zzz", &known);
         assert!(!text.contains("did you mean"), "{text}");
         assert!(text.contains("and 10 more"), "{text}");
+    }
+    #[test]
+    fn near_names_are_slips_and_parts_the_nearest_first() {
+        let known = ["qpos", "qvel", "xpos", "map.znear", "nstack", "maxuse_stack"];
+        let near = |name| near_names(name, known.into_iter());
+        assert_eq!(near("qpso"), ["qpos"]);
+        assert_eq!(near("znear"), ["map.znear"]);
+        assert_eq!(near("stack"), ["nstack", "maxuse_stack"]);
+        assert_eq!(near("something else"), [""; 0]);
     }
 }

@@ -67,6 +67,7 @@ mod engine;
 mod enums;
 mod error;
 mod ffi;
+mod field_docs;
 mod generated;
 mod id;
 pub mod matrix;
@@ -83,18 +84,23 @@ pub use mujoco_sys as sys;
 pub use crate::callback::Callbacks;
 pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, ZeroController};
 pub use crate::data::{
-    Contact, ContactForce, Data, Instability, Jacobian, Needs, Quantity, Stage, StateSpec, Warning, WarningCount,
+    Contact, ContactForce, Data, Instability, Jacobian, Needs, Quantity, SolverIteration, Stage, StateSpec, Timer,
+    TimerCount, Warning, WarningCount,
 };
 pub use crate::derivative::{Differences, StateSpace, TransitionOutputs};
 pub use crate::engine::{Version, built_against, enable_timers, engine_version};
 pub use crate::enums::{Collision, Cone, GeomType, Integrator, JacobianStorage, JointType, Solver};
 pub use crate::error::{Error, Result};
+pub use crate::field_docs::Field;
 pub use crate::id::{
     ActuatorId, BodyId, CameraId, ElementKind, GeomId, Id, JointId, KeyframeId, Kind, LightId, SensorId, SiteId,
     TendonId, kind,
 };
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
-pub use crate::model::{DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics};
+pub use crate::model::{
+    DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap,
+    VisualQuality, VisualRgba, VisualScale,
+};
 pub use crate::trajectory::Trajectory;
 
 /// The README's example, as a test.

@@ -1,4 +1,4 @@
-//! The generated accessors are what the generator makes of the field table.
+//! The generated accessors, and the lists of them, are what the generator makes of the field table.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -26,10 +26,10 @@ fn accessors_are_those_of_the_field_table() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let table = std::fs::read_to_string(root.join("mujoco-sys/fields/v2_2_2.tsv")).expect("the table is committed");
     for (name, source) in generator::generate(&table) {
-        let path = root.join("src/generated").join(name);
+        let path = root.join(name);
         let made = formatted(&source);
         if std::env::var_os("UPDATE_GENERATED").is_some() {
-            std::fs::write(&path, &made).expect("src/generated can be written to");
+            std::fs::write(&path, &made).expect("the file can be written to");
         }
         let committed = std::fs::read_to_string(&path).unwrap_or_default();
         assert!(committed == made, "{} is out of date: UPDATE_GENERATED=1 cargo test --test generated", path.display());

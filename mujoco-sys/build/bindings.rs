@@ -7,7 +7,8 @@ use crate::find::Engine;
 /// The engine whose bindings are committed.
 const COMMITTED: u32 = 222;
 
-/// Writes `bindings.rs` into `out`: a copy of the committed bindings, or what bindgen makes of the headers.
+/// Writes `bindings.rs` and the table of fields, `fields.tsv`, into `out`: copies of the committed ones, or what is made of the
+/// headers.
 pub(crate) fn choose(engine: &Engine, out: &Path) {
     if cfg!(feature = "bindgen") {
         generate(engine, out);
@@ -27,13 +28,14 @@ pub(crate) fn choose(engine: &Engine, out: &Path) {
     }
 }
 
-/// Includes the committed bindings.
+/// Copies the committed bindings and table.
 pub(crate) fn choose_committed(out: &Path) {
     let crate_root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let committed = crate_root.join("src/bindings/v2_2_2.rs");
-    println!("cargo::rerun-if-changed={}", committed.display());
-    std::fs::copy(&committed, out.join("bindings.rs")).expect("the committed bindings can be copied into OUT_DIR");
-    println!("cargo::metadata=fields={}", crate_root.join("fields/v2_2_2.tsv").display());
+    for (committed, name) in [("src/bindings/v2_2_2.rs", "bindings.rs"), ("fields/v2_2_2.tsv", "fields.tsv")] {
+        let committed = crate_root.join(committed);
+        println!("cargo::rerun-if-changed={}", committed.display());
+        std::fs::copy(&committed, out.join(name)).expect("the committed files can be copied into OUT_DIR");
+    }
 }
 
 #[cfg(not(feature = "bindgen"))]
@@ -61,7 +63,5 @@ fn generate(engine: &Engine, out: &Path) {
     std::fs::write(out.join("bindings.rs"), text).expect("OUT_DIR can be written to");
     let fields =
         crate::fields::table(&engine.include, &mut cc::Build::new()).unwrap_or_else(|why| crate::help::end(&[why]));
-    let path = out.join("fields.tsv");
-    std::fs::write(&path, fields).expect("OUT_DIR can be written to");
-    println!("cargo::metadata=fields={}", path.display());
+    std::fs::write(out.join("fields.tsv"), fields).expect("OUT_DIR can be written to");
 }

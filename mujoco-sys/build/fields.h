@@ -1,4 +1,4 @@
-// Expanded by the preprocessor into the table of fields: one record between @ and ; for each array and size.
+// Expanded by the preprocessor into the table of fields: one record between @ and ; for each field.
 #include <mujoco/mujoco.h>
 #include <mujoco/mjxmacro.h>
 
@@ -20,4 +20,13 @@ MJDATA_POINTERS
 #undef X
 #define X(type, name) @ Data scalar type name 1 1 ;
 MJDATA_SCALAR
+#undef X
+#define X(type, name, rows, columns) @ Data vector type name rows columns ;
+MJDATA_VECTOR
+#undef X
+#define X(type, name) @ Option scalar type name 1 1 ;
+MJOPTION_SCALARS
+#undef X
+#define X(name, rows) @ Option vector mjtNum name rows 1 ;
+MJOPTION_VECTORS
 #undef X

@@ -1,6 +1,6 @@
 //! Finds the engine, says how to link it, compiles the shim and chooses the bindings. One file answers one question:
 //! `find` (where is the engine, and which version?), `link` (how does a program come to it?), `bindings` (committed or
-//! generated?), `shim` (the C side of the guard), `fields` (the table of the engine's arrays), `help` (what to tell whoever
+//! generated?), `shim` (the C side of the guard), `fields` (the table of the engine's fields), `help` (what to tell whoever
 //! has no engine).
 
 mod bindings;

@@ -30,3 +30,8 @@ mod bindings {
 }
 
 pub use bindings::*;
+
+/// The fields of `mjModel`, `mjData`, `mjOption`, `mjVisual` and `mjStatistic` as the headers describe them: a line for each,
+/// under a line of headings, with struct (without `mj`), kind, C type, name, rows, columns and comment, separated by tabs. The
+/// kind is `size`, `scalar`, `vector` (an array within the struct) or `array` (one behind a pointer); `Visual` has dotted names.
+pub const FIELDS: &str = include_str!(concat!(env!("OUT_DIR"), "/fields.tsv"));

@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use rust::Item;
+use rust::{Item, Type};
 
 /// The bindings that this crate was compiled with: the committed ones, unless the feature `bindgen` made others.
 const BINDINGS: &str = include_str!(concat!(env!("OUT_DIR"), "/bindings.rs"));
@@ -147,9 +147,98 @@ fn the_committed_table_of_fields_is_that_of_the_headers() {
     // For another engine the build script makes the table, from the same headers.
     if mujoco_sys::mjVERSION_HEADER == COMMITTED_VERSION {
         let made = fields::table(Path::new(INCLUDE), &mut compiler()).expect("the headers can be expanded");
+        if std::env::var_os("UPDATE_FIELDS").is_some() {
+            fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/fields/v2_2_2.tsv"), &made).expect("it can be written to");
+        }
         let committed = include_str!("../fields/v2_2_2.tsv");
         assert_eq!(first_difference(committed, &made), None);
     }
+}
+
+/// Members that the table leaves out, and why.
+const NOT_IN_THE_TABLE: [(&str, &str, &str); 6] = [
+    ("Model", "opt", "its members are those of Option"),
+    ("Model", "vis", "its members are those of Visual"),
+    ("Model", "stat", "its members are those of Statistic"),
+    ("Model", "buffer", "the memory that all arrays of the model lie in"),
+    ("Data", "buffer", "the memory that all arrays of the data lie in"),
+    ("Data", "stack", "the engine's scratch memory"),
+];
+
+#[test]
+fn the_table_has_every_member_of_the_structs_with_its_type_and_length() {
+    let items = rust::items(BINDINGS);
+    let mut declared = BTreeSet::new();
+    for owner in ["Model", "Data", "Option", "Visual", "Statistic"] {
+        add_members(&items, owner, &format!("mj{owner}_"), "", &mut declared);
+    }
+    for (owner, name, why) in NOT_IN_THE_TABLE {
+        let count = declared.len();
+        declared.retain(|member| !member.starts_with(&format!("{owner} {name} ")));
+        assert_eq!(declared.len() + 1, count, "{owner}.{name}, left out because it is {why}, is a member");
+    }
+    let lines: Vec<Vec<&str>> = mujoco_sys::FIELDS.lines().skip(1).map(|line| line.split('\t').collect()).collect();
+    let table: BTreeSet<String> = lines
+        .iter()
+        .map(|line| match line[..] {
+            [owner, "array", ctype, name, _, _, _] => format!("{owner} {name} pointer to {ctype}"),
+            [owner, "vector", ctype, name, rows, "1", _] => {
+                format!("{owner} {name} {} of {ctype}", length(&items, rows))
+            }
+            [owner, "size" | "scalar", ctype, name, "1", "1", _] => format!("{owner} {name} {ctype}"),
+            _ => panic!("not a line of the table: {line:?}"),
+        })
+        .collect();
+    assert_eq!(table.len(), lines.len(), "each is there once");
+    let missing: Vec<_> = declared.difference(&table).collect();
+    let unknown: Vec<_> = table.difference(&declared).collect();
+    assert!(missing.is_empty() && unknown.is_empty(), "not in the table: {missing:?}; not in the structs: {unknown:?}");
+    assert!(lines.iter().all(|line| !line[6].is_empty()), "each has a comment");
+}
+
+/// The members of the record `of`, as the table would have them: `Visual global.fovy float`.
+fn add_members(items: &[Item], owner: &str, of: &str, before: &str, to: &mut BTreeSet<String>) {
+    let fields = items.iter().find_map(|item| match item {
+        Item::Record { name, fields, .. } if name == of => Some(fields),
+        _ => None,
+    });
+    for (name, of) in fields.unwrap_or_else(|| panic!("the bindings have no {of}")) {
+        let what = match of {
+            Type::Named(inner) if inner.contains("__bindgen_ty_") => {
+                add_members(items, owner, inner, &format!("{before}{name}."), to);
+                continue;
+            }
+            Type::Named(of) => c_name(of).to_owned(),
+            Type::Pointer { to, .. } => match &**to {
+                Type::Named(of) => format!("pointer to {}", c_name(of)),
+                other => panic!("a pointer to {other:?}"),
+            },
+            Type::Array(of, length) => match &**of {
+                Type::Named(of) => format!("{length} of {}", c_name(of)),
+                other => panic!("an array of {other:?}"),
+            },
+            Type::Function(_) => panic!("a function in a struct of numbers"),
+        };
+        to.insert(format!("{owner} {before}{name} {what}"));
+    }
+}
+
+fn c_name(rust: &str) -> &str {
+    match rust {
+        "f32" => "float",
+        "c_int" => "int",
+        "c_char" => "char",
+        other => other,
+    }
+}
+
+/// A number, or the constant of this name.
+fn length(items: &[Item], length: &str) -> usize {
+    let value = items.iter().find_map(|item| match item {
+        Item::Constant { name, value } if name == length => Some(value.as_str()),
+        _ => None,
+    });
+    value.unwrap_or(length).parse().unwrap_or_else(|_| panic!("{length} is no length"))
 }
 
 #[test]

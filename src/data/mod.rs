@@ -9,6 +9,7 @@
 //! | `stability.rs` | states that the engine would silently reset |
 //! | `warning.rs` | the engine's warnings, counted and logged |
 //! | `state.rs` | the state as one vector |
+//! | `statistics.rs` | what the solver did, and how long each part took |
 //! | `jacobian.rs` | Jacobians of points on bodies |
 //! | `inertia.rs` | the inertia matrix: full, products, solutions |
 //! | `constraint.rs` | products with the Jacobian of the constraints, their cost |
@@ -23,6 +24,7 @@ pub mod pipeline;
 mod stability;
 mod stage;
 mod state;
+mod statistics;
 mod step;
 mod warning;
 
@@ -39,6 +41,7 @@ pub use self::jacobian::Jacobian;
 pub use self::stability::{Instability, Quantity};
 pub use self::stage::Stage;
 pub use self::state::StateSpec;
+pub use self::statistics::{SolverIteration, Timer, TimerCount};
 pub use self::warning::{Warning, WarningCount};
 use crate::callback::Slot;
 use crate::element::Key;

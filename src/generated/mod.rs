@@ -7,6 +7,16 @@
 //! (save the three arrays that the generator lists). Integers are sizes, addresses and ids, which it trusts, so they are
 //! read-only.
 //!
+//! What lies in the structs themselves and is no plain number has a typed accessor elsewhere: [`Model::options`],
+//! [`Model::visual`], [`Model::statistics`], [`Data::warning`], [`Data::timer`], [`Data::solver`].
+//!
+//! [`Model::options`]: crate::Model::options
+//! [`Model::visual`]: crate::Model::visual
+//! [`Model::statistics`]: crate::Model::statistics
+//! [`Data::warning`]: crate::Data::warning
+//! [`Data::timer`]: crate::Data::timer
+//! [`Data::solver`]: crate::Data::solver
+//!
 //! The test `generated` keeps the files equal to what the generator makes of the table:
 //! `UPDATE_GENERATED=1 cargo test --test generated` writes them.
 

@@ -6,7 +6,7 @@
 //! | `text_check.rs` | what the engine's compiler must not see in a text |
 //! | `virtual_files.rs` | the engine's virtual file system, for loading from memory |
 //! | `names.rs` | names to ids and back |
-//! | `options.rs` | the physics options and statistics, typed and checked |
+//! | `options/` | options of the physics, settings of the visualiser, statistics: typed and checked |
 //! | `edit.rs` | what may be changed after compilation |
 //! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
 //! | `hazard.rs` | what the engine compiles and then mishandles |
@@ -30,7 +30,10 @@ use std::ptr::{self, NonNull};
 use mujoco_sys::{self as sys, guard, mjModel};
 
 pub use self::edit::ModelMut;
-pub use self::options::{DisableFlags, EnableFlags, Options, Statistics};
+pub use self::options::{
+    DisableFlags, EnableFlags, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
+    VisualRgba, VisualScale,
+};
 use crate::error::Result;
 use crate::ffi;
 use crate::id::Lineage;

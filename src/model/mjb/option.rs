@@ -10,15 +10,10 @@ use mujoco_sys::{
 use super::invalid::Invalid;
 use super::rule::must_be;
 use super::view::View;
+use crate::model::options::{LARGEST_IMAGE, MOST_SAMPLES, MOST_SLICES};
 
 /// The engine stops for nothing else: two thousand million iterations at a tolerance of zero do not come back.
 const MOST_ITERATIONS: i64 = 1_000_000;
-
-/// Twice the largest texture that graphics cards have.
-const LARGEST_IMAGE: i64 = 32_768;
-
-/// Far beyond what can be seen of a sphere; the built-in geoms have this many vertices squared.
-const MOST_SLICES: i64 = 1_000;
 
 /// Offsets and permitted values in a struct.
 type Rules<const N: usize> = [(&'static str, usize, RangeInclusive<i64>); N];
@@ -45,13 +40,13 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     }
     // The head light's `active` is a switch that any number but zero turns on.
     let visuals: Rules<7> = [
-        ("vis.global.offwidth", offset_of!(mjVisual, global.offwidth), 1..=LARGEST_IMAGE),
-        ("vis.global.offheight", offset_of!(mjVisual, global.offheight), 1..=LARGEST_IMAGE),
-        ("vis.quality.shadowsize", offset_of!(mjVisual, quality.shadowsize), 0..=LARGEST_IMAGE),
-        ("vis.quality.offsamples", offset_of!(mjVisual, quality.offsamples), 0..=64),
-        ("vis.quality.numslices", offset_of!(mjVisual, quality.numslices), 1..=MOST_SLICES),
-        ("vis.quality.numstacks", offset_of!(mjVisual, quality.numstacks), 1..=MOST_SLICES),
-        ("vis.quality.numquads", offset_of!(mjVisual, quality.numquads), 1..=MOST_SLICES),
+        ("vis.global.offwidth", offset_of!(mjVisual, global.offwidth), 1..=LARGEST_IMAGE as i64),
+        ("vis.global.offheight", offset_of!(mjVisual, global.offheight), 1..=LARGEST_IMAGE as i64),
+        ("vis.quality.shadowsize", offset_of!(mjVisual, quality.shadowsize), 0..=LARGEST_IMAGE as i64),
+        ("vis.quality.offsamples", offset_of!(mjVisual, quality.offsamples), 0..=MOST_SAMPLES as i64),
+        ("vis.quality.numslices", offset_of!(mjVisual, quality.numslices), 1..=MOST_SLICES as i64),
+        ("vis.quality.numstacks", offset_of!(mjVisual, quality.numstacks), 1..=MOST_SLICES as i64),
+        ("vis.quality.numquads", offset_of!(mjVisual, quality.numquads), 1..=MOST_SLICES as i64),
     ];
     for (name, offset, range) in visuals {
         in_range(name, view.visual(offset), &range)?;

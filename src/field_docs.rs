@@ -1,0 +1,119 @@
+//! What the engine says of its own fields: [`Model::field_docs`], [`Model::fields`] and their like. The text is that of the
+//! headers, in the engine's spelling.
+
+use std::fmt;
+
+use mujoco_sys::FIELDS;
+
+use crate::data::Data;
+use crate::error::{Error, Result, near_names};
+use crate::model::{Model, Options, Statistics, Visual};
+
+/// A field of one of the engine's structs. Printed, it is name and documentation: `nv: number of degrees of freedom = dim(qvel)`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub struct Field {
+    /// Its name in the engine. Those of [`Visual`] are dotted: `global.fovy`.
+    pub name: &'static str,
+    /// The C type of one of its values.
+    pub ctype: &'static str,
+    /// How many rows it has: a number, or a size of the model such as `nbody`.
+    pub rows: &'static str,
+    /// How many columns, likewise.
+    pub columns: &'static str,
+    /// What the engine's header says of it.
+    pub docs: &'static str,
+    /// Whether there can be more than one value.
+    pub is_array: bool,
+}
+
+impl Field {
+    /// The fields of a struct, in the engine's order.
+    fn all(structure: &'static str) -> impl Iterator<Item = Self> {
+        FIELDS.lines().skip(1).filter_map(move |line| {
+            let mut cells = line.split('\t');
+            if cells.next() != Some(structure) {
+                return None;
+            }
+            let mut cell = || cells.next().expect("Bug: a line of the table of fields is too short");
+            let (kind, ctype, name) = (cell(), cell(), cell());
+            let is_array = matches!(kind, "array" | "vector");
+            Some(Self { name, ctype, rows: cell(), columns: cell(), docs: cell(), is_array })
+        })
+    }
+
+    fn docs_of(structure: &'static str, name: &str) -> Result<String> {
+        Self::all(structure).find(|field| field.name == name).map(|field| field.to_string()).ok_or_else(|| {
+            Error::NoSuchField {
+                structure,
+                name: name.to_owned(),
+                near: near_names(name, Self::all(structure).map(|field| field.name)),
+            }
+        })
+    }
+
+    /// The shape as rows and columns: `(nbody, 3)`, or `(nq)` for one column. Empty for a single value.
+    ///
+    /// ```
+    /// use mujoco_safe::Data;
+    ///
+    /// let shapes: Vec<String> = Data::fields().filter(|field| field.name.starts_with('x')).map(|field| field.shape()).collect();
+    /// assert_eq!(shapes[..4], ["(nbody, 6)", "(nbody, 3)", "(nbody, 4)", "(nbody, 9)"]);
+    /// ```
+    pub fn shape(&self) -> String {
+        match (self.is_array, self.columns) {
+            (false, _) => String::new(),
+            (true, "1") => format!("({})", self.rows),
+            (true, columns) => format!("({}, {columns})", self.rows),
+        }
+    }
+}
+
+impl fmt::Display for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.name, self.docs)
+    }
+}
+
+/// The two functions for a struct, with an example of each.
+macro_rules! field_docs {
+    ($type:ident, $structure:literal, $name:literal, $docs:literal, $count:literal) => {
+        impl $type {
+            #[doc = concat!("What the engine's header says of a field of `mj", $structure, "`, by the field's name in the engine.")]
+            ///
+            /// # Errors
+            ///
+            /// [`Error::NoSuchField`] with the names that are near.
+            ///
+            /// ```
+            #[doc = concat!("use mujoco_safe::{Error, ", stringify!($type), "};")]
+            ///
+            #[doc = concat!("let docs = ", stringify!($type), "::field_docs(\"", $name, "\")?;")]
+            #[doc = concat!("assert_eq!(docs, \"", $name, ": ", $docs, "\");")]
+            #[doc = concat!("let error = ", stringify!($type), "::field_docs(\"", $name, "x\").unwrap_err();")]
+            #[doc = concat!("assert!(error.to_string().contains(\"", $name, "\"));")]
+            /// # Ok::<(), Error>(())
+            /// ```
+            #[doc(alias = "show_docs")]
+            pub fn field_docs(name: &str) -> Result<String> {
+                Field::docs_of($structure, name)
+            }
+
+            #[doc = concat!("The fields of `mj", $structure, "`, with what the engine's header says of each.")]
+            ///
+            /// ```
+            #[doc = concat!("let fields = mujoco_safe::", stringify!($type), "::fields();")]
+            #[doc = concat!("assert_eq!(fields.count(), ", $count, ");")]
+            /// ```
+            pub fn fields() -> impl Iterator<Item = Field> {
+                Field::all($structure)
+            }
+        }
+    };
+}
+
+field_docs!(Model, "Model", "nv", "number of degrees of freedom = dim(qvel)", 331);
+field_docs!(Data, "Data", "xpos", "Cartesian position of body frame (nbody x 3)", 118);
+field_docs!(Options, "Option", "apirate", "update rate for remote API (Hz)", 24);
+field_docs!(Visual, "Visual", "global.fovy", "y-field of view for free camera (degrees)", 68);
+field_docs!(Statistics, "Statistic", "extent", "spatial extent", 5);
