@@ -68,6 +68,7 @@ mod error;
 mod ffi;
 mod generated;
 mod id;
+pub mod math;
 pub mod matrix;
 pub mod model;
 pub mod sample;
@@ -83,7 +84,7 @@ pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomContro
 pub use crate::data::{
     Contact, ContactForce, Data, Instability, Jacobian, Quantity, Stage, StateSpec, Warning, WarningCount,
 };
-pub use crate::derivative::{Differences, StateSpace, TransitionOutputs};
+pub use crate::derivative::{Differences, InverseJacobians, InverseOutputs, StateSpace, TransitionOutputs};
 pub use crate::engine::{Version, built_against, engine_version};
 pub use crate::enums::{Collision, Cone, GeomType, Integrator, JacobianStorage, JointType, Solver};
 pub use crate::error::{Error, Result};

@@ -137,6 +137,8 @@ GUARDED(mj_rne, d, (const mjModel* m, mjData* d, int with_acceleration, mjtNum* 
         (m, d, with_acceleration, result))
 GUARDED(mj_rnePostConstraint, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_subtreeVel, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED(mj_fwdActuation, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED_RESULT(mj_stackAlloc, d, (mjData * d, int size, mjtNum** result), (d, size))
 
 GUARDED(mjd_transitionFD, d,
         (const mjModel* m, mjData* d, mjtNum eps, int centered, mjtNum* A, mjtNum* B, mjtNum* C, mjtNum* D),

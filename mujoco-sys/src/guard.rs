@@ -94,6 +94,8 @@ guarded! {
     mujoco_sys_mj_rne = mj_rne(m: *const mjModel, d: *mut mjData, with_acceleration: c_int, result: *mut mjtNum);
     mujoco_sys_mj_rnePostConstraint = mj_rne_post_constraint(m: *const mjModel, d: *mut mjData);
     mujoco_sys_mj_subtreeVel = mj_subtree_vel(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_fwdActuation = mj_fwd_actuation(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_stackAlloc = mj_stack_alloc(d: *mut mjData, size: c_int, result: *mut *mut mjtNum);
 
     mujoco_sys_mjd_transitionFD = mjd_transition_fd(
         m: *const mjModel, d: *mut mjData, eps: mjtNum, centered: c_int,
