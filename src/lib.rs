@@ -70,6 +70,7 @@ mod ffi;
 mod field_docs;
 mod generated;
 mod id;
+pub mod math;
 pub mod matrix;
 pub mod model;
 pub mod sample;
@@ -87,7 +88,7 @@ pub use crate::data::{
     Contact, ContactForce, Data, Instability, Jacobian, Needs, Quantity, SolverIteration, Stage, StateSpec, Timer,
     TimerCount, Warning, WarningCount,
 };
-pub use crate::derivative::{Differences, StateSpace, TransitionOutputs};
+pub use crate::derivative::{Differences, InverseJacobians, InverseOutputs, StateSpace, TransitionOutputs};
 pub use crate::engine::{Version, built_against, enable_timers, engine_version};
 pub use crate::enums::{Collision, Cone, GeomType, Integrator, JacobianStorage, JointType, Solver};
 pub use crate::error::{Error, Result};

@@ -51,6 +51,12 @@ fn count(nrows: usize, ncols: usize) -> usize {
     nrows.checked_mul(ncols).unwrap_or_else(|| panic!("a matrix of {nrows} rows and {ncols} columns is too large"))
 }
 
+#[track_caller]
+fn check_count(nrows: usize, ncols: usize, found: usize) {
+    let expected = count(nrows, ncols);
+    assert!(found == expected, "a matrix of {nrows} rows and {ncols} columns needs {expected} values, not {found}");
+}
+
 /// A matrix that owns its values, row by row.
 #[derive(Clone, PartialEq, Default)]
 pub struct Matrix {
@@ -82,12 +88,7 @@ impl Matrix {
     ///
     /// If there are not `nrows * ncols` values.
     pub fn from_row_major(nrows: usize, ncols: usize, values: Vec<f64>) -> Self {
-        let expected = count(nrows, ncols);
-        assert!(
-            values.len() == expected,
-            "a matrix of {nrows} rows and {ncols} columns needs {expected} values, not {}",
-            values.len()
-        );
+        check_count(nrows, ncols, values.len());
         Self { nrows, ncols, values }
     }
 
@@ -195,6 +196,13 @@ impl From<&DMatrix<f64>> for Matrix {
     }
 }
 
+impl fmt::Display for Matrix {
+    /// As that of [`MatrixView`].
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.view(), f)
+    }
+}
+
 impl Index<(usize, usize)> for Matrix {
     type Output = f64;
 
@@ -216,7 +224,7 @@ impl IndexMut<(usize, usize)> for Matrix {
 
 impl fmt::Debug for Matrix {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.view().fmt(f)
+        fmt::Debug::fmt(&self.view(), f)
     }
 }
 
@@ -236,6 +244,16 @@ impl<'a> MatrixView<'a> {
     pub(crate) unsafe fn from_raw(array: *const f64, nrows: usize, ncols: usize) -> Self {
         // SAFETY: the caller's promise. An array that the engine does not have is NULL, and then has no rows here.
         let values = unsafe { ffi::array(array, nrows * ncols) };
+        Self { nrows, ncols, values }
+    }
+
+    /// The matrix whose values are given row by row.
+    ///
+    /// # Panics
+    ///
+    /// If there are not `nrows * ncols` values.
+    pub fn from_row_major(nrows: usize, ncols: usize, values: &'a [f64]) -> Self {
+        check_count(nrows, ncols, values.len());
         Self { nrows, ncols, values }
     }
 
@@ -314,6 +332,59 @@ impl fmt::Debug for MatrixView<'_> {
     }
 }
 
+impl fmt::Display for MatrixView<'_> {
+    /// A line for each row, with eight digits after the point as `mju_printMat` has, or with as many as are asked for. A width
+    /// makes columns of it.
+    ///
+    /// ```
+    /// use mujoco_safe::Matrix;
+    ///
+    /// let m = Matrix::from_rows(&[[1.0, -2.5], [10.0, 0.0]]);
+    /// assert_eq!(format!("{m:6.2}"), "  1.00  -2.50\n 10.00   0.00\n");
+    /// assert_eq!(m.to_string(), "1.00000000 -2.50000000\n10.00000000 0.00000000\n");
+    /// ```
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (width, precision) = (f.width().unwrap_or(0), f.precision().unwrap_or(8));
+        for row in self.rows() {
+            for (column, value) in row.iter().enumerate() {
+                let separator = if column == 0 { "" } else { " " };
+                write!(f, "{separator}{value:width$.precision$}")?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+impl<'a> From<&'a Matrix> for MatrixView<'a> {
+    #[inline]
+    fn from(matrix: &'a Matrix) -> Self {
+        matrix.view()
+    }
+}
+
+impl<'a> From<&'a MatrixViewMut<'_>> for MatrixView<'a> {
+    #[inline]
+    fn from(matrix: &'a MatrixViewMut<'_>) -> Self {
+        matrix.as_view()
+    }
+}
+
+impl<'a, const N: usize> From<&'a [[f64; N]]> for MatrixView<'a> {
+    /// An array of the engine that has a fixed number of columns, such as `data.cdof()`.
+    #[inline]
+    fn from(rows: &'a [[f64; N]]) -> Self {
+        Self { nrows: rows.len(), ncols: N, values: rows.as_flattened() }
+    }
+}
+
+impl<'a, const R: usize, const N: usize> From<&'a [[f64; N]; R]> for MatrixView<'a> {
+    #[inline]
+    fn from(rows: &'a [[f64; N]; R]) -> Self {
+        Self::from(rows.as_slice())
+    }
+}
+
 /// A matrix in memory of somebody else's, row by row, to be written to.
 #[derive(Debug)]
 pub struct MatrixViewMut<'a> {
@@ -331,6 +402,22 @@ impl<'a> MatrixViewMut<'a> {
         // SAFETY: the caller's promise.
         let values = unsafe { ffi::array_mut(array, nrows * ncols) };
         Self { nrows, ncols, values }
+    }
+
+    /// The matrix whose values are given row by row.
+    ///
+    /// # Panics
+    ///
+    /// If there are not `nrows * ncols` values.
+    pub fn from_row_major(nrows: usize, ncols: usize, values: &'a mut [f64]) -> Self {
+        check_count(nrows, ncols, values.len());
+        Self { nrows, ncols, values }
+    }
+
+    /// Rows and columns.
+    #[inline]
+    pub fn shape(&self) -> (usize, usize) {
+        (self.nrows, self.ncols)
     }
 
     /// The same, to be read.
@@ -360,5 +447,34 @@ impl<'a> MatrixViewMut<'a> {
     #[inline]
     pub fn transposed_mut(&mut self) -> DMatrixViewMut<'_, f64> {
         DMatrixViewMut::from_slice(self.values, self.ncols, self.nrows)
+    }
+}
+
+impl<'a> From<&'a mut Matrix> for MatrixViewMut<'a> {
+    #[inline]
+    fn from(matrix: &'a mut Matrix) -> Self {
+        Self { nrows: matrix.nrows, ncols: matrix.ncols, values: &mut matrix.values }
+    }
+}
+
+impl<'a> From<&'a mut MatrixViewMut<'_>> for MatrixViewMut<'a> {
+    /// For a shorter time.
+    #[inline]
+    fn from(matrix: &'a mut MatrixViewMut<'_>) -> Self {
+        Self { nrows: matrix.nrows, ncols: matrix.ncols, values: matrix.values }
+    }
+}
+
+impl<'a, const N: usize> From<&'a mut [[f64; N]]> for MatrixViewMut<'a> {
+    #[inline]
+    fn from(rows: &'a mut [[f64; N]]) -> Self {
+        Self { nrows: rows.len(), ncols: N, values: rows.as_flattened_mut() }
+    }
+}
+
+impl<'a, const R: usize, const N: usize> From<&'a mut [[f64; N]; R]> for MatrixViewMut<'a> {
+    #[inline]
+    fn from(rows: &'a mut [[f64; N]; R]) -> Self {
+        Self::from(rows.as_mut_slice())
     }
 }

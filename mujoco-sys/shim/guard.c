@@ -172,6 +172,7 @@ GUARDED(mj_rne, d, (const mjModel* m, mjData* d, int with_acceleration, mjtNum* 
         (m, d, with_acceleration, result))
 GUARDED(mj_rnePostConstraint, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_subtreeVel, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED_RESULT(mj_stackAlloc, d, (mjData * d, int size, mjtNum** result), (d, size))
 
 GUARDED(mj_solveM2, d, (const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y, int n), (m, d, x, y, n))
 GUARDED(mj_addM, d, (const mjModel* m, mjData* d, mjtNum* dst, int* rownnz, int* rowadr, int* colind),

@@ -125,6 +125,7 @@ guarded! {
     mujoco_sys_mj_rne = mj_rne(m: *const mjModel, d: *mut mjData, with_acceleration: c_int, result: *mut mjtNum);
     mujoco_sys_mj_rnePostConstraint = mj_rne_post_constraint(m: *const mjModel, d: *mut mjData);
     mujoco_sys_mj_subtreeVel = mj_subtree_vel(m: *const mjModel, d: *mut mjData);
+    mujoco_sys_mj_stackAlloc = mj_stack_alloc(d: *mut mjData, size: c_int, result: *mut *mut mjtNum);
 
     mujoco_sys_mj_solveM2 = mj_solve_m2(m: *const mjModel, d: *mut mjData, x: *mut mjtNum, y: *const mjtNum, n: c_int);
     mujoco_sys_mj_addM = mj_add_m(

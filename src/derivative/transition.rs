@@ -1,38 +1,15 @@
-//! Linearisation: how the next state and the sensors depend on the present state and the controls, by finite differences.
-//!
-//! With the state difference `dx = [dq; dv; da]` of length `2 nv + na`, where `dq` is in the tangent space of positions
-//! ([`Model::differentiate_pos`](crate::Model::differentiate_pos)), one step of the simulation is to first order
-//!
-//! ```text
-//! dx' = A dx + B du        dy = C dx + D du
-//! ```
-//!
-//! and [`Data::transition_fd`] computes A, B, C and D at the present state and controls.
+//! How a step of the simulation depends on the state and the controls.
 
 use std::ptr;
 
 use mujoco_sys::guard;
 
+use super::{Differences, check_eps};
 use crate::data::{Computed, Data};
 use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
-
-/// Below this the differences drown in rounding, and would be zeros without a word.
-const SMALLEST_EPS: f64 = 1e-12;
-/// Beyond this they are no derivative.
-const LARGEST_EPS: f64 = 1.0;
-
-/// How a derivative is approximated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Differences {
-    /// `(f(x + ε) − f(x)) / ε`: one more evaluation for each column; an error of the order of ε.
-    Forward,
-    /// `(f(x + ε) − f(x − ε)) / 2ε`: two for each column; an error of the order of ε².
-    #[doc(alias = "centered")]
-    Central,
-}
 
 /// A linear system in discrete time, `dx' = A dx + B du`, `dy = C dx + D du`, of `nx = 2 nv + na` states, `nu` controls and
 /// `nsensordata` outputs.
@@ -128,13 +105,7 @@ impl Data {
     ) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        if !(SMALLEST_EPS..=LARGEST_EPS).contains(&eps) {
-            return Err(Error::Invalid {
-                what: "eps of transition_fd".to_owned(),
-                value: eps.to_string(),
-                expected: format!("between {SMALLEST_EPS:e} and {LARGEST_EPS}"),
-            });
-        }
+        check_eps("transition_fd", eps)?;
         if self.model().options().integrator == Integrator::Rk4 {
             return Err(Error::Unsupported(
                 "transition_fd differentiates a step of the integrators Euler and Implicit, but this model's is Rk4"

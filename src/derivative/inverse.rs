@@ -1,0 +1,343 @@
+//! How inverse dynamics depends on positions, velocities and accelerations.
+
+use std::ffi::c_int;
+use std::ops::Range;
+use std::ptr;
+
+use mujoco_sys::guard;
+
+use super::check_eps;
+use crate::data::{Data, Stage};
+use crate::error::{Error, Result};
+use crate::ffi;
+use crate::matrix::Matrix;
+use crate::model::Model;
+
+/// The derivatives of inverse dynamics: of the forces f (`qfrc_inverse`), the sensors s (`sensordata`) and the inertia matrix m
+/// (`qM`, in the engine's sparse layout) by positions q, velocities v and accelerations a.
+///
+/// As in the engine, **a row belongs to what is changed** and a column to what changes with it, which is the transpose of a
+/// Jacobian in control theory: `df_dv[(i, j)]` is the derivative of `qfrc_inverse[j]` by `qvel[i]`. Positions are changed in
+/// their tangent space, one degree of freedom after another, as [`Model::integrate_pos`](crate::Model::integrate_pos) does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InverseJacobians {
+    /// `(nv, nv)`: forces by positions.
+    #[doc(alias = "DfDq")]
+    pub df_dq: Matrix,
+    /// `(nv, nv)`: forces by velocities.
+    #[doc(alias = "DfDv")]
+    pub df_dv: Matrix,
+    /// `(nv, nv)`: forces by accelerations. Without constraints it is the inertia matrix.
+    #[doc(alias = "DfDa")]
+    pub df_da: Matrix,
+    /// `(nv, nsensordata)`: sensors by positions.
+    #[doc(alias = "DsDq")]
+    pub ds_dq: Matrix,
+    /// `(nv, nsensordata)`: sensors by velocities.
+    #[doc(alias = "DsDv")]
+    pub ds_dv: Matrix,
+    /// `(nv, nsensordata)`: sensors by accelerations.
+    #[doc(alias = "DsDa")]
+    pub ds_da: Matrix,
+    /// `(nv, nM)`: the inertia matrix by positions.
+    #[doc(alias = "DmDq")]
+    pub dm_dq: Matrix,
+}
+
+impl InverseJacobians {
+    /// Zeros, in the shapes that belong to a model.
+    pub fn zeros(model: &Model) -> Self {
+        let (nv, ns) = (model.nv(), model.nsensordata());
+        let (force, sensor) = (Matrix::zeros(nv, nv), Matrix::zeros(nv, ns));
+        Self {
+            df_dq: force.clone(),
+            df_dv: force.clone(),
+            df_da: force,
+            ds_dq: sensor.clone(),
+            ds_dv: sensor.clone(),
+            ds_da: sensor,
+            dm_dq: Matrix::zeros(nv, model.nM()),
+        }
+    }
+}
+
+/// Where [`Data::inverse_fd_into`] writes to. What is `None` is not computed, and costs nothing.
+#[derive(Debug, Default)]
+pub struct InverseOutputs<'a> {
+    /// `(nv, nv)`
+    pub df_dq: Option<&'a mut Matrix>,
+    /// `(nv, nv)`
+    pub df_dv: Option<&'a mut Matrix>,
+    /// `(nv, nv)`
+    pub df_da: Option<&'a mut Matrix>,
+    /// `(nv, nsensordata)`
+    pub ds_dq: Option<&'a mut Matrix>,
+    /// `(nv, nsensordata)`
+    pub ds_dv: Option<&'a mut Matrix>,
+    /// `(nv, nsensordata)`
+    pub ds_da: Option<&'a mut Matrix>,
+    /// `(nv, nM)`
+    pub dm_dq: Option<&'a mut Matrix>,
+}
+
+impl<'a> From<&'a mut InverseJacobians> for InverseOutputs<'a> {
+    fn from(jacobians: &'a mut InverseJacobians) -> Self {
+        Self {
+            df_dq: Some(&mut jacobians.df_dq),
+            df_dv: Some(&mut jacobians.df_dv),
+            df_da: Some(&mut jacobians.df_da),
+            ds_dq: Some(&mut jacobians.ds_dq),
+            ds_dv: Some(&mut jacobians.ds_dv),
+            ds_da: Some(&mut jacobians.ds_da),
+            dm_dq: Some(&mut jacobians.dm_dq),
+        }
+    }
+}
+
+impl InverseOutputs<'_> {
+    fn check(&self, model: &Model) -> Result<()> {
+        let (nv, ns, nm) = (model.nv(), model.nsensordata(), model.nM());
+        for (what, output, columns) in [
+            ("DfDq of inverse_fd", &self.df_dq, nv),
+            ("DfDv of inverse_fd", &self.df_dv, nv),
+            ("DfDa of inverse_fd", &self.df_da, nv),
+            ("DsDq of inverse_fd", &self.ds_dq, ns),
+            ("DsDv of inverse_fd", &self.ds_dv, ns),
+            ("DsDa of inverse_fd", &self.ds_da, ns),
+            ("DmDq of inverse_fd", &self.dm_dq, nm),
+        ] {
+            if let Some(output) = output {
+                Error::check_shape(what, output.shape(), (nv, columns))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Data {
+    /// The derivatives of inverse dynamics at the present positions, velocities and accelerations (`qacc`), by forward
+    /// differences with the step `eps`; `1e-6` is a good choice. With `flg_actuation` the forces are those that are left to be
+    /// applied when the actuators have done their part, `qfrc_inverse − qfrc_actuator`, with the present controls.
+    ///
+    /// The state, `qacc` and all inputs are as before afterwards, to the last bit, and everything else is as after
+    /// [`inverse`](Self::inverse). (Newer engines have this function in C. They refuse the Runge–Kutta integrator and the
+    /// `noslip` solver, neither of which inverse dynamics makes use of.)
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of [`inverse`](Self::inverse).
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// data.qpos_mut()[1] = 0.3;
+    /// let jacobians = data.inverse_fd(1e-6, false)?;
+    /// // How much more moment the pole takes as it leans further over.
+    /// let stiffness = -0.5 * 9.81 * 0.3 * 0.3_f64.cos(); // mass, gravity, lever
+    /// assert!((jacobians.df_dq[(1, 1)] - stiffness).abs() < 1e-5);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjd_inverseFD")]
+    pub fn inverse_fd(&mut self, eps: f64, flg_actuation: bool) -> Result<InverseJacobians> {
+        let mut jacobians = InverseJacobians::zeros(self.model());
+        self.inverse_fd_into(eps, flg_actuation, &mut jacobians)?;
+        Ok(jacobians)
+    }
+
+    /// As [`inverse_fd`](Self::inverse_fd), into the caller's matrices, of which any may be left out. Allocates nothing; the
+    /// engine's stack has to have room for `nq + 3 nv + 4 nmocap` numbers more.
+    ///
+    /// # Errors
+    ///
+    /// As for [`inverse_fd`](Self::inverse_fd), and [`Error::Shape`] for a wrong shape.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, InverseOutputs, Matrix, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// let mut df_da = Matrix::zeros(2, 2);
+    /// data.inverse_fd_into(1e-6, false, InverseOutputs { df_da: Some(&mut df_da), ..Default::default() })?;
+    /// assert!((df_da[(0, 0)] - data.full_m()?[(0, 0)]).abs() < 1e-8);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjd_inverseFD")]
+    pub fn inverse_fd_into<'a>(
+        &mut self,
+        eps: f64,
+        flg_actuation: bool,
+        outputs: impl Into<InverseOutputs<'a>>,
+    ) -> Result<()> {
+        self.check_usable()?;
+        self.check_inputs()?;
+        check_eps("inverse_fd", eps)?;
+        let mut outputs = outputs.into();
+        outputs.check(self.model())?;
+        Changes::begin(self, eps, flg_actuation)?.differentiate(&mut outputs)
+    }
+
+    /// The forces of inverse dynamics, without those of the actuators if they are to be left out.
+    fn inverse_force(&self, flg_actuation: bool) -> impl Iterator<Item = f64> {
+        let (force, actuator) = (self.qfrc_inverse(), self.qfrc_actuator());
+        force.iter().zip(actuator).map(move |(force, actuator)| if flg_actuation { force - actuator } else { *force })
+    }
+}
+
+/// A data whose positions, velocities and accelerations are changed and put back: each time, and at the end, come what may.
+struct Changes<'a> {
+    data: &'a mut Data,
+    eps: f64,
+    flg_actuation: bool,
+    /// On the engine's stack: what was there before, and then a direction in the tangent space of positions.
+    kept: &'a mut [f64],
+    /// How high the stack was.
+    top: c_int,
+}
+
+/// Where in the kept numbers what is.
+struct Parts {
+    qpos: Range<usize>,
+    /// The engine brings it to the length 1.
+    mocap_quat: Range<usize>,
+    qvel: Range<usize>,
+    qacc: Range<usize>,
+    direction: Range<usize>,
+}
+
+impl Parts {
+    fn of(model: &Model) -> Self {
+        let mut end = 0;
+        let mut next = |length| {
+            let start = end;
+            end += length;
+            start..end
+        };
+        let (nq, nv, nmocap) = (model.nq(), model.nv(), model.nmocap());
+        Self { qpos: next(nq), mocap_quat: next(4 * nmocap), qvel: next(nv), qacc: next(nv), direction: next(nv) }
+    }
+}
+
+impl<'a> Changes<'a> {
+    fn begin(data: &'a mut Data, eps: f64, flg_actuation: bool) -> Result<Self> {
+        let parts = Parts::of(data.model());
+        let length = parts.direction.end;
+        let size = c_int::try_from(length)
+            .map_err(|_| Error::Unsupported(format!("inverse_fd of {} degrees of freedom", data.model().nv())))?;
+        let (top, mut start) = (data.raw().pstack, ptr::null_mut());
+        // SAFETY: a valid data, and a place for the result.
+        ffi::check("mj_stackAlloc", unsafe { guard::mj_stack_alloc(data.as_mut_ptr(), size, &raw mut start) })?;
+        // SAFETY: the engine has reserved so many numbers (NULL for none), and uses only what is above them until they are given
+        // back, when this is dropped.
+        let kept = unsafe {
+            if length > 0 {
+                start.write_bytes(0, length);
+            }
+            ffi::array_mut(start, length)
+        };
+        kept[parts.qpos].copy_from_slice(data.qpos());
+        kept[parts.mocap_quat].copy_from_slice(data.mocap_quat().as_flattened());
+        kept[parts.qvel].copy_from_slice(data.qvel());
+        kept[parts.qacc].copy_from_slice(data.qacc());
+        Ok(Self { data, eps, flg_actuation, kept, top })
+    }
+
+    fn put_back_positions(&mut self) {
+        let Parts { qpos, mocap_quat, .. } = Parts::of(self.data.model());
+        self.data.qpos_mut().copy_from_slice(&self.kept[qpos]);
+        self.data.mocap_quat_mut().as_flattened_mut().copy_from_slice(&self.kept[mocap_quat]);
+    }
+
+    /// Inverse dynamics, without the stages that are still right.
+    fn evaluate(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
+        self.data.inverse_skip(skip, skip_sensors)?;
+        if self.flg_actuation { self.data.fwd_actuation() } else { Ok(()) }
+    }
+
+    fn differentiate(mut self, outputs: &mut InverseOutputs<'_>) -> Result<()> {
+        let nv = self.data.model().nv();
+        let InverseOutputs { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = outputs;
+
+        // Each row takes what a change leads to, from the quickest stage to the slowest.
+        if df_da.is_some() || ds_da.is_some() || df_dv.is_some() || ds_dv.is_some() {
+            self.evaluate(Stage::Nothing, false)?;
+        }
+        for dof in 0..nv {
+            if df_da.is_some() || ds_da.is_some() {
+                let qacc = self.data.qacc()[dof];
+                self.data.qacc_mut()[dof] = qacc + self.eps;
+                self.evaluate(Stage::Velocity, ds_da.is_none())?;
+                self.data.qacc_mut()[dof] = qacc;
+                self.note(dof, df_da, ds_da);
+            }
+        }
+        for dof in 0..nv {
+            if df_dv.is_some() || ds_dv.is_some() {
+                let qvel = self.data.qvel()[dof];
+                self.data.qvel_mut()[dof] = qvel + self.eps;
+                self.evaluate(Stage::Position, ds_dv.is_none())?;
+                self.data.qvel_mut()[dof] = qvel;
+                self.note(dof, df_dv, ds_dv);
+            }
+        }
+        for dof in 0..nv {
+            if df_dq.is_some() || ds_dq.is_some() || dm_dq.is_some() {
+                self.nudge_position(dof)?;
+                self.evaluate(Stage::Nothing, ds_dq.is_none())?;
+                self.note(dof, df_dq, ds_dq);
+                if let Some(dm_dq) = dm_dq {
+                    dm_dq.row_mut(dof).copy_from_slice(self.data.qM());
+                }
+                self.put_back_positions();
+            }
+        }
+
+        // And then the difference to what is without a change, which is also what the data is left with.
+        self.evaluate(Stage::Nothing, false)?;
+        let Self { data, eps, flg_actuation, .. } = &self;
+        for df in [df_dq, df_dv, df_da].into_iter().flatten() {
+            (0..nv).for_each(|dof| difference(df.row_mut(dof), data.inverse_force(*flg_actuation), *eps));
+        }
+        for ds in [ds_dq, ds_dv, ds_da].into_iter().flatten() {
+            (0..nv).for_each(|dof| difference(ds.row_mut(dof), data.sensordata().iter().copied(), *eps));
+        }
+        if let Some(dm_dq) = dm_dq {
+            (0..nv).for_each(|dof| difference(dm_dq.row_mut(dof), data.qM().iter().copied(), *eps));
+        }
+        Ok(())
+    }
+
+    fn nudge_position(&mut self, dof: usize) -> Result<()> {
+        let model = self.data.model().clone();
+        let direction = &mut self.kept[Parts::of(&model).direction];
+        direction[dof] = 1.0;
+        let moved = model.integrate_pos(self.data.qpos_mut(), direction, self.eps);
+        direction[dof] = 0.0;
+        moved
+    }
+
+    /// What has come of a change.
+    fn note(&self, dof: usize, df: &mut Option<&mut Matrix>, ds: &mut Option<&mut Matrix>) {
+        if let Some(df) = df {
+            let force = self.data.inverse_force(self.flg_actuation);
+            df.row_mut(dof).iter_mut().zip(force).for_each(|(to, from)| *to = from);
+        }
+        if let Some(ds) = ds {
+            ds.row_mut(dof).copy_from_slice(self.data.sensordata());
+        }
+    }
+}
+
+impl Drop for Changes<'_> {
+    fn drop(&mut self) {
+        let Parts { qvel, qacc, .. } = Parts::of(self.data.model());
+        self.put_back_positions();
+        self.data.qvel_mut().copy_from_slice(&self.kept[qvel]);
+        self.data.qacc_mut().copy_from_slice(&self.kept[qacc]);
+        self.data.raw_mut().pstack = self.top;
+    }
+}
+
+/// `row = (row − before) / eps`.
+fn difference(row: &mut [f64], before: impl Iterator<Item = f64>, eps: f64) {
+    row.iter_mut().zip(before).for_each(|(value, before)| *value = (*value - before) / eps);
+}
