@@ -66,11 +66,14 @@ mod engine;
 mod enums;
 mod error;
 mod ffi;
+mod file;
 mod generated;
 mod id;
 pub mod matrix;
 pub mod model;
 pub mod sample;
+#[cfg(feature = "serde")]
+mod serialise;
 mod trajectory;
 
 /// The linear algebra that matrices are handed to, in the version that this crate uses.
