@@ -95,7 +95,7 @@ pub use crate::id::{
     TendonId, kind,
 };
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
-pub use crate::model::{DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics};
+pub use crate::model::{DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics, schema, schema_html};
 pub use crate::trajectory::Trajectory;
 
 /// The README's example, as a test.
