@@ -68,12 +68,15 @@ mod enums;
 mod error;
 mod ffi;
 mod field_docs;
+mod file;
 mod generated;
 mod id;
 pub mod math;
 pub mod matrix;
 pub mod model;
 pub mod sample;
+#[cfg(feature = "serde")]
+mod serialise;
 mod trajectory;
 
 /// The linear algebra that matrices are handed to, in the version that this crate uses.
@@ -100,7 +103,7 @@ pub use crate::id::{
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{
     DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap,
-    VisualQuality, VisualRgba, VisualScale,
+    VisualQuality, VisualRgba, VisualScale, schema, schema_html,
 };
 pub use crate::trajectory::Trajectory;
 

@@ -78,4 +78,8 @@ int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* erro
   return run([=] { *result = mj_saveLastXML(filename, m, error, error_size); });
 }
 
+int mujoco_sys_mj_printSchema(const char* filename, char* buffer, int buffer_size, int html, int pad, int* result) {
+  return run([=] { *result = mj_printSchema(filename, buffer, buffer_size, html, pad); });
+}
+
 }

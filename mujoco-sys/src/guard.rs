@@ -64,6 +64,9 @@ guarded! {
     mujoco_sys_mj_saveLastXML = mj_save_last_xml(
         filename: *const c_char, m: *const mjModel, error: *mut c_char, error_size: c_int, result: *mut c_int,
     );
+    mujoco_sys_mj_printSchema = mj_print_schema(
+        filename: *const c_char, buffer: *mut c_char, buffer_size: c_int, html: c_int, pad: c_int, result: *mut c_int,
+    );
     mujoco_sys_mj_copyModel = mj_copy_model(dest: *mut mjModel, m: *const mjModel, result: *mut *mut mjModel);
     mujoco_sys_mj_makeEmptyFileVFS = mj_make_empty_file_vfs(
         vfs: *mut mjVFS, filename: *const c_char, filesize: c_int, result: *mut c_int,

@@ -11,6 +11,7 @@
 //! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
 //! | `hazard.rs` | what the engine compiles and then mishandles |
 //! | `save.rs` | to XML, to a binary model |
+//! | `schema.rs` | what a model text may have in it |
 //! | `mjb/` | the validation of binary models |
 
 mod edit;
@@ -21,6 +22,7 @@ mod names;
 mod options;
 mod position;
 mod save;
+mod schema;
 mod text_check;
 mod virtual_files;
 
@@ -34,6 +36,7 @@ pub use self::options::{
     DisableFlags, EnableFlags, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
     VisualRgba, VisualScale,
 };
+pub use self::schema::{schema, schema_html};
 use crate::error::Result;
 use crate::ffi;
 use crate::id::Lineage;

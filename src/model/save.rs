@@ -1,5 +1,6 @@
 //! Saving.
 
+use std::io::Write;
 use std::path::Path;
 
 use mujoco_sys::{self as sys, guard};
@@ -8,7 +9,7 @@ use super::load::{XmlState, path_c_string};
 use super::{Model, mjb};
 use crate::engine::collecting_warnings;
 use crate::error::{Error, Result};
-use crate::ffi;
+use crate::{ffi, file};
 
 impl Model {
     /// Writes the model as MJCF, with the numbers that it has now.
@@ -68,11 +69,11 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be written.
+    /// [`Error::File`] if the file cannot be written; one that was there before is as it was.
     #[doc(alias = "mj_saveModel")]
     pub fn save_binary(&self, path: impl AsRef<Path>) -> Result<()> {
-        let path = path.as_ref();
-        std::fs::write(path, self.to_binary()?).map_err(Error::file(path))
+        let bytes = self.to_binary()?;
+        file::replace(path.as_ref(), |out| out.write_all(&bytes))
     }
 
     /// The model in the engine's binary form.

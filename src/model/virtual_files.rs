@@ -53,7 +53,7 @@ impl VirtualFiles {
         ffi::check("mj_makeEmptyFileVFS", status)?;
         match outcome {
             0 => {}
-            1 => return Err(invalid("one too many".to_owned(), "among the first 2000")),
+            1 => return Err(invalid("one too many".to_owned(), "one of at most 1998")),
             _ => return Err(invalid("given twice".to_owned(), "unique: the engine looks files up without their path")),
         }
         // SAFETY: as above, and the file is there.

@@ -1,7 +1,16 @@
 //! Recorded states: times, states and controls.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `csv.rs` | files of text |
+//! | `npz.rs` | files of NumPy (feature `npz`) |
+//! | `serde.rs` | the records as plain data, checked on their way in (feature `serde`) |
 
-use std::io::{BufRead, BufReader, BufWriter, Write};
-use std::path::Path;
+mod csv;
+#[cfg(feature = "npz")]
+mod npz;
+#[cfg(feature = "serde")]
+mod serde;
 
 use crate::control::Controller;
 use crate::data::Data;
@@ -203,76 +212,5 @@ impl Trajectory {
         data.ctrl_mut().copy_from_slice(self.ctrl(record));
         data.set_time(self.times[record]);
         Ok(())
-    }
-
-    /// Writes the records as text with a header line. Reading them back gives the same numbers, bit for bit.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::File`] if the file cannot be written.
-    pub fn save_csv(&self, path: impl AsRef<Path>) -> Result<()> {
-        let path = path.as_ref();
-        self.write_csv(path).map_err(Error::file(path))
-    }
-
-    fn write_csv(&self, path: &Path) -> std::io::Result<()> {
-        let mut out = BufWriter::new(std::fs::File::create(path)?);
-        writeln!(out, "{}", self.sizes.columns().collect::<Vec<_>>().join(","))?;
-        for record in 0..self.len() {
-            write!(out, "{}", self.times[record])?;
-            for value in self.state(record).iter().chain(self.ctrl(record)) {
-                // Rust prints the shortest digits that read back as the same number.
-                write!(out, ",{value}")?;
-            }
-            writeln!(out)?;
-        }
-        out.flush()
-    }
-
-    /// Reads what [`save_csv`](Self::save_csv) wrote, for simulations of this model.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::File`] if the file cannot be read, is of a model of other sizes, or has something other than numbers in it;
-    /// the text names the line.
-    pub fn load_csv(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
-        let path = path.as_ref();
-        Self::read_csv(model, path).map_err(Error::file(path))
-    }
-
-    fn read_csv(model: &Model, path: &Path) -> std::io::Result<Self> {
-        let bad = |text: String| std::io::Error::new(std::io::ErrorKind::InvalidData, text);
-        let mut trajectory = Self::new(model);
-        let sizes = trajectory.sizes;
-        let mut lines = BufReader::new(std::fs::File::open(path)?).lines();
-        let header = lines.next().transpose()?.unwrap_or_default();
-        let expected = sizes.columns().collect::<Vec<_>>().join(",");
-        if header.trim_end() != expected {
-            let (found, columns) = (header.split(',').count(), sizes.state() + sizes.nu + 1);
-            return Err(bad(format!(
-                "line 1 is not the header of this model's trajectories ({columns} columns from 'time' on, found {found})"
-            )));
-        }
-        for (index, line) in lines.enumerate() {
-            let line = line?;
-            let number = index + 2;
-            let values: Vec<f64> = line
-                .split(',')
-                .map(|cell| {
-                    cell.trim().parse().map_err(|_| bad(format!("line {number}: '{}' is not a number", cell.trim())))
-                })
-                .collect::<std::io::Result<_>>()?;
-            if values.len() != 1 + sizes.state() + sizes.nu {
-                return Err(bad(format!(
-                    "line {number} has {} columns, not {}",
-                    values.len(),
-                    1 + sizes.state() + sizes.nu
-                )));
-            }
-            trajectory.times.push(values[0]);
-            trajectory.states.extend_from_slice(&values[1..=sizes.state()]);
-            trajectory.controls.extend_from_slice(&values[1 + sizes.state()..]);
-        }
-        Ok(trajectory)
     }
 }

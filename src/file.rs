@@ -1,0 +1,102 @@
+//! Files that are written whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// Lets `write` write a file. It gets its name only when all is written, so that whatever goes wrong leaves what was there
+/// before, and never half a file.
+pub(crate) fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
+    try_replace(path, write).map_err(Error::file(path))
+}
+
+fn try_replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+    // A link stays a link.
+    let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let before = fs::metadata(&path).ok();
+    if let Some(before) = &before {
+        if before.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        // A pipe or a terminal has nothing to replace.
+        if !before.is_file() {
+            return finish(BufWriter::new(File::options().write(true).open(&path)?), write).map(drop);
+        }
+        // Who must not write to a file must not replace it either, though its folder would let them.
+        drop(File::options().write(true).open(&path)?);
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".").suffix(".part");
+    // Otherwise nobody else could read it.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    // Beside the file, because only within a file system can a name be given to what is there.
+    let (out, name) = builder.tempfile_in(folder(&path))?.into_parts();
+    let out = finish(BufWriter::new(out), write)?;
+    if let Some(before) = before {
+        out.set_permissions(before.permissions())?;
+    }
+    drop(out);
+    name.persist(&path).map_err(|failed| failed.error)
+}
+
+fn finish(mut out: BufWriter<File>, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<File> {
+    write(&mut out)?;
+    out.flush()?;
+    out.into_inner().map_err(|failed| failed.into_error())
+}
+
+fn folder(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::io::{Error, Write};
+
+    use super::replace;
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        fs::write(&path, "old").unwrap();
+        let error = replace(&path, |out| out.write_all(b"half").and(Err(Error::other("full")))).unwrap_err();
+        assert!(error.to_string().ends_with("file: full"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        replace(&path, |out| out.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        replace(folder.path(), |_| Ok(())).unwrap_err();
+        assert!(folder.path().is_dir());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_devices_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("file"), folder.path().join("link"));
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        replace(&link, |out| out.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        replace("/dev/null".as_ref(), |out| out.write_all(b"new")).unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+}

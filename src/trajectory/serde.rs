@@ -1,0 +1,47 @@
+//! Trajectories as plain data. What comes in is checked, because the records are looked up by their sizes.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use super::{Sizes, Trajectory};
+
+/// What is written: the sizes of a state, and then the values of [`Trajectory`].
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Trajectory", deny_unknown_fields)]
+struct Records<'t> {
+    nq: usize,
+    nv: usize,
+    na: usize,
+    nu: usize,
+    times: Cow<'t, [f64]>,
+    states: Cow<'t, [f64]>,
+    controls: Cow<'t, [f64]>,
+}
+
+impl Serialize for Trajectory {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Sizes { nq, nv, na, nu } = self.sizes;
+        let (times, states, controls) = (&self.times, &self.states, &self.controls);
+        Records { nq, nv, na, nu, times: times.into(), states: states.into(), controls: controls.into() }
+            .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Trajectory {
+    /// An error if there are not as many values as the sizes and the number of times ask for.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let Records { nq, nv, na, nu, times, states, controls } = Records::deserialize(deserializer)?;
+        let state = nq.checked_add(nv).and_then(|sum| sum.checked_add(na));
+        for (name, size, found) in [("states", state, states.len()), ("controls", Some(nu), controls.len())] {
+            if size.and_then(|size| size.checked_mul(times.len())) != Some(found) {
+                return Err(de::Error::custom(format!(
+                    "a trajectory of {} records with nq {nq}, nv {nv}, na {na} and nu {nu} has {found} values in '{name}'",
+                    times.len()
+                )));
+            }
+        }
+        let sizes = Sizes { nq, nv, na, nu };
+        Ok(Self { sizes, times: times.into_owned(), states: states.into_owned(), controls: controls.into_owned() })
+    }
+}

@@ -1,0 +1,82 @@
+//! What is loaded is what the engine loads from the disk.
+
+use mujoco_safe::{Data, Model};
+
+use crate::{assets, bytes, bytes_in_c, folder, from_memory};
+
+#[test]
+fn meshes_images_height_fields_and_skins_load_from_memory_as_from_the_disk() {
+    let folder = folder();
+    let model = from_memory(assets::MODEL, &assets::all()).unwrap();
+    let in_c = bytes_in_c(&folder.path().join("model.xml"));
+    assert_eq!(bytes(&model), in_c[..bytes(&model).len()]);
+    let on_disk = Model::from_xml_path(folder.path().join("model.xml")).unwrap();
+    assert!(bytes(&on_disk) == bytes(&model));
+
+    // As the official Python bindings of this engine have it (`MjModel.from_xml_string(xml, assets)`).
+    assert_eq!((model.nmesh(), model.nskin(), model.nhfield(), model.ntex()), (3, 1, 2, 2));
+    assert_eq!(model.mesh_vertnum(), [4, 12, 4]);
+    assert_eq!(model.mesh_facenum(), [4, 4, 4]);
+    assert_eq!(model.hfield_data(), [0.0, 0.125, 0.25, 0.375, 0.5, 1.0, 0.6, 0.8, 1.0, 0.0, 0.2, 0.4]);
+    assert_eq!((model.tex_width(), model.tex_height()), (&[4, 2][..], &[4, 1][..]));
+    assert_eq!(model.tex_rgb()[48..], [10, 20, 30, 40, 50, 60]);
+    assert_eq!((model.nskinvert(), model.nskinbone()), (4, 1));
+    Data::new(model).unwrap().step().unwrap();
+}
+
+#[test]
+fn a_file_is_found_by_its_name_alone_whatever_folder_and_case_it_is_given_with() {
+    let expected = bytes(&from_memory(assets::MODEL, &assets::all()).unwrap());
+    let rename = |rename: fn(&str) -> String| {
+        let files = assets::all();
+        let names: Vec<String> = files.iter().map(|(name, _)| rename(name)).collect();
+        let files: Vec<(&str, &[u8])> =
+            names.iter().zip(&files).map(|(name, (_, content))| (name.as_str(), content.as_slice())).collect();
+        bytes(&Model::from_xml_str_with_files(assets::MODEL, &files).unwrap())
+    };
+    assert!(rename(|name| name.rsplit('/').next().unwrap().to_owned()) == expected);
+    assert!(rename(|name| format!("/some/where/else/{name}")) == expected);
+    assert!(rename(|name| format!("C:\\somewhere\\{}", name.replace('/', "\\"))) == expected);
+    assert!(rename(str::to_uppercase) == expected);
+    // Whether the compiler cuts folders off makes no difference.
+    let stripped = assets::MODEL.replace("<compiler ", r#"<compiler strippath="true" "#);
+    assert!(bytes(&from_memory(&stripped, &assets::all()).unwrap()) == expected);
+}
+
+#[test]
+fn a_file_that_is_not_in_memory_is_looked_for_on_the_disk() {
+    let folder = folder();
+    let xml = format!(
+        r#"<mujoco><compiler meshdir="{}/meshes/"/><asset><mesh file="solid.stl"/><mesh name="other" file="solid.msh"/></asset>
+           <worldbody><geom type="mesh" mesh="solid"/><geom type="mesh" mesh="other"/></worldbody></mujoco>"#,
+        folder.path().display()
+    );
+    assert_eq!(Model::from_xml_str(&xml).unwrap().nmesh(), 2);
+    // What is in memory comes first.
+    let larger =
+        [("solid.stl", [&assets::stl()[..80], &[5, 0, 0, 0], &assets::stl()[84..], &assets::stl()[84..134]].concat())];
+    assert_eq!(from_memory(&xml, &larger).unwrap().mesh_facenum(), [5, 4]);
+}
+
+#[test]
+fn a_robot_in_urdf_loads_from_a_path_and_from_memory() {
+    let folder = folder();
+    let path = folder.path().join("arm.urdf");
+    let model = Model::from_xml_path(&path).unwrap();
+    let in_c = bytes_in_c(&path);
+    assert_eq!(bytes(&model), in_c[..bytes(&model).len()]);
+    let in_memory = from_memory(assets::URDF, &[("meshes/solid.stl", assets::stl())]).unwrap();
+    assert!(bytes(&in_memory) == bytes(&model));
+    // As the official Python bindings have it: what is only to be seen is left out.
+    assert_eq!((model.njnt(), model.nbody(), model.nmesh(), model.ngeom()), (1, 2, 1, 1));
+    assert_eq!(model.joint("hinge").map(|_| model.jnt_range().to_vec()).unwrap(), [[-1.0, 1.0]]);
+}
+
+#[test]
+fn as_many_files_as_the_engine_has_room_for_can_be_given() {
+    let names: Vec<String> = (0..1999).map(|index| format!("{index}.txt")).collect();
+    let files: Vec<(&str, &[u8])> = names.iter().map(|name| (name.as_str(), &b"text"[..])).collect();
+    Model::from_xml_str_with_files("<mujoco/>", &files[..1998]).unwrap();
+    let error = Model::from_xml_str_with_files("<mujoco/>", &files).unwrap_err().to_string();
+    assert!(error.contains("'1998.txt'") && error.contains("1998"), "{error}");
+}

@@ -1,0 +1,60 @@
+//! Models from files: on the disk, in memory, and back to where they came from.
+
+mod assets;
+mod load;
+mod refuse;
+mod save;
+
+use std::path::Path;
+
+use mujoco_safe::Model;
+use tempfile::TempDir;
+
+/// A folder with every file of [`assets::all`].
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content) in assets::all() {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
+    }
+    std::fs::write(folder.path().join("model.xml"), assets::MODEL).unwrap();
+    // A URDF looks for its meshes beside itself.
+    std::fs::write(folder.path().join("arm.urdf"), assets::URDF).unwrap();
+    std::fs::write(folder.path().join("solid.stl"), assets::stl()).unwrap();
+    folder
+}
+
+/// As `Model::from_xml_str_with_files`, of files that are owned.
+fn from_memory(xml: &str, files: &[(&str, Vec<u8>)]) -> mujoco_safe::Result<Model> {
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (*name, content.as_slice())).collect();
+    Model::from_xml_str_with_files(xml, &files)
+}
+
+/// The whole model, every array of it, as the engine writes it.
+fn bytes(model: &Model) -> Vec<u8> {
+    model.to_binary().unwrap()
+}
+
+/// What the engine itself loads from a path, as bytes.
+fn bytes_in_c(path: &Path) -> Vec<u8> {
+    use std::ffi::CString;
+    use std::ptr;
+
+    use mujoco_safe::sys::{self, guard};
+
+    let name = CString::new(path.to_str().unwrap()).unwrap();
+    let (mut model, mut message) = (ptr::null_mut(), [0; 1000]);
+    // SAFETY: the handlers are in place since a model was loaded through the library, whose name is valid; the buffer has the
+    // length that is given.
+    let status = unsafe { guard::mj_load_xml(name.as_ptr(), ptr::null(), message.as_mut_ptr(), 1000, &raw mut model) };
+    assert!(status == guard::OK && !model.is_null(), "the engine cannot load {}", path.display());
+    // SAFETY: a valid model, a buffer of the size that the engine asks for, and the model is freed once.
+    unsafe {
+        let size = sys::mj_sizeModel(model);
+        let mut bytes = vec![0_u8; size as usize];
+        assert_eq!(guard::mj_save_model(model, ptr::null(), bytes.as_mut_ptr().cast(), size), guard::OK);
+        sys::mj_deleteModel(model);
+        bytes
+    }
+}

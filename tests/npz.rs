@@ -1,0 +1,226 @@
+//! Trajectories in NumPy's files: read by somebody else's rules, and back again.
+#![forbid(unsafe_code)]
+
+use std::fs::{self, File};
+use std::io::{Cursor, Read, Write};
+use std::path::Path;
+
+use mujoco_safe::{Data, Model, RandomController, Trajectory, sample};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+/// Two positions, two velocities, one activation, two controls.
+const FILTERED: &str = r#"<mujoco>
+  <worldbody>
+    <body><joint name="a" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/>
+      <body pos=".4 0 0"><joint name="b" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/></body>
+    </body>
+  </worldbody>
+  <actuator><motor joint="a"/><general joint="b" dyntype="filter" dynprm=".1"/></actuator>
+</mujoco>"#;
+
+fn recorded(xml: &str) -> (Model, Trajectory) {
+    let model = Model::from_xml_str(xml).unwrap();
+    let mut data = Data::new(model.clone()).unwrap();
+    let mut trajectory = Trajectory::new(&model);
+    trajectory.record(&mut data, &mut RandomController::new(5), 30).unwrap();
+    (model, trajectory)
+}
+
+/// The bytes of an array as the format's description has them: magic text, version, length of the header, header, numbers.
+fn array(path: &Path, name: &str) -> (String, Vec<f64>) {
+    let mut archive = ZipArchive::new(File::open(path).unwrap()).unwrap();
+    let mut bytes = Vec::new();
+    archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
+    assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
+    let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    assert!(start.is_multiple_of(64) && bytes[start - 1] == b'\n');
+    let header = String::from_utf8(bytes[10..start].to_vec()).unwrap().trim_end().to_owned();
+    let values = bytes[start..].chunks_exact(8).map(|value| f64::from_le_bytes(value.try_into().unwrap())).collect();
+    (header, values)
+}
+
+/// A file with these arrays.
+fn archive(arrays: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in arrays {
+        archive.start_file(*name, SimpleFileOptions::default().compression_method(method)).unwrap();
+        archive.write_all(bytes).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+/// An array in version 2 of the format.
+fn npy(header: &str, values: &[f64]) -> Vec<u8> {
+    let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
+    bytes.extend((header.len() as u32).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+fn shaped(shape: &str, values: &[f64]) -> Vec<u8> {
+    npy(&format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}\n"), values)
+}
+
+#[test]
+fn the_arrays_are_numpys() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    let (_, trajectory) = recorded(FILTERED);
+    trajectory.save_npz(&path).unwrap();
+    let header = |shape: &str| format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+    assert_eq!(array(&path, "time"), (header("(30,)"), trajectory.times().to_vec()));
+    assert_eq!(array(&path, "ctrl"), (header("(30, 2)"), trajectory.controls().to_vec()));
+    for (name, columns) in [("qpos", 0..2), ("qvel", 2..4), ("act", 4..5)] {
+        let expected: Vec<f64> =
+            trajectory.states().chunks(5).flat_map(|state| state[columns.clone()].to_vec()).collect();
+        assert_eq!(array(&path, name), (header(&format!("(30, {})", columns.len())), expected), "{name}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_trajectory_comes_back_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    for xml in [FILTERED, sample::HUMANOID_XML, "<mujoco/>"] {
+        let (model, trajectory) = recorded(xml);
+        for trajectory in [trajectory, Trajectory::new(&model)] {
+            trajectory.save_npz(&path).unwrap();
+            let read = Trajectory::load_npz(&model, &path).unwrap();
+            assert_eq!(read, trajectory);
+            let bits =
+                |trajectory: &Trajectory| trajectory.states().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&read), bits(&trajectory));
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_none_come_back_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let mut trajectory = Trajectory::new(data.model());
+    data.qpos_mut().copy_from_slice(&[f64::NAN, -0.0]);
+    data.qvel_mut().copy_from_slice(&[f64::NEG_INFINITY, f64::MIN_POSITIVE / 4.0]);
+    trajectory.push(&data).unwrap();
+    trajectory.save_npz(&path).unwrap();
+    let read = Trajectory::load_npz(data.model(), &path).unwrap();
+    let bits = |state: &[f64]| state.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(read.state(0)), bits(trajectory.state(0)));
+}
+
+#[test]
+fn files_of_numpys_own_are_read_compressed_or_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    let model = sample::cartpole();
+    for method in [CompressionMethod::Stored, CompressionMethod::Deflated] {
+        let file = archive(
+            &[
+                ("ctrl.npy", shaped("(2, 1)", &[7.0, 8.0])),
+                ("note.npy", b"something else".to_vec()),
+                ("time.npy", shaped("(2,)", &[0.0, 0.1])),
+                ("act.npy", shaped("(2, 0)", &[])),
+                ("qvel.npy", shaped("(2, 2)", &[3.0, 4.0, 5.0, 6.0])),
+                ("qpos.npy", shaped("(2, 2)", &[-1.0, -2.0, -3.0, -4.0])),
+            ],
+            method,
+        );
+        fs::write(&path, file).unwrap();
+        let read = Trajectory::load_npz(&model, &path).unwrap();
+        assert_eq!(read.times(), [0.0, 0.1]);
+        assert_eq!(read.states(), [-1.0, -2.0, 3.0, 4.0, -3.0, -4.0, 5.0, 6.0]);
+        assert_eq!(read.controls(), [7.0, 8.0]);
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    let model = sample::cartpole();
+    let good = [
+        ("time.npy", shaped("(2,)", &[0.0, 0.1])),
+        ("qpos.npy", shaped("(2, 2)", &[0.0; 4])),
+        ("qvel.npy", shaped("(2, 2)", &[0.0; 4])),
+        ("act.npy", shaped("(2, 0)", &[])),
+        ("ctrl.npy", shaped("(2, 1)", &[0.0; 2])),
+    ];
+    let with = |index: usize, bytes: Vec<u8>| {
+        let mut arrays = good.clone();
+        arrays[index].1 = bytes;
+        archive(&arrays, CompressionMethod::Stored)
+    };
+    let header = |descr: &str, order: &str| {
+        npy(&format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': (2, 2)}}"), &[0.0; 4])
+    };
+    let cases = [
+        (with(0, shaped("(2, 1)", &[0.0; 2])), "'time' has shape (2, 1), but must have (n)"),
+        (with(0, shaped("(3,)", &[0.0; 3])), "'qpos' has shape (2, 2), but must have (3, 2)"),
+        (with(1, shaped("(2, 3)", &[0.0; 6])), "'qpos' has shape (2, 3), but must have (2, 2)"),
+        (with(2, shaped("(1, 2)", &[0.0; 2])), "'qvel' has shape (1, 2)"),
+        (with(2, shaped("(4,)", &[0.0; 4])), "'qvel' has shape (4), but must have (2, 2)"),
+        (with(3, shaped("(2, 1)", &[0.0; 2])), "'act' has shape (2, 1), but must have (2, 0)"),
+        (with(4, shaped("(2, 2)", &[0.0; 4])), "'ctrl' has shape (2, 2), but must have (2, 1)"),
+        (with(1, header("<f4", "False")), "'qpos' is of the type '<f4'"),
+        (with(1, header(">f8", "False")), "'qpos' is of the type '>f8'"),
+        (with(1, header("<f8", "True")), "'qpos' is in Fortran's order"),
+        (with(1, shaped("(2, 2)", &[0.0; 3])), "'qpos' has not as many numbers"),
+        (with(1, shaped("(2, 2)", &[0.0; 5])), "'qpos' has not as many numbers"),
+        // No memory is taken for what is not there.
+        (with(0, shaped("(1000000000000000,)", &[0.0; 2])), "'time' has not as many numbers"),
+        (with(0, shaped("(4611686018427387904,)", &[0.0; 2])), "'time' is too large"),
+        (with(1, b"no array at all".to_vec()), "'qpos' is not one of NumPy's"),
+        (with(1, npy("{}", &[])), "'qpos' has a header of another form"),
+        (with(1, b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec()), "'qpos' has a header of another form"),
+        (with(1, b"\x93NUM".to_vec()), "t.npz"),
+        (archive(&good[..4], CompressionMethod::Stored), "'ctrl' is not in the file"),
+        (b"no archive".to_vec(), "t.npz"),
+        (Vec::new(), "t.npz"),
+    ];
+    for (file, expected) in cases {
+        fs::write(&path, file).unwrap();
+        let text = Trajectory::load_npz(&model, &path).unwrap_err().to_string();
+        assert!(text.contains(expected) && text.contains("t.npz"), "{expected}: {text}");
+    }
+    fs::write(&path, archive(&good, CompressionMethod::Stored)).unwrap();
+    assert_eq!(Trajectory::load_npz(&model, &path).unwrap().len(), 2);
+}
+
+#[test]
+fn no_cut_and_no_changed_byte_of_a_file_ends_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    let model = sample::cartpole();
+    let mut data = Data::new(model.clone()).unwrap();
+    let mut trajectory = Trajectory::new(&model);
+    trajectory.record(&mut data, &mut RandomController::new(1), 2).unwrap();
+    trajectory.save_npz(&path).unwrap();
+    let file = fs::read(&path).unwrap();
+    for length in (0..file.len()).step_by(7) {
+        fs::write(&path, &file[..length]).unwrap();
+        assert!(Trajectory::load_npz(&model, &path).is_err(), "{length} bytes");
+    }
+    for at in 0..file.len() {
+        let mut bad = file.clone();
+        bad[at] ^= 1 << (at % 8);
+        fs::write(&path, bad).unwrap();
+        // What the archive keeps twice may be wrong in one place; the numbers may not.
+        if let Ok(read) = Trajectory::load_npz(&model, &path) {
+            assert_eq!(read, trajectory, "byte {at}");
+        }
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_an_error_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, trajectory) = recorded(FILTERED);
+    for path in [folder.path().join("no/such/t.npz"), folder.path().to_owned()] {
+        trajectory.save_npz(&path).unwrap_err();
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}

@@ -1,0 +1,89 @@
+//! Results as plain data: what comes out comes in again, and what is not consistent does not come in.
+#![forbid(unsafe_code)]
+
+use mujoco_safe::{
+    ContactForce, Data, Differences, Matrix, RandomController, StateSpace, StateSpec, Trajectory, WarningCount, sample,
+};
+use serde_json::{Value, from_str, from_value, json, to_string, to_value};
+
+fn trajectory() -> (Data, Trajectory) {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let mut trajectory = Trajectory::new(data.model());
+    trajectory.record(&mut data, &mut RandomController::new(3), 20).unwrap();
+    (data, trajectory)
+}
+
+fn error<T: serde::de::DeserializeOwned>(value: Value) -> String {
+    from_value::<T>(value).err().expect("it is not consistent").to_string()
+}
+
+#[test]
+fn a_trajectory_comes_back_bit_for_bit_and_still_fits_its_model() {
+    let (mut data, trajectory) = trajectory();
+    let read: Trajectory = from_str(&to_string(&trajectory).unwrap()).unwrap();
+    assert_eq!(read, trajectory);
+    read.apply(7, &mut data).unwrap();
+    assert_eq!(data.qpos(), trajectory.qpos(7));
+    let value = to_value(&trajectory).unwrap();
+    assert_eq!((&value["nq"], &value["nu"], value["times"].as_array().unwrap().len()), (&json!(2), &json!(1), 20));
+}
+
+#[test]
+fn a_trajectory_whose_sizes_and_values_disagree_is_refused() {
+    let (_, trajectory) = trajectory();
+    let good = to_value(&trajectory).unwrap();
+    for (field, value, expected) in [
+        ("nq", json!(3), "has 80 values in 'states'"),
+        ("nu", json!(2), "has 20 values in 'controls'"),
+        ("nq", json!(u64::MAX), "has 80 values in 'states'"),
+        ("nv", json!(u64::MAX - 1), "has 80 values in 'states'"),
+        ("nq", json!(u64::MAX / 4), "has 80 values in 'states'"),
+        ("nu", json!(u64::MAX / 2), "has 20 values in 'controls'"),
+        ("nq", json!(-1), "expected usize"),
+        ("times", json!([0.0]), "of 1 records"),
+        ("times", json!([]), "of 0 records"),
+        ("controls", json!([1.0, 2.0]), "has 2 values in 'controls'"),
+        ("states", json!(null), "expected"),
+        ("other", json!(1), "unknown field"),
+    ] {
+        let mut bad = good.clone();
+        bad[field] = value.clone();
+        let text = error::<Trajectory>(bad);
+        assert!(text.contains(expected), "{field} = {value}: {text}");
+    }
+}
+
+#[test]
+fn a_matrix_must_have_as_many_values_as_its_shape_says() {
+    let matrix = Matrix::from_rows(&[[1.0, -0.0, 3.0], [1e-300, 0.1, f64::MAX]]);
+    let value = to_value(&matrix).unwrap();
+    assert_eq!(value, json!({"nrows": 2, "ncols": 3, "values": [1.0, -0.0, 3.0, 1e-300, 0.1, f64::MAX]}));
+    assert_eq!(to_value(matrix.view()).unwrap(), value);
+    assert_eq!(from_str::<Matrix>(&to_string(&matrix).unwrap()).unwrap(), matrix);
+    assert_eq!(from_value::<Matrix>(json!({"nrows": 0, "ncols": 5, "values": []})).unwrap().shape(), (0, 5));
+    for (nrows, ncols) in [(3, 3), (2, 2), (u64::MAX, u64::MAX), (1 << 63, 2), (0, 0)] {
+        let text = error::<Matrix>(json!({"nrows": nrows, "ncols": ncols, "values": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]}));
+        assert!(text.contains("has 6 values"), "{text}");
+    }
+}
+
+#[test]
+fn what_has_public_fields_comes_back() {
+    let (mut data, _) = trajectory();
+    let system = data.transition_fd(1e-6, Differences::Central).unwrap();
+    assert_eq!(from_str::<StateSpace>(&to_string(&system).unwrap()).unwrap(), system);
+    let force = ContactForce { force: [1.0, 2.0, 3.0], torque: [4.0, 5.0, 6.0] };
+    assert_eq!(to_value(force).unwrap(), json!({"force": [1.0, 2.0, 3.0], "torque": [4.0, 5.0, 6.0]}));
+    assert_eq!(from_value::<ContactForce>(to_value(force).unwrap()).unwrap(), force);
+    let count: WarningCount = from_value(json!({"number": 2, "last_info": -1})).unwrap();
+    assert_eq!((count.number, count.last_info), (2, -1));
+}
+
+#[test]
+fn the_parts_of_a_state_have_names() {
+    let spec = StateSpec::QPOS | StateSpec::CTRL;
+    assert_eq!(to_value(spec).unwrap(), json!("QPOS | CTRL"));
+    assert_eq!(from_value::<StateSpec>(json!("QPOS | CTRL")).unwrap(), spec);
+    assert!(error::<StateSpec>(json!("QPOS | NOTHING")).contains("unrecognized named flag"));
+    assert!(error::<StateSpec>(json!("0x80000000")).contains("0x80000000"));
+}
