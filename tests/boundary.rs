@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use mujoco_safe::{
     Cone, Controller, Data, Differences, Error, Integrator, JacobianStorage, Lqr, Matrix, Model, PdController,
-    RandomController, Solver, StateSpec, Trajectory, TransitionOutputs, ZeroController, sample,
+    RandomController, Solver, StateSpec, Timer, Trajectory, TransitionOutputs, ZeroController, sample,
 };
 
 #[path = "common/touch_all.rs"]
@@ -178,6 +178,8 @@ fn editing_and_cloning() {
     let mut model = everything();
     model.edit().body_mut("arm").unwrap().set_mass(0.3);
     model.edit().update_constants().unwrap();
+    model.edit().visual(|visual| visual.global.offwidth += 1).unwrap();
+    model.edit().statistics(|statistics| statistics.center[0] += 1.0).unwrap();
     let copy = model.clone();
     assert_eq!(touch_all::model(&copy), touch_all::model(&model));
     let mut data = Data::new(model).unwrap();
@@ -214,6 +216,9 @@ fn stepping_with_every_solver() {
                 data.ctrl_mut()[0] = 0.5;
                 data.step2().unwrap();
                 data.inverse().unwrap();
+                let improvement: f64 = data.solver().map(|iteration| iteration.improvement).sum();
+                let duration: f64 = Timer::ALL.map(|timer| data.timer(timer).duration).iter().sum();
+                assert!(improvement.is_finite() && duration.is_finite(), "{:?}", data.solver_fwdinv());
             }
         }
     }

@@ -92,8 +92,10 @@ pub struct Options {
     /// Iterations of the convex collision solver at most.
     pub mpr_iterations: usize,
     /// Standard features that are switched off.
+    #[doc(alias = "disableflags")]
     pub disable: DisableFlags,
     /// Optional features that are switched on.
+    #[doc(alias = "enableflags")]
     pub enable: EnableFlags,
 }
 

@@ -130,7 +130,7 @@ mirror! {
         stiffnessrot: f32 = 500.0,
         /// Length of the arrow of a force, m/N, for bodies with a mean mass of 1 kg. Not negative.
         force: f32 = 0.005,
-        /// Length of the arrow of a torque, 1/N. Not negative.
+        /// Length of the arrow of a torque, 1/N. The engine keeps the number and makes no use of it. Not negative.
         torque: f32 = 0.1,
         /// By what the alpha of geoms is multiplied where they are shown transparent. From 0 to 1.
         alpha: f32 = 0.3,
@@ -161,9 +161,9 @@ mirror! {
         forcewidth: f32 = 0.1,
         /// Radius of the disc of a contact.
         contactwidth: f32 = 0.3,
-        /// Height of the disc of a contact.
+        /// Half the height of the disc of a contact.
         contactheight: f32 = 0.1,
-        /// Width of the capsules that connect joints and centres of mass.
+        /// Radius of the capsules that connect joints and centres of mass.
         connect: f32 = 0.2,
         /// Radius of the ball at a centre of mass.
         com: f32 = 0.4,
@@ -185,9 +185,9 @@ mirror! {
         framelength: f32 = 1.0,
         /// Width of the axes of a frame.
         framewidth: f32 = 0.1,
-        /// Width of a violated constraint.
+        /// Radius of what shows an equality constraint, and of the line along which the mouse pulls.
         constraint: f32 = 0.1,
-        /// Width of a slider-crank.
+        /// Radius of a slider-crank.
         slidercrank: f32 = 0.2,
     }
 }
@@ -219,7 +219,7 @@ mirror! {
         light: [f32; 4] = [0.6, 0.6, 0.9, 1.0],
         /// The selected point.
         selectpoint: [f32; 4] = [0.9, 0.9, 0.1, 1.0],
-        /// A capsule that connects joints and centres of mass.
+        /// What connects joints and centres of mass; the anchor of an equality constraint on its first body.
         connect: [f32; 4] = [0.2, 0.2, 0.8, 1.0],
         /// A contact.
         contactpoint: [f32; 4] = [0.9, 0.6, 0.2, 1.0],
@@ -233,11 +233,11 @@ mirror! {
         contactgap: [f32; 4] = [0.5, 0.8, 0.9, 1.0],
         /// The ray of a range finder.
         rangefinder: [f32; 4] = [1.0, 1.0, 0.1, 1.0],
-        /// A violated constraint.
+        /// The anchor of an equality constraint on its second body, and how far a distance is from what it has to be.
         constraint: [f32; 4] = [0.9, 0.0, 0.0, 1.0],
-        /// The crank of a slider-crank.
+        /// A slider-crank.
         slidercrank: [f32; 4] = [0.5, 0.3, 0.8, 1.0],
-        /// The crank of a slider-crank whose rod is too short to reach.
+        /// A slider-crank whose rod is too short to reach.
         crankbroken: [f32; 4] = [0.9, 0.0, 0.0, 1.0],
     }
 }
