@@ -130,6 +130,7 @@ engine_enum! {
 }
 engine_enum! {
     /// What a camera or a light does while its body moves.
+    #[doc(alias = "mjtCamLight")]
     CameraMode {
         /// It is fixed to its body.
         Fixed = mjCAMLIGHT_FIXED,
@@ -145,6 +146,7 @@ engine_enum! {
 }
 engine_enum! {
     /// How a texture is put onto a surface.
+    #[doc(alias = "mjtTexture")]
     TextureType {
         /// One image.
         Flat = mjTEXTURE_2D,
@@ -188,6 +190,7 @@ engine_enum! {
 }
 engine_enum! {
     /// How an actuator's activation follows its control.
+    #[doc(alias = "mjtDyn")]
     ActuatorDynamics {
         /// It has no activation: the control is used as it is.
         None = mjDYN_NONE,
@@ -203,6 +206,7 @@ engine_enum! {
 }
 engine_enum! {
     /// What an actuator's control or activation is multiplied by.
+    #[doc(alias = "mjtGain")]
     ActuatorGain {
         /// A number.
         Fixed = mjGAIN_FIXED,
@@ -216,6 +220,7 @@ engine_enum! {
 }
 engine_enum! {
     /// What is added to an actuator's force.
+    #[doc(alias = "mjtBias")]
     ActuatorBias {
         /// Nothing.
         None = mjBIAS_NONE,
@@ -229,6 +234,7 @@ engine_enum! {
 }
 engine_enum! {
     /// What an equality constraint ties together.
+    #[doc(alias = "mjtEq")]
     EqualityType {
         /// A point of one body to a point of another: a ball joint.
         Connect = mjEQ_CONNECT,
@@ -242,6 +248,7 @@ engine_enum! {
 }
 engine_enum! {
     /// What the numbers of a sensor are.
+    #[doc(alias = "mjtDataType")]
     SensorDataType {
         /// Real numbers.
         Real = mjDATATYPE_REAL,
@@ -255,6 +262,7 @@ engine_enum! {
 }
 engine_enum! {
     /// What a sensor measures.
+    #[doc(alias = "mjtSensor")]
     SensorType {
         /// Normal forces of the contacts inside a site's shape, N, summed.
         Touch = mjSENS_TOUCH,

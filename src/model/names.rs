@@ -66,7 +66,8 @@ impl Model {
         (0..self.count(kind)).filter_map(move |index| self.name_at(kind, index))
     }
 
-    /// The contents of the model's custom texts, each ended by a NUL byte; `text_adr` and `text_size` tell where each is.
+    /// The contents of the model's custom texts, each ended by a NUL byte; `text_adr` and `text_size` tell where each is. One
+    /// of them is [`Model::text`].
     pub fn text_data(&self) -> &[u8] {
         // SAFETY: the engine allocated the array with this size, `u8` has the layout of C's char, and nothing writes to a model
         // that is borrowed.

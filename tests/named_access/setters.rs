@@ -1,7 +1,9 @@
 //! Switches, masks and the few integers of a model that may be written to: each setter writes its own element's place and nothing
 //! else, refuses what the engine cannot take, and leaves a model that can be stepped.
 
-use mujoco_safe::{Cone, Data, Error, JacobianStorage, Model, Solver, sample};
+use mujoco_safe::{Cone, Data, Error, JacobianStorage, Model, ModelMut, Solver, sample};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::{every_element, zoo};
 
@@ -149,11 +151,14 @@ fn subjects() -> Vec<Model> {
             .filter_map(|path| Model::from_xml_path(path).ok())
             .filter(|model| model.nv() <= 100),
     );
-    for (njmax, nconmax) in [(0, 0), (1, 1), (7, 60), (300, 2)] {
+    for (njmax, nconmax) in [(0, 0), (1, 1), (7, 60), (100, 60), (300, 2)] {
         let text = include_str!("../models/every_element.xml")
-            .replace("njmax=\"300\" nconmax=\"60\"", &format!("njmax=\"{njmax}\" nconmax=\"{nconmax}\""))
-            .replace("<adhesion name=\"stick\" body=\"gripper\" gain=\"3\" ctrlrange=\"0 1\"/>", "");
-        assert!(text.contains(&format!("njmax=\"{njmax}\"")) && !text.contains("adhesion"));
+            .replace("njmax=\"300\" nconmax=\"60\"", &format!("njmax=\"{njmax}\" nconmax=\"{nconmax}\""));
+        assert!(text.contains(&format!("njmax=\"{njmax}\"")));
+        // With less room, a model with an adhesive actuator is refused.
+        let adhesion = "<adhesion name=\"stick\" body=\"gripper\" gain=\"3\" ctrlrange=\"0 1\"/>";
+        let text = if njmax < 100 { text.replace(adhesion, "") } else { text };
+        assert_eq!(text.contains("<adhesion"), njmax >= 100);
         subjects.push(Model::from_xml_str(&text).expect("it is valid"));
     }
     subjects
@@ -184,6 +189,55 @@ fn a_model_with_everything_switched_on_steps_or_gives_an_error() {
         }
     }
     assert!(steps > 200, "only {steps} steps came about");
+}
+
+#[test]
+fn switches_thrown_at_random_between_steps_do_no_harm() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    let mut steps = 0;
+    for model in subjects() {
+        let mut data = Data::new(model).expect("there is memory");
+        for _ in 0..40 {
+            data.edit_model(|model| throw_switches(model, &mut random)).expect("there is memory");
+            match data.step() {
+                Ok(()) => steps += 1,
+                Err(_) => data.reset().expect("a reset"),
+            }
+        }
+    }
+    assert!(steps > 200, "only {steps} steps came about");
+}
+
+/// A random element of each kind gets random values.
+fn throw_switches(model: &mut ModelMut<'_>, random: &mut Xoshiro256PlusPlus) {
+    const DIMENSIONS: [i32; 4] = [1, 3, 4, 6];
+    let mut one_of = |count: usize| random.random_range(0..count.max(1));
+    let [joint, geom, pair, tendon, equality, actuator] =
+        [model.njnt(), model.ngeom(), model.npair(), model.ntendon(), model.neq(), model.nu()].map(&mut one_of);
+    let [on, also, dimension, bits, other_bits] = [2, 2, 4, 8, 8].map(one_of);
+    if let Ok(mut joint) = model.joint_mut(joint) {
+        joint.set_limited(on == 1);
+    }
+    if let Ok(mut geom) = model.geom_mut(geom) {
+        geom.set_contype(bits as i32);
+        geom.set_conaffinity(other_bits as i32);
+        geom.set_condim(DIMENSIONS[dimension]).expect("a right value");
+        geom.set_priority(bits as i32 - 4);
+    }
+    if let Ok(mut pair) = model.pair_mut(pair) {
+        pair.set_dim(DIMENSIONS[dimension]).expect("a right value");
+    }
+    if let Ok(mut tendon) = model.tendon_mut(tendon) {
+        tendon.set_limited(also == 1);
+    }
+    if let Ok(mut equality) = model.equality_mut(equality) {
+        equality.set_active(also == 0);
+    }
+    if let Ok(mut actuator) = model.actuator_mut(actuator) {
+        actuator.set_ctrllimited(on == 0);
+        actuator.set_forcelimited(also == 1);
+        actuator.set_actlimited(on == 1);
+    }
 }
 
 #[test]
