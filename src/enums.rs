@@ -130,6 +130,218 @@ engine_enum! {
         Mesh = mjGEOM_MESH,
     }
 }
+engine_enum! {
+    /// What a camera or a light does while its body moves.
+    #[doc(alias = "mjtCamLight")]
+    CameraMode {
+        /// It is fixed to its body.
+        Fixed = mjCAMLIGHT_FIXED,
+        /// Its position follows its body, its orientation stays.
+        Track = mjCAMLIGHT_TRACK,
+        /// Its position follows the centre of mass of its body's subtree, its orientation stays.
+        TrackCom = mjCAMLIGHT_TRACKCOM,
+        /// It is fixed to its body, and turns to a target body.
+        TargetBody = mjCAMLIGHT_TARGETBODY,
+        /// It is fixed to its body, and turns to the centre of mass of a target body's subtree.
+        TargetBodyCom = mjCAMLIGHT_TARGETBODYCOM,
+    }
+}
+engine_enum! {
+    /// How a texture is put onto a surface.
+    #[doc(alias = "mjtTexture")]
+    TextureType {
+        /// One image.
+        Flat = mjTEXTURE_2D,
+        /// The six faces of a cube, or one image for all of them.
+        Cube = mjTEXTURE_CUBE,
+        /// The six faces of a cube around the whole scene.
+        Skybox = mjTEXTURE_SKYBOX,
+    }
+}
+engine_enum! {
+    /// What an element of a tendon's path is: see [`Wrap`](crate::element::Wrap).
+    WrapType {
+        /// A joint of a fixed tendon.
+        Joint = mjWRAP_JOINT,
+        /// A pulley.
+        Pulley = mjWRAP_PULLEY,
+        /// A site.
+        Site = mjWRAP_SITE,
+        /// A sphere.
+        Sphere = mjWRAP_SPHERE,
+        /// A cylinder.
+        Cylinder = mjWRAP_CYLINDER,
+    }
+}
+engine_enum! {
+    /// What an actuator acts on: see [`Transmission`](crate::element::Transmission).
+    TransmissionType {
+        /// A joint.
+        Joint = mjTRN_JOINT,
+        /// A joint, in the frame of the parent body.
+        JointInParent = mjTRN_JOINTINPARENT,
+        /// A slider-crank.
+        SliderCrank = mjTRN_SLIDERCRANK,
+        /// A tendon.
+        Tendon = mjTRN_TENDON,
+        /// A site.
+        Site = mjTRN_SITE,
+        /// The contacts of a body.
+        Body = mjTRN_BODY,
+    }
+}
+engine_enum! {
+    /// How an actuator's activation follows its control.
+    #[doc(alias = "mjtDyn")]
+    ActuatorDynamics {
+        /// It has no activation: the control is used as it is.
+        None = mjDYN_NONE,
+        /// The control is the activation's rate.
+        Integrator = mjDYN_INTEGRATOR,
+        /// The activation approaches the control with a time constant.
+        Filter = mjDYN_FILTER,
+        /// As a muscle is excited, with two time constants.
+        Muscle = mjDYN_MUSCLE,
+        /// As a callback says.
+        User = mjDYN_USER,
+    }
+}
+engine_enum! {
+    /// What an actuator's control or activation is multiplied by.
+    #[doc(alias = "mjtGain")]
+    ActuatorGain {
+        /// A number.
+        Fixed = mjGAIN_FIXED,
+        /// A number, plus multiples of length and velocity.
+        Affine = mjGAIN_AFFINE,
+        /// The active force of a muscle by its length and velocity.
+        Muscle = mjGAIN_MUSCLE,
+        /// What a callback says.
+        User = mjGAIN_USER,
+    }
+}
+engine_enum! {
+    /// What is added to an actuator's force.
+    #[doc(alias = "mjtBias")]
+    ActuatorBias {
+        /// Nothing.
+        None = mjBIAS_NONE,
+        /// A number, plus multiples of length and velocity.
+        Affine = mjBIAS_AFFINE,
+        /// The passive force of a muscle.
+        Muscle = mjBIAS_MUSCLE,
+        /// What a callback says.
+        User = mjBIAS_USER,
+    }
+}
+engine_enum! {
+    /// What an equality constraint ties together.
+    #[doc(alias = "mjtEq")]
+    EqualityType {
+        /// A point of one body to a point of another: a ball joint.
+        Connect = mjEQ_CONNECT,
+        /// A body to another, position and orientation.
+        Weld = mjEQ_WELD,
+        /// The position of a slide or hinge joint to that of another, by a polynomial of fourth degree.
+        Joint = mjEQ_JOINT,
+        /// The length of a tendon to that of another, by a polynomial of fourth degree.
+        Tendon = mjEQ_TENDON,
+    }
+}
+engine_enum! {
+    /// What the numbers of a sensor are.
+    #[doc(alias = "mjtDataType")]
+    SensorDataType {
+        /// Real numbers.
+        Real = mjDATATYPE_REAL,
+        /// Numbers that are positive, or else say that there is nothing to measure.
+        Positive = mjDATATYPE_POSITIVE,
+        /// A unit vector.
+        Axis = mjDATATYPE_AXIS,
+        /// A unit quaternion `[w, x, y, z]`.
+        Quaternion = mjDATATYPE_QUATERNION,
+    }
+}
+engine_enum! {
+    /// What a sensor measures.
+    #[doc(alias = "mjtSensor")]
+    SensorType {
+        /// Normal forces of the contacts inside a site's shape, N, summed.
+        Touch = mjSENS_TOUCH,
+        /// Linear acceleration of a site, m/s², in its own frame, gravity included.
+        Accelerometer = mjSENS_ACCELEROMETER,
+        /// Linear velocity of a site, m/s, in its own frame.
+        Velocimeter = mjSENS_VELOCIMETER,
+        /// Angular velocity of a site, rad/s, in its own frame.
+        Gyro = mjSENS_GYRO,
+        /// Force between a site's body and its parent, N, in the site's frame.
+        Force = mjSENS_FORCE,
+        /// Torque between a site's body and its parent, N·m, in the site's frame.
+        Torque = mjSENS_TORQUE,
+        /// Magnetic flux at a site, in its own frame.
+        Magnetometer = mjSENS_MAGNETOMETER,
+        /// Distance to what is next along a site's z axis, m.
+        Rangefinder = mjSENS_RANGEFINDER,
+        /// Position of a slide or hinge joint, m or rad.
+        JointPosition = mjSENS_JOINTPOS,
+        /// Velocity of a slide or hinge joint, m/s or rad/s.
+        JointVelocity = mjSENS_JOINTVEL,
+        /// Length of a tendon, m.
+        TendonPosition = mjSENS_TENDONPOS,
+        /// Velocity of a tendon, m/s.
+        TendonVelocity = mjSENS_TENDONVEL,
+        /// Length of an actuator.
+        ActuatorPosition = mjSENS_ACTUATORPOS,
+        /// Velocity of an actuator.
+        ActuatorVelocity = mjSENS_ACTUATORVEL,
+        /// Force of an actuator, N or N·m.
+        ActuatorForce = mjSENS_ACTUATORFRC,
+        /// Orientation of a ball joint.
+        BallQuaternion = mjSENS_BALLQUAT,
+        /// Angular velocity of a ball joint, rad/s.
+        BallAngularVelocity = mjSENS_BALLANGVEL,
+        /// Distance of a joint to its limit, less its margin.
+        JointLimitPosition = mjSENS_JOINTLIMITPOS,
+        /// Velocity of a joint at its limit.
+        JointLimitVelocity = mjSENS_JOINTLIMITVEL,
+        /// Force of a joint's limit.
+        JointLimitForce = mjSENS_JOINTLIMITFRC,
+        /// Distance of a tendon to its limit, less its margin.
+        TendonLimitPosition = mjSENS_TENDONLIMITPOS,
+        /// Velocity of a tendon at its limit.
+        TendonLimitVelocity = mjSENS_TENDONLIMITVEL,
+        /// Force of a tendon's limit.
+        TendonLimitForce = mjSENS_TENDONLIMITFRC,
+        /// Position of an object's frame, m.
+        FramePosition = mjSENS_FRAMEPOS,
+        /// Orientation of an object's frame.
+        FrameQuaternion = mjSENS_FRAMEQUAT,
+        /// The x axis of an object's frame.
+        FrameXAxis = mjSENS_FRAMEXAXIS,
+        /// The y axis of an object's frame.
+        FrameYAxis = mjSENS_FRAMEYAXIS,
+        /// The z axis of an object's frame.
+        FrameZAxis = mjSENS_FRAMEZAXIS,
+        /// Linear velocity of an object's frame, m/s.
+        FrameLinearVelocity = mjSENS_FRAMELINVEL,
+        /// Angular velocity of an object's frame, rad/s.
+        FrameAngularVelocity = mjSENS_FRAMEANGVEL,
+        /// Linear acceleration of an object's frame, m/s².
+        FrameLinearAcceleration = mjSENS_FRAMELINACC,
+        /// Angular acceleration of an object's frame, rad/s².
+        FrameAngularAcceleration = mjSENS_FRAMEANGACC,
+        /// Centre of mass of a body's subtree, m.
+        SubtreeCom = mjSENS_SUBTREECOM,
+        /// Linear velocity of a body's subtree, m/s.
+        SubtreeLinearVelocity = mjSENS_SUBTREELINVEL,
+        /// Angular momentum of a body's subtree, kg·m²/s.
+        SubtreeAngularMomentum = mjSENS_SUBTREEANGMOM,
+        /// The time, s.
+        Clock = mjSENS_CLOCK,
+        /// What a callback says.
+        User = mjSENS_USER,
+    }
+}
 
 impl JointType {
     /// The joint's numbers in `qpos`: 7, 4 or 1.

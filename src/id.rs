@@ -3,60 +3,9 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use mujoco_sys as sys;
-
-/// The kinds of element that a model has names for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-#[allow(missing_docs, reason = "the engine's kinds, by their names")]
-pub enum Kind {
-    Body,
-    Joint,
-    Geom,
-    Site,
-    Camera,
-    Light,
-    Tendon,
-    Actuator,
-    Sensor,
-    Keyframe,
-}
-
-impl Kind {
-    /// The engine's `mjtObj`.
-    pub(crate) fn object_type(self) -> i32 {
-        (match self {
-            Self::Body => sys::mjOBJ_BODY,
-            Self::Joint => sys::mjOBJ_JOINT,
-            Self::Geom => sys::mjOBJ_GEOM,
-            Self::Site => sys::mjOBJ_SITE,
-            Self::Camera => sys::mjOBJ_CAMERA,
-            Self::Light => sys::mjOBJ_LIGHT,
-            Self::Tendon => sys::mjOBJ_TENDON,
-            Self::Actuator => sys::mjOBJ_ACTUATOR,
-            Self::Sensor => sys::mjOBJ_SENSOR,
-            Self::Keyframe => sys::mjOBJ_KEY,
-        }) as i32
-    }
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Body => "body",
-            Self::Joint => "joint",
-            Self::Geom => "geom",
-            Self::Site => "site",
-            Self::Camera => "camera",
-            Self::Light => "light",
-            Self::Tendon => "tendon",
-            Self::Actuator => "actuator",
-            Self::Sensor => "sensor",
-            Self::Keyframe => "keyframe",
-        })
-    }
-}
 
 /// A kind of element as a type, so that the id of a joint cannot be used for a body. Implemented by the types in [`kind`].
 pub trait ElementKind: sealed::Sealed + 'static {
@@ -68,22 +17,82 @@ mod sealed {
     pub trait Sealed {}
 }
 
-/// One empty type for each kind of element.
-pub mod kind {
-    use super::{ElementKind, Kind, sealed::Sealed};
+/// The kinds, a line each: the variant of [`Kind`] and the type in [`kind`], what a person calls it, the engine's `mjtObj`, and
+/// the type of its ids.
+macro_rules! kinds {
+    ($($name:ident, $text:literal, $object:ident, $id:ident;)*) => {
+        /// The kinds of element that a model has names for.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        #[allow(missing_docs, reason = "the engine's kinds, by their names")]
+        pub enum Kind {
+            $($name,)*
+        }
 
-    macro_rules! kinds {
-        ($($name:ident),*) => {$(
-            #[doc = concat!("[`Kind::", stringify!($name), "`] as a type.")]
-            #[derive(Debug)]
-            pub enum $name {}
-            impl Sealed for $name {}
-            impl ElementKind for $name {
-                const KIND: Kind = Kind::$name;
+        impl Kind {
+            /// Every kind, in the engine's order.
+            pub const ALL: &'static [Self] = &[$(Self::$name),*];
+
+            /// The engine's `mjtObj`.
+            pub(crate) fn object_type(self) -> i32 {
+                (match self {
+                    $(Self::$name => sys::$object,)*
+                }) as i32
             }
-        )*};
-    }
-    kinds!(Body, Joint, Geom, Site, Camera, Light, Tendon, Actuator, Sensor, Keyframe);
+        }
+
+        impl fmt::Display for Kind {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(match self {
+                    $(Self::$name => $text,)*
+                })
+            }
+        }
+
+        /// One empty type for each kind of element.
+        pub mod kind {
+            use super::{ElementKind, Kind, sealed::Sealed};
+
+            $(
+                #[doc = concat!("[`Kind::", stringify!($name), "`] as a type.")]
+                #[derive(Debug)]
+                pub enum $name {}
+                impl Sealed for $name {}
+                impl ElementKind for $name {
+                    const KIND: Kind = Kind::$name;
+                }
+            )*
+        }
+
+        $(
+            #[doc = concat!("The id of a ", $text, ".")]
+            pub type $id = Id<kind::$name>;
+        )*
+    };
+}
+
+kinds! {
+    Body, "body", mjOBJ_BODY, BodyId;
+    Joint, "joint", mjOBJ_JOINT, JointId;
+    Geom, "geom", mjOBJ_GEOM, GeomId;
+    Site, "site", mjOBJ_SITE, SiteId;
+    Camera, "camera", mjOBJ_CAMERA, CameraId;
+    Light, "light", mjOBJ_LIGHT, LightId;
+    Mesh, "mesh", mjOBJ_MESH, MeshId;
+    Skin, "skin", mjOBJ_SKIN, SkinId;
+    HeightField, "height field", mjOBJ_HFIELD, HeightFieldId;
+    Texture, "texture", mjOBJ_TEXTURE, TextureId;
+    Material, "material", mjOBJ_MATERIAL, MaterialId;
+    Pair, "pair", mjOBJ_PAIR, PairId;
+    Exclude, "exclude", mjOBJ_EXCLUDE, ExcludeId;
+    Equality, "equality", mjOBJ_EQUALITY, EqualityId;
+    Tendon, "tendon", mjOBJ_TENDON, TendonId;
+    Actuator, "actuator", mjOBJ_ACTUATOR, ActuatorId;
+    Sensor, "sensor", mjOBJ_SENSOR, SensorId;
+    Numeric, "numeric", mjOBJ_NUMERIC, NumericId;
+    Text, "text", mjOBJ_TEXT, TextId;
+    Tuple, "tuple", mjOBJ_TUPLE, TupleId;
+    Keyframe, "keyframe", mjOBJ_KEY, KeyframeId;
 }
 
 /// Which element, of which kind, of which model. Small and `Copy`: look a name up once and keep the id.
@@ -97,27 +106,6 @@ pub struct Id<K> {
     lineage: Lineage,
     kind: PhantomData<fn() -> K>,
 }
-
-/// The id of a body.
-pub type BodyId = Id<kind::Body>;
-/// The id of a joint.
-pub type JointId = Id<kind::Joint>;
-/// The id of a geom.
-pub type GeomId = Id<kind::Geom>;
-/// The id of a site.
-pub type SiteId = Id<kind::Site>;
-/// The id of a camera.
-pub type CameraId = Id<kind::Camera>;
-/// The id of a light.
-pub type LightId = Id<kind::Light>;
-/// The id of a tendon.
-pub type TendonId = Id<kind::Tendon>;
-/// The id of an actuator.
-pub type ActuatorId = Id<kind::Actuator>;
-/// The id of a sensor.
-pub type SensorId = Id<kind::Sensor>;
-/// The id of a keyframe.
-pub type KeyframeId = Id<kind::Keyframe>;
 
 impl<K> Id<K> {
     pub(crate) fn new(index: usize, lineage: Lineage) -> Self {
@@ -162,6 +150,58 @@ impl<K> Hash for Id<K> {
 impl<K: ElementKind> fmt::Debug for Id<K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", K::KIND, self.index)
+    }
+}
+
+/// The ids of consecutive elements, such as the joints of a body. An iterator over them.
+pub struct Ids<K> {
+    range: Range<usize>,
+    lineage: Lineage,
+    kind: PhantomData<fn() -> K>,
+}
+
+impl<K> Ids<K> {
+    pub(crate) fn new(range: Range<usize>, lineage: Lineage) -> Self {
+        Self { range, lineage, kind: PhantomData }
+    }
+
+    /// The engine's indices of the elements that are still to come.
+    #[inline]
+    pub fn indices(&self) -> Range<usize> {
+        self.range.clone()
+    }
+}
+
+impl<K> Iterator for Ids<K> {
+    type Item = Id<K>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Id<K>> {
+        self.range.next().map(|index| Id::new(index, self.lineage))
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.range.size_hint()
+    }
+}
+
+impl<K> DoubleEndedIterator for Ids<K> {
+    fn next_back(&mut self) -> Option<Id<K>> {
+        self.range.next_back().map(|index| Id::new(index, self.lineage))
+    }
+}
+
+impl<K> ExactSizeIterator for Ids<K> {}
+
+impl<K> Clone for Ids<K> {
+    fn clone(&self) -> Self {
+        Self::new(self.indices(), self.lineage)
+    }
+}
+
+impl<K: ElementKind> fmt::Debug for Ids<K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.clone()).finish()
     }
 }
 

@@ -93,12 +93,16 @@ pub use crate::data::{
 };
 pub use crate::derivative::{Differences, InverseJacobians, InverseOutputs, StateSpace, TransitionOutputs};
 pub use crate::engine::{Version, built_against, enable_timers, engine_version};
-pub use crate::enums::{Collision, Cone, GeomType, Integrator, JacobianStorage, JointType, Solver};
+pub use crate::enums::{
+    ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, Collision, Cone, EqualityType, GeomType, Integrator,
+    JacobianStorage, JointType, SensorDataType, SensorType, Solver, TextureType,
+};
 pub use crate::error::{Error, Result};
 pub use crate::field_docs::Field;
 pub use crate::id::{
-    ActuatorId, BodyId, CameraId, ElementKind, GeomId, Id, JointId, KeyframeId, Kind, LightId, SensorId, SiteId,
-    TendonId, kind,
+    ActuatorId, BodyId, CameraId, ElementKind, EqualityId, ExcludeId, GeomId, HeightFieldId, Id, Ids, JointId,
+    KeyframeId, Kind, LightId, MaterialId, MeshId, NumericId, PairId, SensorId, SiteId, SkinId, TendonId, TextId,
+    TextureId, TupleId, kind,
 };
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{

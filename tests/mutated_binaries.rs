@@ -6,9 +6,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mujoco_safe::{Data, Error, Model, sample};
 use mutate::{DAMAGES, Damage, Map};
+use print_all::print_all;
 
 #[path = "common/mutate.rs"]
 mod mutate;
+#[path = "common/print_all.rs"]
+mod print_all;
 
 /// What becomes of the bytes; whether they are still a model.
 fn try_it(bytes: &[u8]) -> bool {
@@ -26,11 +29,13 @@ fn try_it(bytes: &[u8]) -> bool {
         Err(Error::Engine { .. } | Error::OutOfMemory { .. }) => return true,
         Err(error) => panic!("a model that was accepted has no simulation: {error}"),
     };
+    assert!(print_all(&model, &data) > 0);
     for _ in 0..10 {
         if data.step().is_err() {
             data.reset().unwrap();
         }
     }
+    assert!(print_all(&model, &data) > 0);
     let _ = data.model().options();
     drop(data.clone());
     drop(model.clone());

@@ -5,21 +5,35 @@ use std::ops::Range;
 use super::{View, ViewMut, range};
 use crate::data::Data;
 use crate::ffi;
-use crate::id::{BodyId, Id, kind};
+use crate::id::{BodyId, Ids, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Body on Model {
     /// The body that this one is attached to; the world for the world itself.
-    parent: {BodyId} = |body| body.body_in(body.owner.body_parentid());
+    parent: {BodyId} = |body| body.id_in(body.owner.body_parentid());
     /// The body below the world that this one is attached to, over however many others.
-    root: {BodyId} = |body| body.body_in(body.owner.body_rootid());
+    root: {BodyId} = |body| body.id_in(body.owner.body_rootid());
+    /// The body that this one moves with: the next towards the world that has joints, itself if it has some.
+    #[doc(alias = "weldid")]
+    weld: {BodyId} = |body| body.id_in(body.owner.body_weldid());
     /// How many joints move it against its parent.
     njnt: {usize} = |body| ffi::size(body.owner.body_jntnum()[body.index()]);
     /// How many geoms it has.
     ngeom: {usize} = |body| ffi::size(body.owner.body_geomnum()[body.index()]);
+    /// The joints that move it against its parent.
+    #[doc(alias = "jntadr")]
+    joints: {Ids<kind::Joint>} = |body| body.ids_in(body.owner.body_jntadr(), body.owner.body_jntnum());
+    /// Its geoms.
+    #[doc(alias = "geomadr")]
+    geoms: {Ids<kind::Geom>} = |body| body.ids_in(body.owner.body_geomadr(), body.owner.body_geomnum());
     /// Where its degrees of freedom are in `qvel` and everything else of length `nv`.
     dofs: {Range<usize>} = |body| range(body.owner.body_dofadr(), body.owner.body_dofnum(), body.index());
+    /// Whether its part of the inertia matrix is diagonal, so that the engine need not compute it.
+    simple: bool = body_simple;
+    /// Whether its inertial frame is its own frame.
+    sameframe: bool = body_sameframe;
     /// Its index among the mocap bodies, if it is one.
+    #[doc(alias = "mocapid")]
     mocap: {Option<usize>} = |body| usize::try_from(body.owner.body_mocapid()[body.index()]).ok();
     /// Position in the frame of the parent, m.
     pos: [f64; 3] = body_pos, pos_mut in body_pos_mut;
@@ -78,10 +92,22 @@ fields!(Body on Data {
     /// External force on the body: torque, then force. Computed where a sensor needs it.
     #[doc(alias = "ext")]
     cfrc_ext: [f64; 6] = cfrc_ext;
+    /// Position that a mocap body is given, m, world frame: an input. `None` if it is not one.
+    mocap_pos: {Option<&'a [f64; 3]>} = |body| Some(&body.owner.mocap_pos()[body.in_model().mocap()?]);
+    /// Orientation that a mocap body is given: a unit quaternion `[w, x, y, z]`, and an input. `None` if it is not one.
+    mocap_quat: {Option<&'a [f64; 4]>} = |body| Some(&body.owner.mocap_quat()[body.in_model().mocap()?]);
 });
 
-impl View<'_, Model, kind::Body> {
-    fn body_in(&self, ids: &[i32]) -> BodyId {
-        Id::new(ffi::size(ids[self.index()]), self.owner.lineage())
+impl ViewMut<'_, Data, kind::Body> {
+    /// `mocap_pos`, to be written to.
+    pub fn mocap_pos_mut(&mut self) -> Option<&mut [f64; 3]> {
+        let mocap = self.as_view().in_model().mocap()?;
+        Some(&mut self.owner.mocap_pos_mut()[mocap])
+    }
+
+    /// `mocap_quat`, to be written to.
+    pub fn mocap_quat_mut(&mut self) -> Option<&mut [f64; 4]> {
+        let mocap = self.as_view().in_model().mocap()?;
+        Some(&mut self.owner.mocap_quat_mut()[mocap])
     }
 }

@@ -2,13 +2,18 @@
 
 use super::{View, ViewMut};
 use crate::data::Data;
-use crate::ffi;
-use crate::id::{BodyId, Id, kind};
+use crate::enums::CameraMode;
+use crate::id::{BodyId, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Camera on Model {
+    /// What it does while its body moves.
+    mode: {CameraMode} = |camera| CameraMode::of_field(camera.owner.cam_mode()[camera.index()]);
     /// The body that it belongs to.
-    body: {BodyId} = |camera| Id::new(ffi::size(camera.owner.cam_bodyid()[camera.index()]), camera.owner.lineage());
+    body: {BodyId} = |camera| camera.id_in(camera.owner.cam_bodyid());
+    /// The body that it turns to, if its mode has one.
+    #[doc(alias = "targetbodyid")]
+    target: {Option<BodyId>} = |camera| camera.optional_id_in(camera.owner.cam_targetbodyid());
     /// Position in the frame of its body, m.
     pos: [f64; 3] = cam_pos, pos_mut in cam_pos_mut;
     /// Orientation in the frame of its body: a unit quaternion `[w, x, y, z]`.

@@ -1,6 +1,9 @@
 //! How a view is printed: its fields and their values.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
+
+/// How much of a long field is printed: a texture has millions of bytes.
+const LONGEST: usize = 4000;
 
 /// Writes the kind, the index, the name and then a field a line, their values in one column.
 pub(super) fn listing(
@@ -19,9 +22,30 @@ pub(super) fn listing(
         name.map_or("(none)".to_owned(), |name| format!("\"{name}\""))
     )?;
     for (field, value) in fields {
-        write!(f, "\n{:width$} {}", format!("{field}:"), shortened(&format!("{value:?}")))?;
+        write!(f, "\n{:width$} {}", format!("{field}:"), shortened(&beginning(value)))?;
     }
     Ok(())
+}
+
+/// A value as text, cut after so many characters.
+fn beginning(value: &dyn fmt::Debug) -> String {
+    let mut text = Cut(String::new());
+    if write!(text, "{value:?}").is_ok() {
+        return text.0;
+    }
+    let end = text.0.rfind(", ").unwrap_or(text.0.len());
+    text.0.truncate(end);
+    text.0 + ", …"
+}
+
+/// Text up to a length, where writing ends with an error.
+struct Cut(String);
+
+impl fmt::Write for Cut {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.push_str(text);
+        if self.0.len() > LONGEST { Err(fmt::Error) } else { Ok(()) }
+    }
 }
 
 /// The numbers in a text with four significant digits at most.
@@ -51,7 +75,15 @@ fn four_digits(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::shortened;
+    use super::{LONGEST, beginning, shortened};
+
+    #[test]
+    fn a_long_field_is_cut_between_two_values() {
+        let text = beginning(&vec![1.5; 10_000]);
+        assert!(text.len() < LONGEST + 10 && text.starts_with("[1.5, 1.5, "), "{text}");
+        assert!(text.ends_with(", 1.5, …"), "{text}");
+        assert_eq!(beginning(&[1, 2]), "[1, 2]");
+    }
 
     #[test]
     fn numbers_keep_four_significant_digits_and_everything_else_its_form() {

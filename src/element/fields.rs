@@ -5,10 +5,13 @@
 
 /// Declares the fields of a kind on a model or on a simulation.
 ///
+/// - `name: bool = array;` a byte that is 0 or 1, with `, set_name` also a setter;
+/// - `name: i32 = array, set_name;` an integer of which every value is sound;
+/// - `name: i32 = array, set_name if [values];` an integer of which only those are;
 /// - `name: f64 = array;` one value, with `, set_name in array_mut` also a setter;
 /// - `name: [f64; 3] = array;` a row of fixed length, with `, name_mut in array_mut` also to be written to;
 /// - `name: [f64] = array;` a row of a matrix, likewise;
-/// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view, likewise;
+/// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view on the model, likewise;
 /// - `name: {type} = |view| expression;` anything else.
 macro_rules! fields {
     ($kind:ident on Model { $($body:tt)* }) => {
@@ -16,6 +19,76 @@ macro_rules! fields {
     };
     ($kind:ident on Data { $($body:tt)* }) => {
         fields!(@each $kind, Data, {Data}, [] $($body)*);
+    };
+
+    // A byte that is 0 or 1.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: bool = $array:ident $(, $set:ident)?; $($rest:tt)*
+    ) => {
+        impl<'a> View<'a, $owner, kind::$kind> {
+            $(#[$doc])*
+            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
+            #[inline]
+            pub fn $name(&self) -> bool {
+                self.owner.$array()[self.id.index()] != 0
+            }
+        }
+        $(
+            impl ViewMut<'_, $writer, kind::$kind> {
+                #[doc = concat!("Sets `", stringify!($name), "`.")]
+                pub fn $set(&mut self, value: bool) {
+                    fields!(@write self, $array, u8::from(value));
+                }
+            }
+        )?
+        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+    };
+
+    // An integer of which every value is sound.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident; $($rest:tt)*
+    ) => {
+        impl ViewMut<'_, $writer, kind::$kind> {
+            #[doc = concat!("Sets `", stringify!($name), "`.")]
+            pub fn $set(&mut self, value: i32) {
+                fields!(@write self, $array, value);
+            }
+        }
+        fields!(@each $kind, $owner, {$writer}, [$($seen)*] $(#[$doc])* $name: i32 = $array; $($rest)*);
+    };
+
+    // An integer of which some values are.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident if [$($allowed:literal),+]; $($rest:tt)*
+    ) => {
+        impl ViewMut<'_, $writer, kind::$kind> {
+            #[doc = concat!("Sets `", stringify!($name), "`.")]
+            ///
+            /// # Errors
+            ///
+            #[doc = concat!("[`Error::Invalid`](crate::Error::Invalid) unless it is one of `", stringify!($($allowed),+), "`.")]
+            pub fn $set(&mut self, value: i32) -> $crate::Result<()> {
+                if ![$($allowed),+].contains(&value) {
+                    return Err($crate::Error::Invalid {
+                        what: format!("{} of {self:?}", stringify!($name)),
+                        value: value.to_string(),
+                        expected: concat!("one of ", stringify!($($allowed),+)).to_owned(),
+                    });
+                }
+                fields!(@write self, $array, value);
+                Ok(())
+            }
+        }
+        fields!(@each $kind, $owner, {$writer}, [$($seen)*] $(#[$doc])* $name: i32 = $array; $($rest)*);
+    };
+
+    // The generated accessors hand no integers out to be written to, since most are addresses and ids.
+    (@write $self:ident, $array:ident, $value:expr) => {
+        let (index, length) = ($self.id.index(), $self.owner.$array().len());
+        let array = $self.owner.raw_mut().$array;
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
+        let array = unsafe { $crate::ffi::array_mut(array, length) };
+        array[index] = $value;
     };
 
     // One value.
@@ -94,7 +167,7 @@ macro_rules! fields {
 
     // A range of an array of values, such as a joint's part of qpos.
     (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
-        $(#[$doc:meta])* $name:ident: [$type:ident] = $array:ident at $range:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
+        $(#[$doc:meta])* $name:ident: [$type:ty] = $array:ident at $range:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
         impl<'a> View<'a, $owner, kind::$kind> {
             $(#[$doc])*

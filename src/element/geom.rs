@@ -1,27 +1,43 @@
 //! Geoms: the shapes that collide and are drawn.
 
-use super::{View, ViewMut};
+use super::{SameFrame, View, ViewMut};
 use crate::data::Data;
 use crate::enums::GeomType;
-use crate::ffi;
-use crate::id::{BodyId, Id, kind};
+use crate::id::{BodyId, HeightFieldId, MaterialId, MeshId, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Geom on Model {
     /// Its shape.
     geom_type: {GeomType} = |geom| GeomType::of_field(geom.owner.geom_type()[geom.index()]);
     /// The body that it belongs to.
-    body: {BodyId} = |geom| Id::new(ffi::size(geom.owner.geom_bodyid()[geom.index()]), geom.owner.lineage());
+    body: {BodyId} = |geom| geom.id_in(geom.owner.geom_bodyid());
+    /// Its mesh, if it is one.
+    #[doc(alias = "dataid")]
+    mesh: {Option<MeshId>} = |geom| match geom.geom_type() {
+        GeomType::Mesh => geom.optional_id_in(geom.owner.geom_dataid()),
+        _ => None,
+    };
+    /// Its height field, if it is one.
+    #[doc(alias = "dataid")]
+    height_field: {Option<HeightFieldId>} = |geom| match geom.geom_type() {
+        GeomType::HeightField => geom.optional_id_in(geom.owner.geom_dataid()),
+        _ => None,
+    };
+    /// Its material, if it has one.
+    #[doc(alias = "matid")]
+    material: {Option<MaterialId>} = |geom| geom.optional_id_in(geom.owner.geom_matid());
+    /// Whether its frame is one of its body's.
+    sameframe: {SameFrame} = |geom| SameFrame::of_field(geom.owner.geom_sameframe()[geom.index()]);
     /// Its bits: two geoms can collide if those of one meet the [`conaffinity`](Self::conaffinity) of the other.
-    contype: i32 = geom_contype;
+    contype: i32 = geom_contype, set_contype;
     /// The bits that it meets.
-    conaffinity: i32 = geom_conaffinity;
+    conaffinity: i32 = geom_conaffinity, set_conaffinity;
     /// The dimension of its contacts: 1, 3, 4 or 6.
-    condim: i32 = geom_condim;
+    condim: i32 = geom_condim, set_condim if [1, 3, 4, 6];
     /// The group, for display.
-    group: i32 = geom_group;
+    group: i32 = geom_group, set_group;
     /// Which of two geoms decides the parameters of their contact.
-    priority: i32 = geom_priority;
+    priority: i32 = geom_priority, set_priority;
     /// Its weight where the parameters of two geoms are mixed.
     solmix: f64 = geom_solmix, set_solmix in geom_solmix_mut;
     /// Time constant and damping ratio of its contacts.
@@ -42,6 +58,8 @@ fields!(Geom on Model {
     margin: f64 = geom_margin, set_margin in geom_margin_mut;
     /// By how much less they become active, m.
     gap: f64 = geom_gap, set_gap in geom_gap_mut;
+    /// Coefficients of the fluid model of ellipsoids; all 0 where it is not used. See the engine's `mjNFLUID`.
+    fluid: [f64; 12] = geom_fluid, fluid_mut in geom_fluid_mut;
     /// Red, green, blue and opacity, where no material gives them.
     rgba: [f32; 4] = geom_rgba, rgba_mut in geom_rgba_mut;
     /// The user's own numbers.

@@ -1,12 +1,14 @@
 //! Joints.
 
+#![allow(non_snake_case, reason = "M0, qLDiagInv: the engine's own spelling")]
+
 use std::ops::Range;
 
 use super::{View, ViewMut};
 use crate::data::Data;
 use crate::enums::JointType;
 use crate::ffi;
-use crate::id::{BodyId, Id, kind};
+use crate::id::{BodyId, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Joint on Model {
@@ -26,11 +28,17 @@ fields!(Joint on Model {
         start..start + joint.joint_type().nv()
     };
     /// The body that the joint moves.
-    body: {BodyId} = |joint| Id::new(ffi::size(joint.owner.jnt_bodyid()[joint.index()]), joint.owner.lineage());
+    body: {BodyId} = |joint| joint.id_in(joint.owner.jnt_bodyid());
     /// The group, for display.
-    group: i32 = jnt_group;
+    group: i32 = jnt_group, set_group;
     /// Whether [`range`](Self::range) is enforced.
-    limited: {bool} = |joint| joint.owner.jnt_limited()[joint.index()] != 0;
+    limited: bool = jnt_limited, set_limited;
+    /// Time constant and damping ratio of its limit.
+    #[doc(alias = "solreflimit")]
+    solref: [f64; 2] = jnt_solref, solref_mut in jnt_solref_mut;
+    /// Impedance of its limit.
+    #[doc(alias = "solimplimit")]
+    solimp: [f64; 5] = jnt_solimp, solimp_mut in jnt_solimp_mut;
     /// Where the joint is, m, in the frame of its body.
     pos: [f64; 3] = jnt_pos, pos_mut in jnt_pos_mut;
     /// Its axis, in the frame of its body.
@@ -51,6 +59,23 @@ fields!(Joint on Model {
     damping: [f64] = dof_damping at dofs, damping_mut in dof_damping_mut;
     /// Dry friction, N or N·m.
     frictionloss: [f64] = dof_frictionloss at dofs, frictionloss_mut in dof_frictionloss_mut;
+    /// Time constant and damping ratio of the dry friction of each degree of freedom.
+    #[doc(alias = "solreffriction")]
+    dof_solref: [[f64; 2]] = dof_solref at dofs, dof_solref_mut in dof_solref_mut;
+    /// Impedance of the dry friction of each degree of freedom.
+    #[doc(alias = "solimpfriction")]
+    dof_solimp: [[f64; 5]] = dof_solimp at dofs, dof_solimp_mut in dof_solimp_mut;
+    /// Inverse inertia in the reference configuration.
+    invweight0: [f64] = dof_invweight0 at dofs;
+    /// Diagonal of the inertia matrix in the reference configuration.
+    M0: [f64] = dof_M0 at dofs;
+    /// The degree of freedom before its first one on the way to the world; each of its others follows the one before.
+    #[doc(alias = "dof_parentid")]
+    parent_dof: {Option<usize>} = |joint| usize::try_from(joint.owner.dof_parentid()[joint.dofs().start]).ok();
+    /// Where the rows of its degrees of freedom begin in the packed inertia matrix `qM`.
+    Madr: [i32] = dof_Madr at dofs;
+    /// How many degrees of freedom from each on are of bodies whose part of the inertia matrix is diagonal.
+    simplenum: [i32] = dof_simplenum at dofs;
     /// The user's own numbers.
     user: [f64] = jnt_user, user_mut in jnt_user_mut;
 });
@@ -78,6 +103,22 @@ fields!(Joint on Data {
     qfrc_constraint: [f64] = qfrc_constraint at dofs;
     /// Force that inverse dynamics found, N or N·m.
     qfrc_inverse: [f64] = qfrc_inverse at dofs;
+    /// Acceleration without constraints, m/s² or rad/s².
+    qacc_smooth: [f64] = qacc_smooth at dofs;
+    /// Motion that each degree of freedom makes about the centre of mass of the tree: rotation, then translation.
+    cdof: [[f64; 6]] = cdof at dofs;
+    /// Time derivative of `cdof`.
+    cdof_dot: [[f64; 6]] = cdof_dot at dofs;
+    /// Inverse diagonal of the factorised inertia matrix.
+    qLDiagInv: [f64] = qLDiagInv at dofs;
+    /// Its square root.
+    qLDiagSqrtInv: [f64] = qLDiagSqrtInv at dofs;
+    /// Inverse diagonal of the inertia matrix that the integrator `Euler` factorises, with damping.
+    qHDiagInv: [f64] = qHDiagInv at dofs;
+    /// How many elements the rows of its degrees of freedom have in the sparse derivative `qDeriv`.
+    D_rownnz: [i32] = D_rownnz at dofs;
+    /// Where those rows begin.
+    D_rowadr: [i32] = D_rowadr at dofs;
     /// Where the joint is, m, world frame.
     xanchor: [f64; 3] = xanchor;
     /// Its axis, world frame.

@@ -2,19 +2,24 @@
 
 use super::{View, ViewMut};
 use crate::data::Data;
-use crate::ffi;
-use crate::id::{BodyId, Id, kind};
+use crate::enums::CameraMode;
+use crate::id::{BodyId, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Light on Model {
+    /// What it does while its body moves.
+    mode: {CameraMode} = |light| CameraMode::of_field(light.owner.light_mode()[light.index()]);
     /// The body that it belongs to.
-    body: {BodyId} = |light| Id::new(ffi::size(light.owner.light_bodyid()[light.index()]), light.owner.lineage());
+    body: {BodyId} = |light| light.id_in(light.owner.light_bodyid());
+    /// The body that it turns to, if its mode has one.
+    #[doc(alias = "targetbodyid")]
+    target: {Option<BodyId>} = |light| light.optional_id_in(light.owner.light_targetbodyid());
     /// Whether its rays are parallel.
-    directional: {bool} = |light| light.owner.light_directional()[light.index()] != 0;
+    directional: bool = light_directional, set_directional;
     /// Whether it casts shadows.
-    castshadow: {bool} = |light| light.owner.light_castshadow()[light.index()] != 0;
+    castshadow: bool = light_castshadow, set_castshadow;
     /// Whether it is on.
-    active: {bool} = |light| light.owner.light_active()[light.index()] != 0;
+    active: bool = light_active, set_active;
     /// Position in the frame of its body, m.
     pos: [f64; 3] = light_pos, pos_mut in light_pos_mut;
     /// Direction in the frame of its body.

@@ -36,6 +36,57 @@
 //! ```
 //!
 //! Printing a view with `{}` lists its fields.
+//!
+//! # Kinds
+//!
+//! Each has a lookup and an iterator on [`Model`], the kinds in the first table on [`Data`] too, where their views have what
+//! changes with time. A search of this documentation finds them by the engine's short words as well.
+//!
+//! | lookup | iterator | id | engine's word |
+//! |---|---|---|---|
+//! | [`body`](Model::body) | [`bodies`](Model::bodies) | [`BodyId`](crate::BodyId) | body, xbody |
+//! | [`joint`](Model::joint) | [`joints`](Model::joints) | [`JointId`](crate::JointId) | jnt; its degrees of freedom: dof |
+//! | [`geom`](Model::geom) | [`geoms`](Model::geoms) | [`GeomId`](crate::GeomId) | geom |
+//! | [`site`](Model::site) | [`sites`](Model::sites) | [`SiteId`](crate::SiteId) | site |
+//! | [`camera`](Model::camera) | [`cameras`](Model::cameras) | [`CameraId`](crate::CameraId) | cam |
+//! | [`light`](Model::light) | [`lights`](Model::lights) | [`LightId`](crate::LightId) | light |
+//! | [`tendon`](Model::tendon) | [`tendons`](Model::tendons) | [`TendonId`](crate::TendonId) | ten |
+//! | [`actuator`](Model::actuator) | [`actuators`](Model::actuators) | [`ActuatorId`](crate::ActuatorId) | actuator |
+//! | [`sensor`](Model::sensor) | [`sensors`](Model::sensors) | [`SensorId`](crate::SensorId) | sensor |
+//!
+//! What does not change with time:
+//!
+//! | lookup | iterator | id | engine's word |
+//! |---|---|---|---|
+//! | [`mesh`](Model::mesh) | [`meshes`](Model::meshes) | [`MeshId`](crate::MeshId) | mesh |
+//! | [`skin`](Model::skin) | [`skins`](Model::skins) | [`SkinId`](crate::SkinId) | skin |
+//! | [`height_field`](Model::height_field) | [`height_fields`](Model::height_fields) | [`HeightFieldId`](crate::HeightFieldId) | hfield |
+//! | [`texture`](Model::texture) | [`textures`](Model::textures) | [`TextureId`](crate::TextureId) | tex |
+//! | [`material`](Model::material) | [`materials`](Model::materials) | [`MaterialId`](crate::MaterialId) | mat |
+//! | [`pair`](Model::pair) | [`pairs`](Model::pairs) | [`PairId`](crate::PairId) | pair |
+//! | [`exclude`](Model::exclude) | [`excludes`](Model::excludes) | [`ExcludeId`](crate::ExcludeId) | exclude |
+//! | [`equality`](Model::equality) | [`equalities`](Model::equalities) | [`EqualityId`](crate::EqualityId) | eq |
+//! | [`numeric`](Model::numeric) | [`numerics`](Model::numerics) | [`NumericId`](crate::NumericId) | numeric |
+//! | [`text`](Model::text) | [`texts`](Model::texts) | [`TextId`](crate::TextId) | text |
+//! | [`tuple`](Model::tuple) | [`tuples`](Model::tuples) | [`TupleId`](crate::TupleId) | tuple |
+//! | [`keyframe`](Model::keyframe) | [`keyframes`](Model::keyframes) | [`KeyframeId`](crate::KeyframeId) | key |
+//!
+//! # Writing to a model
+//!
+//! Real numbers, switches (`set_limited`, `set_active`) and masks (`set_contype`) can be written to through the views of a
+//! [`ModelMut`]. What decides where the engine reads (types, ids, addresses, sizes) cannot.
+//!
+//! ```
+//! use mujoco_safe::{Error, sample};
+//!
+//! let mut model = sample::humanoid();
+//! let mut edit = model.edit();
+//! edit.joint_mut("left_knee")?.set_limited(false);
+//! edit.geom_mut("floor")?.set_condim(6)?;
+//! let error = edit.geom_mut("floor")?.set_condim(2).unwrap_err();
+//! assert!(matches!(error, Error::Invalid { .. }));
+//! # Ok::<(), Error>(())
+//! ```
 
 #[macro_use]
 mod fields;
@@ -45,19 +96,41 @@ mod key;
 mod actuator;
 mod body;
 mod camera;
+mod equality;
+mod exclude;
+mod frame;
 mod geom;
+mod height_field;
 mod joint;
 mod keyframe;
 mod light;
+mod material;
+mod mesh;
+mod numeric;
+mod object;
+mod pair;
+mod path;
 mod sensor;
 mod site;
+mod skin;
 mod tendon;
+mod text;
+mod texture;
+mod tuple;
 
 use std::fmt;
 
+pub use self::actuator::Transmission;
+pub use self::equality::EqualityObjects;
+pub use self::frame::SameFrame;
 pub use self::key::Key;
+pub use self::object::{Object, Objects};
+pub use self::path::{Wrap, WrapPoint, WrapPoints, Wraps};
+pub use self::skin::{Bone, Bones};
+pub use self::tendon::JacobianRow;
 use crate::data::Data;
-use crate::id::{ElementKind, Id, kind};
+use crate::ffi;
+use crate::id::{ElementKind, Id, Ids, kind};
 use crate::model::{Model, ModelMut};
 
 /// One element, as a model or a simulation has it: an id and a borrow. Cheap to copy; the fields of each kind are methods.
@@ -134,6 +207,25 @@ impl<'a, O: Owner, K: ElementKind> View<'a, O, K> {
     #[inline]
     pub fn in_model(&self) -> View<'a, Model, K> {
         View::new(self.owner.model_of(), self.id)
+    }
+
+    /// The id that an array has for this element.
+    #[inline]
+    fn id_in<L>(&self, ids: &[i32]) -> Id<L> {
+        Id::new(ffi::size(ids[self.index()]), self.owner.model_of().lineage())
+    }
+
+    /// The id that an array has for this element, where -1 is none.
+    #[inline]
+    fn optional_id_in<L>(&self, ids: &[i32]) -> Option<Id<L>> {
+        let index = usize::try_from(ids[self.index()]).ok()?;
+        Some(Id::new(index, self.owner.model_of().lineage()))
+    }
+
+    /// The elements of another kind that belong to this one.
+    #[inline]
+    fn ids_in<L>(&self, addresses: &[i32], counts: &[i32]) -> Ids<L> {
+        Ids::new(range(addresses, counts, self.index()), self.owner.model_of().lineage())
     }
 }
 
@@ -248,10 +340,21 @@ kind!(tendon, tendon_mut, tendons, "ten" => Tendon, TendonMut, TendonData, Tendo
 kind!(actuator, actuator_mut, actuators, "mjOBJ_ACTUATOR" => Actuator, ActuatorMut, ActuatorData, ActuatorDataMut);
 kind!(sensor, sensor_mut, sensors, "sensordata" => Sensor, SensorMut, SensorData, SensorDataMut);
 kind!(keyframe, keyframe_mut, keyframes, "key" => Keyframe, KeyframeMut);
+kind!(mesh, mesh_mut, meshes, "mjOBJ_MESH" => Mesh, MeshMut);
+kind!(skin, skin_mut, skins, "mjOBJ_SKIN" => Skin, SkinMut);
+kind!(height_field, height_field_mut, height_fields, "hfield" => HeightField, HeightFieldMut);
+kind!(texture, texture_mut, textures, "tex" => Texture, TextureMut);
+kind!(material, material_mut, materials, "mat" => Material, MaterialMut);
+kind!(pair, pair_mut, pairs, "mjOBJ_PAIR" => Pair, PairMut);
+kind!(exclude, exclude_mut, excludes, "mjOBJ_EXCLUDE" => Exclude, ExcludeMut);
+kind!(equality, equality_mut, equalities, "eq" => Equality, EqualityMut);
+kind!(numeric, numeric_mut, numerics, "mjOBJ_NUMERIC" => Numeric, NumericMut);
+kind!(text, text_mut, texts, "mjOBJ_TEXT" => Text, TextMut);
+kind!(tuple, tuple_mut, tuples, "mjOBJ_TUPLE" => Tuple, TupleMut);
 
 /// The range that starts at an element's address; empty where the element has none (the address is -1 then).
 #[inline]
 fn range(addresses: &[i32], counts: &[i32], index: usize) -> std::ops::Range<usize> {
     let start = usize::try_from(addresses[index]).unwrap_or(0);
-    start..start + crate::ffi::size(counts[index])
+    start..start + ffi::size(counts[index])
 }

@@ -2,15 +2,42 @@
 
 use std::ops::Range;
 
-use super::{View, ViewMut, range};
-use crate::data::Data;
+use mujoco_sys as sys;
+
+use super::{Object, View, ViewMut, range};
+use crate::data::{Data, Stage};
+use crate::enums::{SensorDataType, SensorType};
 use crate::ffi;
 use crate::id::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Sensor on Model {
-    /// The engine's type, an `mjtSensor`.
-    sensor_type: i32 = sensor_type;
+    /// What it measures.
+    sensor_type: {SensorType} = |sensor| SensorType::of_field(sensor.owner.sensor_type()[sensor.index()]);
+    /// What its numbers are.
+    datatype: {SensorDataType} = |sensor| SensorDataType::of_field(sensor.owner.sensor_datatype()[sensor.index()]);
+    /// Up to which stage the pipeline must be computed for it.
+    needstage: {Stage} = |sensor| match sensor.owner.sensor_needstage()[sensor.index()] as u32 {
+        sys::mjSTAGE_NONE => Stage::Nothing,
+        sys::mjSTAGE_POS => Stage::Position,
+        sys::mjSTAGE_VEL => Stage::Velocity,
+        sys::mjSTAGE_ACC => Stage::Acceleration,
+        other => panic!("Bug: a model with needstage {other}"),
+    };
+    /// What it measures it on; `None` for a clock.
+    #[doc(alias = "objtype")]
+    #[doc(alias = "objid")]
+    object: {Option<Object>} = |sensor| {
+        let (object_type, id) = (sensor.owner.sensor_objtype(), sensor.owner.sensor_objid());
+        Object::from_raw(object_type[sensor.index()], id[sensor.index()], sensor.owner.lineage())
+    };
+    /// In whose frame it measures it; `None` for that of the world, or its usual one.
+    #[doc(alias = "reftype")]
+    #[doc(alias = "refid")]
+    reference: {Option<Object>} = |sensor| {
+        let (object_type, id) = (sensor.owner.sensor_reftype(), sensor.owner.sensor_refid());
+        Object::from_raw(object_type[sensor.index()], id[sensor.index()], sensor.owner.lineage())
+    };
     /// How many numbers a reading has.
     dim: {usize} = |sensor| ffi::size(sensor.owner.sensor_dim()[sensor.index()]);
     /// Where a reading is in `sensordata`.

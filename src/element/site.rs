@@ -1,19 +1,23 @@
 //! Sites: named places on bodies.
 
-use super::{View, ViewMut};
+use super::{SameFrame, View, ViewMut};
 use crate::data::Data;
 use crate::enums::GeomType;
-use crate::ffi;
-use crate::id::{BodyId, Id, kind};
+use crate::id::{BodyId, MaterialId, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Site on Model {
     /// Its shape, for display and for touch sensors.
     site_type: {GeomType} = |site| GeomType::of_field(site.owner.site_type()[site.index()]);
     /// The body that it belongs to.
-    body: {BodyId} = |site| Id::new(ffi::size(site.owner.site_bodyid()[site.index()]), site.owner.lineage());
+    body: {BodyId} = |site| site.id_in(site.owner.site_bodyid());
+    /// Its material, if it has one.
+    #[doc(alias = "matid")]
+    material: {Option<MaterialId>} = |site| site.optional_id_in(site.owner.site_matid());
+    /// Whether its frame is one of its body's.
+    sameframe: {SameFrame} = |site| SameFrame::of_field(site.owner.site_sameframe()[site.index()]);
     /// The group, for display.
-    group: i32 = site_group;
+    group: i32 = site_group, set_group;
     /// Size, m.
     size: [f64; 3] = site_size, size_mut in site_size_mut;
     /// Position in the frame of its body, m.

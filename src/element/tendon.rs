@@ -1,15 +1,33 @@
 //! Tendons.
 
-use super::{View, ViewMut};
-use crate::data::Data;
-use crate::id::kind;
+#![allow(non_snake_case, reason = "J: the engine's own spelling")]
+
+use std::fmt;
+use std::ops::Range;
+
+use mujoco_sys as sys;
+
+use super::{View, ViewMut, WrapPoints, Wraps, range};
+use crate::data::{Data, Stage};
+use crate::error::{Error, Result};
+use crate::ffi;
+use crate::id::{MaterialId, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Tendon on Model {
+    /// The elements of its path: sites, geoms and pulleys of a spatial tendon, joints of a fixed one.
+    #[doc(alias = "adr")]
+    #[doc(alias = "num")]
+    path: {Wraps<'a>} = |tendon| {
+        Wraps::new(tendon.owner, range(tendon.owner.tendon_adr(), tendon.owner.tendon_num(), tendon.index()))
+    };
+    /// Its material, if it has one.
+    #[doc(alias = "matid")]
+    material: {Option<MaterialId>} = |tendon| tendon.optional_id_in(tendon.owner.tendon_matid());
     /// The group, for display.
-    group: i32 = tendon_group;
+    group: i32 = tendon_group, set_group;
     /// Whether [`range`](Self::range) is enforced.
-    limited: {bool} = |tendon| tendon.owner.tendon_limited()[tendon.index()] != 0;
+    limited: bool = tendon_limited, set_limited;
     /// Width, m, for display.
     width: f64 = tendon_width, set_width in tendon_width_mut;
     /// Limits of its length, m.
@@ -47,4 +65,82 @@ fields!(Tendon on Data {
     length: f64 = ten_length;
     /// Velocity, m/s.
     velocity: f64 = ten_velocity;
+    /// Derivative of its length by each degree of freedom. `None` where it has not been computed for the present model.
+    J: {Option<JacobianRow<'a>>} = |tendon| tendon.jacobian_row();
+    /// Where its path is among the points of all paths.
+    #[doc(alias = "wrapadr")]
+    #[doc(alias = "wrapnum")]
+    wrap_range: {Range<usize>} = |tendon| range(tendon.owner.ten_wrapadr(), tendon.owner.ten_wrapnum(), tendon.index());
+    /// Its path as it lies in space; empty for a fixed tendon.
+    #[doc(alias = "wrap_obj")]
+    #[doc(alias = "wrap_xpos")]
+    wrap_points: {WrapPoints<'a>} = |tendon| {
+        let range = tendon.wrap_range();
+        let positions = tendon.owner.wrap_xpos().as_flattened().as_chunks().0;
+        let objects = tendon.owner.wrap_obj().as_flattened();
+        WrapPoints::new(&objects[range.clone()], &positions[range], tendon.owner.model().lineage())
+    };
 });
+
+impl<'a> View<'a, Data, kind::Tendon> {
+    fn jacobian_row(&self) -> Option<JacobianRow<'a>> {
+        // Which layout the engine has written follows from the options, so that these must still be what they were then.
+        if self.owner.stage() == Stage::Nothing {
+            return None;
+        }
+        let (data, index, dofs) = (self.owner, self.index(), self.owner.model().nv());
+        // SAFETY: a valid model, of which the engine reads the options and sizes.
+        if unsafe { sys::mj_isSparse(data.model().as_ptr()) } == 0 {
+            return Some(JacobianRow { values: data.ten_J().row(index), columns: None, dofs });
+        }
+        let row = range(data.ten_J_rowadr(), data.ten_J_rownnz(), index);
+        let values = &data.ten_J().as_slice()[row.clone()];
+        Some(JacobianRow { values, columns: Some(&data.ten_J_colind()[row]), dofs })
+    }
+}
+
+/// A row of a Jacobian, as the engine keeps it: dense, or only the elements that are not zero.
+#[derive(Clone, Copy)]
+pub struct JacobianRow<'a> {
+    values: &'a [f64],
+    columns: Option<&'a [i32]>,
+    dofs: usize,
+}
+
+impl<'a> JacobianRow<'a> {
+    /// The elements that the engine keeps, each with its degree of freedom.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (usize, f64)> + 'a {
+        let Self { values, columns, .. } = *self;
+        (0..values.len()).map(move |at| (columns.map_or(at, |columns| ffi::size(columns[at])), values[at]))
+    }
+
+    /// Writes the whole row, zeros included. `(nv)`
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the slice has another length.
+    pub fn write_into(&self, row: &mut [f64]) -> Result<()> {
+        Error::check_length("the row of the Jacobian", row.len(), self.dofs)?;
+        row.fill(0.0);
+        for (dof, value) in self.iter() {
+            row[dof] = value;
+        }
+        Ok(())
+    }
+
+    /// The whole row, zeros included. `(nv)`
+    pub fn to_vec(&self) -> Vec<f64> {
+        let mut row = vec![0.0; self.dofs];
+        for (dof, value) in self.iter() {
+            row[dof] = value;
+        }
+        row
+    }
+}
+
+impl fmt::Debug for JacobianRow<'_> {
+    /// The degrees of freedom that it depends on, each with its element.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_map().entries(self.iter().filter(|(_, value)| *value != 0.0)).finish()
+    }
+}

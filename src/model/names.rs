@@ -20,9 +20,20 @@ impl Model {
             Kind::Site => self.nsite(),
             Kind::Camera => self.ncam(),
             Kind::Light => self.nlight(),
+            Kind::Mesh => self.nmesh(),
+            Kind::Skin => self.nskin(),
+            Kind::HeightField => self.nhfield(),
+            Kind::Texture => self.ntex(),
+            Kind::Material => self.nmat(),
+            Kind::Pair => self.npair(),
+            Kind::Exclude => self.nexclude(),
+            Kind::Equality => self.neq(),
             Kind::Tendon => self.ntendon(),
             Kind::Actuator => self.nu(),
             Kind::Sensor => self.nsensor(),
+            Kind::Numeric => self.nnumeric(),
+            Kind::Text => self.ntext(),
+            Kind::Tuple => self.ntuple(),
             Kind::Keyframe => self.nkey(),
         }
     }
@@ -55,7 +66,8 @@ impl Model {
         (0..self.count(kind)).filter_map(move |index| self.name_at(kind, index))
     }
 
-    /// The contents of the model's custom texts, each ended by a NUL byte; `text_adr` and `text_size` tell where each is.
+    /// The contents of the model's custom texts, each ended by a NUL byte; `text_adr` and `text_size` tell where each is. One
+    /// of them is [`Model::text`].
     pub fn text_data(&self) -> &[u8] {
         // SAFETY: the engine allocated the array with this size, `u8` has the layout of C's char, and nothing writes to a model
         // that is borrowed.

@@ -1,0 +1,145 @@
+//! Every kind that has fields in a simulation.
+
+use mujoco_safe::element::WrapPoint;
+use mujoco_safe::sys::{self, mjData, mjModel};
+
+use super::{Bits, check_fields, every_element, int, joint_sizes, on_data, on_model, raw, span};
+use crate::twins::{Twins, read, usual_subjects};
+
+/// Some numbers of the engine's, as bits.
+fn at(array: *const f64, start: usize, length: usize) -> Vec<u64> {
+    // SAFETY: the engine's arrays have a row for each element.
+    unsafe { read(array, start, length) }.bits()
+}
+
+fn mocap(m: &mjModel, body: usize) -> Option<usize> {
+    usize::try_from(raw(m.body_mocapid, body)).ok()
+}
+
+/// Where an actuator's activation is: those with dynamics have one, in the order of the actuators.
+fn activation(m: &mjModel, actuator: usize) -> Option<usize> {
+    let has_one = |at: usize| raw(m.actuator_dyntype, at) as u32 != sys::mjDYN_NONE;
+    has_one(actuator).then(|| (0..actuator).filter(|at| has_one(*at)).count())
+}
+
+/// A row of the tendons' Jacobian in full, by the engine's own two layouts.
+fn tendon_jacobian(m: &mjModel, d: &mjData, tendon: usize) -> Vec<f64> {
+    let nv = m.nv as usize;
+    // SAFETY: a valid model, and arrays of the size that the engine gave them.
+    unsafe {
+        if sys::mj_isSparse(m) == 0 {
+            return read(d.ten_J, nv * tendon, nv);
+        }
+        let mut row = vec![0.0; nv];
+        let (start, count) = (int(d.ten_J_rowadr, tendon), int(d.ten_J_rownnz, tendon));
+        for at in start..start + count {
+            row[int(d.ten_J_colind, at)] = *d.ten_J.add(at);
+        }
+        row
+    }
+}
+
+/// What a point is at, and where, as bits.
+fn raw_point(point: &WrapPoint) -> (i32, Option<Vec<u64>>) {
+    match point {
+        WrapPoint::Site { xpos } => (-1, Some(xpos.bits())),
+        WrapPoint::Geom { geom, xpos } => (geom.index() as i32, Some(xpos.bits())),
+        WrapPoint::Pulley => (-2, None),
+        other => panic!("a new kind of point: {other:?}"),
+    }
+}
+
+fn engine_point(d: &mjData, point: usize) -> (i32, Option<Vec<u64>>) {
+    let object = raw(d.wrap_obj, point);
+    (object, (object != -2).then(|| at(d.wrap_xpos, 3 * point, 3)))
+}
+
+#[test]
+fn fields_of_elements_in_a_simulation_are_the_engines() {
+    for subject in usual_subjects().chain([every_element()]) {
+        let mut twins = Twins::in_motion(subject);
+        twins.ours.inverse().expect("inverse dynamics");
+        let (name, data) = (&subject.name, &twins.ours);
+        let (m, d) = (on_model(&twins.model), on_data(data));
+        let nv = m.nv as usize;
+        check_fields!(name, data.bodies(), |body, i| {
+            xfrc_applied: d.xfrc_applied, [6 * i; 6];
+            xpos: d.xpos, [3 * i; 3];
+            xquat: d.xquat, [4 * i; 4];
+            xmat: d.xmat, [9 * i; 9];
+            xipos: d.xipos, [3 * i; 3];
+            ximat: d.ximat, [9 * i; 9];
+            subtree_com: d.subtree_com, [3 * i; 3];
+            cinert: d.cinert, [10 * i; 10];
+            crb: d.crb, [10 * i; 10];
+            cvel: d.cvel, [6 * i; 6];
+            subtree_linvel: d.subtree_linvel, [3 * i; 3];
+            subtree_angmom: d.subtree_angmom, [3 * i; 3];
+            cacc: d.cacc, [6 * i; 6];
+            cfrc_int: d.cfrc_int, [6 * i; 6];
+            cfrc_ext: d.cfrc_ext, [6 * i; 6];
+            => mocap_pos: body.mocap_pos().map(|pos| pos.bits()), mocap(m, i).map(|id| at(d.mocap_pos, 3 * id, 3));
+            => mocap_quat: body.mocap_quat().map(|quat| quat.bits()), mocap(m, i).map(|id| at(d.mocap_quat, 4 * id, 4));
+        });
+        let (q, v) = (|i| int(m.jnt_qposadr, i), |i| int(m.jnt_dofadr, i));
+        check_fields!(name, data.joints(), |joint, i| {
+            qpos: d.qpos, [q(i); joint_sizes(m, i).0];
+            qvel: d.qvel, [v(i); joint_sizes(m, i).1];
+            qacc: d.qacc, [v(i); joint_sizes(m, i).1];
+            qacc_warmstart: d.qacc_warmstart, [v(i); joint_sizes(m, i).1];
+            qfrc_applied: d.qfrc_applied, [v(i); joint_sizes(m, i).1];
+            qfrc_bias: d.qfrc_bias, [v(i); joint_sizes(m, i).1];
+            qfrc_passive: d.qfrc_passive, [v(i); joint_sizes(m, i).1];
+            qfrc_actuator: d.qfrc_actuator, [v(i); joint_sizes(m, i).1];
+            qfrc_smooth: d.qfrc_smooth, [v(i); joint_sizes(m, i).1];
+            qfrc_constraint: d.qfrc_constraint, [v(i); joint_sizes(m, i).1];
+            qfrc_inverse: d.qfrc_inverse, [v(i); joint_sizes(m, i).1];
+            qacc_smooth: d.qacc_smooth, [v(i); joint_sizes(m, i).1];
+            cdof: d.cdof, [6 * v(i); 6 * joint_sizes(m, i).1];
+            cdof_dot: d.cdof_dot, [6 * v(i); 6 * joint_sizes(m, i).1];
+            qLDiagInv: d.qLDiagInv, [v(i); joint_sizes(m, i).1];
+            qLDiagSqrtInv: d.qLDiagSqrtInv, [v(i); joint_sizes(m, i).1];
+            qHDiagInv: d.qHDiagInv, [v(i); joint_sizes(m, i).1];
+            D_rownnz: d.D_rownnz, [v(i); joint_sizes(m, i).1];
+            D_rowadr: d.D_rowadr, [v(i); joint_sizes(m, i).1];
+            xanchor: d.xanchor, [3 * i; 3];
+            xaxis: d.xaxis, [3 * i; 3];
+        });
+        check_fields!(name, data.geoms(), |geom, i| {
+            xpos: d.geom_xpos, [3 * i; 3];
+            xmat: d.geom_xmat, [9 * i; 9];
+        });
+        check_fields!(name, data.sites(), |site, i| {
+            xpos: d.site_xpos, [3 * i; 3];
+            xmat: d.site_xmat, [9 * i; 9];
+        });
+        check_fields!(name, data.cameras(), |camera, i| {
+            xpos: d.cam_xpos, [3 * i; 3];
+            xmat: d.cam_xmat, [9 * i; 9];
+        });
+        check_fields!(name, data.lights(), |light, i| {
+            xpos: d.light_xpos, [3 * i; 3];
+            xdir: d.light_xdir, [3 * i; 3];
+        });
+        check_fields!(name, data.tendons(), |tendon, i| {
+            length: d.ten_length, [i; 1];
+            velocity: d.ten_velocity, [i; 1];
+            => J: tendon.J().expect("it was computed").to_vec().bits(), tendon_jacobian(m, d, i).bits();
+            => wrap_range: tendon.wrap_range(), span(d.ten_wrapadr, d.ten_wrapnum, i);
+            => wrap_points: tendon.wrap_points().map(|point| raw_point(&point)).collect::<Vec<_>>(),
+                span(d.ten_wrapadr, d.ten_wrapnum, i).map(|point| engine_point(d, point)).collect::<Vec<_>>();
+        });
+        check_fields!(name, data.actuators(), |actuator, i| {
+            ctrl: d.ctrl, [i; 1];
+            length: d.actuator_length, [i; 1];
+            velocity: d.actuator_velocity, [i; 1];
+            force: d.actuator_force, [i; 1];
+            moment: d.actuator_moment, [nv * i; nv];
+            => act: actuator.act().map(|act| act.bits()), activation(m, i).map(|act| at(d.act, act, 1));
+            => act_dot: actuator.act_dot().map(|act| act.bits()), activation(m, i).map(|act| at(d.act_dot, act, 1));
+        });
+        check_fields!(name, data.sensors(), |sensor, i| {
+            data: d.sensordata, [int(m.sensor_adr, i); int(m.sensor_dim, i)];
+        });
+    }
+}

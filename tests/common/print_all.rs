@@ -1,0 +1,18 @@
+//! Prints every view of every element, and so reads every field: whatever a model has where an id, a type or an address is
+//! expected must be one.
+
+use mujoco_safe::{Data, Model};
+
+/// How much text that makes.
+pub(crate) fn print_all(model: &Model, data: &Data) -> usize {
+    let mut length = 0;
+    macro_rules! print {
+        ($owner:ident: $($many:ident)*) => {
+            $(length += $owner.$many().map(|element| element.to_string().len()).sum::<usize>();)*
+        };
+    }
+    print!(model: bodies joints geoms sites cameras lights tendons actuators sensors keyframes meshes skins height_fields
+        textures materials pairs excludes equalities numerics texts tuples);
+    print!(data: bodies joints geoms sites cameras lights tendons actuators sensors);
+    length
+}

@@ -1,0 +1,58 @@
+//! All elements of a kind.
+
+use std::sync::Arc;
+
+use mujoco_safe::{Kind, sample};
+
+use crate::{every_element, simulation, zoo};
+
+#[test]
+fn each_kind_has_as_many_elements_as_the_model_says_in_order() {
+    macro_rules! check {
+        ($model:ident: $($many:ident = $count:ident, $kind:ident;)*) => {$(
+            assert_eq!($model.$many().len(), $model.$count(), stringify!($many));
+            assert_eq!($model.count(Kind::$kind), $model.$count());
+            assert!($model.$many().map(|element| element.index()).eq(0..$model.$count()), stringify!($many));
+            let names: Vec<&str> = $model.$many().filter_map(|element| element.name()).collect();
+            assert!($model.names(Kind::$kind).eq(names), stringify!($many));
+        )*};
+    }
+    for model in [zoo(), Arc::new(every_element()), Arc::new(sample::humanoid()), Arc::new(sample::cartpole())] {
+        check!(model: bodies = nbody, Body; joints = njnt, Joint; geoms = ngeom, Geom; sites = nsite, Site;
+            cameras = ncam, Camera; lights = nlight, Light; tendons = ntendon, Tendon; actuators = nu, Actuator;
+            sensors = nsensor, Sensor; keyframes = nkey, Keyframe; meshes = nmesh, Mesh; skins = nskin, Skin;
+            height_fields = nhfield, HeightField; textures = ntex, Texture; materials = nmat, Material;
+            pairs = npair, Pair; excludes = nexclude, Exclude; equalities = neq, Equality;
+            numerics = nnumeric, Numeric; texts = ntext, Text; tuples = ntuple, Tuple;);
+    }
+}
+
+#[test]
+fn the_zoo_has_the_names_that_its_text_gives() {
+    let model = zoo();
+    let names = |kind| model.names(kind).collect::<Vec<_>>();
+    assert_eq!(names(Kind::Body), ["world", "hand", "other_hand", "crate", "base", "shoulder", "elbow"]);
+    assert_eq!(names(Kind::Tendon), ["rope", "coupling"]);
+    assert_eq!(names(Kind::Camera), ["overview"]);
+    assert_eq!(names(Kind::Sensor), ["acceleration", "elbow", "swing", "touch", "load", "height"]);
+    assert_eq!(names(Kind::Keyframe), ["lifted"]);
+    assert_eq!((model.ntendon(), model.ncam(), model.nlight(), model.nkey()), (3, 2, 3, 2));
+}
+
+#[test]
+fn iteration_goes_backwards_too_and_knows_its_length() {
+    let model = zoo();
+    let mut joints = model.joints();
+    assert_eq!(joints.next_back().map(|joint| joint.index()), Some(4));
+    assert_eq!(joints.len(), 4);
+    let data = simulation();
+    let backwards: Vec<_> = data.bodies().rev().filter_map(|body| body.name()).collect();
+    assert_eq!(backwards, ["elbow", "shoulder", "base", "crate", "other_hand", "hand", "world"]);
+}
+
+#[test]
+fn the_left_joints_of_the_humanoid_are_found_by_their_names() {
+    let model = sample::humanoid();
+    let left = model.joints().filter(|joint| joint.name().is_some_and(|name| name.contains("left")));
+    assert_eq!(left.count(), 9);
+}

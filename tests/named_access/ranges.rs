@@ -1,0 +1,63 @@
+//! Where the numbers of an element are, and what it belongs to.
+
+use std::sync::Arc;
+
+use mujoco_safe::{JointType, sample};
+
+use crate::zoo;
+
+#[test]
+fn a_joint_has_the_positions_and_degrees_of_freedom_of_its_type() {
+    let model = zoo();
+    let expected = [
+        ("crate", JointType::Free, 0..7, 0..6),
+        ("rail", JointType::Slide, 7..8, 6..7),
+        ("shoulder", JointType::Ball, 8..12, 7..10),
+        ("elbow", JointType::Hinge, 12..13, 10..11),
+    ];
+    for (name, joint_type, qpos, dofs) in expected {
+        let joint = model.joint(name).expect("it has this name");
+        assert_eq!((joint.joint_type(), joint.qpos_range(), joint.dofs()), (joint_type, qpos, dofs), "{name}");
+    }
+    assert_eq!((model.nq(), model.nv()), (14, 12));
+}
+
+#[test]
+fn the_ranges_of_all_joints_cover_each_index_once() {
+    for model in [zoo(), Arc::new(sample::humanoid()), Arc::new(sample::cartpole())] {
+        assert!(model.joints().flat_map(|joint| joint.qpos_range()).eq(0..model.nq()));
+        assert!(model.joints().flat_map(|joint| joint.dofs()).eq(0..model.nv()));
+        assert!(model.bodies().flat_map(|body| body.dofs()).eq(0..model.nv()));
+        assert!(model.sensors().flat_map(|sensor| sensor.data_range()).eq(0..model.nsensordata()));
+    }
+}
+
+#[test]
+fn a_joint_behind_a_free_joint_is_not_its_own_degree_of_freedom() {
+    let model = sample::humanoid();
+    let knee = model.joint("left_knee").expect("there is a left knee");
+    assert_eq!(knee.dofs(), knee.index() + 5..knee.index() + 6);
+    assert_eq!(knee.qpos_range(), knee.index() + 6..knee.index() + 7);
+}
+
+#[test]
+fn elements_know_the_elements_that_they_hang_on() {
+    let model = zoo();
+    let body = |name: &str| model.body(name).expect("there is such a body");
+    assert_eq!(body("elbow").parent(), body("shoulder").id());
+    assert_eq!(body("elbow").root(), body("base").id());
+    assert_eq!(body("world").parent(), body("world").id());
+    assert_eq!(model.joint("shoulder").expect("a joint").body(), body("shoulder").id());
+    assert_eq!(model.geom("pulley").expect("a geom").body(), body("base").id());
+    assert_eq!(model.site("crate").expect("a site").body(), body("crate").id());
+    assert_eq!(model.camera("overview").expect("a camera").body(), body("world").id());
+    assert_eq!((body("elbow").njnt(), body("base").ngeom()), (2, 2));
+    assert_eq!([body("hand").mocap(), body("other_hand").mocap(), body("base").mocap()], [Some(0), Some(1), None]);
+}
+
+#[test]
+fn only_the_last_actuators_have_activations() {
+    let model = zoo();
+    let activations: Vec<_> = model.actuators().map(|actuator| actuator.activation()).collect();
+    assert_eq!(activations, [None, None, None, Some(0), Some(1), Some(2)]);
+}

@@ -1,0 +1,83 @@
+//! What an unknown name is told.
+
+use mujoco_safe::{Error, Kind, sample};
+
+use crate::{every_element, simulation, unknown, zoo};
+
+#[test]
+fn the_error_proposes_the_nearest_name_and_lists_all() {
+    let text = unknown(zoo().joint("elbwo"));
+    assert_eq!(
+        text,
+        "there is no joint named 'elbwo', did you mean 'elbow'? (there are: crate, rail, shoulder, elbow)"
+    );
+    let text = unknown(zoo().actuator("no such thing"));
+    assert!(!text.contains("did you mean"), "{text}");
+    assert!(text.contains("rail, turn, filter, winch, biceps"), "{text}");
+}
+
+#[test]
+fn the_error_has_the_names_for_programs_too() {
+    let Err(Error::NoSuchName { kind, name, known }) = sample::humanoid().keyframe("handstand").map(|_| ()) else {
+        panic!("there is no such keyframe")
+    };
+    assert_eq!((kind, name.as_str()), (Kind::Keyframe, "handstand"));
+    assert_eq!(known, ["squat", "stand_on_left_leg", "stand"]);
+}
+
+#[test]
+fn a_kind_without_names_says_so() {
+    let text = unknown(sample::cartpole().tendon("rope"));
+    assert_eq!(text, "there is no tendon named 'rope' (none of this kind has a name)");
+}
+
+#[test]
+fn the_empty_name_is_nobodys() {
+    // The engine itself finds the first element without a name under it.
+    unknown(zoo().joint(""));
+    unknown(zoo().geom(""));
+    unknown(simulation().light(""));
+}
+
+#[test]
+fn a_name_with_a_nul_in_it_is_not_cut_there() {
+    unknown(zoo().joint("elbow\0"));
+    unknown(zoo().joint("elbow\0x"));
+}
+
+#[test]
+fn names_are_compared_whole_and_by_case() {
+    for name in ["Elbow", "elbow ", "elbo", "elbows", "ellenbogen ‐ coude"] {
+        unknown(zoo().joint(name));
+    }
+}
+
+#[test]
+fn a_mutable_lookup_gives_the_same_error() {
+    let mut data = simulation();
+    assert!(unknown(data.joint_mut("elbwo")).contains("'elbow'"));
+    assert!(data.sensor_mut(99).is_err());
+    let text = data.edit_model(|model| unknown(model.geom_mut("grund"))).expect("there is memory");
+    assert!(text.contains("'ground'"), "{text}");
+}
+
+#[test]
+fn every_kind_proposes_its_own_names() {
+    let model = every_element();
+    for (text, kind, near) in [
+        (unknown(model.equality("gearde")), "equality", "geared"),
+        (unknown(model.numeric("gain")), "numeric", "gains"),
+        (unknown(model.text("notes")), "text", "note"),
+        (unknown(model.tuple("part")), "tuple", "parts"),
+        (unknown(model.mesh("wegde")), "mesh", "wedge"),
+        (unknown(model.skin("sheets")), "skin", "sheet"),
+        (unknown(model.height_field("grund")), "height field", "ground"),
+        (unknown(model.texture("check")), "texture", "checks"),
+        (unknown(model.material("paint")), "material", "painted"),
+        (unknown(model.pair("pad_and_flor")), "pair", "pad_and_floor"),
+        (unknown(model.exclude("branch_and_ends")), "exclude", "branch_and_end"),
+    ] {
+        assert!(text.starts_with(&format!("there is no {kind} named '")), "{text}");
+        assert!(text.contains(&format!("did you mean '{near}'")), "{text}");
+    }
+}
