@@ -15,6 +15,7 @@
 
 mod edit;
 mod hazard;
+mod length_range;
 mod load;
 mod mjb;
 mod names;
