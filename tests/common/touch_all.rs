@@ -6,18 +6,29 @@ use std::hint::black_box;
 use mujoco_safe::{Data, MatrixView, MatrixViewMut, Model, ModelMut};
 
 /// Something that an accessor returns.
-trait Touch {
+trait Touch: Sized {
     /// How many of its numbers are not zero.
     fn touch(self) -> usize;
+
+    /// Gives every number the value of the function, if it may be written to.
+    fn write(self, _: &mut dyn FnMut() -> f64) {}
 }
 
 /// What the engine's arrays are made of.
-trait Number: PartialEq + Default + Copy {}
+trait Number: PartialEq + Default + Copy {
+    fn from_f64(value: f64) -> Self;
+}
 
-impl Number for f64 {}
-impl Number for f32 {}
-impl Number for i32 {}
-impl Number for u8 {}
+macro_rules! numbers {
+    ($($type:ty)*) => {$(
+        impl Number for $type {
+            fn from_f64(value: f64) -> Self {
+                value as Self
+            }
+        }
+    )*};
+}
+numbers!(f64 f32 i32 u8);
 
 /// A jump that depends on the value, which is what memcheck looks at.
 #[inline(never)]
@@ -63,11 +74,21 @@ impl<T: Number> Touch for &mut [T] {
         }
         self.len()
     }
+
+    fn write(self, value: &mut dyn FnMut() -> f64) {
+        for number in self {
+            *number = T::from_f64(value());
+        }
+    }
 }
 
 impl<T: Number, const N: usize> Touch for &mut [[T; N]] {
     fn touch(self) -> usize {
         self.as_flattened_mut().touch()
+    }
+
+    fn write(self, value: &mut dyn FnMut() -> f64) {
+        self.as_flattened_mut().write(value);
     }
 }
 
@@ -75,16 +96,37 @@ impl Touch for MatrixViewMut<'_> {
     fn touch(mut self) -> usize {
         self.as_mut_slice().touch()
     }
+
+    fn write(mut self, value: &mut dyn FnMut() -> f64) {
+        self.as_mut_slice().write(value);
+    }
 }
 
-/// A function that calls each accessor, and the list of their names.
+/// A function that calls each accessor, the list of their names, and a function that writes to the one of an index.
 macro_rules! accessors {
-    ($(#[$doc:meta])* $function:ident($owner:ty), $list:ident: $($name:ident)*) => {
+    ($(#[$doc:meta])* $function:ident($owner:ty), $list:ident $(, $write:ident)?: $($name:ident)*) => {
         pub(crate) const $list: &[&str] = &[$(stringify!($name)),*];
 
         $(#[$doc])*
         pub(crate) fn $function(owner: $owner) -> usize {
             [$(owner.$name().touch()),*].iter().sum()
+        }
+
+        accessors!(@write $owner, [$($write)?] $($name)*);
+    };
+    (@write $owner:ty, [] $($name:ident)*) => {};
+    (@write $owner:ty, [$write:ident] $($name:ident)*) => {
+        /// Writes to the array that is at this place of the list.
+        #[allow(dead_code, reason = "included by several tests, of which one writes")]
+        pub(crate) fn $write(owner: $owner, index: usize, value: &mut dyn FnMut() -> f64) {
+            let mut at = 0;
+            $(
+                if at == index {
+                    return owner.$name().write(value);
+                }
+                at += 1;
+            )*
+            panic!("there are only {at} arrays");
         }
     };
 }
@@ -148,7 +190,7 @@ accessors! {
 }
 accessors! {
     /// Writes to all that may be written to in a model.
-    model_mut(&mut ModelMut<'_>), MODEL_MUT:
+    model_mut(&mut ModelMut<'_>), MODEL_MUT, write_model:
         qpos0_mut qpos_spring_mut body_pos_mut body_quat_mut body_ipos_mut body_iquat_mut body_mass_mut
         body_subtreemass_mut body_inertia_mut body_invweight0_mut body_user_mut jnt_solref_mut jnt_solimp_mut
         jnt_pos_mut jnt_axis_mut jnt_stiffness_mut jnt_range_mut jnt_margin_mut jnt_user_mut dof_solref_mut
@@ -173,7 +215,7 @@ accessors! {
 }
 accessors! {
     /// Writes to all that may be written to in a simulation.
-    data_mut(&mut Data), DATA_MUT:
+    data_mut(&mut Data), DATA_MUT, write_data:
         qpos_mut qvel_mut act_mut qacc_warmstart_mut ctrl_mut qfrc_applied_mut xfrc_applied_mut mocap_pos_mut
         mocap_quat_mut qacc_mut act_dot_mut userdata_mut sensordata_mut xpos_mut xquat_mut xmat_mut xipos_mut
         ximat_mut xanchor_mut xaxis_mut geom_xpos_mut geom_xmat_mut site_xpos_mut site_xmat_mut cam_xpos_mut
