@@ -35,6 +35,25 @@ impl Model {
             // The engine does not even warn then.
             return Some("an adhesion actuator needs room for constraints, but njmax is 0".to_owned());
         }
+        self.bad_skin().or_else(|| self.repeated_joint())
+    }
+
+    /// A skin with a face of a vertex that it does not have, which is found when the skin is drawn.
+    fn bad_skin(&self) -> Option<String> {
+        let of = |addresses: &[i32], counts: &[i32], skin: usize| {
+            // Without any the address may be anything.
+            let count = ffi::size(counts[skin]);
+            if count == 0 { 0..0 } else { ffi::size(addresses[skin])..ffi::size(addresses[skin]) + count }
+        };
+        (0..self.nskin()).find_map(|skin| {
+            let vertices = self.skin_vertnum()[skin];
+            let faces = &self.skin_face()[of(self.skin_faceadr(), self.skin_facenum(), skin)];
+            let outside = faces.as_flattened().iter().find(|vertex| !(0..vertices).contains(*vertex))?;
+            Some(format!("skin {skin} has a face of vertex {outside}, but only the vertices 0 to {}", vertices - 1))
+        })
+    }
+
+    fn repeated_joint(&self) -> Option<String> {
         self.tendons().find_map(|tendon| {
             let (start, count) =
                 (ffi::size(self.tendon_adr()[tendon.index()]), ffi::size(self.tendon_num()[tendon.index()]));

@@ -7,6 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use mujoco_sys::{guard, mjVFS};
 
+use super::length_range::LengthRange;
 use super::text_check::{self, Files};
 use super::virtual_files::VirtualFiles;
 use super::{Model, mjb};
@@ -76,17 +77,22 @@ impl Model {
         let path = path.as_ref();
         // Read here for the operating system's own message; the engine's only says that it could not.
         let text = read_regular(path)?;
-        text_check::check(&path.display().to_string(), &text, &Files::Disk(path))?;
-        Self::compile(&path_c_string(path)?, ptr::null(), &path.display().to_string())
+        let source_name = path.display().to_string();
+        if let Some(muscles) = text_check::check(&source_name, &text, &Files::Disk(path))? {
+            // Beside the file, so that what it names is found.
+            Self::try_muscles(&muscles, &text, &path_c_string(&path.with_file_name(TEXT))?, &[], &source_name)?;
+        }
+        Self::compile(&path_c_string(path)?, ptr::null(), &source_name)
     }
 
     /// Loads a model from a text in MJCF or URDF.
     ///
     /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash or to run without end on a few kinds of
-    /// hostile input. Those that a look at the text can see are refused here (textures of billions of pixels, mesh faces beyond
-    /// the vertices, files that include each other without end); the rest is not (a muscle whose length range does not settle,
-    /// a damaged mesh file, sizes that take all memory, adhesion actuators on more contacts than `njmax` has room for at the
-    /// start), so a text from strangers should be compiled in a process of its own.
+    /// hostile input. Those that a look at the text and at the files that it names can see are refused here (textures of billions
+    /// of pixels, mesh faces beyond the vertices, files that include each other without end, damaged meshes and skins, a muscle
+    /// whose length range does not settle); the rest is not (bodies by the ten thousand, which take minutes, an image that
+    /// unpacks to more than there is memory for, adhesion actuators on more contacts than `njmax` has room for at the start), so
+    /// a text from strangers should be compiled in a process of its own.
     ///
     /// # Errors
     ///
@@ -125,14 +131,37 @@ impl Model {
         if xml.is_empty() {
             return Err(Error::Load { source_name: GIVEN.to_owned(), message: "the text is empty".to_owned() });
         }
+        let virtual_files = Self::in_memory(xml.as_bytes(), files)?;
+        let texts: Vec<(&str, &[u8])> = std::iter::once((TEXT, xml.as_bytes())).chain(files.iter().copied()).collect();
+        let name = ffi::c_string("the text's name", TEXT)?;
+        if let Some(muscles) = text_check::check(GIVEN, xml.as_bytes(), &Files::Memory(&texts))? {
+            Self::try_muscles(&muscles, xml.as_bytes(), &name, files, GIVEN)?;
+        }
+        Self::compile(&name, virtual_files.as_ptr(), GIVEN)
+    }
+
+    /// A text and other files as the compiler takes them.
+    fn in_memory(text: &[u8], files: &[(&str, &[u8])]) -> Result<VirtualFiles> {
         let mut virtual_files = VirtualFiles::new();
-        virtual_files.add(TEXT, xml.as_bytes())?;
+        virtual_files.add(TEXT, text)?;
         for (name, content) in files {
             virtual_files.add(name, content)?;
         }
-        let texts: Vec<(&str, &[u8])> = std::iter::once((TEXT, xml.as_bytes())).chain(files.iter().copied()).collect();
-        text_check::check(GIVEN, xml.as_bytes(), &Files::Memory(&texts))?;
-        Self::compile(&ffi::c_string("the text's name", TEXT)?, virtual_files.as_ptr(), GIVEN)
+        Ok(virtual_files)
+    }
+
+    /// Refuses a text in which the compiler's simulation of the muscles would not come to an end.
+    fn try_muscles(
+        muscles: &LengthRange,
+        text: &[u8],
+        name: &CString,
+        files: &[(&str, &[u8])],
+        source_name: &str,
+    ) -> Result<()> {
+        let Some(text) = text_check::without_simulation(text) else { return Ok(()) };
+        let mut model = Self::compile_quietly(name, Self::in_memory(&text, files)?.as_ptr(), source_name)?;
+        let (checked, _) = collecting_warnings(|| muscles.check(&mut model));
+        checked.map_err(|message| Error::Load { source_name: source_name.to_owned(), message })
     }
 
     /// Loads a binary model (MJB) that [`save_binary`](Self::save_binary) or the engine wrote.
@@ -189,6 +218,15 @@ impl Model {
     }
 
     fn compile(name: &CString, files: *const mjVFS, source_name: &str) -> Result<Self> {
+        let model = Self::compile_quietly(name, files, source_name)?;
+        // Not under the lock: a logger is the user's code, and may load a model, too.
+        for warning in &model.warnings {
+            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
+        }
+        Ok(model)
+    }
+
+    fn compile_quietly(name: &CString, files: *const mjVFS, source_name: &str) -> Result<Self> {
         const MESSAGE: usize = 4096;
         engine::ready()?;
         let mut xml = XmlState::enter()?;
@@ -218,11 +256,6 @@ impl Model {
             return Err(Error::Load { source_name: source_name.to_owned(), message });
         }
         xml.last = Some(lineage);
-        // A logger is the user's code: it may load a model, too.
-        drop(xml);
-        for warning in &model.warnings {
-            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
-        }
         Ok(model)
     }
 }

@@ -16,6 +16,7 @@
 
 mod edit;
 mod hazard;
+mod length_range;
 mod load;
 mod mjb;
 mod names;

@@ -10,18 +10,29 @@ use mujoco_safe::{Data, MatrixView, MatrixViewMut, Model, ModelMut};
 mod fields;
 
 /// Something that an accessor returns.
-trait Touch {
+trait Touch: Sized {
     /// How many of its numbers are not zero.
     fn touch(self) -> usize;
+
+    /// Gives every number the value of the function, if it may be written to.
+    fn write(self, _: &mut dyn FnMut() -> f64) {}
 }
 
 /// What the engine's arrays are made of.
-trait Number: PartialEq + Default + Copy {}
+trait Number: PartialEq + Default + Copy {
+    fn from_f64(value: f64) -> Self;
+}
 
-impl Number for f64 {}
-impl Number for f32 {}
-impl Number for i32 {}
-impl Number for u8 {}
+macro_rules! numbers {
+    ($($type:ty)*) => {$(
+        impl Number for $type {
+            fn from_f64(value: f64) -> Self {
+                value as Self
+            }
+        }
+    )*};
+}
+numbers!(f64 f32 i32 u8);
 
 /// A jump that depends on the value, which is what memcheck looks at.
 #[inline(never)]
@@ -67,17 +78,31 @@ impl<T: Number> Touch for &mut [T] {
         }
         self.len()
     }
+
+    fn write(self, value: &mut dyn FnMut() -> f64) {
+        for number in self {
+            *number = T::from_f64(value());
+        }
+    }
 }
 
 impl<T: Number, const N: usize> Touch for &mut [[T; N]] {
     fn touch(self) -> usize {
         self.as_flattened_mut().touch()
     }
+
+    fn write(self, value: &mut dyn FnMut() -> f64) {
+        self.as_flattened_mut().write(value);
+    }
 }
 
 impl Touch for MatrixViewMut<'_> {
     fn touch(mut self) -> usize {
         self.as_mut_slice().touch()
+    }
+
+    fn write(mut self, value: &mut dyn FnMut() -> f64) {
+        self.as_mut_slice().write(value);
     }
 }
 
@@ -91,10 +116,26 @@ macro_rules! reading {
     };
 }
 
-/// A function that writes to all of it.
+/// A function that writes to all of it, the list of their names, and a function that writes to the one of an index.
 macro_rules! writing {
-    ($(#[$doc:meta])* $function:ident($owner:ty): $($name:ident($field:ident))*) => {
+    ($(#[$doc:meta])* $function:ident($owner:ty), $list:ident, $write:ident: $($name:ident($field:ident))*) => {
         reading! { $(#[$doc])* $function($owner): $($name)* }
+
+        #[allow(dead_code, reason = "included by several tests, of which one writes")]
+        pub(crate) const $list: &[&str] = &[$(stringify!($name)),*];
+
+        /// Writes to the array that is at this place of the list.
+        #[allow(dead_code, reason = "idem")]
+        pub(crate) fn $write(owner: $owner, index: usize, value: &mut dyn FnMut() -> f64) {
+            let mut at = 0;
+            $(
+                if at == index {
+                    return owner.$name().write(value);
+                }
+                at += 1;
+            )*
+            panic!("there are only {at} arrays");
+        }
     };
 }
 
@@ -108,9 +149,9 @@ data_readers! { reading
 }
 model_writers! { writing
     /// Writes to all that may be written to in a model.
-    model_mut(&mut ModelMut<'_>):
+    model_mut(&mut ModelMut<'_>), MODEL_MUT, write_model:
 }
 data_writers! { writing
     /// Writes to all that may be written to in a simulation.
-    data_mut(&mut Data):
+    data_mut(&mut Data), DATA_MUT, write_data:
 }

@@ -1,0 +1,10 @@
+//! Damaged texts, and the files that they name.
+
+#![no_main]
+
+#[path = "../../tests/common/fuzz/mod.rs"]
+mod fuzz;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    fuzz::Target::Texts.run(bytes, &mut |_| ());
+});

@@ -1,0 +1,86 @@
+//! Numbers in a text that decide how much the compiler allocates, and how far it writes.
+
+use super::asset::MOST_NUMBERS;
+use super::tag::{Tag, numbers};
+
+/// Keyframes, and user numbers of an element: beyond any use, and below what takes all memory.
+const MOST_KEYS: u64 = 100_000;
+const MOST_USER: u64 = 10_000;
+/// Numbers in an element of `custom`: the compiler reads them into an array of so many.
+const MOST_CUSTOM: u64 = 500;
+/// Vertices of the skin of a composite.
+const MOST_SKIN: u64 = 4_000_000;
+
+/// An attribute's number; `otherwise` if there is none, and a very large one if it cannot be told.
+fn size(tag: &Tag<'_>, name: &[u8], otherwise: u64) -> u64 {
+    tag.attribute(name).map_or(otherwise, |value| {
+        std::str::from_utf8(value.trim_ascii())
+            .ok()
+            .and_then(|value| value.parse::<f64>().ok())
+            .map_or(u64::MAX, |value| value.max(0.0) as u64)
+    })
+}
+
+/// Sizes at which a product of them overflows in the compiler or takes all memory, and faces of vertices that a mesh does not
+/// have. `composite` is the count of the composite that the tag is in.
+pub(super) fn fault(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
+    let too_many = |name: &str, most: u64| Some(format!("{name} must be an integer of at most {most}"));
+    match tag.name {
+        b"texture" => {
+            let width = size(tag, b"width", 0);
+            // A cube is six squares.
+            let height = size(tag, b"height", 0).max(width.saturating_mul(6));
+            let mut grid = numbers(tag.attribute(b"gridsize").unwrap_or_default());
+            if grid.any(|number| number.is_none_or(|number| number > 12)) {
+                return Some("a gridsize of more than 12".to_owned());
+            }
+            (width.saturating_mul(height).saturating_mul(3) > MOST_NUMBERS).then(|| "a texture is too large".to_owned())
+        }
+        b"hfield" => (size(tag, b"nrow", 0).saturating_mul(size(tag, b"ncol", 0)) > MOST_NUMBERS)
+            .then(|| "a height field is too large".to_owned()),
+        b"mesh" => mesh(tag),
+        b"size" => {
+            if size(tag, b"nkey", 0) > MOST_KEYS {
+                return too_many("nkey", MOST_KEYS);
+            }
+            let users = ["body", "jnt", "geom", "site", "cam", "tendon", "actuator", "sensor"]
+                .map(|kind| format!("nuser_{kind}"));
+            let user = users.iter().find(|user| size(tag, user.as_bytes(), 0) > MOST_USER)?;
+            too_many(user, MOST_USER)
+        }
+        b"numeric" => {
+            let data = numbers(tag.attribute(b"data").unwrap_or_default()).count() as u64;
+            (size(tag, b"size", 1) > MOST_CUSTOM || data > MOST_CUSTOM)
+                .then(|| format!("a custom numeric of more than {MOST_CUSTOM} numbers"))
+        }
+        b"skin" if !composite.is_empty() => {
+            let subgrid = size(tag, b"subgrid", 0).min(MOST_SKIN);
+            let vertices = composite
+                .iter()
+                .fold(1, |product: u64, count| product.saturating_mul(count.saturating_mul(subgrid + 1)));
+            (vertices > MOST_SKIN && subgrid > 0).then(|| "the skin of a composite is too large".to_owned())
+        }
+        _ => None,
+    }
+}
+
+fn mesh(tag: &Tag<'_>) -> Option<String> {
+    // What a file has would be mixed with what the text has, of other lengths.
+    if let Some(array) =
+        [&b"vertex"[..], b"normal", b"texcoord", b"face"].into_iter().find(|name| tag.attribute(name).is_some())
+        && tag.attribute(b"file").is_some()
+    {
+        return Some(format!("a mesh has both a file and an attribute '{}'", String::from_utf8_lossy(array)));
+    }
+    let vertex = tag.attribute(b"vertex")?;
+    let reals = |list: &[u8]| {
+        String::from_utf8_lossy(list).split_whitespace().all(|word| word.parse().is_ok_and(f32::is_finite))
+    };
+    if !reals(vertex) {
+        return Some("a vertex of a mesh is not finite".to_owned());
+    }
+    let vertices = numbers(vertex).count() / 3;
+    let outside = numbers(tag.attribute(b"face")?)
+        .find(|vertex| !vertex.is_some_and(|vertex| usize::try_from(vertex).is_ok_and(|it| it < vertices)));
+    outside.map(|_| format!("a face of a mesh has something other than its vertices, 0 to {}", vertices.max(1) - 1))
+}

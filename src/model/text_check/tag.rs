@@ -1,0 +1,116 @@
+//! The tags of a text, well enough for a look at them.
+
+/// A start tag or an end tag.
+pub(super) struct Tag<'t> {
+    pub(super) position: usize,
+    pub(super) name: &'t [u8],
+    pub(super) attributes: Vec<(&'t [u8], &'t [u8])>,
+    /// `</name>`
+    pub(super) closes: bool,
+    /// `<name/>`
+    pub(super) empty: bool,
+}
+
+impl<'t> Tag<'t> {
+    pub(super) fn attribute(&self, name: &[u8]) -> Option<&'t [u8]> {
+        self.attributes.iter().find(|(found, _)| *found == name).map(|(_, value)| *value)
+    }
+}
+
+/// The tags of a text. What is not well-formed is skipped: the compiler's parser will refuse it.
+pub(super) struct Tags<'t>(&'t [u8], usize);
+
+impl<'t> Tags<'t> {
+    pub(super) fn new(text: &'t [u8]) -> Self {
+        Self(text, 0)
+    }
+}
+
+impl<'t> Iterator for Tags<'t> {
+    type Item = Tag<'t>;
+
+    fn next(&mut self) -> Option<Tag<'t>> {
+        loop {
+            let Self(text, from) = *self;
+            let position = from + text[from..].iter().position(|&byte| byte == b'<')?;
+            let rest = &text[position..];
+            let not_a_tag = [(&b"<!--"[..], &b"-->"[..]), (b"<![CDATA[", b"]]>"), (b"<!", b">"), (b"<?", b"?>")];
+            if let Some((begin, end)) = not_a_tag.into_iter().find(|(begin, _)| rest.starts_with(begin)) {
+                let length = rest[begin.len()..].windows(end.len()).position(|window| window == end)?;
+                self.1 = position + begin.len() + length + end.len();
+                continue;
+            }
+            let (tag, length) = tag(rest, position);
+            self.1 = position + length;
+            return Some(tag);
+        }
+    }
+}
+
+/// The tag at the beginning of `text`, and its length.
+fn tag(text: &[u8], position: usize) -> (Tag<'_>, usize) {
+    let closes = text.get(1) == Some(&b'/');
+    let mut at = 1 + usize::from(closes);
+    let word = |at: &mut usize| {
+        let start = *at;
+        while text.get(*at).is_some_and(|&byte| !is_space(byte) && !b"/>=\"'<".contains(&byte)) {
+            *at += 1;
+        }
+        &text[start..*at]
+    };
+    let space = |at: &mut usize| {
+        while text.get(*at).is_some_and(|&byte| is_space(byte)) {
+            *at += 1;
+        }
+    };
+    let mut tag = Tag { position, name: word(&mut at), attributes: Vec::new(), closes, empty: false };
+    loop {
+        space(&mut at);
+        let name = word(&mut at);
+        space(&mut at);
+        match text.get(at) {
+            Some(b'=') if !name.is_empty() => {
+                at += 1;
+                space(&mut at);
+                let Some(&quote) = text.get(at).filter(|quote| b"\"'".contains(quote)) else { break };
+                let Some(length) = text[at + 1..].iter().position(|&byte| byte == quote) else { break };
+                tag.attributes.push((name, &text[at + 1..][..length]));
+                at += length + 2;
+            }
+            Some(b'/') => {
+                at += 1;
+                tag.empty = text.get(at) == Some(&b'>');
+            }
+            _ => break,
+        }
+    }
+    (tag, at.max(1))
+}
+
+/// C's `isspace`, which is the parser's notion of it.
+fn is_space(byte: u8) -> bool {
+    byte.is_ascii_whitespace() || byte == 0x0b
+}
+
+/// The integers in a list; `None` for what is not one.
+pub(super) fn numbers(list: &[u8]) -> impl Iterator<Item = Option<i64>> {
+    list.split(|&byte| is_space(byte))
+        .filter(|word| !word.is_empty())
+        .map(|word| std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Tags;
+
+    #[test]
+    fn tags_have_their_attributes_and_comments_are_skipped() {
+        let text = b"<?xml version='1.0'?><!-- <no file=''/> --><a b = \"c>d\"\x0be='f'>text</a ><![CDATA[<x>]]><g/>";
+        let tags: Vec<_> =
+            Tags::new(text).map(|tag| (tag.name.to_vec(), tag.attributes.len(), tag.closes, tag.empty)).collect();
+        assert_eq!(
+            tags,
+            [(b"a".to_vec(), 2, false, false), (b"a".to_vec(), 0, true, false), (b"g".to_vec(), 0, false, true)]
+        );
+    }
+}

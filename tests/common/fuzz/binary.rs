@@ -1,0 +1,69 @@
+//! Damaged binary models.
+
+use std::sync::OnceLock;
+
+use mujoco_safe::{Data, Model};
+
+use super::mutate::{DAMAGES, Map};
+use super::{Bytes, Verdict, models};
+
+/// A valid file, and where its parts are.
+struct Original {
+    file: Vec<u8>,
+    map: Map,
+}
+
+fn originals() -> &'static [OnceLock<Original>] {
+    static ORIGINALS: OnceLock<Vec<OnceLock<Original>>> = OnceLock::new();
+    ORIGINALS.get_or_init(|| models::all().iter().map(|_| OnceLock::new()).collect())
+}
+
+pub(super) fn mutated_binary(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
+    let which = models::choose(bytes);
+    let original = originals()[which].get_or_init(|| {
+        let file = models::model(which).to_binary().expect("a model of the corpus is not saved");
+        let map = Map::new(&file);
+        Original { file, map }
+    });
+    let damage = DAMAGES[bytes.below(DAMAGES.len())];
+    let seed = bytes.word();
+    log(&format!("{damage:?} of {} with seed {seed}", models::all()[which].name));
+    let mut mutant = original.map.mutant(&original.file, damage, seed);
+    if bytes.once_in(4) {
+        let damage = DAMAGES[bytes.below(7)];
+        log(&format!("and {damage:?}"));
+        if mutant.len() == original.file.len() {
+            mutant = original.map.mutant(&mutant, damage, bytes.word());
+        }
+    }
+    log("from_binary");
+    match Model::from_binary(&mutant) {
+        Ok(model) => use_it(model, log),
+        Err(_) => Verdict::Refused,
+    }
+}
+
+/// What anyone would do with a model that was loaded.
+pub(super) fn use_it(model: Model, log: &mut dyn FnMut(&str)) -> Verdict {
+    log("a simulation");
+    // A stack of gigabytes is possible, but not on every machine.
+    let Ok(mut data) = Data::new(model) else { return Verdict::Worked };
+    for _ in 0..3 {
+        log("step");
+        if data.step().is_err() && data.reset().is_err() {
+            break;
+        }
+    }
+    log("inverse, contacts, clone");
+    let _ = data.inverse();
+    for contact in data.contacts() {
+        let _ = contact.force_in_world();
+    }
+    let copy = data.try_clone();
+    drop(copy);
+    log("update_constants");
+    let _ = data.edit_model(|model| model.update_constants());
+    log("to_binary");
+    let _ = data.model().to_binary();
+    Verdict::Worked
+}

@@ -1,0 +1,104 @@
+//! Decisions from bytes.
+
+use arbitrary::Unstructured;
+
+/// Bytes that decide. When they are used up, every decision is the first of its kind.
+pub struct Bytes<'b>(Unstructured<'b>);
+
+impl<'b> Bytes<'b> {
+    pub fn new(bytes: &'b [u8]) -> Self {
+        Self(Unstructured::new(bytes))
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// A number from 0 to `end - 1`; 0 if there is none.
+    pub fn below(&mut self, end: usize) -> usize {
+        self.0.choose_index(end).unwrap_or(0)
+    }
+
+    /// True once in `times`.
+    pub fn once_in(&mut self, times: usize) -> bool {
+        self.below(times) == times - 1
+    }
+
+    pub fn choose<'c, T: ?Sized>(&mut self, choices: &[&'c T]) -> &'c T {
+        choices[self.below(choices.len())]
+    }
+
+    pub fn word(&mut self) -> u64 {
+        self.0.arbitrary().unwrap_or(0)
+    }
+
+    /// A number: about half of them are what a program would write, the others what no one should.
+    pub fn number(&mut self) -> f64 {
+        match self.below(24) {
+            0..7 => self.fraction(),
+            7..9 => self.below(7) as f64 - 3.0,
+            9..11 => 10.0 * self.fraction(),
+            11 => 1e-6,
+            12 => f64::NAN,
+            13 => f64::INFINITY,
+            14 => f64::NEG_INFINITY,
+            15 => 1e300,
+            16 => -1e300,
+            17 => 1e9,
+            18 => 5e-324,
+            19 => 1e-300,
+            20 => -0.0,
+            21 => 2_147_483_648.0,
+            22 => -1e15,
+            _ => f64::from_bits(self.word()),
+        }
+    }
+
+    /// A number from -1 to 1.
+    pub fn fraction(&mut self) -> f64 {
+        self.below(2001) as f64 / 1000.0 - 1.0
+    }
+
+    pub fn numbers<const N: usize>(&mut self) -> [f64; N] {
+        std::array::from_fn(|_| self.number())
+    }
+
+    /// A vector, mostly of the length that is right.
+    pub fn vector(&mut self, length: usize) -> Vec<f64> {
+        let length = if self.once_in(16) { self.below(length + 3) } else { length };
+        // A few decisions for all of it, so that long vectors do not use up the bytes.
+        let (first, other) = (self.number(), self.number());
+        let at = self.below(length);
+        (0..length).map(|index| if index == at { other } else { first }).collect()
+    }
+
+    /// An index, mostly one that there is.
+    pub fn index(&mut self, count: usize) -> usize {
+        match self.below(32) {
+            31 => count + self.below(3),
+            30 => usize::MAX - self.below(2),
+            _ => self.below(count),
+        }
+    }
+}
+
+/// The bytes of a seed.
+pub(super) fn of_seed(seed: u64, salt: u64) -> Vec<u8> {
+    // Neighbouring seeds must not share a part of their streams.
+    let mut random = SplitMix(SplitMix(seed ^ (salt << 56)).next());
+    let words = 16 + random.next() % 64;
+    (0..words).flat_map(|_| random.next().to_le_bytes()).collect()
+}
+
+/// SplitMix64, by Sebastiano Vigna: enough for this, and the same everywhere.
+struct SplitMix(u64);
+
+impl SplitMix {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+}

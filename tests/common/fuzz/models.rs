@@ -1,0 +1,141 @@
+//! The models that calls are made on, and binary models are made of.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use mujoco_safe::{Model, sample};
+
+use super::Bytes;
+
+/// A model of the corpus.
+pub(super) struct Source {
+    pub(super) name: String,
+    /// Of 100 cases, about how many are of this model.
+    share: usize,
+    text: Text,
+}
+
+enum Text {
+    Here(&'static str),
+    File(PathBuf),
+}
+
+pub(super) const ZOO: &str = include_str!("../../models/zoo.xml");
+pub(super) const EVERY_ELEMENT: &str = include_str!("../../models/every_element.xml");
+
+/// Bodies that collide by the general algorithm, and a body that follows the mouse.
+pub(super) const COLLIDERS: &str = r#"<mujoco>
+  <size njmax="200" nconmax="40" nstack="60000"/>
+  <asset>
+    <mesh name="tetrahedron" vertex="0 0 0  1 0 0  0 1 0  0 0 1" scale=".2 .2 .2"/>
+    <hfield name="field" nrow="5" ncol="5" size="1 1 .2 .1"/>
+  </asset>
+  <worldbody>
+    <geom type="plane" size="2 2 .1" pos="0 0 -1"/>
+    <geom type="hfield" hfield="field"/>
+    <body name="hand" mocap="true" pos="0 0 .4"><geom type="box" size=".1 .1 .1"/></body>
+    <body pos="0 0 .1"><freejoint/><geom type="mesh" mesh="tetrahedron"/></body>
+    <body pos=".1 0 .2"><freejoint/><geom type="ellipsoid" size=".1 .1 .2"/></body>
+    <body pos="-.1 0 .2"><freejoint/><geom type="cylinder" size=".1 .1"/></body>
+    <body pos="0 .2 .2"><joint name="ball" type="ball"/><geom type="capsule" size=".05 .1"/><site name="tip"/></body>
+  </worldbody>
+  <equality><weld body1="hand" body2="world" active="false"/></equality>
+  <actuator><motor joint="ball" gear="1 0 0" ctrllimited="true" ctrlrange="-1 1"/></actuator>
+  <sensor><gyro site="tip"/><rangefinder site="tip"/></sensor>
+  <keyframe><key name="key" time="1"/></keyframe>
+</mujoco>"#;
+
+pub(super) const ADHESION: &str = r#"<mujoco>
+  <size njmax="120" nconmax="12" nstack="30000"/>
+  <worldbody>
+    <geom type="plane" size="2 2 .1" margin=".02" gap=".02"/>
+    <body name="pad" pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1" margin=".02" gap=".02" condim="4"/></body>
+    <body name="ball" pos="0 0 .35"><freejoint/><geom size=".1" condim="6"/></body>
+  </worldbody>
+  <actuator>
+    <adhesion body="pad" ctrlrange="0 1" gain="20"/>
+    <adhesion body="ball" ctrlrange="0 1"/>
+  </actuator>
+</mujoco>"#;
+
+/// Little of everything that the engine has a limit for.
+const TINY: [(&str, &str); 4] = [
+    (
+        "little room for contacts",
+        r#"<mujoco><size njmax="7" nconmax="2"/><worldbody><geom type="plane" size="1 1 1"/>
+        <body pos="0 0 .05"><freejoint/><geom type="box" size=".1 .1 .1"/></body><body pos="0 0 .2"><freejoint/><geom
+        type="capsule" size=".1 .1"/></body></worldbody></mujoco>"#,
+    ),
+    (
+        "little stack",
+        r#"<mujoco><size njmax="60" nconmax="10" nstack="1200"/><worldbody><geom type="plane" size="1 1 1"/>
+        <body pos="0 0 .05"><freejoint/><geom name="g" type="box" size=".1 .1 .1"/><site name="s"/></body></worldbody>
+        <actuator><motor site="s" gear="0 0 1 0 0 0"/></actuator><sensor><accelerometer site="s"/></sensor></mujoco>"#,
+    ),
+    (
+        "no joints",
+        r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/><body mocap="true"><geom size=".1"/></body></worldbody>
+        <keyframe><key mpos="0 0 1"/></keyframe></mujoco>"#,
+    ),
+    (
+        "no constraints",
+        r#"<mujoco><size njmax="0" nconmax="0" nstack="2000"/><option integrator="implicit"/><worldbody><geom type="plane"
+        size="1 1 1"/><body><joint name="j"/><geom size=".1"/></body></worldbody><actuator><intvelocity joint="j"
+        actrange="-1 1"/></actuator><sensor><jointpos joint="j"/></sensor></mujoco>"#,
+    ),
+];
+
+/// All of them, the same ones on every machine that has the engine's samples.
+pub(super) fn all() -> &'static [Source] {
+    static ALL: OnceLock<Vec<Source>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let here = |name: &str, share, text| Source { name: name.to_owned(), share, text: Text::Here(text) };
+        let file = |path: &Path, share| Source {
+            name: path.file_name().expect("a file").display().to_string(),
+            share,
+            text: Text::File(path.to_owned()),
+        };
+        let mut all = vec![
+            here("cartpole", 20, sample::CARTPOLE_XML),
+            here("colliders", 20, COLLIDERS),
+            here("adhesion", 15, ADHESION),
+            here("zoo", 12, ZOO),
+            here("humanoid", 1, sample::HUMANOID_XML),
+            here("every element", 1, EVERY_ELEMENT),
+        ];
+        all.extend(TINY.map(|(name, text)| here(name, 7, text)));
+        for name in ["slider_crank/slider_crank.xml", "tendon_arm/arm26.xml", "adhesion/active_adhesion.xml"] {
+            let path = Path::new(sample::SYSTEM_MODELS).join(name);
+            if path.exists() {
+                all.push(file(&path, 1));
+            }
+        }
+        all
+    })
+}
+
+/// Which one a case is of.
+pub(super) fn choose(bytes: &mut Bytes<'_>) -> usize {
+    let mut ticket = bytes.below(all().iter().map(|source| source.share).sum());
+    all()
+        .iter()
+        .position(|source| {
+            let found = ticket < source.share;
+            ticket = ticket.saturating_sub(source.share);
+            found
+        })
+        .unwrap_or(0)
+}
+
+/// One of them, loaded once in a process.
+pub(super) fn model(which: usize) -> &'static Arc<Model> {
+    static LOADED: OnceLock<Vec<OnceLock<Arc<Model>>>> = OnceLock::new();
+    LOADED.get_or_init(|| all().iter().map(|_| OnceLock::new()).collect())[which].get_or_init(|| {
+        let source = &all()[which];
+        let model = match &source.text {
+            Text::Here(text) => Model::from_xml_str(text),
+            Text::File(path) => Model::from_xml_path(path),
+        };
+        Arc::new(model.unwrap_or_else(|error| panic!("{} does not load: {error}", source.name)))
+    })
+}

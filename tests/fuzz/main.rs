@@ -1,0 +1,66 @@
+//! Fuzzing: safe calls, damaged binary models and damaged texts, in child processes, so that a crash is counted and not
+//! suffered.
+//!
+//! Run by `cargo test`, it does a bounded number of cases, the same ones each time. `scripts/fuzz` does as many as it is told.
+//! A case that was found is repeated, with a list of the calls in it, by
+//!
+//! ```text
+//! cargo test --test fuzz -- case sequences 123
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod campaign;
+mod report;
+mod worker;
+
+#[path = "../common/fuzz/mod.rs"]
+mod fuzz;
+
+use std::process::ExitCode;
+
+use campaign::Campaign;
+use fuzz::Target;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let target = |name: &str| Target::ALL.into_iter().find(|target| target.name() == name);
+    let number = |text: &str| text.parse::<u64>().unwrap_or_else(|error| panic!("{text}: {error}"));
+    match words[..] {
+        ["worker", name, first, end] => {
+            worker::work(target(name).expect("an unknown target"), number(first)..number(end));
+            ExitCode::SUCCESS
+        }
+        ["case", name, seed] => {
+            worker::show(target(name).expect("an unknown target"), number(seed));
+            ExitCode::SUCCESS
+        }
+        ["campaign", ref options @ ..] => match Campaign::from_options(options) {
+            Ok(campaign) => campaign.run(),
+            Err(message) => {
+                eprintln!("{message}");
+                ExitCode::from(2)
+            }
+        },
+        _ => bounded(&words),
+    }
+}
+
+/// What `cargo test` runs: with the options that it passes on to every test program.
+fn bounded(words: &[&str]) -> ExitCode {
+    if words.contains(&"--list") {
+        println!("fuzz: test");
+        return ExitCode::SUCCESS;
+    }
+    // A filter, unless it is the value of an option.
+    let filter = words
+        .iter()
+        .enumerate()
+        .find(|(at, word)| !word.starts_with('-') && (*at == 0 || *words[at - 1] != *"--test-threads"));
+    if words.contains(&"--ignored") || filter.is_some_and(|(_, filter)| !"fuzz".contains(filter)) {
+        println!("fuzz: nothing to run");
+        return ExitCode::SUCCESS;
+    }
+    Campaign::bounded().run()
+}
