@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use mujoco_safe::{
     Controller, Data, Differences, Lqr, LqrWeights, Matrix, Model, PdController, RandomController, StateSpace,
-    StateSpec, Trajectory, ZeroController, sample,
+    StateSpec, Timer, Trajectory, ZeroController, sample,
 };
 use nalgebra::DMatrix;
 
@@ -285,5 +285,25 @@ fn copies_into_what_is_there() {
             model.body_mass_mut()[1] = 1.0;
         })
         .unwrap();
+    });
+}
+
+#[test]
+fn settings_and_statistics() {
+    let mut model = sample::humanoid();
+    allocates_nothing("settings", || {
+        model.edit().options(|options| options.gravity[0] += 0.1).unwrap();
+        model.edit().visual(|visual| visual.global.azimuth += 1.0).unwrap();
+        model.edit().statistics(|statistics| statistics.center[0] += 0.1).unwrap();
+        std::hint::black_box((model.options(), model.visual(), model.statistics()));
+    });
+    let data = squatting();
+    allocates_nothing("timers and iterations", || {
+        for timer in Timer::ALL {
+            std::hint::black_box(data.timer(timer));
+        }
+        for iteration in data.solver() {
+            std::hint::black_box(iteration);
+        }
     });
 }

@@ -9,14 +9,14 @@ pub(super) struct Checks(pub(super) &'static str);
 
 impl Checks {
     /// Refuses a value that is not as `expected` says.
-    pub(super) fn require(&self, holds: bool, name: &str, value: impl Display, expected: &str) -> Result<()> {
+    pub(super) fn require(&self, holds: bool, name: &str, value: impl Display, expected: impl Display) -> Result<()> {
         if holds {
             return Ok(());
         }
         Err(Error::Invalid {
             what: format!("{}{name}", self.0),
             value: value.to_string(),
-            expected: expected.to_owned(),
+            expected: expected.to_string(),
         })
     }
 

@@ -38,7 +38,7 @@ impl Visual {
 
 fn count(name: &str, value: usize, range: &RangeInclusive<usize>) -> Result<()> {
     let (first, last) = (range.start(), range.end());
-    VISUAL.require(range.contains(&value), name, value, &format!("from {first} to {last}"))
+    VISUAL.require(range.contains(&value), name, value, format_args!("from {first} to {last}"))
 }
 
 /// A share of something.
