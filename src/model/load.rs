@@ -108,12 +108,16 @@ impl Model {
         Self::from_xml_str_with_files(xml, &[])
     }
 
-    /// Loads a model from a text whose other files are in memory too. The compiler looks for a file by its name without a
-    /// path, here first and then on the disk.
+    /// Loads a model from a text whose other files are in memory too: included texts, meshes (`.stl`, `.obj`, `.msh`), skins,
+    /// height fields and textures (`.png`, or the engine's own formats). The compiler looks for a file by its name without its
+    /// folder, in upper or lower case, here first and then on the disk, so that no two may differ by their folder alone.
+    ///
+    /// What is true of a hostile text is true of a hostile file, too; see [`from_xml_str`](Self::from_xml_str).
     ///
     /// # Errors
     ///
-    /// As for [`from_xml_str`](Self::from_xml_str), and [`Error::Invalid`] for a file without a name or content.
+    /// As for [`from_xml_str`](Self::from_xml_str), and [`Error::Invalid`] for a file without a name or content, of the name of
+    /// another one, with a name of 1000 bytes or more, or of 2 GiB or more, and for more than 1998 files.
     ///
     /// ```
     /// use mujoco_safe::Model;
