@@ -65,7 +65,7 @@ macro_rules! kinds {
         }
 
         $(
-            #[doc = concat!("The id of a ", $text, ".")]
+            #[doc = concat!("The id of one ", $text, ".")]
             pub type $id = Id<kind::$name>;
         )*
     };

@@ -185,6 +185,37 @@ fn reading_and_writing() {
 }
 
 #[test]
+fn views_of_every_kind() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
+    let mut data = Data::new(Model::from_xml_path(path).unwrap()).unwrap();
+    data.forward().unwrap();
+    let model = data.model().clone();
+    let mut row = vec![0.0; model.nv()];
+    let mut count = 0;
+    allocates_nothing("assets", || {
+        count += model.meshes().map(|mesh| mesh.vert().len() + mesh.graph().map_or(0, <[i32]>::len)).sum::<usize>();
+        count += model.skins().flat_map(|skin| skin.bones()).map(|bone| bone.vertid.len()).sum::<usize>();
+        count += model.textures().map(|texture| texture.rgb().len()).sum::<usize>();
+        count += model.height_fields().map(|field| field.matrix().ncols()).sum::<usize>();
+        count += model.geoms().filter(|geom| geom.material().is_some() || geom.mesh().is_some()).count();
+    });
+    allocates_nothing("custom fields", || {
+        count += model.tuples().flat_map(|tuple| tuple.objects()).map(|object| object.index()).sum::<usize>();
+        count += model.texts().map(|text| text.data().len()).sum::<usize>();
+        count += model.numerics().map(|numeric| numeric.data().len()).sum::<usize>();
+    });
+    allocates_nothing("tendons, actuators and sensors", || {
+        for tendon in data.tendons() {
+            tendon.J().unwrap().write_into(&mut row).unwrap();
+            count += tendon.wrap_points().len() + tendon.in_model().path().count();
+        }
+        count += data.actuators().filter(|actuator| actuator.act().is_some()).count();
+        count += model.sensors().filter(|sensor| sensor.reference().is_some()).count();
+    });
+    assert!(count > 0);
+}
+
+#[test]
 fn contacts_and_their_forces() {
     let mut data = squatting();
     data.step().unwrap();

@@ -28,7 +28,8 @@ fields!(Geom on Model {
     material: {Option<MaterialId>} = |geom| geom.optional_id_in(geom.owner.geom_matid());
     /// Whether its frame is one of its body's.
     sameframe: {SameFrame} = |geom| SameFrame::of_field(geom.owner.geom_sameframe()[geom.index()]);
-    /// Its bits: two geoms can collide if those of one meet the [`conaffinity`](Self::conaffinity) of the other.
+    /// Its bits: two geoms can collide if those of one meet the [`conaffinity`](Self::conaffinity) of the other. A mesh whose
+    /// geoms did not collide when the model was compiled has no hull, and is slow to collide: see [`Mesh`](super::Mesh).
     contype: i32 = geom_contype, set_contype;
     /// The bits that it meets.
     conaffinity: i32 = geom_conaffinity, set_conaffinity;

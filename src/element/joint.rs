@@ -31,7 +31,7 @@ fields!(Joint on Model {
     body: {BodyId} = |joint| joint.id_in(joint.owner.jnt_bodyid());
     /// The group, for display.
     group: i32 = jnt_group, set_group;
-    /// Whether [`range`](Self::range) is enforced.
+    /// Whether [`range`](Self::range) is enforced. A limit that was not compiled in has the range `[0, 0]` unless one is set.
     limited: bool = jnt_limited, set_limited;
     /// Time constant and damping ratio of its limit.
     #[doc(alias = "solreflimit")]

@@ -270,9 +270,9 @@ macro_rules! kind {
         $one:ident, $one_mut:ident, $many:ident, $short:literal => $kind:ident, $model_mut:ident
         $(, $data:ident, $data_mut:ident)?
     ) => {
-        #[doc = concat!("A ", stringify!($one), ", as the model describes it.")]
+        #[doc = concat!("One ", stringify!($one), ", as the model describes it.")]
         pub type $kind<'m> = View<'m, Model, kind::$kind>;
-        #[doc = concat!("A ", stringify!($one), " of a model that may be changed.")]
+        #[doc = concat!("One ", stringify!($one), " of a model that may be changed.")]
         pub type $model_mut<'m, 'e> = ViewMut<'e, ModelMut<'m>, kind::$kind>;
 
         impl Model {
@@ -300,9 +300,9 @@ macro_rules! kind {
         }
 
         $(
-            #[doc = concat!("A ", stringify!($one), " in a simulation.")]
+            #[doc = concat!("One ", stringify!($one), " in a simulation.")]
             pub type $data<'d> = View<'d, Data, kind::$kind>;
-            #[doc = concat!("A ", stringify!($one), " in a simulation, to be written to.")]
+            #[doc = concat!("One ", stringify!($one), " in a simulation, to be written to.")]
             pub type $data_mut<'d> = ViewMut<'d, Data, kind::$kind>;
 
             impl Data {

@@ -26,7 +26,7 @@ fields!(Tendon on Model {
     material: {Option<MaterialId>} = |tendon| tendon.optional_id_in(tendon.owner.tendon_matid());
     /// The group, for display.
     group: i32 = tendon_group, set_group;
-    /// Whether [`range`](Self::range) is enforced.
+    /// Whether [`range`](Self::range) is enforced. A limit that was not compiled in has the range `[0, 0]` unless one is set.
     limited: bool = tendon_limited, set_limited;
     /// Width, m, for display.
     width: f64 = tendon_width, set_width in tendon_width_mut;

@@ -14,7 +14,8 @@ use crate::ffi;
 ///
 /// Real numbers can be written to (`body_mass_mut`, `dof_damping_mut`, …); whatever is in them, the engine stays within its
 /// memory. The three arrays of reals that decide where it reads, `wrap_prm`, `hfield_size` and `mesh_vert`, cannot, and neither
-/// can sizes, addresses, ids and types.
+/// can sizes, addresses, ids and types. Switches and masks are set through [named access](crate::element):
+/// `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
 ///
 /// What the compiler derived from a number does not follow when the number changes: call
 /// [`update_constants`](Self::update_constants) after masses, inertias or positions.
