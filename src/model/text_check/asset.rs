@@ -139,7 +139,8 @@ const LARGE: &str = "is an image of too many pixels";
 
 /// Whether a size of the image overflows. The compiler makes a texture of six squares of a square one.
 fn is_large(width: u64, height: u64) -> bool {
-    3 * width * height > MOST_NUMBERS || width == height && i32::try_from(18 * width * height).is_err()
+    let pixels = width.saturating_mul(height);
+    pixels > MOST_NUMBERS / 3 || width == height && pixels > i32::MAX as u64 / 18
 }
 
 /// The lines of a text, with what is before them removed.
@@ -207,6 +208,9 @@ fn obj(content: &[u8]) -> Option<&'static str> {
                 return Some(ODD);
             }
         }
+    }
+    if faces == 0 && all[0] < 4 {
+        return Some("has no face, and fewer than the four vertices of a convex hull");
     }
     // Without faces the numbers are taken as they are.
     (faces == 0 && all[1..].iter().any(|&count| count != 0 && count != all[0])).then_some(MIXED)
