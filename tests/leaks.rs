@@ -33,16 +33,25 @@ fn open_files() -> usize {
 }
 
 /// Does something `rounds` times after a warm-up, in which allocators and caches may grow. What they keep does not depend on
-/// the rounds; from then on nothing may be lost.
+/// the rounds; from then on nothing may be lost. What grows with the rounds does so every time, unlike the threads that the
+/// test harness starts meanwhile.
 fn stays_flat(what: &str, rounds: usize, mut round: impl FnMut()) {
     const SLACK: usize = 256 << 10;
+    const ATTEMPTS: usize = 3;
     (0..=rounds / 4).for_each(|_| round());
-    let (memory, files) = (resident(), open_files());
-    (0..rounds).for_each(|_| round());
-    let (grown, files_after) = (resident().saturating_sub(memory), open_files());
+    let files = open_files();
+    let mut grown = usize::MAX;
+    for _ in 0..ATTEMPTS {
+        let memory = resident();
+        (0..rounds).for_each(|_| round());
+        grown = grown.min(resident().saturating_sub(memory));
+        assert_eq!(files, open_files(), "{what}: open files");
+        if grown <= SLACK {
+            break;
+        }
+    }
     println!("{what}: {grown} bytes in {rounds} rounds");
     assert!(grown <= SLACK, "{what}: {grown} bytes more after {rounds} rounds, {} each", grown / rounds);
-    assert_eq!(files, files_after, "{what}: open files");
 }
 
 #[test]

@@ -1,0 +1,115 @@
+//! Every function of the engine's header, against `functions.tsv`: where it is here, or why it is not.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use crate::{is_committed, root, sources};
+
+const TABLE: &str = include_str!("functions.tsv");
+
+/// Whole families that are left out, and why.
+const FAMILIES: [(&str, &str); 3] = [
+    ("mjv_", "the scene, its camera and its figures: for a renderer, which this crate does not have"),
+    ("mjr_", "drawing with OpenGL"),
+    ("mjui_", "the user interface of the engine's own viewer"),
+];
+
+/// The part of the table for what 2.2.2 lacks.
+const NEWER: &str = "Of newer engines";
+
+struct Row {
+    section: &'static str,
+    name: &'static str,
+    here: Vec<&'static str>,
+    remark: &'static str,
+}
+
+fn rows() -> Vec<Row> {
+    let mut section = "";
+    let mut rows = Vec::new();
+    for line in TABLE.lines() {
+        if let Some(title) = line.strip_prefix("# ") {
+            section = title;
+            continue;
+        }
+        let mut cells = line.split('\t');
+        let mut cell = || cells.next().unwrap_or_default();
+        let (name, here, remark) = (cell(), cell(), cell());
+        rows.push(Row { section, name, here: here.split(", ").filter(|path| !path.is_empty()).collect(), remark });
+    }
+    rows
+}
+
+/// The functions that the bindings declare.
+fn declared() -> BTreeSet<String> {
+    let bindings = std::fs::read_to_string(root().join("mujoco-sys/src/bindings/v2_2_2.rs")).expect("the bindings");
+    let names = bindings.lines().filter_map(|line| line.trim().strip_prefix("pub fn "));
+    names.filter_map(|rest| rest.split('(').next()).filter(|name| name.starts_with("mj")).map(str::to_owned).collect()
+}
+
+fn family(name: &str) -> Option<&'static str> {
+    FAMILIES.iter().find(|(prefix, _)| name.starts_with(prefix)).map(|(prefix, _)| *prefix)
+}
+
+#[test]
+fn every_function_of_the_header_is_here_or_left_out_with_a_reason() {
+    let rows = rows();
+    let listed: BTreeSet<String> =
+        rows.iter().filter(|row| !row.section.starts_with(NEWER)).map(|row| row.name.to_owned()).collect();
+    assert_eq!(
+        listed.len() + rows.iter().filter(|row| row.section.starts_with(NEWER)).count(),
+        rows.len(),
+        "a row twice"
+    );
+    let declared: BTreeSet<String> = declared().into_iter().filter(|name| family(name).is_none()).collect();
+    assert_eq!(listed, declared);
+    for row in &rows {
+        assert!(!row.here.is_empty() || !row.remark.is_empty(), "{} is left out without a reason", row.name);
+    }
+}
+
+#[test]
+fn whoever_knows_the_name_in_c_finds_the_function() {
+    let sources = sources("src");
+    let missing: Vec<&str> = rows()
+        .into_iter()
+        // A value, such as the life of a model, has no function to carry the name.
+        .filter(|row| {
+            row.here
+                .iter()
+                .any(|path| path.rsplit("::").next().is_some_and(|last| last.starts_with(char::is_lowercase)))
+        })
+        .filter(|row| !sources.iter().any(|(_, text)| text.contains(&format!("\"{}\"", row.name))))
+        .map(|row| row.name)
+        .collect();
+    assert!(missing.is_empty(), "without #[doc(alias)]: {missing:?}");
+}
+
+#[test]
+fn the_page_of_functions_is_up_to_date() {
+    let rows = rows();
+    let (wrapped, left): (Vec<&Row>, Vec<&Row>) =
+        rows.iter().filter(|row| !row.section.starts_with(NEWER)).partition(|row| !row.here.is_empty());
+    let mut page = format!(
+        "Every function of `mujoco.h` 2.2.2, and where it is here: {} of them are, {} are not and say why.\n\n",
+        wrapped.len(),
+        left.len()
+    );
+    page.push_str("Three families are left out as a whole:\n\n");
+    for (prefix, why) in FAMILIES {
+        let count = declared().iter().filter(|name| name.starts_with(prefix)).count();
+        let _ = writeln!(page, "- `{prefix}*` ({count} functions): {why}.");
+    }
+    page.push_str("\nThe engine's plugins (`mjp_*`) begin with 2.3; 2.2.2 has none.\n");
+    let mut section = "";
+    for row in &rows {
+        if row.section != section {
+            section = row.section;
+            let _ = write!(page, "\n# {section}\n\n| in C | here | |\n|---|---|---|\n");
+        }
+        let here: Vec<String> = row.here.iter().map(|path| format!("[`{path}`](crate::{path})")).collect();
+        let here = if here.is_empty() { "—".to_owned() } else { here.join(", ") };
+        let _ = writeln!(page, "| `{}` | {here} | {} |", row.name, row.remark);
+    }
+    is_committed("functions.md", &page);
+}

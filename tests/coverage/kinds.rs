@@ -1,0 +1,94 @@
+//! Every kind of element and every field that the named access of MuJoCo.jl has, against `kinds.tsv`: what it is called here.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use mujoco_safe::Kind;
+
+use crate::{is_committed, sources};
+
+const TABLE: &str = include_str!("kinds.tsv");
+
+/// The fields of each kind, on a model or on a simulation, as the sources declare them.
+fn declared() -> BTreeMap<(String, String), Vec<String>> {
+    let mut declared: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
+    for (_, text) in sources("src/element") {
+        for block in text.split("\nfields!(").skip(1) {
+            let (head, body) = block.split_once('{').expect("a block");
+            let (kind, owner) = head.trim().split_once(" on ").expect("a kind and its owner");
+            let body = body.split("\n});").next().expect("the end of the block");
+            let names =
+                body.lines().filter_map(|line| line.strip_prefix("    ")).filter_map(|line| line.split_once(": "));
+            let names = names
+                .map(|(name, _)| name)
+                .filter(|name| name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_'));
+            declared.entry((kind.to_owned(), owner.to_owned())).or_default().extend(names.map(str::to_owned));
+        }
+    }
+    declared
+}
+
+/// Kind, owner, the field in MuJoCo.jl, the fields here.
+fn rows() -> impl Iterator<Item = [&'static str; 4]> {
+    TABLE.lines().map(|line| {
+        let cells: Vec<&str> = line.split('\t').collect();
+        cells.try_into().unwrap_or_else(|_| panic!("not four cells: {line}"))
+    })
+}
+
+#[test]
+fn every_field_of_the_reference_is_here() {
+    let declared = declared();
+    for [kind, owner, field, here] in rows() {
+        let fields = declared.get(&(kind.to_owned(), owner.to_owned()));
+        // A sensor in a simulation has no fields there.
+        for name in here.split(", ").filter(|name| !name.is_empty()) {
+            assert!(
+                fields.is_some_and(|fields| fields.iter().any(|field| field == name)),
+                "{kind} on {owner}: {field} → {name}"
+            );
+        }
+        assert_eq!(field.is_empty(), here.is_empty());
+    }
+}
+
+#[test]
+fn every_kind_has_a_view() {
+    let kinds: BTreeSet<String> = declared().into_keys().map(|(kind, _)| kind).collect();
+    assert_eq!(kinds.len(), 21);
+    for kind in Kind::ALL {
+        assert!(kinds.contains(&format!("{kind:?}")), "{kind:?}");
+    }
+    assert_eq!(Kind::ALL.len(), kinds.len());
+}
+
+#[test]
+fn the_page_of_kinds_is_up_to_date() {
+    let mut page = "Every kind of element, and its fields: on the left what MuJoCo.jl's named access calls a field, then what it is\n\
+         called here, then what is here beyond it. An address and a count there are one range here, an id is typed.\n"
+        .to_owned();
+    for ((kind, owner), fields) in declared() {
+        let view = if owner == "Data" { format!("{kind}Data") } else { kind.clone() };
+        let _ = write!(
+            page,
+            "\n# {kind}, in a {}\n\n[`{view}`](crate::element::{view})\n\n",
+            if owner == "Data" { "simulation" } else { "model" }
+        );
+        let reference: Vec<[&str; 4]> =
+            rows().filter(|row| row[0] == kind && row[1] == owner && !row[2].is_empty()).collect();
+        if !reference.is_empty() {
+            page.push_str("| MuJoCo.jl | here |\n|---|---|\n");
+            for [_, _, field, here] in &reference {
+                let here: Vec<String> = here.split(", ").map(|name| format!("`{name}`")).collect();
+                let _ = writeln!(page, "| `{field}` | {} |", here.join(", "));
+            }
+        }
+        let known: BTreeSet<&str> = reference.iter().flat_map(|row| row[3].split(", ")).collect();
+        let beyond: Vec<String> =
+            fields.iter().filter(|field| !known.contains(field.as_str())).map(|field| format!("`{field}`")).collect();
+        if !beyond.is_empty() {
+            let _ = write!(page, "{}Beyond it: {}.\n", if reference.is_empty() { "" } else { "\n" }, beyond.join(", "));
+        }
+    }
+    is_committed("kinds.md", &page);
+}

@@ -1,0 +1,43 @@
+//! What of the engine is here: the tables in `docs/coverage/` are made from the engine's own lists, leave nothing out without a
+//! reason, and are up to date.
+
+#![forbid(unsafe_code)]
+
+mod fields;
+mod functions;
+mod kinds;
+
+use std::path::{Path, PathBuf};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Compares a table with the one that is committed, or writes it.
+fn is_committed(name: &str, made: &str) {
+    let path = root().join("docs/coverage").join(name);
+    if std::env::var_os("UPDATE_GENERATED").is_some() {
+        std::fs::write(&path, made).expect("docs/coverage can be written to");
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(committed == made, "{} is out of date: UPDATE_GENERATED=1 cargo test --test coverage", path.display());
+}
+
+/// The text of every source file in a folder of the crate and below it.
+fn sources(folder: &str) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    let mut folders = vec![root().join(folder)];
+    while let Some(folder) = folders.pop() {
+        for entry in
+            std::fs::read_dir(folder).expect("the crate's own folder").map(|entry| entry.expect("an entry").path())
+        {
+            if entry.is_dir() {
+                folders.push(entry);
+            } else if entry.extension().is_some_and(|extension| extension == "rs") {
+                let text = std::fs::read_to_string(&entry).expect("a source file");
+                found.push((entry, text));
+            }
+        }
+    }
+    found
+}
