@@ -81,7 +81,8 @@ pub use mujoco_sys as sys;
 
 pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, ZeroController};
 pub use crate::data::{
-    Contact, ContactForce, Data, Instability, Jacobian, Needs, Quantity, Stage, StateSpec, Warning, WarningCount,
+    Axes, Contact, ContactForce, Data, GeomDistance, Instability, Jacobian, Motion, Needs, NewContact, Object,
+    Quantity, RayHit, RayOptions, SkinHit, Stage, StateSpec, Warning, WarningCount, ray_geom, ray_skin,
 };
 pub use crate::derivative::{Differences, StateSpace, TransitionOutputs};
 pub use crate::engine::{Version, built_against, engine_version};
@@ -92,7 +93,9 @@ pub use crate::id::{
     TendonId, kind,
 };
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
-pub use crate::model::{DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics};
+pub use crate::model::{
+    DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, Model, ModelMut, Options, Statistics,
+};
 pub use crate::trajectory::Trajectory;
 
 /// The README's example, as a test.

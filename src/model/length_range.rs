@@ -1,0 +1,241 @@
+//! The length ranges of actuators, found by simulation.
+
+use mujoco_sys::{self as sys, mjBIAS_MUSCLE, mjBIAS_USER, mjGAIN_MUSCLE, mjGAIN_USER};
+use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
+
+use super::ModelMut;
+use crate::data::Data;
+use crate::error::{Error, Result};
+use crate::ffi;
+use crate::id::ActuatorId;
+
+/// Which actuators [`ModelMut::set_length_range`] does something for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "mjtLRMode")]
+pub enum LengthRangeMode {
+    /// None.
+    #[doc(alias = "mjLRMODE_NONE")]
+    None,
+    /// Muscles.
+    #[doc(alias = "mjLRMODE_MUSCLE")]
+    Muscle,
+    /// Muscles, and actuators with a gain or bias of the user's.
+    #[doc(alias = "mjLRMODE_MUSCLEUSER")]
+    MuscleUser,
+    /// All.
+    #[doc(alias = "mjLRMODE_ALL")]
+    All,
+}
+
+/// How [`ModelMut::set_length_range`] goes about it. The defaults are the engine's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(alias = "mjLROpt")]
+pub struct LengthRangeOptions {
+    /// Which actuators are processed.
+    pub mode: LengthRangeMode,
+    /// Whether a range that there is is kept.
+    pub useexisting: bool,
+    /// Whether the limits of joints and tendons are taken where there are some.
+    pub uselimit: bool,
+    /// The acceleration that the force is made for.
+    pub accel: f64,
+    /// The largest force; 0 for no limit.
+    pub maxforce: f64,
+    /// The time constant with which velocities are reduced, s; at least 0.01.
+    pub timeconst: f64,
+    /// How long is simulated for each end of the range, s.
+    pub inttotal: f64,
+    /// How much of that, at the end, the lengths are taken from, s.
+    pub inteval: f64,
+    /// How much the length may vary at the end, as a part of the range.
+    pub tolrange: f64,
+}
+
+impl Default for LengthRangeOptions {
+    fn default() -> Self {
+        Self {
+            mode: LengthRangeMode::Muscle,
+            useexisting: true,
+            uselimit: false,
+            accel: 20.0,
+            maxforce: 0.0,
+            timeconst: 1.0,
+            inttotal: 10.0,
+            inteval: 2.0,
+            tolrange: 0.05,
+        }
+    }
+}
+
+/// More steps than this are refused: at the speed of a small model they take minutes.
+const MOST_STEPS: f64 = 1e7;
+
+impl LengthRangeOptions {
+    fn check(&self, timestep: f64) -> Result<()> {
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        let not_negative = |value: f64| value >= 0.0 && value.is_finite();
+        let fields = [
+            ("accel", self.accel, positive(self.accel), "positive"),
+            ("maxforce", self.maxforce, not_negative(self.maxforce), "not negative"),
+            ("timeconst", self.timeconst, not_negative(self.timeconst), "not negative"),
+            ("inttotal", self.inttotal, positive(self.inttotal), "positive"),
+            (
+                "inteval",
+                self.inteval,
+                positive(self.inteval) && self.inteval <= self.inttotal,
+                "positive, up to inttotal",
+            ),
+            ("tolrange", self.tolrange, not_negative(self.tolrange), "not negative"),
+            ("inttotal", self.inttotal, self.inttotal / timestep <= MOST_STEPS, "at most ten million time steps"),
+        ];
+        fields.into_iter().find(|(_, _, allowed, _)| !allowed).map_or(Ok(()), |(field, value, _, expected)| {
+            Err(Error::Invalid {
+                what: format!("{field} of the options of set_length_range"),
+                value: value.to_string(),
+                expected: expected.to_owned(),
+            })
+        })
+    }
+}
+
+impl ModelMut<'_> {
+    /// Finds the length range of an actuator by pulling it to both ends in simulation, writes it to `actuator_lengthrange`, and
+    /// returns what is there then. Where the options say that nothing is to be done, nothing is.
+    ///
+    /// This is the engine's algorithm step by step. Its own function is not called, because in 2.2.2 it does not return for some
+    /// models whose simulation is unstable. The compiler, when it does the same, switches off contacts, friction loss, passive
+    /// forces, gravity and actuation for it; here the options are those of the model.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] for options out of range, [`Error::Unstable`] if the simulation is unstable, [`Error::Unsupported`] if
+    /// the ends do not differ or the length does not settle, and the errors of [`Data::step1`]. The range is as before then.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{DisableFlags, LengthRangeMode, LengthRangeOptions, Model};
+    ///
+    /// let mut model = Model::from_xml_str(
+    ///     r#"<mujoco>
+    ///          <option><flag gravity="disable"/></option>
+    ///          <worldbody><body>
+    ///            <joint name="slide" type="slide" axis="1 0 0" limited="true" range="-1 2"/><geom size="0.1"/>
+    ///          </body></worldbody>
+    ///          <actuator><motor name="motor" joint="slide" gear="3"/></actuator>
+    ///        </mujoco>"#,
+    /// )?;
+    /// let motor = model.actuator("motor")?.id();
+    /// let options = LengthRangeOptions { mode: LengthRangeMode::All, ..Default::default() };
+    /// let [shortest, longest] = model.edit().set_length_range(motor, &options)?;
+    /// assert!((shortest + 3.0).abs() < 0.1 && (longest - 6.0).abs() < 0.1); // three times the range of the joint
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_setLengthRange")]
+    pub fn set_length_range(
+        &mut self,
+        actuator: impl Into<ActuatorId>,
+        options: &LengthRangeOptions,
+    ) -> Result<[f64; 2]> {
+        let actuator = actuator.into();
+        self.check_id(actuator);
+        options.check(self.timestep())?;
+        let index = actuator.index();
+        if self.is_left_out(index, options.mode) {
+            return Ok(self.actuator_lengthrange()[index]);
+        }
+        let [low, high] = self.actuator_lengthrange()[index];
+        if options.useexisting && low < high {
+            return Ok([low, high]);
+        }
+        let range = match self.limit_of_transmission(index).filter(|_| options.uselimit) {
+            Some(limit) => limit,
+            None => self.simulated_range(index, options)?,
+        };
+        self.actuator_lengthrange_mut()[index] = range;
+        Ok(range)
+    }
+
+    fn is_left_out(&self, index: usize, mode: LengthRangeMode) -> bool {
+        let is = |gain: u32, bias: u32| {
+            self.actuator_gaintype()[index] == gain as i32 || self.actuator_biastype()[index] == bias as i32
+        };
+        let muscle = is(mjGAIN_MUSCLE, mjBIAS_MUSCLE);
+        match mode {
+            LengthRangeMode::None => true,
+            LengthRangeMode::Muscle => !muscle,
+            LengthRangeMode::MuscleUser => !muscle && !is(mjGAIN_USER, mjBIAS_USER),
+            LengthRangeMode::All => false,
+        }
+    }
+
+    /// The limits of the joint or tendon that an actuator acts on.
+    fn limit_of_transmission(&self, index: usize) -> Option<[f64; 2]> {
+        let target = ffi::size(self.actuator_trnid()[index][0]);
+        let transmission = self.actuator_trntype()[index] as u32;
+        if [mjTRN_JOINT, mjTRN_JOINTINPARENT].contains(&transmission) {
+            (self.jnt_limited()[target] != 0).then(|| self.jnt_range()[target])
+        } else if transmission == mjTRN_TENDON {
+            (self.tendon_limited()[target] != 0).then(|| self.tendon_range()[target])
+        } else {
+            None
+        }
+    }
+
+    fn simulated_range(&self, index: usize, options: &LengthRangeOptions) -> Result<[f64; 2]> {
+        let mut data = Data::new(self.try_clone()?)?;
+        let mut ends = [[0.0; 2]; 2];
+        for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+            *end = pull(&mut data, index, sign, options)?;
+        }
+        let [[shortest, shortest_up_to], [longest_from, longest]] = ends;
+        let settled = |from: f64, to: f64| to - from <= options.tolrange * (longest - shortest);
+        let problem = if longest <= shortest {
+            "is empty"
+        } else if !settled(shortest, shortest_up_to) || !settled(longest_from, longest) {
+            "does not settle"
+        } else {
+            return Ok([shortest, longest]);
+        };
+        Err(Error::Unsupported(format!(
+            "the length range of actuator {index} {problem}: from [{shortest}, {shortest_up_to}] to [{longest_from}, \
+             {longest}]"
+        )))
+    }
+}
+
+/// The shortest and the longest length at the end of a simulation in which an actuator pulls to one side.
+fn pull(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions) -> Result<[f64; 2]> {
+    data.reset()?;
+    let nv = data.model().nv();
+    let decay = (-data.model().timestep() / options.timeconst.max(0.01)).exp();
+    let (mut moment, mut unit) = (vec![0.0; nv], vec![0.0; nv]);
+    // SAFETY: for both calls below, a vector of nv numbers.
+    let norm = |vector: &[f64]| unsafe { sys::mju_norm(vector.as_ptr(), nv as i32) }.max(sys::mjMINVAL);
+    let mut lengths: Option<[f64; 2]> = None;
+    while data.time() < options.inttotal {
+        data.qvel_mut().iter_mut().for_each(|velocity| *velocity *= decay);
+        data.step1()?;
+        // The force that accelerates with `accel`.
+        moment.copy_from_slice(data.actuator_moment().row(index));
+        data.solve_m(&mut unit, &moment)?;
+        let scale = sign * options.accel / norm(&unit);
+        let force = data.qfrc_applied_mut();
+        force.iter_mut().zip(&moment).for_each(|(force, moment)| *force = moment * scale);
+        let size = norm(force);
+        if options.maxforce > 0.0 && size > options.maxforce {
+            for force in force {
+                *force *= options.maxforce / size;
+            }
+        }
+        data.step2()?;
+        let length = data.actuator_length()[index];
+        if data.time() > options.inttotal - options.inteval {
+            let [low, high] = lengths.unwrap_or([length; 2]);
+            lengths = Some([low.min(length), high.max(length)]);
+        }
+    }
+    Ok(lengths.unwrap_or_default())
+}
