@@ -89,8 +89,8 @@ pub use mujoco_sys as sys;
 pub use crate::callback::Callbacks;
 pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, ZeroController};
 pub use crate::data::{
-    Contact, ContactForce, Data, Instability, Jacobian, Needs, Quantity, SolverIteration, Stage, StateSpec, Timer,
-    TimerCount, Warning, WarningCount,
+    Axes, Contact, ContactForce, Data, Frame, GeomDistance, Instability, Jacobian, Motion, Needs, NewContact, Quantity,
+    RayHit, RayOptions, SolverIteration, Stage, StateSpec, Timer, TimerCount, Warning, WarningCount,
 };
 pub use crate::derivative::{Differences, InverseJacobians, InverseOutputs, StateSpace, TransitionOutputs};
 pub use crate::engine::{Version, built_against, enable_timers, engine_version};
@@ -107,8 +107,8 @@ pub use crate::id::{
 };
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{
-    DisableFlags, EnableFlags, Model, ModelMut, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap,
-    VisualQuality, VisualRgba, VisualScale, schema, schema_html,
+    DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, Model, ModelMut, Options, Statistics, Visual,
+    VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale, schema, schema_html,
 };
 pub use crate::trajectory::Trajectory;
 

@@ -197,14 +197,16 @@ GUARDED_RESULT(mj_ray, NO_DATA,
                (m, d, pnt, vec, geomgroup, flg_static, bodyexclude, geomid))
 GUARDED(mj_printData, d, (const mjModel* m, mjData* d, const char* filename), (m, d, filename))
 
-// A narrow-phase collision function from the engine's table, or no contacts where it has none.
-static int collide(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin) {
-  mjfCollision function = mjCOLLISIONFUNC[m->geom_type[g1]][m->geom_type[g2]];
+// The collision function that the engine's table has for two types, called for two geoms; -1 where it has none.
+static int collide(const mjModel* m, const mjData* d, mjContact* con, int type1, int type2, int g1, int g2,
+                   mjtNum margin) {
+  mjfCollision function = mjCOLLISIONFUNC[type1][type2];
   return function ? function(m, d, con, g1, g2, margin) : -1;
 }
 
-int mujoco_sys_collide(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin, int* result) {
-  GUARDED_RUN(NO_DATA, *result = collide(m, d, con, g1, g2, margin))
+int mujoco_sys_collide(const mjModel* m, mjData* d, mjContact* con, int type1, int type2, int g1, int g2, mjtNum margin,
+                       int* result) {
+  GUARDED_RUN(d, *result = collide(m, d, con, type1, type2, g1, g2, margin))
 }
 
 GUARDED(mjd_transitionFD, d,

@@ -155,11 +155,10 @@ guarded! {
         with_static: u8, bodyexclude: c_int, geom: *mut c_int, result: *mut mjtNum,
     );
     mujoco_sys_mj_printData = mj_print_data(m: *const mjModel, d: *mut mjData, filename: *const c_char);
-    /// `mjCOLLISIONFUNC` of the types of the two geoms, the first of which must not be the larger one. The number of contacts
-    /// goes to `*result`; -1 where the engine has no function for the pair.
+    /// `mjCOLLISIONFUNC[type1][type2]` of two geoms. The number of contacts goes to `*result`; -1 where the table has no function.
     mujoco_sys_collide = collide(
-        m: *const mjModel, d: *const mjData, contacts: *mut mjContact, geom1: c_int, geom2: c_int, margin: mjtNum,
-        result: *mut c_int,
+        m: *const mjModel, d: *mut mjData, contacts: *mut mjContact, type1: c_int, type2: c_int, geom1: c_int,
+        geom2: c_int, margin: mjtNum, result: *mut c_int,
     );
 
     mujoco_sys_mjd_transitionFD = mjd_transition_fd(

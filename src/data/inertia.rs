@@ -1,5 +1,7 @@
 //! The inertia matrix: full, products, solutions.
 
+use std::ptr;
+
 use mujoco_sys::{self as sys, guard};
 
 use super::{Data, Stage};
@@ -88,5 +90,230 @@ impl Data {
             guard::mj_solve_m(self.model().as_ptr(), self.as_mut_ptr(), result.as_mut_ptr(), vector.as_ptr(), n)
         };
         ffi::check("mj_solveM", status)
+    }
+
+    /// `result = M^½ vector`, both of length nv: the square root that belongs to the factorisation, `D^½ L`, so that the squared
+    /// length of the result is `vectorᵀ M vector`. (Computed here, because the engine's function does not scale what is beside the
+    /// diagonal of `L` in 2.2.2, so that it is no square root.)
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong length.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// let vector = vec![1.0; data.model().nv()];
+    /// let (mut root, mut product) = (vec![0.0; vector.len()], vec![0.0; vector.len()]);
+    /// data.mul_m2(&mut root, &vector)?;
+    /// data.mul_m(&mut product, &vector)?;
+    /// let squared: f64 = root.iter().map(|value| value * value).sum();
+    /// assert!((squared - product.iter().sum::<f64>()).abs() < 1e-9 * squared);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_mulM2")]
+    pub fn mul_m2(&self, result: &mut [f64], vector: &[f64]) -> Result<()> {
+        self.check_computed("mul_m2", Stage::Position)?;
+        let nv = self.model().nv();
+        Error::check_length("the result of mul_m2", result.len(), nv)?;
+        Error::check_length("the vector of mul_m2", vector.len(), nv)?;
+        let model = self.model();
+        for (dof, result) in result.iter_mut().enumerate() {
+            let mut sum = vector[dof];
+            // L has ones on its diagonal, and beside it what the ancestors of a degree of freedom have.
+            let mut address = model.dof_Madr()[dof] as usize;
+            let mut ancestor = model.dof_parentid()[dof];
+            while model.dof_simplenum()[dof] == 0 && ancestor >= 0 {
+                address += 1;
+                sum += self.qLD()[address] * vector[ancestor as usize];
+                ancestor = model.dof_parentid()[ancestor as usize];
+            }
+            *result = sum / self.qLDiagSqrtInv()[dof];
+        }
+        Ok(())
+    }
+
+    /// Half of a solution: `result = D^-½ L⁻ᵀ vector`, both of length nv, so that the squared length of the result is
+    /// `vectorᵀ M⁻¹ vector`. `n` vectors one behind another are solved at once.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless both lengths are the same multiple of nv.
+    #[doc(alias = "mj_solveM2")]
+    pub fn solve_m2(&mut self, result: &mut [f64], vector: &[f64]) -> Result<()> {
+        self.check_computed("solve_m2", Stage::Position)?;
+        let nv = self.model().nv();
+        let n = vector.len().checked_div(nv).unwrap_or(0);
+        Error::check_length("the vector of solve_m2", vector.len(), n.max(1) * nv)?;
+        Error::check_length("the result of solve_m2", result.len(), vector.len())?;
+        // The engine counts all their numbers with a C int.
+        let n = i32::try_from(vector.len())
+            .map(|_| n as i32)
+            .map_err(|_| Error::Unsupported(format!("solve_m2 of {n} vectors of length {nv} at once")))?;
+        // SAFETY: both have n × nv values.
+        let status = unsafe {
+            guard::mj_solve_m2(self.model().as_ptr(), self.as_mut_ptr(), result.as_mut_ptr(), vector.as_ptr(), n)
+        };
+        ffi::check("mj_solveM2", status)
+    }
+
+    /// Inverse dynamics without constraints and passive forces, by the recursive Newton–Euler algorithm (Featherstone, Rigid
+    /// Body Dynamics Algorithms, chapter 5): `result = M qacc + bias` of length nv, without the armature; without accelerations
+    /// the bias forces alone.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before velocities were computed, [`Error::Shape`] for a wrong length.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// let mut bias = vec![0.0; data.model().nv()];
+    /// data.rne(false, &mut bias)?;
+    /// assert_eq!(bias, data.qfrc_bias());
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_rne")]
+    pub fn rne(&mut self, with_acceleration: bool, result: &mut [f64]) -> Result<()> {
+        self.check_computed("rne", Stage::Velocity)?;
+        Error::check_length("the result of rne", result.len(), self.model().nv())?;
+        // SAFETY: the result has nv values.
+        let status = unsafe {
+            guard::mj_rne(self.model().as_ptr(), self.as_mut_ptr(), with_acceleration.into(), result.as_mut_ptr())
+        };
+        ffi::check("mj_rne", status)
+    }
+
+    /// Adds the inertia matrix to a matrix of the shape `(nv, nv)`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// let mut sum = data.full_m()?;
+    /// data.add_m(&mut sum)?;
+    /// assert_eq!(sum[(0, 0)], 2.0 * data.full_m()?[(0, 0)]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_addM")]
+    pub fn add_m(&mut self, sum: &mut Matrix) -> Result<()> {
+        self.check_computed("add_m", Stage::Position)?;
+        let nv = self.model().nv();
+        Error::check_shape("the sum of add_m", sum.shape(), (nv, nv))?;
+        let null = ptr::null_mut;
+        // SAFETY: without index arrays the sum is taken for a full matrix, which it is.
+        let status = unsafe {
+            guard::mj_add_m(self.model().as_ptr(), self.as_mut_ptr(), sum.as_mut_ptr(), null(), null(), null())
+        };
+        ffi::check("mj_addM", status)
+    }
+
+    /// Adds the inertia matrix to a sparse matrix of nv rows. Row `r` has `rownnz[r]` numbers from `values[rowadr[r]]` on, and
+    /// their columns, ascending, from `colind[rowadr[r]]` on; the call adds to them, puts the columns that it misses between them,
+    /// and updates `rownnz`. Each row must have room for that before the next one begins.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless `rownnz` and `rowadr` have length nv and
+    /// `colind` has that of `values`, [`Error::Invalid`] for a row that is none, or has no room.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// // Empty rows with room for a full one each.
+    /// let nv = data.model().nv();
+    /// let mut rownnz = vec![0; nv];
+    /// let rowadr: Vec<i32> = (0..nv).map(|row| (row * nv) as i32).collect();
+    /// let (mut values, mut colind) = (vec![0.0; nv * nv], vec![0; nv * nv]);
+    /// data.add_m_sparse(&mut values, &mut rownnz, &rowadr, &mut colind)?;
+    /// let nonzeros: i32 = rownnz.iter().sum();
+    /// assert_eq!(nonzeros as usize, 2 * data.model().nM() - nv);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_addM")]
+    pub fn add_m_sparse(
+        &mut self,
+        values: &mut [f64],
+        rownnz: &mut [i32],
+        rowadr: &[i32],
+        colind: &mut [i32],
+    ) -> Result<()> {
+        self.check_computed("add_m_sparse", Stage::Position)?;
+        let nv = self.model().nv();
+        Error::check_length("rownnz of add_m_sparse", rownnz.len(), nv)?;
+        Error::check_length("rowadr of add_m_sparse", rowadr.len(), nv)?;
+        Error::check_length("colind of add_m_sparse", colind.len(), values.len())?;
+        for row in 0..nv {
+            let end = rowadr.get(row + 1).map_or(values.len(), |&next| usize::try_from(next).unwrap_or(0));
+            self.check_sparse_row(row, rownnz[row], rowadr[row], end.min(values.len()), colind)?;
+        }
+        // SAFETY: rows that lie one behind another within the arrays, with ascending columns of the matrix, and room for what is
+        // added. The engine only reads the addresses.
+        let status = unsafe {
+            guard::mj_add_m(
+                self.model().as_ptr(),
+                self.as_mut_ptr(),
+                values.as_mut_ptr(),
+                rownnz.as_mut_ptr(),
+                rowadr.as_ptr().cast_mut(),
+                colind.as_mut_ptr(),
+            )
+        };
+        ffi::check("mj_addM", status)
+    }
+
+    /// Refuses a row that the engine would leave its arrays with.
+    fn check_sparse_row(&self, row: usize, nnz: i32, adr: i32, end: usize, colind: &[i32]) -> Result<()> {
+        let model = self.model();
+        let invalid = |value: String, expected: String| {
+            Err(Error::Invalid { what: format!("row {row} of add_m_sparse"), value, expected })
+        };
+        let (Ok(count), Ok(start)) = (usize::try_from(nnz), usize::try_from(adr)) else {
+            return invalid(format!("{nnz} numbers from {adr} on"), "within the arrays".to_owned());
+        };
+        let Some(columns) =
+            start.checked_add(count).filter(|&last| last <= end).and_then(|last| colind.get(start..last))
+        else {
+            return invalid(
+                format!("{count} numbers from {start} on"),
+                format!("before {end}, where the next row begins"),
+            );
+        };
+        let ascending = columns.windows(2).all(|pair| pair[0] < pair[1]);
+        let within = columns.iter().all(|&column| usize::try_from(column).is_ok_and(|column| column < model.nv()));
+        if !(ascending && within) {
+            return invalid(format!("the columns {columns:?}"), format!("ascending, from 0 to {}", model.nv() - 1));
+        }
+        let in_m = |column: usize| self.is_in_m(row.max(column), row.min(column));
+        let missing =
+            (0..model.nv()).filter(|&column| in_m(column) && columns.binary_search(&(column as i32)).is_err()).count();
+        if model.dof_simplenum()[row] > 0 && count > 0 && missing > 0 {
+            return invalid("without its diagonal".to_owned(), "empty, or with its diagonal".to_owned());
+        }
+        if start + count + missing > end {
+            return invalid(format!("{} numbers", end - start), format!("with room for {}", count + missing));
+        }
+        Ok(())
+    }
+
+    /// Whether the inertia matrix has an entry for two degrees of freedom, the first of which is the later one.
+    fn is_in_m(&self, later: usize, earlier: usize) -> bool {
+        let model = self.model();
+        if model.dof_simplenum()[later] > 0 {
+            return later == earlier;
+        }
+        let chain = std::iter::successors(Some(later), |&dof| usize::try_from(model.dof_parentid()[dof]).ok());
+        chain.take_while(|&dof| dof >= earlier).any(|dof| dof == earlier)
     }
 }

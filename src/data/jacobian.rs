@@ -181,6 +181,65 @@ impl Data {
         ffi::check("mj_jacSubtreeCom", status)
     }
 
+    /// How a point on a body, in m, world frame, and an axis of the body, world frame, move: the Jacobians `(3, nv)` of the point
+    /// and of the axis.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// data.forward()?;
+    /// let pole = data.model().body("pole")?.id();
+    /// let [point, axis] = data.jac_point_axis(pole, [0.0; 3], [0.0, 0.0, 1.0])?;
+    /// assert_eq!(point[(0, 0)], 1.0); // the cart takes the point along,
+    /// assert_eq!(axis[(0, 0)], 0.0); // and turns nothing
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_jacPointAxis")]
+    pub fn jac_point_axis(&mut self, body: impl Into<BodyId>, point: [f64; 3], axis: [f64; 3]) -> Result<[Matrix; 2]> {
+        let nv = self.model().nv();
+        let mut jacobians = [Matrix::zeros(3, nv), Matrix::zeros(3, nv)];
+        let [jac_point, jac_axis] = &mut jacobians;
+        self.jac_point_axis_into(body, point, axis, Some(jac_point), Some(jac_axis))?;
+        Ok(jacobians)
+    }
+
+    /// As [`jac_point_axis`](Self::jac_point_axis), into matrices of the shape `(3, nv)`, each of which may be left out.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    #[doc(alias = "mj_jacPointAxis")]
+    pub fn jac_point_axis_into(
+        &mut self,
+        body: impl Into<BodyId>,
+        point: [f64; 3],
+        axis: [f64; 3],
+        jac_point: Option<&mut Matrix>,
+        jac_axis: Option<&mut Matrix>,
+    ) -> Result<()> {
+        let index = self.index_for("jac_point_axis", body.into())?;
+        let nv = self.model().nv();
+        let (jac_point, jac_axis) = (output("jac_point", jac_point, nv)?, output("jac_axis", jac_axis, nv)?);
+        let (m, d) = (self.model().as_ptr(), self.as_mut_ptr());
+        // SAFETY: as for the others, and point and axis have three coordinates.
+        let status =
+            unsafe { guard::mj_jac_point_axis(m, d, jac_point, jac_axis, point.as_ptr(), axis.as_ptr(), index) };
+        ffi::check("mj_jacPointAxis", status)
+    }
+
     fn empty_jacobian(&self) -> Jacobian {
         let nv = self.model().nv();
         Jacobian { translation: Matrix::zeros(3, nv), rotation: Matrix::zeros(3, nv) }

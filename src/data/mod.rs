@@ -13,14 +13,24 @@
 //! | `jacobian.rs` | Jacobians of points on bodies |
 //! | `inertia.rs` | the inertia matrix: full, products, solutions |
 //! | `constraint.rs` | products with the Jacobian of the constraints, their cost |
+//! | `object.rs` | velocities, accelerations and forces of bodies and what moves with them |
+//! | `momentum.rs` | the matrix of angular momentum |
+//! | `ray.rs` | rays |
+//! | `distance.rs` | the distance of two geoms |
 //! | `contact.rs` | contacts and their forces |
+//! | `new_contact.rs` | contacts that the user adds |
 
 mod computed;
 mod constraint;
 mod contact;
+mod distance;
 mod inertia;
 mod jacobian;
+mod momentum;
+mod new_contact;
+mod object;
 pub mod pipeline;
+mod ray;
 mod stability;
 mod stage;
 mod state;
@@ -37,7 +47,11 @@ use mujoco_sys::{self as sys, guard, mjData};
 pub(crate) use self::computed::Computed;
 pub use self::computed::Needs;
 pub use self::contact::{Contact, ContactForce};
+pub use self::distance::GeomDistance;
 pub use self::jacobian::Jacobian;
+pub use self::new_contact::NewContact;
+pub use self::object::{Axes, Frame, Motion};
+pub use self::ray::{RayHit, RayOptions};
 pub use self::stability::{Instability, Quantity};
 pub use self::stage::Stage;
 pub use self::state::StateSpec;
@@ -148,8 +162,9 @@ pub struct Data {
 // SAFETY: the engine's data has no thread affinity, and it is ours alone.
 unsafe impl Send for Data {}
 // SAFETY: whatever takes `&Data` reads fields, or calls an engine function that takes `const mjData*`: mj_jac, mj_jacBody,
-// mj_jacBodyCom, mj_jacGeom, mj_jacSite, mj_mulM, mj_contactForce, mj_copyData (its source). Those write to nothing but their
-// output arguments.
+// mj_jacBodyCom, mj_jacGeom, mj_jacSite, mj_mulM, mj_contactForce, mj_objectVelocity, mj_objectAcceleration, mj_ray,
+// mj_rayMesh, mj_rayHfield, mj_copyData (its source), or one whose `mjData*` is not const but which only reads it: mj_mulJacVec,
+// mj_mulJacTVec, mj_local2Global. Those write to nothing but their output arguments.
 unsafe impl Sync for Data {}
 
 impl Data {

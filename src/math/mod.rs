@@ -95,6 +95,7 @@ pub use self::quaternion::{
 pub use self::quaternion_derivative::{
     QuatIntegrateDerivative, SubQuatDerivative, quat_integrate_derivative, sub_quat_derivative,
 };
+pub(crate) use self::ray::check_ray;
 pub use self::ray::{SkinHit, ray_geom, ray_skin};
 pub use self::scalar::{halton, sigmoid, spring_damper};
 pub use self::sort::{insertion_sort, insertion_sort_int};

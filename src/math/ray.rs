@@ -5,7 +5,7 @@
 
 use std::ffi::c_int;
 
-use mujoco_sys as sys;
+use mujoco_sys::{self as sys, mjMINVAL};
 
 use super::count;
 use crate::enums::GeomType;
@@ -16,7 +16,8 @@ use crate::error::{Error, Result};
 ///
 /// # Errors
 ///
-/// [`Error::Invalid`] for a mesh and a height field, which are more than a size.
+/// [`Error::Invalid`] for a mesh and a height field, which are more than a size, for a direction that is zero, and for a number
+/// that is none.
 ///
 /// ```
 /// use mujoco_safe::{GeomType, math};
@@ -36,6 +37,7 @@ pub fn ray_geom(
     vec: &[f64; 3],
     geomtype: GeomType,
 ) -> Result<Option<f64>> {
+    check_ray(pnt, vec)?;
     let number = match geomtype {
         GeomType::Plane => sys::mjGEOM_PLANE,
         GeomType::Sphere => sys::mjGEOM_SPHERE,
@@ -71,9 +73,11 @@ pub struct SkinHit {
 ///
 /// # Errors
 ///
-/// [`Error::Invalid`] for an index of no vertex, [`Error::Unsupported`] for more of either than a C int counts.
+/// [`Error::Invalid`] for an index of no vertex, for a direction that is zero, and for a number that is none,
+/// [`Error::Unsupported`] for more of either than a C int counts.
 #[doc(alias = "mju_raySkin")]
 pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64; 3]) -> Result<Option<SkinHit>> {
+    check_ray(pnt, vec)?;
     let (faces, vertices) = (face.as_flattened(), vert.as_flattened());
     count("the faces of ray_skin", faces.len())?;
     count("the vertices of ray_skin", vertices.len())?;
@@ -98,4 +102,20 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
         )
     };
     Ok(usize::try_from(vertex).ok().filter(|_| distance >= 0.0).map(|vertex| SkinHit { distance, vertex }))
+}
+
+/// Refuses a ray without a direction, for which the engine divides by zero or ends the process.
+pub(crate) fn check_ray(pnt: &[f64; 3], vec: &[f64; 3]) -> Result<()> {
+    let invalid = |what: &str, value: &[f64; 3], expected: &str| {
+        Err(Error::Invalid { what: what.to_owned(), value: format!("{value:?}"), expected: expected.to_owned() })
+    };
+    if !pnt.iter().all(|value| value.is_finite()) {
+        return invalid("the point of a ray", pnt, "finite");
+    }
+    let length = vec.iter().map(|value| value * value).sum::<f64>().sqrt();
+    if length.is_finite() && length >= mjMINVAL {
+        Ok(())
+    } else {
+        invalid("the direction of a ray", vec, "finite and not zero")
+    }
 }

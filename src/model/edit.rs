@@ -88,6 +88,37 @@ impl<'m> ModelMut<'m> {
         self.options(|options| options.timestep = timestep)
     }
 
+    /// Scales all masses and inertias so that the masses have this sum, kg. Call [`update_constants`](Self::update_constants)
+    /// afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`](crate::Error::Invalid) unless it is positive and finite.
+    ///
+    /// ```
+    /// use mujoco_safe::sample;
+    ///
+    /// let mut model = sample::humanoid();
+    /// let mut edit = model.edit();
+    /// edit.set_total_mass(70.0)?;
+    /// edit.update_constants()?;
+    /// assert!((model.total_mass() - 70.0).abs() < 1e-9);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_setTotalmass")]
+    pub fn set_total_mass(&mut self, mass: f64) -> Result<()> {
+        if !(mass.is_finite() && mass > 0.0) {
+            return Err(crate::Error::Invalid {
+                what: "the total mass".to_owned(),
+                value: mass.to_string(),
+                expected: "positive and finite".to_owned(),
+            });
+        }
+        // SAFETY: a model that is borrowed exclusively; the function scales its masses and inertias.
+        unsafe { sys::mj_setTotalmass(self.model.raw.as_ptr(), mass) };
+        Ok(())
+    }
+
     /// Computes anew what the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse weights,
     /// reference lengths, the statistics and the rest of what has a `0` in its name.
     ///
@@ -117,6 +148,15 @@ impl<'m> ModelMut<'m> {
     #[inline]
     pub(crate) fn raw_mut(&mut self) -> &mut mjModel {
         self.model.raw_mut()
+    }
+}
+
+impl Model {
+    /// The sum of all masses, kg.
+    #[doc(alias = "mj_getTotalmass")]
+    pub fn total_mass(&self) -> f64 {
+        // SAFETY: reads the masses of a valid model.
+        unsafe { sys::mj_getTotalmass(self.as_ptr()) }
     }
 }
 

@@ -1,180 +1,302 @@
-//! The simulation with which the compiler finds the range of a muscle's length.
+//! The length ranges of actuators, found by simulation.
 //!
-//! The engine pulls at each muscle from both sides, and steps until a time is reached. An unstable step puts the time back to
-//! zero, and 2.2.2 does not see it: it would go on for ever. So a text in which it may come to that is compiled without the
-//! simulation first, and the simulation is made here, where an unstable step ends it.
+//! The engine pulls at an actuator from both sides, and steps until a time is reached. An unstable step puts the time back to
+//! zero, and 2.2.2 does not see it: it would go on for ever. So its function is not called, and a text in which the compiler
+//! may come to call it is compiled without first ([`Simulation`]).
 
-use std::ptr;
+use mujoco_sys::{self as sys, mjBIAS_MUSCLE, mjBIAS_USER, mjGAIN_MUSCLE, mjGAIN_USER};
+use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
 
-use mujoco_sys::{self as sys, guard, mjData, mjModel};
-
-use super::Model;
+use super::{Model, ModelMut};
+use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
+use crate::id::ActuatorId;
 
-/// Steps of all the simulations of a text.
-const MOST_STEPS: f64 = 1e6;
-
-/// Which muscles are simulated, and how: `mjLROpt`, as the text has it.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct LengthRange {
-    pub(super) mode: Mode,
-    pub(super) useexisting: bool,
-    pub(super) uselimit: bool,
-    pub(super) accel: f64,
-    pub(super) maxforce: f64,
-    pub(super) timeconst: f64,
-    pub(super) timestep: f64,
-    pub(super) inttotal: f64,
-}
-
-/// `mjtLRMode`
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
+/// Which actuators [`ModelMut::set_length_range`] does something for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "mjtLRMode")]
+pub enum LengthRangeMode {
+    /// None.
+    #[doc(alias = "mjLRMODE_NONE")]
     None,
+    /// Muscles.
+    #[doc(alias = "mjLRMODE_MUSCLE")]
     Muscle,
+    /// Muscles, and actuators with a gain or bias of the user's.
+    #[doc(alias = "mjLRMODE_MUSCLEUSER")]
     MuscleUser,
+    /// All.
+    #[doc(alias = "mjLRMODE_ALL")]
     All,
 }
 
-impl Default for LengthRange {
+/// How [`ModelMut::set_length_range`] goes about it. The defaults are the engine's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(alias = "mjLROpt")]
+pub struct LengthRangeOptions {
+    /// Which actuators are processed.
+    pub mode: LengthRangeMode,
+    /// Whether a range that there is is kept.
+    pub useexisting: bool,
+    /// Whether the limits of joints and tendons are taken where there are some.
+    pub uselimit: bool,
+    /// The acceleration that the force is made for.
+    pub accel: f64,
+    /// The largest force; 0 for no limit.
+    pub maxforce: f64,
+    /// The time constant with which velocities are reduced, s; at least 0.01.
+    pub timeconst: f64,
+    /// How long is simulated for each end of the range, s.
+    pub inttotal: f64,
+    /// How much of that, at the end, the lengths are taken from, s.
+    pub inteval: f64,
+    /// How much the length may vary at the end, as a part of the range.
+    pub tolrange: f64,
+}
+
+impl Default for LengthRangeOptions {
     fn default() -> Self {
         Self {
-            mode: Mode::Muscle,
+            mode: LengthRangeMode::Muscle,
             useexisting: true,
             uselimit: false,
             accel: 20.0,
             maxforce: 0.0,
             timeconst: 1.0,
-            timestep: 0.01,
             inttotal: 10.0,
+            inteval: 2.0,
+            tolrange: 0.05,
         }
     }
 }
 
-impl LengthRange {
-    /// Makes the simulations that the compiler would make, on a model that was compiled without them.
+/// More steps than this are refused: at the speed of a small model they take minutes.
+const MOST_STEPS: f64 = 1e7;
+/// The same for all the actuators of a text, whose simulation nobody asked for by a call.
+const MOST_STEPS_OF_A_TEXT: f64 = 1e6;
+
+impl LengthRangeOptions {
+    fn check(&self, timestep: f64) -> Result<()> {
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        let not_negative = |value: f64| value >= 0.0 && value.is_finite();
+        let fields = [
+            ("accel", self.accel, positive(self.accel), "positive"),
+            ("maxforce", self.maxforce, not_negative(self.maxforce), "not negative"),
+            ("timeconst", self.timeconst, not_negative(self.timeconst), "not negative"),
+            ("inttotal", self.inttotal, positive(self.inttotal), "positive"),
+            (
+                "inteval",
+                self.inteval,
+                positive(self.inteval) && self.inteval <= self.inttotal,
+                "positive, up to inttotal",
+            ),
+            ("tolrange", self.tolrange, not_negative(self.tolrange), "not negative"),
+            ("inttotal", self.inttotal, self.inttotal / timestep <= MOST_STEPS, "at most ten million time steps"),
+        ];
+        fields.into_iter().find(|(_, _, allowed, _)| !allowed).map_or(Ok(()), |(field, value, _, expected)| {
+            Err(Error::Invalid {
+                what: format!("{field} of the options of set_length_range"),
+                value: value.to_string(),
+                expected: expected.to_owned(),
+            })
+        })
+    }
+}
+
+impl Model {
+    fn is_left_out(&self, index: usize, mode: LengthRangeMode) -> bool {
+        let is = |gain: u32, bias: u32| {
+            self.actuator_gaintype()[index] == gain as i32 || self.actuator_biastype()[index] == bias as i32
+        };
+        let muscle = is(mjGAIN_MUSCLE, mjBIAS_MUSCLE);
+        match mode {
+            LengthRangeMode::None => true,
+            LengthRangeMode::Muscle => !muscle,
+            LengthRangeMode::MuscleUser => !muscle && !is(mjGAIN_USER, mjBIAS_USER),
+            LengthRangeMode::All => false,
+        }
+    }
+
+    /// The limits of the joint or tendon that an actuator acts on.
+    fn limit_of_transmission(&self, index: usize) -> Option<[f64; 2]> {
+        let target = ffi::size(self.actuator_trnid()[index][0]);
+        let transmission = self.actuator_trntype()[index] as u32;
+        if [mjTRN_JOINT, mjTRN_JOINTINPARENT].contains(&transmission) {
+            (self.jnt_limited()[target] != 0).then(|| self.jnt_range()[target])
+        } else if transmission == mjTRN_TENDON {
+            (self.tendon_limited()[target] != 0).then(|| self.tendon_range()[target])
+        } else {
+            None
+        }
+    }
+}
+
+impl ModelMut<'_> {
+    /// Finds the length range of an actuator by pulling it to both ends in simulation, writes it to `actuator_lengthrange`, and
+    /// returns what is there then. Where the options say that nothing is to be done, nothing is.
     ///
-    /// The message of the error says which of them does not come to an end.
-    pub(super) fn check(&self, model: &mut Model) -> std::result::Result<(), String> {
-        let actuators: Vec<usize> = (0..model.nu()).filter(|&actuator| self.is_simulated(model, actuator)).collect();
+    /// This is the engine's algorithm step by step. The compiler, when it does the same, switches off contacts, friction loss, passive
+    /// forces, gravity and actuation for it; here the options are those of the model.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] for options out of range, [`Error::Unstable`] if the simulation is unstable, [`Error::Unsupported`] if
+    /// the ends do not differ or the length does not settle, and the errors of [`Data::step1`]. The range is as before then.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{DisableFlags, LengthRangeMode, LengthRangeOptions, Model};
+    ///
+    /// let mut model = Model::from_xml_str(
+    ///     r#"<mujoco>
+    ///          <option><flag gravity="disable"/></option>
+    ///          <worldbody><body>
+    ///            <joint name="slide" type="slide" axis="1 0 0" limited="true" range="-1 2"/><geom size="0.1"/>
+    ///          </body></worldbody>
+    ///          <actuator><motor name="motor" joint="slide" gear="3"/></actuator>
+    ///        </mujoco>"#,
+    /// )?;
+    /// let motor = model.actuator("motor")?.id();
+    /// let options = LengthRangeOptions { mode: LengthRangeMode::All, ..Default::default() };
+    /// let [shortest, longest] = model.edit().set_length_range(motor, &options)?;
+    /// assert!((shortest + 3.0).abs() < 0.1 && (longest - 6.0).abs() < 0.1); // three times the range of the joint
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_setLengthRange")]
+    pub fn set_length_range(
+        &mut self,
+        actuator: impl Into<ActuatorId>,
+        options: &LengthRangeOptions,
+    ) -> Result<[f64; 2]> {
+        let actuator = actuator.into();
+        self.check_id(actuator);
+        options.check(self.timestep())?;
+        let index = actuator.index();
+        if self.is_left_out(index, options.mode) {
+            return Ok(self.actuator_lengthrange()[index]);
+        }
+        let [low, high] = self.actuator_lengthrange()[index];
+        if options.useexisting && low < high {
+            return Ok([low, high]);
+        }
+        let range = match self.limit_of_transmission(index).filter(|_| options.uselimit) {
+            Some(limit) => limit,
+            None => self.simulated_range(index, options)?,
+        };
+        self.actuator_lengthrange_mut()[index] = range;
+        Ok(range)
+    }
+
+    fn simulated_range(&self, index: usize, options: &LengthRangeOptions) -> Result<[f64; 2]> {
+        let mut data = Data::new(self.try_clone()?)?;
+        let mut ends = [[0.0; 2]; 2];
+        for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+            *end = pull(&mut data, index, sign, options)?;
+        }
+        let [[shortest, shortest_up_to], [longest_from, longest]] = ends;
+        let settled = |from: f64, to: f64| to - from <= options.tolrange * (longest - shortest);
+        let problem = if longest <= shortest {
+            "is empty"
+        } else if !settled(shortest, shortest_up_to) || !settled(longest_from, longest) {
+            "does not settle"
+        } else {
+            return Ok([shortest, longest]);
+        };
+        Err(Error::Unsupported(format!(
+            "the length range of actuator {index} {problem}: from [{shortest}, {shortest_up_to}] to [{longest_from}, \
+             {longest}]"
+        )))
+    }
+}
+
+/// The shortest and the longest length at the end of a simulation in which an actuator pulls to one side.
+fn pull(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions) -> Result<[f64; 2]> {
+    data.reset()?;
+    let nv = data.model().nv();
+    let decay = (-data.model().timestep() / options.timeconst.max(0.01)).exp();
+    let (mut moment, mut unit) = (vec![0.0; nv], vec![0.0; nv]);
+    // SAFETY: for both calls below, a vector of nv numbers.
+    let norm = |vector: &[f64]| unsafe { sys::mju_norm(vector.as_ptr(), nv as i32) }.max(sys::mjMINVAL);
+    let mut lengths: Option<[f64; 2]> = None;
+    while data.time() < options.inttotal {
+        data.qvel_mut().iter_mut().for_each(|velocity| *velocity *= decay);
+        data.step1()?;
+        // The force that accelerates with `accel`.
+        moment.copy_from_slice(data.actuator_moment().row(index));
+        data.solve_m(&mut unit, &moment)?;
+        let scale = sign * options.accel / norm(&unit);
+        let force = data.qfrc_applied_mut();
+        force.iter_mut().zip(&moment).for_each(|(force, moment)| *force = moment * scale);
+        let size = norm(force);
+        if options.maxforce > 0.0 && size > options.maxforce {
+            for force in force {
+                *force *= options.maxforce / size;
+            }
+        }
+        data.step2()?;
+        let length = data.actuator_length()[index];
+        if data.time() > options.inttotal - options.inteval {
+            let [low, high] = lengths.unwrap_or([length; 2]);
+            lengths = Some([low.min(length), high.max(length)]);
+        }
+    }
+    Ok(lengths.unwrap_or_default())
+}
+
+/// The simulations that the compiler makes for a text, as the text has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Simulation {
+    pub(super) options: LengthRangeOptions,
+    /// The time step, s; that of the model if it is not positive.
+    pub(super) timestep: f64,
+}
+
+impl Simulation {
+    /// Makes them on a model that was compiled without them. The error says which of them does not come to an end.
+    pub(super) fn check(&self, model: &mut Model) -> Result<(), String> {
+        let Self { options, timestep } = self;
+        let is_simulated = |index: usize, model: &Model| {
+            let [low, high] = model.actuator_lengthrange()[index];
+            !model.is_left_out(index, options.mode)
+                && !(options.useexisting && low < high)
+                && !(options.uselimit && model.limit_of_transmission(index).is_some())
+        };
+        let actuators: Vec<usize> = (0..model.nu()).filter(|&index| is_simulated(index, model)).collect();
         if actuators.is_empty() {
             return Ok(());
         }
         // The compiler has not yet put the user's statistics in the place of its own.
         model.edit().update_constants().map_err(|error| error.to_string())?;
+        // Not through the checked options: what the text has in the others is not at issue.
         let option = &mut model.raw_mut().opt;
         option.disableflags = (sys::mjDSBL_FRICTIONLOSS
             | sys::mjDSBL_CONTACT
             | sys::mjDSBL_PASSIVE
             | sys::mjDSBL_GRAVITY
             | sys::mjDSBL_ACTUATION) as i32;
-        if self.timestep > 0.0 {
-            option.timestep = self.timestep;
+        if *timestep > 0.0 {
+            option.timestep = *timestep;
         }
-        let steps = 2.0 * actuators.len() as f64 * self.inttotal / option.timestep;
+        let steps = 2.0 * actuators.len() as f64 * options.inttotal / option.timestep;
         // What is not a number ends the compiler's loop at once.
-        if steps > MOST_STEPS || option.timestep <= 0.0 {
+        if steps > MOST_STEPS_OF_A_TEXT || option.timestep <= 0.0 {
             return Err(format!("the lengthrange of the muscles needs {steps:e} steps; a million is allowed"));
         }
-        let mut data = Scratch::new(model).map_err(|error| error.to_string())?;
+        let mut data = model.try_clone().and_then(Data::new).map_err(|error| error.to_string())?;
         for actuator in actuators {
-            for side in [-1.0, 1.0] {
-                let settled = self.simulate(model, &mut data, actuator, side).map_err(|error| error.to_string())?;
-                if !settled {
-                    return Err(format!(
+            for sign in [-1.0, 1.0] {
+                pull(&mut data, actuator, sign, options).map_err(|error| match error {
+                    Error::Unstable(_) => format!(
                         "the simulation for the lengthrange of actuator {actuator} is unstable; give it a lengthrange"
-                    ));
-                }
+                    ),
+                    error => error.to_string(),
+                })?;
             }
         }
         Ok(())
-    }
-
-    fn is_simulated(&self, model: &Model, actuator: usize) -> bool {
-        let is = |gain: u32, bias: u32| {
-            model.actuator_gaintype()[actuator] == gain as i32 || model.actuator_biastype()[actuator] == bias as i32
-        };
-        let muscle = is(sys::mjGAIN_MUSCLE, sys::mjBIAS_MUSCLE);
-        let selected = match self.mode {
-            Mode::None => false,
-            Mode::Muscle => muscle,
-            Mode::MuscleUser => muscle || is(sys::mjGAIN_USER, sys::mjBIAS_USER),
-            Mode::All => true,
-        };
-        let [low, high] = model.actuator_lengthrange()[actuator];
-        selected && !(self.useexisting && low < high) && !(self.uselimit && has_limit(model, actuator))
-    }
-
-    /// Whether the simulation of one side comes to its end.
-    fn simulate(&self, model: &Model, data: &mut Scratch, actuator: usize, side: f64) -> Result<bool> {
-        let (nv, m, d) = (model.raw().nv, model.as_ptr(), data.0);
-        data.reset(m)?;
-        // SAFETY: of the scratch data, which is valid until it is dropped.
-        let time = || unsafe { (*d).time };
-        while time() < self.inttotal {
-            let before = time();
-            // SAFETY: a model and a data that was made for it. The vectors have the length nv, and `actuator_moment` nv numbers
-            // for each of the actuators, of which this is one.
-            unsafe {
-                let moment = (*d).actuator_moment.add(actuator * ffi::size(nv));
-                let decay = (-model.timestep() / self.timeconst.max(0.01)).exp();
-                sys::mju_scl((*d).qvel, (*d).qvel, decay, nv);
-                ffi::check("mj_step1", guard::mj_step1(m, d))?;
-                ffi::check("mj_solveM", guard::mj_solve_m(m, d, (*d).qfrc_applied, moment, 1))?;
-                let force = sys::mju_norm((*d).qfrc_applied, nv);
-                sys::mju_scl((*d).qfrc_applied, moment, side * self.accel / force.max(sys::mjMINVAL), nv);
-                let force = sys::mju_norm((*d).qfrc_applied, nv);
-                if self.maxforce > 0.0 && force > self.maxforce {
-                    sys::mju_scl((*d).qfrc_applied, (*d).qfrc_applied, self.maxforce / force.max(sys::mjMINVAL), nv);
-                }
-                ffi::check("mj_step2", guard::mj_step2(m, d))?;
-            }
-            if time() <= before {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-}
-
-/// Whether the limits of the actuator's joint or tendon are its length range.
-fn has_limit(model: &Model, actuator: usize) -> bool {
-    let target = model.actuator_trnid()[actuator][0];
-    let limited = |limited: &[u8]| usize::try_from(target).is_ok_and(|target| limited[target] != 0);
-    match model.actuator_trntype()[actuator] as u32 {
-        sys::mjTRN_JOINT | sys::mjTRN_JOINTINPARENT => limited(model.jnt_limited()),
-        sys::mjTRN_TENDON => limited(model.tendon_limited()),
-        _ => false,
-    }
-}
-
-/// A data for the simulations.
-struct Scratch(*mut mjData);
-
-impl Scratch {
-    fn new(model: &Model) -> Result<Self> {
-        let mut made = ptr::null_mut();
-        // SAFETY: a valid model, a place for the result.
-        ffi::check("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
-        if made.is_null() { Err(Error::OutOfMemory { function: "mj_makeData" }) } else { Ok(Self(made)) }
-    }
-
-    fn reset(&mut self, model: *const mjModel) -> Result<()> {
-        // SAFETY: the model that it was made for.
-        ffi::check("mj_resetData", unsafe { guard::mj_reset_data(model, self.0) })?;
-        // SAFETY: valid, and ours. A counter that is not zero keeps the engine from printing a warning through a buffer that all
-        // threads share.
-        for warning in unsafe { &mut (*self.0).warning } {
-            warning.number = 1;
-        }
-        Ok(())
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        // SAFETY: made above, and used no more.
-        unsafe { sys::mj_deleteData(self.0) };
     }
 }

@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use mujoco_sys::{guard, mjVFS};
 
-use super::length_range::LengthRange;
+use super::length_range::Simulation;
 use super::text_check::{self, Files};
 use super::virtual_files::VirtualFiles;
 use super::{Model, mjb};
@@ -156,7 +156,7 @@ impl Model {
 
     /// Refuses a text in which the compiler's simulation of the muscles would not come to an end.
     fn try_muscles(
-        muscles: &LengthRange,
+        muscles: &Simulation,
         text: &[u8],
         name: &CString,
         files: &[(&str, &[u8])],

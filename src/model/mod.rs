@@ -8,6 +8,7 @@
 //! | `names.rs` | names to ids and back |
 //! | `options/` | options of the physics, settings of the visualiser, statistics: typed and checked |
 //! | `edit.rs` | what may be changed after compilation |
+//! | `length_range.rs` | the length ranges of actuators, by simulation |
 //! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
 //! | `hazard.rs` | what the engine compiles and then mishandles |
 //! | `save.rs` | to XML, to a binary model |
@@ -33,6 +34,7 @@ use std::ptr::{self, NonNull};
 use mujoco_sys::{self as sys, guard, mjModel};
 
 pub use self::edit::ModelMut;
+pub use self::length_range::{LengthRangeMode, LengthRangeOptions};
 pub use self::options::{
     DisableFlags, EnableFlags, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
     VisualRgba, VisualScale,

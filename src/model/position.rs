@@ -53,6 +53,29 @@ impl Model {
         unsafe { sys::mj_integratePos(self.as_ptr(), qpos.as_mut_ptr(), qvel.as_ptr(), dt) }
         Ok(())
     }
+
+    /// Makes every quaternion in `qpos` (`nq`) one of length 1; one that is zero becomes no rotation.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong length.
+    ///
+    /// ```
+    /// use mujoco_safe::sample;
+    ///
+    /// let model = sample::humanoid();
+    /// let mut qpos = vec![2.0; model.nq()];
+    /// model.normalize_quat(&mut qpos)?;
+    /// assert_eq!(qpos[2..8], [2.0, 0.5, 0.5, 0.5, 0.5, 2.0]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_normalizeQuat")]
+    pub fn normalize_quat(&self, qpos: &mut [f64]) -> Result<()> {
+        Error::check_length("qpos of normalize_quat", qpos.len(), self.nq())?;
+        // SAFETY: the length is what the engine writes.
+        unsafe { sys::mj_normalizeQuat(self.as_ptr(), qpos.as_mut_ptr()) };
+        Ok(())
+    }
 }
 
 fn check_interval(dt: f64, allowed: bool, expected: &str) -> Result<()> {

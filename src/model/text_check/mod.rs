@@ -18,7 +18,7 @@ use self::asset::Format;
 use self::file::{Found, decoded, is_irregular, last_part, shown};
 use self::muscle::Muscles;
 use self::tag::{Tag, Tags, numbers};
-use super::length_range::LengthRange;
+use super::length_range::Simulation;
 use crate::error::{Error, Result};
 
 /// How deep files may include each other, and elements be nested over all of them. The compiler recurses, and a file in every
@@ -41,7 +41,7 @@ const FILES: [&[u8]; 8] =
 
 /// Refuses what the compiler must not see in this text, or in the texts that it includes. Returns how it would simulate muscles,
 /// if it may: whether that comes to an end a look at the text does not tell.
-pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Option<LengthRange>> {
+pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Option<Simulation>> {
     let mut check = Check {
         files,
         seen: HashSet::new(),

@@ -2,12 +2,12 @@
 
 use super::file::decoded;
 use super::tag::{Tag, Tags};
-use crate::model::length_range::{LengthRange, Mode};
+use crate::model::length_range::{LengthRangeMode as Mode, Simulation};
 
 /// What the tags that were seen say about it.
 #[derive(Default)]
 pub(super) struct Muscles {
-    settings: LengthRange,
+    settings: Simulation,
     /// Whether there is something that may be simulated.
     found: bool,
 }
@@ -22,25 +22,26 @@ impl Muscles {
                 self.found |= is(value(b"gaintype")) || is(value(b"biastype"));
             }
             b"lengthrange" => {
-                self.settings.mode = match value(b"mode").as_deref() {
-                    None => self.settings.mode,
+                self.settings.options.mode = match value(b"mode").as_deref() {
+                    None => self.settings.options.mode,
                     Some(b"none") => Mode::None,
                     Some(b"muscle") => Mode::Muscle,
                     Some(b"muscleuser") => Mode::MuscleUser,
                     _ => Mode::All,
                 };
-                self.found |= self.settings.mode == Mode::All;
-                for (name, flag) in
-                    [(&b"useexisting"[..], &mut self.settings.useexisting), (b"uselimit", &mut self.settings.uselimit)]
-                {
+                self.found |= self.settings.options.mode == Mode::All;
+                for (name, flag) in [
+                    (&b"useexisting"[..], &mut self.settings.options.useexisting),
+                    (b"uselimit", &mut self.settings.options.uselimit),
+                ] {
                     *flag = value(name).map_or(*flag, |value| value == b"true");
                 }
                 for (name, number) in [
-                    (&b"accel"[..], &mut self.settings.accel),
-                    (b"maxforce", &mut self.settings.maxforce),
-                    (b"timeconst", &mut self.settings.timeconst),
+                    (&b"accel"[..], &mut self.settings.options.accel),
+                    (b"maxforce", &mut self.settings.options.maxforce),
+                    (b"timeconst", &mut self.settings.options.timeconst),
                     (b"timestep", &mut self.settings.timestep),
-                    (b"inttotal", &mut self.settings.inttotal),
+                    (b"inttotal", &mut self.settings.options.inttotal),
                 ] {
                     // What is not a number the compiler refuses.
                     if let Some(value) = value(name).and_then(|value| String::from_utf8(value).ok()?.parse().ok()) {
@@ -52,8 +53,8 @@ impl Muscles {
         }
     }
 
-    pub(super) fn simulation(self) -> Option<LengthRange> {
-        (self.found && self.settings.mode != Mode::None).then_some(self.settings)
+    pub(super) fn simulation(self) -> Option<Simulation> {
+        (self.found && self.settings.options.mode != Mode::None).then_some(self.settings)
     }
 }
 

@@ -1,0 +1,259 @@
+//! Velocities and accelerations of whatever has a frame, forces on bodies, points in body frames.
+
+use std::ffi::c_int;
+
+use mujoco_sys::{self as sys, guard, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_XBODY};
+
+use super::{Computed, Data, Stage};
+use crate::error::{Error, Result};
+use crate::ffi;
+use crate::id::{BodyId, CameraId, GeomId, SiteId};
+
+/// Something with a frame that moves with a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "mjtObj")]
+pub enum Frame {
+    /// A body's inertial frame, at its centre of mass.
+    #[doc(alias = "mjOBJ_BODY")]
+    BodyInertia(BodyId),
+    /// A body's own frame, at its joints.
+    #[doc(alias = "mjOBJ_XBODY")]
+    Body(BodyId),
+    /// A geom's frame.
+    #[doc(alias = "mjOBJ_GEOM")]
+    Geom(GeomId),
+    /// A site's frame.
+    #[doc(alias = "mjOBJ_SITE")]
+    Site(SiteId),
+    /// A camera's frame.
+    #[doc(alias = "mjOBJ_CAMERA")]
+    Camera(CameraId),
+}
+
+/// Along which axes a velocity or an acceleration is told. The origin is that of the object in both cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "flg_local")]
+pub enum Axes {
+    /// Those of the world.
+    World,
+    /// Those of the object itself.
+    Local,
+}
+
+/// A velocity or an acceleration of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Motion {
+    /// rad/s or rad/s².
+    pub rotation: [f64; 3],
+    /// m/s or m/s².
+    pub translation: [f64; 3],
+}
+
+impl Data {
+    /// The velocity of an object.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before velocities were computed.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Axes, Data, Frame, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// data.qvel_mut()[0] = 2.0;
+    /// data.forward()?;
+    /// let cart = Frame::Body(data.model().body("cart")?.id());
+    /// assert_eq!(data.object_velocity(cart, Axes::World)?.translation, [2.0, 0.0, 0.0]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_objectVelocity")]
+    pub fn object_velocity(&self, object: Frame, axes: Axes) -> Result<Motion> {
+        let (object_type, index) = self.object(object);
+        self.check_computed("object_velocity", Stage::Velocity)?;
+        let mut result = [0.0; 6];
+        // SAFETY: an object of this model, of a type that has a frame, and a place for six numbers.
+        let status = unsafe {
+            guard::mj_object_velocity(
+                self.model().as_ptr(),
+                self.as_ptr(),
+                object_type,
+                index,
+                result.as_mut_ptr(),
+                (axes == Axes::Local).into(),
+            )
+        };
+        ffi::check("mj_objectVelocity", status)?;
+        Ok(Motion::from_engine(result))
+    }
+
+    /// The acceleration of an object, gravity included: an object at rest accelerates upwards, as an accelerometer tells.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] without a [`rne_post_constraint`](Self::rne_post_constraint) since the quantities were computed,
+    /// which is what computes the accelerations of bodies.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Axes, Data, Frame, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?; // in the air
+    /// data.forward()?;
+    /// data.rne_post_constraint()?;
+    /// let torso = Frame::BodyInertia(data.model().body("torso")?.id());
+    /// let acceleration = data.object_acceleration(torso, Axes::World)?;
+    /// assert!(acceleration.translation[2].abs() < 9.81);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_objectAcceleration")]
+    pub fn object_acceleration(&self, object: Frame, axes: Axes) -> Result<Motion> {
+        let (object_type, index) = self.object(object);
+        self.check_parts("object_acceleration", Computed::POST_CONSTRAINT)?;
+        let mut result = [0.0; 6];
+        // SAFETY: as for the velocity.
+        let status = unsafe {
+            guard::mj_object_acceleration(
+                self.model().as_ptr(),
+                self.as_ptr(),
+                object_type,
+                index,
+                result.as_mut_ptr(),
+                (axes == Axes::Local).into(),
+            )
+        };
+        ffi::check("mj_objectAcceleration", status)?;
+        Ok(Motion::from_engine(result))
+    }
+
+    /// Adds to `qfrc_target` (nv) the generalised force of a force in N and a torque in N·m, world frame, on a body at a point in
+    /// m, world frame.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong length.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// data.forward()?;
+    /// let cart = data.model().body("cart")?.id();
+    /// let mut force = vec![0.0; data.model().nv()];
+    /// let point = data.xpos()[cart.index()];
+    /// data.apply_ft([3.0, 0.0, 0.0], [0.0; 3], point, cart, &mut force)?;
+    /// assert_eq!(force, [3.0, 0.0]);
+    /// data.qfrc_applied_mut().copy_from_slice(&force);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_applyFT")]
+    pub fn apply_ft(
+        &mut self,
+        force: [f64; 3],
+        torque: [f64; 3],
+        point: [f64; 3],
+        body: impl Into<BodyId>,
+        qfrc_target: &mut [f64],
+    ) -> Result<()> {
+        let body = body.into();
+        self.model().check_id(body);
+        self.check_computed("apply_ft", Stage::Position)?;
+        Error::check_length("qfrc_target of apply_ft", qfrc_target.len(), self.model().nv())?;
+        // SAFETY: a body of this model, three numbers each, and a target of nv.
+        let status = unsafe {
+            guard::mj_apply_ft(
+                self.model().as_ptr(),
+                self.as_mut_ptr(),
+                force.as_ptr(),
+                torque.as_ptr(),
+                point.as_ptr(),
+                body.index() as c_int,
+                qfrc_target.as_mut_ptr(),
+            )
+        };
+        ffi::check("mj_applyFT", status)
+    }
+
+    /// From a body's own frame to the world: a point, and the rotation matrix of an orientation `[w, x, y, z]`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// let foot = data.model().body("foot_left")?.id();
+    /// let (pos, _) = data.local_to_global(foot, [0.0; 3], [1.0, 0.0, 0.0, 0.0])?;
+    /// assert_eq!(pos, data.xpos()[foot.index()]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_local2Global")]
+    pub fn local_to_global(
+        &self,
+        body: impl Into<BodyId>,
+        pos: [f64; 3],
+        quat: [f64; 4],
+    ) -> Result<([f64; 3], [[f64; 3]; 3])> {
+        let body = body.into();
+        self.model().check_id(body);
+        self.check_computed("local_to_global", Stage::Position)?;
+        let (mut xpos, mut xmat) = ([0.0; 3], [[0.0; 3]; 3]);
+        // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 numbers. The function only reads the data.
+        unsafe {
+            sys::mj_local2Global(
+                self.as_ptr().cast_mut(),
+                xpos.as_mut_ptr(),
+                xmat.as_flattened_mut().as_mut_ptr(),
+                pos.as_ptr(),
+                quat.as_ptr(),
+                body.index() as c_int,
+                0,
+            );
+        }
+        Ok((xpos, xmat))
+    }
+
+    /// The engine's type and index of an object of this model.
+    fn object(&self, object: Frame) -> (c_int, c_int) {
+        let model = self.model();
+        let (object_type, index) = match object {
+            Frame::BodyInertia(id) => (mjOBJ_BODY, model.checked(id)),
+            Frame::Body(id) => (mjOBJ_XBODY, model.checked(id)),
+            Frame::Geom(id) => (mjOBJ_GEOM, model.checked(id)),
+            Frame::Site(id) => (mjOBJ_SITE, model.checked(id)),
+            Frame::Camera(id) => (mjOBJ_CAMERA, model.checked(id)),
+        };
+        (object_type as c_int, index)
+    }
+}
+
+impl crate::model::Model {
+    fn checked<K: crate::id::ElementKind>(&self, id: crate::id::Id<K>) -> c_int {
+        self.check_id(id);
+        id.index() as c_int
+    }
+}
+
+impl Motion {
+    /// The engine puts rotation first.
+    fn from_engine([rx, ry, rz, tx, ty, tz]: [f64; 6]) -> Self {
+        Self { rotation: [rx, ry, rz], translation: [tx, ty, tz] }
+    }
+}

@@ -1,0 +1,79 @@
+//! Rays.
+
+use mujoco_safe::math::ray_geom;
+use mujoco_safe::{GeomType, RayOptions};
+
+use crate::twins::{Twins, assert_same, c, usual_subjects};
+
+#[test]
+fn rays_are_the_engines() {
+    let mut hits = 0;
+    for subject in usual_subjects() {
+        let mut twins = Twins::in_motion(subject);
+        if twins.model.nhfield() > 0 && twins.ours.ray([0.0; 3], [1.0, 0.0, 0.0], &RayOptions::default()).is_err() {
+            println!("skipped {}, whose height field the engine misreads", twins.name);
+            continue;
+        }
+        let exclude = twins.model.bodies().last().expect("there is the world").id();
+        let some_groups = [true, false, true, false, true, true];
+        for options in [
+            RayOptions::default(),
+            RayOptions { with_static: false, ..Default::default() },
+            RayOptions { bodyexclude: Some(exclude), ..Default::default() },
+            RayOptions { geomgroup: Some(some_groups), ..Default::default() },
+        ] {
+            for _ in 0..50 {
+                let numbers = twins.numbers(6);
+                let [point, direction] = [0, 3].map(|at| [numbers[at] * 2.0, numbers[at + 1] * 2.0, numbers[at + 2]]);
+                let ours = twins.ours.ray(point, direction, &options).expect("a ray");
+                let groups = options.geomgroup.map(|groups| groups.map(u8::from));
+                let groups = groups.as_ref().map_or(std::ptr::null(), |groups| groups.as_ptr());
+                let body = options.bodyexclude.map_or(-1, |body| body.index() as i32);
+                let with_static = options.with_static.into();
+                let (mut geom, m, d) = (0, twins.raw.m(), twins.raw.d);
+                let (pnt, vec) = (point.as_ptr(), direction.as_ptr());
+                let theirs = c!(mj_ray(m, d, pnt, vec, groups, with_static, body, &raw mut geom));
+                assert_eq!(ours.map_or(-1, |hit| hit.geom.index() as i32), geom, "{}", twins.name);
+                assert_same(&twins.name, &[ours.map_or(-1.0, |hit| hit.distance)], &[theirs]);
+                hits += usize::from(ours.is_some());
+            }
+        }
+    }
+    assert!(hits > 100, "{hits} rays meet something");
+}
+
+#[test]
+fn rays_on_one_geom_are_the_engines() {
+    for subject in usual_subjects() {
+        let mut twins = Twins::in_motion(subject);
+        let model = twins.model.clone();
+        for geom in model.geoms().take(40) {
+            for _ in 0..10 {
+                // Towards the geom from a point near it.
+                let numbers = twins.numbers(3);
+                let centre = twins.ours.geom_xpos()[geom.index()];
+                let direction = [numbers[0], numbers[1], numbers[2]];
+                let point = [0, 1, 2].map(|i| centre[i] - 3.0 * direction[i]);
+                let (m, d, id) = (twins.raw.m(), twins.raw.d, geom.index() as i32);
+                let (pnt, vec) = (point.as_ptr(), direction.as_ptr());
+                let (ours, theirs) = match geom.geom_type() {
+                    GeomType::Mesh => (twins.ours.ray_mesh(geom, point, direction), c!(mj_rayMesh(m, d, id, pnt, vec))),
+                    GeomType::HeightField => match twins.ours.ray_hfield(geom, point, direction) {
+                        Ok(ours) => (Ok(ours), c!(mj_rayHfield(m, d, id, pnt, vec))),
+                        Err(_) => continue,
+                    },
+                    shape => {
+                        assert!(twins.ours.ray_mesh(geom, point, direction).is_err());
+                        assert!(twins.ours.ray_hfield(geom, point, direction).is_err());
+                        let (pos, mat) = (twins.ours.geom_xpos()[geom.index()], twins.ours.geom_xmat()[geom.index()]);
+                        let size = model.geom_size()[geom.index()];
+                        let ours = ray_geom(&pos, &mat, &size, &point, &direction, shape);
+                        let (pos, mat, size) = (pos.as_ptr(), mat.as_ptr(), size.as_ptr());
+                        (ours, c!(mju_rayGeom(pos, mat, size, pnt, vec, model.geom_type()[geom.index()])))
+                    }
+                };
+                assert_same(&format!("{geom:?}"), &[ours.expect("a ray").unwrap_or(-1.0)], &[theirs.max(-1.0)]);
+            }
+        }
+    }
+}
