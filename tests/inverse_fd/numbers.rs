@@ -1,7 +1,7 @@
 //! The numbers.
 
 use mujoco_safe::sys;
-use mujoco_safe::{Data, DisableFlags, InverseJacobians, Matrix, Model, StateSpec};
+use mujoco_safe::{Data, DisableFlags, InverseJacobians, Matrix, Model, StateSpec, sample};
 
 use crate::{EPS, assert_near, subjects};
 
@@ -159,4 +159,27 @@ fn a_row_belongs_to_what_is_changed() {
     let by_sliding = [2.0 * 2.0 * 0.5 * 3.0, 0.0];
     assert_near("by ω", found.row(0), &by_turning, 1e-5);
     assert_near("by ṙ", found.row(1), &by_sliding, 1e-5);
+}
+
+#[test]
+fn of_the_cart_pole_they_are_those_of_a_newer_engine() {
+    // Recorded from mjd_inverseFD of the Python module of MuJoCo 3.1.6.
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    data.qpos_mut().copy_from_slice(&[0.2, 0.7]);
+    data.qvel_mut().copy_from_slice(&[0.5, -1.5]);
+    data.qacc_mut().copy_from_slice(&[1.0, 2.0]);
+    data.ctrl_mut()[0] = 0.3;
+    let found = data.inverse_fd(EPS, true).unwrap();
+    assert_near("DfDq", found.df_dq.as_slice(), &[0.0, 0.0, -0.451_399_550_627_229_5, -1.222_097_515_407_583], 1e-8);
+    assert_near("DfDv", found.df_dv.as_slice(), &[0.050_000_000_58, 0.0, 0.289_897_862_16, 0.049_999_999_918], 1e-8);
+    let inertia = [2.000_000_000_28, 0.114_726_328_215_297_71, 0.114_726_327_993_253_11, 0.063_454_431_709_075_72];
+    assert_near("DfDa", found.df_da.as_slice(), &inertia, 1e-8);
+    // The order of the numbers of the inertia matrix is another one there: the full matrices are compared.
+    let mut full = Matrix::zeros(2, 2);
+    // SAFETY: arrays of the model's sizes.
+    unsafe {
+        let row = found.dm_dq.row(1).as_ptr();
+        sys::mj_fullM(data.model().as_ptr(), full.as_mut_slice().as_mut_ptr(), row);
+    }
+    assert_near("DmDq", full.as_slice(), &[0.0, -0.096_632_710_430_699_65, -0.096_632_710_430_699_65, 0.0], 1e-8);
 }

@@ -5,6 +5,7 @@ mod band;
 mod box_qp;
 mod cholesky;
 mod matrices;
+mod newer_engine;
 mod numbers;
 mod quaternion_derivatives;
 mod rotations;
