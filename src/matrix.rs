@@ -37,6 +37,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 
+mod convert;
+
 use std::fmt;
 use std::ops::{Index, IndexMut};
 
@@ -356,35 +358,6 @@ impl fmt::Display for MatrixView<'_> {
     }
 }
 
-impl<'a> From<&'a Matrix> for MatrixView<'a> {
-    #[inline]
-    fn from(matrix: &'a Matrix) -> Self {
-        matrix.view()
-    }
-}
-
-impl<'a> From<&'a MatrixViewMut<'_>> for MatrixView<'a> {
-    #[inline]
-    fn from(matrix: &'a MatrixViewMut<'_>) -> Self {
-        matrix.as_view()
-    }
-}
-
-impl<'a, const N: usize> From<&'a [[f64; N]]> for MatrixView<'a> {
-    /// An array of the engine that has a fixed number of columns, such as `data.cdof()`.
-    #[inline]
-    fn from(rows: &'a [[f64; N]]) -> Self {
-        Self { nrows: rows.len(), ncols: N, values: rows.as_flattened() }
-    }
-}
-
-impl<'a, const R: usize, const N: usize> From<&'a [[f64; N]; R]> for MatrixView<'a> {
-    #[inline]
-    fn from(rows: &'a [[f64; N]; R]) -> Self {
-        Self::from(rows.as_slice())
-    }
-}
-
 /// A matrix in memory of somebody else's, row by row, to be written to.
 #[derive(Debug)]
 pub struct MatrixViewMut<'a> {
@@ -447,34 +420,5 @@ impl<'a> MatrixViewMut<'a> {
     #[inline]
     pub fn transposed_mut(&mut self) -> DMatrixViewMut<'_, f64> {
         DMatrixViewMut::from_slice(self.values, self.ncols, self.nrows)
-    }
-}
-
-impl<'a> From<&'a mut Matrix> for MatrixViewMut<'a> {
-    #[inline]
-    fn from(matrix: &'a mut Matrix) -> Self {
-        Self { nrows: matrix.nrows, ncols: matrix.ncols, values: &mut matrix.values }
-    }
-}
-
-impl<'a> From<&'a mut MatrixViewMut<'_>> for MatrixViewMut<'a> {
-    /// For a shorter time.
-    #[inline]
-    fn from(matrix: &'a mut MatrixViewMut<'_>) -> Self {
-        Self { nrows: matrix.nrows, ncols: matrix.ncols, values: matrix.values }
-    }
-}
-
-impl<'a, const N: usize> From<&'a mut [[f64; N]]> for MatrixViewMut<'a> {
-    #[inline]
-    fn from(rows: &'a mut [[f64; N]]) -> Self {
-        Self { nrows: rows.len(), ncols: N, values: rows.as_flattened_mut() }
-    }
-}
-
-impl<'a, const R: usize, const N: usize> From<&'a mut [[f64; N]; R]> for MatrixViewMut<'a> {
-    #[inline]
-    fn from(rows: &'a mut [[f64; N]; R]) -> Self {
-        Self::from(rows.as_mut_slice())
     }
 }

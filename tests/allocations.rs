@@ -8,9 +8,10 @@ use std::cell::Cell;
 use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 
+use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
 use mujoco_safe::{
-    Controller, Data, Differences, Lqr, LqrWeights, Matrix, Model, PdController, RandomController, StateSpace,
-    StateSpec, Timer, Trajectory, ZeroController, sample,
+    Controller, Data, Differences, InverseJacobians, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
+    StateSpace, StateSpec, Timer, Trajectory, ZeroController, sample,
 };
 use nalgebra::DMatrix;
 
@@ -336,5 +337,41 @@ fn settings_and_statistics() {
         for iteration in data.solver() {
             std::hint::black_box(iteration);
         }
+    });
+}
+
+#[test]
+fn inverse_dynamics_differentiated() {
+    let mut data = squatting();
+    let mut jacobians = InverseJacobians::zeros(data.model());
+    allocates_nothing("inverse_fd_into", || data.inverse_fd_into(1e-6, true, &mut jacobians).unwrap());
+}
+
+#[test]
+fn mathematics() {
+    let data = squatting();
+    let mass = data.full_m().unwrap();
+    let nv = mass.nrows();
+    let (mut factor, mut product) = (mass.clone(), Matrix::zeros(nv, nv));
+    let (mut x, mut res, bound) = (vec![0.5; nv], vec![0.0; nv], vec![0.1; nv]);
+    allocates_nothing("products and factors", || {
+        factor.as_mut_slice().copy_from_slice(mass.as_slice());
+        math::chol_factor(&mut factor, 1e-15).unwrap();
+        math::chol_solve(&mut res, &factor, data.qfrc_bias()).unwrap();
+        math::mul_mat_mat(&mut product, &mass, &factor).unwrap();
+        math::sqr_mat_td(&mut product, &mass, Some(&x)).unwrap();
+    });
+    let mut solver = BoxQp::new(nv);
+    allocates_nothing("BoxQp::solve", || {
+        x.fill(0.0);
+        let solution = solver.solve(&mut x, &mass, data.qfrc_bias(), None, Some(&bound)).unwrap();
+        assert_eq!(solution.status, BoxQpStatus::Solved);
+    });
+    let shape = BandShape::new(nv, 3, 2).unwrap();
+    let mut band = vec![0.0; shape.len()];
+    allocates_nothing("band matrices", || {
+        math::dense2band(&mut band, &mass, shape).unwrap();
+        math::chol_factor_band(&mut band, shape, 100.0, 0.0).unwrap().unwrap();
+        math::chol_solve_band_in_place(&band, &mut res, shape).unwrap();
     });
 }

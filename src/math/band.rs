@@ -126,7 +126,7 @@ fn dot(vec1: &[f64], vec2: &[f64]) -> f64 {
 
 /// Cholesky's factorisation in place of `A + diagadd I + diagmul diag(A)`. Returns the smallest pivot (the square of a number on
 /// the factor's diagonal), or `None` if the matrix is not positive definite: a pivot was below `1e-15` or not a number. Then
-/// `mat` is half factorised. (The engine returns 0 for it.)
+/// `mat` is half factorised. (The engine returns 0 for it. Version 4 returns the root of the pivot.)
 ///
 /// # Errors
 ///

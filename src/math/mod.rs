@@ -44,14 +44,28 @@
 //! function: [`scl_in_place`], [`chol_solve_in_place`], [`chol_solve_band_in_place`], [`symmetrize_in_place`]; [`add_to`] and
 //! [`sub_from`] are in place anyway.
 //!
+//! ```compile_fail,E0502
+//! # use mujoco_safe::{Matrix, math};
+//! let mut mat = Matrix::zeros(2, 2);
+//! math::transpose(&mut mat, &mat).unwrap(); // also borrowed as mutable
+//! ```
+//!
+//! Nor is a matrix taken whose columns lie one behind another, which the engine would read as its transpose:
+//!
+//! ```compile_fail,E0277
+//! # use mujoco_safe::math;
+//! let mat = nalgebra::DMatrix::<f64>::zeros(3, 2);
+//! math::mul_mat_vec(&mut [0.0; 3], &mat, &[1.0, 2.0]).unwrap();
+//! ```
+//!
 //! # What is not here, and what to use instead
 //!
 //! | function | instead |
 //! |---|---|
-//! | `mju_add3`, `mju_dot3`, `mju_norm3`, `mju_copy4`, … | [`nalgebra::Vector3`](crate::nalgebra::Vector3) and arrays; [`cross`] and [`normalize4`] are here |
+//! | `mju_add3`, `mju_dot3`, `mju_norm3`, `mju_copy4`, … | [`nalgebra::Vector3`] and arrays; [`cross`] and [`normalize4`] are here |
 //! | `mju_min`, `mju_max`, `mju_clip`, `mju_sign`, `mju_sqrt`, … | the methods of [`f64`] (its `clamp` panics where the bounds are in the wrong order) |
 //! | `mju_round` | [`f64::round`]; for numbers beyond a C int what the engine does is undefined |
-//! | `mju_printMat` | the `Display` of [`Matrix`](crate::Matrix) and [`MatrixView`](crate::MatrixView): `{matrix:9.3}` |
+//! | `mju_printMat`, `mju_printMatSparse` | the `Display` of [`Matrix`](crate::Matrix) and [`MatrixView`](crate::MatrixView): `{matrix:9.3}` |
 //! | `mju_standardNormal` | the crate `rand_distr`; the engine draws from C's `rand`, which all threads and libraries of a process share, and which cannot be seeded for one of them |
 //! | `mju_type2Str`, `mju_str2Type` | [`Kind`](crate::Kind) |
 //! | `mju_warningText` | [`Warning`](crate::Warning); the engine's text lies in one buffer for all threads |

@@ -59,7 +59,7 @@ pub struct QuatIntegrateDerivative {
     /// By rotations of `quat` in its own frame.
     #[doc(alias = "Dquat")]
     pub dquat: [f64; 9],
-    /// By `vel`.
+    /// By `scale · vel`, as in the engine: the derivative by `vel` is `scale` times it.
     #[doc(alias = "Dvel")]
     pub dvel: [f64; 9],
     /// By `scale`.
@@ -82,7 +82,7 @@ pub fn quat_integrate_derivative(vel: &[f64; 3], scale: f64) -> QuatIntegrateDer
     QuatIntegrateDerivative {
         // exp(δ) exp(φ) = exp(φ) exp(Rᵀ δ), with the rotation matrix R of φ (Rodrigues).
         dquat: combination(&phi, -sinc, first),
-        dvel: combination(&phi, -first, second).map(|value| scale * value),
+        dvel: combination(&phi, -first, second),
         // A rotation commutes with those about its own axis.
         dscale: rot_vec_mat_t(vel, &combination(&phi, sinc, first)),
     }
