@@ -46,6 +46,7 @@ impl std::fmt::Display for Version {
 
 /// The version of the library that is running.
 #[doc(alias = "mj_version")]
+#[doc(alias = "mj_versionString")]
 pub fn engine_version() -> Version {
     // SAFETY: takes nothing and returns a constant.
     Version::from_number(unsafe { mj_version() } as u32)

@@ -353,3 +353,20 @@ fn a_length_range_that_never_settles_is_refused_and_one_that_does_is_found() {
     std::fs::remove_file(&path).unwrap();
     assert!(error.to_string().contains("unstable"), "{error}");
 }
+
+/// The kept inputs: see `tests/regressions/README.md`.
+#[test]
+fn texts_on_which_the_compiler_once_failed_are_refused() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/regressions");
+    let mut tried = 0;
+    for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.extension().is_some_and(|extension| extension == "xml") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let expected = text.strip_prefix("<!-- refused: ").unwrap().split(" -->").next().unwrap();
+            let error = Model::from_xml_path(&path).unwrap_err();
+            assert!(matches!(error, Error::Load { .. }) && error.to_string().contains(expected), "{path:?}: {error}");
+            tried += 1;
+        }
+    }
+    assert!(tried >= 6);
+}

@@ -22,6 +22,7 @@ impl Data {
     /// [`Error::Unstable`] if a position, velocity, control or acceleration is not a number or huge; [`Error::Engine`] if the
     /// engine fails; [`Error::Poisoned`] after such a failure, until a reset.
     #[doc(alias = "mj_step")]
+    #[doc(alias = "mj_checkAcc")]
     #[inline]
     pub fn step(&mut self) -> Result<()> {
         self.check_usable()?;

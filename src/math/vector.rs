@@ -110,6 +110,7 @@ pub fn l1(vec: &[f64]) -> f64 {
 
 /// The Euclidean length `√(vec · vec)`. It overflows where the squares do.
 #[doc(alias = "mju_norm")]
+#[doc(alias = "mju_norm3")]
 #[inline]
 pub fn norm(vec: &[f64]) -> f64 {
     dot_of_equals(vec, vec).sqrt()
@@ -130,6 +131,7 @@ pub fn norm(vec: &[f64]) -> f64 {
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[doc(alias = "mju_dot")]
+#[doc(alias = "mju_dot3")]
 #[inline]
 pub fn dot(vec1: &[f64], vec2: &[f64]) -> Result<f64> {
     Error::check_length("vec2 of dot", vec2.len(), vec1.len())?;
@@ -148,6 +150,7 @@ pub(super) fn dot_of_equals(vec1: &[f64], vec2: &[f64]) -> f64 {
 /// Divides `vec` by its Euclidean length, and returns the length that it had. A vector that is shorter than `1e-15` becomes
 /// `(1, 0, 0, …)`. (An empty one stays empty; the engine would write beyond it.)
 #[doc(alias = "mju_normalize")]
+#[doc(alias = "mju_normalize3")]
 pub fn normalize(vec: &mut [f64]) -> f64 {
     let length = norm(vec);
     if length < mjMINVAL {

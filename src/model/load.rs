@@ -90,7 +90,7 @@ impl Model {
     /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash or to run without end on a few kinds of
     /// hostile input. Those that a look at the text and at the files that it names can see are refused here (textures of billions
     /// of pixels, mesh faces beyond the vertices, files that include each other without end, damaged meshes and skins, a muscle
-    /// whose length range does not settle); the rest is not (bodies by the ten thousand, which take minutes, an image that
+    /// whose length range does not settle); the rest is not (bodies by the ten thousand, which take a while, an image that
     /// unpacks to more than there is memory for, adhesion actuators on more contacts than `njmax` has room for at the start), so
     /// a text from strangers should be compiled in a process of its own.
     ///
@@ -130,6 +130,11 @@ impl Model {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjVFS")]
+    #[doc(alias = "mj_defaultVFS")]
+    #[doc(alias = "mj_addFileVFS")]
+    #[doc(alias = "mj_addBufferVFS")]
+    #[doc(alias = "mj_makeEmptyFileVFS")]
+    #[doc(alias = "mj_deleteVFS")]
     pub fn from_xml_str_with_files(xml: &str, files: &[(&str, &[u8])]) -> Result<Self> {
         engine::ready()?;
         if xml.is_empty() {

@@ -15,7 +15,7 @@ use crate::worker::{PANICKED, REFUSED, WORKED};
 /// Cases in one child.
 const BATCH: u64 = 500;
 /// A case that takes longer hangs.
-const LONGEST_CASE: Duration = Duration::from_secs(10);
+const LONGEST_CASE: Duration = Duration::from_secs(20);
 /// Address space of a child, KiB.
 const MEMORY: u64 = 4 << 20;
 /// A child that does nothing but crash would go on for ever.

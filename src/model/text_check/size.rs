@@ -3,8 +3,8 @@
 use super::asset::MOST_NUMBERS;
 use super::tag::{Tag, numbers};
 
-/// Keyframes, and user numbers of an element: beyond any use, and below what takes all memory.
-const MOST_KEYS: u64 = 100_000;
+/// Keyframes, and user numbers of an element: beyond any use, and below what takes minutes or all memory.
+const MOST_KEYS: u64 = 10_000;
 const MOST_USER: u64 = 10_000;
 /// Numbers in an element of `custom`: the compiler reads them into an array of so many.
 const MOST_CUSTOM: u64 = 500;
