@@ -261,9 +261,9 @@ impl Simulation {
         let Self { options, timestep } = self;
         let is_simulated = |index: usize, model: &Model| {
             let [low, high] = model.actuator_lengthrange()[index];
-            !model.is_left_out(index, options.mode)
-                && !(options.useexisting && low < high)
-                && !(options.uselimit && model.limit_of_transmission(index).is_some())
+            let is_known = (options.useexisting && low < high)
+                || (options.uselimit && model.limit_of_transmission(index).is_some());
+            !is_known && !model.is_left_out(index, options.mode)
         };
         let actuators: Vec<usize> = (0..model.nu()).filter(|&index| is_simulated(index, model)).collect();
         if actuators.is_empty() {

@@ -6,6 +6,7 @@ mod refuse;
 mod save;
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use mujoco_safe::Model;
 use tempfile::TempDir;
@@ -36,6 +37,9 @@ fn bytes(model: &Model) -> Vec<u8> {
     model.to_binary().unwrap()
 }
 
+/// Held while a model is loaded past the library, which replaces the XML tree that the engine keeps for saving.
+static RAW_LOADS: Mutex<()> = Mutex::new(());
+
 /// What the engine itself loads from a path, as bytes.
 fn bytes_in_c(path: &Path) -> Vec<u8> {
     use std::ffi::CString;
@@ -43,6 +47,7 @@ fn bytes_in_c(path: &Path) -> Vec<u8> {
 
     use mujoco_safe::sys::{self, guard};
 
+    let _raw = RAW_LOADS.lock().unwrap_or_else(PoisonError::into_inner);
     let name = CString::new(path.to_str().unwrap()).unwrap();
     let (mut model, mut message) = (ptr::null_mut(), [0; 1000]);
     // SAFETY: the handlers are in place since a model was loaded through the library, whose name is valid; the buffer has the

@@ -99,12 +99,15 @@ fn rays_meet_shapes_where_they_are() {
     for kind in [GeomType::Mesh, GeomType::HeightField] {
         assert!(matches!(from_above(kind), Err(Error::Invalid { .. })));
     }
-    // Rays and shapes of no sense are missed or met, and nothing else.
+    // Shapes of no sense are missed or met, and nothing else; rays of no sense are refused.
     let mut random = random(72);
     for kind in [GeomType::Plane, GeomType::Sphere, GeomType::Capsule, GeomType::Ellipsoid, GeomType::Box] {
         for value in [0.0, f64::NAN, f64::INFINITY, -1.0] {
-            let found = math::ray_geom(&[value; 3], &[value; 9], &[value; 3], &array(&mut random), &[value; 3], kind);
+            let [pnt, vec] = [array(&mut random), array(&mut random)];
+            let found = math::ray_geom(&[value; 3], &[value; 9], &[value; 3], &pnt, &vec, kind);
             assert!(found.unwrap().is_none_or(|distance| distance >= 0.0));
+            let found = math::ray_geom(&[0.0; 3], &upright, &size, &pnt, &[value; 3], kind);
+            assert_eq!(found.is_err(), value != -1.0, "{value}");
         }
     }
 }
