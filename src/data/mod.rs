@@ -9,6 +9,8 @@
 //! | `stability.rs` | states that the engine would silently reset |
 //! | `warning.rs` | the engine's warnings, counted and logged |
 //! | `state.rs` | the state as one vector |
+//! | `keyframe.rs` | the state as a keyframe of the model |
+//! | `print.rs` | all quantities as text |
 //! | `jacobian.rs` | Jacobians of points on bodies |
 //! | `inertia.rs` | the inertia matrix: full, products, solutions |
 //! | `constraint.rs` | products with the Jacobian of the constraints, their cost |
@@ -25,10 +27,12 @@ mod contact;
 mod distance;
 mod inertia;
 mod jacobian;
+mod keyframe;
 mod momentum;
 mod new_contact;
 mod object;
 pub mod pipeline;
+mod print;
 mod ray;
 mod stability;
 mod stage;

@@ -3,11 +3,12 @@
 //!
 //! The models are the two that come with the crate, one that has an element of every kind (`tests/models/zoo.xml`), and those of
 //! the engine's package where that is installed. Controls, forces and velocities are pseudo-random and the same in every run.
-//! `trajectories.rs` steps, `functions.rs`, `forces.rs` and `rays.rs` call what computes something from a state, `views.rs`
+//! `trajectories.rs` steps, `functions.rs`, `forces.rs`, `ranges.rs` and `rays.rs` call what computes something from a state, `views.rs`
 //! reads every field of every kind of element at the address where the engine keeps it.
 
 mod forces;
 mod functions;
+mod ranges;
 mod rays;
 mod trajectories;
 mod twins;
