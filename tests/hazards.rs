@@ -92,3 +92,26 @@ fn a_timestep_with_which_time_does_not_go_on_is_refused() {
 fn a_model_of_every_element_has_none_of_these() {
     Model::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml")).unwrap();
 }
+
+#[test]
+fn a_rangefinder_that_would_read_beyond_a_height_field_is_refused() {
+    for (rows, columns, loads) in [(3, 3, true), (3, 9, true), (9, 3, false)] {
+        let xml = format!(
+            r#"<mujoco>
+                 <asset><hfield name="field" nrow="{rows}" ncol="{columns}" size="1 1 .5 .1"/></asset>
+                 <worldbody>
+                   <geom type="hfield" hfield="field"/>
+                   <site name="eye" pos="3 .9 .2" euler="0 -90 0"/>
+                 </worldbody>
+                 <sensor><rangefinder site="eye"/></sensor>
+               </mujoco>"#
+        );
+        match Model::from_xml_str(&xml) {
+            Ok(model) => {
+                assert!(loads, "{rows} x {columns}");
+                Data::new(model).unwrap().step().unwrap();
+            }
+            Err(error) => assert!(!loads && error.to_string().contains("height field"), "{rows} x {columns}: {error}"),
+        }
+    }
+}

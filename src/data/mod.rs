@@ -10,6 +10,8 @@
 //! | `warning.rs` | the engine's warnings, counted and logged |
 //! | `state.rs` | the state as one vector |
 //! | `statistics.rs` | what the solver did, and how long each part took |
+//! | `keyframe.rs` | the state as a keyframe of the model |
+//! | `print.rs` | all quantities as text |
 //! | `jacobian.rs` | Jacobians of points on bodies |
 //! | `inertia.rs` | the inertia matrix: full, products, solutions |
 //! | `constraint.rs` | products with the Jacobian of the constraints, their cost |
@@ -26,10 +28,12 @@ mod contact;
 mod distance;
 mod inertia;
 mod jacobian;
+mod keyframe;
 mod momentum;
 mod new_contact;
 mod object;
 pub mod pipeline;
+mod print;
 mod ray;
 mod stability;
 mod stage;

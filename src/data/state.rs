@@ -3,9 +3,7 @@
 use bitflags::bitflags;
 
 use super::Data;
-use crate::element::Key;
 use crate::error::{Error, Result};
-use crate::id::{Id, kind};
 use crate::model::Model;
 
 bitflags! {
@@ -154,50 +152,6 @@ impl Data {
             target.copy_from_slice(values);
             rest = after;
         }
-        Ok(())
-    }
-
-    /// Writes time, positions, velocities, activations, mocap poses and controls to a keyframe of this simulation's model, for
-    /// [`reset_to_key`](Self::reset_to_key) and for saving. A model that others share is copied first, so theirs stays as it
-    /// is.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] if there is no such keyframe, and those of
-    /// [`edit_model`](Self::edit_model).
-    ///
-    /// ```
-    /// use mujoco_safe::{Data, sample};
-    ///
-    /// let mut data = Data::new(sample::humanoid())?;
-    /// data.step()?;
-    /// let here = data.physics_state();
-    /// data.set_keyframe("squat")?;
-    /// data.reset()?;
-    /// data.reset_to_key("squat")?;
-    /// assert_eq!(data.physics_state(), here);
-    /// # Ok::<(), mujoco_safe::Error>(())
-    /// ```
-    #[doc(alias = "mj_setKeyframe")]
-    pub fn set_keyframe(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
-        let key: Id<kind::Keyframe> = key.id(self.model())?;
-        let time = self.time();
-        let [qpos, qvel, act] = [self.qpos().to_vec(), self.qvel().to_vec(), self.act().to_vec()];
-        let [mpos, mquat] = [self.mocap_pos().as_flattened(), self.mocap_quat().as_flattened()].map(<[f64]>::to_vec);
-        let ctrl = self.ctrl().to_vec();
-        let computed = self.computed;
-        self.edit_model(|model| {
-            let mut keyframe = model.keyframe_mut(key);
-            keyframe.set_time(time);
-            keyframe.qpos_mut().copy_from_slice(&qpos);
-            keyframe.qvel_mut().copy_from_slice(&qvel);
-            keyframe.act_mut().copy_from_slice(&act);
-            keyframe.mpos_mut().copy_from_slice(&mpos);
-            keyframe.mquat_mut().copy_from_slice(&mquat);
-            keyframe.ctrl_mut().copy_from_slice(&ctrl);
-        })?;
-        // Nothing is computed from keyframes.
-        self.computed = computed;
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! Models that the engine compiles, and then runs out of its arrays with. A binary model is refused by its own check; these
 //! come from valid XML too.
 
-use mujoco_sys::{mjTRN_BODY, mjWRAP_JOINT};
+use mujoco_sys::{mjGEOM_HFIELD, mjSENS_RANGEFINDER, mjTRN_BODY, mjWRAP_JOINT};
 
 use super::Model;
 use crate::ffi;
@@ -35,6 +35,14 @@ impl Model {
             // The engine does not even warn then.
             return Some("an adhesion actuator needs room for constraints, but njmax is 0".to_owned());
         }
+        if self.sensor_type().contains(&(mjSENS_RANGEFINDER as i32))
+            && let Some(geom) = (0..self.ngeom()).find(|&geom| self.is_read_beyond(geom))
+        {
+            return Some(format!(
+                "a rangefinder would read beyond the height field of geom {geom}, which has more rows than columns; turn \
+                     it by 90°"
+            ));
+        }
         self.bad_skin().or_else(|| self.repeated_joint())
     }
 
@@ -67,5 +75,18 @@ impl Model {
                 "the fixed {tendon:?} has the same joint twice; give it once, with the sum of the coefficients"
             ))
         })
+    }
+
+    /// Whether a ray may lead the engine beyond the heights that there are: where a field has more rows than columns, it takes
+    /// the number of rows for the length of one.
+    fn is_read_beyond(&self, geom: usize) -> bool {
+        if self.geom_type()[geom] != mjGEOM_HFIELD as i32 {
+            return false;
+        }
+        let field = ffi::size(self.geom_dataid()[geom]);
+        let (rows, columns) = (ffi::size(self.hfield_nrow()[field]), ffi::size(self.hfield_ncol()[field]));
+        // It reads two neighbours at least.
+        let last = rows.max(2).saturating_sub(1).saturating_mul(rows).saturating_add(columns.max(2));
+        ffi::size(self.hfield_adr()[field]).saturating_add(last) > self.nhfielddata()
     }
 }

@@ -136,7 +136,9 @@ impl ModelMut<'_> {
     /// Finds the length range of an actuator by pulling it to both ends in simulation, writes it to `actuator_lengthrange`, and
     /// returns what is there then. Where the options say that nothing is to be done, nothing is.
     ///
-    /// This is the engine's algorithm step by step. The compiler, when it does the same, switches off contacts, friction loss, passive
+    /// This is the engine's algorithm step by step. Its own function is not called, because in 2.2.2 it does not return for some
+    /// models whose simulation is unstable, and looks up the limits of the wrong joint for all actuators but the first. The
+    /// compiler, when it does the same, switches off contacts, friction loss, passive
     /// forces, gravity and actuation for it; here the options are those of the model.
     ///
     /// # Errors

@@ -1,0 +1,96 @@
+//! Length ranges of actuators.
+
+use mujoco_safe::sys::{self, mjLROpt};
+use mujoco_safe::{LengthRangeMode, LengthRangeOptions, Model};
+
+use crate::twins::{assert_same, c};
+
+const ARM: &str = r#"<mujoco>
+    <option timestep="0.005"><flag gravity="disable" contact="disable"/></option>
+    <worldbody>
+      <site name="anchor" pos="-.1 0 .1"/>
+      <body>
+        <joint name="shoulder" axis="0 1 0" limited="true" range="-90 60" damping="1"/>
+        <geom type="capsule" size=".04" fromto="0 0 0 .5 0 0"/>
+        <site name="arm" pos=".3 0 .05"/>
+        <body pos=".5 0 0">
+          <joint name="elbow" axis="0 1 0" limited="true" range="0 120" damping="1"/>
+          <geom type="capsule" size=".03" fromto="0 0 0 .4 0 0"/>
+          <site name="forearm" pos=".1 0 .04"/>
+        </body>
+      </body>
+    </worldbody>
+    <tendon>
+      <spatial name="long" limited="true" range="0 2"><site site="anchor"/><site site="arm"/><site site="forearm"/></spatial>
+    </tendon>
+    <actuator>
+      <motor name="by tendon" tendon="long" gear="2"/>
+      <motor name="by joint" joint="elbow"/>
+    </actuator>
+  </mujoco>"#;
+
+#[test]
+fn length_ranges_are_the_engines() {
+    let original = Model::from_xml_str(ARM).expect("the arm loads");
+    let mut ranges = Vec::new();
+    for (mode, maxforce, uselimit) in [
+        (LengthRangeMode::All, 0.0, false),
+        (LengthRangeMode::All, 1.0, false),
+        (LengthRangeMode::All, 0.0, true),
+        (LengthRangeMode::Muscle, 0.0, false),
+        (LengthRangeMode::MuscleUser, 0.0, false),
+        (LengthRangeMode::None, 0.0, false),
+    ] {
+        for index in 0..2 {
+            let mut model = original.clone();
+            let options = LengthRangeOptions { mode, maxforce, uselimit, ..Default::default() };
+            let id = model.id_at(index).expect("there are two");
+            let ours = model.edit().set_length_range(id, &options).expect("it settles");
+
+            if uselimit && index == 1 {
+                // The engine takes the limits of another joint, or of none, for every actuator but the first.
+                assert_eq!(ours, model.jnt_range()[1]);
+                continue;
+            }
+
+            // SAFETY: integers and numbers, all of which the engine sets.
+            let mut theirs: mjLROpt = unsafe { std::mem::zeroed() };
+            c!(mj_defaultLROpt(&raw mut theirs));
+            theirs.mode = match mode {
+                LengthRangeMode::None => sys::mjLRMODE_NONE,
+                LengthRangeMode::Muscle => sys::mjLRMODE_MUSCLE,
+                LengthRangeMode::MuscleUser => sys::mjLRMODE_MUSCLEUSER,
+                LengthRangeMode::All => sys::mjLRMODE_ALL,
+            } as i32;
+            (theirs.maxforce, theirs.uselimit) = (maxforce, uselimit.into());
+            let copy = c!(mj_copyModel(std::ptr::null_mut(), original.as_ptr()));
+            let data = c!(mj_makeData(copy));
+            let mut error = [0; 200];
+            let done = c!(mj_setLengthRange(copy, data, index as i32, &raw const theirs, error.as_mut_ptr(), 200));
+            assert_eq!(done, 1);
+            // SAFETY: the model of two actuators, each with a range.
+            let range = unsafe {
+                [*(*copy).actuator_lengthrange.add(2 * index), *(*copy).actuator_lengthrange.add(2 * index + 1)]
+            };
+            c!(mj_deleteData(data));
+            c!(mj_deleteModel(copy));
+            assert_same(&format!("{options:?}, actuator {index}"), &ours, &range);
+            assert_same("what is written", &model.actuator_lengthrange()[index], &range);
+            ranges.push(ours);
+        }
+    }
+    assert!(ranges.iter().filter(|[low, high]| low < high).count() == 5);
+}
+
+#[test]
+fn the_default_options_are_the_engines() {
+    let ours = LengthRangeOptions::default();
+    // SAFETY: integers and numbers, all of which the engine sets.
+    let mut theirs: mjLROpt = unsafe { std::mem::zeroed() };
+    c!(mj_defaultLROpt(&raw mut theirs));
+    assert_eq!((theirs.mode, ours.mode), (sys::mjLRMODE_MUSCLE as i32, LengthRangeMode::Muscle));
+    assert_eq!((theirs.useexisting, theirs.uselimit), (ours.useexisting.into(), ours.uselimit.into()));
+    let numbers = [ours.accel, ours.maxforce, ours.timeconst, ours.inttotal, ours.inteval, ours.tolrange];
+    let expected = [theirs.accel, theirs.maxforce, theirs.timeconst, theirs.inttotal, theirs.inteval, theirs.tolrange];
+    assert_same("defaults", &numbers, &expected);
+}

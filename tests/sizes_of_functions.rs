@@ -1,0 +1,264 @@
+//! One wrong size at a time, rows that are none, and the ids of another model, for what is computed from a state.
+#![forbid(unsafe_code)]
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use mujoco_safe::{Axes, Data, Error, LengthRangeMode, LengthRangeOptions, Matrix, Model, Object, Result, sample};
+
+fn in_contact() -> Data {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    data.forward().unwrap();
+    assert!(data.nefc() > 0);
+    data
+}
+
+#[track_caller]
+fn is_shape(result: Result<()>, name: &str) {
+    match result {
+        Err(Error::Shape { what, .. }) => assert!(what.contains(name), "{what} and not {name}"),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+#[test]
+fn vectors_of_a_wrong_length_are_errors() {
+    let mut data = in_contact();
+    let (nv, nefc) = (data.model().nv(), data.nefc());
+    let (mut dofs, mut rows) = (vec![0.0; nv], vec![0.0; nefc]);
+    let (source, forces) = (dofs.clone(), rows.clone());
+    let body = data.model().bodies().last().unwrap().id();
+    for wrong in [0, 1, nv - 1, nv + 1, 3 * nv] {
+        let mut bad = vec![0.0; wrong];
+        let bad_source = bad.clone();
+        is_shape(data.mul_m2(&mut bad, &source), "the result of mul_m2");
+        is_shape(data.mul_m2(&mut dofs, &bad_source), "the vector of mul_m2");
+        is_shape(data.solve_m2(&mut bad, &source), "the result of solve_m2");
+        is_shape(data.rne(true, &mut bad), "the result of rne");
+        is_shape(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], body, &mut bad), "qfrc_target of apply_ft");
+        is_shape(data.mul_jac_vec(&mut rows, &bad_source), "the vector of mul_jac_vec");
+        is_shape(data.mul_jac_t_vec(&mut bad, &forces), "the result of mul_jac_t_vec");
+    }
+    for wrong in [1, nv - 1, nv + 1] {
+        is_shape(data.solve_m2(&mut vec![0.0; wrong], &vec![0.0; wrong]), "the vector of solve_m2");
+    }
+    for wrong in [0, nefc - 1, nefc + 1] {
+        let mut bad = vec![0.0; wrong];
+        let bad_source = bad.clone();
+        is_shape(data.mul_jac_vec(&mut bad, &source), "the result of mul_jac_vec");
+        is_shape(data.mul_jac_t_vec(&mut dofs, &bad_source), "the vector of mul_jac_t_vec");
+        is_shape(data.constraint_update(&bad_source, true).map(drop), "jar of constraint_update");
+    }
+    let mut qpos = vec![0.0; data.model().nq() + 1];
+    is_shape(data.model().normalize_quat(&mut qpos), "qpos of normalize_quat");
+    is_shape(data.model().normalize_quat(&mut qpos[2..]), "qpos of normalize_quat");
+}
+
+#[test]
+fn matrices_of_a_wrong_shape_are_errors() {
+    let mut data = in_contact();
+    let nv = data.model().nv();
+    let body = data.model().bodies().last().unwrap().id();
+    for (rows, columns) in [(3, nv + 1), (3, nv - 1), (2, nv), (nv, 3), (1, 3 * nv)] {
+        let mut bad = Matrix::zeros(rows, columns);
+        is_shape(data.angmom_mat_into(body, &mut bad), "the matrix of angmom_mat");
+        is_shape(data.jac_point_axis_into(body, [0.0; 3], [0.0; 3], Some(&mut bad), None), "jac_point");
+        is_shape(data.jac_point_axis_into(body, [0.0; 3], [0.0; 3], None, Some(&mut bad)), "jac_axis");
+    }
+    for (rows, columns) in [(nv, nv + 1), (nv + 1, nv), (1, nv * nv), (nv - 1, nv - 1)] {
+        is_shape(data.add_m(&mut Matrix::zeros(rows, columns)), "the sum of add_m");
+    }
+}
+
+#[test]
+fn a_jacobian_of_point_and_axis_may_be_left_out() {
+    let mut data = in_contact();
+    let nv = data.model().nv();
+    let body = data.model().bodies().last().unwrap().id();
+    let [point, axis] = data.jac_point_axis(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0]).unwrap();
+    let mut alone = Matrix::zeros(3, nv);
+    data.jac_point_axis_into(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0], Some(&mut alone), None).unwrap();
+    assert_eq!(alone, point);
+    data.jac_point_axis_into(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0], None, Some(&mut alone)).unwrap();
+    assert_eq!(alone, axis);
+    data.jac_point_axis_into(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0], None, None).unwrap();
+}
+
+/// A change that makes rows bad.
+type Change<'a> = &'a dyn Fn(&mut Rows);
+
+/// A call that must panic.
+type Call = Box<dyn FnMut(&mut Data)>;
+
+/// A sparse matrix of a row for each degree of freedom.
+#[derive(Clone)]
+struct Rows {
+    values: Vec<f64>,
+    rownnz: Vec<i32>,
+    rowadr: Vec<i32>,
+    colind: Vec<i32>,
+}
+
+impl Rows {
+    fn add(mut self, data: &mut Data) -> Result<()> {
+        data.add_m_sparse(&mut self.values, &mut self.rownnz, &self.rowadr, &mut self.colind)
+    }
+}
+
+#[test]
+fn sparse_rows_that_the_engine_would_leave_are_errors() {
+    let mut data = in_contact();
+    let nv = data.model().nv();
+    let good = Rows {
+        values: vec![0.0; nv * nv],
+        rownnz: vec![1; nv],
+        rowadr: (0..nv).map(|row| (row * nv) as i32).collect(),
+        colind: (0..nv * nv).map(|at| (at / nv) as i32).collect(),
+    };
+    good.clone().add(&mut data).unwrap();
+    let changed = |change: Change<'_>| {
+        let mut rows = good.clone();
+        change(&mut rows);
+        rows
+    };
+    is_shape(changed(&|rows| rows.rownnz.truncate(rows.rownnz.len() - 1)).add(&mut data), "rownnz of add_m_sparse");
+    is_shape(changed(&|rows| rows.rownnz.push(0)).add(&mut data), "rownnz of add_m_sparse");
+    is_shape(changed(&|rows| rows.rowadr.truncate(rows.rowadr.len() - 1)).add(&mut data), "rowadr of add_m_sparse");
+    is_shape(changed(&|rows| rows.colind.truncate(rows.colind.len() - 1)).add(&mut data), "colind of add_m_sparse");
+    is_shape(changed(&|rows| rows.values.truncate(rows.values.len() - 1)).add(&mut data), "colind of add_m_sparse");
+    let last = nv - 1;
+    let bad: &[(&str, Change<'_>)] = &[
+        ("negative count", &|rows| rows.rownnz[3] = -1),
+        ("negative address", &|rows| rows.rowadr[3] = -1),
+        ("huge count", &|rows| rows.rownnz[last] = i32::MAX),
+        ("huge address", &|rows| rows.rowadr[last] = i32::MAX),
+        ("rows on top of each other", &|rows| rows.rowadr[4] = rows.rowadr[3]),
+        ("rows in another order", &|rows| rows.rowadr.swap(3, 4)),
+        ("a row without room", &|rows| rows.rowadr[4] = rows.rowadr[3] + 1),
+        ("a last row without room", &|rows| rows.rowadr[last] = (nv * nv) as i32 - 1),
+        ("a column that there is not", &|rows| rows.colind[3 * nv] = nv as i32),
+        ("a negative column", &|rows| rows.colind[3 * nv] = -1),
+        ("a column twice", &|rows| rows.rownnz[3] = 2),
+    ];
+    for (what, change) in bad {
+        let error = changed(change).add(&mut data).unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{what}: {error}");
+    }
+    data.forward().expect("and the data is as good as before");
+}
+
+#[test]
+fn accelerations_of_objects_are_not_those_of_an_earlier_state() {
+    let mut data = in_contact();
+    let torso = Object::Body(data.model().body("torso").unwrap().id());
+    let told = |data: &Data| data.object_acceleration(torso, Axes::World);
+    let error = told(&data).unwrap_err();
+    assert!(error.to_string().contains("object_acceleration needs the results of rne_post_constraint"), "{error}");
+    data.rne_post_constraint().unwrap();
+    told(&data).unwrap();
+    data.forward().unwrap();
+    assert!(matches!(told(&data), Err(Error::NotComputed { .. })));
+    data.step1().unwrap();
+    assert!(matches!(data.rne_post_constraint(), Err(Error::NotComputed { .. })));
+    data.reset().unwrap();
+    assert!(matches!(data.object_velocity(torso, Axes::World), Err(Error::NotComputed { .. })));
+}
+
+#[test]
+fn ids_of_another_model_panic() {
+    let mut data = in_contact();
+    let other = sample::humanoid();
+    let body = other.bodies().last().unwrap().id();
+    let site = Model::from_xml_str("<mujoco><worldbody><site/></worldbody></mujoco>").unwrap();
+    let site = Object::Site(site.sites().next().unwrap().id());
+    let mut matrix = Matrix::zeros(3, data.model().nv());
+    let mut dofs = vec![0.0; data.model().nv()];
+    let mut calls: Vec<(&str, Call)> = vec![
+        ("angmom_mat", Box::new(move |data| drop(data.angmom_mat_into(body, &mut matrix)))),
+        ("jac_point_axis", Box::new(move |data| drop(data.jac_point_axis(body, [0.0; 3], [0.0; 3])))),
+        ("object_velocity", Box::new(move |data| drop(data.object_velocity(Object::Body(body), Axes::World)))),
+        ("object_velocity", Box::new(move |data| drop(data.object_velocity(site, Axes::World)))),
+        ("object_acceleration", Box::new(move |data| drop(data.object_acceleration(site, Axes::Local)))),
+        ("apply_ft", Box::new(move |data| drop(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], body, &mut dofs)))),
+        ("local_to_global", Box::new(move |data| drop(data.local_to_global(body, [0.0; 3], [0.0; 4])))),
+    ];
+    for (name, call) in &mut calls {
+        assert!(catch_unwind(AssertUnwindSafe(|| call(&mut data))).is_err(), "{name}");
+    }
+}
+
+#[test]
+fn a_length_range_that_would_never_be_found_is_an_error() {
+    // The compiler of the engine does not return for such a muscle; without one it is asked for by hand.
+    let xml = r#"<mujoco>
+        <option timestep="0.1"/>
+        <worldbody><body>
+          <joint name="hinge" stiffness="1e7"/><geom size=".1" pos=".1 0 0"/>
+        </body></worldbody>
+        <actuator><motor name="motor" joint="hinge"/></actuator>
+      </mujoco>"#;
+    let mut model = Model::from_xml_str(xml).unwrap();
+    let motor = model.actuator("motor").unwrap().id();
+    let all = LengthRangeOptions { mode: LengthRangeMode::All, ..Default::default() };
+    let before = model.actuator_lengthrange().to_vec();
+    let error = model.edit().set_length_range(motor, &all).unwrap_err();
+    assert!(matches!(error, Error::Unstable(_) | Error::Unsupported(_)), "{error}");
+    assert_eq!(model.actuator_lengthrange(), before);
+
+    assert_eq!(model.edit().set_length_range(motor, &LengthRangeOptions::default()).unwrap(), [0.0; 2], "no muscle");
+    for bad in [
+        LengthRangeOptions { inttotal: f64::INFINITY, ..all },
+        LengthRangeOptions { inttotal: 1e9, ..all },
+        LengthRangeOptions { inttotal: 0.0, ..all },
+        LengthRangeOptions { inteval: 11.0, ..all },
+        LengthRangeOptions { inteval: f64::NAN, ..all },
+        LengthRangeOptions { accel: 0.0, ..all },
+        LengthRangeOptions { maxforce: -1.0, ..all },
+        LengthRangeOptions { timeconst: f64::NAN, ..all },
+        LengthRangeOptions { tolrange: -1.0, ..all },
+    ] {
+        let error = model.edit().set_length_range(motor, &bad).unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{bad:?}: {error}");
+    }
+    for mass in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(model.edit().set_total_mass(mass), Err(Error::Invalid { .. })), "{mass}");
+    }
+}
+
+#[test]
+fn all_quantities_can_be_written_down() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let folder = std::env::temp_dir().join(format!("print_to_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("humanoid.txt");
+    assert!(matches!(data.print_to(&path), Err(Error::NotComputed { call: "print_to", .. })));
+    assert!(!path.exists());
+    data.forward().unwrap();
+    data.print_to(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("QPOS") && text.contains("CFRC_EXT"), "from the first to the last");
+    assert!(matches!(data.print_to(folder.join("missing").join("humanoid.txt")), Err(Error::File { .. })));
+    assert!(matches!(data.print_to("a\0b"), Err(Error::Invalid { .. })));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_keyframe_is_set_in_the_model_of_one_simulation() {
+    let model = std::sync::Arc::new(sample::humanoid());
+    let mut data = Data::new(model.clone()).unwrap();
+    for _ in 0..10 {
+        data.step().unwrap();
+    }
+    data.forward().unwrap();
+    let stage = data.stage();
+    data.set_keyframe(0).unwrap();
+    assert_eq!(data.stage(), stage);
+    let saved = (data.time(), data.physics_state());
+    data.reset_to_key(0).unwrap();
+    assert_eq!((data.time(), data.physics_state()), saved);
+    let mut other = Data::new(model).unwrap();
+    other.reset_to_key(0).unwrap();
+    assert_ne!(other.physics_state(), saved.1, "the model that others have is as before");
+    assert!(matches!(data.set_keyframe("handstand"), Err(Error::NoSuchName { .. })));
+    assert!(matches!(data.set_keyframe(99), Err(Error::NoSuchIndex { .. })));
+}
