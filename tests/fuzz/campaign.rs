@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 
 use crate::fuzz::Target;
 use crate::report::{Counts, Finding, Report};
-use crate::worker::{PANICKED, REFUSED, WORKED};
+use crate::worker::{self, MISBEHAVE, PANICKED, REFUSED, WORKED};
 
-/// Cases in one child.
-const BATCH: u64 = 500;
+/// Cases in one child: each child has to load its models anew.
+const LARGEST_BATCH: u64 = 5000;
 /// A case that takes longer hangs.
 const LONGEST_CASE: Duration = Duration::from_secs(20);
 /// Address space of a child, KiB.
@@ -62,6 +62,28 @@ impl Campaign {
         Ok(campaign)
     }
 
+    /// Whether each thing that a child must not do is found.
+    pub fn finds_what_there_is() -> bool {
+        let folder = Folder::new(MISBEHAVE);
+        let (counts, mut findings) = run_batch(MISBEHAVE, 0..worker::MISDEEDS, &folder.0, Duration::from_secs(3));
+        findings.sort_by_key(|(seed, _)| *seed);
+        let expected = [
+            (1, Finding::Crash { signal: 6 }),
+            (2, Finding::Exit { code: 3 }),
+            (3, Finding::Panic),
+            (4, Finding::Print),
+            (5, Finding::StandardInput),
+            (5, Finding::Exit { code: 1 }),
+            (6, Finding::Hang),
+        ];
+        let found =
+            findings == expected && counts.cases == worker::MISDEEDS && folder.unexpected() == ["MUJOCO_LOG.TXT"];
+        if !found {
+            println!("the harness found {findings:?} in {} cases, and files {:?}", counts.cases, folder.unexpected());
+        }
+        found
+    }
+
     pub fn run(self) -> ExitCode {
         let mut failed = false;
         println!("{}", Report::HEADING);
@@ -77,8 +99,9 @@ impl Campaign {
         let start = Instant::now();
         let seeds = self.first..self.first.saturating_add(cases);
         let next = Mutex::new(seeds.start);
+        let batch_size = (cases / (4 * self.jobs as u64)).clamp(1, LARGEST_BATCH);
         let report = Mutex::new(Report::new(target));
-        let folder = Folder::new(target);
+        let folder = Folder::new(target.name());
         let bar = if self.progress { indicatif::ProgressBar::new(cases) } else { indicatif::ProgressBar::hidden() };
         let style = indicatif::ProgressStyle::with_template("{prefix:10} {bar:30} {pos}/{len} {eta} {msg}");
         bar.set_style(style.expect("the template is valid"));
@@ -90,13 +113,13 @@ impl Campaign {
                         let batch = {
                             let mut next = next.lock().unwrap_or_else(PoisonError::into_inner);
                             let first = *next;
-                            *next = seeds.end.min(first.saturating_add(BATCH));
+                            *next = seeds.end.min(first.saturating_add(batch_size));
                             first..*next
                         };
                         if batch.is_empty() {
                             break;
                         }
-                        let (counts, findings) = run_batch(target, batch.clone(), &folder.0);
+                        let (counts, findings) = run_batch(target.name(), batch.clone(), &folder.0, LONGEST_CASE);
                         let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
                         report.add(&counts, findings);
                         bar.inc(batch.end - batch.start);
@@ -120,8 +143,8 @@ impl Campaign {
 struct Folder(PathBuf);
 
 impl Folder {
-    fn new(target: Target) -> Self {
-        let path = std::env::temp_dir().join(format!("mujoco_safe_fuzz_{}_{}", target.name(), std::process::id()));
+    fn new(target: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mujoco_safe_fuzz_{target}_{}", std::process::id()));
         std::fs::create_dir_all(&path).expect("no temporary folder");
         Self(path)
     }
@@ -139,10 +162,11 @@ impl Drop for Folder {
 }
 
 /// Runs the cases in as many children as it takes.
-fn run_batch(target: Target, mut seeds: Range<u64>, folder: &Path) -> (Counts, Vec<(u64, Finding)>) {
+fn run_batch(target: &str, mut seeds: Range<u64>, folder: &Path, longest: Duration) -> (Counts, Vec<(u64, Finding)>) {
     let (mut counts, mut findings) = (Counts::default(), Vec::new());
     while !seeds.is_empty() && findings.len() < MOST_FINDINGS {
-        let end = run_child(target, seeds.clone(), folder, &mut counts, &mut findings).expect("no child process");
+        let end =
+            run_child(target, seeds.clone(), folder, longest, &mut counts, &mut findings).expect("no child process");
         seeds.start = end;
     }
     (counts, findings)
@@ -150,9 +174,10 @@ fn run_batch(target: Target, mut seeds: Range<u64>, folder: &Path) -> (Counts, V
 
 /// Runs cases in a child, and returns the first that has not been run.
 fn run_child(
-    target: Target,
+    target: &str,
     seeds: Range<u64>,
     folder: &Path,
+    longest: Duration,
     counts: &mut Counts,
     findings: &mut Vec<(u64, Finding)>,
 ) -> io::Result<u64> {
@@ -165,7 +190,7 @@ fn run_child(
     let mut child = Command::new("sh")
         .args(["-c", &format!("ulimit -c 0; ulimit -v {MEMORY}; exec \"$0\" \"$@\"")])
         .arg(std::env::current_exe()?)
-        .args(["worker", target.name(), &seeds.start.to_string(), &seeds.end.to_string()])
+        .args(["worker", target, &seeds.start.to_string(), &seeds.end.to_string()])
         .current_dir(folder)
         .stdin(stdin)
         .stdout(Stdio::piped())
@@ -176,7 +201,7 @@ fn run_child(
     let mut hangs = false;
     let mut slowest = Instant::now();
     while seed < seeds.end {
-        match marks.recv_timeout(LONGEST_CASE) {
+        match marks.recv_timeout(longest) {
             Ok(mark) => {
                 match mark {
                     WORKED => counts.worked += 1,

@@ -28,6 +28,10 @@ fn main() -> ExitCode {
     let target = |name: &str| Target::ALL.into_iter().find(|target| target.name() == name);
     let number = |text: &str| text.parse::<u64>().unwrap_or_else(|error| panic!("{text}: {error}"));
     match words[..] {
+        ["worker", worker::MISBEHAVE, first, end] => {
+            worker::misbehave(number(first)..number(end));
+            ExitCode::SUCCESS
+        }
         ["worker", name, first, end] => {
             worker::work(target(name).expect("an unknown target"), number(first)..number(end));
             ExitCode::SUCCESS
@@ -61,6 +65,9 @@ fn bounded(words: &[&str]) -> ExitCode {
     if words.contains(&"--ignored") || filter.is_some_and(|(_, filter)| !"fuzz".contains(filter)) {
         println!("fuzz: nothing to run");
         return ExitCode::SUCCESS;
+    }
+    if !Campaign::finds_what_there_is() {
+        return ExitCode::FAILURE;
     }
     Campaign::bounded().run()
 }

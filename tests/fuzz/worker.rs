@@ -1,6 +1,6 @@
 //! The child: runs cases one after the other, and tells after each how it went.
 
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -11,13 +11,41 @@ pub const WORKED: u8 = 1;
 pub const REFUSED: u8 = 2;
 pub const PANICKED: u8 = 3;
 
+/// The name of a target that does all that a child must not do, to see that it is found.
+pub const MISBEHAVE: &str = "misbehave";
+/// How many cases it has.
+pub const MISDEEDS: u64 = 8;
+
 pub fn work(target: Target, seeds: Range<u64>) {
+    run(seeds, |seed| target.run(&target.bytes(seed), &mut |_| ()));
+}
+
+pub fn misbehave(seeds: Range<u64>) {
+    run(seeds, |seed| {
+        match seed {
+            1 => std::process::abort(),
+            2 => std::process::exit(3),
+            3 => panic!("on purpose"),
+            4 => print!("a"),
+            // What the engine does with an error that no one handles.
+            5 => {
+                std::fs::write("MUJOCO_LOG.TXT", "ERROR").expect("the folder is there");
+                std::io::stdin().read_exact(&mut [0]).expect("there is a byte");
+                std::process::exit(1);
+            }
+            6 => std::thread::sleep(std::time::Duration::from_secs(600)),
+            _ => {}
+        }
+        Verdict::Worked
+    });
+}
+
+fn run(seeds: Range<u64>, case: impl Fn(u64) -> Verdict) {
     // Panics that are expected would fill the terminal.
     std::panic::set_hook(Box::new(|_| ()));
-    let mut output = std::io::stdout().lock();
+    let mut output = std::io::stdout();
     for seed in seeds {
-        let bytes = target.bytes(seed);
-        let mark = match catch_unwind(AssertUnwindSafe(|| target.run(&bytes, &mut |_| ()))) {
+        let mark = match catch_unwind(AssertUnwindSafe(|| case(seed))) {
             Ok(Verdict::Worked) => WORKED,
             Ok(Verdict::Refused) => REFUSED,
             Err(_) => PANICKED,

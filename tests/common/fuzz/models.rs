@@ -86,7 +86,7 @@ pub(super) fn all() -> &'static [Source] {
         ];
         all.extend(TINY.map(|(name, text)| here(name, 80, text)));
         for (name, share) in
-            [("slider_crank/slider_crank.xml", 10), ("tendon_arm/arm26.xml", 10), ("adhesion/active_adhesion.xml", 3)]
+            [("slider_crank/slider_crank.xml", 4), ("tendon_arm/arm26.xml", 4), ("adhesion/active_adhesion.xml", 3)]
         {
             let path = Path::new(sample::SYSTEM_MODELS).join(name);
             if path.exists() {
