@@ -204,23 +204,6 @@ impl Data {
     }
 }
 
-impl Model {
-    /// The first geom of a height field of which the engine's rays read other numbers than they should: it takes the number of
-    /// rows for that of columns, which leads beyond the field where there are more of them.
-    pub(crate) fn misread_height_field(&self) -> Option<usize> {
-        if self.nhfield() == 0 {
-            return None;
-        }
-        (0..self.ngeom()).find(|&geom| self.geom_type()[geom] == mjGEOM_HFIELD as i32 && self.is_misread(geom))
-    }
-
-    fn is_misread(&self, geom: usize) -> bool {
-        let field = ffi::size(self.geom_dataid()[geom]);
-        let (rows, columns) = (self.hfield_nrow()[field], self.hfield_ncol()[field]);
-        rows > columns || rows < 2 || columns < 2
-    }
-}
-
 /// The engine's -1 is nothing.
 fn met(distance: f64) -> Option<f64> {
     Some(distance).filter(|&distance| distance >= 0.0)

@@ -36,7 +36,7 @@ impl Model {
             return Some("an adhesion actuator needs room for constraints, but njmax is 0".to_owned());
         }
         if self.sensor_type().contains(&(mjSENS_RANGEFINDER as i32))
-            && let Some(geom) = (0..self.ngeom()).find(|&geom| self.is_read_beyond(geom))
+            && let Some(geom) = self.misread_height_field()
         {
             return Some(format!(
                 "a rangefinder would read beyond the height field of geom {geom}, which has more rows than columns; turn \
@@ -77,16 +77,19 @@ impl Model {
         })
     }
 
-    /// Whether a ray may lead the engine beyond the heights that there are: where a field has more rows than columns, it takes
-    /// the number of rows for the length of one.
-    fn is_read_beyond(&self, geom: usize) -> bool {
+    /// Whether rays that meet the walls of this geom, if it is a height field, lead the engine beyond the heights that there are:
+    /// it takes the number of rows for the length of one, and reads two neighbours in each direction.
+    pub(crate) fn is_misread(&self, geom: usize) -> bool {
         if self.geom_type()[geom] != mjGEOM_HFIELD as i32 {
             return false;
         }
         let field = ffi::size(self.geom_dataid()[geom]);
-        let (rows, columns) = (ffi::size(self.hfield_nrow()[field]), ffi::size(self.hfield_ncol()[field]));
-        // It reads two neighbours at least.
-        let last = rows.max(2).saturating_sub(1).saturating_mul(rows).saturating_add(columns.max(2));
-        ffi::size(self.hfield_adr()[field]).saturating_add(last) > self.nhfielddata()
+        let (rows, columns) = (self.hfield_nrow()[field], self.hfield_ncol()[field]);
+        rows > columns || rows < 2 || columns < 2
+    }
+
+    /// The first geom for which that is so.
+    pub(crate) fn misread_height_field(&self) -> Option<usize> {
+        if self.nhfield() == 0 { None } else { (0..self.ngeom()).find(|&geom| self.is_misread(geom)) }
     }
 }
