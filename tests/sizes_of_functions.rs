@@ -262,3 +262,59 @@ fn a_keyframe_is_set_in_the_model_of_one_simulation() {
     assert!(matches!(data.set_keyframe("handstand"), Err(Error::NoSuchName { .. })));
     assert!(matches!(data.set_keyframe(99), Err(Error::NoSuchIndex { .. })));
 }
+
+#[test]
+fn models_without_degrees_of_freedom_work_in_every_call() {
+    for xml in ["<mujoco/>", "<mujoco><worldbody><geom size='1'/><body><geom size='1'/></body></worldbody></mujoco>"] {
+        let mut data = Data::new(Model::from_xml_str(xml).unwrap()).unwrap();
+        let world = data.model().bodies().next().unwrap().id();
+        for parts in [
+            [Data::kinematics, Data::com_pos, Data::camlight, Data::compute_tendon, Data::compute_crb, Data::factor_m],
+            [
+                Data::collision,
+                Data::make_constraint,
+                Data::transmission,
+                Data::project_constraint,
+                Data::compute_ten_velocity,
+                Data::compute_actuator_velocity,
+            ],
+            [
+                Data::com_vel,
+                Data::passive,
+                Data::reference_constraint,
+                Data::compute_qfrc_bias,
+                Data::fwd_actuation,
+                Data::fwd_acceleration,
+            ],
+            [
+                Data::fwd_constraint,
+                Data::subtree_vel,
+                Data::rne_post_constraint,
+                Data::compare_fwd_inv,
+                Data::sensor_acc,
+                Data::energy_vel,
+            ],
+        ] {
+            for part in parts {
+                part(&mut data).unwrap();
+            }
+        }
+        data.object_acceleration(Object::BodyInertia(world), Axes::World).unwrap();
+        data.mul_m2(&mut [], &[]).unwrap();
+        data.solve_m2(&mut [], &[]).unwrap();
+        data.rne(true, &mut []).unwrap();
+        data.mul_jac_vec(&mut [], &[]).unwrap();
+        data.mul_jac_t_vec(&mut [], &[]).unwrap();
+        assert_eq!(data.constraint_update(&[], true).unwrap(), 0.0);
+        data.add_m(&mut Matrix::zeros(0, 0)).unwrap();
+        data.add_m_sparse(&mut [], &mut [], &[], &mut []).unwrap();
+        assert_eq!(data.angmom_mat(world).unwrap().shape(), (3, 0));
+        assert_eq!(data.jac_point_axis(world, [0.0; 3], [1.0; 3]).unwrap()[0].shape(), (3, 0));
+        data.apply_ft([1.0; 3], [1.0; 3], [0.0; 3], world, &mut []).unwrap();
+        data.object_velocity(Object::Body(world), Axes::Local).unwrap();
+        data.local_to_global(world, [1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        data.ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0], &mujoco_safe::RayOptions::default()).unwrap();
+        data.euler().unwrap();
+        assert!(data.model().total_mass() >= 0.0);
+    }
+}
