@@ -60,6 +60,7 @@
 
 pub mod callback;
 pub mod control;
+pub mod cookbook;
 pub mod coverage;
 pub mod data;
 pub mod derivative;

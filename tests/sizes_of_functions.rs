@@ -299,7 +299,7 @@ fn models_without_degrees_of_freedom_work_in_every_call() {
                 part(&mut data).unwrap();
             }
         }
-        data.object_acceleration(Object::BodyInertia(world), Axes::World).unwrap();
+        data.object_acceleration(Frame::BodyInertia(world), Axes::World).unwrap();
         data.mul_m2(&mut [], &[]).unwrap();
         data.solve_m2(&mut [], &[]).unwrap();
         data.rne(true, &mut []).unwrap();
@@ -311,7 +311,7 @@ fn models_without_degrees_of_freedom_work_in_every_call() {
         assert_eq!(data.angmom_mat(world).unwrap().shape(), (3, 0));
         assert_eq!(data.jac_point_axis(world, [0.0; 3], [1.0; 3]).unwrap()[0].shape(), (3, 0));
         data.apply_ft([1.0; 3], [1.0; 3], [0.0; 3], world, &mut []).unwrap();
-        data.object_velocity(Object::Body(world), Axes::Local).unwrap();
+        data.object_velocity(Frame::Body(world), Axes::Local).unwrap();
         data.local_to_global(world, [1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
         data.ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0], &mujoco_safe::RayOptions::default()).unwrap();
         data.euler().unwrap();

@@ -1,0 +1,249 @@
+//! Whole programs for what comes up in every project, each of which runs as a test.
+//!
+//! # A body that is moved by hand, and a grasp
+//!
+//! A mocap body goes where the program puts it. A weld that is switched on and off makes it a gripper.
+//!
+//! ```
+//! use mujoco_safe::{Data, Model};
+//!
+//! let model = Model::from_xml_str(
+//!     r#"<mujoco>
+//!          <worldbody>
+//!            <geom type="plane" size="1 1 .1"/>
+//!            <body name="hand" mocap="true" pos="0 0 .3"><geom size=".02" contype="0" conaffinity="0"/></body>
+//!            <body name="cube" pos="0 0 .05"><freejoint/><geom type="box" size=".05 .05 .05" mass=".2"/></body>
+//!          </worldbody>
+//!          <equality><weld name="grasp" body1="hand" body2="cube" relpose="0 0 -.07 1 0 0 0" active="false"/></equality>
+//!        </mujoco>"#,
+//! )?;
+//! let mut data = Data::new(model)?;
+//! data.body_mut("hand")?.mocap_pos_mut().expect("a mocap body")[2] = 0.12;
+//! data.edit_model(|model| model.equality_mut("grasp").map(|mut grasp| grasp.set_active(true)))??;
+//! for step in 0..500 {
+//!     data.body_mut("hand")?.mocap_pos_mut().expect("a mocap body")[2] = 0.12 + 0.001 * f64::from(step);
+//!     data.step()?;
+//! }
+//! assert!(data.body("cube")?.xpos()[2] > 0.4);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Inverse kinematics with a Jacobian
+//!
+//! Damped least squares: `dq = Jᵀ (J Jᵀ + λ² I)⁻¹ e` (Buss, *Introduction to inverse kinematics with Jacobian transpose,
+//! pseudoinverse and damped least squares methods*, 2009). A [`Matrix`](crate::Matrix) lends nalgebra its transpose without a
+//! copy.
+//!
+//! ```
+//! use mujoco_safe::{Data, Model, nalgebra::{Matrix3, Vector3}};
+//!
+//! let model = Model::from_xml_str(
+//!     r#"<mujoco>
+//!          <worldbody>
+//!            <body><joint name="shoulder" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .4 0 0" size=".03"/>
+//!              <body pos=".4 0 0"><joint name="elbow" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .4 0 0" size=".03"/>
+//!                <site name="tip" pos=".4 0 0"/>
+//!              </body>
+//!            </body>
+//!          </worldbody>
+//!        </mujoco>"#,
+//! )?;
+//! let tip = model.site("tip")?.id();
+//! let mut data = Data::new(model)?;
+//! data.qpos_mut().copy_from_slice(&[-0.5, 1.0]);
+//! let target = Vector3::new(0.4, 0.0, 0.3);
+//! for _ in 0..100 {
+//!     data.fwd_position()?;
+//!     let error = target - Vector3::from(*data.site(tip).xpos());
+//!     let jacobian = data.jac_site(tip)?.translation;
+//!     let j = jacobian.transposed(); // (nv, 3): a view
+//!     let damped = j.tr_mul(&j) + 1e-4 * nalgebra::DMatrix::<f64>::identity(3, 3);
+//!     # use mujoco_safe::nalgebra;
+//!     let dq = &j * damped.lu().solve(&error).expect("it is damped");
+//!     let model = data.model().clone();
+//!     model.integrate_pos(data.qpos_mut(), dq.as_slice(), 1.0)?;
+//! }
+//! data.fwd_position()?;
+//! assert!((target - Vector3::from(*data.site(tip).xpos())).norm() < 1e-4);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Gravity compensation
+//!
+//! What holds a robot where it is: the bias force at rest, through whatever actuators there are.
+//!
+//! ```
+//! use mujoco_safe::{Data, Model};
+//!
+//! let model = Model::from_xml_str(
+//!     r#"<mujoco>
+//!          <worldbody><body>
+//!            <joint name="hinge" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .5 0 0" size=".03"/>
+//!          </body></worldbody>
+//!          <actuator><motor joint="hinge"/></actuator>
+//!        </mujoco>"#,
+//! )?;
+//! let mut data = Data::new(model)?;
+//! for _ in 0..1000 {
+//!     data.step1()?; // what depends on positions and velocities
+//!     let force = data.qfrc_bias()[0];
+//!     data.ctrl_mut()[0] = force;
+//!     data.step2()?;
+//! }
+//! assert!(data.qpos()[0].abs() < 1e-9);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # A push, and the contact forces that hold against it
+//!
+//! ```
+//! use mujoco_safe::{Data, Model};
+//!
+//! let model = Model::from_xml_str(
+//!     r#"<mujoco>
+//!          <worldbody>
+//!            <geom name="floor" type="plane" size="5 5 .1"/>
+//!            <body name="box" pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1" mass="2"/></body>
+//!          </worldbody>
+//!        </mujoco>"#,
+//! )?;
+//! let mut data = Data::new(model)?;
+//! data.body_mut("box")?.xfrc_applied_mut()[0] = 5.0; // N, along x; stays until it is changed
+//! for _ in 0..500 {
+//!     data.step()?;
+//! }
+//! let mut total = [0.0; 3];
+//! for contact in data.contacts() {
+//!     let force = contact.force_in_world()?; // on the second geom, the box
+//!     (0..3).for_each(|axis| total[axis] += force[axis]);
+//! }
+//! assert!((total[0] + 5.0).abs() < 0.1, "friction: {total:?}");
+//! assert!((total[2] - 2.0 * 9.81).abs() < 0.1, "the floor: {total:?}");
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # A lidar
+//!
+//! ```
+//! use mujoco_safe::{Data, Model, RayOptions};
+//!
+//! let model = Model::from_xml_str(
+//!     r#"<mujoco>
+//!          <worldbody>
+//!            <geom name="wall" type="box" pos="2 0 .5" size=".1 3 .5"/>
+//!            <body name="robot" pos="0 0 .2"><freejoint/><geom size=".1"/><site name="lidar"/></body>
+//!          </worldbody>
+//!        </mujoco>"#,
+//! )?;
+//! let mut data = Data::new(model)?;
+//! data.forward()?;
+//! let directions: Vec<[f64; 3]> = (-45..=45).map(|degrees| f64::from(degrees).to_radians()).map(|a| [a.cos(), a.sin(), 0.0]).collect();
+//! let options = RayOptions { bodyexclude: Some(data.model().body("robot")?.id()), ..RayOptions::default() };
+//! let mut hits = vec![None; directions.len()];
+//! let origin = *data.site("lidar")?.xpos();
+//! data.multi_ray(origin, &directions, 10.0, &options, &mut hits)?;
+//! let ahead = hits[45].expect("a wall");
+//! assert!((ahead.distance - 1.9).abs() < 1e-9);
+//! assert_eq!(data.geom(ahead.geom).name(), Some("wall"));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Sensors by name
+//!
+//! ```
+//! use mujoco_safe::{Data, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! data.forward()?;
+//! for sensor in data.sensors() {
+//!     let description = sensor.in_model();
+//!     println!("{:?}: {:?}, {} numbers, {:?}", sensor.name(), description.sensor_type(), description.dim(), sensor.data());
+//! }
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Many variations of one model
+//!
+//! A clone has the ids of its original. What a change of masses or positions has to do with derived constants is brought up to
+//! date by [`update_constants`](crate::ModelMut::update_constants).
+//!
+//! ```
+//! use mujoco_safe::{Data, sample};
+//!
+//! let model = sample::cartpole();
+//! let pole = model.body("pole")?.id();
+//! let hinge = model.joint("hinge")?.id();
+//! let mut leaning = Vec::new();
+//! for scale in [0.8, 1.0, 1.2] {
+//!     let mut variation = model.clone();
+//!     let mut edit = variation.edit();
+//!     let mass = edit.body(pole).mass();
+//!     edit.body_mut(pole).set_mass(scale * mass);
+//!     edit.joint_mut(hinge).damping_mut()[0] *= scale;
+//!     edit.update_constants()?;
+//!     let mut data = Data::new(variation)?;
+//!     data.joint_mut(hinge).qpos_mut()[0] = 0.1;
+//!     (0..20).try_for_each(|_| data.step())?;
+//!     leaning.push(data.joint(hinge).qpos()[0]);
+//! }
+//! assert!(leaning.iter().all(|angle| *angle > 0.1));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Back to where it was, bit for bit
+//!
+//! ```
+//! use mujoco_safe::{Data, StateSpec, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! let mut saved = data.state(StateSpec::INTEGRATION); // all that the next step depends on
+//! (0..10).try_for_each(|_| data.step())?;
+//! let first = data.qpos().to_vec();
+//! data.set_state(StateSpec::INTEGRATION, &saved)?;
+//! (0..10).try_for_each(|_| data.step())?;
+//! assert_eq!(data.qpos(), first);
+//! data.state_into(StateSpec::INTEGRATION, &mut saved)?; // into the same vector
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Several simulations at once
+//!
+//! A model is shared, each thread has a simulation of its own.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use mujoco_safe::{Data, sample};
+//!
+//! let model = Arc::new(sample::cartpole());
+//! let angles = std::thread::scope(|scope| {
+//!     let threads: Vec<_> = (0..4)
+//!         .map(|thread| {
+//!             let model = model.clone();
+//!             scope.spawn(move || -> mujoco_safe::Result<f64> {
+//!                 let mut data = Data::new(model)?;
+//!                 data.ctrl_mut()[0] = f64::from(thread);
+//!                 (0..50).try_for_each(|_| data.step())?;
+//!                 Ok(data.qpos()[1])
+//!             })
+//!         })
+//!         .collect();
+//!     threads.into_iter().map(|thread| thread.join().expect("no panic")).collect::<Result<Vec<_>, _>>()
+//! })?;
+//! assert!(angles.windows(2).all(|pair| pair[1] < pair[0])); // the more push to the right, the more lean to the left
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Numbers and texts of one's own in a model
+//!
+//! ```
+//! use mujoco_safe::Model;
+//!
+//! let model = Model::from_xml_str(
+//!     r#"<mujoco>
+//!          <custom><numeric name="gains" data="10 2.5"/><text name="author" data="me"/></custom>
+//!        </mujoco>"#,
+//! )?;
+//! assert_eq!(model.numeric("gains")?.data(), [10.0, 2.5]);
+//! assert_eq!(model.text("author")?.data(), "me");
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
