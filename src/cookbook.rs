@@ -229,7 +229,7 @@
 //!         .collect();
 //!     threads.into_iter().map(|thread| thread.join().expect("no panic")).collect::<Result<Vec<_>, _>>()
 //! })?;
-//! assert!(angles.windows(2).all(|pair| pair[1] < pair[0])); // the more push to the right, the more lean to the left
+//! assert!(angles.windows(2).all(|pair| pair[1].abs() > pair[0].abs())); // the more push, the more lean
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
