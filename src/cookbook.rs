@@ -221,8 +221,8 @@
 //!             let model = model.clone();
 //!             scope.spawn(move || -> mujoco_safe::Result<f64> {
 //!                 let mut data = Data::new(model)?;
-//!                 data.ctrl_mut()[0] = f64::from(thread);
-//!                 (0..50).try_for_each(|_| data.step())?;
+//!                 data.ctrl_mut()[0] = 0.1 * f64::from(thread);
+//!                 (0..20).try_for_each(|_| data.step())?;
 //!                 Ok(data.qpos()[1])
 //!             })
 //!         })

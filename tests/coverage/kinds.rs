@@ -87,7 +87,7 @@ fn the_page_of_kinds_is_up_to_date() {
         let beyond: Vec<String> =
             fields.iter().filter(|field| !known.contains(field.as_str())).map(|field| format!("`{field}`")).collect();
         if !beyond.is_empty() {
-            let _ = write!(page, "{}Beyond it: {}.\n", if reference.is_empty() { "" } else { "\n" }, beyond.join(", "));
+            let _ = writeln!(page, "{}Beyond it: {}.", if reference.is_empty() { "" } else { "\n" }, beyond.join(", "));
         }
     }
     is_committed("kinds.md", &page);
