@@ -76,6 +76,7 @@ mod id;
 pub mod math;
 pub mod matrix;
 pub mod model;
+pub mod promises;
 pub mod sample;
 #[cfg(feature = "serde")]
 mod serialise;

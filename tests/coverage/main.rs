@@ -6,6 +6,7 @@
 mod fields;
 mod functions;
 mod kinds;
+mod promises;
 
 use std::path::{Path, PathBuf};
 

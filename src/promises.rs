@@ -1,0 +1,3 @@
+//! What this crate promises.
+//!
+#![doc = include_str!("../docs/promises.md")]
