@@ -33,15 +33,19 @@
 //! ```
 //!
 //! - [`Model`]: what is simulated. Loaded from MJCF, URDF or MJB, constant once it is shared, changed through
-//!   [`Model::edit`] before and [`Data::edit_model`] after.
+//!   [`Model::edit`] before and [`Data::edit_model`] after. [`Options`], [`Visual`] and [`Statistics`] are typed and checked.
 //! - [`Data`]: a simulation. Every array of the engine is a method of the engine's name: [`Data::qpos`],
 //!   [`Data::ctrl_mut`], [`Data::xfrc_applied_mut`], [`Model::body_mass`]. So is every function: `mj_step` is
 //!   [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]; the search of this documentation finds them by their C names.
-//! - [`element`]: one joint, body, sensor, … by its name.
-//! - [`Matrix`]: row-major, as the engine writes, and nalgebra's view of it without a copy.
+//! - [`element`]: one joint, body, sensor, … by its name: all 21 kinds.
+//! - [`Matrix`]: row-major, as the engine writes, and nalgebra's view of it without a copy. [`math`] is the engine's own.
+//! - [`callback`]: closures in the middle of a step.
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR.
 //! - [`Trajectory`]: what was recorded.
 //! - [`sample`]: models to begin with.
+//!
+//! And to read: [`cookbook`] has whole programs, [`promises`] says what can be relied on and how it is tested, [`coverage`] where
+//! each function, field and kind of the engine is. [`Model::field_docs`] says what a field means.
 //!
 //! # Promises
 //!
@@ -52,6 +56,11 @@
 //!
 //! What only a mistake in the program can get wrong, such as the id of another model, panics. Nothing that is called in a
 //! control loop allocates, unless its name says so by returning a `Vec` or a [`Matrix`].
+//!
+//! # Features
+//!
+//! None is on by default. `npz`: trajectories to and from NumPy's files. `serde`: options, states, matrices and trajectories as
+//! plain data, in any of serde's formats.
 //!
 //! # Units and conventions
 //!
