@@ -3,8 +3,6 @@
 
 #![forbid(unsafe_code)]
 
-use std::path::PathBuf;
-
 use mujoco_safe::{Callbacks, Data, DisableFlags, Model, sample};
 
 /// The geoms and the distance of each contact.
@@ -16,12 +14,9 @@ fn contacts(data: &Data) -> Contacts {
 
 /// The engine's sample models, as far as they are installed, and our own.
 fn models() -> Vec<Model> {
-    let folders = std::fs::read_dir("/usr/share/mujoco/model").into_iter().flatten().flatten();
-    let files = folders.flat_map(|folder| std::fs::read_dir(folder.path()).into_iter().flatten().flatten());
-    let xml = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "xml");
-    let loaded = files.map(|file| file.path()).filter(xml).filter_map(|path| Model::from_xml_path(path).ok());
+    let installed = sample::system_models().into_iter().filter_map(|path| Model::from_xml_path(path).ok());
     let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
-    loaded.chain([sample::humanoid(), Model::from_xml_path(every_element).unwrap()]).collect()
+    installed.chain([sample::humanoid(), Model::from_xml_path(every_element).unwrap()]).collect()
 }
 
 /// The state in which there are more contacts: the reference, or the first keyframe.
