@@ -83,7 +83,7 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, lacks an array, or has one of another shape than this model's or of
+    /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, or has one of another shape than this model's or of
     /// something other than double precision; the text names the array.
     pub fn load_npz(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
@@ -91,7 +91,7 @@ impl Trajectory {
     }
 
     fn read_npz(model: &Model, path: &Path) -> io::Result<Self> {
-        let mut archive = ZipArchive::new(io::BufReader::new(std::fs::File::open(path)?))?;
+        let mut archive = ZipArchive::new(io::BufReader::new(file::open_regular(path)?))?;
         let sizes = Sizes::of(model);
         let times = read_array(&mut archive, "time", |shape| match shape {
             &[records] => Ok(records),
