@@ -129,8 +129,9 @@ impl Model {
     /// * a muscle whose length range does not settle, a fixed tendon with the same joint twice, adhesion with room for fewer than
     ///   100 constraints, a rangefinder with a height field of more rows than columns.
     ///
-    /// What is left takes time or memory: bodies by the ten thousand, and a PNG that unpacks to more than its head says. So a text
-    /// from strangers should be compiled in a process of its own, with limits.
+    /// What is left takes time or memory: bodies by the ten thousand, and a PNG that unpacks to more than its head says. And a
+    /// file on the disk that the text names could change between the look at it and the compiler's. So a text from strangers
+    /// should be compiled in a process of its own, with limits.
     ///
     /// # Errors
     ///

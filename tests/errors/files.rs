@@ -90,6 +90,7 @@ fn a_damaged_trajectory_file_is_told_with_its_line() {
     let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0\n";
     assert_eq!(load(&format!("{header}0,1,2,3,4,5\n")).unwrap().len(), 1);
     text_of(load(""), &["damaged.csv", "line 1"]);
+    text_of(Trajectory::load_csv(&model, "/dev/zero"), &["/dev/zero", "not a regular file"]);
     text_of(load("time,x\n"), &["line 1 is not the header", "found 2"]);
     text_of(load(&format!("{header}0,1,2,3,4,5\n0,1,2,3,4\n")), &["line 3 has 5 columns, not 6"]);
     text_of(load(&format!("{header}0,1,two,3,4,5\n")), &["line 2: 'two' is not a number"]);

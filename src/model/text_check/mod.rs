@@ -32,8 +32,10 @@ const LONGEST_NAME: usize = 900;
 /// Bodies, and degrees of freedom: the engine counts pairs of them with a C int, and writes before its stack when that
 /// overflows.
 const MOST_BODIES: usize = 40_000;
-/// The least room for constraints that a text with adhesion may give. The compiler takes a step, in which each contact needs
-/// up to ten (see `hazard.rs`).
+/// The least room for constraints that a text with adhesion may give. The compiler takes a step, in which each contact needs up to
+/// ten. For the first that has no room the engine writes from one before an array with a number for each constraint (see
+/// `hazard.rs`). With this much room that array has more than 90, and before it is one that the same function has on the stack, so
+/// what is written stays in there, and the compiler throws the step's results away.
 const LEAST_NJMAX: i32 = 100;
 /// Bytes of an extension: the compiler cuts them off without a look at how many there are.
 const EXTENSION: usize = 3;
