@@ -48,6 +48,9 @@ impl Format {
         if content.len() > LONGEST {
             return Some("is larger than 1 GiB");
         }
+        if content.len() < self.header() {
+            return Some(WRONG_SIZE);
+        }
         match self {
             Self::Msh => msh(content),
             Self::Obj => obj(content).or_else(|| materials(path, content, files)),
@@ -56,6 +59,15 @@ impl Format {
             Self::HeightField => grid(content, 4),
             Self::Texture => grid(content, 3),
             Self::Other => None,
+        }
+    }
+
+    /// Bytes at the beginning of a file that the compiler reads, whether they are there or not.
+    fn header(self) -> usize {
+        match self {
+            Self::Msh | Self::Skin => 16,
+            Self::HeightField | Self::Texture => 8,
+            _ => 0,
         }
     }
 
