@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use crate::error::{Error, Result};
 
 /// Opens a file to be read. A pipe or a device, which could make the reader wait for ever or never end, is an error.
@@ -24,6 +26,11 @@ pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     let mut content = Vec::new();
     open_regular(path)?.read_to_end(&mut content)?;
     Ok(content)
+}
+
+/// A file for what is to be written to `path` later, which nobody else can read: among the temporary files, or beside it.
+pub(crate) fn temporary(path: &Path) -> io::Result<NamedTempFile> {
+    NamedTempFile::new().or_else(|error| NamedTempFile::new_in(folder(path)).map_err(|_| error))
 }
 
 /// Lets `write` write a file. It gets its name only when all is written, so that whatever goes wrong leaves what was there

@@ -36,14 +36,15 @@ impl Model {
     #[doc(alias = "mj_saveLastXML")]
     pub fn save_xml(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
-        let text = self.to_xml(|reason| Error::Save { path: path.to_owned(), reason })?;
+        let text = self.to_xml(path)?;
         file::replace(path, |out| out.write_all(&text))
     }
 
     /// The text, by way of a file of its own, since the engine looks at no error of writing, such as a full disk.
-    fn to_xml(&self, failed: impl Fn(String) -> Error) -> Result<Vec<u8>> {
+    fn to_xml(&self, path: &Path) -> Result<Vec<u8>> {
         const MESSAGE: usize = 4096;
-        let file = tempfile::NamedTempFile::new().map_err(|error| failed(error.to_string()))?;
+        let failed = |reason: String| Error::Save { path: path.to_owned(), reason };
+        let file = file::temporary(path).map_err(|error| failed(error.to_string()))?;
         let name = path_c_string(file.path())?;
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {
