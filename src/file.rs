@@ -1,10 +1,37 @@
-//! Files that are written whole or not at all.
+//! Files that are written whole or not at all, and read only if they have an end.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use crate::error::{Error, Result};
+
+/// Opens a file to be read. A pipe or a device, which could make the reader wait for ever or never end, is an error.
+pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
+    // Before it is opened: that of a pipe waits for a writer.
+    let metadata = fs::metadata(path)?;
+    if metadata.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if !metadata.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    File::open(path)
+}
+
+/// What a file contains, if [`open_regular`] opens it.
+pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let mut content = Vec::new();
+    open_regular(path)?.read_to_end(&mut content)?;
+    Ok(content)
+}
+
+/// A file for what is to be written to `path` later, which nobody else can read: among the temporary files, or beside it.
+pub(crate) fn temporary(path: &Path) -> io::Result<NamedTempFile> {
+    NamedTempFile::new().or_else(|error| NamedTempFile::new_in(folder(path)).map_err(|_| error))
+}
 
 /// Lets `write` write a file. It gets its name only when all is written, so that whatever goes wrong leaves what was there
 /// before, and never half a file.
@@ -13,8 +40,7 @@ pub(crate) fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> i
 }
 
 fn try_replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    // A link stays a link.
-    let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let path = behind_links(path)?;
     let before = fs::metadata(&path).ok();
     if let Some(before) = &before {
         if before.is_dir() {
@@ -40,6 +66,24 @@ fn try_replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Resu
     }
     drop(out);
     name.persist(&path).map_err(|failed| failed.error)
+}
+
+/// Where a link leads to, so that it stays a link, even if there is nothing yet.
+fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    const MOST_LINKS: usize = 40;
+    if let Ok(path) = fs::canonicalize(path) {
+        return Ok(path);
+    }
+    let mut path = path.to_owned();
+    // What the process has open, such as `/dev/stdout`, can be opened though its link leads nowhere.
+    if fs::metadata(&path).is_ok() {
+        return Ok(path);
+    }
+    for _ in 0..MOST_LINKS {
+        let Ok(target) = fs::read_link(&path) else { return Ok(path) };
+        path = folder(&path).join(target);
+    }
+    Err(io::Error::other("too many links"))
 }
 
 fn finish(mut out: BufWriter<File>, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<File> {
@@ -84,6 +128,14 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
+    fn what_has_no_end_is_not_read() {
+        for path in ["/dev/zero", "/dev/null", "/"] {
+            super::read_regular(path.as_ref()).unwrap_err();
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
     fn links_devices_and_permissions_stay() {
         use std::os::unix::fs::PermissionsExt;
 
@@ -96,6 +148,14 @@ mod tests {
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        let (missing, dangling) = (folder.path().join("missing"), folder.path().join("dangling"));
+        std::os::unix::fs::symlink("missing", &dangling).unwrap();
+        replace(&dangling, |out| out.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&dangling).unwrap().is_symlink());
+        assert_eq!(fs::read(&missing).unwrap(), b"new");
+        let circle = folder.path().join("circle");
+        std::os::unix::fs::symlink("circle", &circle).unwrap();
+        replace(&circle, |_| Ok(())).unwrap_err();
         replace("/dev/null".as_ref(), |out| out.write_all(b"new")).unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
     }

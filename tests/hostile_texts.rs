@@ -82,6 +82,34 @@ fn texts_on_which_the_compiler_crashes_are_refused() {
     Model::from_xml_str("<mujoco/>").unwrap();
 }
 
+/// The compiler's own step writes to the wrong place then, which must not be seen in the model.
+#[test]
+fn adhesion_on_more_contacts_than_there_is_room_for_compiles_the_same_model_and_fails_in_a_step() {
+    let ball = |x: usize| format!("<body pos='{x} 0 .09'><freejoint/><geom size='.1' condim='6'/></body>");
+    let balls: String = (0..40).map(ball).collect();
+    let model = |room: usize, jacobian: &str| {
+        let text = format!(
+            "<mujoco><size njmax='{room}' nstack='3000000'/><option jacobian='{jacobian}'/>
+             <worldbody><geom type='plane' size='99 9 1'/><body name='b' pos='0 1 .09'><freejoint/><geom size='.1'/></body>{balls}
+             <body name='c' pos='1 1 .09'><freejoint/><geom size='.1'/></body></worldbody>
+             <actuator><adhesion body='b' ctrlrange='0 1'/><adhesion body='c' ctrlrange='0 1'/></actuator></mujoco>"
+        );
+        Model::from_xml_str(&text).unwrap()
+    };
+    for jacobian in ["dense", "sparse"] {
+        let (little, enough) = (model(100, jacobian), model(600, jacobian));
+        assert_eq!(little.statistics(), enough.statistics());
+        assert_eq!(little.body_invweight0(), enough.body_invweight0());
+        assert_eq!(little.dof_M0(), enough.dof_M0());
+        assert_eq!(little.actuator_length0(), enough.actuator_length0());
+        assert_eq!(little.actuator_acc0(), enough.actuator_acc0());
+        assert!(matches!(Data::new(little).unwrap().step(), Err(Error::Engine { .. })));
+        let mut data = Data::new(enough).unwrap();
+        data.step().unwrap();
+        assert!(data.nefc() > 100);
+    }
+}
+
 #[test]
 fn names_may_be_anything() {
     let long = "n".repeat(5000);
@@ -220,6 +248,11 @@ fn damaged_files_on_which_the_compiler_reads_or_writes_outside_of_its_memory_are
         (field, [integers(&[2, 3]), reals(&[0.0, 0.1, 0.2, 0.3, 0.4, 0.5])].concat(), good),
         (field, [integers(&[65_536, 65_537]), vec![1; 4 * 65_536]].concat(), "another size"),
         (texture, [integers(&[2, 2]), vec![1; 12]].concat(), good),
+        (texture, vec![1], "another size"),
+        (texture, integers(&[2]), "another size"),
+        (field, vec![1; 7], "another size"),
+        (mesh, vec![1; 15], "another size"),
+        (skinned, vec![1; 12], "another size"),
         (texture, [integers(&[0x4000_0001, 4]), vec![1; 12]].concat(), "another size"),
         (cube, png(6, 6), good),
         (cube, png(20_000, 20_000), "too many pixels"),

@@ -128,6 +128,8 @@ fn a_text_that_the_compiler_refuses_costs_nothing() {
         ("no texture", "<mujoco><asset><texture file='aaaa.png' type='2d'/></asset></mujoco>"),
         ("no mesh", "<mujoco><asset><mesh file='aaaa.stl'/></asset></mujoco>"),
         ("no mesh of text", "<mujoco><asset><mesh file='aaaa.obj'/></asset></mujoco>"),
+        ("no extension of a mesh", "<mujoco><asset><mesh file='a'/></asset></mujoco>"),
+        ("no extension of a texture", "<mujoco><asset><texture file='a' type='2d'/></asset></mujoco>"),
         ("no included file", "<mujoco><include file='aaaa.obj'/></mujoco>"),
         (
             "a stack overflow in the compiler",

@@ -181,11 +181,23 @@ fn what_does_not_fit_is_named() {
         (b"no archive".to_vec(), "t.npz"),
         (Vec::new(), "t.npz"),
     ];
-    for (file, expected) in cases {
+    // No more is unpacked than the shape asks for.
+    let bomb = shaped("(2,)", &vec![0.0; 1 << 20]);
+    let bomb = archive(&[("time.npy", bomb)], CompressionMethod::Deflated);
+    assert!(bomb.len() < 1 << 15);
+    let twice = [("time.npy", good[0].1.clone()), ("timf.npy", good[0].1.clone())];
+    let mut twice = archive(&[&twice[..], &good[1..]].concat(), CompressionMethod::Stored);
+    while let Some(at) = twice.windows(4).position(|name| name == b"timf") {
+        twice[at + 3] = b'e';
+    }
+    let more = [(bomb, "'time' has not as many numbers"), (twice, "two arrays have the same name")];
+    for (file, expected) in cases.into_iter().chain(more) {
         fs::write(&path, file).unwrap();
         let text = Trajectory::load_npz(&model, &path).unwrap_err().to_string();
         assert!(text.contains(expected) && text.contains("t.npz"), "{expected}: {text}");
     }
+    let error = Trajectory::load_npz(&model, "/dev/zero").unwrap_err().to_string();
+    assert!(error.contains("not a regular file"), "{error}");
     fs::write(&path, archive(&good, CompressionMethod::Stored)).unwrap();
     assert_eq!(Trajectory::load_npz(&model, &path).unwrap().len(), 2);
 }

@@ -77,19 +77,24 @@ impl Model {
         })
     }
 
-    /// Whether rays that meet the walls of this geom, if it is a height field, lead the engine beyond the heights that there are:
-    /// it takes the number of rows for the length of one, and reads two neighbours in each direction.
+    /// Whether rays that meet the walls of this geom, if it is a height field, lead the engine beyond the heights that there are.
     pub(crate) fn is_misread(&self, geom: usize) -> bool {
         if self.geom_type()[geom] != mjGEOM_HFIELD as i32 {
             return false;
         }
         let field = ffi::size(self.geom_dataid()[geom]);
-        let (rows, columns) = (self.hfield_nrow()[field], self.hfield_ncol()[field]);
-        rows > columns || rows < 2 || columns < 2
+        let size = |sizes: &[i32]| ffi::size(sizes[field]) as u64;
+        is_misread_by_rays(size(self.hfield_nrow()), size(self.hfield_ncol()))
     }
 
     /// The first geom for which that is so.
     pub(crate) fn misread_height_field(&self) -> Option<usize> {
         if self.nhfield() == 0 { None } else { (0..self.ngeom()).find(|&geom| self.is_misread(geom)) }
     }
+}
+
+/// Whether rays that meet the walls of a height field of this size lead the engine beyond it: it takes the number of rows for the
+/// length of one, and reads two neighbours in each direction.
+pub(super) fn is_misread_by_rays(rows: u64, columns: u64) -> bool {
+    rows > columns || rows < 2 || columns < 2
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use mujoco_sys::{guard, mjVFS};
+use mujoco_sys::guard;
 
 use super::length_range::Simulation;
 use super::text_check::{self, Files};
@@ -13,8 +13,8 @@ use super::virtual_files::VirtualFiles;
 use super::{Model, mjb};
 use crate::engine::{self, collecting_warnings};
 use crate::error::{Error, Result};
-use crate::ffi;
 use crate::id::Lineage;
+use crate::{ffi, file};
 
 /// The name under which a text is known to the engine's compiler.
 const TEXT: &str = "(main).xml";
@@ -74,25 +74,64 @@ impl Model {
     #[doc(alias = "mj_loadXML")]
     #[doc(alias = "load_model")]
     pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
+        Self::from_xml_path_with_files(path, &[])
+    }
+
+    /// Loads a model from an MJCF or URDF file, some of whose other files are in memory. The file itself comes from the disk. Those
+    /// that it names are looked for in memory first, by their names without their folder, in upper or lower case, and then on
+    /// the disk, relative to the file.
+    ///
+    /// What is true of hostile texts and files is in [`from_xml_str`](Self::from_xml_str).
+    ///
+    /// # Errors
+    ///
+    /// As for [`from_xml_path`](Self::from_xml_path), and [`Error::Invalid`] for the files in memory as for
+    /// [`from_xml_str_with_files`](Self::from_xml_str_with_files).
+    ///
+    /// ```
+    /// use mujoco_safe::Model;
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("scene.xml");
+    /// std::fs::write(&path, r#"<mujoco><include file="ball.xml"/></mujoco>"#)?;
+    ///
+    /// let ball = |size: f64| format!(r#"<mujoco><worldbody><geom size="{size}"/></worldbody></mujoco>"#);
+    /// std::fs::write(folder.path().join("ball.xml"), ball(0.1))?;
+    /// assert_eq!(Model::from_xml_path(&path)?.geom_size()[0][0], 0.1);
+    ///
+    /// let large = ball(0.2);
+    /// let model = Model::from_xml_path_with_files(&path, &[("ball.xml", large.as_bytes())])?;
+    /// assert_eq!(model.geom_size()[0][0], 0.2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[doc(alias = "mj_loadXML")]
+    #[doc(alias = "mjVFS")]
+    #[doc(alias = "from_xml_path")]
+    pub fn from_xml_path_with_files(path: impl AsRef<Path>, files: &[(&str, &[u8])]) -> Result<Self> {
         let path = path.as_ref();
-        // Read here for the operating system's own message; the engine's only says that it could not.
-        let text = read_regular(path)?;
-        let source_name = path.display().to_string();
-        if let Some(muscles) = text_check::check(&source_name, &text, &Files::Disk(path))? {
-            // Beside the file, so that what it names is found.
-            Self::try_muscles(&muscles, &text, &path_c_string(&path.with_file_name(TEXT))?, &[], &source_name)?;
-        }
-        Self::compile(&path_c_string(path)?, ptr::null(), &source_name)
+        // What was looked at is what is compiled, whatever becomes of the file: under another name in the same directory, so that
+        // files of its own name in other directories are not mistaken for it.
+        let text = file::read_regular(path).map_err(Error::file(path))?;
+        Self::from_text(&path.display().to_string(), &path.with_file_name(TEXT), &text, files)
     }
 
     /// Loads a model from a text in MJCF or URDF.
     ///
-    /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash or to run without end on a few kinds of
-    /// hostile input. Those that a look at the text and at the files that it names can see are refused here (textures of billions
-    /// of pixels, mesh faces beyond the vertices, files that include each other without end, damaged meshes and skins, a muscle
-    /// whose length range does not settle); the rest is not (bodies by the ten thousand, which take a while, an image that
-    /// unpacks to more than there is memory for, adhesion actuators on more contacts than `njmax` has room for at the start), so
-    /// a text from strangers should be compiled in a process of its own.
+    /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash, to run without end, or to read and write
+    /// outside of its memory on some kinds of input. Those that a look at the text and at the files that it names can see are
+    /// refused here:
+    ///
+    /// * files that include each other without end, elements nested more than 400 deep, pipes and devices,
+    /// * sizes that overflow or are beyond any use, of textures, height fields, keyframes, user and custom data, the skins of
+    ///   composites, and more than 40 000 bodies or degrees of freedom,
+    /// * meshes, skins and height fields that are damaged: another size than the header says, faces of vertices that there are
+    ///   not, vertices that are not finite,
+    /// * a muscle whose length range does not settle, a fixed tendon with the same joint twice, adhesion with room for fewer than
+    ///   100 constraints, a rangefinder with a height field of more rows than columns.
+    ///
+    /// What is left takes time or memory: bodies by the ten thousand, and a PNG that unpacks to more than its head says. And a
+    /// file on the disk that the text names could change between the look at it and the compiler's. So a text from strangers
+    /// should be compiled in a process of its own, with limits.
     ///
     /// # Errors
     ///
@@ -136,17 +175,23 @@ impl Model {
     #[doc(alias = "mj_makeEmptyFileVFS")]
     #[doc(alias = "mj_deleteVFS")]
     pub fn from_xml_str_with_files(xml: &str, files: &[(&str, &[u8])]) -> Result<Self> {
+        Self::from_text(GIVEN, TEXT.as_ref(), xml.as_bytes(), files)
+    }
+
+    /// Compiles a text as if it was in the file `path`, which it is to the compiler: its name must be [`TEXT`].
+    fn from_text(source_name: &str, path: &Path, text: &[u8], files: &[(&str, &[u8])]) -> Result<Self> {
         engine::ready()?;
-        if xml.is_empty() {
-            return Err(Error::Load { source_name: GIVEN.to_owned(), message: "the text is empty".to_owned() });
+        if text.is_empty() {
+            return Err(Error::Load { source_name: source_name.to_owned(), message: "the text is empty".to_owned() });
         }
-        let virtual_files = Self::in_memory(xml.as_bytes(), files)?;
-        let texts: Vec<(&str, &[u8])> = std::iter::once((TEXT, xml.as_bytes())).chain(files.iter().copied()).collect();
-        let name = ffi::c_string("the text's name", TEXT)?;
-        if let Some(muscles) = text_check::check(GIVEN, xml.as_bytes(), &Files::Memory(&texts))? {
-            Self::try_muscles(&muscles, xml.as_bytes(), &name, files, GIVEN)?;
+        let virtual_files = Self::in_memory(text, files)?;
+        let memory: Vec<(&str, &[u8])> = std::iter::once((TEXT, text)).chain(files.iter().copied()).collect();
+        let places = Files { memory: &memory, directory: text_check::directory(text_check::path_bytes(path)) };
+        let name = path_c_string(path)?;
+        if let Some(muscles) = text_check::check(source_name, text, &places)? {
+            Self::try_muscles(&muscles, text, &name, files, source_name)?;
         }
-        Self::compile(&name, virtual_files.as_ptr(), GIVEN)
+        Self::compile(&name, &virtual_files, source_name)
     }
 
     /// A text and other files as the compiler takes them.
@@ -168,7 +213,7 @@ impl Model {
         source_name: &str,
     ) -> Result<()> {
         let Some(text) = text_check::without_simulation(text) else { return Ok(()) };
-        let mut model = Self::compile_quietly(name, Self::in_memory(&text, files)?.as_ptr(), source_name)?;
+        let mut model = Self::compile_quietly(name, &Self::in_memory(&text, files)?, source_name)?;
         let (checked, _) = collecting_warnings(|| muscles.check(&mut model));
         checked.map_err(|message| Error::Load { source_name: source_name.to_owned(), message })
     }
@@ -184,7 +229,7 @@ impl Model {
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = read_regular(path)?;
+        let bytes = file::read_regular(path).map_err(Error::file(path))?;
         Self::from_binary_named(&bytes, &path.display().to_string())
     }
 
@@ -211,13 +256,13 @@ impl Model {
         let invalid = |reason: String| Error::InvalidBinary { source_name: source_name.to_owned(), reason };
         mjb::check(bytes).map_err(|error| invalid(error.to_string()))?;
         let name = "model.mjb";
-        let mut file = VirtualFiles::new();
-        file.add(name, bytes)?;
+        let mut files = VirtualFiles::new();
+        files.add(name, bytes)?;
         let name = ffi::c_string("the binary model's name", name)?;
         let mut loaded = ptr::null_mut();
         let (result, warnings) = collecting_warnings(|| {
             // SAFETY: a valid name and table. The bytes were validated, so what the engine reads by them stays inside.
-            let status = unsafe { guard::mj_load_model(name.as_ptr(), file.as_ptr(), &raw mut loaded) };
+            let status = unsafe { guard::mj_load_model(name.as_ptr(), files.as_ptr(), &raw mut loaded) };
             ffi::check("mj_loadModel", status)
         });
         result?;
@@ -226,7 +271,7 @@ impl Model {
         Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
     }
 
-    fn compile(name: &CString, files: *const mjVFS, source_name: &str) -> Result<Self> {
+    fn compile(name: &CString, files: &VirtualFiles, source_name: &str) -> Result<Self> {
         let model = Self::compile_quietly(name, files, source_name)?;
         // Not under the lock: a logger is the user's code, and may load a model, too.
         for warning in &model.warnings {
@@ -235,7 +280,7 @@ impl Model {
         Ok(model)
     }
 
-    fn compile_quietly(name: &CString, files: *const mjVFS, source_name: &str) -> Result<Self> {
+    fn compile_quietly(name: &CString, files: &VirtualFiles, source_name: &str) -> Result<Self> {
         const MESSAGE: usize = 4096;
         engine::ready()?;
         let mut xml = XmlState::enter()?;
@@ -244,8 +289,10 @@ impl Model {
         let mut message = [0; MESSAGE];
         let mut loaded = ptr::null_mut();
         let (status, mut warnings) = collecting_warnings(|| {
-            // SAFETY: a valid name, a table or NULL, a buffer of the given size, a place for the result.
-            unsafe { guard::mj_load_xml(name.as_ptr(), files, message.as_mut_ptr(), MESSAGE as i32, &raw mut loaded) }
+            // SAFETY: a valid name and table, a buffer of the given size, a place for the result.
+            unsafe {
+                guard::mj_load_xml(name.as_ptr(), files.as_ptr(), message.as_mut_ptr(), MESSAGE as i32, &raw mut loaded)
+            }
         });
         xml.leave("mj_loadXML", status)?;
         // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
@@ -269,23 +316,7 @@ impl Model {
     }
 }
 
-/// What a file contains. A pipe or a device, which could make the reader wait for ever, is an error.
-fn read_regular(path: &Path) -> Result<Vec<u8>> {
-    let metadata = std::fs::metadata(path).map_err(Error::file(path))?;
-    if metadata.is_dir() {
-        return Err(Error::file(path)(std::io::ErrorKind::IsADirectory.into()));
-    }
-    if !metadata.is_file() {
-        return Err(Error::file(path)(std::io::Error::other("not a regular file")));
-    }
-    std::fs::read(path).map_err(Error::file(path))
-}
-
 /// A path as the engine's C code takes it.
 pub(super) fn path_c_string(path: &Path) -> Result<CString> {
-    #[cfg(unix)]
-    let bytes = std::os::unix::ffi::OsStrExt::as_bytes(path.as_os_str());
-    #[cfg(not(unix))]
-    let bytes = path.to_string_lossy().into_owned().into_bytes();
-    ffi::c_string("the path", bytes)
+    ffi::c_string("the path", text_check::path_bytes(path))
 }

@@ -20,17 +20,32 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::XmlReplaced`] if another model was loaded since, [`Error::Save`] if the file cannot be written.
+    /// [`Error::XmlReplaced`] if another model was loaded since, [`Error::Save`] if the engine cannot write the model,
+    /// [`Error::File`] if the file cannot be written; one that was there before is as it was.
+    ///
+    /// ```standalone_crate
+    /// use mujoco_safe::Model;
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("ball.xml");
+    /// let model = Model::from_xml_str(r#"<mujoco><worldbody><geom name="ball" size="0.1"/></worldbody></mujoco>"#)?;
+    /// model.save_xml(&path)?;
+    /// assert_eq!(Model::from_xml_path(&path)?.geom("ball")?.index(), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[doc(alias = "mj_saveLastXML")]
     pub fn save_xml(&self, path: impl AsRef<Path>) -> Result<()> {
-        const MESSAGE: usize = 4096;
         let path = path.as_ref();
-        let name = path_c_string(path)?;
+        let text = self.to_xml(path)?;
+        file::replace(path, |out| out.write_all(&text))
+    }
+
+    /// The text, by way of a file of its own, since the engine looks at no error of writing, such as a full disk.
+    fn to_xml(&self, path: &Path) -> Result<Vec<u8>> {
+        const MESSAGE: usize = 4096;
         let failed = |reason: String| Error::Save { path: path.to_owned(), reason };
-        // A pipe or a device could make the engine wait for ever, and what was written there cannot be checked.
-        if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
-            return Err(failed("not a regular file".to_owned()));
-        }
+        let file = file::temporary(path).map_err(|error| failed(error.to_string()))?;
+        let name = path_c_string(file.path())?;
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {
             return Err(Error::XmlReplaced);
@@ -51,10 +66,9 @@ impl Model {
         });
         xml.leave("mj_saveLastXML", status)?;
         if saved == 1 {
-            // The engine looks at no error of writing, such as a full disk, so look at what was written.
-            return match std::fs::read(path) {
-                Ok(text) if text.trim_ascii_end().ends_with(b"</mujoco>") => Ok(()),
-                Ok(_) => Err(failed("the file was not written to its end".to_owned())),
+            return match std::fs::read(file.path()) {
+                Ok(text) if text.trim_ascii_end().ends_with(b"</mujoco>") => Ok(text),
+                Ok(_) => Err(failed("the engine did not write the text to its end".to_owned())),
                 Err(error) => Err(failed(error.to_string())),
             };
         }
@@ -62,7 +76,7 @@ impl Model {
         let message = unsafe { ffi::text(message.as_ptr()) };
         let reason =
             std::iter::once(message).chain(warnings).filter(|text| !text.is_empty()).collect::<Vec<_>>().join("; ");
-        Err(failed(if reason.is_empty() { "the engine could not write the file".to_owned() } else { reason }))
+        Err(failed(if reason.is_empty() { "the engine could not write the text".to_owned() } else { reason }))
     }
 
     /// Writes the model in the engine's binary form (MJB), which loads faster than XML and fits this engine version only.

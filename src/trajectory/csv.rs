@@ -35,7 +35,7 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, is of a model of other sizes, or has something other than numbers in it;
+    /// [`Error::File`] if the file cannot be read, is a pipe or a device, is of a model of other sizes, or has something other than numbers in it;
     /// the text names the line.
     pub fn load_csv(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
@@ -46,7 +46,7 @@ impl Trajectory {
         let bad = |text: String| std::io::Error::new(std::io::ErrorKind::InvalidData, text);
         let mut trajectory = Self::new(model);
         let sizes = trajectory.sizes;
-        let mut lines = BufReader::new(std::fs::File::open(path)?).lines();
+        let mut lines = BufReader::new(file::open_regular(path)?).lines();
         let header = lines.next().transpose()?.unwrap_or_default();
         let expected = sizes.columns().collect::<Vec<_>>().join(",");
         if header.trim_end() != expected {

@@ -77,21 +77,25 @@ impl Trajectory {
     }
 
     /// Reads what [`save_npz`](Self::save_npz) wrote, or a file of NumPy's with these arrays (`numpy.savez`,
-    /// `numpy.savez_compressed`), for simulations of this model. Other arrays in the file are left alone.
+    /// `numpy.savez_compressed`), for simulations of this model. Other arrays in the file are left alone. Memory is taken for
+    /// what these arrays unpack to, which may be a thousand times the size of a compressed file.
     ///
     /// Needs the feature `npz`.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, lacks an array, or has one of another shape than this model's or of
-    /// something other than double precision; the text names the array.
+    /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, or has one of another shape than this model's or of
+    /// something other than double precision, which the text names, or has two arrays of one name.
     pub fn load_npz(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::read_npz(model, path).map_err(Error::file(path))
     }
 
     fn read_npz(model: &Model, path: &Path) -> io::Result<Self> {
-        let mut archive = ZipArchive::new(io::BufReader::new(std::fs::File::open(path)?))?;
+        let mut archive = ZipArchive::new(io::BufReader::new(file::open_regular(path)?))?;
+        if archive.has_duplicate_names() {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "two arrays have the same name"));
+        }
         let sizes = Sizes::of(model);
         let times = read_array(&mut archive, "time", |shape| match shape {
             &[records] => Ok(records),

@@ -2,19 +2,23 @@
 
 #![allow(unreachable_pub, dead_code, reason = "included by several tests, each of which uses some of it")]
 
-use mujoco_safe::{Data, Model};
+use mujoco_safe::{Data, Model, Result};
 
-/// A ball that falls on a floor, with so small a stack that the engine runs out of it when the two meet.
+/// A ball that falls on a floor, with a stack of so many numbers.
+pub fn with_stack(nstack: u32) -> Result<Model> {
+    Model::from_xml_str(&format!(
+        r#"<mujoco><size nstack="{nstack}"/><worldbody>
+             <geom type="plane" size="1 1 1"/><body pos="0 0 .2"><freejoint/><geom size=".1"/></body>
+           </worldbody></mujoco>"#
+    ))
+}
+
+/// That ball, with so small a stack that the engine runs out of it when it meets the floor.
 pub fn overflowing() -> Model {
     (10..5000)
         .step_by(10)
         .find_map(|nstack| {
-            let model = Model::from_xml_str(&format!(
-                r#"<mujoco><size nstack="{nstack}"/><worldbody>
-                     <geom type="plane" size="1 1 1"/><body pos="0 0 .2"><freejoint/><geom size=".1"/></body>
-                   </worldbody></mujoco>"#
-            ))
-            .ok()?;
+            let model = with_stack(nstack).ok()?;
             let mut data = Data::new(model.clone()).unwrap();
             (0..200).any(|_| data.step().is_err()).then_some(model)
         })

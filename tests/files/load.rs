@@ -1,8 +1,10 @@
 //! What is loaded is what the engine loads from the disk.
 
+use std::path::Path;
+
 use mujoco_safe::{Data, Model};
 
-use crate::{assets, bytes, bytes_in_c, folder, from_memory};
+use crate::{assets, bytes, bytes_in_c, bytes_in_c_with_files, folder, from_memory};
 
 #[test]
 fn meshes_images_height_fields_and_skins_load_from_memory_as_from_the_disk() {
@@ -56,6 +58,52 @@ fn a_file_that_is_not_in_memory_is_looked_for_on_the_disk() {
     let larger =
         [("solid.stl", [&assets::stl()[..80], &[5, 0, 0, 0], &assets::stl()[84..], &assets::stl()[84..134]].concat())];
     assert_eq!(from_memory(&xml, &larger).unwrap().mesh_facenum(), [5, 4]);
+}
+
+/// As `Model::from_xml_path_with_files`, and as the engine loads it with its own virtual file system, which must be the same.
+fn with_files(path: &Path, files: &[(&str, &[u8])]) -> Model {
+    let model = Model::from_xml_path_with_files(path, files).unwrap();
+    let in_c = bytes_in_c_with_files(path, files);
+    assert_eq!(bytes(&model), in_c[..bytes(&model).len()]);
+    model
+}
+
+#[test]
+fn for_a_file_on_the_disk_files_in_memory_win_and_others_come_from_beside_it() {
+    let folder = folder();
+    let path = folder.path().join("model.xml");
+    let on_disk = Model::from_xml_path(&path).unwrap();
+    assert!(bytes(&with_files(&path, &[])) == bytes(&on_disk));
+
+    // An included text that is in memory only, and names a mesh on the disk and one in memory.
+    let mixed = folder.path().join("mixed.xml");
+    std::fs::write(&mixed, assets::MODEL.replace("part.xml", "sub/OTHER.xml")).unwrap();
+    let part = assets::PART.replace("solid.msh", "only_here.msh");
+    let files: [(&str, &[u8]); 2] = [("other.xml", part.as_bytes()), ("anywhere/only_here.msh", &assets::msh())];
+    assert!(bytes(&with_files(&mixed, &files)) == bytes(&on_disk));
+    assert!(Model::from_xml_path_with_files(&mixed, &files[..1]).is_err());
+    assert!(Model::from_xml_path(&mixed).is_err());
+
+    // Memory wins over the disk.
+    let larger = [&assets::stl()[..80], &[5, 0, 0, 0], &assets::stl()[84..], &assets::stl()[84..134]].concat();
+    assert_eq!(with_files(&path, &[("solid.stl", &larger)]).mesh_facenum(), [5, 4, 4]);
+    let lower = assets::PART.replace("size=\"1 1 1 .1\"", "size=\"1 1 2 .1\"");
+    assert_eq!(with_files(&path, &[("part.xml", lower.as_bytes())]).hfield_size()[0][2], 2.0);
+}
+
+#[test]
+fn the_file_itself_always_comes_from_the_disk() {
+    let folder = folder();
+    let path = folder.path().join("model.xml");
+    // To the engine this would be the model; here it is one of the files that the model may name.
+    let model = Model::from_xml_path_with_files(&path, &[("model.xml", b"<mujoco/>")]).unwrap();
+    assert!(bytes(&model) == bytes(&Model::from_xml_path(&path).unwrap()));
+    // So is a file of the same name in another directory.
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    let ball = "<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>";
+    std::fs::write(folder.path().join("parts/model.xml"), ball).unwrap();
+    std::fs::write(&path, "<mujoco><include file='parts/model.xml'/></mujoco>").unwrap();
+    assert_eq!(Model::from_xml_path_with_files(&path, &[("a.txt", b"text")]).unwrap().ngeom(), 1);
 }
 
 #[test]

@@ -42,6 +42,11 @@ static RAW_LOADS: Mutex<()> = Mutex::new(());
 
 /// What the engine itself loads from a path, as bytes.
 fn bytes_in_c(path: &Path) -> Vec<u8> {
+    bytes_in_c_with_files(path, &[])
+}
+
+/// The same, with files in its own virtual file system.
+fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
     use std::ffi::CString;
     use std::ptr;
 
@@ -50,12 +55,26 @@ fn bytes_in_c(path: &Path) -> Vec<u8> {
     let _raw = RAW_LOADS.lock().unwrap_or_else(PoisonError::into_inner);
     let name = CString::new(path.to_str().unwrap()).unwrap();
     let (mut model, mut message) = (ptr::null_mut(), [0; 1000]);
-    // SAFETY: the handlers are in place since a model was loaded through the library, whose name is valid; the buffer has the
-    // length that is given.
-    let status = unsafe { guard::mj_load_xml(name.as_ptr(), ptr::null(), message.as_mut_ptr(), 1000, &raw mut model) };
+    let mut table = Box::<sys::mjVFS>::new_uninit();
+    // SAFETY: the engine makes an empty table of it, in which the files are of the sizes that are given, and filled.
+    let mut table = unsafe {
+        sys::mj_defaultVFS(table.as_mut_ptr());
+        let mut table = table.assume_init();
+        for (index, (name, content)) in files.iter().enumerate() {
+            let name = CString::new(*name).unwrap();
+            assert_eq!(sys::mj_makeEmptyFileVFS(&raw mut *table, name.as_ptr(), content.len() as i32), 0);
+            ptr::copy_nonoverlapping(content.as_ptr(), table.filedata[index].cast::<u8>(), content.len());
+        }
+        table
+    };
+    // SAFETY: the handlers are in place since a model was loaded through the library; the name and the table are valid, and the
+    // buffer has the length that is given.
+    let status =
+        unsafe { guard::mj_load_xml(name.as_ptr(), &raw const *table, message.as_mut_ptr(), 1000, &raw mut model) };
     assert!(status == guard::OK && !model.is_null(), "the engine cannot load {}", path.display());
-    // SAFETY: a valid model, a buffer of the size that the engine asks for, and the model is freed once.
+    // SAFETY: a valid model, a buffer of the size that the engine asks for, and the table and the model are freed once.
     unsafe {
+        sys::mj_deleteVFS(&raw mut *table);
         let size = sys::mj_sizeModel(model);
         let mut bytes = vec![0_u8; size as usize];
         assert_eq!(guard::mj_save_model(model, ptr::null(), bytes.as_mut_ptr().cast(), size), guard::OK);

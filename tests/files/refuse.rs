@@ -1,8 +1,8 @@
 //! Files that cannot be used are errors that name them, and never end the program.
 
-use mujoco_safe::Model;
+use mujoco_safe::{Error, Model};
 
-use crate::{assets, from_memory};
+use crate::{assets, folder, from_memory};
 
 fn error(xml: &str, files: &[(&str, &[u8])]) -> String {
     Model::from_xml_str_with_files(xml, files).unwrap_err().to_string()
@@ -84,5 +84,155 @@ fn a_file_that_is_missing_is_an_error_that_names_it() {
         // Of an image the compiler tells the name of the texture or height field.
         let stem = name.rsplit('/').next().unwrap().split('.').next().unwrap();
         assert!(error.contains("cannot load the XML given") && error.contains(stem), "{name}: {error}");
+    }
+}
+
+#[test]
+fn a_file_in_memory_or_on_the_disk_is_looked_at_however_the_model_is_loaded() {
+    let folder = folder();
+    let path = folder.path().join("model.xml");
+    let mut damaged = assets::msh();
+    let last = damaged.len() - 4;
+    damaged[last..].copy_from_slice(&9_u32.to_ne_bytes());
+    let told = |result: mujoco_safe::Result<Model>| {
+        let error = result.unwrap_err().to_string();
+        assert!(error.contains("model.xml") || error.contains("part.xml"), "{error}");
+        assert!(error.contains("'solid.msh' has a face of a vertex"), "{error}");
+    };
+    told(Model::from_xml_path_with_files(&path, &[("solid.msh", &damaged)]));
+    std::fs::write(folder.path().join("meshes/solid.msh"), &damaged).unwrap();
+    told(Model::from_xml_path(&path));
+    told(Model::from_xml_path_with_files(&path, &[("part.xml", assets::PART.as_bytes())]));
+    Model::from_xml_path_with_files(&path, &[("solid.msh", &assets::msh())]).unwrap();
+    for (files, expected) in [
+        ([("a.stl", &b""[..]), ("b.stl", b"x")], "'a.stl' is empty"),
+        ([("a.stl", b"x"), ("A.STL", b"x")], "given twice"),
+        ([("a.stl", b"x"), ("(main).xml", b"x")], "given twice"),
+    ] {
+        let error = Model::from_xml_path_with_files(&path, &files).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let error = Model::from_xml_path_with_files(folder.path().join("no.xml"), &[("no.xml", b"<mujoco/>")]).unwrap_err();
+    assert!(matches!(error, Error::File { .. }), "{error}");
+    std::fs::write(&path, "").unwrap();
+    let error = Model::from_xml_path(&path).unwrap_err().to_string();
+    assert!(error.contains("model.xml: the text is empty"), "{error}");
+}
+
+#[test]
+fn file_names_that_end_the_engine_are_refused_on_the_disk_too_and_leave_the_loader_open() {
+    let folder = folder();
+    let path = folder.path().join("bad.xml");
+    // With a muscle the compiler is asked twice.
+    let muscle = "<worldbody><body><joint name='j' range='-1 1' limited='true'/><geom size='.1' pos='.2 0 0'/></body></worldbody>
+                  <actuator><muscle joint='j'/></actuator>";
+    for muscle in ["", muscle] {
+        for (element, expected) in [
+            ("<include file=''/>", "nothing behind its last slash"),
+            ("<include file='no/'/>", "nothing behind its last slash"),
+            ("<asset><mesh file='no/'/></asset>", "nothing behind its last slash"),
+            ("<asset><mesh name='m' file='no/&#0;'/></asset>", "reference to no character"),
+            (&format!("<include file='{}'/>", "n".repeat(1000)), "longer than 900 bytes"),
+        ] {
+            std::fs::write(&path, format!("<mujoco>{element}{muscle}</mujoco>")).unwrap();
+            let error = Model::from_xml_path(&path).unwrap_err().to_string();
+            assert!(error.contains("bad.xml") && error.contains(expected), "{element:.60}: {error}");
+            Model::from_xml_str("<mujoco/>").unwrap();
+        }
+    }
+}
+
+#[test]
+fn names_too_short_for_an_extension_are_refused_and_short_ones_are_not() {
+    let folder = folder();
+    for (asset, name) in [
+        ("<mesh name='a' file='a'/>", "a"),
+        ("<mesh name='a' file='ab'/>", "ab"),
+        ("<skin name='a' file='a'/>", "a"),
+        ("<hfield name='a' file='abc' size='1 1 1 1'/>", "abc"),
+        ("<texture name='a' type='2d' file='a'/>", "a"),
+        ("<texture name='a' type='cube' fileback='a'/>", "a"),
+    ] {
+        let message = error(&format!("<mujoco><asset>{asset}</asset></mujoco>"), &[(name, b"content")]);
+        assert!(message.contains(&format!("'{name}' has a name too short for an extension")), "{message}");
+    }
+    // What the compiler cuts the end off is the whole path.
+    let path = folder.path().join("short.xml");
+    std::fs::write(folder.path().join("a"), assets::height_field()).unwrap();
+    let text = "<mujoco><asset><hfield file='a' size='1 1 1 1'/></asset></mujoco>";
+    std::fs::write(&path, text).unwrap();
+    assert_eq!(Model::from_xml_path(&path).unwrap().hfield_nrow(), [3]);
+    let text = text.replace("<asset>", "<compiler meshdir='fields'/><asset>");
+    assert_eq!(from_memory(&text, &[("a", assets::height_field())]).unwrap().hfield_nrow(), [3]);
+}
+
+/// A rangefinder over a height field.
+fn rangefinder(field: &str) -> String {
+    format!(
+        "<mujoco><asset><hfield name='h' {field} size='1 1 1 1'/></asset>
+         <worldbody><geom type='hfield' hfield='h'/><site name='s' pos='0 0 3' zaxis='1 0 -1'/></worldbody>
+         <sensor><rangefinder site='s'/></sensor></mujoco>"
+    )
+}
+
+#[test]
+fn a_height_field_that_a_rangefinder_would_read_beyond_is_refused_wherever_its_size_is() {
+    let raw = |rows: u32, columns: u32| {
+        let mut bytes = [rows, columns].map(u32::to_ne_bytes).concat();
+        bytes.extend((0..rows * columns).flat_map(|cell| (cell as f32).to_ne_bytes()));
+        bytes
+    };
+    let image = |rows: u32, columns: u32| {
+        let samples: Vec<u8> = (0..rows * columns).map(|cell| cell as u8).collect();
+        assets::png(png::ColorType::Grayscale, columns, rows, &samples)
+    };
+    let folder = folder();
+    let path = folder.path().join("model.xml");
+    for (rows, columns) in [(3, 2), (40, 39), (1, 4), (2, 2), (2, 5), (39, 40)] {
+        let good = rows >= 2 && rows <= columns;
+        let told = |what: &str, result: mujoco_safe::Result<Model>| match result {
+            Ok(_) => assert!(good, "{what}: {rows}, {columns}"),
+            Err(error) => {
+                let expected = format!("beyond a height field of {rows} rows and {columns} columns");
+                assert!(!good && error.to_string().contains(&expected), "{what}: {error}");
+            }
+        };
+        told("text", Model::from_xml_str(&rangefinder(&format!("nrow='{rows}' ncol='{columns}'"))));
+        for (name, content) in [("a.raw", raw(rows, columns)), ("a.png", image(rows, columns))] {
+            let text = rangefinder(&format!("file='{name}'"));
+            told("memory", from_memory(&text, &[(name, content.clone())]));
+            std::fs::write(&path, &text).unwrap();
+            std::fs::write(folder.path().join(name), &content).unwrap();
+            told("disk", Model::from_xml_path(&path));
+            let no_rangefinder = text.replace("rangefinder site='s'", "clock");
+            assert_eq!(from_memory(&no_rangefinder, &[(name, content)]).unwrap().hfield_ncol(), [columns as i32]);
+        }
+    }
+}
+
+#[test]
+fn sizes_whose_product_wraps_a_c_int_are_refused() {
+    // 65537 × 65537 is 131073 in 32 bits, and 46341 × 46341 is negative.
+    for side in [65_537_u32, 46_341] {
+        let wrapped = side.wrapping_mul(side) & 0x7fff_ffff;
+        let file = |cell: u32| {
+            [[side, side].map(u32::to_ne_bytes).concat(), vec![0; (wrapped * cell).min(1 << 20) as usize]].concat()
+        };
+        let sizes = format!("nrow='{side}' ncol='{side}'");
+        for (asset, cell) in [
+            (format!("<hfield name='a' {sizes} size='1 1 1 1'/>"), 4),
+            ("<hfield name='a' file='a.raw' size='1 1 1 1'/>".to_owned(), 4),
+            ("<texture name='a' type='2d' file='a.raw'/>".to_owned(), 3),
+            ("<texture name='a' type='cube' file='a.raw'/>".to_owned(), 3),
+            ("<texture name='a' type='cube' file='a.raw' gridsize='3 4' gridlayout='.U..LFRB.D..'/>".to_owned(), 3),
+            ("<texture name='a' type='skybox' fileup='a.raw'/>".to_owned(), 3),
+        ] {
+            let text = format!("<mujoco><asset>{asset}</asset></mujoco>");
+            let error = from_memory(&text, &[("a.raw", file(cell))]).unwrap_err().to_string();
+            assert!(
+                error.contains("another size than its header says") || error.contains("too large"),
+                "{asset}: {error}"
+            );
+        }
     }
 }

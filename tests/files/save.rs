@@ -83,6 +83,25 @@ fn saved_xml_has_the_numbers_of_now_and_names_the_files_it_came_from() {
 }
 
 #[test]
+fn xml_that_cannot_be_saved_leaves_what_was_there_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, link) = (folder.path().join("model.xml"), folder.path().join("link.xml"));
+    let load = || Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
+    std::fs::write(&path, "before").unwrap();
+    // Replaced in between by another load: the file is as it was.
+    let model = load();
+    saved(|| Model::from_xml_str(sample::HUMANOID_XML).unwrap(), &folder.path().join("other.xml"));
+    assert!(matches!(model.save_xml(&path), Err(Error::XmlReplaced)));
+    assert_eq!(std::fs::read(&path).unwrap(), b"before");
+    std::os::unix::fs::symlink(&path, &link).unwrap();
+    saved(load, &link);
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.starts_with("<mujoco") && text.ends_with("</mujoco>\n"), "{text}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+#[test]
 fn the_schema_has_every_element_that_the_official_bindings_print() {
     let (text, html) = (mujoco_safe::schema().unwrap(), mujoco_safe::schema_html().unwrap());
     let elements: Vec<&str> =

@@ -1,6 +1,8 @@
 //! A look at meshes, skins, height fields and textures before the compiler's readers see them. These compute sizes with C ints
 //! that overflow, and do not look at the indices of vertices.
 
+use std::borrow::Cow;
+
 use super::file::{Files, Found, directory, shown};
 
 /// Numbers in the image of a texture or in a height field.
@@ -14,7 +16,10 @@ pub(super) enum Format {
     Msh,
     Obj,
     Skin,
+    /// A texture as PNG.
     Png,
+    /// A height field as PNG.
+    HeightPng,
     /// A height field in the engine's own format.
     HeightField,
     /// A texture in the engine's own format.
@@ -30,7 +35,8 @@ impl Format {
             b"mesh" if ends(b"msh") => Self::Msh,
             b"mesh" if ends(b"obj") => Self::Obj,
             b"skin" => Self::Skin,
-            b"texture" | b"hfield" if ends(b".png") => Self::Png,
+            b"texture" if ends(b".png") => Self::Png,
+            b"hfield" if ends(b".png") => Self::HeightPng,
             b"texture" => Self::Texture,
             b"hfield" => Self::HeightField,
             _ => Self::Other,
@@ -42,14 +48,40 @@ impl Format {
         if content.len() > LONGEST {
             return Some("is larger than 1 GiB");
         }
+        if content.len() < self.header() {
+            return Some(WRONG_SIZE);
+        }
         match self {
             Self::Msh => msh(content),
             Self::Obj => obj(content).or_else(|| materials(path, content, files)),
             Self::Skin => skin(content),
-            Self::Png => png(content),
+            Self::Png | Self::HeightPng => png(content),
             Self::HeightField => grid(content, 4),
             Self::Texture => grid(content, 3),
             Self::Other => None,
+        }
+    }
+
+    /// Bytes at the beginning of a file that the compiler reads, whether they are there or not.
+    fn header(self) -> usize {
+        match self {
+            Self::Msh | Self::Skin => 16,
+            Self::HeightField | Self::Texture => 8,
+            _ => 0,
+        }
+    }
+
+    /// Whether the compiler tells by the end of the whole path what is in the file.
+    pub(super) fn is_grid(self) -> bool {
+        matches!(self, Self::Png | Self::HeightPng | Self::HeightField | Self::Texture)
+    }
+
+    /// The rows and columns of a height field, if that is what the file has.
+    pub(super) fn rows_and_columns(self, content: &[u8]) -> Option<[u64; 2]> {
+        match self {
+            Self::HeightField => header(content),
+            Self::HeightPng => png_size(content).map(|[width, height]| [height, width]),
+            _ => None,
         }
     }
 }
@@ -129,10 +161,15 @@ fn grid(content: &[u8], width: u64) -> Option<&'static str> {
 }
 
 fn png(content: &[u8]) -> Option<&'static str> {
-    let size =
-        |at: usize| content.get(at..at + 4).map(|bytes| u32::from_be_bytes(bytes.try_into().expect("four bytes")));
+    let [width, height] = png_size(content)?;
+    is_large(width, height).then_some(LARGE)
+}
+
+/// Width and height of an image.
+fn png_size(content: &[u8]) -> Option<[u64; 2]> {
     // Behind the signature and the head of the first chunk.
-    is_large(u64::from(size(16)?), u64::from(size(20)?)).then_some(LARGE)
+    let (&[width, height], _) = content.get(16..)?.as_chunks().0.split_first_chunk()?;
+    Some([width, height].map(|size| u64::from(u32::from_be_bytes(size))))
 }
 
 const LARGE: &str = "is an image of too many pixels";
@@ -218,14 +255,15 @@ fn obj(content: &[u8]) -> Option<&'static str> {
 
 /// The reader opens the files of materials.
 fn materials(path: &[u8], content: &[u8], files: &Files<'_>) -> Option<&'static str> {
-    if matches!(files, Files::Memory(_)) && matches!(files.find(path), Found::Content(std::borrow::Cow::Borrowed(_))) {
+    // That of a file in memory does not.
+    if matches!(files.find(path), Found::Content(Cow::Borrowed(_))) {
         return None;
     }
     lines(content)
         .filter_map(|line| behind(line, b"mtllib"))
         .flat_map(|rest| fields(rest).chain([rest.trim_ascii()]))
         .any(|name| {
-            let irregular = |path: &[u8]| matches!(Files::Memory(&[]).find(path), Found::Irregular);
+            let irregular = |path: &[u8]| matches!(Files::default().find(path), Found::Irregular);
             irregular(name) || irregular(&[directory(path), name].concat())
         })
         .then_some("names a file of materials that is not a regular file")

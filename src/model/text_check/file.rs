@@ -4,12 +4,12 @@ use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// Where the compiler will look for files.
-pub(in crate::model) enum Files<'f> {
-    /// In memory, by their names without a path, and then on the disk.
-    Memory(&'f [(&'f str, &'f [u8])]),
-    /// On the disk, behind the directory of this file.
-    Disk(&'f Path),
+/// Where the compiler will look for files: in memory, by their names without a path, and then on the disk.
+#[derive(Default)]
+pub(in crate::model) struct Files<'f> {
+    pub(in crate::model) memory: &'f [(&'f str, &'f [u8])],
+    /// The directory that names are relative to, with its slash; that of the process if empty.
+    pub(in crate::model) directory: &'f [u8],
 }
 
 /// What is behind a name.
@@ -22,21 +22,11 @@ pub(super) enum Found<'f> {
 }
 
 impl<'f> Files<'f> {
-    /// The directory that names are relative to.
-    pub(super) fn directory(&self) -> &[u8] {
-        match self {
-            Self::Memory(_) => b"",
-            Self::Disk(file) => directory(path_bytes(file)),
-        }
-    }
-
     /// What the compiler will find under a path.
     pub(super) fn find(&self, path: &[u8]) -> Found<'f> {
-        if let Self::Memory(files) = self {
-            let found = files.iter().find(|(file, _)| last_part(file.as_bytes()).eq_ignore_ascii_case(last_part(path)));
-            if let Some((_, content)) = found {
-                return Found::Content(Cow::Borrowed(content));
-            }
+        let is = |name: &str| last_part(name.as_bytes()).eq_ignore_ascii_case(last_part(path));
+        if let Some((_, content)) = self.memory.iter().find(|(name, _)| is(name)) {
+            return Found::Content(Cow::Borrowed(content));
         }
         match std::fs::metadata(os_path(path)) {
             Ok(data) if !data.is_file() => Found::Irregular,
@@ -53,7 +43,7 @@ impl<'f> Files<'f> {
         } else if is_absolute(folder) {
             [folder, slash, name].concat()
         } else {
-            [self.directory(), folder, slash, name].concat()
+            [self.directory, folder, slash, name].concat()
         }
     }
 }
@@ -69,7 +59,7 @@ pub(super) fn is_irregular(path: &[u8]) -> bool {
 }
 
 /// Everything up to the last slash.
-pub(super) fn directory(path: &[u8]) -> &[u8] {
+pub(in crate::model) fn directory(path: &[u8]) -> &[u8] {
     &path[..path.len() - last_part(path).len()]
 }
 
@@ -82,43 +72,8 @@ pub(super) fn shown(name: &[u8]) -> String {
     String::from_utf8_lossy(name).chars().take(60).collect()
 }
 
-/// The value of an attribute, with references to entities and characters replaced as the compiler's parser does it.
-pub(super) fn decoded(value: &[u8]) -> Vec<u8> {
-    const ENTITIES: [(&[u8], u8); 5] =
-        [(b"quot;", b'"'), (b"apos;", b'\''), (b"lt;", b'<'), (b"gt;", b'>'), (b"amp;", b'&')];
-    let mut result = Vec::with_capacity(value.len());
-    let mut rest = value;
-    while let Some((&byte, behind)) = rest.split_first() {
-        rest = behind;
-        if byte != b'&' {
-            result.push(byte);
-        } else if let Some((name, byte)) = ENTITIES.iter().find(|(name, _)| behind.starts_with(name)) {
-            result.push(*byte);
-            rest = &behind[name.len()..];
-        } else if let Some((character, length)) = reference(behind) {
-            result.extend(character.encode_utf8(&mut [0; 4]).as_bytes());
-            rest = &behind[length..];
-        } else {
-            result.push(byte);
-        }
-    }
-    result
-}
-
-/// The character of `#65;` or `#x41;`, and the length of that.
-fn reference(text: &[u8]) -> Option<(char, usize)> {
-    let digits = text.strip_prefix(b"#")?;
-    let end = digits.iter().take(12).position(|&byte| byte == b';')?;
-    let digits = std::str::from_utf8(&digits[..end]).ok()?;
-    let code = match digits.strip_prefix('x') {
-        Some(digits) => u32::from_str_radix(digits, 16),
-        None => digits.parse(),
-    };
-    Some((char::from_u32(code.ok()?)?, end + 2))
-}
-
 #[cfg(unix)]
-pub(super) fn path_bytes(path: &Path) -> &[u8] {
+pub(in crate::model) fn path_bytes(path: &Path) -> &[u8] {
     std::os::unix::ffi::OsStrExt::as_bytes(path.as_os_str())
 }
 
@@ -128,28 +83,11 @@ pub(super) fn os_path(path: &[u8]) -> &Path {
 }
 
 #[cfg(not(unix))]
-pub(super) fn path_bytes(path: &Path) -> &[u8] {
+pub(in crate::model) fn path_bytes(path: &Path) -> &[u8] {
     path.to_str().unwrap_or_default().as_bytes()
 }
 
 #[cfg(not(unix))]
 pub(super) fn os_path(path: &[u8]) -> &Path {
     Path::new(OsStr::new(std::str::from_utf8(path).unwrap_or_default()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::decoded;
-
-    #[test]
-    fn references_are_replaced_once() {
-        for (value, expected) in [
-            ("a&amp;lt;b", "a&lt;b"),
-            ("&#46;&#x2f;&quot;", "./\""),
-            ("&#xe4;", "ä"),
-            ("&#; &#x; &#1114112; &nbsp; &", "&#; &#x; &#1114112; &nbsp; &"),
-        ] {
-            assert_eq!(decoded(value.as_bytes()), expected.as_bytes(), "{value}");
-        }
-    }
 }

@@ -5,18 +5,20 @@
 mod asset;
 mod file;
 mod muscle;
+mod rangefinder;
 mod size;
 mod tag;
 
 use std::borrow::Cow;
 use std::collections::HashSet;
 
-pub(super) use self::file::Files;
+pub(super) use self::file::{Files, directory, path_bytes};
 pub(super) use self::muscle::without_simulation;
 
 use self::asset::Format;
-use self::file::{Found, decoded, is_irregular, last_part, shown};
+use self::file::{Found, is_irregular, last_part, shown};
 use self::muscle::Muscles;
+use self::rangefinder::Rangefinders;
 use self::tag::{Tag, Tags, numbers};
 use super::length_range::Simulation;
 use crate::error::{Error, Result};
@@ -30,9 +32,13 @@ const LONGEST_NAME: usize = 900;
 /// Bodies, and degrees of freedom: the engine counts pairs of them with a C int, and writes before its stack when that
 /// overflows.
 const MOST_BODIES: usize = 40_000;
-/// The least room for constraints that a text with adhesion may give. The compiler takes a step, in which each contact needs
-/// up to ten (see `hazard.rs`).
-const LEAST_NJMAX: i64 = 100;
+/// The least room for constraints that a text with adhesion may give. The compiler takes a step, in which each contact needs up to
+/// ten. For the first that has no room the engine writes from one before an array with a number for each constraint (see
+/// `hazard.rs`). With this much room that array has more than 90, and before it is one that the same function has on the stack, so
+/// what is written stays in there, and the compiler throws the step's results away.
+const LEAST_NJMAX: i32 = 100;
+/// Bytes of an extension: the compiler cuts them off without a look at how many there are.
+const EXTENSION: usize = 3;
 /// Directories of assets in a text, and with it the places in which a file is looked for.
 const MOST_FOLDERS: usize = 16;
 /// The attributes that name a file.
@@ -54,6 +60,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         folders: vec![Vec::new()],
         assets: Vec::new(),
         muscles: Muscles::default(),
+        rangefinders: Rangefinders::default(),
     };
     check.text(source_name, text, 0)?;
     check.assets()?;
@@ -64,6 +71,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         );
         return Err(Error::Load { source_name: source_name.to_owned(), message });
     }
+    check.rangefinders.check()?;
     Ok(check.muscles.simulation())
 }
 
@@ -85,6 +93,7 @@ struct Check<'f> {
     folders: Vec<Vec<u8>>,
     assets: Vec<Asset>,
     muscles: Muscles,
+    rangefinders: Rangefinders,
 }
 
 /// A file that is not a text.
@@ -114,11 +123,12 @@ impl<'f> Check<'f> {
             }
             deepest = deepest.max(depth + 1);
             let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
-            let why = names.find_map(|name| self.bad_name(name)).or_else(|| size::fault(&tag, &self.composite));
+            let why = names.find_map(|name| bad_name(tag.name, &name)).or_else(|| size::fault(&tag, &self.composite));
             if let Some(why) = why {
                 return refuse(tag.position, &why);
             }
             self.muscles.note(&tag);
+            self.rangefinders.note(&tag, source_name);
             self.note_files(&tag, source_name);
             if self.folders.len() > MOST_FOLDERS {
                 return refuse(tag.position, &format!("more than {MOST_FOLDERS} directories of assets"));
@@ -128,11 +138,11 @@ impl<'f> Check<'f> {
                 if included >= MOST_INCLUDED {
                     return refuse(tag.position, &format!("more than {MOST_INCLUDED} files include each other"));
                 }
-                let Ok(content) = self.included(name) else {
-                    return refuse(tag.position, &format!("'{}' is not a regular file", shown(name)));
+                let Ok(content) = self.included(&name) else {
+                    return refuse(tag.position, &format!("'{}' is not a regular file", shown(&name)));
                 };
                 if let Some(content) = content {
-                    let inner = self.text(&String::from_utf8_lossy(name), &content, included + 1)?;
+                    let inner = self.text(&String::from_utf8_lossy(&name), &content, included + 1)?;
                     deepest = deepest.max(depth + inner);
                 }
             }
@@ -154,26 +164,11 @@ impl<'f> Check<'f> {
         Ok(deepest)
     }
 
-    /// What is wrong with the name of a file. Only the table of files in memory makes a fatal error of it. Decoding the
-    /// entities in a name makes it shorter, but must not be what leaves it empty.
-    fn bad_name(&self, name: &[u8]) -> Option<String> {
-        let irregular = || is_irregular(&decoded(name));
-        let why = match (self.files, name.last()) {
-            (Files::Disk(_), _) => return irregular().then(|| format!("'{}' is not a regular file", shown(name))),
-            (_, None | Some(b'/' | b'\\')) => "has nothing behind its last slash",
-            _ if name.len() > LONGEST_NAME => "is longer than 900 bytes",
-            _ if name.windows(2).any(|window| window == b"&#") => "has a numeric character reference",
-            _ if irregular() => "is not that of a regular file",
-            _ => return None,
-        };
-        Some(format!("the file name '{}' {why}", shown(name)))
-    }
-
     /// What an included file contains; `None` if it was included before or cannot be read, which the compiler will tell, and
     /// an error if it is a pipe or a device.
     fn included(&mut self, name: &[u8]) -> Result<Option<Cow<'f, [u8]>>, ()> {
         // The compiler puts the name behind the directory whatever it is.
-        let path = [self.files.directory(), &decoded(name)].concat();
+        let path = [self.files.directory, name].concat();
         if !self.seen.insert(path.to_ascii_lowercase()) {
             return Ok(None);
         }
@@ -187,26 +182,33 @@ impl<'f> Check<'f> {
     /// Remembers the files of assets that a tag names, and the directories in which they may be.
     fn note_files(&mut self, tag: &Tag<'_>, source_name: &str) {
         if tag.name == b"compiler" {
-            for folder in [&b"meshdir"[..], b"texturedir"].iter().filter_map(|name| tag.attribute(name)).map(decoded) {
-                if !self.folders.contains(&folder) {
-                    self.folders.push(folder);
+            for folder in [&b"meshdir"[..], b"texturedir"].iter().filter_map(|name| tag.attribute(name)) {
+                if !self.folders.iter().any(|known| *known == *folder) {
+                    self.folders.push(folder.into_owned());
                 }
             }
             return;
         }
-        for name in FILES.iter().filter_map(|attribute| tag.attribute(attribute)).map(decoded) {
+        for name in FILES.iter().filter_map(|attribute| tag.attribute(attribute)) {
             let format = Format::of(tag.name, &name);
             if tag.name != b"include" {
-                self.assets.push(Asset { format, name, source_name: source_name.to_owned() });
+                self.assets.push(Asset { format, name: name.into_owned(), source_name: source_name.to_owned() });
             }
         }
     }
 
     /// Looks at the files of assets. Which directory counts, and whether that in the name does, may be decided at the end of
     /// the text, so every place in which the compiler might look is looked in.
-    fn assets(&self) -> Result<()> {
+    fn assets(&mut self) -> Result<()> {
         let mut seen = HashSet::new();
         for asset in &self.assets {
+            let refuse = |name: &[u8], fault| {
+                Err(Error::Load { source_name: asset.source_name.clone(), message: asset::message(name, fault) })
+            };
+            let longest = self.folders.iter().map(|folder| self.files.asset_path(folder, &asset.name).len()).max();
+            if asset.format.is_grid() && !asset.name.is_empty() && longest <= Some(EXTENSION) {
+                return refuse(&asset.name, NO_EXTENSION);
+            }
             for folder in &self.folders {
                 for name in [&asset.name[..], last_part(&asset.name)] {
                     let path = self.files.asset_path(folder, name);
@@ -216,11 +218,14 @@ impl<'f> Check<'f> {
                     let fault = match self.files.find(&path) {
                         Found::Nothing => None,
                         Found::Irregular => (!name.is_empty()).then_some("is not a regular file"),
-                        Found::Content(content) => asset.format.fault(&path, &content, self.files),
+                        Found::Content(content) => {
+                            let size = asset.format.rows_and_columns(&content);
+                            self.rangefinders.note_field(size, &asset.source_name);
+                            asset.format.fault(&path, &content, self.files)
+                        }
                     };
                     if let Some(fault) = fault {
-                        let message = asset::message(name, fault);
-                        return Err(Error::Load { source_name: asset.source_name.clone(), message });
+                        return refuse(name, fault);
                     }
                 }
             }
@@ -232,8 +237,8 @@ impl<'f> Check<'f> {
     fn is_repeated(&mut self, tag: &Tag<'_>) -> bool {
         match (tag.name, tag.attribute(b"joint")) {
             (b"fixed", _) => self.joints.clear(),
-            (b"joint", Some(joint)) if self.joints.iter().any(|known| known == joint) => return true,
-            (b"joint", Some(joint)) => self.joints.push(joint.to_owned()),
+            (b"joint", Some(joint)) if self.joints.iter().any(|known| *known == *joint) => return true,
+            (b"joint", Some(joint)) => self.joints.push(joint.into_owned()),
             _ => {}
         }
         false
@@ -243,21 +248,22 @@ impl<'f> Check<'f> {
     fn count(&mut self, tag: &Tag<'_>) {
         match tag.name {
             b"size" => {
-                let rows = tag.attribute(b"njmax").and_then(|rows| numbers(rows).next().flatten());
-                self.little_room |= rows.is_some_and(|rows| (0..LEAST_NJMAX).contains(&rows));
+                // A number that does not fit may be any to the compiler's parser.
+                let is_little = || tag.integer(b"njmax").is_none_or(|rows| (0..LEAST_NJMAX).contains(&rows));
+                self.little_room |= tag.attribute(b"njmax").is_some() && is_little();
             }
             b"adhesion" | b"general" => self.adhesion |= tag.attribute(b"body").is_some(),
             b"body" => self.bodies += 1,
             b"freejoint" => self.dofs += 6,
             b"joint" => {
-                self.dofs += match tag.attribute(b"type") {
+                self.dofs += match tag.attribute(b"type").as_deref() {
                     Some(b"free") => 6,
                     Some(b"ball") => 3,
                     _ => 1,
                 }
             }
             b"composite" => {
-                self.composite = numbers(tag.attribute(b"count").unwrap_or_default())
+                self.composite = numbers(&tag.attribute(b"count").unwrap_or_default())
                     .map(|count| count.map_or(1, |count| count.clamp(1, 1 << 20) as u64))
                     .collect();
                 let bodies = self.composite.iter().fold(1, |product: u64, &count| product.saturating_mul(count));
@@ -268,13 +274,34 @@ impl<'f> Check<'f> {
     }
 }
 
+const NO_EXTENSION: &str = "has a name too short for an extension, which tells the compiler what is in it";
+
+/// What is wrong with the name of a file that this element names. The compiler looks for it among the files in memory, where no
+/// name, or one that is too long, is a fatal error.
+fn bad_name(element: &[u8], name: &[u8]) -> Option<String> {
+    let last = last_part(name).len();
+    let why = match name.last() {
+        // Only that of an included file is looked at then.
+        None if !element.eq_ignore_ascii_case(b"include") => return None,
+        None | Some(b'/' | b'\\') => "has nothing behind its last slash",
+        _ if last > LONGEST_NAME => "is longer than 900 bytes",
+        // The parser makes nothing of some of these, and ends the name at others.
+        _ if name.contains(&0) || name.windows(2).any(|window| window == b"&#") => "has a reference to no character",
+        _ if is_irregular(name) => "is not that of a regular file",
+        _ if matches!(element, b"mesh" | b"skin") && last < EXTENSION => {
+            return Some(asset::message(name, NO_EXTENSION));
+        }
+        _ => return None,
+    };
+    Some(format!("the file name '{}' {why}", shown(name)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Files, check};
 
     fn message(text: &str) -> String {
-        check("the text", text.as_bytes(), &Files::Memory(&[]))
-            .map_or_else(|error| error.to_string(), |_| String::new())
+        check("the text", text.as_bytes(), &Files::default()).map_or_else(|error| error.to_string(), |_| String::new())
     }
 
     #[test]
@@ -282,7 +309,7 @@ mod tests {
         let text = b"<mujoco><mesh vertex='0 0 0' face = \"0 1 2\"/><!-- a --><include file='/x/'/><a/ b=/></mujoco>";
         for end in 0..text.len() {
             for start in 0..end {
-                let _ = check("", &text[start..end], &Files::Memory(&[]));
+                let _ = check("", &text[start..end], &Files::default());
             }
         }
     }
@@ -292,7 +319,13 @@ mod tests {
         for (text, expected) in [
             ("<mujoco>\n<include file=''/></mujoco>", "nothing behind its last slash, line 2"),
             ("<mujoco><include\x0bfile\x0b=\x0b''/></mujoco>", "nothing behind its last slash"),
-            ("<mujoco><include file='a&#47;'/></mujoco>", "numeric character reference"),
+            ("<mujoco><include file='a&#47;'/></mujoco>", "nothing behind its last slash"),
+            ("<mujoco><include file='a/&#0;'/></mujoco>", "reference to no character"),
+            ("<mujoco><include file='a/&#9999999;'/></mujoco>", "reference to no character"),
+            ("<mujoco><mesh file='a/b'/></mujoco>", "too short for an extension"),
+            ("<mujoco><skin file='sk'/></mujoco>", "too short for an extension"),
+            ("<mujoco><texture fileup='abc'/></mujoco>", "too short for an extension"),
+            ("<mujoco><hfield file='a'/></mujoco>", "too short for an extension"),
             ("<mujoco>\0</mujoco>", "NUL byte"),
             ("<mujoco><include file='/dev/null'/></mujoco>", "regular file"),
             ("<mesh vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'/>", "0 to 2"),
@@ -300,6 +333,14 @@ mod tests {
             ("<texture width='50000' height='50000'/>", "a texture is too large"),
             ("<hfield nrow='50000' ncol='50000'/>", "a height field is too large"),
             ("<composite count='1000 1000 1'/>", "40000 bodies"),
+            ("<composite count='&#49;000 1000 1'/>", "40000 bodies"),
+            ("<hfield nrow='-4294917296' ncol='50000'/>", "a height field is too large"),
+            ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs room"),
+            ("<size njmax='5.5'/><adhesion body='b'/>", "adhesion needs room"),
+            ("<size njmax='4294967301'/><adhesion body='b'/>", "adhesion needs room"),
+            ("<hfield nrow='3' ncol='2'/><geom hfield='h'/><rangefinder/>", "3 rows and 2 columns"),
+            ("<hfield nrow='1' ncol='2'/><geom hfield='h'/><rangefinder/>", "1 rows and 2 columns"),
+            ("<hfield nrow='1e1' ncol='5'/><geom hfield='h'/><rangefinder/>", "1 rows and 5 columns"),
         ] {
             let message = message(text);
             assert!(message.contains(expected), "{text}: {message}");
@@ -313,6 +354,13 @@ mod tests {
             crate::sample::HUMANOID_XML,
             "<mujoco><!-- <include file=''/> --></mujoco>",
             "<mesh vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 1 2\n1 2 3'/>",
+            "<size njmax='100'/><adhesion body='b'/>",
+            "<size njmax='-1'/><adhesion body='b'/>",
+            "<hfield nrow='3' ncol='3'/><geom hfield='h'/><rangefinder/>",
+            "<hfield nrow='3' ncol='2'/><geom hfield='h'/>",
+            "<hfield nrow='3' ncol='2'/><rangefinder/>",
+            "<compiler meshdir='parts'/><hfield file='a'/>",
+            "<texture file='&#97;.png'/>",
             "<texture type='skybox' builtin='gradient' width='512' height='3072'/>",
         ] {
             assert_eq!(message(text), "");

@@ -1,6 +1,5 @@
 //! Whether the compiler will simulate muscles to find the range of their lengths, and how: see `length_range.rs`.
 
-use super::file::decoded;
 use super::tag::{Tag, Tags};
 use crate::model::length_range::{LengthRangeMode as Mode, Simulation};
 
@@ -14,7 +13,7 @@ pub(super) struct Muscles {
 
 impl Muscles {
     pub(super) fn note(&mut self, tag: &Tag<'_>) {
-        let value = |name: &[u8]| tag.attribute(name).map(|value| decoded(value.trim_ascii()));
+        let value = |name: &[u8]| tag.attribute(name).map(|value| value.trim_ascii().to_vec());
         match tag.name {
             b"muscle" => self.found = true,
             b"general" => {

@@ -17,6 +17,8 @@ fn size(tag: &Tag<'_>, name: &[u8], otherwise: u64) -> u64 {
         std::str::from_utf8(value.trim_ascii())
             .ok()
             .and_then(|value| value.parse::<f64>().ok())
+            // The compiler's parser leaves away what does not fit into a C int.
+            .filter(|&value| value >= f64::from(i32::MIN))
             .map_or(u64::MAX, |value| value.max(0.0) as u64)
     })
 }
@@ -30,7 +32,8 @@ pub(super) fn fault(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             let width = size(tag, b"width", 0);
             // A cube is six squares.
             let height = size(tag, b"height", 0).max(width.saturating_mul(6));
-            let mut grid = numbers(tag.attribute(b"gridsize").unwrap_or_default());
+            let gridsize = tag.attribute(b"gridsize").unwrap_or_default();
+            let mut grid = numbers(&gridsize);
             if grid.any(|number| number.is_none_or(|number| number > 12)) {
                 return Some("a gridsize of more than 12".to_owned());
             }
@@ -49,7 +52,7 @@ pub(super) fn fault(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             too_many(user, MOST_USER)
         }
         b"numeric" => {
-            let data = numbers(tag.attribute(b"data").unwrap_or_default()).count() as u64;
+            let data = numbers(&tag.attribute(b"data").unwrap_or_default()).count() as u64;
             (size(tag, b"size", 1) > MOST_CUSTOM || data > MOST_CUSTOM)
                 .then(|| format!("a custom numeric of more than {MOST_CUSTOM} numbers"))
         }
@@ -76,11 +79,11 @@ fn mesh(tag: &Tag<'_>) -> Option<String> {
     let reals = |list: &[u8]| {
         String::from_utf8_lossy(list).split_whitespace().all(|word| word.parse().is_ok_and(f32::is_finite))
     };
-    if !reals(vertex) {
+    if !reals(&vertex) {
         return Some("a vertex of a mesh is not finite".to_owned());
     }
-    let vertices = numbers(vertex).count() / 3;
-    let outside = numbers(tag.attribute(b"face")?)
+    let vertices = numbers(&vertex).count() / 3;
+    let outside = numbers(&tag.attribute(b"face")?)
         .find(|vertex| !vertex.is_some_and(|vertex| usize::try_from(vertex).is_ok_and(|it| it < vertices)));
     outside.map(|_| format!("a face of a mesh has something other than its vertices, 0 to {}", vertices.max(1) - 1))
 }

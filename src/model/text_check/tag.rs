@@ -1,10 +1,12 @@
 //! The tags of a text, well enough for a look at them.
 
+use std::borrow::Cow;
+
 /// A start tag or an end tag.
 pub(super) struct Tag<'t> {
     pub(super) position: usize,
     pub(super) name: &'t [u8],
-    pub(super) attributes: Vec<(&'t [u8], &'t [u8])>,
+    attributes: Vec<(&'t [u8], &'t [u8])>,
     /// `</name>`
     pub(super) closes: bool,
     /// `<name/>`
@@ -12,8 +14,18 @@ pub(super) struct Tag<'t> {
 }
 
 impl<'t> Tag<'t> {
-    pub(super) fn attribute(&self, name: &[u8]) -> Option<&'t [u8]> {
-        self.attributes.iter().find(|(found, _)| *found == name).map(|(_, value)| *value)
+    pub(super) fn attribute(&self, name: &[u8]) -> Option<Cow<'t, [u8]>> {
+        self.attributes.iter().find(|(found, _)| *found == name).map(|(_, value)| decoded(value))
+    }
+
+    /// An attribute's number as `scanf` reads it, which stops at what is no digit. `None` if there is none, or if it does not fit
+    /// into a C int.
+    pub(super) fn integer(&self, name: &[u8]) -> Option<i32> {
+        let value = self.attribute(name)?;
+        let space = value.iter().take_while(|&&byte| is_space(byte)).count();
+        let sign = usize::from(matches!(value.get(space), Some(b'+' | b'-')));
+        let digits = value[space + sign..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        std::str::from_utf8(&value[space..space + sign + digits]).ok()?.parse().ok()
     }
 }
 
@@ -99,9 +111,47 @@ pub(super) fn numbers(list: &[u8]) -> impl Iterator<Item = Option<i64>> {
         .map(|word| std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()))
 }
 
+/// The value of an attribute, with references to entities and characters replaced as the compiler's parser does it.
+fn decoded(value: &[u8]) -> Cow<'_, [u8]> {
+    const ENTITIES: [(&[u8], u8); 5] =
+        [(b"quot;", b'"'), (b"apos;", b'\''), (b"lt;", b'<'), (b"gt;", b'>'), (b"amp;", b'&')];
+    if !value.contains(&b'&') {
+        return Cow::Borrowed(value);
+    }
+    let mut result = Vec::with_capacity(value.len());
+    let mut rest = value;
+    while let Some((&byte, behind)) = rest.split_first() {
+        rest = behind;
+        if byte != b'&' {
+            result.push(byte);
+        } else if let Some((name, byte)) = ENTITIES.iter().find(|(name, _)| behind.starts_with(name)) {
+            result.push(*byte);
+            rest = &behind[name.len()..];
+        } else if let Some((character, length)) = reference(behind) {
+            result.extend(character.encode_utf8(&mut [0; 4]).as_bytes());
+            rest = &behind[length..];
+        } else {
+            result.push(byte);
+        }
+    }
+    Cow::Owned(result)
+}
+
+/// The character of `#65;` or `#x41;`, and the length of that.
+fn reference(text: &[u8]) -> Option<(char, usize)> {
+    let digits = text.strip_prefix(b"#")?;
+    let end = digits.iter().take(12).position(|&byte| byte == b';')?;
+    let digits = std::str::from_utf8(&digits[..end]).ok()?;
+    let code = match digits.strip_prefix('x') {
+        Some(digits) => u32::from_str_radix(digits, 16),
+        None => digits.parse(),
+    };
+    Some((char::from_u32(code.ok()?)?, end + 2))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Tags;
+    use super::{Tags, decoded};
 
     #[test]
     fn tags_have_their_attributes_and_comments_are_skipped() {
@@ -112,5 +162,17 @@ mod tests {
             tags,
             [(b"a".to_vec(), 2, false, false), (b"a".to_vec(), 0, true, false), (b"g".to_vec(), 0, false, true)]
         );
+    }
+
+    #[test]
+    fn references_are_replaced_once() {
+        for (value, expected) in [
+            ("a&amp;lt;b", "a&lt;b"),
+            ("&#46;&#x2f;&quot;", "./\""),
+            ("&#xe4;", "ä"),
+            ("&#; &#x; &#1114112; &nbsp; &", "&#; &#x; &#1114112; &nbsp; &"),
+        ] {
+            assert_eq!(*decoded(value.as_bytes()), *expected.as_bytes(), "{value}");
+        }
     }
 }
