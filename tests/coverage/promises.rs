@@ -13,7 +13,8 @@ fn every_test_that_is_named_exists() {
             assert!(root().join(name).exists(), "{name}");
             named += 1;
         } else if let Some(test) = name.split("::").last().filter(|last| name.contains("::") && last.contains('_')) {
-            if name.starts_with("mujoco_safe::") {
+            // An item of the crate, and not a test.
+            if name.starts_with("mujoco_safe::") || name.starts_with(char::is_uppercase) {
                 continue;
             }
             assert!(sources.iter().any(|(_, text)| text.contains(&format!("fn {test}("))), "{name}");
