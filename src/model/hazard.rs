@@ -3,8 +3,13 @@
 
 use mujoco_sys::{mjGEOM_HFIELD, mjSENS_RANGEFINDER, mjTRN_BODY, mjWRAP_JOINT};
 
+use std::ops::RangeInclusive;
+
 use super::Model;
 use crate::ffi;
+
+/// Sizes of a height field whose sums, squares and quotients are numbers.
+const SIZES: RangeInclusive<f64> = 1e-100..=1e100;
 
 impl Model {
     /// Whether an actuator sticks to what its body touches (`mjTRN_BODY`). The engine looks up the constraints of each
@@ -13,6 +18,17 @@ impl Model {
     #[inline]
     pub(crate) fn has_adhesion(&self) -> bool {
         self.adhesive
+    }
+
+    /// Whether each step sends rays to height fields, whose poses then matter: see
+    /// [`Data::check_field_poses`](crate::Data::check_field_poses).
+    #[inline]
+    pub(crate) fn has_ranged_fields(&self) -> bool {
+        self.ranged_fields
+    }
+
+    pub(super) fn find_ranged_fields(&self) -> bool {
+        self.nhfield() > 0 && self.sensor_type().contains(&(mjSENS_RANGEFINDER as i32))
     }
 
     pub(super) fn find_adhesion(&self) -> bool {
@@ -39,8 +55,8 @@ impl Model {
             && let Some(geom) = self.misread_height_field()
         {
             return Some(format!(
-                "a rangefinder would read beyond the height field of geom {geom}, which has more rows than columns; turn \
-                     it by 90°"
+                "a rangefinder would read beyond the height field of geom {geom}, which has more rows than columns, or sizes \
+                     out of all bounds; turn it by 90°"
             ));
         }
         self.bad_skin().or_else(|| self.repeated_joint())
@@ -78,14 +94,15 @@ impl Model {
     }
 
     /// Whether rays that meet the walls of this geom, if it is a height field, lead the engine beyond the heights that there are:
-    /// it takes the number of rows for the length of one, and reads two neighbours in each direction.
+    /// it takes the number of rows for the length of one, and reads two neighbours in each direction. And it makes a row or a
+    /// column of the quotient of two lengths, which is not a number if both are infinite or zero.
     pub(crate) fn is_misread(&self, geom: usize) -> bool {
         if self.geom_type()[geom] != mjGEOM_HFIELD as i32 {
             return false;
         }
         let field = ffi::size(self.geom_dataid()[geom]);
         let (rows, columns) = (self.hfield_nrow()[field], self.hfield_ncol()[field]);
-        rows > columns || rows < 2 || columns < 2
+        rows > columns || rows < 2 || columns < 2 || !self.hfield_size()[field].iter().all(|size| SIZES.contains(size))
     }
 
     /// The first geom for which that is so.

@@ -69,6 +69,8 @@ pub struct Model {
     warnings: Vec<String>,
     /// See [`has_adhesion`](Model::has_adhesion).
     adhesive: bool,
+    /// See [`has_ranged_fields`](Model::has_ranged_fields).
+    ranged_fields: bool,
 }
 
 // SAFETY: the engine's promise is that "all top-level API functions treat mjModel as const", and its structures have no thread
@@ -84,8 +86,9 @@ impl Model {
     ///
     /// `raw` is a model of this engine that nobody else owns, and that the engine compiled or this crate validated.
     unsafe fn from_raw(raw: NonNull<mjModel>, lineage: Lineage, warnings: Vec<String>) -> Self {
-        let mut model = Self { raw, lineage, warnings, adhesive: false };
+        let mut model = Self { raw, lineage, warnings, adhesive: false, ranged_fields: false };
         model.adhesive = model.find_adhesion();
+        model.ranged_fields = model.find_ranged_fields();
         model
     }
 
