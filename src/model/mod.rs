@@ -11,6 +11,7 @@
 //! | `length_range.rs` | the length ranges of actuators, by simulation |
 //! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
 //! | `hazard.rs` | what the engine compiles and then mishandles |
+//! | `shortcut.rs` | what the engine leaves out because the compiler said so |
 //! | `save.rs` | to XML, to a binary model |
 //! | `schema.rs` | what a model text may have in it |
 //! | `mjb/` | the validation of binary models |
@@ -25,6 +26,7 @@ mod options;
 mod position;
 mod save;
 mod schema;
+mod shortcut;
 mod text_check;
 mod virtual_files;
 
