@@ -304,6 +304,41 @@ fn a_scope_within_a_scope_has_its_own() {
     assert_eq!((outer.into_inner(), inner.into_inner()), (1, 1));
 }
 
+/// How often the closure of a scope is called in a step at its end, after something was done in the scope.
+fn calls_after(within: impl FnOnce(&mut Data)) -> usize {
+    let calls = AtomicUsize::new(0);
+    let callbacks = Callbacks::new().control(|_| _ = calls.fetch_add(1, Ordering::Relaxed));
+    slider().with_callbacks(callbacks, |data| {
+        within(data);
+        data.step().unwrap();
+    });
+    calls.into_inner()
+}
+
+#[test]
+fn a_panic_of_a_scope_within_a_scope_leaves_the_outer_one_its_closures() {
+    let calls = calls_after(|data| {
+        // So often that a chain of ended scopes would be too long to be dropped.
+        for _ in 0..200_000 {
+            let inner = std::panic::AssertUnwindSafe(|| {
+                data.with_callbacks(Callbacks::new(), |_| std::panic::resume_unwind(Box::new("out of the scope")));
+            });
+            assert!(std::panic::catch_unwind(inner).is_err());
+        }
+    });
+    assert_eq!(calls, 1);
+}
+
+#[test]
+fn a_simulation_that_was_swapped_out_of_an_inner_scope_has_the_closures_of_the_outer_one() {
+    let calls = calls_after(|data| {
+        let mut other = slider();
+        data.with_callbacks(Callbacks::new(), |data| std::mem::swap(data, &mut other));
+        std::mem::swap(data, &mut other);
+    });
+    assert_eq!(calls, 1);
+}
+
 #[test]
 fn a_feedback_law_is_part_of_what_is_linearised() {
     // x'' = −k x by a control callback: A[v, x] = −h k.
@@ -312,4 +347,13 @@ fn a_feedback_law_is_part_of_what_is_linearised() {
     let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = -stiffness * moment.qpos()[0]);
     let system = data.with_callbacks(callbacks, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
     assert!((system.a[(1, 0)] + data.model().timestep() * stiffness).abs() < 1e-8, "{}", system.a[(1, 0)]);
+}
+
+#[test]
+fn a_feedback_law_leaves_the_controls_as_they_were_before_a_linearisation() {
+    let mut data = slider();
+    data.ctrl_mut()[0] = 0.25;
+    let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = -40.0 * moment.qpos()[0]);
+    data.with_callbacks(callbacks, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
+    assert_eq!(data.ctrl()[0], 0.25);
 }

@@ -1,7 +1,7 @@
 //! Models that are valid, and with which the engine itself runs out of its arrays: they are refused, or end in an error.
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{Data, Error, Model};
+use mujoco_safe::{Data, Error, Model, RayOptions};
 
 /// A ball that an adhesion actuator sticks to the floor, with room for so many constraints. It starts above the floor: the
 /// engine's compiler takes a step, which already needs the room.
@@ -114,4 +114,90 @@ fn a_rangefinder_that_would_read_beyond_a_height_field_is_refused() {
             Err(error) => assert!(!loads && error.to_string().contains("height field"), "{rows} x {columns}: {error}"),
         }
     }
+}
+
+/// A height field, without the heights.
+fn field(rows: u32, columns: u32, size: &str) -> String {
+    format!(
+        r#"<mujoco>
+             <asset><hfield name="field" nrow="{rows}" ncol="{columns}" size="{size}"/></asset>
+             <worldbody><geom name="field" type="hfield" hfield="field"/></worldbody>
+           </mujoco>"#
+    )
+}
+
+#[test]
+fn a_ray_on_a_height_field_of_sizes_out_of_all_bounds_is_refused() {
+    for (size, point, direction, ok) in [
+        ("1e308 1e308 1 1", [0.0, 0.0, 0.5], [0.95, 1.0, 0.0], false),
+        ("5e-324 5e-324 1 1", [-5e-324, -1.0, 0.5], [0.0, 1.0, 0.0], false),
+        ("1e90 1e90 1 1", [0.0, 0.0, 0.5], [0.95, 1.0, 0.0], true),
+        ("1e-90 1e-90 1 1", [-1e-90, -1.0, 0.5], [0.0, 1.0, 0.0], true),
+    ] {
+        let mut model = Model::from_xml_str(&field(99, 99, size)).unwrap();
+        model.edit().hfield_data_mut().fill(1.0);
+        let mut data = Data::new(model).unwrap();
+        data.forward().unwrap();
+        let geom = data.model().geom("field").unwrap().id();
+        let found = [
+            data.ray(point, direction, &RayOptions::default()).map(drop),
+            data.ray_hfield(geom, point, direction).map(drop),
+        ];
+        for found in found {
+            assert!(matches!((&found, ok), (Ok(()), true) | (Err(Error::Unsupported(_)), false)), "{size}: {found:?}");
+        }
+    }
+}
+
+/// Three axes of which the last has numbers so large that the products with the others are infinite, of either sign.
+const NO_ROTATION: [f64; 9] = [1e160, 1e160, 1e160, 1e160, -1e160, -1e160, 0.0, 0.0, 0.0];
+
+#[test]
+fn a_ray_on_a_height_field_that_is_turned_by_no_rotation_is_refused() {
+    let mut model = Model::from_xml_str(&field(99, 99, "1 1 1 1")).unwrap();
+    model.edit().hfield_data_mut().fill(1.0);
+    let mut data = Data::new(model).unwrap();
+    data.forward().unwrap();
+    data.geom_xmat_mut()[0] = NO_ROTATION;
+    let geom = data.model().geom("field").unwrap().id();
+    for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.3, 0.0]] {
+        let point = [0.5e160, -0.5e160, 0.0];
+        assert!(matches!(data.ray(point, direction, &RayOptions::default()), Err(Error::Unsupported(_))));
+        assert!(matches!(data.ray_hfield(geom, point, direction), Err(Error::Unsupported(_))));
+    }
+}
+
+/// What a rangefinder looks at.
+const SEEN: &str = r#"<mujoco>
+    <asset><hfield name="field" nrow="3" ncol="9" size="1.25 1.75 .5 .1"/></asset>
+    <worldbody>
+      <geom name="field" type="hfield" hfield="field" quat=".8 .6 0 0"/>
+      <site name="eye" pos="3 .9 .2" euler="0 -90 0"/>
+    </worldbody>
+    <sensor><rangefinder site="eye"/></sensor>
+  </mujoco>"#;
+
+#[test]
+fn a_rangefinder_on_a_height_field_that_is_turned_by_no_rotation_is_an_error() {
+    let mut data = Data::new(Model::from_xml_str(SEEN).unwrap()).unwrap();
+    data.step().unwrap();
+    data.edit_model(|model| model.geom_quat_mut()[0] = [1e80, 1e80, 0.0, 0.0]).unwrap();
+    assert!(matches!(data.step(), Err(Error::Unsupported(_))));
+    data.edit_model(|model| model.geom_quat_mut()[0] = [1.0, 0.0, 0.0, 0.0]).unwrap();
+    data.forward().unwrap();
+    data.geom_xmat_mut()[0] = NO_ROTATION;
+    assert!(matches!(data.sensor_pos(), Err(Error::Unsupported(_))));
+}
+
+#[test]
+fn a_binary_model_with_a_rangefinder_that_would_read_beyond_a_height_field_is_refused() {
+    let mut bytes = Model::from_xml_str(SEEN).unwrap().to_binary().unwrap();
+    Model::from_binary(&bytes).unwrap();
+    // Rows and columns follow the sizes.
+    let sizes: Vec<u8> = [1.25_f64, 1.75, 0.5, 0.1].iter().flat_map(|size| size.to_le_bytes()).collect();
+    let at = bytes.windows(sizes.len()).position(|window| window == sizes).unwrap() + sizes.len();
+    assert_eq!(bytes[at..at + 8], [3, 0, 0, 0, 9, 0, 0, 0]);
+    bytes.swap(at, at + 4);
+    let error = Model::from_binary(&bytes).unwrap_err();
+    assert!(matches!(&error, Error::InvalidBinary { .. }) && error.to_string().contains("height field"), "{error}");
 }

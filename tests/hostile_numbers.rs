@@ -121,7 +121,11 @@ fn no_number_in_a_model_crashes_or_hangs_a_step() {
                         data.transition_fd(1e-6, Differences::Forward).map(drop)
                     };
                     if let Err(error) = run() {
-                        assert!(matches!(error, Error::Unstable(_) | Error::Engine { .. }), "{error}");
+                        // One model has a rangefinder and a height field, whose orientation may be out of all bounds.
+                        assert!(
+                            matches!(error, Error::Unstable(_) | Error::Engine { .. } | Error::Unsupported(_)),
+                            "{error}"
+                        );
                     }
                     data.reset().unwrap();
                     let _ = data.edit_model(|model| model.update_constants()).unwrap();

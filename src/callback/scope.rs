@@ -6,13 +6,37 @@ use super::{Callbacks, trampoline};
 use crate::data::Data;
 
 /// Where the closures of a scope are while it lasts, and nothing afterwards. A simulation holds on to the place rather than to
-/// them, because safe code may swap two simulations: one that leaves the scope finds the place empty.
+/// them, because safe code may swap two simulations: one that leaves the scope finds the place empty, and goes on with that of
+/// the scope around it.
 #[derive(Debug)]
-pub(crate) struct Slot(Mutex<Option<Callbacks<'static>>>);
+pub(crate) struct Slot {
+    callbacks: Mutex<Option<Callbacks<'static>>>,
+    outer: Option<Arc<Slot>>,
+}
 
 impl Slot {
-    pub(super) fn lock(&self) -> MutexGuard<'_, Option<Callbacks<'static>>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Option<Callbacks<'static>>> {
+        self.callbacks.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The innermost of these places whose scope still lasts.
+    fn lasting(mut slot: Option<Arc<Self>>) -> Option<Arc<Self>> {
+        while let Some(present) = slot.take_if(|slot| slot.lock().is_none()) {
+            slot.clone_from(&present.outer);
+        }
+        slot
+    }
+
+    /// The closures of the innermost scope that still lasts. They are there as long as the lock is held.
+    pub(super) fn innermost(&self) -> Option<MutexGuard<'_, Option<Callbacks<'static>>>> {
+        let mut slot = self;
+        loop {
+            let callbacks = slot.lock();
+            if callbacks.is_some() {
+                return Some(callbacks);
+            }
+            slot = slot.outer.as_deref()?;
+        }
     }
 }
 
@@ -65,13 +89,14 @@ impl Data {
         // SAFETY: only the lifetime changes. `end` takes the closures out of the slot before this function returns or unwinds,
         // so before what they borrow can end, and they are called in no other way than through the slot, under its lock.
         let callbacks = unsafe { std::mem::transmute::<Callbacks<'_>, Callbacks<'static>>(callbacks) };
-        let slot = Arc::new(Slot(Mutex::new(Some(callbacks))));
+        let slot =
+            Arc::new(Slot { callbacks: Mutex::new(Some(callbacks)), outer: Slot::lasting(self.callbacks.take()) });
         let end = End(slot.clone());
-        let outer = self.callbacks.replace(slot.clone());
+        self.callbacks = Some(slot.clone());
         let result = run(self);
         // Unless `run` has put another simulation in the place of this one.
         if self.callbacks.as_ref().is_some_and(|present| Arc::ptr_eq(present, &slot)) {
-            self.callbacks = outer;
+            self.callbacks.clone_from(&slot.outer);
         }
         drop(end);
         result

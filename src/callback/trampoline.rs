@@ -50,8 +50,8 @@ pub(crate) fn computing(
     slot: &Slot,
     call: impl FnOnce() -> c_int,
 ) -> (c_int, Option<Failure>) {
-    let mut callbacks = slot.lock();
-    let Some(callbacks) = callbacks.as_mut() else { return (call(), None) };
+    let mut callbacks = slot.innermost();
+    let Some(callbacks) = callbacks.as_mut().and_then(|callbacks| callbacks.as_mut()) else { return (call(), None) };
     let present = Present { data, raw, reaches, callbacks: ptr::from_mut(callbacks), failure: RefCell::new(None) };
     let status = {
         let _restore = Restore(PRESENT.replace(&raw const present));

@@ -51,7 +51,7 @@ impl Data {
     ///
     /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a direction that is zero or a number that is
     /// none, [`Error::Unsupported`] if the model has a geom of a height field with more rows than columns, of which 2.2.2 reads
-    /// other numbers than it should.
+    /// other numbers than it should, or of one whose sizes or orientation are out of all bounds.
     ///
     /// # Panics
     ///
@@ -74,6 +74,9 @@ impl Data {
         check_ray(&point, &direction)?;
         if let Some(geom) = self.model().misread_height_field() {
             return Err(misread(self.model(), geom));
+        }
+        if self.model().nhfield() > 0 {
+            self.check_field_poses()?;
         }
         self.ray_unchecked(point, direction, options)
     }
@@ -157,6 +160,7 @@ impl Data {
         if self.model().is_misread(index) {
             return Err(misread(self.model(), index));
         }
+        self.check_field_poses()?;
         // SAFETY: a geom of this model that is a height field of which the engine stays within the numbers, whose pose was
         // computed, and three numbers each.
         let distance = unsafe {
@@ -191,6 +195,28 @@ impl Data {
         Ok(geom.map(|geom| RayHit { distance, geom: Id::new(geom, self.model().lineage()) }))
     }
 
+    /// Refuses height fields whose orientation, as it is or as the model has it, is so far from a rotation that a point in their
+    /// frame overflows. The engine makes an index of its coordinates. (One that is not a number never comes so far.)
+    #[cold]
+    pub(crate) fn check_field_poses(&self) -> Result<()> {
+        /// No rotation has numbers that are anywhere near, nor has the square of one that has.
+        const LARGEST: f64 = 1e20;
+        let model = self.model();
+        let is_field = |&geom: &usize| model.geom_type()[geom] == mjGEOM_HFIELD as i32;
+        let far = |values: &[f64]| values.iter().any(|value| value.abs() > LARGEST);
+        // The pose as it is, which can be written to, and what the next one is made of.
+        let is_far = |&geom: &usize| {
+            let body = ffi::size(model.geom_bodyid()[geom]);
+            far(&self.geom_xmat()[geom]) || far(&model.geom_quat()[geom]) || far(&model.body_iquat()[body])
+        };
+        match (0..model.ngeom()).filter(is_field).find(is_far) {
+            None => Ok(()),
+            Some(geom) => Err(Error::Unsupported(format!(
+                "rays on the height field of geom {geom}, whose orientation has numbers beyond {LARGEST:e}"
+            ))),
+        }
+    }
+
     fn geom_of_type(&self, call: &'static str, geom: GeomId, geom_type: u32, expected: &str) -> Result<usize> {
         self.model().check_id(geom);
         self.check_parts(call, Computed::KINEMATICS)?;
@@ -219,6 +245,6 @@ fn misread(model: &Model, geom: usize) -> Error {
     let (rows, columns) = (model.hfield_nrow()[field], model.hfield_ncol()[field]);
     Error::Unsupported(format!(
         "rays on the height field {field} of {rows} rows and {columns} columns: MuJoCo 2.2.2 reads beyond one with more rows \
-         than columns, or with less than two of either; turn the field by 90°"
+         than columns, with less than two of either, or with sizes that are not between 1e-100 and 1e100; turn the field by 90°"
     ))
 }

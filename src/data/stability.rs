@@ -82,11 +82,10 @@ impl Data {
     /// Refuses a state or controls that the engine would reset, before it does.
     #[inline]
     pub(crate) fn check_inputs(&self) -> Result<()> {
-        if all_good(self.qpos()) && all_good(self.qvel()) && all_good(self.ctrl()) {
-            Ok(())
-        } else {
-            Err(self.bad_input())
+        if !(all_good(self.qpos()) && all_good(self.qvel()) && all_good(self.ctrl())) {
+            return Err(self.bad_input());
         }
+        if self.model().has_ranged_fields() { self.check_field_poses() } else { Ok(()) }
     }
 
     #[cold]

@@ -81,7 +81,8 @@ impl Data {
         Ok(system)
     }
 
-    /// As [`transition_fd`](Self::transition_fd), into the caller's matrices, of which any may be left out. Allocates nothing.
+    /// As [`transition_fd`](Self::transition_fd), into the caller's matrices, of which any may be left out. Allocates nothing,
+    /// but for a copy of the controls within [`with_callbacks`](Self::with_callbacks).
     ///
     /// # Errors
     ///
@@ -126,12 +127,21 @@ impl Data {
         let central = i32::from(differences == Differences::Central);
         let spills = self.last_control_is_stuck(eps);
         let time = self.time();
+        // The engine puts them back too, but not after its last calls of a closure that sets them.
+        let ctrl = self.callbacks.is_some().then(|| self.ctrl().to_vec());
+        let put_back = |data: &mut Self| {
+            if let Some(ctrl) = &ctrl {
+                data.ctrl_mut().copy_from_slice(ctrl);
+            }
+        };
         let mut call = |a, b, c, d| {
-            self.run("mjd_transitionFD", Computed::empty(), |model, data| {
+            let result = self.run("mjd_transitionFD", Computed::empty(), |model, data| {
                 // SAFETY: a model and a data that go together, and outputs that are NULL or have the shapes that the engine
                 // writes.
                 unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }
-            })
+            });
+            put_back(self);
+            result
         };
         let null = ptr::null_mut;
         // Where the control of the last actuator can be moved to neither side, 2.2.2 clears nq + nv + na numbers in a row of

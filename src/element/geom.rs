@@ -45,7 +45,8 @@ fields!(Geom on Model {
     solref: [f64; 2] = geom_solref, solref_mut in geom_solref_mut;
     /// Impedance of its contacts.
     solimp: [f64; 5] = geom_solimp, solimp_mut in geom_solimp_mut;
-    /// Size, m: what it means depends on the shape.
+    /// Size, m: what it means depends on the shape. Contacts are looked for within [`rbound`](Self::rbound) only, which
+    /// [`update_constants`](crate::ModelMut::update_constants) makes large enough.
     size: [f64; 3] = geom_size, size_mut in geom_size_mut;
     /// Radius of the sphere around it, m. Derived from the shape; 0 for a plane.
     rbound: f64 = geom_rbound;

@@ -25,6 +25,22 @@ const BY_HAND: [&str; 8] = ["names", "text_data", "contact", "warning", "timer",
 /// not fit need not end.
 const READ_ONLY: [&str; 3] = ["wrap_prm", "hfield_size", "mesh_vert"];
 
+/// Reals about which the compiler has noted what lets the engine take a shortcut, and the method that takes the note back before
+/// they are lent to be written to.
+const NOTED: [(&str, &str); 11] = [
+    ("geom_pos", "forget_geom_frames"),
+    ("geom_quat", "forget_geom_frames"),
+    ("site_pos", "forget_site_frames"),
+    ("site_quat", "forget_site_frames"),
+    ("body_ipos", "forget_inertial_frames"),
+    ("body_iquat", "forget_inertial_frames"),
+    ("body_mass", "forget_simple_bodies"),
+    ("body_inertia", "forget_simple_bodies"),
+    ("jnt_pos", "forget_simple_bodies"),
+    ("jnt_axis", "forget_simple_bodies"),
+    ("dof_armature", "forget_simple_bodies"),
+];
+
 /// What the header's one-line comment leaves open, for the fields that a program uses most.
 const NOTES: [(&str, &str); 22] = [
     (
@@ -276,9 +292,11 @@ fn writer(text: &mut String, field: Field<'_>) {
     } else {
         String::new()
     };
+    let noted = NOTED.iter().find(|(noted, _)| field.owner == "Model" && *noted == name);
+    let forget = noted.map(|(_, forget)| format!("        self.{forget}();\n")).unwrap_or_default();
     let _ = writeln!(
         text,
-        "    /// [`{name}`](crate::{}::{name}), to be written to.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
+        "    /// [`{name}`](crate::{}::{name}), to be written to.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{forget}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
         field.owner,
     );
 }

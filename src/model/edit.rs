@@ -18,7 +18,7 @@ use crate::ffi;
 /// `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
 ///
 /// What the compiler derived from a number does not follow when the number changes: call
-/// [`update_constants`](Self::update_constants) after masses, inertias or positions.
+/// [`update_constants`](Self::update_constants) after masses, inertias, positions or sizes.
 ///
 /// A model that is lent is not changed by anyone else:
 ///
@@ -114,13 +114,17 @@ impl<'m> ModelMut<'m> {
                 expected: "positive and finite".to_owned(),
             });
         }
+        self.forget_simple_bodies();
         // SAFETY: a model that is borrowed exclusively; the function scales its masses and inertias.
         unsafe { sys::mj_setTotalmass(self.model.raw.as_ptr(), mass) };
         Ok(())
     }
 
     /// Computes anew what the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse weights,
-    /// reference lengths, the statistics and the rest of what has a `0` in its name.
+    /// reference lengths, the statistics and the rest of what has a `0` in its name; which frames coincide and which bodies move by
+    /// themselves (`body_sameframe`, `body_simple` and the like), so that the engine can leave computations out again. Where a
+    /// sphere, capsule, cylinder, ellipsoid or box has outgrown its `geom_rbound`, beyond which no contacts are looked for, that
+    /// grows too.
     ///
     /// # Errors
     ///
@@ -138,8 +142,14 @@ impl<'m> ModelMut<'m> {
         for warning in unsafe { &mut (*scratch).warning } {
             warning.number = 1;
         }
+        self.note_shortcuts();
+        self.widen_bounds();
         // SAFETY: a model that is borrowed exclusively, and a data that was made for it.
         let result = ffi::check("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
+        if result.is_err() {
+            // Their inertias may not have been computed.
+            self.forget_simple_bodies();
+        }
         // SAFETY: made above, and used no more.
         unsafe { sys::mj_deleteData(scratch) };
         result

@@ -1,10 +1,15 @@
 //! Models that the engine compiles, and then runs out of its arrays with. A binary model is refused by its own check; these
 //! come from valid XML too.
 
+use std::ops::RangeInclusive;
+
 use mujoco_sys::{mjGEOM_HFIELD, mjSENS_RANGEFINDER, mjTRN_BODY, mjWRAP_JOINT};
 
 use super::Model;
 use crate::ffi;
+
+/// Sizes of a height field whose sums, squares and quotients are numbers.
+const SIZES: RangeInclusive<f64> = 1e-100..=1e100;
 
 impl Model {
     /// Whether an actuator sticks to what its body touches (`mjTRN_BODY`). The engine looks up the constraints of each
@@ -13,6 +18,17 @@ impl Model {
     #[inline]
     pub(crate) fn has_adhesion(&self) -> bool {
         self.adhesive
+    }
+
+    /// Whether each step sends rays to height fields, whose poses then matter: see
+    /// [`Data::check_field_poses`](crate::Data::check_field_poses).
+    #[inline]
+    pub(crate) fn has_ranged_fields(&self) -> bool {
+        self.ranged_fields
+    }
+
+    pub(super) fn find_ranged_fields(&self) -> bool {
+        self.nhfield() > 0 && self.sensor_type().contains(&(mjSENS_RANGEFINDER as i32))
     }
 
     pub(super) fn find_adhesion(&self) -> bool {
@@ -35,12 +51,12 @@ impl Model {
             // The engine does not even warn then.
             return Some("an adhesion actuator needs room for constraints, but njmax is 0".to_owned());
         }
-        if self.sensor_type().contains(&(mjSENS_RANGEFINDER as i32))
+        if self.find_ranged_fields()
             && let Some(geom) = self.misread_height_field()
         {
             return Some(format!(
-                "a rangefinder would read beyond the height field of geom {geom}, which has more rows than columns; turn \
-                     it by 90°"
+                "a rangefinder would read beyond the height field of geom {geom}, which has more rows than columns, or sizes \
+                     out of all bounds; turn it by 90°"
             ));
         }
         self.bad_skin().or_else(|| self.repeated_joint())
@@ -77,7 +93,8 @@ impl Model {
         })
     }
 
-    /// Whether rays that meet the walls of this geom, if it is a height field, lead the engine beyond the heights that there are.
+    /// Whether rays that meet the walls of this geom, if it is a height field, lead the engine beyond the heights that there are. It
+    /// also makes a row or a column of the quotient of two lengths, which is not a number if both are infinite or zero.
     pub(crate) fn is_misread(&self, geom: usize) -> bool {
         if self.geom_type()[geom] != mjGEOM_HFIELD as i32 {
             return false;
@@ -85,6 +102,7 @@ impl Model {
         let field = ffi::size(self.geom_dataid()[geom]);
         let size = |sizes: &[i32]| ffi::size(sizes[field]) as u64;
         is_misread_by_rays(size(self.hfield_nrow()), size(self.hfield_ncol()))
+            || !self.hfield_size()[field].iter().all(|size| SIZES.contains(size))
     }
 
     /// The first geom for which that is so.

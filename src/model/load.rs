@@ -268,7 +268,8 @@ impl Model {
         result?;
         let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;
         // SAFETY: the engine allocated it for us, and its content was validated.
-        Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
+        let model = unsafe { Self::from_raw(raw, Lineage::new(), warnings) };
+        model.hazard().map_or(Ok(model), |reason| Err(invalid(reason)))
     }
 
     fn compile(name: &CString, files: &VirtualFiles, source_name: &str) -> Result<Self> {

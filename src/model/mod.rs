@@ -11,6 +11,7 @@
 //! | `length_range.rs` | the length ranges of actuators, by simulation |
 //! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
 //! | `hazard.rs` | what the engine compiles and then mishandles |
+//! | `shortcut.rs` | what the engine leaves out because the compiler said so |
 //! | `save.rs` | to XML, to a binary model |
 //! | `schema.rs` | what a model text may have in it |
 //! | `mjb/` | the validation of binary models |
@@ -25,6 +26,7 @@ mod options;
 mod position;
 mod save;
 mod schema;
+mod shortcut;
 mod text_check;
 mod virtual_files;
 
@@ -69,6 +71,8 @@ pub struct Model {
     warnings: Vec<String>,
     /// See [`has_adhesion`](Model::has_adhesion).
     adhesive: bool,
+    /// See [`has_ranged_fields`](Model::has_ranged_fields).
+    ranged_fields: bool,
 }
 
 // SAFETY: the engine's promise is that "all top-level API functions treat mjModel as const", and its structures have no thread
@@ -84,8 +88,9 @@ impl Model {
     ///
     /// `raw` is a model of this engine that nobody else owns, and that the engine compiled or this crate validated.
     unsafe fn from_raw(raw: NonNull<mjModel>, lineage: Lineage, warnings: Vec<String>) -> Self {
-        let mut model = Self { raw, lineage, warnings, adhesive: false };
+        let mut model = Self { raw, lineage, warnings, adhesive: false, ranged_fields: false };
         model.adhesive = model.find_adhesion();
+        model.ranged_fields = model.find_ranged_fields();
         model
     }
 

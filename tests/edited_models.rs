@@ -1,0 +1,136 @@
+//! Numbers of a model that are changed after compilation: a simulation is that of a model that was compiled with them.
+
+#![forbid(unsafe_code)]
+
+use mujoco_safe::element::SameFrame;
+use mujoco_safe::{Data, Model, ModelMut, sample};
+
+/// A free body, a body on slides and one on a ball joint: what the engine has shortcuts for.
+fn model(inertial: &str, geom: &str, site: &str, joint: &str) -> Model {
+    Model::from_xml_str(&format!(
+        r#"<mujoco>
+             <worldbody>
+               <geom type="plane" size="9 9 .1" pos="0 0 -1"/>
+               <body name="free" pos="0 0 1"><freejoint/>
+                 <inertial {inertial}/><geom name="geom" {geom}/><site name="site" {site}/>
+               </body>
+               <body name="slides" pos="3 0 1"><joint name="x" type="slide" {joint}/><joint type="slide" axis="0 1 0"/>
+                 <inertial pos="0 0 0" mass="1" diaginertia=".1 .1 .1"/><geom size=".1"/>
+               </body>
+               <body name="ball" pos="-3 0 1"><joint type="ball"/>
+                 <inertial pos="0 0 0" mass="1" diaginertia=".1 .2 .25"/><geom size=".1"/>
+               </body>
+             </worldbody>
+           </mujoco>"#
+    ))
+    .unwrap()
+}
+
+const INERTIAL: &str = r#"pos="0 0 0" mass="1" diaginertia=".1 .2 .25""#;
+const GEOM: &str = r#"size=".1""#;
+
+fn plain() -> Model {
+    model(INERTIAL, GEOM, "", "axis='1 0 0'")
+}
+
+/// The state after a while of turning and falling, and the poses on the way.
+fn run(model: Model) -> Vec<f64> {
+    let mut data = Data::new(model).unwrap();
+    data.qvel_mut().iter_mut().zip(1..).for_each(|(velocity, i)| *velocity = 0.3 * f64::from(i));
+    data.forward().unwrap();
+    let mut all = data.full_m().unwrap().as_slice().to_vec();
+    for _ in 0..50 {
+        data.step().unwrap();
+        all.extend_from_slice(data.qpos());
+        all.extend_from_slice(data.geom_xpos().as_flattened());
+        all.extend_from_slice(data.geom_xmat().as_flattened());
+        all.extend_from_slice(data.site_xpos().as_flattened());
+        all.extend_from_slice(data.xipos().as_flattened());
+    }
+    all
+}
+
+fn check(name: &str, compiled: Model, updates: bool, edit: impl Fn(&mut ModelMut<'_>)) {
+    let mut edited = plain();
+    edit(&mut edited.edit());
+    if updates {
+        edited.edit().update_constants().unwrap();
+        for (edited, compiled) in [
+            (edited.body_sameframe(), compiled.body_sameframe()),
+            (edited.geom_sameframe(), compiled.geom_sameframe()),
+            (edited.site_sameframe(), compiled.site_sameframe()),
+            (edited.body_simple(), compiled.body_simple()),
+        ] {
+            assert_eq!(edited, compiled, "{name}");
+        }
+        assert_eq!(edited.dof_simplenum(), compiled.dof_simplenum(), "{name}");
+        assert_eq!(edited.geom_rbound(), compiled.geom_rbound(), "{name}");
+    }
+    // What is saved must be a valid model.
+    let edited = Model::from_binary(&edited.to_binary().unwrap()).unwrap();
+    for (edited, compiled) in run(edited).into_iter().zip(run(compiled)) {
+        assert!((edited - compiled).abs() < 1e-9, "{name}, updated: {updates}: {edited} but {compiled}");
+    }
+}
+
+#[test]
+fn a_simulation_of_an_edited_model_is_that_of_one_that_was_compiled_so() {
+    for updates in [false, true] {
+        check("nothing", plain(), updates, |_| ());
+        let axis = "axis='1 0 0'";
+        check("geom_pos", model(INERTIAL, "size='.1' pos='.2 0 .1'", "", axis), updates, |model| {
+            model.geom_mut("geom").unwrap().pos_mut().copy_from_slice(&[0.2, 0.0, 0.1]);
+        });
+        check("geom_quat", model(INERTIAL, "size='.1' quat='.6 .8 0 0'", "", axis), updates, |model| {
+            model.geom_mut("geom").unwrap().quat_mut().copy_from_slice(&[0.6, 0.8, 0.0, 0.0]);
+        });
+        check("site_pos", model(INERTIAL, GEOM, "pos='.2 0 .1'", axis), updates, |model| {
+            model.site_mut("site").unwrap().pos_mut().copy_from_slice(&[0.2, 0.0, 0.1]);
+        });
+        let moved = r#"pos=".1 .2 .3" quat=".6 .8 0 0" mass="1" diaginertia=".1 .2 .25""#;
+        check("body_ipos, body_iquat", model(moved, GEOM, "", axis), updates, |model| {
+            model.body_mut("free").unwrap().ipos_mut().copy_from_slice(&[0.1, 0.2, 0.3]);
+            model.body_mut("free").unwrap().iquat_mut().copy_from_slice(&[0.6, 0.8, 0.0, 0.0]);
+        });
+        let heavy = r#"pos="0 0 0" mass="5" diaginertia=".1 .2 .25""#;
+        check("body_mass", model(heavy, GEOM, "", axis), updates, |model| {
+            let free = model.body("free").unwrap().index();
+            model.body_mass_mut()[free] = 5.0;
+        });
+        let wide = r#"pos="0 0 0" mass="1" diaginertia=".3 .2 .25""#;
+        check("body_inertia", model(wide, GEOM, "", axis), updates, |model| {
+            model.body_mut("free").unwrap().inertia_mut()[0] = 0.3;
+        });
+        check("dof_armature", model(INERTIAL, GEOM, "", "axis='1 0 0' armature='.5'"), updates, |model| {
+            let dof = model.joint("x").unwrap().dofs().start;
+            model.dof_armature_mut()[dof] = 0.5;
+        });
+        check("jnt_axis", model(INERTIAL, GEOM, "", "axis='.6 .8 0'"), updates, |model| {
+            model.joint_mut("x").unwrap().axis_mut().copy_from_slice(&[0.6, 0.8, 0.0]);
+        });
+    }
+    check("geom_size", model(INERTIAL, "size='.7'", "", "axis='1 0 0'"), true, |model| {
+        model.geom_mut("geom").unwrap().size_mut()[0] = 0.7;
+    });
+}
+
+#[test]
+fn shortcuts_that_were_taken_back_are_found_again() {
+    let xml = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml"));
+    for xml in [sample::HUMANOID_XML, &xml.unwrap()] {
+        let compiled = Model::from_xml_str(xml).unwrap();
+        let mut model = compiled.clone();
+        let mut edit = model.edit();
+        edit.body_ipos_mut();
+        edit.geom_pos_mut();
+        edit.site_quat_mut();
+        assert!(edit.geoms().all(|geom| geom.sameframe() == SameFrame::Neither));
+        edit.update_constants().unwrap();
+        assert_eq!(model.body_sameframe(), compiled.body_sameframe());
+        assert_eq!(model.geom_sameframe(), compiled.geom_sameframe());
+        assert_eq!(model.site_sameframe(), compiled.site_sameframe());
+        assert_eq!(model.body_simple(), compiled.body_simple());
+        assert_eq!(model.dof_simplenum(), compiled.dof_simplenum());
+        assert_eq!(model.geom_rbound(), compiled.geom_rbound());
+    }
+}
