@@ -92,10 +92,11 @@ thread_local! {
 
 /// Runs `load` and keeps the warnings that the engine raises in it, instead of logging them.
 pub(crate) fn collecting_warnings<T>(load: impl FnOnce() -> T) -> (T, Vec<String>) {
-    let outer = COLLECTED.replace(Some(Vec::new()));
+    // A thread that is ending may still load a model, though it has no thread-locals any more: then the warnings are logged.
+    let outer = COLLECTED.try_with(|collected| collected.replace(Some(Vec::new())));
     let result = load();
-    let warnings = COLLECTED.replace(outer).unwrap_or_default();
-    (result, warnings)
+    let warnings = outer.and_then(|outer| COLLECTED.try_with(|collected| collected.replace(outer)));
+    (result, warnings.ok().flatten().unwrap_or_default())
 }
 
 /// The engine's warning handler. Replacing the default one is what keeps the engine from printing and from writing

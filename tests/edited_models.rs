@@ -3,7 +3,7 @@
 #![forbid(unsafe_code)]
 
 use mujoco_safe::element::SameFrame;
-use mujoco_safe::{Data, Model, ModelMut, sample};
+use mujoco_safe::{Data, Matrix, Model, ModelMut, sample};
 
 /// A free body, a body on slides and one on a ball joint: what the engine has shortcuts for.
 fn model(inertial: &str, geom: &str, site: &str, joint: &str) -> Model {
@@ -132,5 +132,25 @@ fn shortcuts_that_were_taken_back_are_found_again() {
         assert_eq!(model.body_simple(), compiled.body_simple());
         assert_eq!(model.dof_simplenum(), compiled.dof_simplenum());
         assert_eq!(model.geom_rbound(), compiled.geom_rbound());
+    }
+}
+
+#[test]
+fn two_slides_along_one_axis_are_coupled() {
+    let mut model = Model::from_xml_str(
+        r#"<mujoco><worldbody><body>
+             <joint type="slide" axis="1 0 0" armature="1"/><joint type="slide" axis="-1 0 0" armature="1"/>
+             <geom size=".1" mass="3"/>
+           </body></worldbody></mujoco>"#,
+    )
+    .unwrap();
+    let expected = Matrix::from_rows(&[[4.0, -3.0], [-3.0, 4.0]]);
+    for updates in [false, true] {
+        if updates {
+            model.edit().update_constants().unwrap();
+        }
+        let mut data = Data::new(model.clone()).unwrap();
+        data.forward().unwrap();
+        assert_eq!(data.full_m().unwrap(), expected);
     }
 }

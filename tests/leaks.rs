@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use mujoco_safe::{Data, Error, Model, RandomController, Trajectory, sample};
+use mujoco_safe::{Callbacks, Data, Error, Model, RandomController, Trajectory, sample};
 
 #[path = "common/trouble.rs"]
 mod trouble;
@@ -193,4 +193,15 @@ fn ten_thousand_rounds_with_the_humanoid() {
     let _turn = turn();
     loading(sample::HUMANOID_XML, 10_000);
     simulating(sample::humanoid(), 10_000);
+}
+
+#[test]
+fn refused_copies_in_a_callback_leave_nothing_behind() {
+    let _turn = turn();
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let filter = Callbacks::new().contact_filter(|data, _, collide| {
+        assert!(matches!(data.try_clone(), Err(Error::Unsupported(_))));
+        collide
+    });
+    data.with_callbacks(filter, |data| stays_flat("a refused copy", 20, || data.step().unwrap()));
 }

@@ -196,3 +196,28 @@ fn everything_at_once_in_many_threads_is_what_it_is_in_one() {
         }
     });
 }
+
+/// Something of a thread that loads and simulates when the thread has ended, and its other thread-locals with it.
+struct Late(Option<Data>);
+
+impl Drop for Late {
+    fn drop(&mut self) {
+        let model = Model::from_xml_str("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>").unwrap();
+        let mut data = self.0.take().unwrap();
+        data.step().unwrap();
+        assert_eq!(model.ngeom(), 1);
+    }
+}
+
+#[test]
+fn a_thread_that_is_ending_can_still_load_and_simulate() {
+    thread_local! {
+        static LATE: std::cell::RefCell<Option<Late>> = const { std::cell::RefCell::new(None) };
+    }
+    let ended = thread::spawn(|| {
+        // First of all, so that it is dropped last.
+        LATE.set(Some(Late(None)));
+        LATE.with_borrow_mut(|late| late.as_mut().unwrap().0 = Some(Data::new(sample::cartpole()).unwrap()));
+    });
+    ended.join().unwrap();
+}

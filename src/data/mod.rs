@@ -306,9 +306,11 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it, [`Error::Unsupported`] within a callback
+    /// in whose middle the engine's stack is in use, such as a contact filter.
     #[doc(alias = "mj_copyData")]
     pub fn try_clone(&self) -> Result<Self> {
+        self.check_stack()?;
         let mut copy = ptr::null_mut();
         // SAFETY: with NULL as its destination the engine allocates a new data; the source is valid and made for the model.
         let status =
@@ -326,8 +328,10 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] if the other simulation is of a model that was loaded separately.
+    /// [`Error::OtherModel`] if the other simulation is of a model that was loaded separately, [`Error::Unsupported`] as for
+    /// [`try_clone`](Self::try_clone).
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
+        other.check_stack()?;
         if !self.model.is_same_structure(&other.model) {
             return Err(Error::OtherModel { what: "the data to copy from" });
         }
@@ -396,6 +400,15 @@ impl Data {
         match &self.failure {
             None => Ok(()),
             Some(failure) => Err(Error::Poisoned { failure: failure.to_string() }),
+        }
+    }
+
+    /// Refuses to be copied in the middle of a computation. The engine would too, and lose the memory of the copy.
+    fn check_stack(&self) -> Result<()> {
+        if self.raw().pstack == 0 {
+            Ok(())
+        } else {
+            Err(Error::Unsupported("to copy a simulation while the engine computes with its stack".to_owned()))
         }
     }
 

@@ -91,6 +91,7 @@ impl Model {
         let mut model = Self { raw, lineage, warnings, adhesive: false, ranged_fields: false };
         model.adhesive = model.find_adhesion();
         model.ranged_fields = model.find_ranged_fields();
+        model.edit().forget_wrong_simple_bodies();
         model
     }
 

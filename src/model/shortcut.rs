@@ -6,7 +6,7 @@
 //! So a note is taken back when the numbers that it is about are lent to be written to, which is always right and a little
 //! slower, and made again by [`update_constants`](ModelMut::update_constants) where it holds.
 
-use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE};
+use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE, mjJNT_SLIDE};
 
 use super::{Model, ModelMut};
 use crate::enums::GeomType;
@@ -80,6 +80,23 @@ impl ModelMut<'_> {
                 note!(self.body_simple)[parent] = 0;
             }
         }
+        self.count_simple_dofs();
+    }
+
+    /// Takes back what the compiler should not have noted: it also takes a body for simple that has two slides along one axis.
+    pub(super) fn forget_wrong_simple_bodies(&mut self) {
+        let wrong = |&body: &usize| self.body_simple()[body] != 0 && !self.is_simple(body);
+        let wrong: Vec<usize> = (0..self.nbody()).filter(wrong).collect();
+        if !wrong.is_empty() {
+            for body in wrong {
+                note!(self.body_simple)[body] = 0;
+            }
+            self.count_simple_dofs();
+        }
+    }
+
+    /// Numbers the degrees of freedom of simple bodies in runs, backwards.
+    fn count_simple_dofs(&mut self) {
         let mut run = 0;
         for dof in (0..self.nv()).rev() {
             run = if self.body_simple()[ffi::size(self.dof_bodyid()[dof])] == 0 { 0 } else { run + 1 };
@@ -128,7 +145,7 @@ impl Model {
         if self.body_sameframe()[body] == NEITHER || !alone {
             return false;
         }
-        let mut turned = false;
+        let (mut turned, mut slid) = (false, [false; 3]);
         let first = usize::try_from(self.body_jntadr()[body]).unwrap_or(0);
         for joint in first..first + ffi::size(self.body_jntnum()[body]) {
             let joint_type = self.jnt_type()[joint] as u32;
@@ -138,6 +155,13 @@ impl Model {
                 return false;
             }
             turned |= [mjJNT_BALL, mjJNT_HINGE].contains(&joint_type);
+            if joint_type == mjJNT_SLIDE {
+                for (slid, along) in slid.iter_mut().zip(self.jnt_axis()[joint]) {
+                    if std::mem::replace(slid, *slid || along != 0.0) && along != 0.0 {
+                        return false;
+                    }
+                }
+            }
         }
         true
     }
