@@ -311,8 +311,9 @@ impl Data {
     pub fn try_clone(&self) -> Result<Self> {
         let mut copy = ptr::null_mut();
         // SAFETY: with NULL as its destination the engine allocates a new data; the source is valid and made for the model.
-        let status =
-            unsafe { guard::mj_copy_data(ptr::null_mut(), self.model.as_ptr(), self.raw.as_ptr(), &raw mut copy) };
+        let status = self.with_unused_stack(|source| unsafe {
+            guard::mj_copy_data(ptr::null_mut(), self.model.as_ptr(), source, &raw mut copy)
+        });
         ffi::check("mj_copyData", status)?;
         // SAFETY: made for this model, and ours alone.
         let mut copy = unsafe { Self::from_raw(copy, self.model.clone()) }?;
@@ -333,13 +334,23 @@ impl Data {
         }
         let mut copied = ptr::null_mut();
         // SAFETY: two data of models with the same structure, so of the same sizes.
-        let status =
-            unsafe { guard::mj_copy_data(self.raw.as_ptr(), self.model.as_ptr(), other.raw.as_ptr(), &raw mut copied) };
+        let status = other.with_unused_stack(|source| unsafe {
+            guard::mj_copy_data(self.raw.as_ptr(), self.model.as_ptr(), source, &raw mut copied)
+        });
         ffi::check("mj_copyData", status)?;
         // What was computed under other options is laid out otherwise.
         self.computed = if Arc::ptr_eq(&self.model, &other.model) { other.computed } else { Computed::empty() };
         self.failure.clone_from(&other.failure);
         Ok(())
+    }
+
+    /// This data as the engine copies it. What is on its stack in the middle of a step is of no use to a copy, and the engine
+    /// refuses to copy it: after it has allocated the copy, which then is lost.
+    fn with_unused_stack<R>(&self, copy: impl FnOnce(*const mjData) -> R) -> R {
+        if self.raw().pstack == 0 {
+            return copy(self.as_ptr());
+        }
+        copy(&raw const *Box::new(mjData { pstack: 0, ..*self.raw() }))
     }
 
     /// Sets the simulated time, s.
