@@ -97,8 +97,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before a collision detection, [`Error::Invalid`] for numbers that make no contact,
-    /// [`Error::Unsupported`] if there are as many contacts as `nconmax` allows, or contacts are disabled.
+    /// [`Error::NotComputed`] before a collision detection, [`Error::Invalid`] for numbers that make no contact or for
+    /// two geoms of one body, [`Error::Unsupported`] if there are as many contacts as `nconmax` allows, or contacts are disabled.
     ///
     /// # Panics
     ///
