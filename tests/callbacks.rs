@@ -4,7 +4,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use mujoco_safe::{Callbacks, Data, Differences, Error, Integrator, Model, Quantity, Stage, sample};
+use mujoco_safe::{Callbacks, Data, Differences, Error, Integrator, Model, Quantity, Stage, StateSpec, sample};
 
 /// A motor, and a user actuator of each kind, on a mass that slides.
 const SLIDER: &str = r#"<mujoco>
@@ -357,3 +357,47 @@ fn a_feedback_law_leaves_the_controls_as_they_were_before_a_linearisation() {
     data.with_callbacks(callbacks, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
     assert_eq!(data.ctrl()[0], 0.25);
 }
+
+#[test]
+fn a_simulation_can_be_cloned_in_each_of_them() {
+    fn check(data: &Data) {
+        let mut clone = data.try_clone().unwrap();
+        assert_eq!(
+            (clone.state(StateSpec::INTEGRATION), clone.stage()),
+            (data.state(StateSpec::INTEGRATION), data.stage())
+        );
+        clone.step().unwrap();
+        clone.copy_from(data).unwrap();
+        clone.step().unwrap();
+    }
+    let calls: [AtomicUsize; 7] = std::array::from_fn(|_| AtomicUsize::new(0));
+    let called = |index: usize, data: &Data| {
+        check(data);
+        calls[index].fetch_add(1, Ordering::Relaxed);
+    };
+    let callbacks = Callbacks::new()
+        .control(|moment| called(0, moment))
+        .passive(|moment| called(1, moment))
+        .sensor(|moment| called(2, moment))
+        .contact_filter(|data, _, collides| {
+            called(3, data);
+            collides
+        })
+        .actuator_dynamics(|data, _| {
+            called(4, data);
+            0.0
+        })
+        .actuator_gain(|data, _| {
+            called(5, data);
+            1.0
+        })
+        .actuator_bias(|data, _| {
+            called(6, data);
+            0.0
+        });
+    let mut data = Data::new(Model::from_xml_str(&SLIDER.replace("<worldbody>", FLOOR)).unwrap()).unwrap();
+    data.with_callbacks(callbacks, |data| data.step()).unwrap();
+    assert!(calls.iter().all(|calls| calls.load(Ordering::Relaxed) > 0), "{calls:?}");
+}
+
+const FLOOR: &str = r#"<worldbody><geom type="plane" size="1 1 1"/>"#;

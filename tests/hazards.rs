@@ -1,7 +1,7 @@
 //! Models that are valid, and with which the engine itself runs out of its arrays: they are refused, or end in an error.
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{Data, Error, Model, RayOptions};
+use mujoco_safe::{Data, Error, Model, NewContact, RayOptions};
 
 /// A ball that an adhesion actuator sticks to the floor, with room for so many constraints. It starts above the floor: the
 /// engine's compiler takes a step, which already needs the room.
@@ -200,4 +200,59 @@ fn a_binary_model_with_a_rangefinder_that_would_read_beyond_a_height_field_is_re
     bytes.swap(at, at + 4);
     let error = Model::from_binary(&bytes).unwrap_err();
     assert!(matches!(&error, Error::InvalidBinary { .. }) && error.to_string().contains("height field"), "{error}");
+}
+
+#[test]
+fn a_box_that_was_given_no_inside_is_an_error_where_a_sphere_or_a_capsule_meets_it() {
+    for other in ["sphere", "capsule"] {
+        let model = Model::from_xml_str(&format!(
+            r#"<mujoco><worldbody>
+                 <geom type="box" size=".1 .1 .1"/>
+                 <body><freejoint/><geom type="{other}" size=".05 .05"/></body>
+               </worldbody></mujoco>"#
+        ));
+        let mut data = Data::new(model.unwrap()).unwrap();
+        data.forward().unwrap();
+        assert!(data.ncon() > 0);
+        for size in [0.0, -1.0, 1e-300, f64::NAN, f64::INFINITY] {
+            data.reset().unwrap();
+            data.edit_model(|model| model.geom_size_mut()[0].fill(size)).unwrap();
+            let error = data.forward().unwrap_err();
+            assert!(matches!(&error, Error::Engine { message, .. } if message.contains("geom 0, a box")), "{error}");
+        }
+        data.reset().unwrap();
+        data.edit_model(|model| model.geom_size_mut()[0] = [1e-3, 2.0, 1e-12]).unwrap();
+        data.forward().unwrap();
+    }
+}
+
+/// A free body of two geoms that overlap.
+fn body_of_two_geoms(rest: &str) -> String {
+    format!(
+        r#"<mujoco><option jacobian="sparse" solver="PGS"/><size njmax="12"/><worldbody>
+             <body name="b"><freejoint/><geom name="one" size=".1" pos="0 0 .05"/><geom name="other" size=".1" pos="0 0 -.05"/></body>
+           </worldbody>{rest}</mujoco>"#
+    )
+}
+
+#[test]
+fn two_geoms_of_one_simple_body_make_no_contact_in_a_sparse_jacobian() {
+    let pair = r#"<pair geom1="one" geom2="other" condim="6"/>"#;
+    let model = Model::from_xml_str(&body_of_two_geoms(&format!("<contact>{pair}</contact>"))).unwrap();
+    // Its frame is that of its inertia.
+    assert_eq!(model.body_simple(), [1, 1]);
+    let mut data = Data::new(model).unwrap();
+    for _ in 0..10 {
+        data.step().unwrap();
+        assert!(data.efc_J_rownnz().iter().all(|&count| count as usize <= data.model().nv()));
+    }
+}
+
+#[test]
+fn a_contact_that_is_added_between_two_geoms_of_one_body_is_refused() {
+    let mut data = Data::new(Model::from_xml_str(&body_of_two_geoms("")).unwrap()).unwrap();
+    data.forward().unwrap();
+    let geoms = ["one", "other"].map(|geom| data.model().geom(geom).unwrap().id());
+    let error = data.add_contact(&NewContact::new(geoms, 0.0, [0.0; 3], [0.0, 0.0, 1.0])).unwrap_err();
+    assert!(matches!(&error, Error::Invalid { what, .. } if what == "the geoms of a new contact"), "{error}");
 }

@@ -1,5 +1,7 @@
 #include "guard.h"
 
+#include "collision.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,6 +47,7 @@ void mujoco_sys_install(void (*warn)(const char*)) {
   warning_sink = warn;
   mju_user_error = on_error;
   mju_user_warning = on_warning;
+  mujoco_sys_check_collisions();
 }
 
 int mujoco_sys_full_constraints_are_fatal(int fatal) {
@@ -197,16 +200,9 @@ GUARDED_RESULT(mj_ray, NO_DATA,
                (m, d, pnt, vec, geomgroup, flg_static, bodyexclude, geomid))
 GUARDED(mj_printData, d, (const mjModel* m, mjData* d, const char* filename), (m, d, filename))
 
-// The collision function that the engine's table has for two types, called for two geoms; -1 where it has none.
-static int collide(const mjModel* m, const mjData* d, mjContact* con, int type1, int type2, int g1, int g2,
-                   mjtNum margin) {
-  mjfCollision function = mjCOLLISIONFUNC[type1][type2];
-  return function ? function(m, d, con, g1, g2, margin) : -1;
-}
-
 int mujoco_sys_collide(const mjModel* m, mjData* d, mjContact* con, int type1, int type2, int g1, int g2, mjtNum margin,
                        int* result) {
-  GUARDED_RUN(d, *result = collide(m, d, con, type1, type2, g1, g2, margin))
+  GUARDED_RUN(d, *result = mujoco_sys_collide_as(m, d, con, type1, type2, g1, g2, margin))
 }
 
 GUARDED(mjd_transitionFD, d,

@@ -28,7 +28,8 @@ enum {
   MUJOCO_SYS_EXCEPTION = 3,      // another C++ exception; its text is in mujoco_sys_message()
 };
 
-// Makes the handlers the engine's own, for the whole process. Warnings go to `warn`, or to standard error if it is NULL.
+// Makes the handlers the engine's own, for the whole process, and its collision functions checked ones. Warnings go to `warn`,
+// or to standard error if it is NULL.
 void mujoco_sys_install(void (*warn)(const char*));
 
 // Whether a full constraint buffer is an error in this thread, instead of a warning. It has to be for a model with an actuator

@@ -39,7 +39,9 @@ macro_rules! guarded {
 
 unsafe extern "C" {
     /// Makes the guards' handlers the engine's `mju_user_error` and `mju_user_warning`, for the whole process. Warnings go to
-    /// `warn`, or to standard error if there is none.
+    /// `warn`, or to standard error if there is none. The engine's
+    /// collision functions are checked from then on: a box whose size is not positive and finite is an error where it may meet
+    /// a sphere or a capsule, and two geoms of one body make no contact where its row of a sparse Jacobian would be too long.
     #[link_name = "mujoco_sys_install"]
     pub fn install(warn: Option<unsafe extern "C" fn(*const c_char)>);
 

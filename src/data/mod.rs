@@ -306,20 +306,20 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it, [`Error::Unsupported`] within a callback
-    /// in whose middle the engine's stack is in use, such as a contact filter.
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
     #[doc(alias = "mj_copyData")]
     pub fn try_clone(&self) -> Result<Self> {
-        self.check_stack()?;
         let mut copy = ptr::null_mut();
         // SAFETY: with NULL as its destination the engine allocates a new data; the source is valid and made for the model.
-        let status =
-            unsafe { guard::mj_copy_data(ptr::null_mut(), self.model.as_ptr(), self.raw.as_ptr(), &raw mut copy) };
+        let status = self.with_unused_stack(|source| unsafe {
+            guard::mj_copy_data(ptr::null_mut(), self.model.as_ptr(), source, &raw mut copy)
+        });
         ffi::check("mj_copyData", status)?;
         // SAFETY: made for this model, and ours alone.
         let mut copy = unsafe { Self::from_raw(copy, self.model.clone()) }?;
         copy.computed = self.computed;
         copy.failure.clone_from(&self.failure);
+        warning::lower_copied(copy.raw_mut());
         Ok(copy)
     }
 
@@ -328,22 +328,31 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] if the other simulation is of a model that was loaded separately, [`Error::Unsupported`] as for
-    /// [`try_clone`](Self::try_clone).
+    /// [`Error::OtherModel`] if the other simulation is of a model that was loaded separately.
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
-        other.check_stack()?;
         if !self.model.is_same_structure(&other.model) {
             return Err(Error::OtherModel { what: "the data to copy from" });
         }
         let mut copied = ptr::null_mut();
         // SAFETY: two data of models with the same structure, so of the same sizes.
-        let status =
-            unsafe { guard::mj_copy_data(self.raw.as_ptr(), self.model.as_ptr(), other.raw.as_ptr(), &raw mut copied) };
+        let status = other.with_unused_stack(|source| unsafe {
+            guard::mj_copy_data(self.raw.as_ptr(), self.model.as_ptr(), source, &raw mut copied)
+        });
         ffi::check("mj_copyData", status)?;
         // What was computed under other options is laid out otherwise.
         self.computed = if Arc::ptr_eq(&self.model, &other.model) { other.computed } else { Computed::empty() };
         self.failure.clone_from(&other.failure);
+        warning::lower_copied(self.raw_mut());
         Ok(())
+    }
+
+    /// This data as the engine copies it. What is on its stack in the middle of a step is of no use to a copy, and the engine
+    /// refuses to copy it: after it has allocated the copy, which then is lost.
+    fn with_unused_stack<R>(&self, copy: impl FnOnce(*const mjData) -> R) -> R {
+        if self.raw().pstack == 0 {
+            return copy(self.as_ptr());
+        }
+        copy(&raw const *Box::new(mjData { pstack: 0, ..*self.raw() }))
     }
 
     /// Sets the simulated time, s.
@@ -400,15 +409,6 @@ impl Data {
         match &self.failure {
             None => Ok(()),
             Some(failure) => Err(Error::Poisoned { failure: failure.to_string() }),
-        }
-    }
-
-    /// Refuses to be copied in the middle of a computation. The engine would too, and lose the memory of the copy.
-    fn check_stack(&self) -> Result<()> {
-        if self.raw().pstack == 0 {
-            Ok(())
-        } else {
-            Err(Error::Unsupported("to copy a simulation while the engine computes with its stack".to_owned()))
         }
     }
 

@@ -97,8 +97,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before a collision detection, [`Error::Invalid`] for numbers that make no contact,
-    /// [`Error::Unsupported`] if there are as many contacts as `nconmax` allows, or contacts are disabled.
+    /// [`Error::NotComputed`] before a collision detection, [`Error::Invalid`] for numbers that make no contact or for
+    /// two geoms of one body, [`Error::Unsupported`] if there are as many contacts as `nconmax` allows, or contacts are disabled.
     ///
     /// # Panics
     ///
@@ -131,6 +131,15 @@ impl Data {
         self.check_parts("add_contact", Computed::COLLISION)?;
         contact.check()?;
         let model = self.model();
+        let [one, other] = contact.geoms.map(|geom| model.geom(geom).body());
+        if one == other {
+            // The engine would make rows of it that are longer than there is room for.
+            return Err(Error::Invalid {
+                what: "the geoms of a new contact".to_owned(),
+                value: format!("two of {one:?}"),
+                expected: "of two bodies".to_owned(),
+            });
+        }
         // The engine would make no rows of it, and trusts in places that a contact has some.
         if model.options().disable.intersects(DisableFlags::CONTACT | DisableFlags::CONSTRAINT) {
             return Err(Error::Unsupported("add_contact to a model whose contacts are disabled".to_owned()));

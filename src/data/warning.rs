@@ -129,6 +129,13 @@ impl Data {
 /// By how much the counters are lifted: beyond what a call can count down or up to.
 const LIFT: i32 = 1 << 30;
 
+/// Puts down the counters of a copy, which was made in the middle of a call if they are lifted.
+pub(super) fn lower_copied(data: &mut mjData) {
+    for stat in &mut data.warning {
+        stat.number %= LIFT;
+    }
+}
+
 /// The counters of a data whose engine counters are lifted.
 pub(super) struct Lifted {
     before: [mjWarningStat; COUNT],

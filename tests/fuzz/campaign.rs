@@ -151,7 +151,7 @@ impl Folder {
 
     fn unexpected(&self) -> Vec<String> {
         let entries = self.0.read_dir().into_iter().flatten().flatten();
-        entries.map(|entry| entry.file_name().display().to_string()).filter(|name| name != "saved.xml").collect()
+        entries.map(|entry| entry.file_name().display().to_string()).collect()
     }
 }
 
@@ -192,6 +192,8 @@ fn run_child(
         .arg(std::env::current_exe()?)
         .args(["worker", target, &seeds.start.to_string(), &seeds.end.to_string()])
         .current_dir(folder)
+        // A child that crashes leaves its temporary files behind.
+        .env("TMPDIR", folder)
         .stdin(stdin)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())

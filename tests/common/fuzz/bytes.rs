@@ -54,6 +54,17 @@ impl<'b> Bytes<'b> {
         }
     }
 
+    /// An integer: zero, one that is small, or what no one should write.
+    pub fn integer(&mut self) -> i32 {
+        match self.below(8) {
+            0..4 => self.below(9) as i32 - 2,
+            4 => i32::MAX - self.below(2) as i32,
+            5 => i32::MIN,
+            6 => 1 << self.below(31),
+            _ => self.word() as i32,
+        }
+    }
+
     /// A number from -1 to 1.
     pub fn fraction(&mut self) -> f64 {
         self.below(2001) as f64 / 1000.0 - 1.0

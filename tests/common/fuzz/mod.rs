@@ -6,6 +6,10 @@
 #![forbid(unsafe_code)]
 #![allow(unreachable_pub, dead_code, reason = "included by several programs, each of which uses some of it")]
 
+#[macro_use] // the lists of fields
+#[path = "../touch_all.rs"]
+mod touch_all;
+
 mod assets;
 mod binary;
 mod bytes;
@@ -16,8 +20,8 @@ mod token;
 
 #[path = "../mutate.rs"]
 mod mutate;
-#[path = "../touch_all.rs"]
-mod touch_all;
+#[path = "../print_all.rs"]
+mod print_all;
 
 pub use self::bytes::Bytes;
 

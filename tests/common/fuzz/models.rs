@@ -23,6 +23,9 @@ enum Text {
 pub(super) const ZOO: &str = include_str!("../../models/zoo.xml");
 pub(super) const EVERY_ELEMENT: &str = include_str!("../../models/every_element.xml");
 
+/// Small, and with all that needs a closure.
+const ASSEMBLY: &str = include_str!("../../models/assembly.xml");
+
 pub(super) const COLLIDERS: &str = include_str!("../../models/colliders.xml");
 
 pub(super) const ADHESION: &str = r#"<mujoco>
@@ -37,6 +40,9 @@ pub(super) const ADHESION: &str = r#"<mujoco>
     <adhesion body="ball" ctrlrange="0 1"/>
   </actuator>
 </mujoco>"#;
+
+/// The name of the model whose simulations are made soonest.
+pub(super) const SMALLEST: &str = "no joints";
 
 /// Little of everything that the engine has a limit for.
 const TINY: [(&str, &str); 4] = [
@@ -53,7 +59,7 @@ const TINY: [(&str, &str); 4] = [
         <actuator><motor site="s" gear="0 0 1 0 0 0"/></actuator><sensor><accelerometer site="s"/></sensor></mujoco>"#,
     ),
     (
-        "no joints",
+        SMALLEST,
         r#"<mujoco><size njmax="5" nconmax="5" nstack="1500"/><worldbody><geom type="plane" size="1 1 1"/><body mocap="true"><geom size=".1"/></body></worldbody>
         <keyframe><key mpos="0 0 1"/></keyframe></mujoco>"#,
     ),
@@ -80,13 +86,14 @@ pub(super) fn all() -> &'static [Source] {
             here("cartpole", 200, &smaller(sample::CARTPOLE_XML)),
             here("colliders", 200, &smaller(COLLIDERS)),
             here("adhesion", 150, ADHESION),
+            here("assembly", 250, ASSEMBLY),
             here("zoo", 100, &smaller(ZOO)),
             here("humanoid", 6, sample::HUMANOID_XML),
             here("every element", 6, EVERY_ELEMENT),
         ];
         all.extend(TINY.map(|(name, text)| here(name, 80, text)));
         for (name, share) in
-            [("slider_crank/slider_crank.xml", 4), ("tendon_arm/arm26.xml", 4), ("adhesion/active_adhesion.xml", 3)]
+            [("slider_crank/slider_crank.xml", 4), ("tendon_arm/arm26.xml", 4), ("adhesion/active_adhesion.xml", 1)]
         {
             let path = Path::new(sample::SYSTEM_MODELS).join(name);
             if path.exists() {
@@ -113,6 +120,11 @@ pub(super) fn choose(bytes: &mut Bytes<'_>) -> usize {
             found
         })
         .unwrap_or(0)
+}
+
+/// Where one is of a name that there is.
+pub(super) fn find(name: &str) -> usize {
+    all().iter().position(|source| source.name == name).expect("there is no model of this name")
 }
 
 /// One of them, loaded once in a process.

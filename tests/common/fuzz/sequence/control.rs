@@ -3,14 +3,14 @@
 use std::hint::black_box;
 
 use mujoco_safe::{
-    Controller, Differences, Lqr, LqrWeights, Matrix, PdController, RandomController, Trajectory, TransitionOutputs,
-    ZeroController,
+    Controller, Differences, InverseJacobians, InverseOutputs, Lqr, LqrWeights, Matrix, PdController, RandomController,
+    Trajectory, TransitionOutputs, ZeroController,
 };
 
 use super::{Call, Scene};
 
 /// Whether a linearisation takes little time.
-fn small(scene: &Scene) -> bool {
+fn small(scene: &Scene<'_>) -> bool {
     scene.data.model().nv() < 20
 }
 
@@ -33,6 +33,31 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             d: bytes.once_in(2).then_some(&mut d),
         };
         if small(scene) { scene.data.transition_fd_into(1e-6, Differences::Forward, outputs) } else { Ok(()) }
+    }),
+    ("inverse_fd", |scene, bytes| {
+        let eps = if bytes.once_in(3) { bytes.number() } else { 1e-6 };
+        let actuation = bytes.once_in(2);
+        if small(scene) { scene.data.inverse_fd(eps, actuation).map(drop) } else { Ok(()) }
+    }),
+    ("inverse_fd_into", |scene, bytes| {
+        let mut jacobians = InverseJacobians::zeros(scene.data.model());
+        let wrong = Matrix::zeros(scene.data.model().nv() + 1, 1);
+        if bytes.once_in(4) {
+            jacobians.ds_dv = wrong;
+        }
+        let InverseJacobians { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq, .. } = &mut jacobians;
+        let wanted = bytes.word();
+        let outputs = InverseOutputs {
+            df_dq: (wanted & 1 != 0).then_some(df_dq),
+            df_dv: (wanted & 2 != 0).then_some(df_dv),
+            df_da: (wanted & 4 != 0).then_some(df_da),
+            ds_dq: (wanted & 8 != 0).then_some(ds_dq),
+            ds_dv: (wanted & 16 != 0).then_some(ds_dv),
+            ds_da: (wanted & 32 != 0).then_some(ds_da),
+            dm_dq: (wanted & 64 != 0).then_some(dm_dq),
+        };
+        let actuation = bytes.once_in(2);
+        if small(scene) { scene.data.inverse_fd_into(1e-6, actuation, outputs) } else { Ok(()) }
     }),
     ("Lqr", |scene, bytes| {
         let model = scene.data.model();

@@ -1,7 +1,10 @@
 //! Changes of the model and its options.
 
+use std::hint::black_box;
+
 use mujoco_safe::{
-    Collision, Cone, Data, DisableFlags, EnableFlags, Integrator, JacobianStorage, Options, Result, Solver,
+    Collision, Cone, Data, DisableFlags, EnableFlags, Integrator, JacobianStorage, LengthRangeMode, LengthRangeOptions,
+    Options, Result, Solver, Statistics, Visual,
 };
 
 use super::{Bytes, Call, touch_all};
@@ -9,6 +12,77 @@ use super::{Bytes, Call, touch_all};
 /// Changes options in one edit.
 fn options(data: &mut Data, change: impl FnOnce(&mut Options)) -> Result<()> {
     data.edit_model(|model| model.options(change))?
+}
+
+/// What a number can be put into.
+trait Put {
+    fn put(&mut self, number: f64);
+}
+
+macro_rules! put {
+    ($($type:ty)*) => {$(
+        impl Put for $type {
+            fn put(&mut self, number: f64) {
+                *self = number as Self;
+            }
+        }
+    )*};
+}
+put!(f32 f64 usize);
+
+impl Put for bool {
+    fn put(&mut self, number: f64) {
+        *self = number > 0.0;
+    }
+}
+
+impl<T: Put, const N: usize> Put for [T; N] {
+    fn put(&mut self, number: f64) {
+        for value in self {
+            value.put(number);
+        }
+    }
+}
+
+/// How many fields a structure has, and a function that puts a number into the one of an index.
+macro_rules! fields_of {
+    ($count:ident $put:ident $type:ident $($($field:ident).+)*) => {
+        const $count: usize = [$(stringify!($($field).+)),*].len();
+
+        fn $put(structure: &mut $type, which: usize, number: f64) {
+            let fields: [&mut dyn Put; $count] = [$(&mut structure.$($field).+),*];
+            fields.into_iter().skip(which).take(1).for_each(|field| field.put(number));
+        }
+    };
+}
+visual_fields! { fields_of VISUAL put_visual Visual }
+statistic_fields! { fields_of STATISTIC put_statistic Statistics }
+
+/// Options of which those that are allowed ask for a few steps.
+fn length_range(timestep: f64, bytes: &mut Bytes<'_>) -> LengthRangeOptions {
+    const MODES: [LengthRangeMode; 4] =
+        [LengthRangeMode::None, LengthRangeMode::Muscle, LengthRangeMode::MuscleUser, LengthRangeMode::All];
+    let inttotal = match bytes.below(16) {
+        0 => [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300][bytes.below(5)],
+        _ => timestep * bytes.below(12) as f64,
+    };
+    let mut options = LengthRangeOptions {
+        mode: MODES[bytes.below(4)],
+        useexisting: bytes.once_in(4),
+        uselimit: bytes.once_in(4),
+        inttotal,
+        inteval: if bytes.once_in(8) { bytes.number() } else { inttotal / 2.0 },
+        ..LengthRangeOptions::default()
+    };
+    let number = bytes.number();
+    match bytes.below(8) {
+        0 => options.accel = number,
+        1 => options.maxforce = number,
+        2 => options.timeconst = number,
+        3 => options.tolrange = number,
+        _ => {}
+    }
+    options
 }
 
 /// How many iterations: few, seldom more, and seldom more than are allowed.
@@ -54,7 +128,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         })
     }),
     ("options: a number", |scene, bytes| {
-        let (which, value) = (bytes.below(10), bytes.number());
+        let (which, value) = (bytes.below(11), bytes.number());
         options(&mut scene.data, |options| match which {
             0 => options.timestep = value,
             1 => options.impratio = value,
@@ -65,6 +139,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             6 => options.viscosity = value,
             7 => options.o_margin = value,
             8 => options.timestep = value.abs() * 0.01,
+            9 => options.apirate = value,
             _ => options.impratio = value.abs(),
         })
     }),
@@ -98,23 +173,29 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             }
         })
     }),
-    ("an element of the model", |scene, bytes| {
-        let (which, value) = (bytes.below(9), bytes.number());
-        let index = bytes.index(scene.data.model().nbody());
-        scene.data.edit_model(|model| -> Result<()> {
-            match which {
-                0 => model.joint_mut(index)?.set_stiffness(value),
-                1 => model.joint_mut(index)?.range_mut()[0] = value,
-                2 => model.joint_mut(index)?.armature_mut().fill(value),
-                3 => model.actuator_mut(index)?.gear_mut().fill(value),
-                4 => model.actuator_mut(index)?.set_cranklength(value),
-                5 => model.joint_mut(index)?.qpos0_mut().fill(value),
-                6 => model.joint_mut(index)?.damping_mut().fill(value),
-                7 => model.actuator_mut(index)?.dynprm_mut().fill(value),
-                _ => model.joint_mut(index)?.pos_mut().fill(value),
-            }
-            Ok(())
+    ("visual", |scene, bytes| {
+        let (which, number) = (bytes.below(VISUAL), bytes.number());
+        scene.data.edit_model(|model| model.visual(|visual| put_visual(visual, which, number)))?
+    }),
+    ("statistics", |scene, bytes| {
+        let (which, number) = (bytes.below(STATISTIC), bytes.number());
+        scene.data.edit_model(|model| model.statistics(|statistics| put_statistic(statistics, which, number)))?
+    }),
+    ("set_total_mass", |scene, bytes| {
+        let mass = bytes.number();
+        scene.data.edit_model(|model| {
+            let result = model.set_total_mass(mass);
+            black_box(model.total_mass());
+            result
         })?
+    }),
+    ("set_length_range", |scene, bytes| {
+        if scene.data.model().nv() > 20 && !bytes.once_in(4) {
+            return Ok(());
+        }
+        let actuator = scene.data.model().actuator(bytes.index(scene.data.model().nu()))?.id();
+        let options = length_range(scene.data.model().timestep(), bytes);
+        scene.data.edit_model(|model| model.set_length_range(actuator, &options))?.map(drop)
     }),
     ("update_constants", |scene, _| scene.data.edit_model(|model| model.update_constants())?),
     ("no edit", |scene, _| scene.data.edit_model(|_| ())),

@@ -3,8 +3,14 @@
 //! Each call is a line in a table: a name, and a function that takes the scene and the bytes that decide its arguments. A new
 //! function of the crate is a new line in the table of the file it fits, or in a new file that [`TABLES`] lists.
 
+mod callback;
 mod control;
 mod edit;
+mod elements;
+mod files;
+mod look;
+mod math;
+mod parts;
 mod read;
 mod several;
 mod simulate;
@@ -13,12 +19,12 @@ mod write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use mujoco_safe::{Data, Model, Result};
+use mujoco_safe::{Data, Error, Model, Result, Stage};
 
-use super::{Bytes, Verdict, models, touch_all};
+use super::{Bytes, Verdict, models, print_all, touch_all};
 
 /// What the calls are made on.
-pub(super) struct Scene {
+pub(super) struct Scene<'l> {
     pub(super) data: Data,
     /// Another one, often of the same model.
     pub(super) other: Option<Data>,
@@ -26,26 +32,38 @@ pub(super) struct Scene {
     pub(super) state: Vec<f64>,
     /// The model as it was loaded, which is shared.
     pub(super) model: Arc<Model>,
+    /// Within how many scopes with callbacks the calls are made.
+    pub(super) depth: usize,
+    /// Is told what is done before it is done.
+    pub(super) log: &'l mut dyn FnMut(&str),
 }
 
 /// A call, or a few that go together. What it returns is not looked at: errors are allowed.
-type Call = fn(&mut Scene, &mut Bytes<'_>) -> Result<()>;
+type Call = fn(&mut Scene<'_>, &mut Bytes<'_>) -> Result<()>;
 
 /// Calls that are alike.
 struct Table {
     /// How often one of them comes, compared to the others.
     weight: usize,
+    /// Whether most of them need what a step computes.
+    needs_step: bool,
     calls: &'static [(&'static str, Call)],
 }
 
 /// All calls. A table to which a line is added is chosen as often as before.
 const TABLES: &[Table] = &[
-    Table { weight: 10, calls: simulate::CALLS },
-    Table { weight: 7, calls: edit::CALLS },
-    Table { weight: 6, calls: write::CALLS },
-    Table { weight: 5, calls: read::CALLS },
-    Table { weight: 4, calls: several::CALLS },
-    Table { weight: 2, calls: control::CALLS },
+    Table { weight: 12, needs_step: false, calls: simulate::CALLS },
+    Table { weight: 7, needs_step: false, calls: edit::CALLS },
+    Table { weight: 5, needs_step: false, calls: write::CALLS },
+    Table { weight: 5, needs_step: false, calls: elements::CALLS },
+    Table { weight: 5, needs_step: true, calls: look::CALLS },
+    Table { weight: 3, needs_step: true, calls: read::CALLS },
+    Table { weight: 4, needs_step: false, calls: several::CALLS },
+    Table { weight: 4, needs_step: false, calls: parts::CALLS },
+    Table { weight: 3, needs_step: false, calls: callback::CALLS },
+    Table { weight: 2, needs_step: false, calls: math::CALLS },
+    Table { weight: 2, needs_step: false, calls: control::CALLS },
+    Table { weight: 1, needs_step: false, calls: files::CALLS },
 ];
 
 const MOST_CALLS: usize = 40;
@@ -55,8 +73,14 @@ pub(super) fn call_sequence(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) ->
     log(&models::all()[which].name);
     let model = models::model(which).clone();
     let data = Data::new(model.clone()).expect("a model of the corpus has no simulation");
-    let mut scene = Scene { data, other: None, state: Vec::new(), model };
+    let mut scene = Scene { data, other: None, state: Vec::new(), model, depth: 0, log };
     let calls = 10 + bytes.below(MOST_CALLS - 9);
+    call_some(&mut scene, bytes, calls);
+    Verdict::Worked
+}
+
+/// So many calls, or fewer if there are no more bytes.
+fn call_some(scene: &mut Scene<'_>, bytes: &mut Bytes<'_>, calls: usize) {
     for _ in 0..calls {
         if bytes.is_empty() {
             break;
@@ -67,14 +91,34 @@ pub(super) fn call_sequence(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) ->
             ticket = ticket.saturating_sub(table.weight);
             found
         });
-        let calls = table.map_or(simulate::CALLS, |table| table.calls);
-        let (name, call) = calls[bytes.below(calls.len())];
-        log(name);
-        if let Err(error) = call(&mut scene, bytes) {
-            log(&format!("  {error}"));
+        let table = table.expect("the ticket is below the sum of the weights");
+        if table.needs_step && scene.data.stage() != Stage::Acceleration && bytes.once_in(2) {
+            (scene.log)("forward, for what comes next");
+            expected(&scene.data.forward());
         }
+        let calls = table.calls;
+        let (name, call) = calls[bytes.below(calls.len())];
+        (scene.log)(name);
+        let result = call(scene, bytes);
+        if let Err(error) = &result {
+            (scene.log)(&format!("  {error}"));
+        }
+        // Nothing more would happen.
+        if matches!(result, Err(Error::Poisoned { .. })) && bytes.once_in(2) {
+            let _ = scene.data.reset();
+        }
+        expected(&result);
     }
-    Verdict::Worked
+}
+
+/// With what a closure panics that does so because it was told to.
+const ON_PURPOSE: &str = "on purpose";
+
+/// A panic of a closure is an error of the step it is in: but of those none is allowed that is not made on purpose.
+fn expected(result: &Result<()>) {
+    if let Err(Error::Callback { message, .. }) = result {
+        assert!([ON_PURPOSE, "a panic without a text"].contains(&&message[..]), "a closure panicked: {message}");
+    }
 }
 
 /// A call that must panic, because it was given what belongs to another model.

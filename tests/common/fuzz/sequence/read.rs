@@ -1,133 +1,99 @@
-//! What only reads, and what computes from a simulation without changing it.
+//! What computes from a simulation without changing its state, but needs its scratch space, and what asks nothing of one.
 
-use std::fmt::Write as _;
 use std::hint::black_box;
 
-use mujoco_safe::{Data, Matrix, Result, StateSpec, Warning};
+use mujoco_safe::{Data, Matrix, Model, Options, Result, Statistics, Visual};
 
-use super::{Bytes, Call, must_panic, touch_all};
-
-/// The displays of every view.
-fn text(data: &Data) -> String {
-    let model = data.model();
-    let mut text = format!("{model:?} {data:?}");
-    macro_rules! print {
-        ($($many:ident),*) => {$(
-            for view in model.$many() { let _ = write!(text, "{view:?} {view}"); }
-            for view in data.$many() { let _ = write!(text, "{view:?} {view}"); }
-        )*};
-    }
-    print!(bodies, joints, geoms, sites, cameras, lights, tendons, actuators, sensors);
-    for key in model.keyframes() {
-        let _ = write!(text, "{key:?} {key}");
-    }
-    text
-}
-
-fn jacobians(data: &mut Data, bytes: &mut Bytes<'_>) -> Result<()> {
-    let model = data.model().clone();
-    let body = model.body(bytes.index(model.nbody()))?;
-    black_box(data.jac_body(body)?);
-    black_box(data.jac_body_com(body)?);
-    black_box(data.jac(body, bytes.numbers())?);
-    black_box(data.jac_subtree_com(body)?);
-    if let Ok(geom) = model.geom(bytes.below(8)) {
-        black_box(data.jac_geom(geom)?);
-    }
-    if let Ok(site) = model.site(bytes.below(4)) {
-        black_box(data.jac_site(site)?);
-    }
-    let nv = model.nv() + usize::from(bytes.once_in(8));
-    let (mut translation, mut rotation) = (Matrix::zeros(3, nv), Matrix::zeros(3, model.nv()));
-    data.jac_body_into(body, Some(&mut translation), Some(&mut rotation))?;
-    data.jac_body_com_into(body, None, Some(&mut translation))
-}
+use super::{Bytes, Call, look, must_panic};
 
 pub(super) const CALLS: &[(&str, Call)] = &[
-    ("jacobians", |scene, bytes| jacobians(&mut scene.data, bytes)),
-    ("full_m", |scene, bytes| {
+    ("jac_subtree_com, jac_point_axis", |scene, bytes| {
+        let body = look::body(&scene.data, bytes)?;
+        black_box(scene.data.jac_subtree_com(body)?);
+        black_box(scene.data.jac_point_axis(body, bytes.numbers(), bytes.numbers())?);
+        let mut matrix = Matrix::zeros(3, scene.data.model().nv() + usize::from(bytes.once_in(4)));
+        scene.data.jac_subtree_com_into(body, &mut matrix)?;
+        scene.data.jac_point_axis_into(body, bytes.numbers(), bytes.numbers(), None, Some(&mut matrix))
+    }),
+    ("solve_m", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m(result, b))),
+    ("solve_m2", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m2(result, b))),
+    ("rne", |scene, bytes| {
+        let mut result = bytes.vector(scene.data.model().nv());
+        scene.data.rne(bytes.once_in(2), &mut result)
+    }),
+    ("add_m", |scene, bytes| {
         let nv = scene.data.model().nv();
-        let mut full = Matrix::zeros(nv, nv + usize::from(bytes.once_in(8)));
-        scene.data.full_m_into(&mut full)?;
-        scene.data.full_m().map(drop)
+        let mut sum = Matrix::zeros(nv + usize::from(bytes.once_in(8)), nv);
+        sum.as_mut_slice().fill(bytes.number());
+        scene.data.add_m(&mut sum)
     }),
-    ("mul_m", |scene, bytes| {
-        let nv = scene.data.model().nv();
-        let (mut result, vector) = (bytes.vector(nv), bytes.vector(nv));
-        scene.data.mul_m(&mut result, &vector)
+    ("add_m_sparse", |scene, bytes| add_m_sparse(&mut scene.data, bytes)),
+    ("apply_ft", |scene, bytes| {
+        let body = look::body(&scene.data, bytes)?;
+        let mut target = bytes.vector(scene.data.model().nv());
+        scene.data.apply_ft(bytes.numbers(), bytes.numbers(), bytes.numbers(), body, &mut target)
     }),
-    ("solve_m", |scene, bytes| {
-        let nv = scene.data.model().nv();
-        // Several right-hand sides at once, too.
-        let times = 1 + bytes.below(3);
-        let (mut result, vector) = (bytes.vector(times * nv), bytes.vector(times * nv));
-        scene.data.solve_m(&mut result, &vector)
+    ("geom_distance", |scene, bytes| {
+        let (one, other) = (look::geom(&scene.data, bytes)?, look::geom(&scene.data, bytes)?);
+        scene.data.geom_distance(one, other, bytes.number()).map(drop)
     }),
-    ("contacts", |scene, _| {
-        for contact in scene.data.contacts() {
-            black_box((contact.geoms(), contact.frame(), contact.is_active(), contact.friction(), contact.dim()));
-            black_box((contact.force(), contact.force_in_world()).0?);
-            black_box(format!("{contact:?}"));
+    ("field_docs", |_, bytes| {
+        let text = String::from_utf8_lossy(&bytes.word().to_le_bytes()).into_owned();
+        let name = bytes.choose(&["qpos", "map.znear", "", "\0", "qpso", "\t", "\n", "%s%n", &text]);
+        if !bytes.once_in(4) {
+            return Model::field_docs("nv").map(drop);
         }
-        Ok(())
-    }),
-    ("energy, stage, warnings", |scene, _| {
-        black_box((scene.data.energy(), scene.data.stage(), scene.data.warning(Warning::BadQpos)));
-        Ok(())
-    }),
-    ("state", |scene, bytes| {
-        let spec = StateSpec::from_bits_retain(bytes.word() as u32);
-        let mut state = bytes.vector(scene.data.model().state_size(spec));
-        scene.state = scene.data.state(StateSpec::INTEGRATION);
-        scene.data.state_into(spec, &mut state)
-    }),
-    ("every array", |scene, bytes| {
-        if scene.data.model().nv() < 30 || bytes.once_in(4) {
-            black_box(touch_all::data(&scene.data));
+        let docs: [fn(&str) -> Result<String>; 5] =
+            [Model::field_docs, Data::field_docs, Options::field_docs, Visual::field_docs, Statistics::field_docs];
+        let which = bytes.below(5);
+        if bytes.once_in(64) {
+            black_box(Data::fields().map(|field| field.shape().len()).sum::<usize>());
         }
-        Ok(())
+        docs[which](name).map(drop)
     }),
-    ("every array of the model", |scene, bytes| {
-        if scene.data.model().nv() < 30 || bytes.once_in(4) {
-            black_box(touch_all::model(scene.data.model()));
-        }
-        Ok(())
-    }),
-    ("every display", |scene, bytes| {
-        if bytes.once_in(4) {
-            black_box(text(&scene.data));
-        }
-        Ok(())
-    }),
-    ("names", |scene, bytes| {
-        let model = scene.data.model();
-        let name = model.joint(bytes.index(model.njnt()))?.name().map(str::to_owned);
-        black_box(name.map(|name| model.joint(&name[..]).map(|joint| joint.index())));
-        model.geom(*bytes.choose(&[&"", &"\0", &"floor", &"no such geom"])).map(drop)
-    }),
-    ("differentiate_pos, integrate_pos", |scene, bytes| {
-        let model = scene.data.model();
-        let (one, two, mut qvel) = (bytes.vector(model.nq()), bytes.vector(model.nq()), bytes.vector(model.nv()));
-        model.differentiate_pos(&mut qvel, bytes.number(), &one, &two)?;
-        let mut qpos = one;
-        model.integrate_pos(&mut qpos, &qvel, bytes.number())
-    }),
-    ("statistics", |scene, _| {
-        let model = scene.data.model();
-        black_box((model.statistics(), model.options(), model.compile_warnings().len(), model.text_data().len()));
-        Ok(())
+    ("schema", |_, bytes| {
+        if bytes.once_in(64) { mujoco_safe::schema().and(mujoco_safe::schema_html()).map(drop) } else { Ok(()) }
     }),
     ("an id of another model", |scene, bytes| {
         let Some(other) = scene.other.as_ref().filter(|other| !other.model().is_same_structure(scene.data.model()))
         else {
             return Ok(());
         };
-        let body = other.model().body(0)?.id();
-        match bytes.below(3) {
+        let (body, geom) = (other.model().body(0)?.id(), other.model().geom(0)?.id());
+        match bytes.below(7) {
             0 => must_panic(|| scene.data.jac_body(body)),
             1 => must_panic(|| scene.data.body(body).index()),
-            _ => must_panic(|| scene.data.model().name(body).map(str::len)),
+            2 => must_panic(|| scene.data.model().name(body).map(str::len)),
+            3 => must_panic(|| scene.data.ray_mesh(geom, [0.0; 3], [1.0; 3])),
+            4 => must_panic(|| scene.data.geom_distance(geom, geom, 1.0)),
+            5 => must_panic(|| scene.data.local_to_global(body, [0.0; 3], [0.0; 4])),
+            _ => must_panic(|| scene.data.edit_model(|model| model.body_mut(body).set_mass(1.0))),
         }
         Ok(())
     }),
 ];
+
+/// Several right-hand sides at once, too.
+fn solve(nv: usize, bytes: &mut Bytes<'_>, call: impl FnOnce(&mut [f64], &[f64]) -> Result<()>) -> Result<()> {
+    let times = 1 + bytes.below(3);
+    let (mut result, vector) = (bytes.vector(times * nv), bytes.vector(times * nv));
+    call(&mut result, &vector)
+}
+
+/// Rows with room for what is added, or with what no one would write.
+fn add_m_sparse(data: &mut Data, bytes: &mut Bytes<'_>) -> Result<()> {
+    let nv = data.model().nv();
+    let (mut values, mut columns) = (vec![bytes.number(); nv * nv], vec![0; nv * nv]);
+    let (mut counts, mut addresses) = (vec![0; nv], (0..nv).map(|row| (row * nv) as i32).collect::<Vec<_>>());
+    for _ in 0..bytes.below(4) {
+        let (at, number) = (bytes.below(nv * nv), bytes.integer());
+        let array = [&mut columns, &mut counts, &mut addresses].into_iter().nth(bytes.below(3));
+        if let Some(number_there) = array.and_then(|array| array.get_mut(at % nv.max(1))) {
+            *number_there = number;
+        }
+    }
+    if bytes.once_in(8) {
+        values.truncate(nv);
+    }
+    data.add_m_sparse(&mut values, &mut counts, &addresses, &mut columns)
+}

@@ -1,15 +1,10 @@
-//! More than one simulation, more than one model: copies, files, threads.
+//! More than one simulation, more than one model: copies, threads.
 
 use std::sync::Arc;
 
-use mujoco_safe::{Data, Error, Model};
+use mujoco_safe::{Cone, Data, JacobianStorage, Solver};
 
 use super::Call;
-
-/// Whether a model is so small that it may be written and read often.
-fn small(model: &Model) -> bool {
-    model.nbuffer() < 200_000
-}
 
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("clone", |scene, _| {
@@ -28,6 +23,28 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("copy_from", |scene, _| scene.other.as_ref().map_or(Ok(()), |other| scene.data.copy_from(other))),
     ("copy_from, the other way", |scene, _| scene.other.as_mut().map_or(Ok(()), |other| other.copy_from(&scene.data))),
+    ("copy_from a clone with other options", |scene, bytes| {
+        let mut copy = scene.data.try_clone()?;
+        let (solver, dense, elliptic) =
+            ([Solver::Pgs, Solver::Newton][bytes.below(2)], bytes.once_in(2), bytes.once_in(2));
+        copy.edit_model(|model| {
+            model.options(|options| {
+                options.solver = solver;
+                options.jacobian = if dense { JacobianStorage::Dense } else { JacobianStorage::Sparse };
+                options.cone = if elliptic { Cone::Elliptic } else { Cone::Pyramidal };
+            })
+        })??;
+        copy.forward()?;
+        if bytes.once_in(2) {
+            std::mem::swap(&mut copy, &mut scene.data);
+        }
+        let result = scene.data.copy_from(&copy);
+        if bytes.once_in(4) {
+            scene.data.clone_from(&copy);
+        }
+        scene.other = Some(copy);
+        result
+    }),
     ("clone_from", |scene, _| {
         if let Some(other) = &scene.other {
             scene.data.clone_from(other);
@@ -56,24 +73,6 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         assert!(same, "a clone has another structure");
         scene.other = Some(Data::new(model)?);
         Ok(())
-    }),
-    ("to_binary, from_binary", |scene, bytes| {
-        if !small(scene.data.model()) && !bytes.once_in(8) {
-            return Ok(());
-        }
-        let file = scene.data.model().to_binary()?;
-        // Numbers that were written to may make a model that is refused.
-        scene.other = Some(Data::new(Model::from_binary(&file)?)?);
-        Ok(())
-    }),
-    ("save_xml", |scene, bytes| {
-        if !bytes.once_in(8) {
-            return Ok(());
-        }
-        match scene.data.model().save_xml("saved.xml") {
-            Err(Error::XmlReplaced) => Ok(()),
-            result => result,
-        }
     }),
     ("is_same_structure", |scene, _| {
         if let Some(other) = &scene.other {

@@ -32,7 +32,16 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
         Ok(())
     }),
+    ("enable_timers", |_, bytes| {
+        if bytes.once_in(16) {
+            mujoco_safe::enable_timers();
+        }
+        Ok(())
+    }),
     ("another simulation", |scene, bytes| {
+        if !bytes.once_in(4) {
+            return Ok(());
+        }
         let model = models::model(models::choose(bytes)).clone();
         scene.other = Some(mujoco_safe::Data::new(model)?);
         Ok(())

@@ -2,7 +2,13 @@
 
 use mujoco_safe::StateSpec;
 
-use super::{Call, touch_all};
+use super::{Bytes, Call, touch_all};
+
+/// Some parts of a state, and sometimes ones that do not exist.
+fn spec(bytes: &mut Bytes<'_>) -> StateSpec {
+    let spec = StateSpec::from_bits_retain(bytes.word() as u32);
+    if bytes.once_in(2) { spec } else { spec & StateSpec::all() }
+}
 
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("an array", |scene, bytes| {
@@ -47,19 +53,8 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.data.mocap_quat_mut().fill(rotation);
         Ok(())
     }),
-    ("an element", |scene, bytes| {
-        let (which, index, value) = (bytes.below(5), bytes.index(scene.data.model().njnt()), bytes.number());
-        match which {
-            0 => scene.data.joint_mut(index)?.qpos_mut().fill(value),
-            1 => scene.data.joint_mut(index)?.qvel_mut().fill(value),
-            2 => scene.data.joint_mut(index)?.qacc_mut().fill(value),
-            3 => scene.data.joint_mut(index)?.qacc_warmstart_mut().fill(value),
-            _ => scene.data.actuator_mut(index)?.set_ctrl(value),
-        }
-        Ok(())
-    }),
     ("set_state", |scene, bytes| {
-        let spec = StateSpec::from_bits_retain(bytes.word() as u32);
+        let spec = spec(bytes);
         let state = bytes.vector(scene.data.model().state_size(spec));
         scene.data.set_state(spec, &state)
     }),
@@ -67,10 +62,18 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let state = bytes.vector(scene.data.model().state_size(StateSpec::PHYSICS));
         scene.data.set_physics_state(&state)
     }),
-    ("set_state to an earlier one", |scene, _| {
-        let state = std::mem::take(&mut scene.state);
-        let result = scene.data.set_state(StateSpec::INTEGRATION, &state);
-        scene.state = state;
-        result
+    ("set_state to an earlier one", |scene, bytes| {
+        if bytes.once_in(2) {
+            scene.state = scene.data.state(StateSpec::INTEGRATION);
+            return Ok(());
+        }
+        scene.data.set_state(StateSpec::INTEGRATION, &scene.state)
+    }),
+    ("set_keyframe", |scene, bytes| {
+        let key = bytes.index(scene.data.model().nkey());
+        if bytes.once_in(2) {
+            scene.data.step()?;
+        }
+        scene.data.set_keyframe(key)
     }),
 ];

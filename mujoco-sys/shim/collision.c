@@ -1,0 +1,53 @@
+#include "collision.h"
+
+#include <math.h>
+
+static mjfCollision original[mjNGEOMTYPES][mjNGEOMTYPES];
+
+// The engine looks for the side that is nearest to a point inside of a box. Where the box has no inside it finds none, and
+// writes to an array at an index that nothing was assigned to.
+static void check_box(const mjModel* m, int box) {
+  for (int i = 0; i < 3; i++) {
+    const mjtNum size = m->geom_size[3 * box + i];
+    if (!(size >= mjMINVAL && isfinite(size))) {
+      mju_error_i("the size of geom %d, a box, is not positive and finite", box);
+    }
+  }
+}
+
+int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int type1, int type2, int g1, int g2,
+                          mjtNum margin) {
+  const mjfCollision function = original[type1][type2];
+  if (!function) {
+    return -1;
+  }
+  if (type2 == mjGEOM_BOX && (type1 == mjGEOM_SPHERE || type1 == mjGEOM_CAPSULE)) {
+    check_box(m, g2);
+  }
+  return function(m, d, con, g1, g2, margin);
+}
+
+// Two geoms of one body, which a <pair> may name. Such a contact moves nothing, but in a sparse Jacobian the engine gives a row
+// of a simple body's all degrees of freedom twice, for which there is no room.
+static int is_twice_in_a_row(const mjModel* m, int g1, int g2) {
+  const int body = m->geom_bodyid[g1];
+  return body == m->geom_bodyid[g2] && m->body_simple[body] && m->body_dofnum[body] && mj_isSparse(m);
+}
+
+static int checked(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin) {
+  if (is_twice_in_a_row(m, g1, g2)) {
+    return 0;
+  }
+  return mujoco_sys_collide_as(m, d, con, m->geom_type[g1], m->geom_type[g2], g1, g2, margin);
+}
+
+void mujoco_sys_check_collisions(void) {
+  for (int i = 0; i < mjNGEOMTYPES; i++) {
+    for (int j = 0; j < mjNGEOMTYPES; j++) {
+      if (mjCOLLISIONFUNC[i][j] && mjCOLLISIONFUNC[i][j] != checked) {
+        original[i][j] = mjCOLLISIONFUNC[i][j];
+        mjCOLLISIONFUNC[i][j] = checked;
+      }
+    }
+  }
+}
