@@ -256,3 +256,25 @@ fn a_contact_that_is_added_between_two_geoms_of_one_body_is_refused() {
     let error = data.add_contact(&NewContact::new(geoms, 0.0, [0.0; 3], [0.0, 0.0, 1.0])).unwrap_err();
     assert!(matches!(&error, Error::Invalid { what, .. } if what == "the geoms of a new contact"), "{error}");
 }
+
+#[test]
+fn shapes_without_a_pose_are_an_error_where_the_engine_would_look_for_their_contacts_for_ever() {
+    let model = Model::from_xml_str(
+        r#"<mujoco><worldbody>
+             <body><freejoint/><geom type="ellipsoid" size=".1 .2 .3"/></body>
+             <body pos=".1 0 0"><freejoint/><geom type="cylinder" size=".1 .2"/></body>
+           </worldbody></mujoco>"#,
+    );
+    let mut data = Data::new(model.unwrap()).unwrap();
+    data.forward().unwrap();
+    assert!(data.ncon() > 0);
+    for value in [0.0, 2.0, 1e200, f64::NAN] {
+        data.reset().unwrap();
+        data.kinematics().unwrap();
+        data.geom_xmat_mut()[1].fill(value);
+        let error = data.collision().unwrap_err();
+        assert!(matches!(&error, Error::Engine { message, .. } if message.contains("geom 1")), "{error}");
+    }
+    data.reset().unwrap();
+    data.step().unwrap();
+}

@@ -15,6 +15,32 @@ static void check_box(const mjModel* m, int box) {
   }
 }
 
+// Whether the engine looks for the contact of these types by iteration (with libccd, if it has to).
+static int is_iterated(int type1, int type2) {
+  return type1 == mjGEOM_HFIELD || type1 == mjGEOM_ELLIPSOID || type2 == mjGEOM_ELLIPSOID || type1 == mjGEOM_CYLINDER ||
+         type2 == mjGEOM_CYLINDER || type2 == mjGEOM_MESH;
+}
+
+// That iteration need not end for a shape that is somewhere beyond all bounds, or whose axes are no axes.
+static void check_pose(const mjModel* m, const mjData* d, int geom) {
+  const mjtNum* x = d->geom_xmat + 9 * geom;
+  const mjtNum determinant = x[0] * (x[4] * x[8] - x[5] * x[7]) - x[1] * (x[3] * x[8] - x[5] * x[6]) +
+                             x[2] * (x[3] * x[7] - x[4] * x[6]);
+  int good = fabs(determinant - 1) < 1e-2;
+  for (int i = 0; i < 3; i++) {
+    const mjtNum length = x[3 * i] * x[3 * i] + x[3 * i + 1] * x[3 * i + 1] + x[3 * i + 2] * x[3 * i + 2];
+    good &= fabs(length - 1) < 1e-2 && fabs(d->geom_xpos[3 * geom + i]) <= mjMAXVAL;
+  }
+  if (!good) {
+    mju_error_i("the pose of geom %d is no rotation and finite position", geom);
+  }
+  for (int i = 0; i < 3; i++) {
+    if (!isfinite(m->geom_size[3 * geom + i])) {
+      mju_error_i("the size of geom %d is not finite", geom);
+    }
+  }
+}
+
 int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int type1, int type2, int g1, int g2,
                           mjtNum margin) {
   const mjfCollision function = original[type1][type2];
@@ -23,6 +49,13 @@ int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int
   }
   if (type2 == mjGEOM_BOX && (type1 == mjGEOM_SPHERE || type1 == mjGEOM_CAPSULE)) {
     check_box(m, g2);
+  }
+  if (is_iterated(type1, type2)) {
+    check_pose(m, d, g1);
+    check_pose(m, d, g2);
+    if (!isfinite(margin)) {
+      mju_error_i("the contact margin of geom %d is not finite", g1);
+    }
   }
   return function(m, d, con, g1, g2, margin);
 }
