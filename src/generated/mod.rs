@@ -25,3 +25,4 @@
 mod data;
 mod model;
 mod model_mut;
+mod restore;
