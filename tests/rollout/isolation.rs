@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
-use mujoco_safe::rollout::{Rollout, RolloutError, RolloutResult, Workers};
+use mujoco_safe::rollout::{Rollout, RolloutBuffers, RolloutError, RolloutResult, Workers};
 use mujoco_safe::{Data, Error, StateSpec, sample};
 
 use super::{Case, bits, pool, trouble};
@@ -173,6 +173,19 @@ fn a_cancelled_run_keeps_what_was_done_and_marks_the_rest() {
         // Others may end while the hook makes up its mind.
         assert!((5..5 + threads).contains(&done), "{done} rollouts with {threads} threads");
     }
+}
+
+#[test]
+fn a_rollout_under_way_is_cancelled_in_the_middle() {
+    let rollout = Rollout::new(sample::cartpole(), 2, 100_000_000)
+        .controllers(|index| {
+            move |_: &mut Data| if index == 0 { Err(Error::Unsupported("given up".to_owned())) } else { Ok(()) }
+        })
+        .chunk(1)
+        .progress(|_| ControlFlow::Break(()));
+    let outcomes = pool(2).install(|| rollout.run_into(RolloutBuffers::default())).unwrap();
+    assert!(matches!(outcomes[0], Err(RolloutError::Failed { step: 0, error: Error::Unsupported(_) })));
+    assert!(matches!(outcomes[1], Err(RolloutError::Cancelled { .. })));
 }
 
 #[test]
