@@ -17,7 +17,8 @@
 //! [`Data::timer`]: crate::Data::timer
 //! [`Data::solver`]: crate::Data::solver
 //!
-//! `restore.rs` copies what an edit can have changed from one model to another of the same structure.
+//! `restore.rs` copies what an edit can have changed from one model to another of the same structure,
+//! and clears a simulation.
 //!
 //! The test `generated` keeps the files equal to what the generator makes of the table:
 //! `UPDATE_GENERATED=1 cargo test --test generated` writes them.

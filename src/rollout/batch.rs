@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Read;
 use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
+use super::restart::restart;
 use crate::control::Outcome;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
@@ -15,6 +16,9 @@ use crate::model::Model;
 /// Simulations of one model that advance together, a step at a time, under a policy that sees the observations of all and sets
 /// the controls of all: what reinforcement learning calls a vector of environments. The policy is called once for all, in the
 /// calling thread; stepping, observing and resetting are done in parallel. See the [module](crate::rollout) for threads.
+///
+/// Each simulation is a [`Data`] of its own, which takes some megabytes: most of it for the constraints and the stack that the
+/// model's `njmax`, `nconmax` and `nstack` leave room for.
 ///
 /// ```
 /// use mujoco_safe::rollout::Batch;
@@ -198,7 +202,7 @@ impl<'a> Batch<'a> {
                 return;
             }
             *member.failure = None;
-            let result = member.data.reset().and_then(|()| start(index, member.data).into_result());
+            let result = restart(member.data).and_then(|()| start(index, member.data).into_result());
             if let Err(error) = result {
                 *member.failure = Some(Error::Poisoned { failure: error.to_string() });
                 let mut failed = failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -224,7 +228,7 @@ impl<'a> Batch<'a> {
     ///
     /// If there is no such simulation.
     pub fn reset(&mut self, index: usize) -> Result<()> {
-        self.simulations[index].reset()?;
+        restart(&mut self.simulations[index])?;
         self.failures[index] = None;
         let row = self.observations.row_mut(index);
         row.fill(0.0);

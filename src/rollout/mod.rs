@@ -35,11 +35,13 @@
 //! | `run.rs` | the simulation of one rollout, and of all |
 //! | `result.rs` | what comes out |
 //! | `workers.rs` | the simulations that rollouts run in |
+//! | `restart.rs` | a reset that costs little |
 //! | `batch.rs` | simulations that advance together |
 //! | `parallel.rs` | the work cut in chunks |
 
 mod batch;
 mod parallel;
+mod restart;
 mod result;
 mod run;
 mod workers;

@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Edit;
+use super::restart::restart;
 use crate::data::Data;
 use crate::error::Result;
 use crate::model::{Model, ModelMut};
@@ -78,7 +79,7 @@ impl Workers {
                 edit(index, model)
             })??;
         }
-        data.reset()
+        restart(data)
     }
 
     fn idle(&self) -> MutexGuard<'_, Vec<Data>> {

@@ -7,10 +7,6 @@ use mujoco_safe::{Cone, Data, Error, Model, ModelMut, Result, sample};
 
 use super::{bits, pool};
 
-#[macro_use]
-#[path = "../common/fields.rs"]
-mod fields;
-
 /// Of each rollout another one.
 fn edit(index: usize, model: &mut ModelMut<'_>) -> Result<()> {
     match index % 4 {

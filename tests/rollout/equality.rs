@@ -1,9 +1,53 @@
 //! The results are those of a plain loop, bit for bit, however they are computed.
 
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
-use mujoco_safe::{Controller, Data, RandomController, StateSpec, rayon, sample};
+use mujoco_safe::{Controller, Data, RandomController, StateSpec, Timer, Warning, rayon, sample};
 
 use super::{Case, Expected, bits, pool};
+
+/// Everything that can be read of a simulation, in words.
+fn everything(data: &Data) -> Vec<(&'static str, String)> {
+    macro_rules! read {
+        ($($field:ident)*) => { vec![$((stringify!($field), format!("{:?}", data.$field()))),*] };
+    }
+    let mut all = data_readers! { read };
+    all.push(("energy", format!("{:?}", data.energy())));
+    all.push(("stage", format!("{:?} {}", data.stage(), data.contacts().len())));
+    all.push(("solver", format!("{:?}", data.solver().collect::<Vec<_>>())));
+    all.extend(Timer::ALL.map(|timer| ("timer", format!("{:?}", data.timer(timer)))));
+    let warnings = [Warning::Inertia, Warning::ContactFull, Warning::ConstraintFull, Warning::BadQacc];
+    all.extend(warnings.map(|warning| ("warning", format!("{:?}", data.warning(warning)))));
+    all
+}
+
+#[test]
+fn a_rollout_begins_with_nothing_of_the_one_before() {
+    for case in Case::all() {
+        let new = everything(&Data::new(case.model.clone()).unwrap());
+        // All in one worker, each ending after steps with controls.
+        let result = Rollout::new(case.model.clone(), case.count, case.steps)
+            .chunk(case.count)
+            .controllers(|index| {
+                let (case, new) = (&case, &new);
+                let mut step = 0;
+                move |data: &mut Data| {
+                    if step == 0 {
+                        for (found, expected) in everything(data).iter().zip(new) {
+                            assert_eq!(found, expected, "at the start of rollout {index}");
+                        }
+                        data.set_state(case.spec, case.initial_of(index)).unwrap();
+                        data.mocap_pos_mut().fill([0.5; 3]);
+                        data.mocap_quat_mut().fill([0.0, 1.0, 0.0, 0.0]);
+                    }
+                    data.ctrl_mut().copy_from_slice(case.controls_of(index, step));
+                    step += 1;
+                }
+            })
+            .run()
+            .unwrap();
+        assert!(result.outcomes().iter().all(Result::is_ok));
+    }
+}
 
 fn rollout(case: &Case) -> Rollout<'_> {
     Rollout::new(case.model.clone(), case.count, case.steps)

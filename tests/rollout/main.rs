@@ -1,6 +1,10 @@
 //! Rollouts and batches against a plain loop over `Data::step`, one simulation after another, each in a `Data` of its own.
 #![forbid(unsafe_code)]
 
+#[macro_use]
+#[path = "../common/fields.rs"]
+mod fields;
+
 mod batch;
 mod edits;
 mod equality;
