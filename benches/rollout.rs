@@ -23,6 +23,7 @@ struct Runs {
     data: Data,
     steps: usize,
     start: Vec<f64>,
+    width: usize,
     controls: Vec<f64>,
     states: Vec<f64>,
 }
@@ -33,21 +34,21 @@ impl Runs {
         let model = Arc::new(model);
         let mut data = Data::new(model.clone())?;
         data.reset_to_key(key)?;
-        let start = data.physics_state();
+        let (start, width) = (data.state(StateSpec::INTEGRATION), data.physics_state().len());
         let mut random = RandomController::new(1);
         let mut controls = Vec::new();
         for _ in 0..ROLLOUTS * steps {
             random.control(&mut data)?;
             controls.extend(data.ctrl().iter().map(|ctrl| strength * ctrl));
         }
-        let states = vec![0.0; ROLLOUTS * (steps + 1) * start.len()];
-        Ok(Self { workers: Workers::new(model), data, steps, start, controls, states })
+        let states = vec![0.0; ROLLOUTS * (steps + 1) * width];
+        Ok(Self { workers: Workers::new(model), data, steps, start, width, controls, states })
     }
 
     /// In a pool, or in this thread.
     fn rollout(&mut self, pool: Option<&ThreadPool>) {
         let rollout = Rollout::on(&self.workers, ROLLOUTS, self.steps)
-            .initial_state(StateSpec::PHYSICS, &self.start)
+            .initial_state(StateSpec::INTEGRATION, &self.start)
             .controls(&self.controls);
         let buffers = RolloutBuffers { states: Some(&mut self.states), ..Default::default() };
         let outcomes = match pool {
@@ -59,17 +60,16 @@ impl Runs {
 
     /// The same by the engine alone.
     fn raw(&mut self) {
-        let (width, nu) = (self.start.len(), self.workers.model().nu());
+        let (width, nu) = (self.width, self.workers.model().nu());
         for (rollout, states) in self.states.chunks_exact_mut((self.steps + 1) * width).enumerate() {
             let (data, model) = (&mut self.data, self.workers.model());
-            // SAFETY: a model and a data that was made for it.
-            unsafe { sys::mj_resetData(model.as_ptr(), data.as_mut_ptr()) };
-            data.set_physics_state(&self.start).expect("the start has the right length");
+            // The whole of what a step depends on. A reset would be needed for no more, and takes as long as many steps.
+            data.set_state(StateSpec::INTEGRATION, &self.start).expect("the start has the right length");
             for (step, row) in states.chunks_exact_mut(width).enumerate() {
                 data.physics_state_into(row).expect("a row of a state");
                 if step < self.steps {
                     data.ctrl_mut().copy_from_slice(&self.controls[(rollout * self.steps + step) * nu..][..nu]);
-                    // SAFETY: as above; no engine error can come from a state that the other ways stepped from.
+                    // SAFETY: a data and its own model; no engine error can come from a state that the other ways stepped from.
                     unsafe { sys::mj_step(model.as_ptr(), data.as_mut_ptr()) };
                 }
             }
