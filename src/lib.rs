@@ -86,6 +86,7 @@ pub mod math;
 pub mod matrix;
 pub mod model;
 pub mod promises;
+pub mod rollout;
 pub mod sample;
 #[cfg(feature = "serde")]
 mod serialise;
@@ -93,6 +94,9 @@ mod trajectory;
 
 /// The linear algebra that matrices are handed to, in the version that this crate uses.
 pub use nalgebra;
+
+/// The thread pools that rollouts run on, in the version that this crate uses.
+pub use rayon;
 
 /// The raw bindings, for calls past this crate.
 pub use mujoco_sys as sys;
@@ -121,6 +125,7 @@ pub use crate::model::{
     DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, Model, ModelMut, Options, Statistics, Visual,
     VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale, schema, schema_html,
 };
+pub use crate::rollout::{Batch, Rollout, RolloutBuffers, RolloutError, RolloutResult};
 pub use crate::trajectory::Trajectory;
 
 /// The README's example, as a test.

@@ -9,6 +9,7 @@ use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
+use mujoco_safe::rollout::{Batch, Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{
     Controller, Data, Differences, InverseJacobians, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
     StateSpace, StateSpec, Timer, Trajectory, ZeroController, sample,
@@ -374,4 +375,42 @@ fn mathematics() {
         math::chol_factor_band(&mut band, shape, 100.0, 0.0).unwrap().unwrap();
         math::chol_solve_band_in_place(&band, &mut res, shape).unwrap();
     });
+}
+
+/// The allocations of ten rollouts of so many steps, in this thread, in a simulation that is there already.
+fn allocations_of_rollouts(workers: &Workers, steps: usize) -> usize {
+    let controls = vec![0.1; steps * workers.model().nu()];
+    let (mut states, mut outputs) = (vec![0.0; 10 * (steps + 1) * 55], vec![0.0; 10 * steps]);
+    let rollouts = [
+        Rollout::on(workers, 10, steps).shared_controls(&controls),
+        Rollout::on(workers, 10, steps).controllers(|index| RandomController::new(index as u64)),
+        Rollout::on(workers, 10, steps).edit_model(|_, model| model.set_total_mass(50.0)),
+    ];
+    rollouts
+        .into_iter()
+        .map(|rollout| {
+            let rollout = rollout.chunk(10).outputs(1, |data, row| row[0] = data.time());
+            let buffers = RolloutBuffers { states: Some(&mut states), sensordata: None, outputs: Some(&mut outputs) };
+            let (number, outcomes) = allocations(|| rollout.run_into(buffers));
+            assert!(outcomes.unwrap().iter().all(Result::is_ok));
+            number
+        })
+        .sum()
+}
+
+#[test]
+fn the_steps_of_rollouts() {
+    let workers = Workers::new(sample::humanoid());
+    allocations_of_rollouts(&workers, 1);
+    let (few, many) = (allocations_of_rollouts(&workers, 1), allocations_of_rollouts(&workers, 100));
+    assert_eq!(few, many, "allocations depend on the number of steps");
+}
+
+#[test]
+fn the_steps_of_a_batch() {
+    let mut batch = Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
+    allocates_nothing("Batch::step", || {
+        batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
+    });
+    allocates_nothing("Batch::reset_where", || batch.reset_where(|index| index > 0, |_, _| ()).unwrap());
 }

@@ -1,4 +1,4 @@
-//! Makes `model.rs`, `model_mut.rs` and `data.rs` of this folder from the engine's field table, and the lists by which the tests
+//! Makes `model.rs`, `model_mut.rs`, `restore.rs` and `data.rs` of this folder from the engine's field table, and the lists by which the tests
 //! call every accessor. Part of no build: the test `generated` includes this file, compares its output with what is committed,
 //! and writes it when it is told to.
 
@@ -40,6 +40,10 @@ const NOTED: [(&str, &str); 11] = [
     ("jnt_axis", "forget_simple_bodies"),
     ("dof_armature", "forget_simple_bodies"),
 ];
+
+/// Arrays of any length that nothing can change in a compiled model. All others are put back where a model is, the short ones
+/// that are constant too: they cost less than a list that has to be kept.
+const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];
 
 /// What the header's one-line comment leaves open, for the fields that a program uses most.
 const NOTES: [(&str, &str); 22] = [
@@ -83,7 +87,7 @@ const NOTES: [(&str, &str); 22] = [
 ];
 
 /// The generated files, by their paths in the repository.
-pub(crate) fn generate(table: &str) -> [(&'static str, String); 4] {
+pub(crate) fn generate(table: &str) -> [(&'static str, String); 5] {
     let fields: Vec<Field<'_>> = table.lines().skip(1).map(parse).collect();
     let of = |owner: &'static str| {
         fields.iter().copied().filter(move |field| field.owner == owner && !BY_HAND.contains(&field.name))
@@ -100,6 +104,23 @@ pub(crate) fn generate(table: &str) -> [(&'static str, String); 4] {
         head("ModelMut", "use crate::ffi;\nuse crate::matrix::MatrixViewMut;\nuse crate::model::ModelMut;\n");
     let mut data =
         head("Data", "use crate::data::Data;\nuse crate::ffi;\nuse crate::matrix::{MatrixView, MatrixViewMut};\n");
+    let mut restore =
+        head("ModelMut", "use crate::data::Data;\nuse crate::ffi;\nuse crate::model::{Model, ModelMut};\n");
+    restore.push_str(RESTORE_HEAD);
+    for field in of("Model") {
+        if field.kind == "array" && !CONSTANT.contains(&field.name) {
+            restorer(&mut restore, field);
+        }
+    }
+    restore.push_str("        }\n    }\n}\n\n");
+    restore.push_str(CLEAR_HEAD);
+    for field in of("Data") {
+        let of_constraints = |size: &str| size.contains("njmax") || size.contains("nconmax");
+        if field.kind == "array" && !of_constraints(field.rows) && !of_constraints(field.columns) {
+            restorer(&mut restore, field);
+        }
+    }
+    restore.push_str("        }\n    }\n");
     for field in of("Model") {
         reader(&mut model, field);
         if is_written(&field) {
@@ -112,7 +133,7 @@ pub(crate) fn generate(table: &str) -> [(&'static str, String); 4] {
             writer(&mut data, field);
         }
     }
-    for text in [&mut model, &mut model_mut, &mut data] {
+    for text in [&mut model, &mut model_mut, &mut restore, &mut data] {
         text.push_str("}\n");
     }
     let mut lists = String::from(LISTS_HEAD);
@@ -128,10 +149,41 @@ pub(crate) fn generate(table: &str) -> [(&'static str, String); 4] {
     [
         ("src/generated/model.rs", model),
         ("src/generated/model_mut.rs", model_mut),
+        ("src/generated/restore.rs", restore),
         ("src/generated/data.rs", data),
         ("tests/common/fields.rs", lists),
     ]
 }
+
+const RESTORE_HEAD: &str = "    /// Takes over every array of the other model that an edit can have changed; what none can, such as the vertices and faces
+    /// of meshes, is not copied. The two have the same structure.
+    #[allow(clippy::too_many_lines, reason = \"a line for each array\")]
+    pub(crate) fn restore_arrays(&mut self, pristine: &Model) {
+        assert!(self.is_same_structure(pristine), \"Bug: a model restored from another one\");
+        macro_rules! restore {
+            ($($array:ident: $length:expr;)*) => { $(
+                let (length, from, to) = ($length, pristine.raw().$array, self.raw_mut().$array);
+                // SAFETY: both models have the array in this shape; the one is borrowed, the other borrowed exclusively.
+                unsafe { ffi::array_mut(to, length).copy_from_slice(ffi::array(from, length)) };
+            )* };
+        }
+        restore! {
+";
+
+const CLEAR_HEAD: &str = "impl Data {
+    /// Sets every array to zero, save those of constraints and contacts, of which only the rows in use are ever read. They are most
+    /// of a simulation's memory.
+    #[allow(clippy::too_many_lines, reason = \"a line for each array\")]
+    pub(crate) fn clear_arrays(&mut self) {
+        macro_rules! clear {
+            ($($array:ident: $length:expr;)*) => { $(
+                let (length, array) = ($length, self.raw_mut().$array);
+                // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively. Zero is a value.
+                unsafe { ffi::array_mut(array, length).fill(Default::default()) };
+            )* };
+        }
+        clear! {
+";
 
 const LISTS_HEAD: &str = "// Generated by src/generated/generator.rs from the engine's field table: not edited by hand.
 
@@ -274,6 +326,19 @@ fn reader(text: &mut String, field: Field<'_>) {
         text,
         "    #[inline]\n    pub fn {name}(&self) -> {result} {{\n        // SAFETY: the engine allocated the array with this shape, and nothing writes to it while `self` is borrowed.\n        unsafe {{ {call} }}\n    }}\n"
     );
+}
+
+fn restorer(text: &mut String, field: Field<'_>) {
+    let name = field.name;
+    let mut length = size(field, field.rows);
+    if field.columns != "1" {
+        let columns = match form(field) {
+            Form::Rows(columns) => columns.to_string(),
+            _ => size(field, field.columns),
+        };
+        let _ = write!(length, " * {columns}");
+    }
+    let _ = writeln!(text, "            {name}: {length};");
 }
 
 fn writer(text: &mut String, field: Field<'_>) {

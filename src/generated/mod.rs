@@ -17,6 +17,9 @@
 //! [`Data::timer`]: crate::Data::timer
 //! [`Data::solver`]: crate::Data::solver
 //!
+//! `restore.rs` copies what an edit can have changed from one model to another of the same structure,
+//! and clears a simulation.
+//!
 //! The test `generated` keeps the files equal to what the generator makes of the table:
 //! `UPDATE_GENERATED=1 cargo test --test generated` writes them.
 
@@ -25,3 +28,4 @@
 mod data;
 mod model;
 mod model_mut;
+mod restore;

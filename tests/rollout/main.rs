@@ -1,0 +1,106 @@
+//! Rollouts and batches against a plain loop over `Data::step`, one simulation after another, each in a `Data` of its own.
+#![forbid(unsafe_code)]
+
+#[macro_use]
+#[path = "../common/fields.rs"]
+mod fields;
+
+mod batch;
+mod edits;
+mod equality;
+mod isolation;
+mod sizes;
+
+#[path = "../common/trouble.rs"]
+mod trouble;
+
+use std::sync::Arc;
+
+use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder};
+use mujoco_safe::{Controller, Data, Model, RandomController, StateSpec, sample};
+
+/// A pool of so many threads.
+fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started")
+}
+
+/// The bits, so that a NaN equals itself and a zero does not equal a negative one.
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// What rollouts are to give.
+#[derive(Default, PartialEq, Debug)]
+struct Expected {
+    states: Vec<f64>,
+    sensordata: Vec<f64>,
+}
+
+/// A model, where each rollout begins, and its controls.
+struct Case {
+    model: Arc<Model>,
+    count: usize,
+    steps: usize,
+    spec: StateSpec,
+    initial: Vec<f64>,
+    controls: Vec<f64>,
+}
+
+impl Case {
+    /// Initial states that follow a second of random motion, and random controls.
+    fn new(model: Model, count: usize, steps: usize) -> Self {
+        let model = Arc::new(model);
+        let spec = StateSpec::INTEGRATION;
+        let (mut initial, mut controls) = (Vec::new(), Vec::new());
+        for index in 0..count {
+            let mut random = RandomController::new(index as u64);
+            let mut data = Data::new(model.clone()).expect("there is memory");
+            for _ in 0..5 * index {
+                random.control(&mut data).expect("it has controls");
+                data.step().expect("it is stable");
+            }
+            initial.extend(data.state(spec));
+            for _ in 0..steps {
+                random.control(&mut data).expect("it has controls");
+                controls.extend_from_slice(data.ctrl());
+            }
+        }
+        Self { model, count, steps, spec, initial, controls }
+    }
+
+    fn all() -> Vec<Self> {
+        let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
+        vec![
+            Self::new(sample::cartpole(), 13, 60),
+            Self::new(sample::humanoid(), 7, 25),
+            Self::new(Model::from_xml_path(every_element).expect("it compiles"), 6, 20),
+        ]
+    }
+
+    fn initial_of(&self, index: usize) -> &[f64] {
+        let size = self.model.state_size(self.spec);
+        &self.initial[index * size..][..size]
+    }
+
+    fn controls_of(&self, index: usize, step: usize) -> &[f64] {
+        let nu = self.model.nu();
+        &self.controls[(index * self.steps + step) * nu..][..nu]
+    }
+
+    /// The plain loop.
+    fn expected(&self) -> Expected {
+        let mut expected = Expected::default();
+        for index in 0..self.count {
+            let mut data = Data::new(self.model.clone()).expect("there is memory");
+            data.set_state(self.spec, self.initial_of(index)).expect("it has the right length");
+            expected.states.extend(data.physics_state());
+            for step in 0..self.steps {
+                data.ctrl_mut().copy_from_slice(self.controls_of(index, step));
+                data.step().expect("it is stable");
+                expected.sensordata.extend_from_slice(data.sensordata());
+                expected.states.extend(data.physics_state());
+            }
+        }
+        expected
+    }
+}

@@ -1,0 +1,107 @@
+//! Each size is checked, one wrong size at a time; nothing at all is as good as something.
+
+use mujoco_safe::rollout::{Rollout, RolloutBuffers};
+use mujoco_safe::{Batch, Error, Result, StateSpec, sample};
+
+const NROLL: usize = 3;
+const NSTEP: usize = 4;
+
+fn new<'a>() -> Rollout<'a> {
+    // One position and one velocity of each joint, one motor.
+    Rollout::new(sample::cartpole(), NROLL, NSTEP).outputs(5, |_, _| ())
+}
+
+#[track_caller]
+fn assert_refused<T>(result: Result<T>, argument: &str, expected: usize, found: usize) {
+    match result {
+        Err(Error::Shape { what, expected: (rows, 1), found: (wrong, 1) }) => {
+            assert!(what.contains(argument), "{what}");
+            assert_eq!((rows, wrong), (expected, found));
+        }
+        Err(error) => panic!("{error}"),
+        Ok(_) => panic!("a wrong length was taken"),
+    }
+}
+
+#[test]
+fn inputs_of_a_wrong_length_are_refused() {
+    let values = [0.0; 40];
+    for wrong in [0, 3, 5] {
+        let rollout = new().initial_state(StateSpec::PHYSICS, &values[..wrong]);
+        assert_refused(rollout.run(), "the initial state (nstate)", 4, wrong);
+    }
+    for wrong in [0, 4, 11, 13] {
+        let rollout = new().initial_states(StateSpec::PHYSICS, &values[..wrong]);
+        assert_refused(rollout.run(), "the initial states (nroll × nstate)", 12, wrong);
+        let rollout = new().controls(&values[..wrong]);
+        assert_refused(rollout.run(), "the controls (nroll × nstep × nu)", 12, wrong);
+        let rollout = new().controls(&values[..wrong]);
+        assert_refused(rollout.run_into(RolloutBuffers::default()), "the controls", 12, wrong);
+    }
+    for wrong in [0, 3, 5, 12] {
+        let rollout = new().shared_controls(&values[..wrong]);
+        assert_refused(rollout.run(), "the shared controls (nstep × nu)", 4, wrong);
+    }
+}
+
+#[test]
+fn buffers_of_a_wrong_length_are_refused() {
+    let mut values = vec![0.0; 100];
+    let states = NROLL * (NSTEP + 1) * 4;
+    for wrong in [0, states - 1, states + 1] {
+        let buffers = RolloutBuffers { states: Some(&mut values[..wrong]), ..Default::default() };
+        assert_refused(new().run_into(buffers), "states", states, wrong);
+    }
+    let outputs = NROLL * NSTEP * 5;
+    for wrong in [0, outputs - 1, outputs + 1] {
+        let buffers = RolloutBuffers { outputs: Some(&mut values[..wrong]), ..Default::default() };
+        assert_refused(new().run_into(buffers), "outputs", outputs, wrong);
+    }
+    let nsensordata = sample::cartpole().nsensordata();
+    let buffers = RolloutBuffers { sensordata: Some(&mut values[..13]), ..Default::default() };
+    assert_refused(new().run_into(buffers), "sensor readings", NROLL * NSTEP * nsensordata, 13);
+}
+
+#[test]
+fn no_rollouts_and_no_steps_are_fine() {
+    let result = Rollout::new(sample::humanoid(), 0, 10).run().unwrap();
+    assert!(result.is_empty() && result.states().is_empty() && result.outcomes().is_empty());
+    let result = Rollout::new(sample::humanoid(), 2, 0).run().unwrap();
+    assert_eq!(result.states_of(1).shape(), (1, 55));
+    assert_eq!(result.state(1, 0)[..28], *sample::humanoid().qpos0());
+    assert!(result.outcomes().iter().all(Result::is_ok) && result.sensordata().is_empty());
+    let result = Rollout::new(sample::cartpole(), 2, 3).record(StateSpec::empty()).chunk(0).run().unwrap();
+    assert_eq!(result.states_of(1).shape(), (4, 0));
+
+    let mut batch = Batch::new(sample::cartpole(), 0).unwrap();
+    batch.step(|observations, controls| assert_eq!((observations.nrows(), controls.shape()), (0, (0, 1)))).unwrap();
+    batch.reset_where(|_| true, |_, _| ()).unwrap();
+    assert!(batch.is_empty() && batch.failures().next().is_none());
+}
+
+#[test]
+fn more_than_there_is_memory_for_is_an_error() {
+    for (nroll, nstep) in [(usize::MAX, 1), (1, usize::MAX), (1 << 40, 1 << 40), (1 << 61, 0)] {
+        let error = Rollout::new(sample::cartpole(), nroll, nstep).run().unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{error}");
+    }
+    let error = Rollout::new(sample::cartpole(), usize::MAX, 1).run_into(RolloutBuffers::default()).unwrap_err();
+    assert!(matches!(error, Error::Invalid { .. }), "{error}");
+    // A product that wraps round is no length either.
+    let rollout = Rollout::new(sample::cartpole(), 1 << 63, 2).controls(&[]);
+    assert!(matches!(rollout.run(), Err(Error::Shape { .. })));
+}
+
+#[test]
+#[should_panic(expected = "rollout 3 of 3")]
+fn a_rollout_that_is_not_there_panics() {
+    let result = new().run().unwrap();
+    result.states_of(NROLL);
+}
+
+#[test]
+#[should_panic(expected = "row 5 of a matrix with 5 rows")]
+fn a_step_that_is_not_there_panics() {
+    let result = new().run().unwrap();
+    result.state(0, NSTEP + 1);
+}
