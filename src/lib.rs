@@ -87,6 +87,7 @@ pub mod matrix;
 pub mod model;
 pub mod promises;
 pub mod sample;
+pub mod scene;
 #[cfg(feature = "serde")]
 mod serialise;
 mod trajectory;
@@ -121,6 +122,7 @@ pub use crate::model::{
     DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, Model, ModelMut, Options, Statistics, Visual,
     VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale, schema, schema_html,
 };
+pub use crate::scene::Scene;
 pub use crate::trajectory::Trajectory;
 
 /// The README's example, as a test.
