@@ -180,6 +180,15 @@ pub enum Error {
     #[error("{0}")]
     Unsupported(String),
 
+    /// A scene has not enough room for everything that is to be shown.
+    #[error("the scene has room for {room} {what}, and there are more to show; the rest is left out")]
+    SceneFull {
+        /// What is left out: geoms or lights.
+        what: &'static str,
+        /// How many there is room for.
+        room: usize,
+    },
+
     /// The engine could not allocate memory.
     #[error("the engine is out of memory in {function}")]
     OutOfMemory {

@@ -88,6 +88,7 @@ pub mod model;
 pub mod promises;
 pub mod rollout;
 pub mod sample;
+pub mod scene;
 #[cfg(feature = "serde")]
 mod serialise;
 mod trajectory;
@@ -126,6 +127,7 @@ pub use crate::model::{
     VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale, schema, schema_html,
 };
 pub use crate::rollout::{Batch, Rollout, RolloutBuffers, RolloutError, RolloutResult};
+pub use crate::scene::Scene;
 pub use crate::trajectory::Trajectory;
 
 /// The README's example, as a test.

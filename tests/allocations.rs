@@ -10,6 +10,9 @@ use std::sync::Arc;
 
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
 use mujoco_safe::rollout::{Batch, Rollout, RolloutBuffers, Workers};
+use mujoco_safe::scene::{
+    Camera, Categories, MouseAction, NewGeom, Perturbation, PerturbationFlags, Scene, SceneOptions, VisualFlags,
+};
 use mujoco_safe::{
     Controller, Data, Differences, InverseJacobians, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
     StateSpace, StateSpec, Timer, Trajectory, ZeroController, sample,
@@ -256,6 +259,31 @@ fn jacobians_and_inertia() {
     allocates_nothing("positions", || {
         model.integrate_pos(&mut to, &vector, 0.1).unwrap();
         model.differentiate_pos(&mut result, 0.1, &from, &to).unwrap();
+    });
+}
+
+#[test]
+fn scenes() {
+    let mut data = squatting();
+    let model = data.model().clone();
+    let mut scene = Scene::new(&model, 5000).unwrap();
+    let mut camera = Camera::free(&model);
+    let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
+    let mut perturbation = Perturbation::default();
+    perturbation.select = Some(model.body("torso").unwrap().id());
+    perturbation.active = PerturbationFlags::all();
+    allocates_nothing("a scene and what is done in it", || {
+        perturbation.apply_force(&mut data).unwrap();
+        data.step().unwrap();
+        scene.update(&mut data, &options, Some(&perturbation), &mut camera, Categories::all()).unwrap();
+        scene.add(&mut data, &options, None, Categories::DYNAMIC).unwrap();
+        scene.push(&NewGeom::text("here").unwrap()).unwrap();
+        camera.move_by(&model, &scene, MouseAction::RotateV, [0.1, 0.0]).unwrap();
+        perturbation.init(&data, &scene).unwrap();
+        perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1, 0.0]).unwrap();
+        scene.select(&data, &options, 1.0, [0.5; 2]).unwrap();
+        assert!(scene.geoms().filter(|geom| geom.object().is_some()).count() > 10);
+        assert!(scene.lights().len() > 0 && scene.skins().len() == 0);
     });
 }
 

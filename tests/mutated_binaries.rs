@@ -4,6 +4,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use mujoco_safe::scene::{Camera, Categories, FrameMode, LabelMode, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::{Data, Error, Model, sample};
 use mutate::{DAMAGES, Damage, Map};
 use print_all::print_all;
@@ -36,11 +37,41 @@ fn try_it(bytes: &[u8]) -> bool {
         }
     }
     assert!(print_all(&model, &data) > 0);
+    show(&mut data);
     let _ = data.model().options();
     drop(data.clone());
     drop(model.clone());
     assert!(model.to_binary().is_ok());
     true
+}
+
+/// Shows all that there is, and looks for something in it.
+fn show(data: &mut Data) {
+    let model = data.model().clone();
+    let mut scene = Scene::new(&model, 5000).unwrap();
+    let (all, mut camera) = ([true; 6], Camera::default());
+    for (label, frame) in [(LabelMode::Body, FrameMode::Geom), (LabelMode::ContactForce, FrameMode::Contact)] {
+        let (flags, geomgroup, sitegroup, jointgroup) = (VisualFlags::all(), all, all, all);
+        let (tendongroup, actuatorgroup, skingroup) = (all, all, all);
+        let options = SceneOptions {
+            label,
+            frame,
+            flags,
+            geomgroup,
+            sitegroup,
+            jointgroup,
+            tendongroup,
+            actuatorgroup,
+            skingroup,
+        };
+        match scene.update(data, &options, None, &mut camera, Categories::all()) {
+            Ok(()) => assert!(scene.geoms().all(|geom| geom.label().len() < 100)),
+            Err(Error::SceneFull { .. } | Error::NotComputed { .. } | Error::Poisoned { .. }) => (),
+            Err(error) => panic!("a model that was accepted cannot be shown: {error}"),
+        }
+        // The ray may be one that is none.
+        let _ = scene.select(data, &options, 1.0, [0.5; 2]);
+    }
 }
 
 fn mutations(model: &Model, seeds: std::ops::Range<u64>) {

@@ -9,6 +9,7 @@ use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
 use mujoco_safe::{Data, Error, Model, Warning, sample};
 
 /// What was logged under the target `mujoco`.
@@ -116,6 +117,18 @@ fn everything_that_the_engine_would_print() {
     data.edit_model(|model| model.geom_solref_mut().iter_mut().for_each(|solref| *solref = [-1.0, 1.0])).unwrap();
     data.step().unwrap();
     assert!(logged("mixed solref") > 0);
+
+    // A scene without room for everything, which is in the error.
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 3).unwrap();
+    let mut camera = Camera::free(data.model());
+    for _ in 0..2 {
+        let updated = scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all());
+        assert!(matches!(updated, Err(Error::SceneFull { .. })));
+    }
+    assert!(data.warning(Warning::VisualGeomFull).number >= 2);
+    assert_eq!(logged("room for"), 0);
 
     // Instability, which the engine answers with a reset and a line on standard output, and engine errors.
     let mut data = Data::new(sample::humanoid()).unwrap();

@@ -208,3 +208,47 @@ int mujoco_sys_collide(const mjModel* m, mjData* d, mjContact* con, int type1, i
 GUARDED(mjd_transitionFD, d,
         (const mjModel* m, mjData* d, mjtNum eps, int centered, mjtNum* A, mjtNum* B, mjtNum* C, mjtNum* D),
         (m, d, eps, centered, A, B, C, D))
+
+// The abstract visualisation.
+GUARDED(mjv_makeScene, NO_DATA, (const mjModel* m, mjvScene* scn, int maxgeom), (m, scn, maxgeom))
+GUARDED(mjv_updateScene, NO_DATA,
+        (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, mjvCamera* cam, int catmask,
+         mjvScene* scn),
+        (m, d, opt, pert, cam, catmask, scn))
+GUARDED(mjv_addGeoms, NO_DATA,
+        (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, int catmask, mjvScene* scn),
+        (m, d, opt, pert, catmask, scn))
+GUARDED(mjv_updateCamera, NO_DATA, (const mjModel* m, mjData* d, mjvCamera* cam, mjvScene* scn), (m, d, cam, scn))
+GUARDED(mjv_makeConnector, NO_DATA,
+        (mjvGeom * geom, int type, mjtNum width, mjtNum a0, mjtNum a1, mjtNum a2, mjtNum b0, mjtNum b1, mjtNum b2),
+        (geom, type, width, a0, a1, a2, b0, b1, b2))
+GUARDED(mjv_cameraInModel, NO_DATA, (mjtNum * headpos, mjtNum* forward, mjtNum* up, const mjvScene* scn),
+        (headpos, forward, up, scn))
+GUARDED(mjv_cameraInRoom, NO_DATA, (mjtNum * headpos, mjtNum* forward, mjtNum* up, const mjvScene* scn),
+        (headpos, forward, up, scn))
+GUARDED(mjv_room2model, NO_DATA,
+        (mjtNum * modelpos, mjtNum* modelquat, const mjtNum* roompos, const mjtNum* roomquat, const mjvScene* scn),
+        (modelpos, modelquat, roompos, roomquat, scn))
+GUARDED(mjv_model2room, NO_DATA,
+        (mjtNum * roompos, mjtNum* roomquat, const mjtNum* modelpos, const mjtNum* modelquat, const mjvScene* scn),
+        (roompos, roomquat, modelpos, modelquat, scn))
+GUARDED_RESULT(mjv_frustumHeight, NO_DATA, (const mjvScene* scn, mjtNum* result), (scn))
+GUARDED(mjv_moveCamera, NO_DATA,
+        (const mjModel* m, int action, mjtNum reldx, mjtNum reldy, const mjvScene* scn, mjvCamera* cam),
+        (m, action, reldx, reldy, scn, cam))
+GUARDED(mjv_moveModel, NO_DATA,
+        (const mjModel* m, int action, mjtNum reldx, mjtNum reldy, const mjtNum* roomup, mjvScene* scn),
+        (m, action, reldx, reldy, roomup, scn))
+GUARDED(mjv_movePerturb, NO_DATA,
+        (const mjModel* m, const mjData* d, int action, mjtNum reldx, mjtNum reldy, const mjvScene* scn,
+         mjvPerturb* pert),
+        (m, d, action, reldx, reldy, scn, pert))
+GUARDED(mjv_initPerturb, NO_DATA, (const mjModel* m, const mjData* d, const mjvScene* scn, mjvPerturb* pert),
+        (m, d, scn, pert))
+GUARDED(mjv_applyPerturbPose, NO_DATA, (const mjModel* m, mjData* d, const mjvPerturb* pert, int flg_paused),
+        (m, d, pert, flg_paused))
+GUARDED(mjv_applyPerturbForce, NO_DATA, (const mjModel* m, mjData* d, const mjvPerturb* pert), (m, d, pert))
+GUARDED_RESULT(mjv_select, NO_DATA,
+               (const mjModel* m, const mjData* d, const mjvOption* vopt, mjtNum aspectratio, mjtNum relx, mjtNum rely,
+                const mjvScene* scn, mjtNum* selpnt, int* geomid, int* skinid, int* result),
+               (m, d, vopt, aspectratio, relx, rely, scn, selpnt, geomid, skinid))

@@ -13,7 +13,7 @@
 
 use std::os::raw::{c_char, c_int, c_void};
 
-use crate::{mjContact, mjData, mjModel, mjVFS, mjtNum};
+use crate::{mjContact, mjData, mjModel, mjVFS, mjtNum, mjvCamera, mjvGeom, mjvOption, mjvPerturb, mjvScene};
 
 /// The call went through.
 pub const OK: c_int = 0;
@@ -166,5 +166,60 @@ guarded! {
     mujoco_sys_mjd_transitionFD = mjd_transition_fd(
         m: *const mjModel, d: *mut mjData, eps: mjtNum, centered: c_int,
         a: *mut mjtNum, b: *mut mjtNum, c: *mut mjtNum, d_out: *mut mjtNum,
+    );
+
+    mujoco_sys_mjv_makeScene = mjv_make_scene(m: *const mjModel, scn: *mut mjvScene, maxgeom: c_int);
+    mujoco_sys_mjv_updateScene = mjv_update_scene(
+        m: *const mjModel, d: *mut mjData, opt: *const mjvOption, pert: *const mjvPerturb, cam: *mut mjvCamera,
+        catmask: c_int, scn: *mut mjvScene,
+    );
+    mujoco_sys_mjv_addGeoms = mjv_add_geoms(
+        m: *const mjModel, d: *mut mjData, opt: *const mjvOption, pert: *const mjvPerturb, catmask: c_int,
+        scn: *mut mjvScene,
+    );
+    mujoco_sys_mjv_updateCamera = mjv_update_camera(
+        m: *const mjModel, d: *mut mjData, cam: *mut mjvCamera, scn: *mut mjvScene,
+    );
+    mujoco_sys_mjv_makeConnector = mjv_make_connector(
+        geom: *mut mjvGeom, type_: c_int, width: mjtNum, a0: mjtNum, a1: mjtNum, a2: mjtNum, b0: mjtNum, b1: mjtNum,
+        b2: mjtNum,
+    );
+    mujoco_sys_mjv_cameraInModel = mjv_camera_in_model(
+        headpos: *mut mjtNum, forward: *mut mjtNum, up: *mut mjtNum, scn: *const mjvScene,
+    );
+    mujoco_sys_mjv_cameraInRoom = mjv_camera_in_room(
+        headpos: *mut mjtNum, forward: *mut mjtNum, up: *mut mjtNum, scn: *const mjvScene,
+    );
+    mujoco_sys_mjv_room2model = mjv_room2model(
+        modelpos: *mut mjtNum, modelquat: *mut mjtNum, roompos: *const mjtNum, roomquat: *const mjtNum,
+        scn: *const mjvScene,
+    );
+    mujoco_sys_mjv_model2room = mjv_model2room(
+        roompos: *mut mjtNum, roomquat: *mut mjtNum, modelpos: *const mjtNum, modelquat: *const mjtNum,
+        scn: *const mjvScene,
+    );
+    mujoco_sys_mjv_frustumHeight = mjv_frustum_height(scn: *const mjvScene, result: *mut mjtNum);
+    mujoco_sys_mjv_moveCamera = mjv_move_camera(
+        m: *const mjModel, action: c_int, reldx: mjtNum, reldy: mjtNum, scn: *const mjvScene, cam: *mut mjvCamera,
+    );
+    mujoco_sys_mjv_moveModel = mjv_move_model(
+        m: *const mjModel, action: c_int, reldx: mjtNum, reldy: mjtNum, roomup: *const mjtNum, scn: *mut mjvScene,
+    );
+    mujoco_sys_mjv_movePerturb = mjv_move_perturb(
+        m: *const mjModel, d: *const mjData, action: c_int, reldx: mjtNum, reldy: mjtNum, scn: *const mjvScene,
+        pert: *mut mjvPerturb,
+    );
+    mujoco_sys_mjv_initPerturb = mjv_init_perturb(
+        m: *const mjModel, d: *const mjData, scn: *const mjvScene, pert: *mut mjvPerturb,
+    );
+    mujoco_sys_mjv_applyPerturbPose = mjv_apply_perturb_pose(
+        m: *const mjModel, d: *mut mjData, pert: *const mjvPerturb, flg_paused: c_int,
+    );
+    mujoco_sys_mjv_applyPerturbForce = mjv_apply_perturb_force(
+        m: *const mjModel, d: *mut mjData, pert: *const mjvPerturb,
+    );
+    mujoco_sys_mjv_select = mjv_select(
+        m: *const mjModel, d: *const mjData, vopt: *const mjvOption, aspectratio: mjtNum, relx: mjtNum, rely: mjtNum,
+        scn: *const mjvScene, selpnt: *mut mjtNum, geomid: *mut c_int, skinid: *mut c_int, result: *mut c_int,
     );
 }

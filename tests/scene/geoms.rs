@@ -1,0 +1,315 @@
+//! Whole scenes.
+
+use mujoco_safe::scene::{
+    Camera, Categories, FrameMode, LabelMode, Perturbation, PerturbationFlags, Scene, SceneGeomType, SceneObject,
+    SceneOptions, VisualFlags,
+};
+use mujoco_safe::sys::{self, mjvCamera, mjvOption, mjvPerturb};
+use mujoco_safe::{Data, Error, Model, Warning, sample};
+
+use crate::raw::{RawScene, assert_same_scene, filled, raw_options, raw_perturbation, scene_subjects};
+use crate::twins::{Twins, c};
+
+const LABELS: [LabelMode; 14] = [
+    LabelMode::None,
+    LabelMode::Body,
+    LabelMode::Joint,
+    LabelMode::Geom,
+    LabelMode::Site,
+    LabelMode::Camera,
+    LabelMode::Light,
+    LabelMode::Tendon,
+    LabelMode::Actuator,
+    LabelMode::Constraint,
+    LabelMode::Skin,
+    LabelMode::Selection,
+    LabelMode::SelectionPoint,
+    LabelMode::ContactForce,
+];
+
+const FRAMES: [FrameMode; 8] = [
+    FrameMode::None,
+    FrameMode::Body,
+    FrameMode::Geom,
+    FrameMode::Site,
+    FrameMode::Camera,
+    FrameMode::Light,
+    FrameMode::Contact,
+    FrameMode::World,
+];
+
+/// A perturbation of the last body, and of the first skin where there is one.
+pub(crate) fn perturbation(model: &Model) -> Perturbation {
+    let mut perturbation = Perturbation::default();
+    perturbation.select = model.bodies().last().map(|body| body.id());
+    perturbation.skinselect = model.skins().next().map(|skin| skin.id());
+    perturbation.active = PerturbationFlags::all();
+    perturbation.active2 = PerturbationFlags::ROTATE;
+    perturbation.refpos = [0.3, -0.2, 1.5];
+    perturbation.refquat = [0.8, 0.0, 0.6, 0.0];
+    perturbation.localpos = [0.01, 0.02, 0.03];
+    perturbation
+}
+
+/// All combinations that can matter, and each flag by itself.
+fn all_options(thorough: bool) -> Vec<SceneOptions> {
+    let default = SceneOptions::default();
+    let mut all = Vec::new();
+    for flags in [
+        default.flags,
+        VisualFlags::all(),
+        VisualFlags::all() - VisualFlags::INERTIA - VisualFlags::CONTACTSPLIT,
+        VisualFlags::empty(),
+    ] {
+        for (index, label) in LABELS.into_iter().enumerate() {
+            for (other, frame) in FRAMES.into_iter().enumerate() {
+                if thorough || index % FRAMES.len() == other {
+                    all.push(SceneOptions { label, frame, flags, ..default.clone() });
+                }
+            }
+        }
+    }
+    for flag in VisualFlags::all() {
+        all.push(SceneOptions { flags: default.flags ^ flag, ..default.clone() });
+    }
+    for group in 0..6 {
+        let mut some = [false; 6];
+        some[group] = true;
+        let flags = VisualFlags::all();
+        let (geomgroup, sitegroup, jointgroup) = (some, some, some);
+        let (tendongroup, actuatorgroup, skingroup) = (some, some, some);
+        all.push(SceneOptions {
+            flags,
+            geomgroup,
+            sitegroup,
+            jointgroup,
+            tendongroup,
+            actuatorgroup,
+            skingroup,
+            ..default.clone()
+        });
+    }
+    all
+}
+
+#[test]
+fn scenes_are_the_engines_under_all_options() {
+    let (mut kinds, mut objects) = (std::collections::HashSet::new(), std::collections::HashSet::new());
+    for subject in scene_subjects() {
+        let mut twins = Twins::in_motion(&subject);
+        twins
+            .ours
+            .xfrc_applied_mut()
+            .as_flattened_mut()
+            .iter_mut()
+            .enumerate()
+            .for_each(|(i, force)| *force = i as f64);
+        let forces = twins.ours.xfrc_applied().as_flattened().to_vec();
+        twins.raw.write(|d| d.xfrc_applied, &forces);
+
+        let mut ours = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut theirs = RawScene::new(&twins.raw, 20_000);
+        let mut camera = Camera::free(&twins.model);
+        let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
+        let perturbation = perturbation(&twins.model);
+        for options in all_options(twins.model.ngeom() < 100) {
+            for pert in [None, Some(&perturbation)] {
+                ours.update(&mut twins.ours, &options, pert, &mut camera, Categories::all()).expect("a scene");
+                theirs.update(&twins.raw, &options, pert, &mut raw_camera);
+                let skins = options.flags.contains(VisualFlags::SKIN);
+                assert_same_scene(&format!("{}, {options:?}", twins.name), &ours, &theirs, skins);
+                for geom in ours.geoms() {
+                    kinds.insert(geom.geom_type());
+                    objects.insert(geom.object().map(|object| std::mem::discriminant(&object)));
+                }
+            }
+        }
+        assert_eq!(twins.ours.warning(Warning::VisualGeomFull).number, 0);
+    }
+    for kind in [
+        SceneGeomType::Plane,
+        SceneGeomType::HeightField,
+        SceneGeomType::Sphere,
+        SceneGeomType::Capsule,
+        SceneGeomType::Ellipsoid,
+        SceneGeomType::Cylinder,
+        SceneGeomType::Box,
+        SceneGeomType::Mesh,
+        SceneGeomType::Arrow,
+        SceneGeomType::Arrow1,
+        SceneGeomType::Line,
+        SceneGeomType::Skin,
+        SceneGeomType::Label,
+    ] {
+        assert!(kinds.contains(&kind), "{kind:?} was compared");
+    }
+    assert_eq!(objects.len(), 11, "all kinds of object, and decoration");
+}
+
+#[test]
+fn geoms_are_seen_as_the_engine_has_them() {
+    for subject in scene_subjects() {
+        let mut twins = Twins::in_motion(&subject);
+        let mut scene = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut theirs = RawScene::new(&twins.raw, 20_000);
+        let options = SceneOptions { flags: VisualFlags::all(), label: LabelMode::Geom, ..SceneOptions::default() };
+        let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
+        let mut camera = Camera::free(&twins.model);
+        scene.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("a scene");
+        theirs.update(&twins.raw, &options, None, &mut raw_camera);
+        assert_eq!(scene.geoms().len(), theirs.geoms().len());
+        for (index, (ours, theirs)) in scene.geoms().zip(theirs.geoms()).enumerate() {
+            assert_eq!(ours.geom_type() as usize, position(theirs.type_), "{}: geom {index}", subject.name);
+            assert_eq!((ours.size(), ours.pos(), ours.mat()), (theirs.size, theirs.pos, theirs.mat));
+            assert_eq!((ours.rgba(), ours.emission()), (theirs.rgba, theirs.emission));
+            assert_eq!((ours.specular(), ours.shininess()), (theirs.specular, theirs.shininess));
+            assert_eq!((ours.reflectance(), ours.modelrbound()), (theirs.reflectance, theirs.modelrbound));
+            assert_eq!(ours.category().bits() as i32, theirs.category);
+            assert_eq!((ours.segid(), index), (theirs.segid as usize, index));
+            assert_eq!(ours.texture().map_or(-1, |texture| texture.index() as i32), theirs.texid);
+            assert_eq!((ours.texrepeat(), ours.texuniform()), (theirs.texrepeat, theirs.texuniform != 0));
+            assert_eq!(ours.texcoord(), theirs.texcoord != 0);
+            let data = match ours.geom_type() {
+                SceneGeomType::Mesh => ours.mesh().map(|(mesh, hull)| 2 * mesh.index() + usize::from(hull)),
+                SceneGeomType::HeightField => ours.height_field().map(|field| field.index()),
+                _ => ours.plane(),
+            };
+            assert_eq!(data.map_or(-1, |data| data as i32), theirs.dataid);
+            assert_eq!((ours.camdist(), ours.transparent()), (0.0, false));
+            let object = match ours.object() {
+                None => None,
+                Some(SceneObject::Body(id)) => Some((sys::mjOBJ_BODY, id.index())),
+                Some(SceneObject::Joint(id)) => Some((sys::mjOBJ_JOINT, id.index())),
+                Some(SceneObject::Geom(id)) => Some((sys::mjOBJ_GEOM, id.index())),
+                Some(SceneObject::Site(id)) => Some((sys::mjOBJ_SITE, id.index())),
+                Some(SceneObject::Camera(id)) => Some((sys::mjOBJ_CAMERA, id.index())),
+                Some(SceneObject::Light(id)) => Some((sys::mjOBJ_LIGHT, id.index())),
+                Some(SceneObject::Tendon(id)) => Some((sys::mjOBJ_TENDON, id.index())),
+                Some(SceneObject::Actuator(id)) => Some((sys::mjOBJ_ACTUATOR, id.index())),
+                Some(SceneObject::Equality(id)) => Some((sys::mjOBJ_EQUALITY, id.index())),
+                Some(SceneObject::Skin(id)) => Some((sys::mjOBJ_SKIN, id.index())),
+                Some(other) => panic!("{other:?} is new"),
+            };
+            let expected = (theirs.objtype != 0).then_some((theirs.objtype as u32, theirs.objid as usize));
+            assert_eq!(object, expected, "{}: geom {index}", subject.name);
+        }
+        assert_eq!(scene.lights().len(), theirs.0.nlight as usize);
+        for (ours, theirs) in scene.lights().zip(&theirs.0.lights) {
+            assert_eq!((ours.pos, ours.dir, ours.attenuation), (theirs.pos, theirs.dir, theirs.attenuation));
+            assert_eq!((ours.ambient, ours.diffuse, ours.specular), (theirs.ambient, theirs.diffuse, theirs.specular));
+            assert_eq!((ours.cutoff, ours.exponent), (theirs.cutoff, theirs.exponent));
+            let flags = [ours.headlight, ours.directional, ours.castshadow].map(u8::from);
+            assert_eq!(flags, [theirs.headlight, theirs.directional, theirs.castshadow]);
+        }
+    }
+}
+
+/// Where a type of the engine's is among the library's.
+fn position(raw: i32) -> usize {
+    (0..8).chain(100..106).chain([1001]).position(|other| other == raw).expect("a type of the engine's")
+}
+
+#[test]
+fn geoms_are_added_as_the_engine_adds_them() {
+    for subject in scene_subjects() {
+        let mut twins = Twins::in_motion(&subject);
+        let mut ours = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut theirs = RawScene::new(&twins.raw, 20_000);
+        let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
+        let raw_options = raw_options(&options);
+        let perturbation = perturbation(&twins.model);
+        let raw_perturbation = raw_perturbation(&perturbation);
+        let mut end = 0;
+        for bits in 0..8 {
+            let categories = Categories::from_bits_truncate(bits);
+            let range = ours.add(&mut twins.ours, &options, Some(&perturbation), categories).expect("there is room");
+            assert_eq!((range.start, range.end), (end, ours.ngeom()));
+            end = range.end;
+            let (opt, pert) = (&raw const raw_options, &raw const raw_perturbation);
+            c!(mjv_addGeoms(twins.raw.m(), twins.raw.d, opt, pert, bits as i32, &raw mut *theirs.0));
+        }
+        ours.update_lights(&twins.ours).expect("poses were computed");
+        c!(mjv_makeLights(twins.raw.m(), twins.raw.d, &raw mut *theirs.0));
+        assert_same_scene(&subject.name, &ours, &theirs, false);
+    }
+}
+
+#[test]
+fn a_full_scene_is_reported_and_has_what_there_was_room_for() {
+    let mut twins = Twins::in_motion(&scene_subjects()[0]);
+    let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
+    let mut camera = Camera::free(&twins.model);
+    let mut whole = Scene::new(&twins.model, 20_000).expect("there is memory");
+    whole.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("there is room");
+    let needed = whole.ngeom();
+    // What comes last in this model are the contacts, all of which are shown.
+    let mut exact = Scene::new(&twins.model, needed).expect("there is memory");
+    exact.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("there is room");
+    assert_eq!(twins.ours.warning(Warning::VisualGeomFull).number, 0);
+
+    for room in [0, 1, 7, needed / 2, needed - 1] {
+        let mut ours = Scene::new(&twins.model, room).expect("there is memory");
+        let mut theirs = RawScene::new(&twins.raw, room as i32);
+        let mut camera = Camera::free(&twins.model);
+        let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
+        let error = ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap_err();
+        assert!(matches!(error, Error::SceneFull { what: "geoms", room: told } if told == room), "{error}");
+        // The engine speaks of the first warning only, which is not wanted here.
+        // SAFETY: a data of the test's own.
+        unsafe { (*twins.raw.d).warning[sys::mjWARN_VGEOMFULL as usize].number += 1 };
+        theirs.update(&twins.raw, &options, None, &mut raw_camera);
+        // SAFETY: as above.
+        unsafe { (*twins.raw.d).warning[sys::mjWARN_VGEOMFULL as usize].number -= 1 };
+        assert_eq!(ours.ngeom(), room);
+        assert_same_scene(&format!("room for {room}"), &ours, &theirs, true);
+        twins.assert_same_state("after a full scene");
+        let error = ours.add(&mut twins.ours, &options, None, Categories::all()).unwrap_err();
+        assert!(matches!(error, Error::SceneFull { .. }), "{error}");
+        // SAFETY: as above. The counter of the library went up by what `add` left out.
+        unsafe { (*twins.raw.d).warning = (*twins.ours.as_ptr()).warning };
+    }
+}
+
+#[test]
+fn more_lights_than_the_engine_has_room_for_are_reported() {
+    let lights = |count: usize| {
+        let lights = r#"<light pos="0 0 1"/>"#.repeat(count);
+        Data::new(Model::from_xml_str(&format!("<mujoco><worldbody>{lights}</worldbody></mujoco>")).unwrap()).unwrap()
+    };
+    for (count, fits) in [(99, true), (100, false)] {
+        let mut data = lights(count);
+        data.forward().unwrap();
+        let mut scene = Scene::new(data.model(), 10).unwrap();
+        let mut camera = Camera::free(data.model());
+        let updated = scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all());
+        assert_eq!(scene.lights().len(), 100); // with the headlight
+        match updated {
+            Ok(()) => assert!(fits),
+            Err(error) => assert!(!fits && matches!(error, Error::SceneFull { what: "lights", room: 100 }), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn defaults_are_the_engines() {
+    let options: mjvOption = filled(|options| c!(mjv_defaultOption(options)));
+    assert_eq!(format!("{:?}", raw_options(&SceneOptions::default())), format!("{options:?}"));
+    let perturbation: mjvPerturb = filled(|perturbation| c!(mjv_defaultPerturb(perturbation)));
+    assert_eq!(format!("{:?}", raw_perturbation(&Perturbation::default())), format!("{perturbation:?}"));
+    let camera: mjvCamera = filled(|camera| c!(mjv_defaultCamera(camera)));
+    let ours = Camera::default();
+    let numbers = (ours.lookat, ours.distance, ours.azimuth, ours.elevation);
+    assert_eq!(numbers, (camera.lookat, camera.distance, camera.azimuth, camera.elevation));
+    for subject in scene_subjects() {
+        let ours = Camera::free(&subject.model);
+        let camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(subject.model.as_ptr(), camera)));
+        let numbers = (ours.lookat, ours.distance, ours.azimuth, ours.elevation);
+        assert_eq!(numbers, (camera.lookat, camera.distance, camera.azimuth, camera.elevation));
+    }
+    let scene = Scene::new(&sample::cartpole(), 1).unwrap();
+    let twins = Twins::new(&scene_subjects()[0]);
+    let theirs = RawScene::new(&twins.raw, 1);
+    for (bit, &flag) in theirs.0.flags.iter().enumerate() {
+        assert_eq!(scene.render_flags().bits() >> bit & 1, u32::from(flag), "{bit}");
+    }
+}

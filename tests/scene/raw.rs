@@ -1,0 +1,149 @@
+//! A scene that C alone makes and uses, and how it is compared.
+
+use std::mem::MaybeUninit;
+use std::sync::Arc;
+
+use mujoco_safe::scene::{Perturbation, Scene, SceneOptions, VisualFlags};
+use mujoco_safe::sys::{self, mjvCamera, mjvGeom, mjvOption, mjvPerturb, mjvScene};
+use mujoco_safe::{BodyId, Model};
+
+use crate::twins::{Raw, Subject, c, read, usual_subjects};
+
+const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
+
+/// All but the largest models, and the one with every element.
+pub(crate) fn scene_subjects() -> Vec<Subject> {
+    let every = Model::from_xml_str(EVERY_ELEMENT).expect("the model with every element loads");
+    let others = usual_subjects().map(|subject| Subject { name: subject.name.clone(), model: subject.model.clone() });
+    let every = Subject { name: "every element".to_owned(), model: Arc::new(every) };
+    std::iter::once(every).chain(others).collect()
+}
+
+/// What the engine fills in.
+pub(crate) fn filled<T>(fill: impl FnOnce(*mut T)) -> T {
+    let mut value = MaybeUninit::zeroed();
+    fill(value.as_mut_ptr());
+    // SAFETY: only used for structures of numbers, which zeros are.
+    unsafe { value.assume_init() }
+}
+
+pub(crate) fn raw_options(options: &SceneOptions) -> mjvOption {
+    let mut raw = filled(|raw| c!(mjv_defaultOption(raw)));
+    raw.label = options.label as i32;
+    raw.frame = options.frame as i32;
+    raw.geomgroup = options.geomgroup.map(u8::from);
+    raw.sitegroup = options.sitegroup.map(u8::from);
+    raw.jointgroup = options.jointgroup.map(u8::from);
+    raw.tendongroup = options.tendongroup.map(u8::from);
+    raw.actuatorgroup = options.actuatorgroup.map(u8::from);
+    raw.skingroup = options.skingroup.map(u8::from);
+    for (bit, flag) in raw.flags.iter_mut().enumerate() {
+        *flag = options.flags.contains(VisualFlags::from_bits_retain(1 << bit)).into();
+    }
+    raw
+}
+
+pub(crate) fn raw_perturbation(ours: &Perturbation) -> mjvPerturb {
+    let mut raw: mjvPerturb = filled(|raw| c!(mjv_defaultPerturb(raw)));
+    raw.select = ours.select.map_or(0, |body: BodyId| body.index() as i32);
+    raw.skinselect = ours.skinselect.map_or(-1, |skin| skin.index() as i32);
+    (raw.active, raw.active2) = (ours.active.bits() as i32, ours.active2.bits() as i32);
+    (raw.refpos, raw.refquat) = (ours.refpos, ours.refquat);
+    (raw.localpos, raw.scale) = (ours.localpos, ours.scale);
+    raw
+}
+
+pub(crate) struct RawScene(pub(crate) Box<mjvScene>);
+
+impl RawScene {
+    pub(crate) fn new(raw: &Raw, maxgeom: i32) -> Self {
+        let mut scene: Box<mjvScene> = Box::new(filled(|scene| c!(mjv_defaultScene(scene))));
+        c!(mjv_makeScene(raw.m(), &raw mut *scene, maxgeom));
+        Self(scene)
+    }
+
+    pub(crate) fn update(
+        &mut self,
+        raw: &Raw,
+        options: &SceneOptions,
+        pert: Option<&Perturbation>,
+        cam: &mut mjvCamera,
+    ) {
+        let options = raw_options(options);
+        let pert = pert.map(raw_perturbation);
+        let pert = pert.as_ref().map_or(std::ptr::null(), std::ptr::from_ref);
+        c!(mjv_updateScene(raw.m(), raw.d, &raw const options, pert, cam, sys::mjCAT_ALL as i32, &raw mut *self.0));
+    }
+
+    pub(crate) fn geoms(&self) -> Vec<mjvGeom> {
+        // SAFETY: the engine keeps so many there.
+        unsafe { read(self.0.geoms, 0, self.0.ngeom as usize) }
+    }
+}
+
+impl Drop for RawScene {
+    fn drop(&mut self) {
+        c!(mjv_freeScene(&raw mut *self.0));
+    }
+}
+
+/// The label as far as the engine writes it.
+fn label(geom: &mjvGeom) -> Vec<u8> {
+    geom.label[..99].iter().take_while(|&&byte| byte != 0).map(|&byte| byte as u8).collect()
+}
+
+/// Everything that an update sets.
+fn numbers(geom: &mjvGeom) -> (Vec<i32>, Vec<u32>, Vec<u8>) {
+    let integers = [
+        geom.type_,
+        geom.dataid,
+        geom.objtype,
+        geom.objid,
+        geom.category,
+        geom.texid,
+        geom.texuniform,
+        geom.texcoord,
+        geom.segid,
+    ];
+    let surface = [geom.emission, geom.specular, geom.shininess, geom.reflectance, geom.modelrbound];
+    let reals = geom.texrepeat.iter().chain(&geom.size).chain(&geom.pos).chain(&geom.mat).chain(&geom.rgba);
+    (integers.to_vec(), reals.chain(&surface).map(|number| number.to_bits()).collect(), label(geom))
+}
+
+fn bits(values: &[f32]) -> Vec<u32> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// The two scenes are the same.
+#[track_caller]
+pub(crate) fn assert_same_scene(what: &str, ours: &Scene, theirs: &RawScene, with_skins: bool) {
+    // SAFETY: the scene lives, and nothing writes to it meanwhile.
+    let our_raw = unsafe { &*ours.as_ptr() };
+    // SAFETY: as many as there are.
+    let our_geoms = unsafe { read(our_raw.geoms, 0, ours.ngeom()) };
+    let their_geoms = theirs.geoms();
+    assert_eq!(our_geoms.len(), their_geoms.len(), "{what}: geoms");
+    for (index, (ours, theirs)) in our_geoms.iter().zip(&their_geoms).enumerate() {
+        assert_eq!(numbers(ours), numbers(theirs), "{what}: geom {index}");
+    }
+    assert_eq!(our_raw.nlight, theirs.0.nlight, "{what}: lights");
+    for (ours, theirs) in our_raw.lights.iter().zip(&theirs.0.lights).take(our_raw.nlight as usize) {
+        assert_eq!(format!("{ours:?}"), format!("{theirs:?}"), "{what}: a light");
+    }
+    assert_eq!(format!("{:?}", our_raw.camera), format!("{:?}", theirs.0.camera), "{what}: eyes");
+    let vertices: usize = ours.skins().map(|skin| skin.vertices.len()).sum();
+    if with_skins {
+        let flat = |pick: fn(&mujoco_safe::scene::SceneSkin<'_>) -> Vec<f32>| -> Vec<f32> {
+            ours.skins().flat_map(|skin| pick(&skin)).collect()
+        };
+        // SAFETY: three numbers for each vertex of the skins.
+        let (their_vertices, their_normals) =
+            unsafe { (read(theirs.0.skinvert, 0, 3 * vertices), read(theirs.0.skinnormal, 0, 3 * vertices)) };
+        assert_eq!(
+            bits(&flat(|skin| skin.vertices.as_flattened().to_vec())),
+            bits(&their_vertices),
+            "{what}: vertices"
+        );
+        assert_eq!(bits(&flat(|skin| skin.normals.as_flattened().to_vec())), bits(&their_normals), "{what}: normals");
+    }
+}
