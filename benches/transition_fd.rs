@@ -1,5 +1,6 @@
-//! Linearisation by central differences: [`Data::transition_fd_into`], and [`Data::transition_fd`], which allocates its result and
-//! computes the sensors' part too, against `mjd_transitionFD`. The humanoid on its left leg, and the cart-pole.
+//! Linearisation: by central differences with [`Data::transition_fd_into`], and [`Data::transition_fd`], which allocates its
+//! result and computes the sensors' part too; by the same differences in two threads; and through inverse dynamics in one thread
+//! and in two. All against `mjd_transitionFD`. The humanoid on its left leg, and the cart-pole.
 //!
 //! ```text
 //! cargo bench --bench transition_fd
@@ -12,18 +13,60 @@ use std::ptr::null_mut;
 
 use common::balance::Balance;
 use criterion::Criterion;
-use mujoco_safe::{Data, Differences, Lqr, Matrix, Result, TransitionOutputs, sys};
+use mujoco_safe::{
+    Data, Differences, Lqr, Matrix, Result, Transition, TransitionMethod, TransitionOptions, TransitionOutputs, sys,
+};
 
 struct Linearisation {
     data: Data,
     a: Matrix,
     b: Matrix,
+    inverse: Transition,
+    inverse_in_two: Transition,
+    columns_in_two: Transition,
+}
+
+/// A way through a workspace.
+fn through(
+    calls: u32,
+    choose: fn(&mut Linearisation) -> (&mut Transition, &mut Data, TransitionOutputs<'_>),
+) -> impl Fn(&mut Linearisation) {
+    move |state| {
+        for _ in 0..calls {
+            let (transition, data, outputs) = choose(state);
+            let used = transition.linear_system_into(data, outputs).expect("a stable state");
+            assert_eq!(used.fallback, None);
+        }
+    }
 }
 
 fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
     let (nx, nu) = (2 * data.model().nv() + data.model().na(), data.model().nu());
-    let mut state = Linearisation { data, a: Matrix::zeros(nx, nx), b: Matrix::zeros(nx, nu) };
+    let transition = |method, threads| {
+        let options = TransitionOptions { method, threads, ..Default::default() };
+        Transition::new(data.model().clone(), options).expect("there is memory")
+    };
+    let mut state = Linearisation {
+        a: Matrix::zeros(nx, nx),
+        b: Matrix::zeros(nx, nu),
+        inverse: transition(TransitionMethod::Inverse, 1),
+        inverse_in_two: transition(TransitionMethod::Inverse, 2),
+        columns_in_two: transition(TransitionMethod::Columns, 2),
+        data,
+    };
 
+    let inverse = through(calls, |state| {
+        let outputs = TransitionOutputs { a: Some(&mut state.a), b: Some(&mut state.b), ..Default::default() };
+        (&mut state.inverse, &mut state.data, outputs)
+    });
+    let inverse_in_two = through(calls, |state| {
+        let outputs = TransitionOutputs { a: Some(&mut state.a), b: Some(&mut state.b), ..Default::default() };
+        (&mut state.inverse_in_two, &mut state.data, outputs)
+    });
+    let columns_in_two = through(calls, |state| {
+        let outputs = TransitionOutputs { a: Some(&mut state.a), b: Some(&mut state.b), ..Default::default() };
+        (&mut state.columns_in_two, &mut state.data, outputs)
+    });
     let into = |state: &mut Linearisation| {
         for _ in 0..calls {
             let outputs = TransitionOutputs { a: Some(&mut state.a), b: Some(&mut state.b), ..Default::default() };
@@ -48,7 +91,14 @@ fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
         name,
         &mut state,
         calls,
-        &[("transition_fd_into", &into), ("transition_fd", &allocating), ("mjd_transitionFD", &raw)],
+        &[
+            ("inverse", &inverse),
+            ("inverse in two threads", &inverse_in_two),
+            ("columns in two threads", &columns_in_two),
+            ("transition_fd_into", &into),
+            ("transition_fd", &allocating),
+            ("mjd_transitionFD", &raw),
+        ],
     );
 }
 

@@ -108,7 +108,10 @@ pub use crate::data::{
     Axes, Contact, ContactForce, Data, Frame, GeomDistance, Instability, Jacobian, Motion, Needs, NewContact, Quantity,
     RayHit, RayOptions, SolverIteration, Stage, StateSpec, Timer, TimerCount, Warning, WarningCount,
 };
-pub use crate::derivative::{Differences, InverseJacobians, InverseOutputs, StateSpace, TransitionOutputs};
+pub use crate::derivative::{
+    Differences, Fallback, InverseJacobians, InverseOutputs, StateSpace, Transition, TransitionMethod,
+    TransitionOptions, TransitionOutputs, Used,
+};
 pub use crate::engine::{Version, built_against, enable_timers, engine_version};
 pub use crate::enums::{
     ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, Collision, Cone, EqualityType, GeomType, Integrator,

@@ -15,7 +15,7 @@ use mujoco_safe::scene::{
 };
 use mujoco_safe::{
     Controller, Data, Differences, InverseJacobians, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
-    StateSpace, StateSpec, Timer, Trajectory, ZeroController, sample,
+    StateSpace, StateSpec, Timer, Trajectory, Transition, TransitionMethod, TransitionOptions, ZeroController, sample,
 };
 use nalgebra::DMatrix;
 
@@ -299,6 +299,25 @@ fn linearising() {
     allocates_nothing("transition_fd_into with a control beyond its range", || {
         data.transition_fd_into(1e-6, Differences::Forward, &mut system).unwrap();
     });
+}
+
+#[test]
+fn linearising_in_a_workspace() {
+    let mut data = squatting();
+    let mut system = StateSpace::zeros(data.model());
+    for method in [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse] {
+        let options = TransitionOptions { method, ..Default::default() };
+        let mut transition = Transition::new(data.model().clone(), options).unwrap();
+        allocates_nothing(&format!("a workspace by {method:?}"), || {
+            transition.linear_system_into(&mut data, &mut system).unwrap();
+        });
+        let states = Matrix::from_row_major(1, data.physics_state().len(), data.physics_state());
+        let controls = Matrix::zeros(1, data.model().nu());
+        let mut systems = transition.along(&data, &states, &controls).unwrap();
+        allocates_nothing(&format!("along a trajectory by {method:?}"), || {
+            transition.along_into(&data, &states, &controls, &mut systems).unwrap();
+        });
+    }
 }
 
 #[test]

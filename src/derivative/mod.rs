@@ -8,21 +8,40 @@
 //! dx' = A dx + B du        dy = C dx + D du
 //! ```
 //!
-//! and [`Data::transition_fd`](crate::Data::transition_fd) computes A, B, C and D at the present state and controls.
+//! and [`Data::transition_fd`](crate::Data::transition_fd) computes A, B, C and D at the present state and controls. A
+//! [`Transition`] does so faster, again and again, in several threads, and along trajectories.
 //!
 //! The derivatives of differences and sums of quaternions are in [`math`](crate::math::sub_quat_derivative).
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `transition.rs` | a step: the linear system of control theory |
+//! | `transition.rs` | a step: the linear system of control theory, by the engine |
+//! | `workspace.rs` | the same by a choice of methods, in several threads, and along trajectories |
+//! | `method.rs` | the methods |
+//! | `worker.rs` | a simulation for each thread |
+//! | `columns.rs` | the engine's differences, shared among threads |
+//! | `through_inverse.rs` | the implicit function theorem, with differences of inverse dynamics |
+//! | `balance.rs` | the balance of forces that is differenced for it |
+//! | `drive.rs` | how actuators depend on controls and activations |
+//! | `newton.rs` | the accelerations to the last digits, and the inertia that constraints add to |
 //! | `inverse.rs` | inverse dynamics |
 
+mod balance;
+mod columns;
+mod drive;
 mod inverse;
+mod method;
+mod newton;
+mod through_inverse;
 mod transition;
+mod worker;
+mod workspace;
 
 pub use self::inverse::{InverseJacobians, InverseOutputs};
+pub use self::method::{Fallback, TransitionMethod, TransitionOptions, Used};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
+pub use self::workspace::Transition;
 use crate::error::{Error, Result};
 
 /// Below this the differences drown in rounding, and would be zeros without a word.

@@ -2,8 +2,10 @@
 
 use std::ptr;
 
-use mujoco_sys::guard;
+use mujoco_sys::{guard, mjSENS_CLOCK};
 
+use super::method::Step;
+use super::worker::{Input, sides};
 use super::{Differences, check_eps};
 use crate::data::{Computed, Data};
 use crate::enums::Integrator;
@@ -55,6 +57,9 @@ impl<'a> From<&'a mut StateSpace> for TransitionOutputs<'a> {
 impl Data {
     /// Linearises a step of the simulation about the present state and controls, with the step `eps` of the differences;
     /// `1e-6` with [`Differences::Central`] is a good choice.
+    ///
+    /// (The engine's own central differences of the sensors by the controls have the wrong sign, and clocks depend on everything.
+    /// Both are corrected.)
     ///
     /// The state, the controls and the time are as before afterwards, to the last bit. What is computed from them is that of
     /// the last perturbed state, and counts as not computed.
@@ -114,16 +119,16 @@ impl Data {
             ));
         }
         let (nx, nu, ny) = sizes(self.model());
-        let outputs = outputs.into();
+        let mut outputs = outputs.into();
         // The engine counts the entries of a matrix with a C int; beyond that it would write past its stack.
         let largest = nx.max(nu).saturating_mul(nx.max(ny));
         if i32::try_from(largest).is_err() {
             return Err(Error::Unsupported(format!("transition_fd of {nx} states, {nu} controls and {ny} outputs")));
         }
-        let a = pointer("A of transition_fd", outputs.a, (nx, nx))?;
-        let b = pointer("B of transition_fd", outputs.b, (nx, nu))?;
-        let c = pointer("C of transition_fd", outputs.c, (ny, nx))?;
-        let d = pointer("D of transition_fd", outputs.d, (ny, nu))?;
+        let a = pointer("A of transition_fd", outputs.a.as_deref_mut(), (nx, nx))?;
+        let b = pointer("B of transition_fd", outputs.b.as_deref_mut(), (nx, nu))?;
+        let c = pointer("C of transition_fd", outputs.c.as_deref_mut(), (ny, nx))?;
+        let d = pointer("D of transition_fd", outputs.d.as_deref_mut(), (ny, nu))?;
         let central = i32::from(differences == Differences::Central);
         let spills = self.last_control_is_stuck(eps);
         let time = self.time();
@@ -156,7 +161,28 @@ impl Data {
         }
         // The engine takes steps, and puts back everything but the time.
         self.set_time(time);
+        self.mend(eps, differences, &mut outputs);
         Ok(())
+    }
+
+    /// Corrects what 2.2.2 gets wrong of the sensors. Where a control is moved to both sides it subtracts the readings the wrong
+    /// way round, and since the time goes on from one column to the next, clocks seem to depend on everything.
+    fn mend(&self, eps: f64, differences: Differences, outputs: &mut TransitionOutputs<'_>) {
+        let model = self.model();
+        if let Some(d) = &mut outputs.d {
+            for control in 0..model.nu() {
+                if sides(self, Input::Control(control), Step { differences, eps }) == (true, true) {
+                    (0..model.nsensordata()).for_each(|sensor| d[(sensor, control)] = 0.0 - d[(sensor, control)]);
+                }
+            }
+        }
+        for (&kind, &address) in model.sensor_type().iter().zip(model.sensor_adr()) {
+            if kind == mjSENS_CLOCK as i32 {
+                for output in [&mut outputs.c, &mut outputs.d].into_iter().flatten() {
+                    output.row_mut(address as usize).fill(0.0);
+                }
+            }
+        }
     }
 
     /// Whether the control of the last actuator is so near to or beyond its range that it cannot be moved by `eps`, in a model

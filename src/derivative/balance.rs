@@ -1,0 +1,121 @@
+//! The balance of forces at a given acceleration, which is what is differenced.
+
+use std::ffi::c_int;
+
+use mujoco_sys::{self as sys, guard, mjData, mjModel};
+
+use super::worker::{Input, Wanted, Worker};
+use crate::data::Computed;
+use crate::error::Result;
+use crate::ffi;
+use crate::id::{Id, kind};
+
+/// A part of the pipeline.
+type Part = unsafe extern "C" fn(*const mjModel, *mut mjData) -> c_int;
+/// What forces need of positions; adhesion acts through the constraints, so transmission comes after these.
+const POSITIONS: [Part; 7] = [
+    guard::mj_kinematics,
+    guard::mj_com_pos,
+    guard::mj_tendon,
+    guard::mj_crb,
+    guard::mj_collision,
+    guard::mj_make_constraint,
+    guard::mj_transmission,
+];
+/// What they need of velocities, without those of tendons.
+const VELOCITIES: [Part; 3] = [guard::mj_com_vel, guard::mj_passive, guard::mj_reference_constraint];
+const FORCES: [Part; 2] = [guard::mj_fwd_actuation, guard::mj_inv_constraint];
+
+impl Worker {
+    /// Comes to the base point that another worker has prepared.
+    pub(super) fn begin(&mut self, wanted: Wanted) -> Result<()> {
+        self.data.qacc_mut().copy_from_slice(&self.base.qacc);
+        self.data.fwd_position()?;
+        self.data.fwd_velocity()?;
+        if wanted.sensors {
+            self.data.sensor_pos()?;
+            self.data.sensor_vel()?;
+        }
+        self.data.fwd_actuation()
+    }
+
+    /// All forces, at the acceleration that is set: of positions only what has changed since.
+    pub(super) fn evaluate(&mut self, input: Input, wanted: Wanted) -> Result<()> {
+        let moved = matches!(input, Input::Position(_));
+        if wanted.sensors || self.base.pushed {
+            let data = &mut self.data;
+            if moved {
+                data.fwd_position()?;
+                data.sensor_pos()?;
+            }
+            data.fwd_velocity()?;
+            data.sensor_vel()?;
+            data.fwd_actuation()?;
+            return data.inv_constraint();
+        }
+        // Without what nothing of this reads: cameras, the factor of the inertia matrix, the bias without acceleration.
+        self.data.run("mj_inverse", Computed::empty(), |model, data| {
+            // SAFETY: `run` passes a model and a data that go together.
+            let (tendons, nu, nv) = unsafe { ((*model).ntendon, (*model).nu, (*model).nv) };
+            let positions: &[Part] = if moved { &POSITIONS } else { &[] };
+            let velocities: &[Part] = if tendons > 0 { &[guard::mj_fwd_velocity] } else { &VELOCITIES };
+            let all = |parts: &[Part]| {
+                // SAFETY: as above, and each part reads what those before it compute, or what was computed of the base point:
+                // `prepare` and `begin` have seen to that, and positions are moved last.
+                let statuses = parts.iter().map(|part| unsafe { part(model, data) });
+                { statuses }.find(|&status| status != guard::OK)
+            };
+            if let Some(status) = all(positions) {
+                return status;
+            }
+            // SAFETY: the engine's own arrays: nu numbers, nu × nv, nv.
+            unsafe { sys::mju_mulMatVec((*data).actuator_velocity, (*data).actuator_moment, (*data).qvel, nu, nv) };
+            all(velocities).or_else(|| all(&FORCES)).unwrap_or(guard::OK)
+        })
+    }
+
+    /// g, what is left of the balance of forces.
+    pub(super) fn balance(&mut self, side: usize) -> Result<()> {
+        let force = &mut self.base.forces[side];
+        // SAFETY: the result has nv values, and what the function reads, motion axes and their velocities, was computed for this
+        // model.
+        let status =
+            unsafe { guard::mj_rne(self.data.model().as_ptr(), self.data.as_mut_ptr(), 1, force.as_mut_ptr()) };
+        ffi::check("mj_rne", status)?;
+        if self.base.pushed {
+            negate(force);
+            for body in 1..self.data.model().nbody() {
+                let [fx, fy, fz, tx, ty, tz] = self.data.xfrc_applied()[body];
+                if [fx, fy, fz, tx, ty, tz] != [0.0; 6] {
+                    let point = self.data.xipos()[body];
+                    let body = Id::<kind::Body>::new(body, self.data.model().lineage());
+                    self.data.apply_ft([fx, fy, fz], [tx, ty, tz], point, body, force)?;
+                }
+            }
+            negate(force);
+        }
+        let data = &self.data;
+        let (armature, qacc) = (data.model().dof_armature(), data.qacc());
+        let (passive, constraint) = (data.qfrc_passive(), data.qfrc_constraint());
+        let (actuator, applied) = (data.qfrc_actuator(), data.qfrc_applied());
+        for (dof, force) in force.iter_mut().enumerate() {
+            *force += armature[dof] * qacc[dof] - passive[dof] - constraint[dof] - actuator[dof] - applied[dof];
+        }
+        Ok(())
+    }
+
+    /// `M (a − s)`.
+    pub(super) fn inertia(&mut self, side: usize) {
+        if self.base.damped {
+            let (result, vector) = (self.base.inertias[side].as_mut_ptr(), self.base.spread.as_ptr());
+            // SAFETY: both have nv values, and the inertia matrix was computed for this model.
+            unsafe { sys::mj_mulM(self.data.model().as_ptr(), self.data.as_ptr(), result, vector) };
+        }
+    }
+}
+
+fn negate(vector: &mut [f64]) {
+    for value in vector {
+        *value = -*value;
+    }
+}
