@@ -66,6 +66,8 @@ pub(super) struct Base {
     h_inverse: Matrix,
     w_inverse: Matrix,
     p_transposed: Matrix,
+    /// Room for the inverse of a factor.
+    lower: Matrix,
     pub(super) damped: bool,
     /// a − s
     pub(super) spread: Vec<f64>,
@@ -96,7 +98,8 @@ impl Base {
             qacc: dofs.clone(),
             h_inverse: square.clone(),
             w_inverse: square.clone(),
-            p_transposed: square,
+            p_transposed: square.clone(),
+            lower: square,
             damped: false,
             spread: dofs.clone(),
             rotations: Vec::with_capacity(model.njnt()),
@@ -192,7 +195,7 @@ impl Worker {
     fn invert(&mut self, model: &Model) -> Result<()> {
         let (nv, h) = (model.nv(), model.raw().opt.timestep);
         let base = &mut self.base;
-        invert(&self.newton.factor, &mut base.h_inverse)?;
+        invert(&self.newton.factor, &mut base.lower, &mut base.h_inverse);
         base.p_transposed.as_mut_slice().copy_from_slice(base.h_inverse.as_slice());
         base.spread.fill(0.0);
         base.damped = model.dof_damping().iter().any(|&damping| damping > 0.0);
@@ -206,7 +209,7 @@ impl Worker {
             w[(dof, dof)] += h * model.dof_damping()[dof];
         }
         math::chol_factor(&mut *w, 0.0)?;
-        invert(w, &mut base.w_inverse)?;
+        invert(w, &mut base.lower, &mut base.w_inverse);
         for (dof, &damping) in model.dof_damping().iter().enumerate() {
             if damping != 0.0 {
                 add(&mut base.spread, base.w_inverse.row(dof), h * damping * base.qacc[dof]);
@@ -339,15 +342,35 @@ impl Base {
     }
 }
 
-/// The inverse of a matrix whose Cholesky factor is given.
-fn invert(factor: &Matrix, inverse: &mut Matrix) -> Result<()> {
-    for dof in 0..factor.nrows() {
-        let row = inverse.row_mut(dof);
-        row.fill(0.0);
-        row[dof] = 1.0;
-        math::chol_solve_in_place(factor, row)?;
+/// The inverse of a matrix whose Cholesky factor L is given, `L⁻ᵀ L⁻¹`, with room for `L⁻¹`. Row operations only, of which the
+/// compiler makes vector instructions; solving for one column after another takes several times as long.
+fn invert(factor: &Matrix, lower: &mut Matrix, inverse: &mut Matrix) {
+    let n = factor.nrows();
+    for row in 0..n {
+        let (above, rest) = lower.as_mut_slice().split_at_mut(row * n);
+        let current = &mut rest[..=row];
+        current.fill(0.0);
+        current[row] = 1.0;
+        for column in 0..row {
+            add(&mut current[..=column], &above[column * n..=column * n + column], -factor[(row, column)]);
+        }
+        let pivot = factor[(row, row)];
+        for value in current {
+            *value /= pivot;
+        }
     }
-    Ok(())
+    inverse.as_mut_slice().fill(0.0);
+    for row in 0..n {
+        let values = &lower.row(row)[..=row];
+        for (column, &value) in values.iter().enumerate() {
+            add(&mut inverse.row_mut(column)[..=column], &values[..=column], value);
+        }
+    }
+    for row in 0..n {
+        for column in 0..row {
+            inverse[(column, row)] = inverse[(row, column)];
+        }
+    }
 }
 
 /// `result += factor · matrixᵀ · vector`: row by row, which the compiler makes vector instructions of.
