@@ -41,6 +41,8 @@
 //! - [`Matrix`]: row-major, as the engine writes, and nalgebra's view of it without a copy. [`math`] is the engine's own.
 //! - [`callback`]: closures in the middle of a step.
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR.
+//! - [`rollout`]: many simulations at once, on all cores.
+//! - [`scene`]: the abstract picture of a simulation, for a renderer to draw.
 //! - [`Trajectory`]: what was recorded.
 //! - [`sample`]: models to begin with.
 //!
