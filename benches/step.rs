@@ -18,9 +18,9 @@ use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, 
 type Collisions = [[sys::mjfCollision; 8]; 8];
 
 /// Puts other collision functions in the place of the present ones, which it returns.
-fn exchange(collisions: Collisions) -> Collisions {
+fn exchange(collisions: &Collisions) -> Collisions {
     // SAFETY: nothing else runs in this program, and the functions are the engine's, checked or not.
-    unsafe { std::ptr::replace(&raw mut sys::mjCOLLISIONFUNC, collisions) }
+    unsafe { std::ptr::replace(&raw mut sys::mjCOLLISIONFUNC, *collisions) }
 }
 
 /// A simulation, where it begins, and what it does then.
@@ -55,7 +55,7 @@ impl Episode {
     }
 }
 
-fn compare(criterion: &mut Criterion, engines_own: Collisions, name: &str, mut episode: Episode) {
+fn compare(criterion: &mut Criterion, engines_own: &Collisions, name: &str, mut episode: Episode) {
     let steps = episode.controls.len() as u32;
     let safe = |episode: &mut Episode| episode.run(|data| data.step().expect("a stable simulation"));
     let raw = |episode: &mut Episode| {
@@ -64,7 +64,7 @@ fn compare(criterion: &mut Criterion, engines_own: Collisions, name: &str, mut e
             // SAFETY: a data and its own model; no engine error can come from a state that the other way stepped from.
             unsafe { sys::mj_step(data.model().as_ptr(), data.as_mut_ptr()) }
         });
-        exchange(checked);
+        exchange(&checked);
     };
     common::compare(criterion, name, &mut episode, steps, &[("Data::step", &safe), ("mj_step", &raw)]);
 }
@@ -73,8 +73,8 @@ fn main() -> Result<()> {
     let mut criterion = common::criterion();
     // SAFETY: no model has been loaded, and nothing else runs.
     let engines_own = unsafe { sys::mjCOLLISIONFUNC };
-    compare(&mut criterion, engines_own, "step/humanoid", Episode::new(sample::humanoid(), "stand", 0.1, 50)?);
-    compare(&mut criterion, engines_own, "step/cartpole", Episode::new(sample::cartpole(), "hanging_down", 0.1, 200)?);
+    compare(&mut criterion, &engines_own, "step/humanoid", Episode::new(sample::humanoid(), "stand", 0.1, 50)?);
+    compare(&mut criterion, &engines_own, "step/cartpole", Episode::new(sample::cartpole(), "hanging_down", 0.1, 200)?);
     criterion.final_summary();
     Ok(())
 }
