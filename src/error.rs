@@ -1,5 +1,6 @@
 //! What can go wrong, and how it is told.
 
+use std::fmt;
 use std::path::PathBuf;
 
 use crate::control::riccati::RiccatiError;
@@ -209,6 +210,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// A value that is outside of what is allowed.
+    pub(crate) fn invalid(what: impl Into<String>, value: impl fmt::Display, expected: impl Into<String>) -> Self {
+        Self::Invalid { what: what.into(), value: value.to_string(), expected: expected.into() }
+    }
+
     /// A check of a vector's length.
     #[inline]
     pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<()> {

@@ -80,10 +80,12 @@ pub(crate) unsafe fn text(text: *const c_char) -> String {
 
 /// A C string for the engine. A NUL inside would cut it short there, so it is an error.
 pub(crate) fn c_string(what: &'static str, text: impl Into<Vec<u8>>) -> Result<CString> {
-    CString::new(text).map_err(|error| Error::Invalid {
-        what: what.to_owned(),
-        value: format!("text with a NUL byte at position {}", error.nul_position()),
-        expected: "text without NUL bytes".to_owned(),
+    CString::new(text).map_err(|error| {
+        Error::invalid(
+            what,
+            format!("text with a NUL byte at position {}", error.nul_position()),
+            "text without NUL bytes",
+        )
     })
 }
 

@@ -81,11 +81,7 @@ impl Data {
         }
         self.check_parts("geom_distance", Computed::KINEMATICS)?;
         if !(distmax.is_finite() && distmax >= 0.0) {
-            return Err(Error::Invalid {
-                what: "distmax of geom_distance".to_owned(),
-                value: distmax.to_string(),
-                expected: "finite and not negative".to_owned(),
-            });
+            return Err(Error::invalid("distmax of geom_distance", distmax, "finite and not negative"));
         }
         let geoms = geoms.map(|geom| geom.index());
         for geom in geoms {

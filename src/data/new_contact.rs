@@ -134,11 +134,7 @@ impl Data {
         let [one, other] = contact.geoms.map(|geom| model.geom(geom).body());
         if one == other {
             // The engine would make rows of it that are longer than there is room for.
-            return Err(Error::Invalid {
-                what: "the geoms of a new contact".to_owned(),
-                value: format!("two of {one:?}"),
-                expected: "of two bodies".to_owned(),
-            });
+            return Err(Error::invalid("the geoms of a new contact", format!("two of {one:?}"), "of two bodies"));
         }
         // The engine would make no rows of it, and trusts in places that a contact has some.
         if model.options().disable.intersects(DisableFlags::CONTACT | DisableFlags::CONSTRAINT) {

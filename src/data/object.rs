@@ -2,7 +2,7 @@
 
 use std::ffi::c_int;
 
-use mujoco_sys::{self as sys, guard, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_XBODY};
+use mujoco_sys::{self as sys, guard, mjData, mjModel, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_XBODY};
 
 use super::{Computed, Data, Stage};
 use crate::error::{Error, Result};
@@ -74,20 +74,10 @@ impl Data {
     pub fn object_velocity(&self, object: Frame, axes: Axes) -> Result<Motion> {
         let (object_type, index) = self.object(object);
         self.check_computed("object_velocity", Stage::Velocity)?;
-        let mut result = [0.0; 6];
-        // SAFETY: an object of this model, of a type that has a frame, and a place for six numbers.
-        let status = unsafe {
-            guard::mj_object_velocity(
-                self.model().as_ptr(),
-                self.as_ptr(),
-                object_type,
-                index,
-                result.as_mut_ptr(),
-                (axes == Axes::Local).into(),
-            )
-        };
-        ffi::check("mj_objectVelocity", status)?;
-        Ok(Motion::from_engine(result))
+        self.motion("mj_objectVelocity", |m, d, result| {
+            // SAFETY: an object of this model, of a type that has a frame, and a place for six numbers.
+            unsafe { guard::mj_object_velocity(m, d, object_type, index, result, (axes == Axes::Local).into()) }
+        })
     }
 
     /// The acceleration of an object, gravity included: an object at rest accelerates upwards, as an accelerometer tells.
@@ -116,19 +106,20 @@ impl Data {
     pub fn object_acceleration(&self, object: Frame, axes: Axes) -> Result<Motion> {
         let (object_type, index) = self.object(object);
         self.check_parts("object_acceleration", Computed::POST_CONSTRAINT)?;
+        self.motion("mj_objectAcceleration", |m, d, result| {
+            // SAFETY: as for the velocity.
+            unsafe { guard::mj_object_acceleration(m, d, object_type, index, result, (axes == Axes::Local).into()) }
+        })
+    }
+
+    /// What the engine writes of a frame to six numbers.
+    fn motion(
+        &self,
+        function: &'static str,
+        call: impl FnOnce(*const mjModel, *const mjData, *mut f64) -> c_int,
+    ) -> Result<Motion> {
         let mut result = [0.0; 6];
-        // SAFETY: as for the velocity.
-        let status = unsafe {
-            guard::mj_object_acceleration(
-                self.model().as_ptr(),
-                self.as_ptr(),
-                object_type,
-                index,
-                result.as_mut_ptr(),
-                (axes == Axes::Local).into(),
-            )
-        };
-        ffi::check("mj_objectAcceleration", status)?;
+        ffi::check(function, call(self.model().as_ptr(), self.as_ptr(), result.as_mut_ptr()))?;
         Ok(Motion::from_engine(result))
     }
 

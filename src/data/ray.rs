@@ -116,7 +116,7 @@ impl Data {
     ) -> Result<()> {
         Error::check_length("the hits of multi_ray", hits.len(), directions.len())?;
         if cutoff.is_nan() {
-            return Err(invalid("cutoff of multi_ray", &cutoff, "a number"));
+            return Err(Error::invalid("cutoff of multi_ray", cutoff, "a number"));
         }
         for (hit, direction) in hits.iter_mut().zip(directions) {
             *hit = self.ray(point, *direction, options)?.filter(|hit| hit.distance <= cutoff);
@@ -225,7 +225,7 @@ impl Data {
             Ok(geom.index())
         } else {
             let found = GeomType::of_field(found);
-            Err(invalid(&format!("the geom of {call}"), &format_args!("a {found:?}"), expected))
+            Err(Error::invalid(format!("the geom of {call}"), format_args!("a {found:?}"), expected))
         }
     }
 }
@@ -233,10 +233,6 @@ impl Data {
 /// The engine's -1 is nothing.
 fn met(distance: f64) -> Option<f64> {
     Some(distance).filter(|&distance| distance >= 0.0)
-}
-
-fn invalid(what: &str, value: &dyn std::fmt::Display, expected: &str) -> Error {
-    Error::Invalid { what: what.to_owned(), value: value.to_string(), expected: expected.to_owned() }
 }
 
 #[cold]

@@ -63,9 +63,5 @@ fn check_eps(call: &str, eps: f64) -> Result<()> {
     if (SMALLEST_EPS..=LARGEST_EPS).contains(&eps) {
         return Ok(());
     }
-    Err(Error::Invalid {
-        what: format!("eps of {call}"),
-        value: eps.to_string(),
-        expected: format!("between {SMALLEST_EPS:e} and {LARGEST_EPS}"),
-    })
+    Err(Error::invalid(format!("eps of {call}"), eps, format!("between {SMALLEST_EPS:e} and {LARGEST_EPS}")))
 }

@@ -53,11 +53,7 @@ impl Transition {
             check_eps("TransitionOptions", eps)?;
         }
         if options.threads == 0 {
-            return Err(Error::Invalid {
-                what: "threads of TransitionOptions".to_owned(),
-                value: "0".to_owned(),
-                expected: "at least 1".to_owned(),
-            });
+            return Err(Error::invalid("threads of TransitionOptions", "0", "at least 1"));
         }
         let workers = (0..options.threads).map(|_| Worker::new(&model)).collect::<Result<_>>()?;
         Ok(Self { options, workers, inputs: vec![0.0; model.state_size(StateSpec::INTEGRATION)] })

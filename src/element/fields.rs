@@ -69,11 +69,11 @@ macro_rules! fields {
             #[doc = concat!("[`Error::Invalid`](crate::Error::Invalid) unless it is one of `", stringify!($($allowed),+), "`.")]
             pub fn $set(&mut self, value: i32) -> $crate::Result<()> {
                 if ![$($allowed),+].contains(&value) {
-                    return Err($crate::Error::Invalid {
-                        what: format!("{} of {self:?}", stringify!($name)),
-                        value: value.to_string(),
-                        expected: concat!("one of ", stringify!($($allowed),+)).to_owned(),
-                    });
+                    return Err($crate::Error::invalid(
+                        format!("{} of {self:?}", stringify!($name)),
+                        value,
+                        concat!("one of ", stringify!($($allowed),+)),
+                    ));
                 }
                 fields!(@write self, $array, value);
                 Ok(())

@@ -270,11 +270,11 @@ impl Bounds<'_> {
         for i in 0..n {
             let (lower, upper) = (self.lower(i), self.upper(i));
             if !(lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY) {
-                return Err(Error::Invalid {
-                    what: format!("the interval {i} of the box"),
-                    value: format!("[{lower}, {upper}]"),
-                    expected: "of a lower bound that is not above the upper one".to_owned(),
-                });
+                return Err(Error::invalid(
+                    format!("the interval {i} of the box"),
+                    format!("[{lower}, {upper}]"),
+                    "of a lower bound that is not above the upper one",
+                ));
             }
         }
         Ok(())
@@ -284,10 +284,6 @@ impl Bounds<'_> {
 fn check_finite(what: &str, values: &[f64]) -> Result<()> {
     match values.iter().position(|value| !value.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(Error::Invalid {
-            what: format!("{what}[{index}] of BoxQp::solve"),
-            value: values[index].to_string(),
-            expected: "finite".to_owned(),
-        }),
+        Some(index) => Err(Error::invalid(format!("{what}[{index}] of BoxQp::solve"), values[index], "finite")),
     }
 }

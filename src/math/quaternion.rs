@@ -154,11 +154,7 @@ pub fn quat_z2vec(vec: &[f64; 3]) -> [f64; 4] {
 /// ```
 #[doc(alias = "mju_euler2Quat")]
 pub fn euler2quat(euler: &[f64; 3], seq: &str) -> Result<[f64; 4]> {
-    let invalid = || Error::Invalid {
-        what: "seq of euler2quat".to_owned(),
-        value: format!("{seq:?}"),
-        expected: "three letters of x, y, z, X, Y, Z".to_owned(),
-    };
+    let invalid = || Error::invalid("seq of euler2quat", format!("{seq:?}"), "three letters of x, y, z, X, Y, Z");
     let letters: [u8; 3] = seq.as_bytes().try_into().map_err(|_| invalid())?;
     let mut quat = [1.0, 0.0, 0.0, 0.0];
     for (angle, letter) in euler.iter().zip(letters) {

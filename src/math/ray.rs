@@ -46,11 +46,11 @@ pub fn ray_geom(
         GeomType::Cylinder => sys::mjGEOM_CYLINDER,
         GeomType::Box => sys::mjGEOM_BOX,
         other => {
-            return Err(Error::Invalid {
-                what: "geomtype of ray_geom".to_owned(),
-                value: format!("{other:?}"),
-                expected: "a plane, sphere, capsule, ellipsoid, cylinder or box".to_owned(),
-            });
+            return Err(Error::invalid(
+                "geomtype of ray_geom",
+                format!("{other:?}"),
+                "a plane, sphere, capsule, ellipsoid, cylinder or box",
+            ));
         }
     };
     // SAFETY: three, nine, three, three and three numbers to read, and a type for which the engine raises no error.
@@ -82,11 +82,11 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
     count("the faces of ray_skin", faces.len())?;
     count("the vertices of ray_skin", vertices.len())?;
     if let Some(wrong) = faces.iter().find(|&&index| usize::try_from(index).map_or(true, |index| index >= vert.len())) {
-        return Err(Error::Invalid {
-            what: "an index in face of ray_skin".to_owned(),
-            value: wrong.to_string(),
-            expected: format!("that of one of {} vertices", vert.len()),
-        });
+        return Err(Error::invalid(
+            "an index in face of ray_skin",
+            wrong,
+            format!("that of one of {} vertices", vert.len()),
+        ));
     }
     let mut vertex = -1;
     // SAFETY: the triangles and vertices are as many as said, and every index is that of a vertex.
@@ -106,9 +106,8 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
 
 /// Refuses a ray without a direction, for which the engine divides by zero or ends the process.
 pub(crate) fn check_ray(pnt: &[f64; 3], vec: &[f64; 3]) -> Result<()> {
-    let invalid = |what: &str, value: &[f64; 3], expected: &str| {
-        Err(Error::Invalid { what: what.to_owned(), value: format!("{value:?}"), expected: expected.to_owned() })
-    };
+    let invalid =
+        |what: &str, value: &[f64; 3], expected: &str| Err(Error::invalid(what, format!("{value:?}"), expected));
     if !pnt.iter().all(|value| value.is_finite()) {
         return invalid("the point of a ray", pnt, "finite");
     }

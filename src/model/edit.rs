@@ -108,11 +108,7 @@ impl<'m> ModelMut<'m> {
     #[doc(alias = "mj_setTotalmass")]
     pub fn set_total_mass(&mut self, mass: f64) -> Result<()> {
         if !(mass.is_finite() && mass > 0.0) {
-            return Err(crate::Error::Invalid {
-                what: "the total mass".to_owned(),
-                value: mass.to_string(),
-                expected: "positive and finite".to_owned(),
-            });
+            return Err(crate::Error::invalid("the total mass", mass, "positive and finite"));
         }
         self.forget_simple_bodies();
         // SAFETY: a model that is borrowed exclusively; the function scales its masses and inertias.

@@ -95,11 +95,7 @@ impl LengthRangeOptions {
             ("inttotal", self.inttotal, self.inttotal / timestep <= MOST_STEPS, "at most ten million time steps"),
         ];
         fields.into_iter().find(|(_, _, allowed, _)| !allowed).map_or(Ok(()), |(field, value, _, expected)| {
-            Err(Error::Invalid {
-                what: format!("{field} of the options of set_length_range"),
-                value: value.to_string(),
-                expected: expected.to_owned(),
-            })
+            Err(Error::invalid(format!("{field} of the options of set_length_range"), value, expected))
         })
     }
 }

@@ -79,9 +79,5 @@ impl Model {
 }
 
 fn check_interval(dt: f64, allowed: bool, expected: &str) -> Result<()> {
-    if dt.is_finite() && allowed {
-        Ok(())
-    } else {
-        Err(Error::Invalid { what: "dt".to_owned(), value: dt.to_string(), expected: expected.to_owned() })
-    }
+    if dt.is_finite() && allowed { Ok(()) } else { Err(Error::invalid("dt", dt, expected)) }
 }

@@ -402,11 +402,7 @@ impl Sizes {
 }
 
 fn no_room(what: &str, length: usize) -> Error {
-    Error::Invalid {
-        what: format!("the number of {what}"),
-        value: length.to_string(),
-        expected: "as many as there is memory for".to_owned(),
-    }
+    Error::invalid(format!("the number of {what}"), length, "as many as there is memory for")
 }
 
 /// A buffer of zeros, or an error if there is no memory for so many.

@@ -180,11 +180,7 @@ impl Camera {
         if numbers.iter().chain(&self.lookat).all(|&number| (number as f32).is_finite()) {
             return Ok(());
         }
-        Err(Error::Invalid {
-            what: "a number of the camera".to_owned(),
-            value: format!("{self:?}"),
-            expected: "finite in single precision".to_owned(),
-        })
+        Err(Error::invalid("a number of the camera", format!("{self:?}"), "finite in single precision"))
     }
 }
 
@@ -199,11 +195,7 @@ pub(super) fn check_motion(motion: [f64; 2]) -> Result<()> {
     if motion.iter().all(|number| number.is_finite()) {
         return Ok(());
     }
-    Err(Error::Invalid {
-        what: "the motion of the mouse".to_owned(),
-        value: format!("{motion:?}"),
-        expected: "finite".to_owned(),
-    })
+    Err(Error::invalid("the motion of the mouse", format!("{motion:?}"), "finite"))
 }
 
 impl Scene {

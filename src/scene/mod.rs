@@ -121,11 +121,11 @@ impl Scene {
     #[doc(alias = "mjv_defaultScene")]
     pub fn new(model: &Model, max_geoms: usize) -> Result<Self> {
         let Ok(maxgeom) = c_int::try_from(max_geoms) else {
-            return Err(Error::Invalid {
-                what: "the room of a scene".to_owned(),
-                value: format!("{max_geoms} geoms"),
-                expected: format!("at most {}", c_int::MAX),
-            });
+            return Err(Error::invalid(
+                "the room of a scene",
+                format!("{max_geoms} geoms"),
+                format!("at most {}", c_int::MAX),
+            ));
         };
         let skin_vertices: usize = model.skin_vertnum().iter().map(|&count| ffi::size(count)).sum();
         if c_int::try_from(3 * skin_vertices).is_err() {

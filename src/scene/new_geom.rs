@@ -201,10 +201,8 @@ impl NewGeom {
 
     /// Refuses what no renderer can show.
     fn check(&self) -> Result<()> {
-        let invalid = |what: &str, value: &dyn std::fmt::Debug, expected: &str| Error::Invalid {
-            what: format!("{what} of a new geom"),
-            value: format!("{value:?}"),
-            expected: expected.to_owned(),
+        let invalid = |what: &str, value: &dyn std::fmt::Debug, expected: &str| {
+            Error::invalid(format!("{what} of a new geom"), format!("{value:?}"), expected)
         };
         let single = |values: &[f64]| values.iter().all(|&value| (value as f32).is_finite());
         let sizes = match &self.shape {
@@ -280,11 +278,11 @@ impl NewGeom {
 pub(super) fn label(text: &str) -> Result<[c_char; 100]> {
     let mut label = [0; 100];
     if text.len() >= label.len() || text.contains('\0') {
-        return Err(Error::Invalid {
-            what: "a label".to_owned(),
-            value: format!("{text:?}, {} bytes", text.len()),
-            expected: "at most 99 bytes, none of them NUL".to_owned(),
-        });
+        return Err(Error::invalid(
+            "a label",
+            format!("{text:?}, {} bytes", text.len()),
+            "at most 99 bytes, none of them NUL",
+        ));
     }
     for (to, from) in label.iter_mut().zip(text.bytes()) {
         *to = from as c_char;

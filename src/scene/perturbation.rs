@@ -301,10 +301,6 @@ impl Perturbation {
         if numbers.clone().all(|number| number.is_finite()) {
             return Ok(());
         }
-        Err(Error::Invalid {
-            what: "a number of the perturbation".to_owned(),
-            value: format!("{self:?}"),
-            expected: "finite".to_owned(),
-        })
+        Err(Error::invalid("a number of the perturbation", format!("{self:?}"), "finite"))
     }
 }

@@ -69,15 +69,11 @@ impl Scene {
         }
         let finite = [aspectratio, relx, rely].iter().all(|number| number.is_finite());
         if !(finite && self.viewpoint().is_finite()) {
-            return Err(Error::Invalid {
-                what: "where to select".to_owned(),
-                value: format!(
-                    "aspect ratio {aspectratio}, at {:?} in the view of {:?}",
-                    [relx, rely],
-                    self.viewpoint()
-                ),
-                expected: "finite".to_owned(),
-            });
+            return Err(Error::invalid(
+                "where to select",
+                format!("aspect ratio {aspectratio}, at {:?} in the view of {:?}", [relx, rely], self.viewpoint()),
+                "finite",
+            ));
         }
         let options = options.raw();
         let (mut point, mut geom, mut skin, mut body) = ([0.0; 3], -1, -1, -1);

@@ -95,11 +95,11 @@ impl Scene {
         for viewpoint in &viewpoints {
             let ordered = viewpoint.frustum_near > 0.0 && viewpoint.frustum_far > viewpoint.frustum_near;
             if !(viewpoint.is_finite() && ordered && viewpoint.frustum_top > viewpoint.frustum_bottom) {
-                return Err(Error::Invalid {
-                    what: "a viewpoint".to_owned(),
-                    value: format!("{viewpoint:?}"),
-                    expected: "finite, with a frustum of 0 < near < far and bottom < top".to_owned(),
-                });
+                return Err(Error::invalid(
+                    "a viewpoint",
+                    format!("{viewpoint:?}"),
+                    "finite, with a frustum of 0 < near < far and bottom < top",
+                ));
             }
         }
         self.raw_mut().camera = viewpoints.map(|viewpoint| viewpoint.raw());
@@ -172,11 +172,11 @@ impl Scene {
         };
         let finite = translate.iter().chain(&rotate).all(|number| number.is_finite());
         if !(finite && rotate != [0.0; 4] && (0.01..=100.0).contains(&scale)) {
-            return Err(Error::Invalid {
-                what: "a transform".to_owned(),
-                value: format!("{transform:?}"),
-                expected: "finite, with a quaternion that is not zero and a scale from 0.01 to 100".to_owned(),
-            });
+            return Err(Error::invalid(
+                "a transform",
+                format!("{transform:?}"),
+                "finite, with a quaternion that is not zero and a scale from 0.01 to 100",
+            ));
         }
         let raw = self.raw_mut();
         (raw.enabletransform, raw.translate, raw.rotate, raw.scale) = (1, translate, rotate, scale);

@@ -73,7 +73,7 @@ fn other_sizes(what: &'static str, expected: Sizes, found: Sizes) -> Error {
         return Error::Shape { what, expected: (expected.state(), expected.nu), found: (found.state(), found.nu) };
     }
     let list = |sizes: Sizes| format!("nq {}, nv {}, na {}", sizes.nq, sizes.nv, sizes.na);
-    Error::Invalid { what: what.to_owned(), value: list(found), expected: list(expected) }
+    Error::invalid(what, list(found), list(expected))
 }
 
 impl Trajectory {

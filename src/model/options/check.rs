@@ -13,11 +13,7 @@ impl Checks {
         if holds {
             return Ok(());
         }
-        Err(Error::Invalid {
-            what: format!("{}{name}", self.0),
-            value: value.to_string(),
-            expected: expected.to_string(),
-        })
+        Err(Error::invalid(format!("{}{name}", self.0), value, expected.to_string()))
     }
 
     pub(super) fn positive(&self, name: &str, value: impl Into<f64> + Display + Copy) -> Result<()> {
