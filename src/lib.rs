@@ -88,12 +88,18 @@ pub mod math;
 pub mod matrix;
 pub mod model;
 pub mod promises;
+#[cfg(feature = "renderer")]
+pub mod record;
+#[cfg(feature = "renderer")]
+pub mod render;
 pub mod rollout;
 pub mod sample;
 pub mod scene;
 #[cfg(feature = "serde")]
 mod serialise;
 mod trajectory;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 
 /// The linear algebra that matrices are handed to, in the version that this crate uses.
 pub use nalgebra;
