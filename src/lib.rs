@@ -111,7 +111,7 @@ pub use rayon;
 pub use mujoco_sys as sys;
 
 pub use crate::callback::Callbacks;
-pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, ZeroController};
+pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, TimeVaryingLqr, ZeroController};
 pub use crate::data::{
     Axes, Contact, ContactForce, Data, Frame, GeomDistance, Instability, Jacobian, Motion, Needs, NewContact, Quantity,
     RayHit, RayOptions, SolverIteration, Stage, StateSpec, Timer, TimerCount, Warning, WarningCount,

@@ -15,7 +15,8 @@ use mujoco_safe::scene::{
 };
 use mujoco_safe::{
     Controller, Data, Differences, InverseJacobians, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
-    StateSpace, StateSpec, Timer, Trajectory, Transition, TransitionMethod, TransitionOptions, ZeroController, sample,
+    StateSpace, StateSpec, TimeVaryingLqr, Timer, Trajectory, Transition, TransitionMethod, TransitionOptions,
+    ZeroController, sample,
 };
 use nalgebra::DMatrix;
 
@@ -326,8 +327,11 @@ fn controllers() {
     let weights = LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
     let mut lqr = Lqr::at_present_state(&mut data, &weights).unwrap();
     let (mut pd, mut random) = (PdController::new(data.model(), 1.0, 0.1), RandomController::new(1));
+    let gains = vec![Matrix::zeros(1, 4); 3];
+    let mut table = TimeVaryingLqr::with_gains(&data, Matrix::zeros(4, 4), Matrix::zeros(3, 1), gains).unwrap();
     allocates_nothing("the controllers", || {
         lqr.control(&mut data).unwrap();
+        table.control(&mut data).unwrap();
         data.step().unwrap();
         pd.control(&mut data).unwrap();
         random.control(&mut data).unwrap();

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Controller;
+use super::feedback::Feedback;
 use super::riccati::{Riccati, RiccatiError, RiccatiSolution};
 use crate::data::Data;
 use crate::derivative::{self, Differences, StateSpace, TransitionOutputs};
@@ -57,8 +58,7 @@ pub struct Lqr {
     act0: Vec<f64>,
     ctrl0: Vec<f64>,
     gain: Matrix,
-    /// `dx`, so that `control` need not allocate it.
-    deviation: Vec<f64>,
+    feedback: Feedback,
 }
 
 impl Lqr {
@@ -106,7 +106,7 @@ impl Lqr {
             act0: data.act().to_vec(),
             ctrl0: data.ctrl().to_vec(),
             gain,
-            deviation: vec![0.0; nx],
+            feedback: Feedback::new(nx),
         })
     }
 
@@ -129,47 +129,11 @@ impl Lqr {
 impl Controller for Lqr {
     #[inline]
     fn control(&mut self, data: &mut Data) -> Result<()> {
-        let model = data.model();
-        let nv = model.nv();
-        Error::check_length("the positions of an LQR", model.nq(), self.qpos0.len())?;
-        Error::check_length("the activations of an LQR", model.na(), self.act0.len())?;
-        Error::check_length("the deviation of an LQR", 2 * nv + model.na(), self.deviation.len())?;
-        Error::check_length("the controls of an LQR", model.nu(), self.ctrl0.len())?;
-        let (dq, rest) = self.deviation.split_at_mut(nv);
-        let (dv, da) = rest.split_at_mut(nv);
-        model.differentiate_pos(dq, 1.0, &self.qpos0, data.qpos())?;
-        dv.copy_from_slice(data.qvel());
-        for ((da, act), act0) in da.iter_mut().zip(data.act()).zip(&self.act0) {
-            *da = act - act0;
-        }
+        Error::check_length("the controls of an LQR", data.model().nu(), self.ctrl0.len())?;
+        self.feedback.measure(data, &self.qpos0, None, &self.act0)?;
         let ctrl = data.ctrl_mut();
         ctrl.copy_from_slice(&self.ctrl0);
-        let nx = self.deviation.len().max(1);
-        for (ctrl, rows) in ctrl.chunks_mut(2).zip(self.gain.as_slice().chunks(2 * nx)) {
-            // The last row of an odd number is both.
-            let feedback = dots([&rows[..nx], &rows[rows.len() - nx..]], &self.deviation);
-            for (ctrl, feedback) in ctrl.iter_mut().zip(feedback) {
-                *ctrl -= feedback;
-            }
-        }
+        self.feedback.subtract(&self.gain, ctrl);
         Ok(())
     }
-}
-
-/// The scalar products of two vectors with a third: each in four sums, which the compiler can keep in vector registers, and both
-/// at once, which loads the third once.
-#[inline]
-fn dots([a, b]: [&[f64]; 2], x: &[f64]) -> [f64; 2] {
-    let ((a, a_rest), (b, b_rest), (x, x_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>(), x.as_chunks::<4>());
-    let (mut a_sums, mut b_sums) = ([0.0; 4], [0.0; 4]);
-    for ((a, b), x) in a.iter().zip(b).zip(x) {
-        for lane in 0..4 {
-            a_sums[lane] += a[lane] * x[lane];
-        }
-        for lane in 0..4 {
-            b_sums[lane] += b[lane] * x[lane];
-        }
-    }
-    [(a_sums, a_rest), (b_sums, b_rest)]
-        .map(|([a, b, c, d], rest)| a + b + (c + d) + rest.iter().zip(x_rest).map(|(a, x)| a * x).sum::<f64>())
 }

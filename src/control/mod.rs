@@ -4,14 +4,21 @@
 //! |---|---|
 //! | `riccati.rs` | the discrete algebraic Riccati equation |
 //! | `lqr.rs` | the linear-quadratic regulator |
+//! | `time_varying.rs` | the regulator along a trajectory: a table of gains |
+//! | `ilqr.rs` | trajectories of least cost, by the iterative regulator |
+//! | `feedback.rs` | the deviation from a set-point, and what a gain makes of it |
 //! | `simple.rs` | zero, random and PD controllers |
 
+mod feedback;
+pub mod ilqr;
 mod lqr;
 pub mod riccati;
 mod simple;
+mod time_varying;
 
 pub use self::lqr::{Lqr, LqrWeights};
 pub use self::simple::{PdController, RandomController, ZeroController};
+pub use self::time_varying::TimeVaryingLqr;
 use crate::data::Data;
 use crate::error::Result;
 

@@ -10,6 +10,9 @@
 //! and the best control is `u = −K x` with `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`. Stabilising means that every eigenvalue of `A − BK`
 //! lies inside the unit circle. [`Riccati`] states the equation, [`Riccati::solve`] solves it or says why it cannot.
 //!
+//! Over a finite number of steps, or where the system changes from step to step, there is a recursion instead of an equation:
+//! [`RiccatiRecursion`].
+//!
 //! # How
 //!
 //! The cross term is eliminated first: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`. Then one step of the
@@ -37,15 +40,19 @@
 //!   regulator*, IEEE Transactions on Automatic Control 16 (1971) 382–384.
 #![allow(clippy::many_single_char_names, reason = "A, B, Q, R, S, P, K, G and H are the symbols of the field")]
 
+mod backup;
 mod dense;
 mod diagnosis;
 mod doubling;
 mod error;
 mod problem;
+mod recursion;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
+pub(in crate::control) use backup::{Backup, StepCost};
 pub use error::{RiccatiError, RiccatiMatrix};
+pub use recursion::RiccatiRecursion;
 
 use problem::Problem;
 
@@ -190,15 +197,24 @@ fn checked(
     view: &DMatrixView<'_, f64, Dyn, Dyn>,
     expected: (usize, usize),
 ) -> Result<DMatrix<f64>, RiccatiError> {
+    check(matrix, view, expected)?;
+    Ok(view.clone_owned())
+}
+
+/// Whether `view` has the expected shape and nothing but numbers in it.
+fn check(
+    matrix: RiccatiMatrix,
+    view: &DMatrixView<'_, f64, Dyn, Dyn>,
+    expected: (usize, usize),
+) -> Result<(), RiccatiError> {
     if view.shape() != expected {
         return Err(RiccatiError::WrongShape { matrix, expected, got: view.shape() });
     }
-    let copy = view.clone_owned();
-    match copy.iter().position(|entry| !entry.is_finite()) {
-        None => Ok(copy),
+    match view.iter().position(|entry| !entry.is_finite()) {
+        None => Ok(()),
         Some(position) => {
-            let (row, column) = copy.vector_to_matrix_index(position);
-            Err(RiccatiError::NotFinite { matrix, row, column, value: copy[position] })
+            let (row, column) = view.vector_to_matrix_index(position);
+            Err(RiccatiError::NotFinite { matrix, row, column, value: view[(row, column)] })
         }
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::Complex;
 
-/// One of the matrices that state a Riccati equation.
+/// One of the matrices that state a Riccati equation or recursion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RiccatiMatrix {
     /// The state transition `A`.
@@ -17,9 +17,11 @@ pub enum RiccatiMatrix {
     R,
     /// The cross term of the cost `S`.
     S,
+    /// The cost to go `P` at the end of a finite number of steps.
+    P,
 }
 
-/// Why [`Riccati::solve`](super::Riccati::solve) returned no solution. Rows and columns are counted from zero.
+/// Why [`Riccati::solve`](super::Riccati::solve) or a [`RiccatiRecursion`](super::RiccatiRecursion) returned no solution. Rows and columns are counted from zero.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RiccatiError {
@@ -59,6 +61,13 @@ pub enum RiccatiError {
     /// `R` is not positive definite: some control costs nothing, or less.
     ControlCostNotPositive {
         /// The smallest eigenvalue of `R`.
+        smallest_eigenvalue: f64,
+    },
+    /// Over a finite number of steps there is no least cost: `R + BᵀPB` is not positive definite in some step, where a control of
+    /// no end would cost less than nothing. With a positive definite `R` this takes a `Q` or a `P` at the end that is not positive
+    /// semidefinite.
+    NoLeastCost {
+        /// The smallest eigenvalue of `R + BᵀPB`.
         smallest_eigenvalue: f64,
     },
     /// No control stabilises the system: a mode on or outside the unit circle is out of the controls' reach.
@@ -116,6 +125,11 @@ impl fmt::Display for RiccatiError {
             Self::ControlCostNotPositive { smallest_eigenvalue } => write!(
                 formatter,
                 "R has the eigenvalue {smallest_eigenvalue:e}; it should be positive definite, so that every control costs something"
+            ),
+            Self::NoLeastCost { smallest_eigenvalue } => write!(
+                formatter,
+                "there is no least cost: R + BᵀPB has the eigenvalue {smallest_eigenvalue:e} in a step; R should be positive definite, \
+                 and Q and the P at the end positive semidefinite"
             ),
             Self::UncontrollableMode { eigenvalue, distance } => write!(
                 formatter,

@@ -188,7 +188,7 @@ impl Problem {
 }
 
 /// The smallest eigenvalue of a symmetric matrix.
-fn smallest_eigenvalue(matrix: DMatrix<f64>) -> f64 {
+pub(super) fn smallest_eigenvalue(matrix: DMatrix<f64>) -> f64 {
     match matrix.try_symmetric_eigen(f64::EPSILON, MOST_EIGENVALUE_ITERATIONS) {
         Some(decomposition) => decomposition.eigenvalues.min(),
         None => f64::NAN,

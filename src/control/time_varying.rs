@@ -1,0 +1,201 @@
+//! The linear-quadratic regulator along a trajectory.
+
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+
+use super::feedback::{Feedback, clamp};
+use super::riccati::{RiccatiError, RiccatiRecursion};
+use super::{Controller, LqrWeights};
+use crate::data::{Data, StateSpec};
+use crate::derivative::{self, StateSpace, Transition};
+use crate::error::{Error, Result};
+use crate::matrix::Matrix;
+
+/// The regulator of a simulation that is to follow a trajectory: a table of gains, one for each step.
+///
+/// In step `k` the controls are `ctrl = controls[k] − K[k] dx`, cut off at the ends of their ranges, where `dx` is the deviation
+/// from `states[k]`, as in [`Lqr`](super::Lqr). The step is that of the simulation's time: the table begins at
+/// [`start`](Self::start), and a row lasts for the time step of the model. Before the start the first row is used. From the end on
+/// the last state is the set-point, with the gain and the controls of the last step: where the trajectory ends at rest, that
+/// holds it there for a while; a regulator that is to hold it for longer is an [`Lqr`](super::Lqr).
+///
+/// [`control`](Controller::control) allocates nothing, and a clone shares the table.
+///
+/// ```
+/// use mujoco_safe::{
+///     Controller, Data, LqrWeights, Matrix, StateSpec, TimeVaryingLqr, Transition, TransitionOptions, sample,
+/// };
+/// use nalgebra::DMatrix;
+///
+/// // A pole that falls for 0.6 s, recorded.
+/// let mut data = Data::new(sample::cartpole())?;
+/// data.qpos_mut()[1] = 0.2;
+/// let begin = data.state(StateSpec::INTEGRATION);
+/// let (mut states, controls) = (Matrix::zeros(61, 4), Matrix::zeros(60, 1));
+/// for step in 0..=60 {
+///     data.physics_state_into(states.row_mut(step))?;
+///     data.step()?;
+/// }
+///
+/// // It is to fall like that again, although it begins somewhere else.
+/// data.set_state(StateSpec::INTEGRATION, &begin)?;
+/// let weights = LqrWeights::diagonal(&[10.0, 10.0, 1.0, 1.0], &[0.01]);
+/// let mut transition = Transition::new(data.model().clone(), TransitionOptions::default())?;
+/// let mut follow = TimeVaryingLqr::along(&mut transition, &data, states, controls, &weights, &DMatrix::identity(4, 4))?;
+/// data.qpos_mut()[1] = 0.25;
+/// for _ in 0..60 {
+///     follow.control(&mut data)?;
+///     data.step()?;
+/// }
+/// assert!((data.qpos()[1] - follow.states()[(60, 1)]).abs() < 0.01);
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct TimeVaryingLqr {
+    table: Arc<Table>,
+    start: f64,
+    feedback: Feedback,
+}
+
+/// What is to be followed, and how.
+#[derive(Debug)]
+struct Table {
+    states: Matrix,
+    controls: Matrix,
+    gains: Vec<Matrix>,
+}
+
+impl TimeVaryingLqr {
+    /// The regulator along a trajectory of `N` steps: `states` `(N + 1, nq + nv + na)`, each `[qpos; qvel; act]`, and `controls`
+    /// `(N, nu)`. The system is linearised in each step, and the gains are those that minimise the cost of deviations:
+    /// `weights` in each step, and `terminal`, `(nx, nx)` with `nx = 2 nv + na`, of where it ends.
+    ///
+    /// The table begins at the present time of `data`, whose applied forces, mocap poses and user data are those along the
+    /// trajectory; see [`Transition::along`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong shape, [`Error::Riccati`] for weights that have a wrong shape or no least cost, and those of
+    /// [`Transition::along`].
+    pub fn along(
+        transition: &mut Transition,
+        data: &Data,
+        states: Matrix,
+        controls: Matrix,
+        weights: &LqrWeights,
+        terminal: &DMatrix<f64>,
+    ) -> Result<Self> {
+        check_trajectory(data, &states, &controls)?;
+        let (steps, width) = (controls.nrows(), states.ncols());
+        let begins = Matrix::from_row_major(steps, width, states.as_slice()[..steps * width].to_vec());
+        let systems = transition.along(data, &begins, &controls)?;
+        let gains = Self::solve(systems.iter().map(|(system, _)| system), weights, terminal)?;
+        Self::with_gains(data, states, controls, gains)
+    }
+
+    /// The gains for linear systems, one after another, each `(nu, nx)`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`RiccatiRecursion::step_back`].
+    pub fn solve<'a>(
+        systems: impl DoubleEndedIterator<Item = &'a StateSpace>,
+        weights: &LqrWeights,
+        terminal: &DMatrix<f64>,
+    ) -> Result<Vec<Matrix>, RiccatiError> {
+        let mut recursion = RiccatiRecursion::new(terminal, weights.r.nrows())?;
+        let mut gains = systems
+            .rev()
+            .map(|system| {
+                let gain = recursion.step_back(&system.a.to_nalgebra(), &system.b.to_nalgebra(), weights)?;
+                Ok(Matrix::from(gain))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        gains.reverse();
+        Ok(gains)
+    }
+
+    /// The regulator along a trajectory, as for [`along`](Self::along), with gains that are known: `N` of them, each
+    /// `(nu, 2 nv + na)`. The table begins at the present time of `data`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong shape, and [`Error::Invalid`] for a trajectory without a step.
+    pub fn with_gains(data: &Data, states: Matrix, controls: Matrix, gains: Vec<Matrix>) -> Result<Self> {
+        check_trajectory(data, &states, &controls)?;
+        let (nx, nu, _) = derivative::sizes(data.model());
+        Error::check_length("the gains along a trajectory", gains.len(), controls.nrows())?;
+        for gain in &gains {
+            Error::check_shape("a gain along a trajectory", gain.shape(), (nu, nx))?;
+        }
+        let table = Arc::new(Table { states, controls, gains });
+        Ok(Self { table, start: data.time(), feedback: Feedback::new(nx) })
+    }
+
+    /// How many steps the trajectory has, `N`.
+    pub fn steps(&self) -> usize {
+        self.table.gains.len()
+    }
+
+    /// The states along the trajectory, `(N + 1, nq + nv + na)`.
+    pub fn states(&self) -> &Matrix {
+        &self.table.states
+    }
+
+    /// The controls along the trajectory, `(N, nu)`.
+    pub fn controls(&self) -> &Matrix {
+        &self.table.controls
+    }
+
+    /// The gains, one for each step, each `(nu, 2 nv + na)`.
+    pub fn gains(&self) -> &[Matrix] {
+        &self.table.gains
+    }
+
+    /// When the trajectory begins, in seconds of the simulation.
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Has the trajectory begin at another time, in seconds of the simulation.
+    pub fn set_start(&mut self, time: f64) {
+        self.start = time;
+    }
+
+    /// The row of [`states`](Self::states) that a simulation is to be in now: from 0 to `N`.
+    pub fn row(&self, data: &Data) -> usize {
+        // A negative number, and what is no number, becomes 0.
+        let row = ((data.time() - self.start) / data.model().timestep()).round() as usize;
+        row.min(self.steps())
+    }
+}
+
+impl Controller for TimeVaryingLqr {
+    #[inline]
+    fn control(&mut self, data: &mut Data) -> Result<()> {
+        let row = self.row(data);
+        let step = row.min(self.steps() - 1);
+        let Table { states, controls, gains } = &*self.table;
+        let model = data.model();
+        let (state, nq, nv) = (states.row(row), model.nq(), model.nv());
+        Error::check_length("a state of a TimeVaryingLqr", state.len(), model.state_size(StateSpec::PHYSICS))?;
+        Error::check_length("the controls of a TimeVaryingLqr", controls.ncols(), model.nu())?;
+        self.feedback.measure(data, &state[..nq], Some(&state[nq..nq + nv]), &state[nq + nv..])?;
+        data.ctrl_mut().copy_from_slice(controls.row(step));
+        self.feedback.subtract(&gains[step], data.ctrl_mut());
+        clamp(data);
+        Ok(())
+    }
+}
+
+/// Whether these are the states and controls of a trajectory of a model.
+fn check_trajectory(data: &Data, states: &Matrix, controls: &Matrix) -> Result<()> {
+    let (model, steps) = (data.model(), controls.nrows());
+    if steps == 0 {
+        return Err(Error::invalid("the number of steps of a trajectory", 0, "at least 1"));
+    }
+    Error::check_shape("the controls of a trajectory", controls.shape(), (steps, model.nu()))?;
+    let expected = (steps + 1, model.state_size(StateSpec::PHYSICS));
+    Error::check_shape("the states of a trajectory", states.shape(), expected)
+}

@@ -1,0 +1,356 @@
+//! Trajectories of least cost.
+
+use std::sync::Arc;
+
+use mujoco_safe::control::ilqr::{
+    CostExpansion, Ilqr, IlqrOptions, IlqrSolution, IlqrStatus, QuadraticCost, TrajectoryCost,
+};
+use mujoco_safe::control::riccati::RiccatiRecursion;
+use mujoco_safe::{Controller, Data, Differences, Error, LqrWeights, Matrix, Model, sample};
+use nalgebra::{DMatrix, DVector};
+
+use super::{Random, assert_close, cartpole, springs};
+
+fn solve(data: &Data, options: IlqrOptions, controls: &Matrix, cost: &dyn TrajectoryCost) -> IlqrSolution {
+    Ilqr::new(data.model().clone(), options).expect("good options").solve(data, controls, cost).expect("it is stable")
+}
+
+/// Two masses on springs, which begin somewhere.
+fn displaced() -> (Data, QuadraticCost, LqrWeights, DMatrix<f64>) {
+    let model = Arc::new(springs());
+    let mut data = Data::new(model.clone()).expect("there is memory");
+    data.set_physics_state(&[0.3, -0.2, 0.1, 0.4]).expect("the shape fits");
+    let mut weights = LqrWeights::diagonal(&[1.0, 2.0, 0.1, 0.2], &[0.05, 0.1]);
+    weights.s = Some(DMatrix::from_row_slice(4, 2, &[0.01, 0.0, 0.0, 0.02, 0.0, 0.0, 0.01, 0.0]));
+    let terminal = DMatrix::identity(4, 4) * 3.0;
+    let cost = QuadraticCost::new(model, &[0.0; 4], weights.clone(), terminal.clone()).expect("it fits");
+    (data, cost, weights, terminal)
+}
+
+#[test]
+fn a_linear_system_with_a_quadratic_cost_is_solved_in_one_iteration_as_the_recursion_solves_it() {
+    const STEPS: usize = 40;
+    let (mut data, cost, weights, terminal) = displaced();
+    let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(STEPS, 2), &cost);
+    assert_eq!(solution.status, IlqrStatus::Converged);
+    assert_eq!(solution.costs.len(), 2, "{:?}", solution.costs);
+
+    let begin = DVector::from_vec(data.physics_state());
+    let system = data.transition_fd(1e-6, Differences::Central).expect("stable");
+    let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
+    let mut recursion = RiccatiRecursion::new(&terminal, 2).expect("it is symmetric");
+    for step in (0..STEPS).rev() {
+        let gain = recursion.step_back(&a, &b, &weights).expect("all is positive");
+        assert_close(&solution.gains[step].to_nalgebra(), gain, 1e-6);
+    }
+    let cost_to_go = begin.dot(&(recursion.p() * &begin));
+    assert!((solution.cost() - cost_to_go).abs() < 1e-7 * cost_to_go, "{} and {cost_to_go}", solution.cost());
+    let first = -recursion.k() * &begin;
+    assert_close(
+        &DMatrix::from_row_slice(2, 1, solution.controls.row(0)),
+        &first.reshape_generic(nalgebra::Dyn(2), nalgebra::Dyn(1)),
+        1e-6,
+    );
+}
+
+/// Where the cart-pole is to be, and how much a little of each costs.
+fn far() -> (Data, QuadraticCost) {
+    let data = cartpole();
+    let weights = LqrWeights::diagonal(&[1.0, 0.1, 0.0, 0.0], &[1e-4]);
+    let terminal = DMatrix::identity(4, 4) * 10.0;
+    let cost = QuadraticCost::new(data.model().clone(), &[0.6, 0.0, 0.0, 0.0], weights, terminal).expect("it fits");
+    (data, cost)
+}
+
+#[test]
+fn controls_stay_within_their_ranges_and_press_against_them_where_that_pays() {
+    let (data, cost) = far();
+    let options = IlqrOptions { tolerance: 1e-14, ..Default::default() };
+    let solution = solve(&data, options, &Matrix::zeros(80, 1), &cost);
+    let controls = solution.controls.as_slice();
+    assert!(controls.iter().all(|ctrl| ctrl.abs() <= 1.0));
+    let (held, free): (Vec<usize>, Vec<usize>) = (0..80).partition(|&step| controls[step].abs() == 1.0);
+    assert!(held.len() > 5 && free.len() > 20, "{} are held", held.len());
+
+    // The conditions of a minimum, by differences of the cost of whole simulations.
+    let value = |step: usize, change: f64| {
+        let mut changed = solution.controls.clone();
+        changed[(step, 0)] += change;
+        simulated_cost(&data, &changed, &cost)
+    };
+    let slope = |step: usize| (value(step, 1e-5) - value(step, -1e-5)) / 2e-5;
+    for step in held {
+        assert!(slope(step) * controls[step] < 1e-5, "step {step} is held at {}", controls[step]);
+        assert!(solution.gains[step].as_slice().iter().all(|gain| *gain == 0.0));
+    }
+    for step in free {
+        assert!(slope(step).abs() < 2e-4, "step {step}: {}", slope(step));
+    }
+}
+
+/// The cost of a simulation under these controls, clamped or not.
+fn simulated_cost(data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> f64 {
+    let mut data = data.clone();
+    let mut total = 0.0;
+    // The engine would cut off what a difference adds to a control at the end of its range.
+    data.edit_model(|model| model.actuator_ctrlrange_mut().fill([-10.0, 10.0])).expect("a copy");
+    for (step, controls) in controls.rows().enumerate() {
+        total += cost.value(step, &data.physics_state(), Some(controls));
+        data.ctrl_mut().copy_from_slice(controls);
+        data.step().expect("stable");
+    }
+    total + cost.value(controls.nrows(), &data.physics_state(), None)
+}
+
+#[test]
+fn the_cost_only_falls_and_is_that_of_the_trajectory_which_is_that_of_a_simulation() {
+    let (data, cost) = far();
+    for iterations in [0, 1, 3, 200] {
+        let options = IlqrOptions { iterations, ..Default::default() };
+        let solution = solve(&data, options, &Matrix::zeros(80, 1), &cost);
+        assert!(solution.costs.windows(2).all(|pair| pair[1] < pair[0]), "{:?}", solution.costs);
+        assert!(solution.costs.len() <= iterations + 1);
+        if iterations < 4 {
+            assert_eq!((solution.status, solution.costs.len()), (IlqrStatus::IterationLimit, iterations + 1));
+        }
+        let mut data = data.clone();
+        for step in 0..80 {
+            assert_eq!(data.physics_state(), solution.states.row(step));
+            data.ctrl_mut().copy_from_slice(solution.controls.row(step));
+            data.step().expect("stable");
+        }
+        assert_eq!(data.physics_state(), solution.states.row(80));
+        assert!((solution.cost() - simulated_cost(&cartpole(), &solution.controls, &cost)).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let (data, cost) = far();
+    let by = |threads| solve(&data, IlqrOptions { threads, ..Default::default() }, &Matrix::zeros(60, 1), &cost);
+    let (one, three) = (by(1), by(3));
+    assert_eq!(
+        (one.controls, one.states, one.gains, one.costs),
+        (three.controls, three.states, three.gains, three.costs)
+    );
+}
+
+#[test]
+fn a_solver_can_be_used_again_and_follows_edits_of_the_model() {
+    let (mut data, cost) = far();
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    let begin = Matrix::zeros(60, 1);
+    let first = solver.solve(&data, &begin, &cost).expect("it is stable");
+    let original = data.clone();
+    data.edit_model(|model| model.actuator_gear_mut()[0][0] = 20.0).expect("a copy");
+    let weaker = solver.solve(&data, &begin, &cost).expect("it is stable");
+    assert!(weaker.cost() > 1.01 * first.cost());
+    assert_eq!(weaker.controls, solve(&data, IlqrOptions::default(), &begin, &cost).controls);
+    assert_eq!(solver.solve(&original, &begin, &cost).expect("it is stable").controls, first.controls);
+}
+
+#[test]
+fn forces_and_time_are_those_of_the_simulation_that_it_begins_in() {
+    let (mut data, cost) = far();
+    data.qfrc_applied_mut()[0] = 5.0;
+    data.set_time(3.0);
+    let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(60, 1), &cost);
+    let mut follow = solution.controller(&data).expect("it fits");
+    assert_eq!((follow.start(), follow.steps()), (3.0, 60));
+    for _ in 0..60 {
+        follow.control(&mut data).expect("the shapes fit");
+        data.step().expect("stable");
+    }
+    let end = DVector::from_vec(data.physics_state()) - DVector::from_column_slice(solution.states.row(60));
+    assert!(end.norm() < 1e-9, "{end}");
+}
+
+/// The pole hangs still, and costs less the higher it is.
+struct Higher;
+
+impl TrajectoryCost for Higher {
+    fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> f64 {
+        match controls {
+            Some(controls) => 1e-3 * controls[0] * controls[0] + 0.1 * state[0] * state[0],
+            None => 1.0 - state[1].cos(),
+        }
+    }
+
+    fn expand(&self, step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion) {
+        assert_eq!(controls.is_none(), step == 50);
+        match controls {
+            Some(controls) => {
+                expansion.u[0] = 2e-3 * controls[0];
+                expansion.uu[(0, 0)] = 2e-3;
+                expansion.x[0] = 0.2 * state[0];
+                expansion.xx[(0, 0)] = 0.2;
+            }
+            None => {
+                expansion.x[1] = state[1].sin();
+                expansion.xx[(1, 1)] = state[1].cos();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cost_of_ones_own_need_not_be_convex() {
+    let mut data = cartpole();
+    data.qpos_mut()[1] = 3.0;
+    let solution = solve(&data, IlqrOptions::default(), &Matrix::from_row_major(50, 1, vec![0.1; 50]), &Higher);
+    assert!(solution.costs[0] > 1.5);
+    assert!(solution.cost() < 0.6 * solution.costs[0], "{:?}: {:?}", solution.status, solution.costs);
+}
+
+/// What can be wrong with a cost.
+struct Spoilt(fn(&mut CostExpansion), f64);
+
+impl TrajectoryCost for Spoilt {
+    fn value(&self, _: usize, state: &[f64], _: Option<&[f64]>) -> f64 {
+        self.1 + state[0]
+    }
+
+    fn expand(&self, _: usize, _: &[f64], _: Option<&[f64]>, expansion: &mut CostExpansion) {
+        expansion.uu.fill_with_identity();
+        (self.0)(expansion);
+    }
+}
+
+#[test]
+fn derivatives_that_lead_nowhere_end_the_search_where_it_began() {
+    let data = cartpole();
+    // The cart costs more to the right, but the derivative says less.
+    let lie = Spoilt(|expansion| expansion.x[0] = -1.0, 0.0);
+    let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(10, 1), &lie);
+    assert_eq!((solution.status, solution.costs.len()), (IlqrStatus::NoDescent, 1));
+    assert_eq!(solution.controls, Matrix::zeros(10, 1));
+    // A control that costs the less the larger it is, where nothing bounds it.
+    let spoil = |expansion: &mut CostExpansion| (expansion.u[0], expansion.uu[(0, 0)]) = (-1.0, -1.0);
+    let endless = Spoilt(spoil, 0.0);
+    let data = Data::new(springs()).expect("there is memory");
+    let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(10, 2), &endless);
+    assert_eq!((solution.status, solution.costs.len()), (IlqrStatus::NoDescent, 1));
+}
+
+#[test]
+fn a_cost_that_is_no_number_or_changes_shapes_is_an_error() {
+    let data = cartpole();
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    let mut error = |spoilt: Spoilt| solver.solve(&data, &Matrix::zeros(3, 1), &spoilt).unwrap_err();
+    for value in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(error(Spoilt(|_| (), value)), Error::Invalid { .. }));
+    }
+    for spoil in [
+        (|expansion| expansion.x[3] = f64::NAN) as fn(&mut CostExpansion),
+        |expansion| expansion.u[0] = f64::INFINITY,
+        |expansion| expansion.xx[(0, 3)] = f64::NAN,
+        |expansion| expansion.uu[(0, 0)] = f64::NAN,
+        |expansion| expansion.xu[(3, 0)] = f64::NAN,
+    ] {
+        assert!(matches!(error(Spoilt(spoil, 0.0)), Error::Invalid { .. }));
+    }
+    for spoil in [
+        (|expansion| expansion.x = DVector::zeros(3)) as fn(&mut CostExpansion),
+        |expansion| expansion.u = DVector::zeros(2),
+        |expansion| expansion.xx = DMatrix::zeros(4, 3),
+        |expansion| expansion.uu = DMatrix::zeros(0, 0),
+        |expansion| expansion.xu = DMatrix::zeros(1, 4),
+    ] {
+        assert!(matches!(error(Spoilt(spoil, 0.0)), Error::Shape { .. }));
+    }
+}
+
+#[test]
+fn a_beginning_that_is_unstable_is_an_error_of_the_simulation() {
+    let data = Data::new(springs()).expect("there is memory");
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    for control in [f64::NAN, 1e300] {
+        let controls = Matrix::from_row_major(5, 2, vec![control; 10]);
+        let cost = Spoilt(|_| (), 0.0);
+        assert!(matches!(solver.solve(&data, &controls, &cost), Err(Error::Unstable(_))), "{control}");
+    }
+    // It goes on as if nothing had been.
+    let (data, cost, ..) = displaced();
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    let again = solver.solve(&data, &Matrix::zeros(20, 2), &cost).expect("it is stable");
+    assert_eq!(again.status, IlqrStatus::Converged);
+}
+
+/// The gradient by differences in the tangent space, and by the controls.
+fn gradient(
+    model: &Model,
+    cost: &QuadraticCost,
+    state: &[f64],
+    controls: Option<&[f64]>,
+) -> (DVector<f64>, DVector<f64>) {
+    const EPS: f64 = 1e-6;
+    let (nq, nv, nu) = (model.nq(), model.nv(), model.nu());
+    let moved = |index: usize, eps: f64| {
+        let mut state = state.to_vec();
+        if index < nv {
+            let mut velocity = vec![0.0; nv];
+            velocity[index] = 1.0;
+            model.integrate_pos(&mut state[..nq], &velocity, eps).expect("the shapes fit");
+        } else {
+            state[nq + index - nv] += eps;
+        }
+        cost.value(0, &state, controls)
+    };
+    let x = DVector::from_fn(2 * nv, |index, _| (moved(index, EPS) - moved(index, -EPS)) / (2.0 * EPS));
+    let u = DVector::from_fn(nu, |index, _| {
+        let Some(controls) = controls else { return 0.0 };
+        let changed = |eps: f64| {
+            let mut controls = controls.to_vec();
+            controls[index] += eps;
+            cost.value(0, state, Some(&controls))
+        };
+        (changed(EPS) - changed(-EPS)) / (2.0 * EPS)
+    });
+    (x, u)
+}
+
+#[test]
+fn the_derivatives_of_a_quadratic_cost_are_those_of_its_values_rotations_included() {
+    let model = Arc::new(sample::humanoid());
+    let (nx, nu) = (54, 21);
+    let mut random = Random::new(8);
+    let mut weights = LqrWeights { q: random.positive(nx, 0.1), r: random.positive(nu, 0.1), s: None };
+    weights.s = Some(random.matrix(nx, nu));
+    let terminal = random.positive(nx, 0.1);
+    let mut data = Data::new(model.clone()).expect("there is memory");
+    data.reset_to_key("squat").expect("there is this key");
+    let target = data.physics_state();
+    let controls: Vec<f64> = random.vector(nu).as_slice().to_vec();
+    let cost = QuadraticCost::new(model.clone(), &target, weights.clone(), terminal.clone())
+        .and_then(|cost| cost.with_controls(&controls))
+        .expect("it fits");
+    assert_eq!((cost.value(0, &target, Some(&controls)), cost.value(9, &target, None)), (0.0, 0.0));
+
+    let velocity: Vec<f64> = random.vector(27).as_slice().to_vec();
+    model.integrate_pos(data.qpos_mut(), &velocity, 0.5).expect("the shapes fit");
+    data.qvel_mut().copy_from_slice(&velocity);
+    let (state, ctrl) = (data.physics_state(), random.vector(nu).as_slice().to_vec());
+    for controls in [Some(&ctrl[..]), None] {
+        let mut expansion = CostExpansion::zeros(&model);
+        cost.expand(0, &state, controls, &mut expansion);
+        let (x, u) = gradient(&model, &cost, &state, controls);
+        assert!((&expansion.x - &x).norm() < 1e-6 * x.norm(), "{} instead of {x}", expansion.x);
+        assert!((&expansion.u - &u).norm() <= 1e-6 * u.norm().max(1e-9), "{} instead of {u}", expansion.u);
+        // Where nothing deviates, the second derivatives are the weights, twice.
+        let mut expansion = CostExpansion::zeros(&model);
+        cost.expand(0, &target, controls, &mut expansion);
+        let expected = if controls.is_some() { &weights.q } else { &terminal };
+        assert_close(&expansion.xx, &(expected * 2.0), 1e-12);
+        if controls.is_some() {
+            assert_close(&expansion.uu, &(&weights.r * 2.0), 1e-12);
+            assert_close(&expansion.xu, &(weights.s.as_ref().expect("there is one") * 2.0), 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_status_says_what_it_means() {
+    let texts =
+        [IlqrStatus::Converged, IlqrStatus::NoDescent, IlqrStatus::IterationLimit].map(|status| status.to_string());
+    assert_eq!(texts, ["converged", "no step size gains anything", "stopped at the limit of iterations"]);
+}

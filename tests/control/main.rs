@@ -1,0 +1,68 @@
+//! Control along trajectories: the Riccati recursion, the table of gains, and trajectories of least cost.
+#![forbid(unsafe_code)]
+
+mod gain_table;
+mod ilqr;
+mod recursion;
+mod sizes;
+
+use mujoco_safe::{Data, LqrWeights, Model, sample};
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Normal random numbers, the same every time.
+struct Random(Xoshiro256PlusPlus);
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        Self(Xoshiro256PlusPlus::seed_from_u64(seed))
+    }
+
+    fn number(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+
+    fn vector(&mut self, length: usize) -> DVector<f64> {
+        DVector::from_fn(length, |_, _| self.number())
+    }
+
+    fn matrix(&mut self, rows: usize, columns: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(rows, columns, |_, _| self.number())
+    }
+
+    /// A symmetric matrix whose eigenvalues are at least `least`.
+    fn positive(&mut self, size: usize, least: f64) -> DMatrix<f64> {
+        let factor = self.matrix(size, size);
+        &factor * factor.transpose() + DMatrix::identity(size, size) * least
+    }
+}
+
+#[track_caller]
+fn assert_close(found: &DMatrix<f64>, expected: &DMatrix<f64>, tolerance: f64) {
+    assert_eq!(found.shape(), expected.shape());
+    let error = (found - expected).norm() / expected.norm().max(1e-300);
+    assert!(error <= tolerance, "relative error {error:e}: {found} instead of {expected}");
+}
+
+/// The weights of the worked example of the cart-pole.
+fn weights() -> LqrWeights {
+    LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0])
+}
+
+fn cartpole() -> Data {
+    Data::new(sample::cartpole()).expect("there is memory")
+}
+
+/// Two masses on springs between walls, with a motor on each: its steps are linear. Nothing limits the motors.
+fn springs() -> Model {
+    Model::from_xml_str(
+        r#"<mujoco><option gravity="0 0 0" timestep="0.02"/><worldbody>
+          <body><joint name="left" type="slide" axis="1 0 0" stiffness="3" damping="0.2"/><geom size="0.1" mass="1.5"/>
+            <body pos="1 0 0"><joint name="right" type="slide" axis="1 0 0" stiffness="-2" damping="0.1"/>
+              <geom size="0.1" mass="0.5"/></body></body>
+        </worldbody><actuator><motor joint="left"/><motor joint="right" gear="2"/></actuator></mujoco>"#,
+    )
+    .expect("the springs load")
+}

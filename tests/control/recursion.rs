@@ -1,0 +1,217 @@
+//! The recursion against SciPy's figures, and against the same problem written as one large system of linear equations.
+#![allow(clippy::unreadable_literal, reason = "figures are as they are printed where they come from")]
+
+use mujoco_safe::LqrWeights;
+use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiMatrix, RiccatiRecursion};
+use nalgebra::{DMatrix, DVector, dmatrix};
+
+use super::{Random, assert_close, weights};
+
+/// The upright cart-pole, as the reference's documentation prints it.
+fn upright() -> (DMatrix<f64>, DMatrix<f64>) {
+    (
+        dmatrix![
+            1.0, -0.00020933539434596422, 0.00999696728367769, 7.112993351890879e-06;
+            0.0, 1.0027918363759287, 7.112993351890878e-06, 0.009905136378663615;
+            0.0, -0.020933539434596422, 0.9996967283677689, 0.000711299335189088;
+            0.0, 0.2791836375928739, 0.0007112993351890878, 0.9905136378663615
+        ],
+        dmatrix![0.0030327163223112376; -0.007112993351890878; 0.30327163223112374; -0.7112993351890878],
+    )
+}
+
+#[test]
+fn over_a_long_time_the_first_gain_is_that_of_scipy() {
+    let (a, b) = upright();
+    let mut recursion = RiccatiRecursion::new(&DMatrix::zeros(4, 4), 1).expect("it is symmetric");
+    for _ in 0..5000 {
+        recursion.step_back(&a, &b, &weights()).expect("all is positive");
+    }
+    // SciPy's solve_discrete_are.
+    let k = dmatrix![-0.46741668449941, -5.5927150414698, -0.8436677105895, -1.4448668569023];
+    assert_close(recursion.k(), &k, 1e-11);
+    let p = [180.2819066017, 2907.909272519, 166.5472641831, 37.13361185153];
+    assert_close(
+        &recursion.p().diagonal().into_owned().reshape_generic(nalgebra::Dyn(4), nalgebra::Dyn(1)),
+        &DMatrix::from_column_slice(4, 1, &p),
+        1e-11,
+    );
+}
+
+#[test]
+fn from_the_solution_of_the_equation_the_recursion_does_not_move() {
+    let mut random = Random::new(1);
+    for size in [1, 3, 8] {
+        let (a, b) = (random.matrix(size, size), random.matrix(size, 2));
+        let weights = LqrWeights { q: random.positive(size, 0.1), r: random.positive(2, 0.1), s: None };
+        let solution = Riccati::new(&a, &b, &weights.q, &weights.r).solve().expect("controllable");
+        let mut recursion = RiccatiRecursion::new(&solution.p, 2).expect("it is symmetric");
+        assert_close(recursion.step_back(&a, &b, &weights).expect("all is positive"), &solution.k, 1e-9);
+        assert_close(recursion.p(), &solution.p, 1e-9);
+    }
+}
+
+/// A system that changes with time, and the cost of it.
+struct Problem {
+    systems: Vec<(DMatrix<f64>, DMatrix<f64>, LqrWeights)>,
+    terminal: DMatrix<f64>,
+}
+
+impl Problem {
+    fn new(seed: u64, steps: usize, (n, m): (usize, usize), cross: bool) -> Self {
+        let mut random = Random::new(seed);
+        let mut step = |_| {
+            let (a, b) = (random.matrix(n, n), random.matrix(n, m));
+            // One positive matrix for both, so that the cost is never negative.
+            let all = random.positive(n + m, 0.5);
+            let block = |row, column, rows, columns| all.view((row, column), (rows, columns)).into_owned();
+            let s = cross.then(|| block(0, n, n, m));
+            (a, b, LqrWeights { q: block(0, 0, n, n), r: block(n, n, m, m), s })
+        };
+        Self { systems: (0..steps).map(&mut step).collect(), terminal: random.positive(n, 0.0) }
+    }
+
+    /// The best controls of all steps one behind another, and what they cost, from the normal equations of the whole.
+    fn solve(&self, begin: &DVector<f64>) -> (DVector<f64>, f64) {
+        let (n, m, steps) = (begin.len(), self.systems[0].1.ncols(), self.systems.len());
+        // The state is `offset + map u`, with the controls of all steps in u; the cost is `½ uᵀ H u + gᵀ u + c`.
+        let (mut offset, mut map) = (begin.clone(), DMatrix::zeros(n, m * steps));
+        let (mut h, mut g, mut c) = (DMatrix::zeros(m * steps, m * steps), DVector::zeros(m * steps), 0.0);
+        for (step, (a, b, weights)) in self.systems.iter().enumerate() {
+            let mut select = DMatrix::zeros(m, m * steps);
+            select.view_mut((0, m * step), (m, m)).fill_with_identity();
+            h += (map.transpose() * &weights.q * &map + select.transpose() * &weights.r * &select) * 2.0;
+            g += map.transpose() * &weights.q * &offset * 2.0;
+            c += offset.dot(&(&weights.q * &offset));
+            if let Some(s) = &weights.s {
+                let mixed = map.transpose() * s * &select;
+                h += (&mixed + mixed.transpose()) * 2.0;
+                g += select.transpose() * s.transpose() * &offset * 2.0;
+            }
+            offset = a * offset;
+            map = a * map + b * select;
+        }
+        h += map.transpose() * &self.terminal * &map * 2.0;
+        g += map.transpose() * &self.terminal * &offset * 2.0;
+        c += offset.dot(&(&self.terminal * &offset));
+        let u = -h.clone().cholesky().expect("the cost is convex").solve(&g);
+        let cost = 0.5 * u.dot(&(&h * &u)) + g.dot(&u) + c;
+        (u, cost)
+    }
+}
+
+#[test]
+fn the_gains_give_the_controls_and_the_cost_of_the_whole_problem_solved_at_once() {
+    for (seed, sizes, cross) in [(1, (2, 1), false), (2, (3, 2), false), (3, (4, 2), true), (4, (1, 3), true)] {
+        let (n, m) = sizes;
+        let problem = Problem::new(seed, 5, sizes, cross);
+        let begin = Random::new(seed + 100).vector(n);
+        let (expected, cost) = problem.solve(&begin);
+
+        let mut recursion = RiccatiRecursion::new(&problem.terminal, m).expect("it is symmetric");
+        let back =
+            |(a, b, weights): &(_, _, _)| recursion.step_back(a, b, weights).expect("the cost is convex").clone();
+        let mut gains: Vec<DMatrix<f64>> = problem.systems.iter().rev().map(back).collect();
+        gains.reverse();
+        assert!((begin.dot(&(recursion.p() * &begin)) - cost).abs() <= 1e-9 * cost, "the cost to go of problem {seed}");
+        let mut state = begin;
+        for (step, (gain, (a, b, _))) in gains.iter().zip(&problem.systems).enumerate() {
+            let control = -gain * &state;
+            let expected = expected.rows(m * step, m);
+            assert!((&control - expected).norm() <= 1e-8 * expected.norm(), "step {step} of problem {seed}");
+            state = a * state + b * control;
+        }
+    }
+}
+
+#[test]
+fn no_weight_of_the_controls_is_needed_where_the_state_after_them_costs() {
+    // One step to bring the state to zero.
+    let mut recursion = RiccatiRecursion::new(&DMatrix::identity(2, 2), 2).expect("it is symmetric");
+    let a = dmatrix![1.0, 2.0; 3.0, 4.0];
+    let weights = LqrWeights::diagonal(&[0.0, 0.0], &[0.0, 0.0]);
+    let gain = recursion.step_back(&a, &DMatrix::<f64>::identity(2, 2), &weights).expect("the end costs").clone();
+    assert_close(&gain, &a, 1e-15);
+    assert!(recursion.p().norm() < 1e-15);
+}
+
+#[test]
+fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
+    let good = || {
+        (DMatrix::<f64>::identity(3, 3), DMatrix::from_element(3, 2, 0.5), {
+            let mut weights = LqrWeights::diagonal(&[1.0; 3], &[1.0; 2]);
+            weights.s = Some(DMatrix::zeros(3, 2));
+            weights
+        })
+    };
+    let begin = || RiccatiRecursion::new(&DMatrix::identity(3, 3), 2).expect("it is symmetric");
+    begin().step_back(&good().0, &good().1, &good().2).expect("it is good");
+
+    type Spoil = fn(&mut DMatrix<f64>, &mut DMatrix<f64>, &mut LqrWeights);
+    let wrong = |matrix, expected, got| RiccatiError::WrongShape { matrix, expected, got };
+    let shapes: [(Spoil, RiccatiError); 5] = [
+        (|a, _, _| *a = DMatrix::zeros(3, 4), wrong(RiccatiMatrix::A, (3, 3), (3, 4))),
+        (|_, b, _| *b = DMatrix::zeros(3, 3), wrong(RiccatiMatrix::B, (3, 2), (3, 3))),
+        (|_, _, weights| weights.q = DMatrix::zeros(2, 3), wrong(RiccatiMatrix::Q, (3, 3), (2, 3))),
+        (|_, _, weights| weights.r = DMatrix::zeros(2, 1), wrong(RiccatiMatrix::R, (2, 2), (2, 1))),
+        (|_, _, weights| weights.s = Some(DMatrix::zeros(2, 2)), wrong(RiccatiMatrix::S, (3, 2), (2, 2))),
+    ];
+    for (spoil, expected) in shapes {
+        let (mut a, mut b, mut weights) = good();
+        spoil(&mut a, &mut b, &mut weights);
+        let mut recursion = begin();
+        assert_eq!(recursion.step_back(&a, &b, &weights).unwrap_err(), expected);
+        assert_eq!((recursion.p(), recursion.k()), (begin().p(), begin().k()));
+    }
+    let values: [(Spoil, RiccatiMatrix); 5] = [
+        (|a, _, _| a[(2, 1)] = f64::NAN, RiccatiMatrix::A),
+        (|_, b, _| b[(2, 1)] = f64::INFINITY, RiccatiMatrix::B),
+        (|_, _, weights| weights.q[(2, 1)] = f64::NAN, RiccatiMatrix::Q),
+        (|_, _, weights| weights.r[(1, 0)] = f64::NAN, RiccatiMatrix::R),
+        (|_, _, weights| weights.s.as_mut().expect("there is one")[(2, 1)] = f64::NAN, RiccatiMatrix::S),
+    ];
+    for (spoil, at_fault) in values {
+        let (mut a, mut b, mut weights) = good();
+        spoil(&mut a, &mut b, &mut weights);
+        let error = begin().step_back(&a, &b, &weights).unwrap_err();
+        assert!(
+            matches!(error, RiccatiError::NotFinite { matrix, column: 1 | 0, .. } if matrix == at_fault),
+            "{error}"
+        );
+    }
+    let lopsided: [(Spoil, RiccatiMatrix); 2] = [
+        (|_, _, weights| weights.q[(0, 1)] = 0.1, RiccatiMatrix::Q),
+        (|_, _, weights| weights.r[(0, 1)] = 0.1, RiccatiMatrix::R),
+    ];
+    for (spoil, at_fault) in lopsided {
+        let (mut a, mut b, mut weights) = good();
+        spoil(&mut a, &mut b, &mut weights);
+        let error = begin().step_back(&a, &b, &weights).unwrap_err();
+        assert!(matches!(error, RiccatiError::NotSymmetric { matrix, .. } if matrix == at_fault), "{error}");
+    }
+}
+
+#[test]
+fn the_cost_of_the_end_is_checked_like_the_others() {
+    let error = |terminal: DMatrix<f64>| RiccatiRecursion::new(&terminal, 1).unwrap_err();
+    let wrong = RiccatiError::WrongShape { matrix: RiccatiMatrix::P, expected: (2, 2), got: (2, 3) };
+    assert_eq!(error(DMatrix::zeros(2, 3)), wrong);
+    assert!(matches!(
+        error(dmatrix![1.0, 0.0; f64::NAN, 1.0]),
+        RiccatiError::NotFinite { matrix: RiccatiMatrix::P, row: 1, column: 0, .. }
+    ));
+    assert!(matches!(
+        error(dmatrix![1.0, 0.5; 0.0, 1.0]),
+        RiccatiError::NotSymmetric { matrix: RiccatiMatrix::P, row: 0, column: 1, .. }
+    ));
+}
+
+#[test]
+fn a_cost_that_falls_without_end_is_told() {
+    let one = DMatrix::identity(1, 1);
+    let mut recursion = RiccatiRecursion::new(&dmatrix![-2.0], 1).expect("it is symmetric");
+    let error = recursion.step_back(&one, &one, &LqrWeights::diagonal(&[1.0], &[1.0])).unwrap_err();
+    assert_eq!(error, RiccatiError::NoLeastCost { smallest_eigenvalue: -1.0 });
+    assert!(error.to_string().contains("positive semidefinite"), "{error}");
+    assert_eq!(recursion.p(), &dmatrix![-2.0]);
+}

@@ -1,0 +1,118 @@
+//! One wrong size at a time.
+
+use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
+use mujoco_safe::{Controller, Data, Error, LqrWeights, Matrix, TimeVaryingLqr, Transition, TransitionOptions, sample};
+use nalgebra::DMatrix;
+
+use super::{cartpole, weights};
+
+#[track_caller]
+fn assert_shape<T>(result: Result<T, Error>, expected: (usize, usize), found: (usize, usize)) {
+    match result {
+        Err(Error::Shape { expected: should, found: is, .. }) => assert_eq!((should, is), (expected, found)),
+        Err(error) => panic!("{error}"),
+        Ok(_) => panic!("{found:?} was accepted instead of {expected:?}"),
+    }
+}
+
+#[test]
+fn of_a_table_of_gains() {
+    let data = cartpole();
+    let table = |states: (usize, usize), controls: (usize, usize), count: usize, gain: (usize, usize)| {
+        let gains = vec![Matrix::zeros(gain.0, gain.1); count];
+        TimeVaryingLqr::with_gains(
+            &data,
+            Matrix::zeros(states.0, states.1),
+            Matrix::zeros(controls.0, controls.1),
+            gains,
+        )
+    };
+    table((4, 4), (3, 1), 3, (1, 4)).expect("it fits");
+    assert_shape(table((3, 4), (3, 1), 3, (1, 4)), (4, 4), (3, 4));
+    assert_shape(table((4, 5), (3, 1), 3, (1, 4)), (4, 4), (4, 5));
+    assert_shape(table((4, 4), (3, 2), 3, (1, 4)), (3, 1), (3, 2));
+    assert_shape(table((4, 4), (3, 1), 2, (1, 4)), (3, 1), (2, 1));
+    assert_shape(table((4, 4), (3, 1), 3, (2, 4)), (1, 4), (2, 4));
+    assert_shape(table((4, 4), (3, 1), 3, (1, 3)), (1, 4), (1, 3));
+    let error = table((1, 4), (0, 1), 0, (1, 4)).unwrap_err();
+    assert!(error.to_string().contains("must be at least 1"), "{error}");
+}
+
+#[test]
+fn of_a_regulator_along_a_trajectory() {
+    let data = cartpole();
+    let mut transition = Transition::new(data.model().clone(), TransitionOptions::default()).expect("there is memory");
+    let mut along = |states: (usize, usize), controls: (usize, usize), weights: LqrWeights, end: (usize, usize)| {
+        let (states, controls) = (Matrix::zeros(states.0, states.1), Matrix::zeros(controls.0, controls.1));
+        TimeVaryingLqr::along(&mut transition, &data, states, controls, &weights, &DMatrix::zeros(end.0, end.1))
+    };
+    along((4, 4), (3, 1), weights(), (4, 4)).expect("it fits");
+    assert_shape(along((3, 4), (3, 1), weights(), (4, 4)), (4, 4), (3, 4));
+    assert_shape(along((4, 3), (3, 1), weights(), (4, 4)), (4, 4), (4, 3));
+    assert_shape(along((4, 4), (3, 2), weights(), (4, 4)), (3, 1), (3, 2));
+    assert!(matches!(along((1, 4), (0, 1), weights(), (4, 4)), Err(Error::Invalid { .. })));
+    for (weights, end) in [
+        (weights(), (3, 3)),
+        (weights(), (4, 3)),
+        (LqrWeights::diagonal(&[1.0; 3], &[1.0]), (4, 4)),
+        (LqrWeights::diagonal(&[1.0; 4], &[1.0; 2]), (4, 4)),
+        (LqrWeights { s: Some(DMatrix::zeros(4, 2)), ..weights() }, (4, 4)),
+    ] {
+        assert!(matches!(along((4, 4), (3, 1), weights, end), Err(Error::Riccati(_))));
+    }
+}
+
+#[test]
+fn of_the_simulation_that_is_controlled() {
+    let data = cartpole();
+    let gains = vec![Matrix::zeros(1, 4)];
+    let mut follow =
+        TimeVaryingLqr::with_gains(&data, Matrix::zeros(2, 4), Matrix::zeros(1, 1), gains).expect("it fits");
+    let mut other = Data::new(sample::humanoid()).expect("there is memory");
+    assert_shape(follow.control(&mut other), (55, 1), (4, 1));
+    // Two motors on two joints.
+    let mut two_motors = Data::new(super::springs()).expect("there is memory");
+    assert_shape(follow.control(&mut two_motors), (2, 1), (1, 1));
+}
+
+#[test]
+fn of_a_quadratic_cost() {
+    let cost = |state: usize, weights: LqrWeights, end: (usize, usize)| {
+        QuadraticCost::new(sample::cartpole(), &vec![0.0; state], weights, DMatrix::zeros(end.0, end.1))
+    };
+    let good = cost(4, weights(), (4, 4)).expect("it fits");
+    assert_shape(good.with_controls(&[0.0; 2]), (1, 1), (2, 1));
+    assert_shape(cost(3, weights(), (4, 4)), (4, 1), (3, 1));
+    assert_shape(cost(4, LqrWeights::diagonal(&[1.0; 5], &[1.0]), (4, 4)), (4, 4), (5, 5));
+    assert_shape(cost(4, LqrWeights::diagonal(&[1.0; 4], &[1.0; 2]), (4, 4)), (1, 1), (2, 2));
+    assert_shape(cost(4, LqrWeights { s: Some(DMatrix::zeros(1, 4)), ..weights() }, (4, 4)), (4, 1), (1, 4));
+    assert_shape(cost(4, weights(), (4, 3)), (4, 4), (4, 3));
+}
+
+#[test]
+fn of_a_search() {
+    let data = cartpole();
+    let cost = QuadraticCost::new(data.model().clone(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    assert_shape(solver.solve(&data, &Matrix::zeros(3, 2), &cost), (3, 1), (3, 2));
+    assert!(matches!(solver.solve(&data, &Matrix::zeros(0, 1), &cost), Err(Error::Invalid { .. })));
+    assert!(matches!(solver.solve(&cartpole(), &Matrix::zeros(3, 1), &cost), Err(Error::OtherModel { .. })));
+}
+
+#[test]
+fn of_options_that_make_no_sense() {
+    let good = IlqrOptions::default;
+    for options in [
+        IlqrOptions { threads: 0, ..good() },
+        IlqrOptions { tolerance: -1.0, ..good() },
+        IlqrOptions { tolerance: f64::NAN, ..good() },
+        IlqrOptions { step_sizes: vec![], ..good() },
+        IlqrOptions { step_sizes: vec![1.0, 0.0], ..good() },
+        IlqrOptions { step_sizes: vec![1.5], ..good() },
+        IlqrOptions { step_sizes: vec![f64::NAN], ..good() },
+    ] {
+        assert!(matches!(Ilqr::new(sample::cartpole(), options), Err(Error::Invalid { .. })));
+    }
+    let options = IlqrOptions { iterations: 7, ..good() };
+    assert_eq!(Ilqr::new(sample::cartpole(), options.clone()).expect("good options").options(), &options);
+}
