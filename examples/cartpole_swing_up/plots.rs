@@ -1,0 +1,59 @@
+//! The picture: how the poles come up, and how the plans were found.
+
+use std::error::Error;
+use std::path::Path;
+
+use mujoco_safe::Model;
+
+use crate::common::chart::{self, Line, PALETTE, Panel};
+use crate::swing_up::Attempt;
+
+/// Angle, position and controls over time, and the cost over the iterations.
+pub fn draw(path: &Path, model: &Model, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
+    let color = |index: usize| PALETTE[index % PALETTE.len()];
+    let over_time = |value: &dyn Fn(&Attempt, usize) -> f64| -> Vec<Line> {
+        let line = |(index, attempt): (usize, &Attempt)| {
+            let times = attempt.trajectory.times();
+            let points = (0..times.len()).map(|record| (times[record], value(attempt, record)));
+            Line::new(&format!("seed {}", index + 1), color(index), points)
+        };
+        attempts.iter().enumerate().map(line).collect()
+    };
+    let mut angles = over_time(&|attempt, record| attempt.trajectory.qpos(record)[1]);
+    // What was planned for the first, which began somewhere else.
+    if let Some(attempt) = attempts.first() {
+        let states = &attempt.plan.states;
+        let points = (0..states.nrows()).map(|row| (row as f64 * model.timestep(), states[(row, 1)])).collect();
+        angles.push(Line { label: "plan of seed 1".to_owned(), points, color: chart::INK, dashed: true });
+    }
+    let costs = attempts.iter().enumerate().map(|(index, attempt)| {
+        let points = attempt.plan.costs.iter().enumerate().map(|(iteration, cost)| (iteration as f64, cost.log10()));
+        Line::new(&format!("seed {}", index + 1), color(index), points)
+    });
+    let panels = [
+        Panel { title: "Angle of the pole", x: "time (s)", y: "angle (rad)", lines: angles, at_least: None },
+        Panel {
+            title: "Position of the cart",
+            x: "time (s)",
+            y: "position (m)",
+            lines: over_time(&|attempt, record| attempt.trajectory.qpos(record)[0]),
+            at_least: None,
+        },
+        Panel {
+            title: "Control",
+            x: "time (s)",
+            y: "fraction of the motor's range",
+            // Outside of its range the regulator's control is clamped by the engine.
+            lines: over_time(&|attempt, record| attempt.trajectory.ctrl(record)[0].clamp(-1.0, 1.0)),
+            at_least: Some((-1.0, 1.0)),
+        },
+        Panel {
+            title: "Cost of the plan",
+            x: "iteration",
+            y: "logarithm of the cost (base 10)",
+            lines: costs.collect(),
+            at_least: None,
+        },
+    ];
+    chart::draw(path, 260, &panels)
+}
