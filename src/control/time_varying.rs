@@ -28,27 +28,27 @@ use crate::matrix::Matrix;
 /// };
 /// use nalgebra::DMatrix;
 ///
-/// // A pole that falls for 0.6 s, recorded.
+/// // A pole that falls for a second, recorded.
 /// let mut data = Data::new(sample::cartpole())?;
 /// data.qpos_mut()[1] = 0.2;
 /// let begin = data.state(StateSpec::INTEGRATION);
-/// let (mut states, controls) = (Matrix::zeros(61, 4), Matrix::zeros(60, 1));
-/// for step in 0..=60 {
+/// let (mut states, controls) = (Matrix::zeros(101, 4), Matrix::zeros(100, 1));
+/// for step in 0..=100 {
 ///     data.physics_state_into(states.row_mut(step))?;
 ///     data.step()?;
 /// }
 ///
 /// // It is to fall like that again, although it begins somewhere else.
 /// data.set_state(StateSpec::INTEGRATION, &begin)?;
-/// let weights = LqrWeights::diagonal(&[10.0, 10.0, 1.0, 1.0], &[0.01]);
+/// let weights = LqrWeights::diagonal(&[10.0, 100.0, 1.0, 1.0], &[0.01]);
 /// let mut transition = Transition::new(data.model().clone(), TransitionOptions::default())?;
 /// let mut follow = TimeVaryingLqr::along(&mut transition, &data, states, controls, &weights, &DMatrix::identity(4, 4))?;
 /// data.qpos_mut()[1] = 0.25;
-/// for _ in 0..60 {
+/// for _ in 0..100 {
 ///     follow.control(&mut data)?;
 ///     data.step()?;
 /// }
-/// assert!((data.qpos()[1] - follow.states()[(60, 1)]).abs() < 0.01);
+/// assert!((data.qpos()[1] - follow.states()[(100, 1)]).abs() < 0.01);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Debug)]
