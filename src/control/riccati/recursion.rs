@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DMatrixView, Dyn};
 
 use super::backup::{Backup, StepCost};
 use super::problem::smallest_eigenvalue;
-use super::{RiccatiError, RiccatiMatrix, check, checked, symmetric};
+use super::{RiccatiError, RiccatiMatrix, check, checked_symmetric};
 use crate::control::LqrWeights;
 
 /// The Riccati recursion: the best controls of a linear system over a finite number of steps, found from the last step to the
@@ -56,7 +56,7 @@ impl RiccatiRecursion {
     pub fn new<'a>(terminal: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>, controls: usize) -> Result<Self, RiccatiError> {
         let terminal = terminal.into();
         let n = terminal.nrows();
-        let p = symmetric(RiccatiMatrix::P, checked(RiccatiMatrix::P, &terminal, (n, n))?)?;
+        let p = checked_symmetric(RiccatiMatrix::P, &terminal, n)?;
         Ok(Self {
             backup: Backup::new(p, controls),
             k: DMatrix::zeros(controls, n),
@@ -86,8 +86,8 @@ impl RiccatiRecursion {
         let (m, n) = self.k.shape();
         check(RiccatiMatrix::A, &a, (n, n))?;
         check(RiccatiMatrix::B, &b, (n, m))?;
-        let q = symmetric(RiccatiMatrix::Q, checked(RiccatiMatrix::Q, &(&weights.q).into(), (n, n))?)?;
-        let r = symmetric(RiccatiMatrix::R, checked(RiccatiMatrix::R, &(&weights.r).into(), (m, m))?)?;
+        let q = checked_symmetric(RiccatiMatrix::Q, &(&weights.q).into(), n)?;
+        let r = checked_symmetric(RiccatiMatrix::R, &(&weights.r).into(), m)?;
         if let Some(s) = &weights.s {
             check(RiccatiMatrix::S, &s.into(), (n, m))?;
         }
