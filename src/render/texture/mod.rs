@@ -59,10 +59,10 @@ pub(crate) fn images(model: &Model, id: TextureId, limit: u32) -> Images {
     let (width, height, rgb) = (texture.width(), texture.height(), texture.rgb());
     let faces = if texture.texture_type() == TextureType::Flat { Faces::Flat } else { Faces::Cube };
     let first = match faces {
-        Faces::Flat => Level::new(width, height, rgb.as_chunks().0.iter().copied()),
+        Faces::Flat => Level::new(width, height, &[rgb]),
         // One square for all faces.
-        Faces::Cube if width == height => Level::new(width, width, (0..CUBE).flat_map(|_| rgb.as_chunks().0).copied()),
-        Faces::Cube => Level::new(width, height / CUBE, rgb.as_chunks().0.iter().copied()),
+        Faces::Cube if width == height => Level::new(width, width, &[rgb; CUBE]),
+        Faces::Cube => Level::new(width, height / CUBE, &[rgb]),
     };
     let mut levels = vec![first];
     while let Some(last) = levels.last()
@@ -79,8 +79,11 @@ pub(crate) fn images(model: &Model, id: TextureId, limit: u32) -> Images {
 }
 
 impl Level {
-    fn new(width: usize, height: usize, pixels: impl Iterator<Item = [u8; 3]>) -> Self {
-        let rgba = pixels.flat_map(|[red, green, blue]| [red, green, blue, u8::MAX]).collect();
+    fn new(width: usize, height: usize, images: &[&[u8]]) -> Self {
+        let mut rgba = Vec::with_capacity(4 * width * height * images.len());
+        for [red, green, blue] in images.iter().flat_map(|image| image.as_chunks().0) {
+            rgba.extend_from_slice(&[*red, *green, *blue, u8::MAX]);
+        }
         Self { width: width as u32, height: height as u32, rgba }
     }
 
@@ -89,7 +92,7 @@ impl Level {
         let from = [self.width, self.height];
         let [width, height] = from.map(|length| (length / 2).max(1));
         let bytes = self.rgba.len() / count;
-        let mut rgba = Vec::new();
+        let mut rgba = Vec::with_capacity(count * 4 * (width * height) as usize);
         if bytes > 0 {
             for image in self.rgba.chunks_exact(bytes) {
                 shrunk(image, from, [width, height], &mut rgba);
