@@ -1,0 +1,1 @@
+//! The physics' side: requests done, snapshots made.
