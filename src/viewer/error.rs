@@ -1,6 +1,7 @@
 //! Why there is no window.
 
 use crate::error::Error;
+use crate::render::RenderError;
 
 /// Why a viewer could not be shown, or has ended early.
 #[derive(Debug, thiserror::Error)]
@@ -12,13 +13,6 @@ pub enum ViewerError {
          xvfb-run makes one that is not seen, and the renderer draws pictures without a window"
     )]
     NoDisplay(String),
-
-    /// There is no device that could draw.
-    #[error(
-        "nothing can draw on this window: {0}. On Debian, the package mesa-vulkan-drivers has a Vulkan driver for every \
-         computer, with a GPU or without"
-    )]
-    NoDevice(String),
 
     /// Another thread of this process shows viewers. An event loop cannot be handed from thread to thread.
     #[error(
@@ -35,7 +29,11 @@ pub enum ViewerError {
     #[error("this program has made an event loop of its own, besides which there can be no viewer: a process has one")]
     EventLoopTaken,
 
-    /// The windowing system, or the device that draws, has failed.
+    /// Nothing can draw to the window.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+
+    /// The windowing system has failed.
     #[error("the window failed: {0}")]
     Window(String),
 

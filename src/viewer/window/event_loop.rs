@@ -67,8 +67,13 @@ pub(super) fn place() -> Result<Place, ViewerError> {
 /// Shows windows in this thread until the last of them is closed. They are those that were asked for through the loop's proxy.
 pub(super) fn run_here(mut event_loop: EventLoop<Wake>) -> Result<(), ViewerError> {
     let outcome = event_loop.run_app_on_demand(&mut App::until_closed());
-    RESTING.with(|resting| resting.replace(Some(event_loop)));
+    rest(event_loop);
     outcome.map_err(|error| failure(&error))
+}
+
+/// Keeps this thread's event loop for its next window.
+pub(super) fn rest(event_loop: EventLoop<Wake>) {
+    RESTING.with(|resting| resting.replace(Some(event_loop)));
 }
 
 /// The thread of its own, started by the first that asks.

@@ -49,18 +49,24 @@ struct Opening {
     opened: mpsc::Sender<Result<(), ViewerError>>,
 }
 
-/// A window that is asked for, and what tells whether it came.
+/// A window that was asked for.
 pub(super) struct Asked {
-    place: Option<EventLoop<Wake>>,
-    opened: mpsc::Receiver<Result<(), ViewerError>>,
+    here: Option<Here>,
+    opened: Opened,
 }
 
+/// This thread's event loop, which has to be run for a window to come. It is kept for the next window when it is not.
+pub(super) struct Here(Option<EventLoop<Wake>>);
+
+/// Tells whether a window came.
+pub(super) struct Opened(mpsc::Receiver<Result<(), ViewerError>>);
+
 impl Asked {
-    /// Asks for a window of this thread's. [`wait`](Self::wait) shows it.
+    /// Asks for a window of this thread's.
     pub fn here(options: ViewerOptions) -> Result<(Self, Back), ViewerError> {
         Ok(match event_loop::place()? {
             event_loop::Place::Hosted(proxy) => Self::of(&proxy, options, None),
-            event_loop::Place::Here(place) => Self::of(&place.create_proxy(), options, Some(place)),
+            event_loop::Place::Here(here) => Self::of(&here.create_proxy(), options, Some(Here(Some(here)))),
         })
     }
 
@@ -70,7 +76,7 @@ impl Asked {
         Ok(Self::of(&event_loop::host()?, options, None))
     }
 
-    fn of(proxy: &EventLoopProxy<Wake>, options: ViewerOptions, place: Option<EventLoop<Wake>>) -> (Self, Back) {
+    fn of(proxy: &EventLoopProxy<Wake>, options: ViewerOptions, here: Option<Here>) -> (Self, Back) {
         let waker = Waker::new(proxy.clone(), Token::next());
         let told = waker.clone();
         let (front, back) = link(move || told.look());
@@ -78,19 +84,33 @@ impl Asked {
         let opening = Opening { waker, front, options, opened: sender };
         // If the loop has ended, the opening is dropped, and with it what would tell that the window came.
         let _ = proxy.send_event(Wake::Open(Box::new(opening)));
-        (Self { place, opened }, back)
+        (Self { here, opened: Opened(opened) }, back)
     }
 
-    /// Whether the loop is this thread's, so that it has to be run for the window to come.
-    pub fn is_here(&self) -> bool {
-        self.place.is_some()
+    /// What is to be done for the window to come, if it is this thread's, and what tells whether it came.
+    pub fn split(self) -> (Option<Here>, Opened) {
+        (self.here, self.opened)
     }
+}
 
-    /// Shows the window until it is closed, if it is this thread's. Otherwise waits until it has come.
-    pub fn wait(self) -> Result<(), ViewerError> {
-        if let Some(place) = self.place {
-            event_loop::run_here(place)?;
+impl Here {
+    /// Shows the window until it is closed.
+    pub fn show(mut self) -> Result<(), ViewerError> {
+        self.0.take().map_or(Ok(()), event_loop::run_here)
+    }
+}
+
+impl Drop for Here {
+    fn drop(&mut self) {
+        if let Some(event_loop) = self.0.take() {
+            event_loop::rest(event_loop);
         }
-        self.opened.recv().map_err(|_| ViewerError::Window("the thread of the windows has ended".to_owned()))?
+    }
+}
+
+impl Opened {
+    /// Waits until the window came or did not.
+    pub fn wait(self) -> Result<(), ViewerError> {
+        self.0.recv().map_err(|_| ViewerError::Window("the thread of the windows has ended".to_owned()))?
     }
 }

@@ -3,13 +3,14 @@
 use std::time::Duration;
 
 use arboard::Clipboard;
-use egui::{Context, Ui, ViewportId};
+use egui::{Context, Order, Ui, ViewportId};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 use egui_winit::State;
 use winit::event::WindowEvent;
 use winit::keyboard::ModifiersState;
 use winit::window::Window;
 
+use crate::render::Gpu;
 use crate::viewer::panel::style;
 
 /// What a pass of the panels gave: shapes to be drawn, and when it wants to be drawn again.
@@ -44,19 +45,27 @@ impl Overlay {
         Renderer::new(device, format, RendererOptions { dithering: false, ..RendererOptions::default() })
     }
 
-    /// Draws with another device from now on. The textures, such as the font, are handed over again.
-    pub fn use_device(&mut self, window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat) {
-        *self = Self { clipboard: self.clipboard.take(), ..Self::new(window, device, format) };
-    }
-
     /// Whether a text is being edited, so that keys are letters.
     pub fn is_editing(&self) -> bool {
         self.context.text_edit_focused()
     }
 
-    /// Whether the pointer is over a panel, or holds something of one.
-    pub fn wants_pointer(&self) -> bool {
-        self.context.egui_wants_pointer_input()
+    /// Takes the keyboard from a text that is being edited.
+    pub fn stop_editing(&self) {
+        self.context.memory_mut(|memory| {
+            if let Some(focused) = memory.focused() {
+                memory.surrender_focus(focused);
+            }
+        });
+    }
+
+    /// Whether a place, in pixels, belongs to the panels: something of them is there, or one of them holds the pointer. They are
+    /// all laid out above the background, where nothing of theirs is.
+    pub fn is_over(&self, at: [f64; 2]) -> bool {
+        let scale = self.context.pixels_per_point();
+        let at = egui::pos2(at[0] as f32 / scale, at[1] as f32 / scale);
+        let layer = self.context.layer_id_at(at);
+        self.context.egui_is_using_pointer() || layer.is_some_and(|layer| layer.order != Order::Background)
     }
 
     /// Tells the panels of an event.
@@ -80,11 +89,7 @@ impl Overlay {
     pub fn run(&mut self, window: &Window, panels: impl FnMut(&mut Ui)) -> Painted {
         // A slider that was moved keeps the keyboard, though it is no text.
         if !self.is_editing() {
-            self.context.memory_mut(|memory| {
-                if let Some(focused) = memory.focused() {
-                    memory.surrender_focus(focused);
-                }
-            });
+            self.stop_editing();
         }
         let input = self.input.take_egui_input(window);
         let output = self.context.run_ui(input, panels);
@@ -100,7 +105,8 @@ impl Overlay {
     }
 
     /// Draws what a pass gave over what there is.
-    pub fn paint(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, to: &wgpu::TextureView, size: [u32; 2], painted: Painted) {
+    pub fn paint(&mut self, gpu: &Gpu, to: &wgpu::TextureView, size: [u32; 2], painted: Painted) {
+        let (device, queue) = (gpu.device(), gpu.queue());
         for (id, delta) in painted.textures.set {
             self.painter.update_texture(device, queue, id, &delta);
         }

@@ -1,0 +1,74 @@
+//! The picture of the scene: the renderer of the model that is shown.
+
+use std::time::Instant;
+
+use crate::render::{Gpu, RenderError, Renderer, RendererOptions};
+use crate::viewer::snapshot::Snapshot;
+
+/// What a window is cleared with while there is nothing to be seen.
+const EMPTY: wgpu::Color = wgpu::Color { r: 0.1, g: 0.11, b: 0.13, a: 1.0 };
+
+/// A renderer for the model of the moment.
+#[derive(Default)]
+pub(super) struct Canvas {
+    renderer: Option<(u64, Renderer)>,
+    /// How long the last picture took to be handed to the adapter, s.
+    pub seconds: f64,
+}
+
+impl Canvas {
+    /// Forgets what belongs to an adapter.
+    pub fn clear(&mut self) {
+        self.renderer = None;
+    }
+
+    fn renderer(&mut self, gpu: &Gpu, snapshot: &Snapshot, [width, height]: [u32; 2]) -> Result<&mut Renderer, RenderError> {
+        let kept = self.renderer.take().filter(|(generation, _)| *generation == snapshot.generation);
+        let renderer = match kept {
+            Some((_, renderer)) => renderer,
+            None => Renderer::on(gpu, &snapshot.model, width, height, &RendererOptions::default())?,
+        };
+        Ok(&mut self.renderer.insert((snapshot.generation, renderer)).1)
+    }
+
+    /// Draws a snapshot to the window.
+    pub fn draw(
+        &mut self,
+        gpu: &Gpu,
+        snapshot: &Snapshot,
+        to: &wgpu::TextureView,
+        size: [u32; 2],
+    ) -> Result<(), RenderError> {
+        let begin = Instant::now();
+        self.renderer(gpu, snapshot, size)?.draw_to(&snapshot.scene, to, size)?;
+        self.seconds = begin.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// What a window shows before there is something to be shown.
+    pub fn draw_nothing(gpu: &Gpu, to: &wgpu::TextureView) {
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("nothing") });
+        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("nothing"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: to,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(EMPTY), store: wgpu::StoreOp::Store },
+            })],
+            ..wgpu::RenderPassDescriptor::default()
+        }));
+        gpu.queue().submit([encoder.finish()]);
+    }
+
+    /// A snapshot as red, green and blue of each pixel, without the panels.
+    pub fn rgb(&mut self, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
+        let renderer = self.renderer(gpu, snapshot, size)?;
+        if renderer.size() != size {
+            renderer.resize(size[0], size[1])?;
+        }
+        let mut rgb = vec![0; 3 * size[0] as usize * size[1] as usize];
+        renderer.rgb_into(&snapshot.scene, &mut rgb)?;
+        Ok(rgb)
+    }
+}
