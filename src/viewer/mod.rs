@@ -25,19 +25,29 @@
 mod bridge;
 mod capture;
 mod clock;
+mod error;
 mod event;
 mod handle;
 mod history;
 mod input;
+mod launch;
 mod link;
 mod mode;
+mod panel;
 mod plot;
+#[doc(hidden)]
+pub mod probe;
 mod request;
 mod simulation;
 mod snapshot;
 mod view;
 mod watch;
+mod window;
 mod worker;
 
+pub use self::error::ViewerError;
 pub use self::handle::Handle;
 pub use self::input::{Key, KeyPress, Modifiers};
+#[cfg(not(target_os = "macos"))]
+pub use self::launch::launch;
+pub use self::launch::{Viewer, ViewerOptions, run};

@@ -105,10 +105,12 @@ impl Overlay {
     }
 
     /// Draws what a pass gave over what there is.
-    pub fn paint(&mut self, gpu: &Gpu, to: &wgpu::TextureView, size: [u32; 2], painted: Painted) {
+    pub fn paint(&mut self, gpu: &Gpu, to: &wgpu::TextureView, size: [u32; 2], mut painted: Painted) {
         let (device, queue) = (gpu.device(), gpu.queue());
-        for (id, delta) in painted.textures.set {
-            self.painter.update_texture(device, queue, id, &delta);
+        for (id, deltas) in std::mem::take(&mut painted.textures.set) {
+            for delta in &deltas {
+                self.painter.update_texture(device, queue, id, delta);
+            }
         }
         let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point: painted.pixels_per_point };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("panels") });
@@ -130,8 +132,8 @@ impl Overlay {
         }
         commands.push(encoder.finish());
         queue.submit(commands);
-        for id in &painted.textures.free {
-            self.painter.free_texture(id);
+        for id in std::mem::take(&mut painted.textures.free) {
+            self.painter.free_texture(&id);
         }
     }
 

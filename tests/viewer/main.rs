@@ -1,0 +1,3 @@
+mod display;
+mod hand;
+fn main() {}
