@@ -2,8 +2,23 @@
 //!
 //! | file | what is in it |
 //! |---|---|
+//! | `bound.rs` | how far geoms reach |
+//! | `picture/` | [`Picture`], [`DepthPicture`], [`SegmentationPicture`]: arrays of pixels, and files of them |
 //! | `shape/` | vertices of the basic shapes, and of the model's meshes, hulls, height fields and skins |
+//! | `text/` | letters, and where they are in a text |
+//! | `texture/` | the images of the model's textures, in all sizes |
 
 #![forbid(unsafe_code)]
 
+#[allow(dead_code)]
+pub(crate) mod bound;
+#[allow(dead_code)]
+mod picture;
+#[allow(dead_code, unused_imports)]
 pub(crate) mod shape;
+#[allow(dead_code, unused_imports)]
+pub(crate) mod text;
+#[allow(dead_code)]
+pub(crate) mod texture;
+
+pub use self::picture::{DepthPicture, Picture, Segment, SegmentationPicture};
