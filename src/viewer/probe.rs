@@ -8,6 +8,8 @@ use super::snapshot::Snapshot;
 use super::view::View;
 
 static ON: AtomicBool = AtomicBool::new(false);
+static LOSES_SURFACE: AtomicBool = AtomicBool::new(false);
+static SLIDERS: Mutex<Vec<[f32; 2]>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<State>> = Mutex::new(None);
 
 /// How a window stood when it was drawn last.
@@ -65,6 +67,12 @@ pub struct State {
     pub nbody: usize,
     /// Whether a text is being edited.
     pub editing: bool,
+    /// Whether the window fills the screen.
+    pub full_screen: bool,
+    /// What is shown for a moment.
+    pub messages: Vec<String>,
+    /// Where the sliders of the controls are, pixels.
+    pub sliders: Vec<[f32; 2]>,
 }
 
 /// Begins to note how windows stand.
@@ -77,11 +85,28 @@ pub fn latest() -> Option<State> {
     LATEST.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }
 
+/// Takes the surface from the window that is drawn next.
+pub fn lose_surface() {
+    LOSES_SURFACE.store(true, Ordering::Relaxed);
+}
+
+pub(super) fn takes_surface() -> bool {
+    LOSES_SURFACE.swap(false, Ordering::Relaxed)
+}
+
+/// Notes where a slider of a control is, points.
+pub(super) fn note_slider(at: egui::Pos2) {
+    if is_on() {
+        SLIDERS.lock().unwrap_or_else(PoisonError::into_inner).push([at.x, at.y]);
+    }
+}
+
 pub(super) fn is_on() -> bool {
     ON.load(Ordering::Relaxed)
 }
 
-pub(super) fn put(snapshot: &Snapshot, view: &View, facts: &Facts<'_>, editing: bool) {
+pub(super) fn put(snapshot: &Snapshot, view: &View, facts: &Facts<'_>, messages: Vec<String>, editing: bool) {
+    let sliders = std::mem::take(&mut *SLIDERS.lock().unwrap_or_else(PoisonError::into_inner));
     let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
     let frame = latest.as_ref().map_or(0, |state| state.frame) + 1;
     let playback = snapshot.playback;
@@ -112,5 +137,8 @@ pub(super) fn put(snapshot: &Snapshot, view: &View, facts: &Facts<'_>, editing: 
         ngeom: snapshot.scene.ngeom(),
         nbody: snapshot.model.nbody(),
         editing,
+        full_screen: facts.full_screen,
+        messages,
+        sliders,
     });
 }

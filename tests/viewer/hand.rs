@@ -68,11 +68,18 @@ impl Hand {
         self.release(button, modifiers);
     }
 
+    /// Holds modifiers.
+    pub fn hold(&self, modifiers: &[&str]) {
+        modifiers.iter().for_each(|modifier| self.act(&["keydown", modifier]));
+    }
+
+    pub fn let_go(&self, modifiers: &[&str]) {
+        modifiers.iter().for_each(|modifier| self.act(&["keyup", modifier]));
+    }
+
     pub fn press(&self, at: [i32; 2], button: u8, modifiers: &[&str]) {
         self.move_to(at);
-        for modifier in modifiers {
-            self.act(&["keydown", modifier]);
-        }
+        self.hold(modifiers);
         self.act(&["mousedown", &button.to_string()]);
     }
 
@@ -87,9 +94,7 @@ impl Hand {
 
     pub fn release(&self, button: u8, modifiers: &[&str]) {
         self.act(&["mouseup", &button.to_string()]);
-        for modifier in modifiers {
-            self.act(&["keyup", modifier]);
-        }
+        self.let_go(modifiers);
     }
 
     pub fn resize(&self, [width, height]: [u32; 2]) {

@@ -3,6 +3,7 @@
 use egui::{Slider, Ui};
 
 use super::{Shown, layout, name_of};
+use crate::viewer::probe;
 use crate::viewer::request::Request;
 
 /// Width of the names.
@@ -18,7 +19,10 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
         layout::named(ui, &name_of(actuator.name(), actuator.index()), NAMES, |ui| {
             let mut value = ctrl;
             let range = low.min(ctrl)..=high.max(ctrl);
-            if ui.add(Slider::new(&mut value, range).fixed_decimals(3)).changed() {
+            let slider = ui.add(Slider::new(&mut value, range).fixed_decimals(3));
+            // Its rail: the number is at its right.
+            probe::note_slider(slider.rect.left_center() + egui::vec2(ui.spacing().slider_width / 2.0, 0.0));
+            if slider.changed() {
                 shown.ask(Request::SetControl(actuator.id(), value));
             }
         });

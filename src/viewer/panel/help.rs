@@ -60,7 +60,7 @@ fn table(ui: &mut Ui, column: usize, section: &HelpSection) {
     Grid::new((section.title, column)).num_columns(2).spacing([14.0, 2.0]).min_row_height(ROW).show(ui, |ui| {
         for (keys, what) in &section.lines {
             ui.label(RichText::new(keys).monospace());
-            ui.label(what);
+            ui.label(*what);
             ui.end_row();
         }
     });

@@ -34,6 +34,10 @@ impl Messages {
         self.add(text, true, PROBLEM);
     }
 
+    pub fn texts(&self) -> Vec<String> {
+        self.messages.iter().map(|message| message.text.clone()).collect()
+    }
+
     fn add(&mut self, text: String, is_problem: bool, stays: Duration) {
         if text.is_empty() {
             return;

@@ -61,6 +61,7 @@ pub(super) struct Facts<'a> {
     /// Frames of the recording that runs.
     pub recording: Option<u64>,
     pub vsync: bool,
+    pub full_screen: bool,
     /// What it is drawn with.
     pub gpu: &'a str,
 }
@@ -109,10 +110,14 @@ impl Panels {
         self.messages.warn(text);
     }
 
+    /// What is shown for a moment.
+    pub fn messages(&self) -> Vec<String> {
+        self.messages.texts()
+    }
+
     /// There is another model: what was of the one before is forgotten.
     pub fn forget_model(&mut self) {
         self.plots = plots::Plots::default();
-        self.watch.forget_model();
     }
 
     /// While nothing is there to be seen.
@@ -124,7 +129,7 @@ impl Panels {
 
     pub fn show(&mut self, ui: &mut Ui, shown: &mut Shown<'_>) {
         let context = ui.ctx().clone();
-        self.plots.take(shown.snapshot);
+        self.plots.take(shown.snapshot, self.watch.watched());
         if shown.view.left_panel {
             layout::left(&context, |ui| self.left(ui, shown));
         }
@@ -154,7 +159,7 @@ impl Panels {
         if shown.snapshot.model.neq() > 0 {
             layout::section(ui, "Equality constraints", false, |ui| equality::show(ui, shown));
         }
-        layout::section(ui, "Watch", false, |ui| self.watch.show(ui, shown));
+        layout::section(ui, "Watch", false, |ui| self.watch.show(ui, shown, self.plots.watched()));
     }
 
     fn right(ui: &mut Ui, shown: &mut Shown<'_>) {

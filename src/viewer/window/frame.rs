@@ -9,7 +9,6 @@ use super::overlay::Overlay;
 use super::screen::{Place, Screen};
 use super::session::Session;
 use crate::render::RenderError;
-use crate::scene::{Camera, CameraView};
 use crate::viewer::event::Event;
 use crate::viewer::panel::{Facts, Request as PanelRequest, Shown};
 use crate::viewer::probe;
@@ -28,6 +27,9 @@ impl Session {
         self.hear();
         if self.over {
             return Ok(());
+        }
+        if probe::takes_surface() {
+            self.screen.remake()?;
         }
         let texture = match self.screen.place()? {
             Place::Ready(texture) => texture,
@@ -51,6 +53,9 @@ impl Session {
     /// Listens to what the physics has to say.
     fn hear(&mut self) {
         for event in self.front.events() {
+            if let Some(view) = &mut self.view {
+                view.take(&event);
+            }
             match event {
                 Event::Copied(text) => {
                     if self.overlay.copy(text) {
@@ -59,24 +64,8 @@ impl Session {
                         self.panels.warn("there is no clipboard to copy to".to_owned());
                     }
                 }
-                Event::LookAt(point) => {
-                    if let Some(view) = &mut self.view {
-                        view.camera.lookat = point;
-                    }
-                }
-                Event::Track(body) => {
-                    if let Some(view) = &mut self.view {
-                        view.camera.view = CameraView::Tracking(body);
-                    }
-                }
                 Event::Notice(text) => self.panels.notice(text),
-                Event::View(look) => {
-                    if let Some(view) = &mut self.view {
-                        view.camera = look.camera.unwrap_or(view.camera);
-                        view.options = look.options;
-                    }
-                }
-                Event::Over => self.close(),
+                Event::LookAt(_) | Event::Track(_) | Event::View(_) => {}
             }
         }
         if self.front.is_closing() {
@@ -101,7 +90,7 @@ impl Session {
         if snapshot.generation != self.generation {
             // Another model is looked at anew. What is shown of it stays.
             self.generation = snapshot.generation;
-            view.camera = Camera::free(&snapshot.model);
+            view.model_replaced(&snapshot.model);
             self.panels.forget_model();
         }
         view.prepare(snapshot)?;
@@ -117,6 +106,7 @@ impl Session {
             rate: self.pace.rate(),
             recording: self.output.frames(),
             vsync: self.screen.has_vsync(),
+            full_screen: self.window.fullscreen().is_some(),
             gpu: gpu.name(),
         };
         let mut requests = Vec::new();
@@ -128,7 +118,7 @@ impl Session {
         let again = painted.again;
         self.overlay.paint(&gpu, &target, size, painted);
         if probe::is_on() {
-            probe::put(snapshot, view, &facts, self.overlay.is_editing());
+            probe::put(snapshot, view, &facts, self.panels.messages(), self.overlay.is_editing());
         }
         self.front.look(&view.look());
         for request in requests {

@@ -184,11 +184,8 @@ impl Session {
 
     /// The window has lost the keyboard, and with it the release of what is held.
     fn let_go(&mut self) {
-        use crate::viewer::input::MouseButton::{Left, Middle, Right};
-        for button in [Left, Middle, Right] {
-            let gesture = self.mouse.release(button);
-            self.gesture(gesture);
-        }
+        let gesture = self.mouse.leave();
+        self.gesture(gesture);
         self.holds_picture = false;
     }
 

@@ -1,0 +1,47 @@
+//! The panels: what is done in them is done, and what is done in the picture is not done to them.
+
+use std::path::PathBuf;
+
+use mujoco_safe::viewer::Viewer;
+use mujoco_safe::{Data, sample};
+
+use crate::case::{SIZE, press, show, state};
+use crate::display::Screen;
+use crate::hand::wait_until;
+
+pub fn panels() {
+    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
+    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |hand| {
+        let [width, height] = SIZE.map(|pixels| pixels as i32);
+        // A panel is seen where the picture was.
+        let right = [width as usize - 4, height as usize / 2];
+        let before = Screen::look(&framebuffer).pixel(right);
+        press(hand, "ctrl+2", "a panel at the right", |state| state.panels[3]);
+        wait_until("its ground is seen", || Screen::look(&framebuffer).pixel(right) != before);
+
+        // The pointer over a panel belongs to it.
+        let camera = state().camera;
+        let on_panel = [width - 140, height / 2];
+        hand.drag(on_panel, [30, 0], 1, &[]);
+        hand.click(on_panel, 4, 1);
+        let frame = state().frame;
+        hand.move_to([40, 40]);
+        wait_until("it is drawn", || state().frame > frame);
+        assert_eq!(state().camera, camera, "a drag on a panel does not move the camera");
+
+        // A slider moves a control: that of the only actuator, the first slider from above.
+        let slider = state().sliders.first().copied().expect("a slider");
+        let [x, y] = slider.map(|at| at as i32);
+        hand.drag([x, y], [25, 0], 1, &[]);
+        wait_until("the slider sets the control", || state().ctrl[0] != 0.0);
+
+        // A drag that began in the picture stays there, wherever it goes.
+        let (ctrl, camera) = (state().ctrl, state().camera);
+        hand.drag([60, y], [x - 60 + 20, 0], 1, &[]);
+        wait_until("the camera turns", || state().camera.azimuth != camera.azimuth);
+        assert_eq!(state().ctrl, ctrl);
+
+        // Where a text is edited, keys are letters.
+        press(hand, "ctrl+2", "no panel at the right", |state| !state.panels[3]);
+    });
+}
