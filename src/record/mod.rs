@@ -5,6 +5,7 @@
 //!
 //! ```
 //! use mujoco_safe::record::{Recorder, RecorderOptions};
+//! use mujoco_safe::render::Picture;
 //! use mujoco_safe::{Data, sample};
 //!
 //! # let folder = tempfile::tempdir()?;
@@ -15,11 +16,11 @@
 //! let mut recorder = Recorder::create(&path, RecorderOptions { frames_per_second: 20.0, ..Default::default() })?;
 //! while data.time() < 0.5 {
 //!     if recorder.is_due(data.time()) {
-//!         // A picture of the pole's angle, without a renderer.
-//!         let row = (128.0 + 80.0 * data.qpos()[1].sin()) as usize % 256;
-//!         let mut picture = vec![255; 3 * 16 * 256];
-//!         picture[3 * 16 * row..][..3 * 16].fill(0);
-//!         recorder.push_rgb(16, 256, &picture, data.time())?;
+//!         // A renderer draws better ones.
+//!         let mut picture = Picture::new(256, 256);
+//!         let (sine, cosine) = data.qpos()[1].sin_cos();
+//!         picture.set_pixel((128.0 + 100.0 * sine) as usize, (128.0 - 100.0 * cosine) as usize, [255; 3]);
+//!         recorder.push(&picture, data.time())?;
 //!     }
 //!     data.step()?;
 //! }

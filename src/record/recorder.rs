@@ -11,6 +11,7 @@ use super::gif::AnimatedGif;
 use super::png::{AnimatedPng, Sequence};
 use crate::error::{Error, Result};
 use crate::file::Replacement;
+use crate::render::Picture;
 
 /// How a moving picture is made. The default is 30 frames per second, as fast as it was, played for ever.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,17 +157,26 @@ impl Recorder {
     }
 
     /// Takes a picture that shows the simulation at this time, in s, if [one is due](Self::is_due), and tells whether it was.
-    /// `rgb` has three bytes for each pixel, the rows from the top.
     ///
     /// Where pictures are farther apart than frames, the one before is shown for longer.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if `rgb` has not `3 * width * height` elements, [`Error::Invalid`] for a size of zero or another than
-    /// before, and for a time that is not finite or more than 100,000 frames after the one before. The recording may go on.
+    /// [`Error::Invalid`] for a picture without pixels or of another size than before, and for a time that is not finite or more
+    /// than 100,000 frames after the one before. The recording may go on.
     ///
     /// [`Error::File`] or [`Error::Recording`] if it cannot be written. The recording is over then, and nothing is left of it but
     /// the files of a sequence.
+    pub fn push(&mut self, picture: &Picture, time: f64) -> Result<bool> {
+        self.push_rgb(picture.width(), picture.height(), picture.as_bytes(), time)
+    }
+
+    /// As [`push`](Self::push), with a picture that is an array: red, green and blue of each pixel, row-major from the top,
+    /// `(height, width, 3)`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`push`](Self::push), and [`Error::Shape`] if `rgb` has not `3 * width * height` elements.
     pub fn push_rgb(&mut self, width: usize, height: usize, rgb: &[u8], time: f64) -> Result<bool> {
         let size = self.check_size(width, height)?;
         Error::check_length("rgb of Recorder::push_rgb", rgb.len(), 3 * width * height)?;
