@@ -18,7 +18,7 @@ pub fn draw(directory: &Path) {
     let mut trajectory = Trajectory::new(data.model());
     let mut controller = PdController::new(data.model(), 5.0, 0.5);
     trajectory.record(&mut data, &mut controller, 400).unwrap();
-    data.reset();
+    data.reset().unwrap();
     probe::start();
     std::thread::scope(|scope| {
         scope.spawn(|| {

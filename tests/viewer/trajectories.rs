@@ -10,14 +10,14 @@ use crate::hand::wait_until;
 fn trajectories() -> (Data, Vec<Trajectory>) {
     let mut data = Data::new(sample::cartpole()).unwrap();
     let mut record = |angle: f64, steps: usize| {
-        data.reset();
+        data.reset().unwrap();
         data.qpos_mut()[1] = angle;
         let mut trajectory = Trajectory::new(data.model());
         trajectory.record(&mut data, &mut ZeroController, steps).unwrap();
         trajectory
     };
     let both = vec![record(0.3, 300), record(-0.5, 120)];
-    data.reset();
+    data.reset().unwrap();
     (data, both)
 }
 
