@@ -41,3 +41,6 @@ mod worker;
 
 pub use self::handle::Handle;
 pub use self::input::{Key, KeyPress, Modifiers};
+
+#[cfg(test)]
+mod tests;
