@@ -15,6 +15,4 @@ pub(crate) enum Event {
     Notice(String),
     /// The camera and what is shown are to be these: the program has set them.
     View(Box<super::link::Look>),
-    /// The program's loop has ended.
-    Over,
 }

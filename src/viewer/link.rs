@@ -18,18 +18,12 @@ const MOST_REQUESTS: usize = 4096;
 const MOST_EVENTS: usize = 1024;
 
 /// What the window looks at.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub(crate) struct Look {
     /// From where. `None` for the free camera that shows the whole model.
     pub camera: Option<Camera>,
     /// At what.
     pub options: SceneOptions,
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        Self { camera: None, options: SceneOptions::default() }
-    }
 }
 
 #[derive(Default)]
@@ -67,7 +61,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub(crate) struct Front {
     shared: Arc<Shared>,
     drawn: Option<Box<Snapshot>>,
-    /// Whether `drawn` was handed out already.
+    /// What was said last.
     look: Option<Look>,
 }
 
@@ -175,6 +169,11 @@ impl Back {
         lock(&self.shared.inbox).requests.pop_front()
     }
 
+    /// Whether something was asked for that is not done yet.
+    pub fn is_waited_for(&self) -> bool {
+        !lock(&self.shared.inbox).requests.is_empty() || self.is_closed()
+    }
+
     /// From where and at what to look, if that has changed.
     pub fn look(&self) -> Option<Look> {
         lock(&self.shared.inbox).look.take()
@@ -194,11 +193,6 @@ impl Back {
             }
             inbox = self.shared.arrived.wait_timeout(inbox, left).unwrap_or_else(PoisonError::into_inner).0;
         }
-    }
-
-    /// Whether the window has taken the newest snapshot.
-    pub fn wants_snapshot(&self) -> bool {
-        lock(&self.shared.outbox).ready.is_none()
     }
 
     /// Hands out a snapshot. One that nobody has use for comes back, to be written over.

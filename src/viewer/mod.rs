@@ -20,7 +20,6 @@
 //! | `watch.rs`, `plot.rs` | numbers over time |
 
 #![forbid(unsafe_code)]
-#![allow(dead_code, unused_imports, reason = "the window uses what nothing here does")]
 
 mod bridge;
 mod capture;
@@ -51,3 +50,6 @@ pub use self::input::{Key, KeyPress, Modifiers};
 #[cfg(not(target_os = "macos"))]
 pub use self::launch::launch;
 pub use self::launch::{Viewer, ViewerOptions, run};
+
+#[cfg(test)]
+mod tests;

@@ -67,6 +67,7 @@ impl Modifiers {
     pub const OTHER: Self = Self(1 << 3);
 
     /// From the keys that are held. Which of Ctrl and Super is [`COMMAND`](Self::COMMAND) depends on the platform.
+    #[allow(clippy::fn_params_excessive_bools, reason = "a key each")]
     pub(crate) fn held(shift: bool, control: bool, alt: bool, system: bool) -> Self {
         let (command, other) = if cfg!(target_os = "macos") { (system, control) } else { (control, system) };
         let parts = [(shift, Self::SHIFT), (command, Self::COMMAND), (alt, Self::ALT), (other, Self::OTHER)];

@@ -10,7 +10,7 @@ pub(crate) struct InfoLine {
 }
 
 /// Lines that are written over, each in the memory that it had.
-pub(super) struct InfoLines<'l> {
+pub(crate) struct InfoLines<'l> {
     lines: &'l mut Vec<InfoLine>,
     used: usize,
 }

@@ -13,7 +13,7 @@ mod player;
 use std::fmt;
 
 pub(crate) use self::burst::Burst;
-pub(crate) use self::info::InfoLine;
+pub(crate) use self::info::{InfoLine, InfoLines};
 pub(crate) use self::player::{Playback, Player};
 
 /// What makes a simulation move.
