@@ -1,6 +1,6 @@
 //! How the windows of this process stand, for the tests of this crate. No part of what is promised.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::panel::Facts;
@@ -9,6 +9,7 @@ use super::view::View;
 
 static ON: AtomicBool = AtomicBool::new(false);
 static LOSES_SURFACE: AtomicBool = AtomicBool::new(false);
+static KEYS: AtomicU64 = AtomicU64::new(0);
 static SLIDERS: Mutex<Vec<[f32; 2]>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<State>> = Mutex::new(None);
 
@@ -67,6 +68,8 @@ pub struct State {
     pub nbody: usize,
     /// Whether a text is being edited.
     pub editing: bool,
+    /// Counts the keys that were pressed.
+    pub keys: u64,
     /// Whether the window fills the screen.
     pub full_screen: bool,
     /// What is shown for a moment.
@@ -75,8 +78,9 @@ pub struct State {
     pub sliders: Vec<[f32; 2]>,
 }
 
-/// Begins to note how windows stand.
+/// Begins to note how windows stand, and forgets those before.
 pub fn start() {
+    *LATEST.lock().unwrap_or_else(PoisonError::into_inner) = None;
     ON.store(true, Ordering::Relaxed);
 }
 
@@ -92,6 +96,11 @@ pub fn lose_surface() {
 
 pub(super) fn takes_surface() -> bool {
     LOSES_SURFACE.swap(false, Ordering::Relaxed)
+}
+
+/// Notes that a key was pressed.
+pub(super) fn note_key() {
+    KEYS.fetch_add(1, Ordering::Relaxed);
 }
 
 /// Notes where a slider of a control is, points.
@@ -137,6 +146,7 @@ pub(super) fn put(snapshot: &Snapshot, view: &View, facts: &Facts<'_>, messages:
         ngeom: snapshot.scene.ngeom(),
         nbody: snapshot.model.nbody(),
         editing,
+        keys: KEYS.load(Ordering::Relaxed),
         full_screen: facts.full_screen,
         messages,
         sliders,

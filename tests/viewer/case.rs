@@ -77,6 +77,13 @@ pub fn state() -> State {
     probe::latest().expect("a window that was drawn")
 }
 
+/// Waits until all that the hand has done is done: events come in their order, and F12 does nothing.
+pub fn settle(hand: &Hand) {
+    let keys = state().keys;
+    hand.key("F12");
+    wait_until("what was done has come", || state().keys > keys);
+}
+
 /// Presses a key, and waits until something is so.
 pub fn press(hand: &Hand, key: &str, what: &str, mut is_so: impl FnMut(&State) -> bool) {
     hand.key(key);

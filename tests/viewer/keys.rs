@@ -47,7 +47,7 @@ pub fn simulation() {
 
         press(hand, "ctrl+s", "a keyframe is kept", |state| state.captured == 1);
         press(hand, "ctrl+Right", "the controller", |state| state.mode == "Controller");
-        press(hand, "Right", "a step", |state| state.ctrl.iter().any(|ctrl| *ctrl != 0.0));
+        press(hand, "shift+Right", "steps", |state| state.ctrl.iter().any(|ctrl| *ctrl != 0.0));
         press(hand, "ctrl+BackSpace", "no controls", |state| state.ctrl.iter().all(|ctrl| *ctrl == 0.0));
 
         hand.key("ctrl+c");

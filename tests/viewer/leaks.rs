@@ -24,8 +24,10 @@ fn round(hand: &Hand, number: u32) {
     let size = [200 + 40 * (number % 4), 160 + 30 * (number % 3)];
     hand.resize(size);
     wait_until("another size", || state().size == size);
-    press(hand, "ctrl+l", "the model is loaded anew", |state| state.time < 0.2 && state.mode == "Controller");
-    press(hand, "space", "it runs", |state| state.status == "Forward Simulation");
+    press(hand, "ctrl+l", "the model is loaded anew", |state| state.time < 0.5 && state.mode == "Controller");
+    if state().status == "Paused" {
+        press(hand, "space", "it runs", |state| state.status == "Forward Simulation");
+    }
     let frame = state().frame;
     wait_until("it is drawn for a while", || state().frame > frame + 25);
     press(hand, "ctrl+Right", "another mode", |state| state.mode == "Passive Dynamics");

@@ -4,7 +4,7 @@ use mujoco_safe::scene::CameraView;
 use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, Model};
 
-use crate::case::{SIZE, press, show, state};
+use crate::case::{SIZE, press, settle, show, state};
 use crate::hand::{Hand, wait_until};
 
 /// A box that floats before the camera, so that the middle of the window is on it.
@@ -41,28 +41,36 @@ pub fn gestures() {
 }
 
 fn camera(hand: &Hand) {
+    settle(hand);
     let before = state().camera;
     hand.drag(MIDDLE, [60, 40], 1, &[]);
     wait_until("a left drag turns", || {
         let camera = state().camera;
         camera.azimuth != before.azimuth && camera.elevation != before.elevation
     });
+    settle(hand);
     let before = state().camera;
     hand.drag(MIDDLE, [60, 40], 1, &["shift"]);
     wait_until("a left drag with Shift turns sideways", || state().camera.azimuth != before.azimuth);
+    settle(hand);
     assert_eq!(state().camera.elevation, before.elevation, "and only sideways");
 
+    settle(hand);
     let before = state().camera;
     hand.drag(MIDDLE, [0, 40], 3, &[]);
     wait_until("a right drag moves up and down", || state().camera.lookat[2] != before.lookat[2]);
+    settle(hand);
     let before = state().camera;
     hand.drag(MIDDLE, [40, 40], 3, &["shift"]);
     wait_until("a right drag with Shift moves over the ground", || state().camera.lookat[..2] != before.lookat[..2]);
+    settle(hand);
     assert!((state().camera.lookat[2] - before.lookat[2]).abs() < 1e-6, "and only there");
 
+    settle(hand);
     let before = state().camera;
     hand.drag(MIDDLE, [0, 50], 2, &[]);
     wait_until("a middle drag zooms", || state().camera.distance != before.distance);
+    settle(hand);
     let before = state().camera.distance;
     hand.click(MIDDLE, 4, 1);
     wait_until("the wheel zooms", || state().camera.distance != before);
@@ -79,6 +87,7 @@ fn selection(hand: &Hand) {
     hand.double_click([5, 5], 1);
     wait_until("a double-click on nothing unselects", || state().selected.is_none());
 
+    settle(hand);
     let before = state().camera.lookat;
     hand.double_click([MIDDLE[0] + 30, MIDDLE[1]], 3);
     wait_until("a right double-click looks there", || state().camera.lookat != before);
@@ -98,6 +107,7 @@ fn selection(hand: &Hand) {
 
 /// While paused a body is moved and turned where it is.
 fn paused(hand: &Hand) {
+    settle(hand);
     let before = state().qpos;
     hand.press(MIDDLE, 3, &["ctrl"]);
     hand.pull([40, 20]);
@@ -105,6 +115,7 @@ fn paused(hand: &Hand) {
     wait_until("which is seen", || state().selected.is_some_and(|(_, active)| active));
     hand.release(3, &["ctrl"]);
     wait_until("and let go", || state().selected.is_some_and(|(_, active)| !active));
+    settle(hand);
     let before = state().qpos;
     hand.drag(MIDDLE, [40, 20], 1, &["ctrl"]);
     wait_until("a left drag with Ctrl turns it", || state().qpos[3..] != before[3..]);

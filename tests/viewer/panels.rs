@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, sample};
 
-use crate::case::{SIZE, press, show, state};
+use crate::case::{SIZE, press, settle, show, state};
 use crate::display::Screen;
 use crate::hand::wait_until;
 
@@ -24,9 +24,7 @@ pub fn panels() {
         let on_panel = [width - 140, height / 2];
         hand.drag(on_panel, [30, 0], 1, &[]);
         hand.click(on_panel, 4, 1);
-        let frame = state().frame;
-        hand.move_to([40, 40]);
-        wait_until("it is drawn", || state().frame > frame);
+        settle(hand);
         assert_eq!(state().camera, camera, "a drag on a panel does not move the camera");
 
         // A slider moves a control: that of the only actuator, the first slider from above.
@@ -35,10 +33,13 @@ pub fn panels() {
         hand.drag([x, y], [25, 0], 1, &[]);
         wait_until("the slider sets the control", || state().ctrl[0] != 0.0);
 
+        settle(hand);
+
         // A drag that began in the picture stays there, wherever it goes.
         let (ctrl, camera) = (state().ctrl, state().camera);
         hand.drag([60, y], [x - 60 + 20, 0], 1, &[]);
         wait_until("the camera turns", || state().camera.azimuth != camera.azimuth);
+        settle(hand);
         assert_eq!(state().ctrl, ctrl);
 
         // Where a text is edited, keys are letters.

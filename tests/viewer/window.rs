@@ -62,6 +62,7 @@ pub fn outputs() {
         // The file has changed in the meantime.
         let two = "<mujoco><worldbody><body><geom size='.1'/></body><body pos='1 0 0'><geom size='.1'/></body></worldbody></mujoco>";
         fs::write(&model, two).unwrap();
+        press(hand, "space", "it rests", |state| state.status == "Paused");
         press(hand, "ctrl+l", "the model is loaded anew", |state| state.nbody == 3);
         assert_eq!(state().time, 0.0);
         fs::write(&model, "<mujoco><nonsense/></mujoco>").unwrap();

@@ -7,7 +7,7 @@ use crate::viewer::probe;
 use crate::viewer::request::Request;
 
 /// Width of the names.
-const NAMES: f32 = 92.0;
+const NAMES: f32 = 88.0;
 
 pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     if ui.button("Set all to zero").clicked() {
@@ -19,7 +19,7 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
         layout::named(ui, &name_of(actuator.name(), actuator.index()), NAMES, |ui| {
             let mut value = ctrl;
             let range = low.min(ctrl)..=high.max(ctrl);
-            let slider = ui.add(Slider::new(&mut value, range).fixed_decimals(3));
+            let slider = ui.add(Slider::new(&mut value, range).fixed_decimals(2));
             // Its rail: the number is at its right.
             probe::note_slider(slider.rect.left_center() + egui::vec2(ui.spacing().slider_width / 2.0, 0.0));
             if slider.changed() {

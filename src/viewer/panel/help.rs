@@ -8,13 +8,13 @@ use crate::viewer::input::{HelpSection, help};
 /// Columns that the tables are put into, at most.
 const MOST_COLUMNS: usize = 3;
 /// Least width of such a column, points.
-const COLUMN: f32 = 330.0;
+const COLUMN: f32 = 395.0;
 const ROW: f32 = 17.0;
 
 pub(super) fn show(context: &Context, shown: &Shown<'_>) {
     let sections = help(shown.snapshot.mode);
     let window = context.content_rect().size();
-    let room = window - egui::vec2(60.0, 90.0);
+    let room = window - egui::vec2(40.0, 70.0);
     let columns = ((room.x / COLUMN) as usize).clamp(1, MOST_COLUMNS);
     layout::middle(context, "help", |ui| {
         ui.horizontal(|ui| {

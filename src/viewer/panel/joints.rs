@@ -9,7 +9,7 @@ use crate::enums::JointType;
 use crate::viewer::request::Request;
 
 /// Width of the names.
-const NAMES: f32 = 92.0;
+const NAMES: f32 = 88.0;
 
 pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     let (model, snapshot, editable) = (shown.snapshot.model.clone(), shown.snapshot, shown.is_editable());

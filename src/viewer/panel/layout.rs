@@ -16,9 +16,12 @@ fn side(context: &Context, id: &'static str, anchor: Align2, content: impl FnOnc
         let frame = style::side();
         let margin = frame.total_margin().sum();
         frame.show(ui, |ui| {
-            ui.set_width(SIDE - margin.x);
+            let width = SIDE - margin.x;
+            ui.set_width(width);
             ui.set_height(height - margin.y);
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                // Beside the bar, that comes and goes.
+                ui.set_width(width - ui.spacing().scroll.bar_width - ui.spacing().scroll.bar_inner_margin);
                 ui.style_mut().wrap_mode = Some(TextWrapMode::Truncate);
                 content(ui);
             });
@@ -51,6 +54,7 @@ pub(super) fn middle(context: &Context, id: &'static str, content: impl FnOnce(&
     Area::new(Id::unique(id))
         .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
         .order(Order::Foreground)
+        .default_size(context.content_rect().size())
         .show(context, |ui| style::frame().show(ui, content));
 }
 
@@ -59,6 +63,15 @@ pub(super) fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce
     CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open).show_unindented(ui, |ui| {
         content(ui);
         ui.add_space(4.0);
+    });
+}
+
+/// Things side by side in two columns of the same width.
+pub(super) fn pairs<T>(ui: &mut Ui, things: impl IntoIterator<Item = T>, mut show: impl FnMut(&mut Ui, T)) {
+    ui.columns(2, |columns| {
+        for (index, thing) in things.into_iter().enumerate() {
+            show(&mut columns[index % 2], thing);
+        }
     });
 }
 

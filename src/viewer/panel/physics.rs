@@ -1,6 +1,6 @@
 //! What the simulation computes with.
 
-use egui::{DragValue, Grid, Ui};
+use egui::{DragValue, Ui};
 
 use super::{Shown, layout, visual};
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
@@ -36,11 +36,11 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
 
     ui.strong("on");
     let mut disable = options.disable;
-    flags(ui, "disable", DisableFlags::all().iter_names(), |flag| !options.disable.contains(flag), |flag| disable.toggle(flag));
+    flags(ui, DisableFlags::all().iter_names(), |flag| !options.disable.contains(flag), |flag| disable.toggle(flag));
     options.disable = disable;
     ui.strong("besides");
     let mut enable = options.enable;
-    flags(ui, "enable", EnableFlags::all().iter_names(), |flag| options.enable.contains(flag), |flag| enable.toggle(flag));
+    flags(ui, EnableFlags::all().iter_names(), |flag| options.enable.contains(flag), |flag| enable.toggle(flag));
     options.enable = enable;
 
     if options != before {
@@ -74,20 +74,14 @@ fn vector(ui: &mut Ui, name: &str, values: &mut [f64; 3]) {
 
 fn flags<F: Copy>(
     ui: &mut Ui,
-    id: &str,
     every: impl Iterator<Item = (&'static str, F)>,
     is_on: impl Fn(F) -> bool,
     mut toggle: impl FnMut(F),
 ) {
-    Grid::new(id).num_columns(2).spacing([8.0, 2.0]).show(ui, |ui| {
-        for (index, (name, flag)) in every.enumerate() {
-            let mut on = is_on(flag);
-            if ui.checkbox(&mut on, visual::sentence(name)).changed() {
-                toggle(flag);
-            }
-            if index % 2 == 1 {
-                ui.end_row();
-            }
+    layout::pairs(ui, every, |ui, (name, flag)| {
+        let mut on = is_on(flag);
+        if ui.checkbox(&mut on, visual::sentence(name)).changed() {
+            toggle(flag);
         }
     });
 }

@@ -1,6 +1,6 @@
 //! From where it is seen, and with which effects.
 
-use egui::{ComboBox, DragValue, Grid, RichText, Ui};
+use egui::{ComboBox, DragValue, RichText, Ui};
 
 use super::{Request, Shown, layout, name_of, style, visual};
 use crate::scene::{Camera, CameraView, RenderFlags};
@@ -10,15 +10,10 @@ const NAMES: f32 = 64.0;
 
 pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     camera(ui, shown);
-    Grid::new("effects").num_columns(2).spacing([8.0, 2.0]).show(ui, |ui| {
-        for (index, (name, flag)) in RenderFlags::all().iter_names().enumerate() {
-            let mut on = shown.view.render.contains(flag);
-            if ui.checkbox(&mut on, visual::sentence(name)).changed() {
-                shown.view.render.set(flag, on);
-            }
-            if index % 2 == 1 {
-                ui.end_row();
-            }
+    layout::pairs(ui, RenderFlags::all().iter_names(), |ui, (name, flag)| {
+        let mut on = shown.view.render.contains(flag);
+        if ui.checkbox(&mut on, visual::sentence(name)).changed() {
+            shown.view.render.set(flag, on);
         }
     });
     let mut vsync = shown.facts.vsync;

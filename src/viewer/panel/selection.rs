@@ -21,8 +21,8 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
             shown.ask(Request::SelectParent);
         }
     });
-    let three = |numbers: &[f64]| format!("{:8.3} {:8.3} {:8.3}", numbers[0], numbers[1], numbers[2]);
-    Grid::new("selection").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
+    let three = |numbers: &[f64]| format!("{:7.2} {:7.2} {:7.2}", numbers[0], numbers[1], numbers[2]);
+    Grid::new("selection").num_columns(2).min_col_width(70.0).spacing([6.0, 2.0]).show(ui, |ui| {
         let mut line = |name: &str, value: String, on: bool| {
             ui.label(RichText::new(name).color(style::FAINT));
             let value = RichText::new(value).monospace();

@@ -4,11 +4,12 @@ use egui::{Button, RichText, Slider, Ui};
 
 use super::{Shown, layout, style};
 use crate::viewer::input::{Action, WindowAction};
+use crate::viewer::mode::Mode;
 use crate::viewer::request::Request;
 use crate::viewer::snapshot::Status;
 
 /// Width of the names.
-const NAMES: f32 = 64.0;
+const NAMES: f32 = 56.0;
 
 pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     let status = shown.snapshot.status;
@@ -26,24 +27,13 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
             }
         });
     }
-    ui.horizontal(|ui| {
-        if ui.button("Copy state").on_hover_text("as a <key> for the model's XML").clicked() {
-            shown.ask(Request::CopyState);
-        }
-        if ui.button("Picture").on_hover_text("saves what is seen, without the panels").clicked() {
-            shown.act(Action::Window(WindowAction::Screenshot));
-        }
-        let recording = shown.facts.recording.is_some();
-        if ui.selectable_label(recording, if recording { "Stop recording" } else { "Record" }).clicked() {
-            shown.act(Action::Window(WindowAction::Record));
-        }
-    });
+    files(ui, shown);
 }
 
 fn buttons(ui: &mut Ui, shown: &mut Shown<'_>) {
     let paused = shown.snapshot.status == Status::Paused;
     ui.horizontal(|ui| {
-        if ui.add(Button::new(if paused { "Run" } else { "Pause" }).min_size(egui::vec2(52.0, 0.0))).clicked() {
+        if ui.add(Button::new(if paused { "Run" } else { "Pause" }).min_size(egui::vec2(46.0, 0.0))).clicked() {
             shown.ask(Request::Pause(!paused));
         }
         for (text, steps) in [("−50", -50), ("−1", -1), ("+1", 1), ("+50", 50)] {
@@ -51,19 +41,36 @@ fn buttons(ui: &mut Ui, shown: &mut Shown<'_>) {
                 shown.ask(Request::Step(steps));
             }
         }
-        if ui.button("Reset").clicked() {
+        if ui.button("Reset").on_hover_text("back to the start").clicked() {
             shown.ask(Request::Reset);
         }
+    });
+}
+
+fn files(ui: &mut Ui, shown: &mut Shown<'_>) {
+    ui.horizontal(|ui| {
         if ui.button("Reload").on_hover_text("reads the model's file again").clicked() {
             shown.act(Action::Window(WindowAction::Reload));
+        }
+        if ui.button("Copy state").on_hover_text("as a <key> for the model's XML").clicked() {
+            shown.ask(Request::CopyState);
+        }
+        if ui.button("Picture").on_hover_text("saves what is seen, without the panels").clicked() {
+            shown.act(Action::Window(WindowAction::Screenshot));
+        }
+        let recording = shown.facts.recording.is_some();
+        if ui.selectable_label(recording, if recording { "Stop" } else { "Record" }).clicked() {
+            shown.act(Action::Window(WindowAction::Record));
         }
     });
 }
 
 fn modes(ui: &mut Ui, shown: &mut Shown<'_>) {
     layout::named(ui, "mode", NAMES, |ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
         for mode in shown.snapshot.modes.clone() {
-            if ui.selectable_label(mode == shown.snapshot.mode, mode.to_string()).clicked() {
+            let text = if mode == Mode::Passive { "Passive".to_owned() } else { mode.to_string() };
+            if ui.selectable_label(mode == shown.snapshot.mode, text).clicked() {
                 shown.ask(Request::SetMode(mode));
             }
         }

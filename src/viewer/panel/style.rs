@@ -49,7 +49,7 @@ pub fn apply(context: &Context) {
         .into();
         style.spacing.item_spacing = egui::vec2(6.0, 4.0);
         style.spacing.button_padding = egui::vec2(6.0, 2.0);
-        style.spacing.slider_width = 110.0;
+        style.spacing.slider_width = 96.0;
         style.spacing.interact_size.y = 18.0;
         style.spacing.scroll.floating = false;
         style.spacing.scroll.bar_width = 6.0;

@@ -1,6 +1,6 @@
 //! What is shown: labels, frames and the parts of a scene.
 
-use egui::{ComboBox, Grid, Ui};
+use egui::{ComboBox, Ui};
 
 use super::{Shown, layout};
 use crate::scene::{FrameMode, LabelMode};
@@ -19,20 +19,15 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
         let every = (0..).map_while(FrameMode::from_raw);
         choice(ui, "frame", &mut options.frame, every);
     });
-    Grid::new("flags").num_columns(2).spacing([8.0, 2.0]).show(ui, |ui| {
-        let flags = BINDINGS.iter().filter_map(|binding| match binding.action {
-            Action::Visual(flag) => Some((flag, binding)),
-            _ => None,
-        });
-        for (index, (flag, binding)) in flags.enumerate() {
-            let mut on = options.flags.contains(flag);
-            let text = sentence(&flag.iter_names().map(|(name, _)| name).collect::<String>());
-            if ui.checkbox(&mut on, text).on_hover_text(format!("{}  ({})", binding.help, binding.key)).changed() {
-                options.flags.set(flag, on);
-            }
-            if index % 2 == 1 {
-                ui.end_row();
-            }
+    let flags = BINDINGS.iter().filter_map(|binding| match binding.action {
+        Action::Visual(flag) => Some((flag, binding)),
+        _ => None,
+    });
+    layout::pairs(ui, flags, |ui, (flag, binding)| {
+        let mut on = options.flags.contains(flag);
+        let text = sentence(&flag.iter_names().map(|(name, _)| name).collect::<String>());
+        if ui.checkbox(&mut on, text).on_hover_text(format!("{} ({})", binding.help, binding.key)).changed() {
+            options.flags.set(flag, on);
         }
     });
 }

@@ -66,7 +66,7 @@ impl WatchPanel {
             shown.ask(Request::Watch(self.watched.clone()));
         }
         if !self.watched.is_empty() {
-            plots::plot(ui, "watched", "", curves);
+            plots::plot(ui, "watched", "", curves, plots::HEIGHT);
         }
     }
 }

@@ -1,8 +1,6 @@
 //! The picture of the scene: the renderer of the model that is shown.
 
-use std::time::Instant;
-
-use crate::render::{Gpu, RenderError, Renderer, RendererOptions};
+use crate::render::{Gpu, Picture, RenderError, Renderer, RendererOptions};
 use crate::viewer::snapshot::Snapshot;
 
 /// What a window is cleared with while there is nothing to be seen.
@@ -12,8 +10,7 @@ const EMPTY: wgpu::Color = wgpu::Color { r: 0.1, g: 0.11, b: 0.13, a: 1.0 };
 #[derive(Default)]
 pub(super) struct Canvas {
     renderer: Option<(u64, Renderer)>,
-    /// How long the last picture took to be handed to the adapter, s.
-    pub seconds: f64,
+    picture: Picture,
 }
 
 impl Canvas {
@@ -39,10 +36,7 @@ impl Canvas {
         to: &wgpu::TextureView,
         size: [u32; 2],
     ) -> Result<(), RenderError> {
-        let begin = Instant::now();
-        self.renderer(gpu, snapshot, size)?.draw_to(&snapshot.scene, to, size)?;
-        self.seconds = begin.elapsed().as_secs_f64();
-        Ok(())
+        self.renderer(gpu, snapshot, size)?.draw_to(&snapshot.scene, to, size)
     }
 
     /// What a window shows before there is something to be shown.
@@ -61,14 +55,16 @@ impl Canvas {
         gpu.queue().submit([encoder.finish()]);
     }
 
-    /// A snapshot as red, green and blue of each pixel, without the panels.
-    pub fn rgb(&mut self, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
+    /// A picture of a snapshot, without the panels.
+    pub fn picture(&mut self, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<&Picture, RenderError> {
+        // Its memory is used again: a recording takes many.
+        let mut picture = std::mem::take(&mut self.picture);
         let renderer = self.renderer(gpu, snapshot, size)?;
         if renderer.size() != size {
             renderer.resize(size[0], size[1])?;
         }
-        let mut rgb = vec![0; 3 * size[0] as usize * size[1] as usize];
-        renderer.rgb_into(&snapshot.scene, &mut rgb)?;
-        Ok(rgb)
+        let drawn = renderer.rgb_into(&snapshot.scene, &mut picture);
+        self.picture = picture;
+        drawn.map(|()| &self.picture)
     }
 }

@@ -13,6 +13,7 @@ use super::translate;
 use crate::model::Model;
 use crate::viewer::input::{Action, Gesture, KeyPress, WindowAction, action, help_text};
 use crate::viewer::mode::Mode;
+use crate::viewer::probe;
 use crate::viewer::request::Request;
 use crate::viewer::view::Effect;
 
@@ -71,6 +72,7 @@ impl Session {
             return;
         }
         let Some(key) = translate::key(event) else { return };
+        probe::note_key();
         let press = KeyPress { key, modifiers: translate::modifiers(self.modifiers), repeat: event.repeat };
         match action(press, self.mode()) {
             Some(action) => self.act(action),

@@ -40,6 +40,8 @@ use super::link::{Back, Front, link};
 use wake::{Token, Wake, Waker};
 use winit::event_loop::{EventLoop, EventLoopProxy};
 
+use crate::engine::enable_timers;
+
 /// A window that is to be opened.
 struct Opening {
     waker: Waker,
@@ -80,6 +82,8 @@ impl Asked {
         let waker = Waker::new(proxy.clone(), Token::next());
         let told = waker.clone();
         let (front, back) = link(move || told.look());
+        // For the plots. Nothing of the window's is simulated yet.
+        enable_timers();
         let (sender, opened) = mpsc::channel();
         let opening = Opening { waker, front, options, opened: sender };
         // If the loop has ended, the opening is dropped, and with it what would tell that the window came.

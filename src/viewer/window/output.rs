@@ -7,7 +7,7 @@ use super::file_name;
 use super::session::Session;
 use crate::error::{Error, Result};
 use crate::record::{Recorder, RecorderOptions};
-use crate::render::{Gpu, Picture};
+use crate::render::Gpu;
 use crate::viewer::error::ViewerError;
 use crate::viewer::launch::ViewerOptions;
 use crate::viewer::snapshot::Snapshot;
@@ -101,9 +101,8 @@ impl Output {
     }
 
     fn save(&self, canvas: &mut Canvas, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<PathBuf, ViewerError> {
-        let rgb = canvas.rgb(gpu, snapshot, size)?;
         let path = file_name::free(&self.screenshots);
-        Picture::from_rgb(size[0] as usize, size[1] as usize, rgb)?.save_png(&path)?;
+        canvas.picture(gpu, snapshot, size)?.save_png(&path)?;
         Ok(path)
     }
 }
@@ -114,9 +113,7 @@ impl Recording {
         if !snapshot.time.is_finite() || !self.recorder.is_due(snapshot.time) {
             return Ok(());
         }
-        let [width, height] = self.size;
-        let rgb = canvas.rgb(gpu, snapshot, self.size)?;
-        self.recorder.push_rgb(width as usize, height as usize, &rgb, snapshot.time)?;
+        self.recorder.push(canvas.picture(gpu, snapshot, self.size)?, snapshot.time)?;
         Ok(())
     }
 }
