@@ -10,7 +10,7 @@ use super::view::View;
 static ON: AtomicBool = AtomicBool::new(false);
 static LOSES_SURFACE: AtomicBool = AtomicBool::new(false);
 static KEYS: AtomicU64 = AtomicU64::new(0);
-static SLIDERS: Mutex<Vec<[f32; 2]>> = Mutex::new(Vec::new());
+static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<State>> = Mutex::new(None);
 
 /// How a window stood when it was drawn last.
@@ -74,8 +74,8 @@ pub struct State {
     pub full_screen: bool,
     /// What is shown for a moment.
     pub messages: Vec<String>,
-    /// Where the sliders of the controls are, pixels.
-    pub sliders: Vec<[f32; 2]>,
+    /// Where the sliders of the controls are, and the numbers beside them, pixels.
+    pub sliders: Vec<[[f32; 2]; 2]>,
 }
 
 /// Begins to note how windows stand, and forgets those before.
@@ -104,9 +104,9 @@ pub(super) fn note_key() {
 }
 
 /// Notes where a slider of a control is, points.
-pub(super) fn note_slider(at: egui::Pos2) {
+pub(super) fn note_slider(rail: egui::Pos2, number: egui::Pos2) {
     if is_on() {
-        SLIDERS.lock().unwrap_or_else(PoisonError::into_inner).push([at.x, at.y]);
+        SLIDERS.lock().unwrap_or_else(PoisonError::into_inner).push([[rail.x, rail.y], [number.x, number.y]]);
     }
 }
 

@@ -48,9 +48,8 @@ impl Drop for Display {
 
 /// What is on the screen: red, green and blue of each pixel.
 pub struct Screen {
-    pub width: usize,
-    pub height: usize,
-    pub rgb: Vec<u8>,
+    width: usize,
+    rgb: Vec<u8>,
 }
 
 impl Screen {
@@ -67,7 +66,7 @@ impl Screen {
         for line in pixels.chunks_exact(bytes_per_line).take(height) {
             rgb.extend(line[..4 * width].chunks_exact(4).flat_map(|pixel| [pixel[2], pixel[1], pixel[0]]));
         }
-        Self { width, height, rgb }
+        Self { width, rgb }
     }
 
     pub fn pixel(&self, [x, y]: [usize; 2]) -> [u8; 3] {

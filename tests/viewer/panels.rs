@@ -27,22 +27,27 @@ pub fn panels() {
         settle(hand);
         assert_eq!(state().camera, camera, "a drag on a panel does not move the camera");
 
-        // A slider moves a control: that of the only actuator, the first slider from above.
-        let slider = state().sliders.first().copied().expect("a slider");
-        let [x, y] = slider.map(|at| at as i32);
-        hand.drag([x, y], [25, 0], 1, &[]);
+        // A slider moves a control: that of the only actuator.
+        let [rail, number] = state().sliders.first().copied().expect("a slider").map(|at| at.map(|at| at as i32));
+        hand.drag(rail, [25, 0], 1, &[]);
         wait_until("the slider sets the control", || state().ctrl[0] != 0.0);
 
-        settle(hand);
+        // A number is typed; its keys are no commands.
+        let before = state();
+        hand.click(number, 1, 1);
+        wait_until("the number is edited", || state().editing);
+        hand.write("0.25");
+        hand.key("Return");
+        wait_until("it is set", || state().ctrl[0] == 0.25 && !state().editing);
+        let now = state();
+        assert_eq!((now.options, now.wanted), (before.options, before.wanted));
 
         // A drag that began in the picture stays there, wherever it goes.
-        let (ctrl, camera) = (state().ctrl, state().camera);
-        hand.drag([60, y], [x - 60 + 20, 0], 1, &[]);
+        let camera = state().camera;
+        hand.drag([60, rail[1]], [rail[0] - 60 + 20, 0], 1, &[]);
         wait_until("the camera turns", || state().camera.azimuth != camera.azimuth);
         settle(hand);
-        assert_eq!(state().ctrl, ctrl);
-
-        // Where a text is edited, keys are letters.
+        assert_eq!(state().ctrl[0], 0.25);
         press(hand, "ctrl+2", "no panel at the right", |state| !state.panels[3]);
     });
 }

@@ -46,6 +46,16 @@ pub fn draw(directory: &Path) {
                 wait_until("it runs for a while", || state().time > 2.0);
                 shoot("plots");
                 press(&hand, "space", "paused", |state| state.status == "Paused");
+                // The sections, from below, so that those above stay where they are.
+                for section in [617, 594, 571, 548, 207, 184] {
+                    hand.click([100, section], 1, 1);
+                }
+                shoot("sections");
+                hand.move_to([100, 400]);
+                hand.click([100, 400], 5, 10);
+                shoot("sections_below");
+                hand.click([1100, 400], 5, 10);
+                shoot("joints");
                 press(&hand, "F3", "no profile", |state| !state.panels[4]);
                 press(&hand, "F4", "no sensors", |state| !state.panels[5]);
                 // Close the first sections, open the others.

@@ -20,8 +20,9 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
             let mut value = ctrl;
             let range = low.min(ctrl)..=high.max(ctrl);
             let slider = ui.add(Slider::new(&mut value, range).fixed_decimals(2));
-            // Its rail: the number is at its right.
-            probe::note_slider(slider.rect.left_center() + egui::vec2(ui.spacing().slider_width / 2.0, 0.0));
+            // The rail is at the left, the number at the right.
+            let rail = slider.rect.left_center() + egui::vec2(ui.spacing().slider_width / 2.0, 0.0);
+            probe::note_slider(rail, slider.rect.right_center() - egui::vec2(10.0, 0.0));
             if slider.changed() {
                 shown.ask(Request::SetControl(actuator.id(), value));
             }

@@ -3,10 +3,18 @@
 use egui::{Grid, RichText, Ui};
 
 use super::{Shown, style};
+use crate::viewer::input::Modifiers;
 use crate::viewer::snapshot::Status;
+
+/// A window that is not drawn for so long rests.
+const REST: std::time::Duration = std::time::Duration::from_millis(600);
 
 pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
     let (snapshot, options, facts) = (shown.snapshot, &shown.view.options, shown.facts);
+    if facts.rate.is_some() {
+        // Once more when it rests, to say so.
+        ui.ctx().request_repaint_after(REST);
+    }
     let rate = facts.rate.map_or_else(|| "at rest".to_owned(), |rate| format!("{rate:.0} Hz"));
     let [width, height] = facts.size;
     let mut lines = vec![
@@ -29,7 +37,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
             line(ui, info.name, &info.value);
         }
     });
-    ui.label(RichText::new("F1  help").small().color(style::FAINT));
+    let command = Modifiers::COMMAND;
+    ui.label(RichText::new(format!("F1 help   {command}1 {command}2 panels")).small().color(style::FAINT));
 }
 
 fn line(ui: &mut Ui, name: &str, value: &str) {

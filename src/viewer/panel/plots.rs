@@ -17,7 +17,7 @@ pub(super) const HEIGHT: f32 = 120.0;
 /// What is above a plot.
 const ABOVE: f32 = 40.0;
 /// How many curves a plot has at most: more cannot be told apart.
-const MOST_CURVES: usize = 12;
+const MOST_CURVES: usize = 16;
 
 /// The curves, and which snapshot they have seen last.
 #[derive(Default)]
@@ -59,7 +59,8 @@ impl Plots {
         }
         // One above another, as high as there is room for.
         let room = context.content_rect().height() - 4.0 * GAP;
-        let height = (room / plots.len() as f32 - ABOVE).clamp(40.0, HEIGHT);
+        let legend = if view.sensors { 2.0 * ABOVE } else { 0.0 };
+        let height = ((room - legend) / plots.len() as f32 - ABOVE).clamp(40.0, HEIGHT);
         let right = GAP + if view.right_panel { SIDE } else { 0.0 };
         let place = Area::new(Id::unique("plots")).anchor(Align2::RIGHT_BOTTOM, [-right, -GAP]);
         place.order(Order::Middle).show(context, |ui| {
@@ -75,11 +76,17 @@ impl Plots {
 
 /// A plot over the time of the simulation, in the width that there is.
 pub(super) fn plot(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], height: f32) {
-    let color = |index: usize| style::LINES[index % style::LINES.len()];
+    // The same again, darker, where there are more.
+    let color = |index: usize| {
+        let color = style::LINES[index % style::LINES.len()];
+        if index < style::LINES.len() { color } else { color.gamma_multiply(0.55) }
+    };
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(7.0, 1.0);
         ui.label(RichText::new(title).strong());
-        ui.label(RichText::new(unit).small().color(style::FAINT));
+        if !unit.is_empty() {
+            ui.label(RichText::new(unit).small().color(style::FAINT));
+        }
         for (index, curve) in curves.iter().take(MOST_CURVES).enumerate() {
             ui.label(RichText::new(&curve.name).small().color(color(index)));
         }

@@ -66,7 +66,7 @@ fn files(ui: &mut Ui, shown: &mut Shown<'_>) {
 }
 
 fn modes(ui: &mut Ui, shown: &mut Shown<'_>) {
-    layout::named(ui, "mode", NAMES, |ui| {
+    layout::named(ui, "mode", 40.0, |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for mode in shown.snapshot.modes.clone() {
             let text = if mode == Mode::Passive { "Passive".to_owned() } else { mode.to_string() };

@@ -5,6 +5,9 @@ use std::time::{Duration, Instant};
 /// Frames of a screen that does not tell how often it shows one, per second.
 const USUAL_RATE: f64 = 60.0;
 
+/// A window that was not drawn for so long, in s, has rested.
+const REST: f64 = 0.5;
+
 #[derive(Debug)]
 pub(super) struct Pace {
     /// The least time between two frames.
@@ -46,7 +49,7 @@ impl Pace {
         if let Some(last) = self.last {
             let passed = now.saturating_duration_since(last).as_secs_f64();
             // A window that rested was not slow.
-            if passed < 0.5 {
+            if passed < REST {
                 self.average = Some(self.average.map_or(passed, |average| 0.9 * average + 0.1 * passed));
             } else {
                 self.average = None;
