@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use crate::data::{Data, StateSpec};
 use crate::error::Result;
+use crate::math::cross;
+use crate::scene::Head;
 
 /// A state that was kept.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +59,18 @@ pub(crate) fn key_xml(data: &Data, name: Option<&str>) -> String {
             attribute(&mut xml, name, &values.join(" "));
         }
     }
+    xml.push_str("/>");
+    xml
+}
+
+/// Where the window looks from as a `<camera>` for a model's XML.
+pub(crate) fn camera_xml(head: &Head) -> String {
+    let list = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+    let Head { pos, forward, up } = head;
+    let right = cross(forward, up);
+    let mut xml = String::from("<camera");
+    attribute(&mut xml, "pos", &list(pos));
+    attribute(&mut xml, "xyaxes", &format!("{} {}", list(&right), list(up)));
     xml.push_str("/>");
     xml
 }

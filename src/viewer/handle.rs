@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::bridge::{Bridge, Outcome};
 use super::clock::Meter;
-use super::event::Event;
+use super::event::{Asset, Event};
 use super::input::KeyPress;
 use super::link::{Back, Look};
 use super::mode::Mode;
@@ -13,7 +13,7 @@ use super::request::Request;
 use super::snapshot::{Pace, Snapshot, Status};
 use crate::data::Data;
 use crate::error::Result;
-use crate::id::BodyId;
+use crate::id::{BodyId, HeightFieldId, MeshId, TextureId};
 use crate::scene::{Camera, NewGeom, Scene, SceneOptions};
 
 /// A window that a program shows its simulation in, from a loop of its own.
@@ -28,6 +28,8 @@ pub struct Handle {
     back: Option<Back>,
     bridge: Option<Bridge>,
     geoms: Vec<NewGeom>,
+    /// What was changed since the last look.
+    assets: Vec<Asset>,
     paused: bool,
     /// What the program has set before the first look at a simulation.
     look: Option<Look>,
@@ -43,6 +45,7 @@ impl Handle {
             back: Some(back),
             bridge: None,
             geoms: Vec::new(),
+            assets: Vec::new(),
             paused: false,
             look: None,
             epoch: Instant::now(),
@@ -89,6 +92,12 @@ impl Handle {
         if let Some(look) = self.look.take() {
             bridge.set_look(look);
         }
+        if bridge.back.is_closed() {
+            // Nobody pulls any more.
+            bridge.stop_perturbation(data);
+            self.bridge = Some(bridge);
+            return Ok(());
+        }
         let mut changed = false;
         while let Some(request) = bridge.back.next() {
             changed |= self.execute(request, &mut bridge, data);
@@ -111,6 +120,10 @@ impl Handle {
             snapshot.mode = Mode::Passive;
             snapshot.info.clear();
         });
+        // The snapshot that has the changed model is there.
+        for asset in self.assets.drain(..) {
+            bridge.back.tell(Event::Asset(asset));
+        }
         self.bridge = Some(bridge);
         published
     }
@@ -206,6 +219,32 @@ impl Handle {
     #[doc(alias = "key_callback")]
     pub fn keys(&mut self) -> Vec<KeyPress> {
         self.bridge.as_mut().map(Bridge::take_keys).unwrap_or_default()
+    }
+
+    /// Says that a texture of the model was changed, so that it is drawn anew. Which it is, the model says that
+    /// [`sync`](Self::sync) is called with.
+    ///
+    /// ```no_run
+    /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
+    /// let ground = data.model().height_field("ground")?.id();
+    /// data.edit_model(|model| model.hfield_data_mut()[0] += 0.1)?;
+    /// handle.update_height_field(ground);
+    /// handle.sync(data)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn update_texture(&mut self, texture: TextureId) {
+        self.assets.push(Asset::Texture(texture));
+    }
+
+    /// Says that a mesh of the model was changed, as [`update_texture`](Self::update_texture) does of a texture.
+    pub fn update_mesh(&mut self, mesh: MeshId) {
+        self.assets.push(Asset::Mesh(mesh));
+    }
+
+    /// Says that a height field of the model was changed, as [`update_texture`](Self::update_texture) does of a texture.
+    pub fn update_height_field(&mut self, height_field: HeightFieldId) {
+        self.assets.push(Asset::HeightField(height_field));
     }
 
     /// The body that the user has selected.

@@ -10,7 +10,7 @@ use std::{fmt, mem};
 use super::event::Event;
 use super::request::Request;
 use super::snapshot::Snapshot;
-use crate::scene::{Camera, SceneOptions};
+use crate::scene::{Camera, CameraView, SceneOptions};
 
 /// How many requests wait at most. What comes after them is lost: the program's loop has not looked for long.
 const MOST_REQUESTS: usize = 4096;
@@ -24,6 +24,19 @@ pub(crate) struct Look {
     pub camera: Option<Camera>,
     /// At what.
     pub options: SceneOptions,
+}
+
+impl Look {
+    /// Whether another says the same. Where a camera is that follows a body is up to the body.
+    fn says_the_same(&self, other: &Self) -> bool {
+        let still = |camera: Option<Camera>| {
+            camera.map(|camera| match camera.view {
+                CameraView::Tracking(_) => Camera { lookat: [0.0; 3], ..camera },
+                _ => camera,
+            })
+        };
+        self.options == other.options && still(self.camera) == still(other.camera)
+    }
 }
 
 #[derive(Default)]
@@ -104,7 +117,7 @@ impl Front {
 
     /// Says from where and at what the next snapshots are to look.
     pub fn look(&mut self, look: &Look) {
-        if self.look.as_ref() == Some(look) {
+        if self.look.as_ref().is_some_and(|last| last.says_the_same(look)) {
             return;
         }
         self.look = Some(look.clone());

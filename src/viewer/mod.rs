@@ -1,6 +1,6 @@
 //! A window to look at a simulation, and to work on it while it runs.
 //!
-//! Physics and window are two threads that share nothing but a [link](link): requests go one way, snapshots and events the other.
+//! Physics and window are two threads that share nothing but a link: requests go one way, snapshots and events the other.
 //! No simulation is ever copied. What is here needs no window:
 //!
 //! | file | what is in it |

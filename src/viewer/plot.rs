@@ -140,3 +140,66 @@ impl Plots {
         self.timers = snapshot.timers;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Curve, MOST_POINTS, Plots};
+    use crate::viewer::handle::Handle;
+    use crate::viewer::link::link;
+    use crate::viewer::request::Request;
+    use crate::viewer::watch::Watch;
+    use crate::{Data, EnableFlags, sample};
+
+    #[test]
+    fn a_curve_keeps_the_newest_points_and_forgets_what_was_undone() {
+        let mut curve = Curve::new("x");
+        for index in 0..3 * MOST_POINTS {
+            curve.push(index as f64, -(index as f64));
+        }
+        assert_eq!(curve.points().len(), MOST_POINTS);
+        assert_eq!(curve.points().next(), Some([2.0 * MOST_POINTS as f64, -2.0 * MOST_POINTS as f64]));
+        // Back in time, as after steps back.
+        let back = 2.5 * MOST_POINTS as f64;
+        curve.push(back, 7.0);
+        assert_eq!((curve.points().len(), curve.last()), (MOST_POINTS / 2 + 1, Some(7.0)));
+        curve.push(0.0, 1.0);
+        assert_eq!(curve.points().collect::<Vec<_>>(), [[0.0, 1.0]]);
+    }
+
+    #[test]
+    fn curves_follow_the_simulation_and_have_its_names() {
+        let (mut front, back) = link(|| ());
+        let mut data = Data::new(sample::humanoid()).unwrap();
+        data.edit_model(|model| model.options(|options| options.enable |= EnableFlags::ENERGY)).unwrap().unwrap();
+        data.reset_to_key("stand").unwrap();
+        let (mut handle, mut plots) = (Handle::new(back), Plots::default());
+        let mut watches: Vec<Watch> = vec!["qpos[2]".parse().unwrap(), "time".parse().unwrap()];
+        front.ask(Request::Watch(watches.clone()));
+        let mut heights = Vec::new();
+        for step in 0..20 {
+            if step == 10 {
+                watches.truncate(1);
+                front.ask(Request::Watch(watches.clone()));
+            }
+            handle.sync(&mut data).unwrap();
+            heights.push([data.time(), data.qpos()[2]]);
+            let snapshot = front.latest().unwrap().0;
+            plots.take(snapshot, watches.iter().map(Watch::to_string));
+            data.step().unwrap();
+        }
+        let [potential, kinetic, total] = &plots.energy[..] else { panic!("three energies") };
+        assert_eq!(total.last().unwrap(), potential.last().unwrap() + kinetic.last().unwrap());
+        assert!(potential.last().unwrap() > 0.0);
+        assert_eq!(plots.sensors.len(), data.model().nsensordata());
+        assert_eq!(plots.solver.len(), 3);
+        let [height] = &plots.watched[..] else { panic!("one is watched") };
+        assert_eq!(height.name, "qpos[2]");
+        assert_eq!(height.points().collect::<Vec<_>>(), heights[10..]);
+        // Another model has other sensors.
+        let mut other = Data::new(sample::cartpole()).unwrap();
+        handle.sync(&mut other).unwrap();
+        plots.take(front.latest().unwrap().0, std::iter::empty());
+        assert_eq!(plots.sensors.len(), other.model().nsensordata());
+        assert_eq!(plots.energy[0].points().len(), 1);
+    }
+}

@@ -96,6 +96,8 @@ pub(crate) enum Request {
     RemoveCaptured(usize),
     /// Answers with [`Event::Copied`](super::event::Event::Copied).
     CopyState,
+    /// Answers with [`Event::Copied`](super::event::Event::Copied).
+    CopyCamera,
     /// Switches an equality constraint.
     SetEquality(EqualityId, bool),
     /// Sets the physics options.

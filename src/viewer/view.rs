@@ -86,7 +86,7 @@ impl View {
                 self.camera = look.camera.unwrap_or(self.camera);
                 self.options = look.options.clone();
             }
-            Event::Copied(_) | Event::Notice(_) => {}
+            Event::Copied(_) | Event::Asset(_) | Event::Notice(_) => {}
         }
     }
 
@@ -146,6 +146,7 @@ impl View {
             Action::ClearControls => Effect::Ask(Request::ClearControls),
             Action::SaveKey => Effect::Ask(Request::SaveKey(None)),
             Action::CopyState => Effect::Ask(Request::CopyState),
+            Action::CopyCamera => Effect::Ask(Request::CopyCamera),
             Action::Reverse => Effect::Ask(Request::Reverse),
             Action::Trajectory(step) => Effect::Ask(Request::CycleTrajectory(step)),
             Action::Burst => Effect::Ask(Request::Burst),
@@ -159,6 +160,7 @@ impl View {
     ///
     /// If the camera cannot be moved in the snapshot's scene, which then shows nothing yet, or so far.
     pub fn gesture(&mut self, gesture: Gesture, snapshot: &Snapshot) -> Result<Effect> {
+        self.fit(&snapshot.model);
         Ok(Effect::Ask(match gesture {
             Gesture::None => return Ok(Effect::Done),
             Gesture::Camera(action, motion) => {
@@ -183,6 +185,7 @@ impl View {
     ///
     /// If the camera's numbers are of no use.
     pub fn prepare(&mut self, snapshot: &mut Snapshot) -> Result<()> {
+        self.fit(&snapshot.model);
         snapshot.scene.set_render_flags(self.render);
         if self.camera.view == snapshot.camera.view {
             if matches!(self.camera.view, CameraView::Tracking(_)) {
@@ -191,6 +194,18 @@ impl View {
             snapshot.scene.look(&snapshot.model, &self.camera)?;
         }
         Ok(())
+    }
+
+    /// A camera of a model that was replaced is none any more.
+    fn fit(&mut self, model: &Model) {
+        let fits = match self.camera.view {
+            CameraView::Tracking(id) => id.lineage() == model.lineage(),
+            CameraView::Fixed(id) => id.lineage() == model.lineage(),
+            CameraView::Free | CameraView::User => true,
+        };
+        if !fits {
+            self.camera = Camera::free(model);
+        }
     }
 
     /// Free, then those of the model, and round again.

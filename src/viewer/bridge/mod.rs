@@ -19,7 +19,7 @@ use super::input::KeyPress;
 use super::link::{Back, Look};
 use super::snapshot::Snapshot;
 use super::watch::Watch;
-use crate::data::{Data, Stage, StateSpec};
+use crate::data::{Data, Stage, StateSpec, Warning};
 use crate::error::Result;
 use crate::id::BodyId;
 use crate::model::Model;
@@ -46,8 +46,10 @@ pub(crate) struct Bridge {
     keys: Vec<KeyPress>,
     /// Whether it was told that there are more geoms than there is room for.
     told_full: bool,
+    /// Which of the engine's warnings were told.
+    warned: [bool; Warning::ALL.len()],
     /// Memory for [`refresh`](Self::refresh).
-    warmstart: Vec<f64>,
+    state: Vec<f64>,
 }
 
 impl Bridge {
@@ -69,7 +71,8 @@ impl Bridge {
             watches: Vec::new(),
             keys: Vec::new(),
             told_full: false,
-            warmstart: Vec::new(),
+            warned: [false; Warning::ALL.len()],
+            state: Vec::new(),
             model,
         }
     }
@@ -123,12 +126,12 @@ impl Bridge {
     }
 
     /// Brings what depends on the state up to date, and leaves the state itself as it is, bit for bit: forward dynamics would
-    /// change what the solver starts from.
+    /// change what the solver starts from, and the last bits of quaternions.
     pub fn refresh(&mut self, data: &mut Data) -> Result<()> {
-        self.warmstart.clear();
-        self.warmstart.extend_from_slice(data.qacc_warmstart());
+        self.state.resize(data.model().state_size(StateSpec::INTEGRATION), 0.0);
+        data.state_into(StateSpec::INTEGRATION, &mut self.state)?;
         let result = data.forward();
-        data.qacc_warmstart_mut().copy_from_slice(&self.warmstart);
+        data.set_state(StateSpec::INTEGRATION, &self.state)?;
         result
     }
 

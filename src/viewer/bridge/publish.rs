@@ -1,9 +1,11 @@
 //! Snapshots made.
 
+use std::sync::Arc;
+
 use super::Bridge;
-use crate::data::Data;
+use crate::data::{Data, Warning};
 use crate::error::{Error, Result};
-use crate::scene::{Categories, Scene, SceneOptions};
+use crate::scene::{CameraView, Categories, Scene, SceneOptions};
 use crate::viewer::event::Event;
 use crate::viewer::snapshot::{Selected, Snapshot};
 
@@ -26,13 +28,15 @@ impl Bridge {
         let usable = data.check_usable().is_ok() && self.refresh_if_needed(data).is_ok();
         let shown = if usable { self.show(&mut snapshot, data, add) } else { Ok(()) };
 
+        self.tell_warnings(data);
+
         snapshot.take_numbers(data);
         snapshot.watched.clear();
         snapshot.watched.extend(self.watches.iter().map(|watch| watch.value(data)));
-        if !std::sync::Arc::ptr_eq(&snapshot.model, &self.model) {
+        if !Arc::ptr_eq(&snapshot.model, &self.model) {
             snapshot.model = self.model.clone();
         }
-        if !std::sync::Arc::ptr_eq(&snapshot.captured, &self.captured) {
+        if !Arc::ptr_eq(&snapshot.captured, &self.captured) {
             snapshot.captured = self.captured.clone();
         }
         self.number += 1;
@@ -43,9 +47,12 @@ impl Bridge {
         shown
     }
 
-    /// How far the camera that follows a body is from where it wants to be, relative to its distance from there.
+    /// Whether the camera follows a body, and is still on its way to it.
     pub fn camera_lags(&self, data: &Data) -> bool {
-        let crate::scene::CameraView::Tracking(body) = self.camera.view else { return false };
+        let CameraView::Tracking(body) = self.camera.view else { return false };
+        if data.check_usable().is_err() {
+            return false;
+        }
         let target = data.subtree_com()[body.index()];
         let off = (0..3).map(|axis| (target[axis] - self.camera.lookat[axis]).powi(2)).sum::<f64>().sqrt();
         off > 1e-3 * self.camera.distance.abs()
@@ -72,6 +79,17 @@ impl Bridge {
                 self.told_full = false;
                 other
             }
+        }
+    }
+
+    /// The first warning of each kind is told. That the picture is full is told otherwise.
+    fn tell_warnings(&mut self, data: &Data) {
+        for (told, warning) in self.warned.iter_mut().zip(Warning::ALL) {
+            let count = data.warning(warning);
+            if count.number > 0 && !*told && warning != Warning::VisualGeomFull {
+                self.back.tell(Event::Notice(warning.message(count.last_info, data)));
+            }
+            *told = count.number > 0;
         }
     }
 

@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use super::Bridge;
 use crate::data::Data;
+use crate::enums::JointType;
 use crate::error::{Error, Result};
-use crate::id::{ElementKind, Id};
+use crate::id::{ElementKind, Id, JointId};
+use crate::math::normalize4;
 use crate::viewer::capture::{CapturedKey, key_xml};
 use crate::viewer::event::Event;
 use crate::viewer::request::Request;
@@ -53,10 +55,7 @@ impl Bridge {
                 if self.is_stale(joint) {
                     return Ok(Outcome::Done);
                 }
-                check_finite("a position", value)?;
-                let mut joint = data.joint_mut(joint);
-                let Some(number) = joint.qpos_mut().get_mut(part) else { return Ok(Outcome::Done) };
-                *number = value;
+                return set_position(joint, part, value, data);
             }
             Request::LoadKey(key) => {
                 if self.is_stale(key) {
@@ -79,6 +78,7 @@ impl Bridge {
                 self.back.tell(Event::Copied(key_xml(data, None)));
                 return Ok(Outcome::Done);
             }
+            Request::CopyCamera => return self.copy_camera(data),
             Request::SetEquality(equality, active) => {
                 if self.is_stale(equality) {
                     return Ok(Outcome::Done);
@@ -120,6 +120,25 @@ impl Bridge {
         Arc::make_mut(&mut self.captured).push(CapturedKey::new(data, name));
         Outcome::Done
     }
+}
+
+/// A part of a quaternion turns the rest with it: whatever is dragged by it later needs a rotation.
+fn set_position(joint: JointId, part: usize, value: f64, data: &mut Data) -> Result<Outcome> {
+    check_finite("a position", value)?;
+    let mut joint = data.joint_mut(joint);
+    let Some(number) = joint.qpos_mut().get_mut(part) else { return Ok(Outcome::Done) };
+    *number = value;
+    let quaternion = match joint.as_view().in_model().joint_type() {
+        JointType::Free => 3,
+        JointType::Ball => 0,
+        JointType::Slide | JointType::Hinge => return Ok(Outcome::Changed),
+    };
+    if part >= quaternion
+        && let Some(quaternion) = joint.qpos_mut()[quaternion..].first_chunk_mut()
+    {
+        normalize4(quaternion);
+    }
+    Ok(Outcome::Changed)
 }
 
 fn check_finite(what: &str, value: f64) -> Result<()> {

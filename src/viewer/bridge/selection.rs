@@ -6,6 +6,7 @@ use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::id::BodyId;
 use crate::scene::{Categories, MouseAction, PerturbationFlags, Scene, Selection};
+use crate::viewer::capture::camera_xml;
 use crate::viewer::event::Event;
 use crate::viewer::request::Place;
 
@@ -92,7 +93,7 @@ impl Bridge {
         Ok(Outcome::Done)
     }
 
-    pub(super) fn stop_perturbation(&mut self, data: &mut Data) {
+    pub fn stop_perturbation(&mut self, data: &mut Data) {
         self.perturbation.stop();
         self.perturbation.remove_force(data);
     }
@@ -122,6 +123,12 @@ impl Bridge {
         self.refresh_if_needed(data)?;
         self.perturbation.apply_pose(data, true)?;
         Ok(true)
+    }
+
+    pub(super) fn copy_camera(&mut self, data: &mut Data) -> Result<Outcome> {
+        let head = self.with_scene(data, |scene, _| scene.camera_in_model())?;
+        self.back.tell(Event::Copied(camera_xml(&head)));
+        Ok(Outcome::Done)
     }
 
     /// What is seen at a place.

@@ -53,6 +53,8 @@ pub(crate) enum Action {
     SaveKey,
     /// The state as a `<key>` to the clipboard.
     CopyState,
+    /// The camera as a `<camera>` to the clipboard.
+    CopyCamera,
     /// Plays trajectories in reverse, or forward again.
     Reverse,
     /// The next or previous trajectory.

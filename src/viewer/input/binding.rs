@@ -132,6 +132,9 @@ pub(crate) static BINDINGS: &[Binding] = &[
     standard(Key::Backspace, Action::ClearControls, "Set all controls to zero").with(COMMAND),
     standard(Key::Character('s'), Action::SaveKey, "Keep the state as a keyframe").with(COMMAND).once(),
     standard(Key::Character('c'), Action::CopyState, "Copy the state as a <key> to the clipboard").with(COMMAND).once(),
+    on(Section::Camera, Key::Character('c'), Action::CopyCamera, "Copy the camera as a <camera> to the clipboard")
+        .with(COMMAND.and(SHIFT))
+        .once(),
     on(Section::Window, Key::Escape, Action::Window(QUIT), "Quit"),
     on(Section::Window, Key::Character('q'), Action::Window(QUIT), "Quit").with(COMMAND),
     on(Section::Window, Key::Function(1), Action::Help, "Help, here and on the terminal"),

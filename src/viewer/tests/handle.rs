@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::scene::{Camera, CameraView, FrameMode, MouseAction, NewGeom, PerturbationFlags, SceneOptions};
-use crate::viewer::event::Event;
+use crate::viewer::event::{Asset, Event};
 use crate::viewer::handle::Handle;
 use crate::viewer::input::{Key, KeyPress, Modifiers};
 use crate::viewer::link::{Front, link};
@@ -115,6 +115,41 @@ fn a_body_is_pulled_and_forces_of_the_program_stay() {
     handle.sync(&mut data).unwrap();
     assert!(data.qpos()[2] > height + 0.05);
     assert_eq!(data.xfrc_applied()[torso.index()], own);
+}
+
+#[test]
+fn a_window_that_is_closed_lets_the_body_go() {
+    let (front, mut handle, mut data) = squatting();
+    let torso = data.model().body("torso").unwrap().id();
+    front.ask(Request::SelectBody(Some(torso)));
+    front.ask(Request::StartPerturbation(PerturbationFlags::TRANSLATE));
+    front.ask(Request::MovePerturbation(MouseAction::MoveV, [0.0, -0.5]));
+    handle.sync(&mut data).unwrap();
+    assert_ne!(data.xfrc_applied()[torso.index()], [0.0; 6]);
+    drop(front);
+    assert!(!handle.is_running());
+    handle.sync(&mut data).unwrap();
+    assert_eq!(data.xfrc_applied()[torso.index()], [0.0; 6]);
+}
+
+#[test]
+fn what_the_program_has_changed_is_drawn_anew_once() {
+    let text = r#"<mujoco><asset><hfield name="ground" nrow="2" ncol="2" size="1 1 1 1"/></asset>
+        <worldbody><geom type="hfield" hfield="ground"/></worldbody></mujoco>"#;
+    let (front, back) = link(|| ());
+    let mut front = front;
+    let mut data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
+    let mut handle = Handle::new(back);
+    handle.sync(&mut data).unwrap();
+    let ground = data.model().height_field("ground").unwrap().id();
+    data.edit_model(|model| model.hfield_data_mut()[0] = 0.5).unwrap();
+    handle.update_height_field(ground);
+    handle.sync(&mut data).unwrap();
+    assert_eq!(front.events(), [Event::Asset(Asset::HeightField(ground))]);
+    assert_eq!(shown(&mut front).model.hfield_data()[0], 0.5);
+    assert_eq!(shown(&mut front).generation, 0);
+    handle.sync(&mut data).unwrap();
+    assert!(front.events().is_empty());
 }
 
 #[test]

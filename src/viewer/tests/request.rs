@@ -46,6 +46,18 @@ fn controls_and_positions_are_set_and_wrong_ones_are_refused() {
 }
 
 #[test]
+fn a_part_of_a_quaternion_that_is_set_leaves_it_a_rotation() {
+    let mut bench = tied();
+    let free = bench.shown().model.joint("free").unwrap().id();
+    bench.ask(Request::SetPosition(free, 4, 1.0));
+    let half = 0.5_f64.sqrt();
+    let expected = [half, half, 0.0, 0.0];
+    assert!(bench.shown().qpos[3..7].iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-15));
+    bench.ask(Request::SetPosition(free, 2, 7.0));
+    assert_eq!(bench.shown().qpos[2], 7.0, "metres are not normalised");
+}
+
+#[test]
 fn keyframes_are_loaded_kept_and_loaded_again() {
     let mut bench = tied();
     let key = bench.shown().model.keyframe("high").unwrap().id();
@@ -219,6 +231,62 @@ fn trajectories_that_do_not_fit_another_model_are_left_out() {
     bench.ask(Request::CycleTrajectory(1));
     bench.ask(Request::SetMode(Mode::Controller));
     assert_eq!(bench.mode(), Mode::Passive);
+}
+
+#[test]
+fn a_copied_camera_sees_the_same_when_a_model_has_it() {
+    let mut bench = tied();
+    bench.view.camera.azimuth = 33.0;
+    bench.view.camera.elevation = -21.0;
+    bench.turn();
+    bench.ask(Request::CopyCamera);
+    let events = bench.events();
+    let [Event::Copied(camera)] = &events[..] else { panic!("{events:?}") };
+    let text = TIED.replace("<worldbody>", &format!("<worldbody>{camera}"));
+    let free = bench.shown().scene.viewpoint();
+    let mut with = Bench::new(Data::new(Model::from_xml_str(&text).unwrap()).unwrap());
+    let camera = with.shown().model.camera(0).unwrap().id();
+    with.view.camera.view = crate::scene::CameraView::Fixed(camera);
+    let fixed = with.turn().scene.viewpoint();
+    for (one, other) in [(free.pos, fixed.pos), (free.forward, fixed.forward), (free.up, fixed.up)] {
+        assert!((0..3).all(|axis| (one[axis] - other[axis]).abs() < 1e-5), "{one:?}, {other:?}");
+    }
+}
+
+#[test]
+fn a_warning_of_the_engine_is_told_once() {
+    let text = r#"<mujoco><size nconmax="1"/><worldbody>
+        <geom type="plane" size="5 5 1"/>
+        <body pos="0 0 0.1"><freejoint/><geom size="0.1"/></body>
+        <body pos="1 0 0.1"><freejoint/><geom size="0.1"/></body>
+      </worldbody></mujoco>"#;
+    let mut bench = Bench::new(Data::new(Model::from_xml_str(text).unwrap()).unwrap());
+    let events = bench.events();
+    assert!(matches!(&events[..], [Event::Notice(text)] if text.contains("nconmax")), "{events:?}");
+    for _ in 0..5 {
+        bench.ask(Request::Step(1));
+    }
+    assert!(bench.events().is_empty());
+}
+
+#[test]
+fn pausing_and_looking_on_do_not_change_what_happens() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    let mut alone = data.clone();
+    let mut bench = Bench::new(data);
+    bench.view.options.flags |= crate::scene::VisualFlags::CONTACTFORCE;
+    for paused in [false, true, false, true, false, true] {
+        bench.ask(Request::Pause(paused));
+        bench.pass(0.1);
+        bench.ask(Request::Step(3));
+    }
+    let data = bench.simulation.into_data();
+    while alone.time() < data.time() {
+        alone.step().unwrap();
+    }
+    assert!(data.time() > 0.25);
+    assert_eq!(alone.state(crate::StateSpec::INTEGRATION), data.state(crate::StateSpec::INTEGRATION));
 }
 
 #[test]
