@@ -27,6 +27,7 @@ mod list;
 mod options;
 mod pass;
 mod picture;
+mod read_back;
 mod renderer;
 mod settings;
 mod shader;

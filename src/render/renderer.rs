@@ -1,22 +1,89 @@
 //! Draws scenes of one model.
 
-use super::{Gpu, RenderError, RendererOptions};
+use std::fmt;
+
+use super::bound::Bounds;
+use super::content::{Shapes, Textures};
+use super::frame::{Eye, Lights, View};
+use super::list::{List, Numbers, Scenery};
+use super::pass::{
+    COLOR, Canvas, Draw, Frame, Ids, Labels, Memory, Pipelines, Scenes, Shadows, Sky, Target, check_size, numbers,
+    texture, view,
+};
+use super::read_back::ReadBack;
+use super::settings::Settings;
+use super::shader::Shade;
+use super::{DepthPicture, Gpu, Lighting, Picture, RenderError, RendererOptions, SegmentationPicture};
+use crate::error::Error;
+use crate::id::{HeightFieldId, Lineage, MeshId, TextureId};
 use crate::model::Model;
-use crate::scene::Scene;
+use crate::scene::{RenderFlags, Scene};
 
 /// Draws scenes of one model, without a window.
+///
+/// It keeps the model's meshes, textures and visual settings as they were when it was made: see [`update_mesh`](Self::update_mesh).
+/// It may be sent to another thread, and many may draw at once with one [`Gpu`].
+///
+/// ```no_run
+/// use mujoco_safe::render::Renderer;
+/// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
+/// use mujoco_safe::{Data, sample};
+///
+/// let mut data = Data::new(sample::humanoid())?;
+/// data.forward()?;
+/// let mut scene = Scene::new(data.model(), 1000)?;
+/// let mut camera = Camera::free(data.model());
+/// scene.update_camera(&data, &mut camera)?;
+/// scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
+///
+/// let mut renderer = Renderer::new(data.model(), 640, 480)?;
+/// renderer.rgb(&scene)?.save_png("humanoid.png")?;
+/// # Ok::<(), mujoco_safe::render::RenderError>(())
+/// ```
+#[doc(alias = "mjrContext")]
 pub struct Renderer {
     gpu: Gpu,
+    lineage: Lineage,
+    settings: Settings,
+    options: RendererOptions,
+    samples: u32,
     size: [u32; 2],
+    bounds: Bounds,
+    shapes: Shapes,
+    textures: Textures,
+    pipelines: Pipelines,
+    list: List,
+    instances: Memory,
+    scenes: Scenes,
+    shadows: Shadows,
+    sky: Sky,
+    labels: Labels,
+    /// What a picture of numbers is drawn from.
+    numbers: Memory,
+    numbers_group: Option<wgpu::BindGroup>,
+    target: Option<Target>,
+    color: Option<(wgpu::Texture, wgpu::TextureView)>,
+    ids: Option<Ids>,
+    read_back: Option<ReadBack>,
 }
 
 impl Renderer {
     /// Draws pictures of so many pixels, with the best graphics adapter that there is.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::NoAdapter`] if there is none; [`RenderError::TooLarge`] if the picture, or a mesh or a texture of the model,
+    /// is larger than it can take; [`RenderError::OutOfMemory`]. [`Error::Invalid`] for a picture without pixels.
+    #[doc(alias = "mjr_makeContext")]
     pub fn new(model: &Model, width: u32, height: u32) -> Result<Self, RenderError> {
         Self::with_options(model, width, height, &RendererOptions::default())
     }
 
     /// As [`new`](Self::new), with options.
+    ///
+    /// # Errors
+    ///
+    /// As for [`new`](Self::new).
     pub fn with_options(
         model: &Model,
         width: u32,
@@ -27,14 +94,50 @@ impl Renderer {
     }
 
     /// As [`with_options`](Self::with_options), on an adapter that other renderers may use too.
+    ///
+    /// # Errors
+    ///
+    /// As for [`new`](Self::new).
     pub fn on(
         gpu: &Gpu,
-        _model: &Model,
+        model: &Model,
         width: u32,
         height: u32,
-        _options: &RendererOptions,
+        options: &RendererOptions,
     ) -> Result<Self, RenderError> {
-        Ok(Self { gpu: gpu.clone(), size: [width, height] })
+        let size = [width, height];
+        gpu.guarded(|| {
+            check_size(gpu, size)?;
+            let quality = model.visual().quality;
+            let settings = Settings::new(model);
+            let samples = options.samples.unwrap_or(quality.offsamples.min(8) as u32);
+            let shadows = shadow_size(gpu, options.shadow_size, quality.shadowsize)?;
+            let pipelines = Pipelines::new(gpu);
+            Ok(Self {
+                gpu: gpu.clone(),
+                lineage: model.lineage(),
+                options: *options,
+                samples: gpu.samples(samples),
+                size,
+                bounds: Bounds::new(model),
+                shapes: Shapes::new(gpu, model, &settings, options.lighting)?,
+                textures: Textures::new(gpu, &pipelines.layouts, model),
+                settings,
+                pipelines,
+                list: List::default(),
+                instances: Memory::new(gpu, wgpu::BufferUsages::VERTEX),
+                scenes: Scenes::new(gpu),
+                shadows: Shadows::new(shadows),
+                sky: Sky::new(gpu)?,
+                labels: Labels::new(gpu),
+                numbers: Memory::new(gpu, wgpu::BufferUsages::UNIFORM),
+                numbers_group: None,
+                target: None,
+                color: None,
+                ids: None,
+                read_back: None,
+            })
+        })
     }
 
     /// Width and height of its pictures, pixels.
@@ -47,25 +150,370 @@ impl Renderer {
         &self.gpu
     }
 
+    /// How it draws. The number of samples and the size of shadow maps may be others, if the adapter has not what was asked for.
+    pub fn options(&self) -> &RendererOptions {
+        &self.options
+    }
+
     /// Changes the size of its pictures.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::TooLarge`] for more pixels than the adapter can take, [`Error::Invalid`] for none. The size is as it was then.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
+        check_size(&self.gpu, [width, height])?;
         self.size = [width, height];
         Ok(())
     }
 
-    /// Red, green and blue of each pixel from the upper left, row by row, into `rgb`.
-    pub fn rgb_into(&mut self, _scene: &Scene, _rgb: &mut [u8]) -> Result<(), RenderError> {
+    /// Takes over a mesh that was edited.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OtherModel`] for a model of another lineage; [`RenderError::OutOfMemory`].
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    #[doc(alias = "mjr_uploadMesh")]
+    pub fn update_mesh(&mut self, model: &Model, id: MeshId) -> Result<(), RenderError> {
+        self.check_model(model)?;
+        model.check_id(id);
+        let Self { gpu, shapes, bounds, .. } = self;
+        gpu.guarded(|| shapes.update_mesh(gpu, model, id))?;
+        *bounds = Bounds::new(model);
         Ok(())
+    }
+
+    /// Takes over a height field that was edited.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OtherModel`] for a model of another lineage; [`RenderError::OutOfMemory`].
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    #[doc(alias = "mjr_uploadHField")]
+    pub fn update_height_field(&mut self, model: &Model, id: HeightFieldId) -> Result<(), RenderError> {
+        self.check_model(model)?;
+        model.check_id(id);
+        let Self { gpu, shapes, bounds, .. } = self;
+        gpu.guarded(|| shapes.update_height_field(gpu, model, id))?;
+        bounds.update_height_field(model, id);
+        Ok(())
+    }
+
+    /// Takes over a texture that was edited.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OtherModel`] for a model of another lineage; [`RenderError::OutOfMemory`].
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    #[doc(alias = "mjr_uploadTexture")]
+    pub fn update_texture(&mut self, model: &Model, id: TextureId) -> Result<(), RenderError> {
+        self.check_model(model)?;
+        model.check_id(id);
+        let Self { gpu, textures, .. } = self;
+        gpu.guarded(|| textures.update(gpu, model, id))
+    }
+
+    /// The colours of a scene.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] for one that was not updated;
+    /// [`RenderError::OutOfMemory`] and [`RenderError::Lost`].
+    #[doc(alias = "mjr_render")]
+    #[doc(alias = "mjr_readPixels")]
+    pub fn rgb(&mut self, scene: &Scene) -> Result<Picture, RenderError> {
+        let mut picture = Picture::default();
+        self.rgb_into(scene, &mut picture)?;
+        Ok(picture)
+    }
+
+    /// As [`rgb`](Self::rgb), into a picture that there is, which is given the size.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb).
+    pub fn rgb_into(&mut self, scene: &Scene, picture: &mut Picture) -> Result<(), RenderError> {
+        let [width, height] = self.size.map(|length| length as usize);
+        let mut rows = picture.resize(width, height).chunks_exact_mut(3 * width);
+        self.colors(scene, |row| {
+            let rgb = rows.next().unwrap_or_default().as_chunks_mut::<3>().0;
+            for (to, from) in rgb.iter_mut().zip(row.as_chunks::<4>().0) {
+                *to = [from[0], from[1], from[2]];
+            }
+        })
+    }
+
+    /// Red, green, blue and 255 for each pixel from the upper left, row by row, into `rgba`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb), and [`Error::Shape`] unless there are `4 * width * height` bytes.
+    pub fn rgba_into(&mut self, scene: &Scene, rgba: &mut [u8]) -> Result<(), RenderError> {
+        let [width, height] = self.size.map(|length| length as usize);
+        Error::check_length("rgba", rgba.len(), 4 * width * height)?;
+        let mut rows = rgba.chunks_exact_mut(4 * width);
+        self.colors(scene, |row| {
+            for (to, from) in
+                rows.next().unwrap_or_default().as_chunks_mut::<4>().0.iter_mut().zip(row.as_chunks::<4>().0)
+            {
+                *to = [from[0], from[1], from[2], u8::MAX];
+            }
+        })
+    }
+
+    /// The depths of a scene, m: how far what is seen is from the plane through the eye. What is transparent has none, and so has
+    /// what is beyond the far side of the frustum: infinity.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb).
+    pub fn depth(&mut self, scene: &Scene) -> Result<DepthPicture, RenderError> {
+        let mut picture = DepthPicture::default();
+        self.depth_into(scene, &mut picture)?;
+        Ok(picture)
+    }
+
+    /// As [`depth`](Self::depth), into a picture that there is, which is given the size.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb).
+    pub fn depth_into(&mut self, scene: &Scene, picture: &mut DepthPicture) -> Result<(), RenderError> {
+        let [width, height] = self.size.map(|length| length as usize);
+        let mut rows = picture.resize(width, height).chunks_exact_mut(width);
+        self.ids(scene, Numbers::Depths, |row| {
+            for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
+                let [a, b, c, d, e, f, g, h] = *from;
+                let is_there = u32::from_ne_bytes([a, b, c, d]) != 0;
+                *to = if is_there { f32::from_ne_bytes([e, f, g, h]) } else { f32::INFINITY };
+            }
+        })
+    }
+
+    /// Which geom is seen where. What is transparent is seen too.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb).
+    pub fn segmentation(&mut self, scene: &Scene) -> Result<SegmentationPicture, RenderError> {
+        let mut picture = SegmentationPicture::default();
+        self.segmentation_into(scene, &mut picture)?;
+        Ok(picture)
+    }
+
+    /// As [`segmentation`](Self::segmentation), into a picture that there is, which is given the size.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb).
+    pub fn segmentation_into(&mut self, scene: &Scene, picture: &mut SegmentationPicture) -> Result<(), RenderError> {
+        let [width, height] = self.size.map(|length| length as usize);
+        let mut rows = picture.resize(width, height, scene).chunks_exact_mut(width);
+        self.ids(scene, Numbers::Ids, |row| {
+            for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
+                let [a, b, c, d, ..] = *from;
+                *to = u32::from_ne_bytes([a, b, c, d]);
+            }
+        })
     }
 
     /// Draws to a texture of the size and of one of the formats of a window's surface: `Bgra8Unorm` or `Rgba8Unorm`. Everything
     /// in it is overwritten. The commands are submitted.
+    #[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "the viewer draws to windows"))]
     pub(crate) fn draw_to(
         &mut self,
-        _scene: &Scene,
-        _target: &wgpu::TextureView,
-        _size: [u32; 2],
+        scene: &Scene,
+        target: &wgpu::TextureView,
+        size: [u32; 2],
     ) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            let encoder = self.encode(scene, target, target.texture().format(), size)?;
+            gpu.queue().submit([encoder.finish()]);
+            Ok(())
+        })
+    }
+
+    /// Draws colours and shows the rows of the picture.
+    fn colors(&mut self, scene: &Scene, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            if self.color.as_ref().is_none_or(|(texture, _)| [texture.width(), texture.height()] != self.size) {
+                let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+                let color = texture(&gpu, self.size, COLOR, 1, usage);
+                self.color = Some((color.clone(), view(&color)));
+            }
+            let Some((texture, view)) = self.color.clone() else { return Ok(()) };
+            let mut encoder = self.encode(scene, &view, COLOR, self.size)?;
+            self.read(4)?.encode(&mut encoder, &texture);
+            gpu.queue().submit([encoder.finish()]);
+            self.read(4)?.rows(&gpu, each)
+        })
+    }
+
+    /// Draws numbers and shows the rows of the picture: eight bytes for each pixel.
+    fn ids(&mut self, scene: &Scene, numbers: Numbers, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            let eye = self.list(scene, self.size, Some(numbers))?.0;
+            self.bind_numbers(&eye)?;
+            if self.ids.as_ref().is_none_or(|ids| ids.size() != self.size) {
+                self.ids = Some(Ids::new(&gpu, self.size));
+            }
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let Self { list, pipelines, shapes, textures, instances, numbers_group, ids, .. } = self;
+            let (Some(group), Some(ids)) = (numbers_group, ids) else { return Ok(()) };
+            let mut draw = Draw { gpu: &gpu, pipelines, shapes, textures, instances: instances.buffer() };
+            let culls = scene.render_flags().contains(RenderFlags::CULL_FACE);
+            numbers::encode_ids(&mut encoder, &mut draw, list, group, ids, culls);
+            let texture = ids.texture.clone();
+            self.read(8)?.encode(&mut encoder, &texture);
+            gpu.queue().submit([encoder.finish()]);
+            self.read(8)?.rows(&gpu, each)
+        })
+    }
+
+    /// Memory for a picture of so many bytes for each pixel.
+    fn read(&mut self, pixel: u32) -> Result<&ReadBack, RenderError> {
+        if !self.read_back.as_ref().is_some_and(|memory| memory.is(self.size, pixel)) {
+            self.read_back = Some(ReadBack::new(&self.gpu, self.size, pixel)?);
+        }
+        self.read_back.as_ref().ok_or(RenderError::OutOfMemory)
+    }
+
+    /// Makes the list of what is drawn, and uploads it.
+    fn list(&mut self, scene: &Scene, size: [u32; 2], numbers: Option<Numbers>) -> Result<(Eye, Lights), RenderError> {
+        if scene.lineage() != self.lineage {
+            return Err(Error::OtherModel { what: "the scene to draw" }.into());
+        }
+        let eye = Eye::new(scene, &scene.viewpoint(), size)?;
+        let lights = Lights::new(scene, &eye, &self.settings, numbers.is_none() && self.shadows.any());
+        let Self { gpu, list, shapes, textures, bounds, instances, .. } = self;
+        let scenery = Scenery { eye: &eye, lights: &lights, shapes, textures, bounds, numbers };
+        list.update(scene, &scenery);
+        // The mirror's mark is behind all others.
+        list.instances.extend(list.mirror.as_ref().and_then(|mirror| mirror.mark).map(|(_, instance)| instance));
+        instances.write(gpu, bytemuck::cast_slice(&list.instances))?;
+        if list.mirror.as_ref().is_some_and(|mirror| mirror.mark.is_some()) {
+            list.instances.pop();
+        }
+        shapes.update_skins(gpu, scene);
+        Ok((eye, lights))
+    }
+
+    fn bind_numbers(&mut self, eye: &Eye) -> Result<(), RenderError> {
+        let view = View::new(eye, &self.settings, self.size, false);
+        if numbers::prepare(&self.gpu, &mut self.numbers, &view)? || self.numbers_group.is_none() {
+            self.numbers_group = Some(self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: self.pipelines.view(0),
+                entries: &[wgpu::BindGroupEntry { binding: 0, resource: self.numbers.buffer().as_entire_binding() }],
+            }));
+        }
         Ok(())
+    }
+
+    /// Draws a scene to a texture.
+    fn encode(
+        &mut self,
+        scene: &Scene,
+        color: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        size: [u32; 2],
+    ) -> Result<wgpu::CommandEncoder, RenderError> {
+        check_size(&self.gpu, size)?;
+        let flags = scene.render_flags();
+        let numbers = flags.contains(RenderFlags::SEGMENT).then_some(if flags.contains(RenderFlags::IDCOLOR) {
+            Numbers::IdColors
+        } else {
+            Numbers::Colors
+        });
+        let (eye, lights) = self.list(scene, size, numbers)?;
+        let marked = self.list.mirror.as_ref().is_some_and(|mirror| mirror.mark.is_some());
+        let samples = if numbers.is_some() { 1 } else { self.samples };
+        if !self.target.as_ref().is_some_and(|target| target.is(size, format, samples, marked)) {
+            self.target = Some(Target::new(&self.gpu, size, format, samples, marked)?);
+        }
+        let mut encoder = self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let culls = flags.contains(RenderFlags::CULL_FACE);
+        if numbers.is_some() {
+            self.bind_numbers(&eye)?;
+            let Self { gpu, list, pipelines, shapes, textures, instances, numbers_group, target, .. } = self;
+            let (Some(group), Some(target)) = (numbers_group, target) else { return Ok(encoder) };
+            let mut draw = Draw { gpu, pipelines, shapes, textures, instances: instances.buffer() };
+            numbers::encode_flat(&mut encoder, &mut draw, list, group, (target, color), culls);
+            return Ok(encoder);
+        }
+        let shade = match self.options.lighting {
+            Lighting::PerPixel => Shade::Pixel,
+            Lighting::PerVertex => Shade::Vertex,
+        };
+        let Self {
+            gpu,
+            settings,
+            list,
+            pipelines,
+            shapes,
+            textures,
+            instances,
+            scenes,
+            shadows,
+            sky,
+            labels,
+            target,
+            ..
+        } = self;
+        let Some(target) = target else { return Ok(encoder) };
+        let frame = Frame { eye: &eye, lights: &lights, settings, size, flags, shade };
+        shadows.prepare(gpu, &lights, list)?;
+        let has_haze = flags.contains(RenderFlags::HAZE);
+        sky.prepare(gpu, list, &eye, settings, has_haze)?;
+        labels.prepare(gpu, scene, &eye, size)?;
+        if labels.count > 0 && labels.atlas.is_none() {
+            labels.atlas = Some(textures.atlas(gpu));
+        }
+        scenes.prepare(gpu, &frame, list, shadows)?;
+        let mut draw = Draw { gpu, pipelines, shapes, textures, instances: instances.buffer() };
+        shadows.encode(&mut encoder, &mut draw, list, culls);
+        let viewport = [0, 0, size[0], size[1]];
+        let canvas = Canvas { target, view: color, viewport, keeps: false };
+        scenes.encode(&mut encoder, &mut draw, &frame, list, (shadows, sky, labels), &canvas);
+        Ok(encoder)
+    }
+
+    fn check_model(&self, model: &Model) -> Result<(), RenderError> {
+        if model.lineage() == self.lineage {
+            Ok(())
+        } else {
+            Err(Error::OtherModel { what: "the edited model" }.into())
+        }
+    }
+}
+
+/// The size of shadow maps: what was asked for, or what the model has if the adapter can take that.
+fn shadow_size(gpu: &Gpu, asked: Option<u32>, of_model: usize) -> Result<u32, RenderError> {
+    let limit = gpu.limits().max_texture_dimension_2d;
+    match asked {
+        Some(size) if size > limit => {
+            let what = "the size of shadow maps, pixels,".to_owned();
+            Err(RenderError::TooLarge { what, size: size.into(), limit: limit.into() })
+        }
+        Some(size) => Ok(size),
+        None => Ok(of_model.min(limit as usize) as u32),
+    }
+}
+
+impl fmt::Debug for Renderer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.size;
+        write!(f, "Renderer: {width} x {height} pixels, {} samples, on {:?}", self.samples, self.gpu)
     }
 }

@@ -47,7 +47,11 @@ impl Settings {
             fog_color: color(visual.rgba.fog),
             haze_color: color(visual.rgba.haze),
             haze: share(map.haze),
-            line_width: if visual.global.linewidth.is_finite() { visual.global.linewidth.clamp(0.1, 100.0) } else { 1.0 },
+            line_width: if visual.global.linewidth.is_finite() {
+                visual.global.linewidth.clamp(0.1, 100.0)
+            } else {
+                1.0
+            },
             far: metres(map.zfar),
         }
     }

@@ -310,6 +310,12 @@ impl Scene {
         &mut self.raw
     }
 
+    /// Which model it is of.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn lineage(&self) -> Lineage {
+        self.lineage
+    }
+
     fn check_model(&self, model: &Model, what: &'static str) -> Result<()> {
         if model.lineage() == self.lineage { Ok(()) } else { Err(Error::OtherModel { what }) }
     }

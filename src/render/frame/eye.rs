@@ -82,13 +82,25 @@ impl Eye {
             let length = dot([plane[0], plane[1], plane[2]], [plane[0], plane[1], plane[2]]).sqrt();
             plane.map(|number| (number / length) as f32)
         };
-        [plane(1.0, x, w), plane(-1.0, x, w), plane(1.0, y, w), plane(-1.0, y, w), plane(1.0, z, [0.0; 4]), plane(-1.0, z, w)]
+        [
+            plane(1.0, x, w),
+            plane(-1.0, x, w),
+            plane(1.0, y, w),
+            plane(-1.0, y, w),
+            plane(1.0, z, [0.0; 4]),
+            plane(-1.0, z, w),
+        ]
     }
 }
 
 fn check(viewpoint: &Viewpoint) -> Result<()> {
-    let frustum =
-        [viewpoint.frustum_center, viewpoint.frustum_bottom, viewpoint.frustum_top, viewpoint.frustum_near, viewpoint.frustum_far];
+    let frustum = [
+        viewpoint.frustum_center,
+        viewpoint.frustum_bottom,
+        viewpoint.frustum_top,
+        viewpoint.frustum_near,
+        viewpoint.frustum_far,
+    ];
     let numbers = viewpoint.pos.iter().chain(&viewpoint.forward).chain(&viewpoint.up).chain(&frustum);
     let is_ordered = viewpoint.frustum_near > 1e-15
         && viewpoint.frustum_far > viewpoint.frustum_near

@@ -1,0 +1,91 @@
+//! What part of a shadow map anything is drawn to. Only that part is kept: to clear a map of 4096 by 4096 costs more than to draw a
+//! robot to it.
+
+use crate::render::bound::{Reach, Sphere};
+use crate::render::frame::matrix::{Matrix4, row};
+use crate::render::frame::{Lamp, Lights};
+use crate::scene::{SceneGeom, SceneGeomType};
+
+/// The rectangle of each light's map, in the coordinates of the cube that it sees, from -1 to 1.
+pub(super) struct Casters<'a> {
+    lights: Vec<Caster<'a>>,
+    culls: bool,
+}
+
+struct Caster<'a> {
+    lamp: &'a Lamp,
+    /// The first, the second and the last row of its matrix.
+    rows: [[f64; 4]; 3],
+    lengths: [f64; 3],
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl<'a> Casters<'a> {
+    /// Nothing yet. `culls` says that only backs are drawn to the maps.
+    pub(super) fn new(lights: &'a Lights, culls: bool) -> Self {
+        let lights = lights.lamps.iter().filter_map(|lamp| Some(Caster::new(lamp, lamp.shadow.as_ref()?))).collect();
+        Self { lights, culls }
+    }
+
+    /// Adds a geom that casts shadows.
+    pub(super) fn add(&mut self, geom: SceneGeom<'_>, reach: &Reach) {
+        for light in &mut self.lights {
+            // The front of a plane is left out, as all fronts are: then nothing of it is drawn.
+            let is_left_out = self.culls && geom.geom_type() == SceneGeomType::Plane && light.sees_front(geom);
+            match reach {
+                _ if is_left_out => {}
+                Reach::Within(sphere) => light.add(sphere),
+                Reach::Everywhere => (light.low, light.high) = ([-1.0; 2], [1.0; 2]),
+                Reach::Nowhere => {}
+            }
+        }
+    }
+
+    /// The rectangles, from the lowest to the highest corner; none where nothing is drawn.
+    pub(super) fn finish(self) -> Vec<Option<[[f64; 2]; 2]>> {
+        let within = |corner: [f64; 2]| corner.map(|coordinate| coordinate.clamp(-1.0, 1.0));
+        let rectangle = |light: Caster<'_>| {
+            let (low, high) = (within(light.low), within(light.high));
+            (low[0] < high[0] && low[1] < high[1]).then_some([low, high])
+        };
+        self.lights.into_iter().map(rectangle).collect()
+    }
+}
+
+impl<'a> Caster<'a> {
+    fn new(lamp: &'a Lamp, matrix: &Matrix4) -> Self {
+        let rows = [row(matrix, 0), row(matrix, 1), row(matrix, 3)];
+        let lengths = rows.map(|[x, y, z, _]| (x * x + y * y + z * z).sqrt());
+        Self { lamp, rows, lengths, low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] }
+    }
+
+    fn sees_front(&self, geom: SceneGeom<'_>) -> bool {
+        let (pos, mat, light) = (geom.pos(), geom.mat(), &self.lamp.light);
+        let normal = [mat[2], mat[5], mat[8]];
+        let toward =
+            [0, 1, 2].map(|axis| if light.directional { -light.dir[axis] } else { light.pos[axis] - pos[axis] });
+        normal.iter().zip(toward).map(|(a, b)| a * b).sum::<f32>() > 0.0
+    }
+
+    /// Adds the box around the picture of a sphere.
+    fn add(&mut self, sphere: &Sphere) {
+        let [x, y, z] = sphere.centre.map(f64::from);
+        let radius = f64::from(sphere.radius);
+        let [across, up, deep] = self.rows.map(|row| row[0] * x + row[1] * y + row[2] * z + row[3]);
+        let around = self.lengths.map(|length| length * radius);
+        let (near, far) = (deep - around[2], deep + around[2]);
+        // It reaches behind the light, or almost: it may be anywhere.
+        if !(near > 1e-6 * far.abs()) {
+            if !(far <= 0.0) {
+                (self.low, self.high) = ([-1.0; 2], [1.0; 2]);
+            }
+            return;
+        }
+        for (axis, center) in [across, up].into_iter().enumerate() {
+            let (low, high) = (center - around[axis], center + around[axis]);
+            self.low[axis] = self.low[axis].min(low / if low < 0.0 { near } else { far });
+            self.high[axis] = self.high[axis].max(high / if high > 0.0 { near } else { far });
+        }
+    }
+}
