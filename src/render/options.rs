@@ -4,11 +4,12 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Lighting {
-    /// At each pixel: round highlights, and spots of light with clear edges.
+    /// At the corners of triangles, and between them interpolated, as the engine's own renderer does: its pictures are the same but
+    /// for roundings.
     #[default]
-    PerPixel,
-    /// At the corners of triangles, and between them interpolated: faster, and what the engine's own renderer does.
     PerVertex,
+    /// At each pixel: round highlights, and spots of light with clear edges.
+    PerPixel,
 }
 
 /// How a [`Renderer`](super::Renderer) draws. What is not here is in the model's [`Visual`](crate::Visual) settings, which are taken

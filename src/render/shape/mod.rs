@@ -61,9 +61,10 @@ impl Triangles {
         self.vertices.len() as u32 - 1
     }
 
-    /// Adds the rectangle of four corners, counterclockwise from outside, cut from the first to the third.
+    /// Adds the rectangle of four corners, counterclockwise from outside, cut from the second to the fourth: where light
+    /// is computed at corners, the cut is seen, and there OpenGL has it.
     fn rectangle(&mut self, [a, b, c, d]: [u32; 4]) {
-        self.indices.extend([a, b, c, a, c, d]);
+        self.indices.extend([a, b, d, b, c, d]);
     }
 
     /// Adds a triangle that shares no corner with others, so that it is flat, unless it has no place.
