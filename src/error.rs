@@ -84,6 +84,16 @@ pub enum Error {
         reason: String,
     },
 
+    /// A moving picture could not be made.
+    #[cfg(feature = "renderer")]
+    #[error("cannot record {path}: {reason}")]
+    Recording {
+        /// What was to be recorded to.
+        path: PathBuf,
+        /// Why not, and what to do.
+        reason: String,
+    },
+
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     File {

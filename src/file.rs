@@ -1,10 +1,10 @@
 //! Files that are written whole or not at all, and read only if they have an end.
 
-use std::fs::{self, File};
+use std::fs::{self, File, Permissions};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 use crate::error::{Error, Result};
 
@@ -40,32 +40,70 @@ pub(crate) fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> i
 }
 
 fn try_replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    let path = behind_links(path)?;
-    let before = fs::metadata(&path).ok();
-    if let Some(before) = &before {
-        if before.is_dir() {
-            return Err(io::ErrorKind::IsADirectory.into());
+    let replacement = Replacement::create(path)?;
+    let mut out = BufWriter::new(replacement.file.try_clone()?);
+    write(&mut out)?;
+    out.flush()?;
+    replacement.finish()
+}
+
+/// A file that is being written, and has another name until it is whole. Dropped before, it leaves nothing.
+pub(crate) struct Replacement {
+    file: File,
+    /// Where it is written to, unless that is a pipe or a device, which has nothing to replace.
+    name: Option<TempPath>,
+    path: PathBuf,
+    permissions: Option<Permissions>,
+}
+
+impl Replacement {
+    /// Makes what is to get the name `path`.
+    pub(crate) fn create(path: &Path) -> io::Result<Self> {
+        let path = behind_links(path)?;
+        let before = fs::metadata(&path).ok();
+        if let Some(before) = &before {
+            if before.is_dir() {
+                return Err(io::ErrorKind::IsADirectory.into());
+            }
+            // Who must not write to a file must not replace it either, though its folder would let them.
+            let file = File::options().write(true).open(&path)?;
+            if !before.is_file() {
+                return Ok(Self { file, name: None, path, permissions: None });
+            }
         }
-        // A pipe or a terminal has nothing to replace.
-        if !before.is_file() {
-            return finish(BufWriter::new(File::options().write(true).open(&path)?), write).map(drop);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".").suffix(".part");
+        // Otherwise nobody else could read it.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        // Beside the file, because only within a file system can a name be given to what is there.
+        let (file, name) = builder.tempfile_in(folder(&path))?.into_parts();
+        Ok(Self { file, name: Some(name), path, permissions: before.map(|before| before.permissions()) })
+    }
+
+    /// What is written to.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// Where that is, for another program to write to.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn written_to(&self) -> &Path {
+        self.name.as_deref().unwrap_or(&self.path)
+    }
+
+    /// Gives the file its name.
+    pub(crate) fn finish(self) -> io::Result<()> {
+        if let Some(permissions) = self.permissions {
+            self.file.set_permissions(permissions)?;
         }
-        // Who must not write to a file must not replace it either, though its folder would let them.
-        drop(File::options().write(true).open(&path)?);
+        drop(self.file);
+        match self.name {
+            Some(name) => name.persist(&self.path).map_err(|failed| failed.error),
+            None => Ok(()),
+        }
     }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".").suffix(".part");
-    // Otherwise nobody else could read it.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // Beside the file, because only within a file system can a name be given to what is there.
-    let (out, name) = builder.tempfile_in(folder(&path))?.into_parts();
-    let out = finish(BufWriter::new(out), write)?;
-    if let Some(before) = before {
-        out.set_permissions(before.permissions())?;
-    }
-    drop(out);
-    name.persist(&path).map_err(|failed| failed.error)
 }
 
 /// Where a link leads to, so that it stays a link, even if there is nothing yet.
@@ -84,12 +122,6 @@ fn behind_links(path: &Path) -> io::Result<PathBuf> {
         path = folder(&path).join(target);
     }
     Err(io::Error::other("too many links"))
-}
-
-fn finish(mut out: BufWriter<File>, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<File> {
-    write(&mut out)?;
-    out.flush()?;
-    out.into_inner().map_err(|failed| failed.into_error())
 }
 
 fn folder(path: &Path) -> PathBuf {

@@ -41,7 +41,7 @@ pub enum Warning {
 
 impl Warning {
     /// All of them, in the engine's order.
-    const ALL: [Self; COUNT] = [
+    pub(crate) const ALL: [Self; COUNT] = [
         Self::Inertia,
         Self::ContactFull,
         Self::ConstraintFull,
@@ -53,7 +53,7 @@ impl Warning {
     ];
 
     /// What the number that comes with a warning means.
-    fn message(self, info: i32, data: &Data) -> String {
+    pub(crate) fn message(self, info: i32, data: &Data) -> String {
         let time = data.time();
         match self {
             Self::Inertia => format!(

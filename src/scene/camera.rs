@@ -199,6 +199,21 @@ pub(super) fn check_motion(motion: [f64; 2]) -> Result<()> {
 }
 
 impl Scene {
+    /// Puts the eyes where a free camera is, or a tracking one that does not move along: for a picture from elsewhere than the last
+    /// update, without a simulation. Nothing for others, whose poses a simulation has.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn look(&mut self, model: &Model, camera: &Camera) -> Result<()> {
+        self.check_model(model, "the model to look at")?;
+        if !matches!(camera.view, CameraView::Free | CameraView::Tracking(_)) {
+            return Ok(());
+        }
+        let mut raw = Camera { view: CameraView::Free, ..*camera }.raw(model)?;
+        let (model, scene) = (model.as_ptr(), self.raw_mut());
+        // SAFETY: a model of the scene's lineage. For a free camera the function reads no simulation.
+        let status = unsafe { guard::mjv_update_camera(model, std::ptr::null_mut(), &raw mut raw, scene) };
+        ffi::check("mjv_updateCamera", status)
+    }
+
     /// Brings only the viewpoints up to date. An [`update`](Self::update) puts the middle of an infinite plane near the viewpoints
     /// of the update before; call this first where there was none, for a single picture say.
     ///

@@ -241,7 +241,7 @@ impl SceneOptions {
     }
 
     /// Whether something of the contacts is shown, for which the engine reads their forces.
-    pub(super) fn shows_contacts(&self) -> bool {
+    pub(crate) fn shows_contacts(&self) -> bool {
         const FLAGS: VisualFlags =
             VisualFlags::CONTACTPOINT.union(VisualFlags::CONTACTFORCE).union(VisualFlags::CONSTRAINT);
         self.flags.intersects(FLAGS) || self.frame == FrameMode::Contact

@@ -188,6 +188,15 @@ impl Trajectory {
         &self.controls[record * self.sizes.nu..][..self.sizes.nu]
     }
 
+    /// Refuses a model that the records do not fit.
+    pub(crate) fn check_sizes(&self, model: &Model) -> Result<()> {
+        let sizes = Sizes::of(model);
+        if sizes == self.sizes {
+            return Ok(());
+        }
+        Err(other_sizes("the simulation to apply to (state, controls)", self.sizes, sizes))
+    }
+
     /// Before a product that could wrap round to another record.
     #[track_caller]
     fn check(&self, record: usize) {
@@ -204,10 +213,7 @@ impl Trajectory {
     ///
     /// If there is no such record.
     pub fn apply(&self, record: usize, data: &mut Data) -> Result<()> {
-        let sizes = Sizes::of(data.model());
-        if sizes != self.sizes {
-            return Err(other_sizes("the simulation to apply to (state, controls)", self.sizes, sizes));
-        }
+        self.check_sizes(data.model())?;
         data.set_physics_state(self.state(record))?;
         data.ctrl_mut().copy_from_slice(self.ctrl(record));
         data.set_time(self.times[record]);

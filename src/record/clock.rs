@@ -1,0 +1,158 @@
+//! Which picture belongs to which frame.
+
+use crate::error::{Error, Result};
+
+/// Turns simulation times into frame numbers. Frame `n` shows the first picture from `n` intervals after the start on, so that
+/// errors do not add up; where there is none for more than an interval, the picture before stays.
+#[derive(Debug)]
+pub(super) struct Clock {
+    /// From one frame to the next, s of the simulation.
+    interval: f64,
+    /// The picture that was taken last.
+    last: Option<Taken>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Taken {
+    time: f64,
+    frame: u64,
+    /// When frame 0 would have been.
+    start: f64,
+}
+
+impl Clock {
+    /// Sums of timesteps are a little off: so much of an interval may be missing.
+    const TOLERANCE: f64 = 1e-3;
+    /// A longer gap between two pictures is taken for a mistake.
+    const LONGEST_GAP: f64 = 100_000.0;
+
+    pub(super) fn new(interval: f64) -> Self {
+        Self { interval, last: None }
+    }
+
+    pub(super) fn is_due(&self, time: f64) -> bool {
+        self.last.is_none_or(|last| time < last.time || self.frame(last, time) >= last.frame as f64 + 1.0)
+    }
+
+    /// Takes a picture that is due. Returns for how many frames the one before was shown.
+    pub(super) fn take(&mut self, time: f64) -> Result<u64> {
+        let Some(last) = self.last else {
+            self.last = Some(Taken { time, frame: 0, start: time });
+            return Ok(0);
+        };
+        if time < last.time {
+            // The simulation was reset: the recording goes on.
+            let frame = last.frame + 1;
+            self.last = Some(Taken { time, frame, start: time - frame as f64 * self.interval });
+            return Ok(1);
+        }
+        let shown = self.frame(last, time) - last.frame as f64;
+        if shown > Self::LONGEST_GAP {
+            return Err(Error::invalid(
+                "the time of a picture",
+                format!("{time} s"),
+                format!("at most {} s after the one before", Self::LONGEST_GAP * self.interval),
+            ));
+        }
+        let shown = shown as u64;
+        self.last = Some(Taken { time, frame: last.frame + shown, ..last });
+        Ok(shown)
+    }
+
+    fn frame(&self, last: Taken, time: f64) -> f64 {
+        ((time - last.start) / self.interval + Self::TOLERANCE).floor()
+    }
+}
+
+/// Frames in the units of a file: hundredths of a second, say. What is rounded off one delay is added to the next.
+#[derive(Debug)]
+pub(super) struct Delays {
+    ticks_per_frame: f64,
+    frames: u64,
+    ticks: u64,
+}
+
+impl Delays {
+    pub(super) fn new(ticks_per_second: f64, frames_per_second: f64) -> Self {
+        Self { ticks_per_frame: ticks_per_second / frames_per_second, frames: 0, ticks: 0 }
+    }
+
+    /// The ticks of so many frames more, in parts that a file has room for.
+    pub(super) fn next(&mut self, shown: u64) -> impl Iterator<Item = u16> + use<> {
+        self.frames += shown;
+        let until = (self.frames as f64 * self.ticks_per_frame).round() as u64;
+        let mut left = until - self.ticks;
+        self.ticks = until;
+        std::iter::from_fn(move || {
+            let part = u16::try_from(left).unwrap_or(u16::MAX);
+            left -= u64::from(part);
+            (part > 0).then_some(part)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Clock, Delays};
+
+    /// For each frame the time of the picture that it shows.
+    fn frames(clock: &mut Clock, times: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let (mut shown, mut held) = (Vec::new(), None);
+        for time in times {
+            if clock.is_due(time) {
+                let count = clock.take(time).unwrap();
+                held.into_iter().for_each(|held| shown.extend(std::iter::repeat_n(held, count as usize)));
+                held = Some(time);
+            }
+        }
+        shown.extend(held);
+        shown
+    }
+
+    #[test]
+    fn steps_that_do_not_divide_a_frame_do_not_add_up() {
+        let times = (0..=2000).map(|step| f64::from(step) * 0.005);
+        let shown = frames(&mut Clock::new(1.0 / 30.0), times);
+        assert_eq!(shown.len(), 301);
+        for (frame, time) in shown.iter().enumerate() {
+            let late = time - frame as f64 / 30.0;
+            assert!((-1e-4..0.005 + 1e-9).contains(&late), "frame {frame} is {late} s late");
+        }
+    }
+
+    #[test]
+    fn times_that_are_sums_of_timesteps_are_not_a_step_late() {
+        let mut time = 0.0;
+        let sums = (0..5000).map(|_| {
+            time += 0.002;
+            time
+        });
+        let shown = frames(&mut Clock::new(0.02), sums);
+        assert_eq!(shown.len(), 500);
+        assert!((shown[499] - (0.002 + 499.0 * 0.02)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn long_steps_repeat_pictures_and_a_reset_goes_on() {
+        assert_eq!(frames(&mut Clock::new(0.1), [0.0, 0.25, 0.3]), [0.0, 0.0, 0.25, 0.3]);
+        assert_eq!(frames(&mut Clock::new(0.1), [5.0, 5.1, 0.0, 0.05, 0.1]), [5.0, 5.1, 0.0, 0.1]);
+    }
+
+    #[test]
+    fn a_leap_in_time_is_an_error_and_changes_nothing() {
+        let mut clock = Clock::new(0.1);
+        clock.take(0.0).unwrap();
+        clock.take(1e9).unwrap_err();
+        clock.take(f64::MAX).unwrap_err();
+        assert_eq!(clock.take(0.1).unwrap(), 1);
+    }
+
+    #[test]
+    fn rounded_delays_sum_up_to_the_right_length() {
+        let mut delays = Delays::new(100.0, 30.0);
+        let parts: Vec<u16> = (0..300).flat_map(|_| delays.next(1)).collect();
+        assert_eq!(parts.iter().map(|&part| u32::from(part)).sum::<u32>(), 1000);
+        assert!(parts.iter().all(|part| (3..=4).contains(part)));
+        assert_eq!(delays.next(30_000).collect::<Vec<_>>(), [u16::MAX, 34_465]);
+    }
+}

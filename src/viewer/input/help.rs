@@ -1,0 +1,91 @@
+//! The table as a text: for the screen, and for the terminal.
+
+use super::{BINDINGS, Modifiers, Section};
+use crate::viewer::mode::Mode;
+
+/// A table of the help.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct HelpSection {
+    pub title: &'static str,
+    /// What to press, and what it does.
+    pub lines: Vec<(String, &'static str)>,
+}
+
+/// What the mouse does: modifiers, the gesture, what it does, and in which mode only.
+const MOUSE: &[(Modifiers, &str, &str, Option<Mode>)] = &[
+    (Modifiers::NONE, "left drag", "Turn the view, from side to side and up and down", None),
+    (Modifiers::SHIFT, "left drag", "Turn the view, from side to side only", None),
+    (Modifiers::NONE, "right drag", "Move the view up, down and sideways", None),
+    (Modifiers::SHIFT, "right drag", "Move the view over the ground", None),
+    (Modifiers::NONE, "middle drag, wheel", "Zoom", None),
+    (Modifiers::NONE, "left double-click", "Select a body, or nothing", None),
+    (Modifiers::NONE, "right double-click", "Look at a point", None),
+    (Modifiers::COMMAND, "right double-click", "Follow a body", None),
+    (Modifiers::COMMAND, "left drag", "Turn the selected body", None),
+    (Modifiers::COMMAND, "right drag", "Pull the selected body; where paused, move it", None),
+    (Modifiers::COMMAND, "wheel", "Burst: more or fewer moments", Some(Mode::Trajectory)),
+    (Modifiers::SHIFT, "wheel", "Burst: slower or faster fading", Some(Mode::Trajectory)),
+];
+
+/// The help for a mode.
+pub(crate) fn help(mode: Mode) -> Vec<HelpSection> {
+    let here = |only: Option<Mode>| only.is_none_or(|only| only == mode);
+    let mouse = MOUSE.iter().filter(|(.., only)| here(*only));
+    let mouse = mouse.map(|&(modifiers, gesture, help, _)| (format!("{modifiers}{gesture}"), help)).collect();
+    let mut sections = vec![HelpSection { title: "Mouse", lines: mouse }];
+    for section in Section::ALL {
+        let mut lines: Vec<(String, &'static str)> = Vec::new();
+        for binding in BINDINGS.iter().filter(|binding| binding.section == section && here(binding.mode)) {
+            match lines.last_mut() {
+                Some((keys, help)) if *help == binding.help => {
+                    keys.push_str(", ");
+                    keys.push_str(&binding.press().to_string());
+                }
+                _ => lines.push((binding.press().to_string(), binding.help)),
+            }
+        }
+        if !lines.is_empty() {
+            sections.push(HelpSection { title: section.title(), lines });
+        }
+    }
+    sections
+}
+
+/// The same as a text of at most so many columns, where the words allow it.
+pub(crate) fn help_text(mode: Mode, columns: usize) -> String {
+    let sections = help(mode);
+    let widest = sections.iter().flat_map(|section| &section.lines).map(|(keys, _)| keys.chars().count()).max();
+    let left = widest.unwrap_or(0).min(columns / 2);
+    let right = columns.saturating_sub(left + 3).max(10);
+    let mut text = String::new();
+    for section in &sections {
+        text.push_str(section.title);
+        text.push('\n');
+        for (keys, help) in &section.lines {
+            let (keys, help) = (wrapped(keys, left), wrapped(help, right));
+            for row in 0..keys.len().max(help.len()) {
+                let cell = |cells: &[String]| cells.get(row).cloned().unwrap_or_default();
+                let line = format!("  {:left$} {}", cell(&keys), cell(&help));
+                text.push_str(line.trim_end());
+                text.push('\n');
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Lines of at most so many characters; a word that is longer has a line of its own.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}

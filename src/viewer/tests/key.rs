@@ -1,0 +1,431 @@
+//! Every key of the table does what it says.
+
+use super::{Bench, Pressed, trajectories};
+use crate::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFlags};
+use crate::viewer::event::Event;
+use crate::viewer::input::{
+    Action, BINDINGS, Key, KeyPress, Modifiers, Section, WindowAction, action, help, help_text,
+};
+use crate::viewer::mode::Mode;
+use crate::viewer::request::Request;
+use crate::viewer::snapshot::Status;
+use crate::{Data, Model, sample};
+
+const NONE: Modifiers = Modifiers::NONE;
+const SHIFT: Modifiers = Modifiers::SHIFT;
+const COMMAND: Modifiers = Modifiers::COMMAND;
+
+fn character(character: char) -> Key {
+    Key::Character(character)
+}
+
+#[test]
+fn no_key_has_two_meanings_in_one_mode() {
+    for (index, one) in BINDINGS.iter().enumerate() {
+        for other in &BINDINGS[index + 1..] {
+            let same_press = one.press() == other.press();
+            let same_mode = one.mode.is_none() || other.mode.is_none() || one.mode == other.mode;
+            assert!(!(same_press && same_mode), "{} is {:?} and {:?}", one.press(), one.action, other.action);
+        }
+    }
+}
+
+#[test]
+fn modifiers_are_exact() {
+    let all = [SHIFT, COMMAND, Modifiers::ALT, Modifiers::OTHER];
+    for binding in BINDINGS {
+        let mode = binding.mode.unwrap_or(Mode::Passive);
+        for more in all.into_iter().filter(|more| !binding.modifiers.contains(*more)) {
+            let press = KeyPress { modifiers: binding.modifiers | more, ..binding.press() };
+            let found = action(press, mode);
+            assert!(found.is_none_or(|found| found != binding.action), "{press} does what {} does", binding.press());
+        }
+    }
+}
+
+#[test]
+fn what_repeats_is_done_again_while_the_key_is_held_and_nothing_else_is() {
+    let once: Vec<String> =
+        BINDINGS.iter().filter(|binding| !binding.repeats).map(|binding| binding.press().to_string()).collect();
+    for binding in BINDINGS {
+        let mode = binding.mode.unwrap_or(Mode::Passive);
+        let held = action(KeyPress { repeat: true, ..binding.press() }, mode);
+        assert_eq!(held.is_some(), binding.repeats, "{}", binding.press());
+    }
+    for press in ["F8", "Shift+F8", "F9", "Shift+F9", "F10", "F11", "Tab"] {
+        assert!(once.contains(&press.to_owned()), "{press}");
+    }
+}
+
+#[test]
+fn keys_of_a_mode_do_nothing_in_another() {
+    for binding in BINDINGS.iter().filter(|binding| binding.mode == Some(Mode::Trajectory)) {
+        for mode in [Mode::Controller, Mode::Passive] {
+            assert_ne!(action(binding.press(), mode), Some(binding.action), "{}", binding.press());
+        }
+    }
+}
+
+#[test]
+fn every_flag_of_the_engine_that_has_a_key_there_has_the_same_one_here() {
+    let of = |key: char, modifiers| action(KeyPress { key: character(key), modifiers, repeat: false }, Mode::Passive);
+    // The keys in mjVISSTRING and mjRNDSTRING of the library, in the order of the flags.
+    let visual = "HXJQU,ZVYNI'BOCFPTAMED;";
+    for (bit, key) in visual.chars().enumerate() {
+        let flag = VisualFlags::from_bits(1 << bit).unwrap();
+        assert_eq!(of(key.to_ascii_lowercase(), NONE), Some(Action::Visual(flag)), "{key}");
+    }
+    let render = "SWRLKG/,.";
+    for (bit, key) in render.chars().enumerate() {
+        let flag = RenderFlags::from_bits(1 << bit).unwrap();
+        // The comma is there twice.
+        let modifiers = if key == ',' { SHIFT } else { NONE };
+        assert_eq!(of(key.to_ascii_lowercase(), modifiers), Some(Action::Render(flag)), "{key}");
+    }
+}
+
+#[test]
+fn flags_are_switched_and_switched_back() {
+    let mut bench = Bench::humanoid();
+    for binding in BINDINGS {
+        let before = bench.view.clone();
+        match binding.action {
+            Action::Visual(flag) => {
+                bench.press(binding.key, binding.modifiers);
+                assert_eq!(bench.view.options.flags, before.options.flags ^ flag);
+            }
+            Action::Render(flag) => {
+                bench.press(binding.key, binding.modifiers);
+                assert_eq!(bench.view.render, before.render ^ flag);
+            }
+            _ => continue,
+        }
+        assert_ne!(bench.view, before);
+        bench.press(binding.key, binding.modifiers);
+        assert_eq!(bench.view, before);
+    }
+}
+
+#[test]
+fn what_is_shown_reaches_the_scene() {
+    let mut bench = Bench::humanoid();
+    let geoms = bench.shown().scene.ngeom();
+    bench.press(character('j'), NONE);
+    let with_joints = bench.shown().scene.ngeom();
+    assert!(with_joints > geoms);
+    bench.press(character('j'), NONE);
+    assert_eq!(bench.shown().scene.ngeom(), geoms);
+    bench.press(character('w'), NONE);
+    let (snapshot, _) = bench.front.latest().unwrap();
+    bench.view.prepare(snapshot).unwrap();
+    assert!(snapshot.scene.render_flags().contains(RenderFlags::WIREFRAME));
+}
+
+#[test]
+fn digits_switch_groups_of_geoms_and_with_shift_of_sites() {
+    let mut bench = Bench::humanoid();
+    for group in 0..6 {
+        let key = character(char::from(b'1' + group as u8));
+        let before = bench.view.options.clone();
+        bench.press(key, NONE);
+        assert_eq!(bench.view.options.geomgroup[group], !before.geomgroup[group]);
+        assert_eq!(bench.view.options.sitegroup, before.sitegroup);
+        bench.press(key, SHIFT);
+        assert_eq!(bench.view.options.sitegroup[group], !before.sitegroup[group]);
+    }
+}
+
+#[test]
+fn labels_and_frames_go_round() {
+    let mut bench = Bench::humanoid();
+    bench.press(character('-'), NONE);
+    assert_eq!(bench.view.options.label, LabelMode::ContactForce);
+    for _ in 0..14 {
+        bench.press(character('='), NONE);
+    }
+    assert_eq!(bench.view.options.label, LabelMode::ContactForce);
+    bench.press(Key::Function(7), NONE);
+    assert_eq!(bench.view.options.label, LabelMode::None);
+    bench.press(character('['), NONE);
+    assert_eq!(bench.view.options.frame, FrameMode::World);
+    for _ in 0..8 {
+        bench.press(character(']'), NONE);
+    }
+    assert_eq!(bench.view.options.frame, FrameMode::World);
+    bench.press(Key::Function(6), NONE);
+    assert_eq!(bench.view.options.frame, FrameMode::None);
+}
+
+#[test]
+fn tab_goes_through_the_cameras_and_back_to_the_free_one() {
+    let text = r#"<mujoco><worldbody>
+        <camera name="a" pos="0 -2 1"/><camera name="b" pos="0 -3 1"/><geom size="0.1"/>
+      </worldbody></mujoco>"#;
+    let mut bench = Bench::new(Data::new(Model::from_xml_str(text).unwrap()).unwrap());
+    let index = |bench: &mut Bench, modifiers| {
+        bench.press(Key::Tab, modifiers);
+        let seen_from = bench.shown().camera.view;
+        assert_eq!(seen_from, bench.view.camera.view);
+        match bench.view.camera.view {
+            CameraView::Fixed(camera) => Some(camera.index()),
+            _ => None,
+        }
+    };
+    assert_eq!([NONE; 4].map(|none| index(&mut bench, none)), [Some(0), Some(1), None, Some(0)]);
+    assert_eq!([SHIFT; 3].map(|shift| index(&mut bench, shift)), [None, Some(1), Some(0)]);
+    bench.press(character('a'), COMMAND);
+    assert_eq!(bench.view.camera.view, CameraView::Free);
+}
+
+#[test]
+fn align_shows_the_whole_model() {
+    let mut bench = Bench::humanoid();
+    let before = bench.view.camera;
+    (bench.view.camera.lookat, bench.view.camera.distance) = ([5.0; 3], 0.1);
+    bench.press(character('a'), COMMAND);
+    assert_eq!(bench.view.camera, before);
+}
+
+#[test]
+fn panels_and_plots_are_shown_and_hidden() {
+    type Shown = fn(&Bench) -> bool;
+    let mut bench = Bench::humanoid();
+    let panels: [(Key, Modifiers, Shown); 5] = [
+        (Key::Function(2), NONE, |bench| bench.view.info),
+        (Key::Function(3), NONE, |bench| bench.view.profile),
+        (Key::Function(4), NONE, |bench| bench.view.sensors),
+        (character('1'), COMMAND, |bench| bench.view.left_panel),
+        (character('2'), COMMAND, |bench| bench.view.right_panel),
+    ];
+    for (key, modifiers, shown) in panels {
+        let before = shown(&bench);
+        bench.press(key, modifiers);
+        assert_eq!(shown(&bench), !before, "{key}");
+        bench.press(key, modifiers);
+        assert_eq!(shown(&bench), before, "{key}");
+    }
+}
+
+#[test]
+fn help_is_on_the_screen_and_on_the_terminal() {
+    let mut bench = Bench::humanoid();
+    assert_eq!(bench.press(Key::Function(1), NONE), Pressed::Window(WindowAction::PrintHelp));
+    assert!(bench.view.help);
+    assert_eq!(bench.press(Key::Function(1), NONE), Pressed::Done);
+    assert!(!bench.view.help);
+}
+
+#[test]
+fn what_only_the_window_can_do_is_left_to_it() {
+    let mut bench = Bench::humanoid();
+    for (key, modifiers, window) in [
+        (Key::Escape, NONE, WindowAction::Quit),
+        (character('q'), COMMAND, WindowAction::Quit),
+        (Key::Function(8), NONE, WindowAction::Resize([1024, 768])),
+        (Key::Function(8), SHIFT, WindowAction::Resize([1280, 1024])),
+        (Key::Function(9), NONE, WindowAction::Resize([1280, 720])),
+        (Key::Function(9), SHIFT, WindowAction::Resize([1920, 1080])),
+        (Key::Function(10), NONE, WindowAction::DefaultSize),
+        (Key::Function(11), NONE, WindowAction::FullScreen),
+        (Key::Function(5), NONE, WindowAction::FullScreen),
+        (character('v'), COMMAND, WindowAction::Record),
+        (character('p'), COMMAND, WindowAction::Screenshot),
+        (character('l'), COMMAND, WindowAction::Reload),
+    ] {
+        assert_eq!(bench.press(key, modifiers), Pressed::Window(window), "{key}");
+    }
+}
+
+#[test]
+fn space_lets_it_go_and_pauses_it() {
+    let mut bench = Bench::humanoid();
+    assert_eq!(bench.shown().status, Status::Paused, "a viewer starts paused");
+    bench.press(Key::Space, NONE);
+    assert_eq!(bench.shown().status, Status::Running);
+    assert!(bench.pass(0.5).time > 0.45);
+    bench.press(Key::Space, NONE);
+    let time = bench.shown().time;
+    assert_eq!(bench.shown().status, Status::Paused);
+    assert_eq!(bench.pass(1.0).time, time);
+}
+
+#[test]
+fn arrows_step_forward_and_back_while_paused() {
+    let mut bench = Bench::humanoid();
+    let timestep = bench.shown().model.timestep();
+    let start = bench.shown().qpos.clone();
+    let steps = |bench: &mut Bench| (bench.shown().time / timestep).round() as i64;
+    for (key, modifiers, expected) in [
+        (Key::Right, NONE, 1),
+        (Key::Right, SHIFT, 51),
+        (Key::Left, NONE, 50),
+        (Key::Left, SHIFT, 0),
+        (Key::Left, NONE, 0),
+    ] {
+        bench.press(key, modifiers);
+        assert_eq!(steps(&mut bench), expected, "{modifiers}{key}");
+    }
+    assert_eq!(bench.shown().qpos, start, "bit for bit");
+    // With the modifier of another key they do not step.
+    bench.press(Key::Right, COMMAND);
+    assert_eq!(steps(&mut bench), 0);
+    // Nor do they while it runs.
+    bench.press(Key::Space, NONE);
+    bench.pass(0.1);
+    let before = steps(&mut bench);
+    bench.press(Key::Right, SHIFT);
+    assert!(steps(&mut bench) <= before + 1);
+}
+
+#[test]
+fn speed_is_switched_doubled_and_halved() {
+    let mut bench = Bench::humanoid();
+    let pace = |bench: &mut Bench| (bench.shown().pace.wanted(), bench.shown().pace.text());
+    assert_eq!(pace(&mut bench), (1.0, "1".to_owned()));
+    bench.press(Key::Enter, NONE);
+    assert_eq!(pace(&mut bench), (0.1, "10x (slower)".to_owned()));
+    bench.press(Key::Enter, NONE);
+    assert_eq!(pace(&mut bench).0, 1.0);
+    // What is set is what it goes by, and what the panel says.
+    bench.press(Key::Up, SHIFT);
+    assert_eq!(pace(&mut bench), (0.2, "5x (slower)".to_owned()));
+    bench.press(Key::Down, SHIFT);
+    assert_eq!(pace(&mut bench).0, 0.1);
+    for _ in 0..5 {
+        bench.press(Key::Up, SHIFT);
+    }
+    assert_eq!(pace(&mut bench), (3.2, "3.2x (faster)".to_owned()));
+    for _ in 0..100 {
+        bench.press(Key::Up, SHIFT);
+    }
+    assert!(pace(&mut bench).0.is_finite());
+    for _ in 0..200 {
+        bench.press(Key::Down, SHIFT);
+    }
+    assert!(pace(&mut bench).0 > 0.0);
+}
+
+#[test]
+fn a_slow_down_keeps_its_word() {
+    let mut bench = Bench::humanoid();
+    bench.press(Key::Enter, NONE);
+    bench.press(Key::Space, NONE);
+    let snapshot = bench.pass(5.0);
+    assert!((snapshot.time - 0.5).abs() < 0.01, "{}", snapshot.time);
+    assert!((snapshot.pace.measured - 0.1).abs() < 0.02, "{:?}", snapshot.pace);
+}
+
+#[test]
+fn backspace_returns_to_the_state_of_the_start() {
+    let mut bench = Bench::humanoid();
+    let start = bench.shown().qpos.clone();
+    assert_ne!(start, bench.shown().model.qpos0());
+    bench.press(Key::Space, NONE);
+    assert_ne!(bench.pass(0.5).qpos, start);
+    bench.press(Key::Space, NONE);
+    bench.press(Key::Backspace, NONE);
+    assert_eq!(bench.shown().qpos, start);
+    assert_eq!(bench.shown().time, 0.0);
+}
+
+#[test]
+fn modes_go_round() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    data.qpos_mut()[1] = 0.2;
+    let controller = |data: &mut Data| data.ctrl_mut()[0] = 1.0;
+    let mut bench = Bench::with(data, Some(Box::new(controller)), trajectories());
+    assert_eq!(bench.shown().modes, [Mode::Controller, Mode::Trajectory, Mode::Passive]);
+    let mut modes = Vec::new();
+    for key in [Key::Right, Key::Right, Key::Right, Key::Left, Key::Left] {
+        modes.push(bench.mode());
+        bench.press(key, COMMAND);
+    }
+    modes.push(bench.mode());
+    let [first, second, last] = [Mode::Controller, Mode::Trajectory, Mode::Passive];
+    assert_eq!(modes, [first, second, last, first, last, second]);
+}
+
+#[test]
+fn page_up_selects_the_parent() {
+    let mut bench = Bench::humanoid();
+    let model = bench.shown().model.clone();
+    let foot = model.body("foot_left").unwrap();
+    bench.ask(Request::SelectBody(Some(foot.id())));
+    assert_eq!(bench.shown().selected.unwrap().body, foot.id());
+    bench.press(Key::PageUp, NONE);
+    assert_eq!(bench.shown().selected.unwrap().body, foot.parent());
+}
+
+#[test]
+fn keys_for_states_copy_keep_and_clear() {
+    let mut bench = Bench::humanoid();
+    let model = bench.shown().model.clone();
+    bench.ask(Request::SetControl(model.actuator(0).unwrap().id(), 0.5));
+    bench.press(character('c'), COMMAND);
+    let events = bench.events();
+    assert!(matches!(&events[..], [Event::Copied(text)] if text.starts_with("<key time=\"0\" qpos=\"")), "{events:?}");
+    bench.press(character('s'), COMMAND);
+    assert_eq!(bench.shown().captured.len(), 1);
+    bench.press(Key::Backspace, COMMAND);
+    assert!(bench.shown().ctrl.iter().all(|&ctrl| ctrl == 0.0));
+}
+
+#[test]
+fn keys_of_the_trajectory_mode() {
+    let mut bench = Bench::with(Data::new(sample::cartpole()).unwrap(), None, trajectories());
+    let playback = |bench: &mut Bench| bench.shown().playback.unwrap();
+    assert_eq!(bench.mode(), Mode::Trajectory);
+    assert_eq!((playback(&mut bench).frame, playback(&mut bench).trajectory), (0, 0));
+    bench.press(Key::Up, NONE);
+    assert_eq!((playback(&mut bench).trajectory, playback(&mut bench).frames), (1, 10));
+    bench.press(Key::Down, NONE);
+    bench.press(Key::Down, NONE);
+    assert_eq!((playback(&mut bench).trajectory, playback(&mut bench).frames), (2, 200));
+    bench.press(Key::Left, NONE);
+    assert_eq!(playback(&mut bench).frame, 199);
+    bench.press(Key::Left, SHIFT);
+    assert_eq!(playback(&mut bench).frame, 149);
+    bench.press(Key::Right, SHIFT);
+    bench.press(Key::Right, NONE);
+    assert_eq!(playback(&mut bench).frame, 0);
+    bench.press(character('r'), COMMAND);
+    assert!(playback(&mut bench).reversed);
+    bench.press(character('b'), COMMAND);
+    assert!(playback(&mut bench).burst.on);
+    bench.press(character('d'), COMMAND);
+    assert!(playback(&mut bench).burst.doppler);
+    bench.press(Key::Backspace, NONE);
+    assert_eq!(playback(&mut bench).frame, 0);
+}
+
+#[test]
+fn every_action_of_the_table_has_a_place_in_the_help_of_its_mode() {
+    for mode in [Mode::Passive, Mode::Controller, Mode::Trajectory] {
+        let sections = help(mode);
+        for binding in BINDINGS {
+            let listed = sections.iter().filter(|section| section.title == binding.section.title()).any(|section| {
+                section.lines.iter().any(|(keys, help)| {
+                    *help == binding.help && keys.split(", ").any(|key| key == binding.press().to_string())
+                })
+            });
+            // The comma separates keys, and is one.
+            let comma = binding.key == character(',');
+            let here = binding.mode.is_none_or(|only| only == mode);
+            assert!(comma || listed == here, "{} in {mode}", binding.press());
+        }
+        assert!(Section::ALL.iter().all(|section| !section.title().is_empty()));
+    }
+}
+
+#[test]
+fn the_help_fits_the_terminal() {
+    for columns in [40, 60, 80, 200] {
+        let text = help_text(Mode::Trajectory, columns);
+        for line in text.lines() {
+            assert!(line.chars().count() <= columns, "{columns}: {line}");
+        }
+    }
+    let wide = help_text(Mode::Passive, 120);
+    assert!(wide.contains("Where paused: 50 steps back"), "{wide}");
+    assert!(wide.lines().any(|line| line.contains("left double-click") && line.contains("Select a body")));
+}

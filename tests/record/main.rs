@@ -1,0 +1,63 @@
+//! Moving pictures: what was pushed is in the file, for as long as the simulation took.
+
+#![forbid(unsafe_code)]
+
+mod animated_gif;
+mod animated_png;
+mod misuse;
+mod sequence;
+mod video;
+
+use std::path::Path;
+
+use mujoco_safe::record::{Recorder, RecorderOptions};
+
+const WIDTH: usize = 24;
+const HEIGHT: usize = 10;
+
+/// A grey picture with a bright square that is elsewhere in each, and more of the upper colours than of the lower.
+fn picture(number: usize) -> Vec<u8> {
+    let mut rgb = vec![90; 3 * WIDTH * HEIGHT];
+    for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
+        let pixel = (row + 2 + number % 5) * WIDTH + (column + 3 * number) % WIDTH;
+        rgb[3 * pixel..][..3].copy_from_slice(&[250, (40 * (number % 6)) as u8, 10]);
+    }
+    rgb
+}
+
+fn options(frames_per_second: f64) -> RecorderOptions {
+    RecorderOptions { frames_per_second, ..RecorderOptions::default() }
+}
+
+/// Records pictures at these times: the first is `picture(0)`.
+fn record(path: &Path, options: RecorderOptions, times: impl IntoIterator<Item = f64>) -> mujoco_safe::record::Summary {
+    let mut recorder = Recorder::create(path, options).unwrap();
+    for (number, time) in times.into_iter().enumerate() {
+        assert!(recorder.is_due(time));
+        assert!(recorder.push_rgb(WIDTH, HEIGHT, &picture(number), time).unwrap());
+    }
+    recorder.finish().unwrap()
+}
+
+/// A picture of a file, and how long it is shown, s.
+struct Shown {
+    rgb: Vec<u8>,
+    seconds: f64,
+}
+
+/// The pictures are these, in this order, and this long.
+fn assert_shows(shown: &[Shown], expected: &[(usize, f64)]) {
+    assert_eq!(shown.len(), expected.len());
+    for (index, (shown, &(number, seconds))) in shown.iter().zip(expected).enumerate() {
+        assert!(shown.rgb == picture(number), "picture {index} is not number {number}");
+        assert!((shown.seconds - seconds).abs() < 1e-9, "picture {index} is shown for {} s", shown.seconds);
+    }
+}
+
+/// What is in a folder.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}

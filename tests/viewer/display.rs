@@ -1,0 +1,86 @@
+//! An X server of the test's own, without a screen.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use tempfile::TempDir;
+
+pub struct Display {
+    server: Child,
+    name: String,
+    folder: TempDir,
+}
+
+impl Display {
+    /// Starts a server on the first number that is free.
+    pub fn start() -> Self {
+        let folder = tempfile::tempdir().expect("a folder for the picture of the screen");
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset", "-fbdir"])
+            .arg(folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap_or_else(|error| panic!("Xvfb: {error}; scripts/setup --tests installs what these tests need"));
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number).expect("Xvfb says its number");
+        Self { server, name: format!(":{}", number.trim()), folder }
+    }
+
+    /// What `DISPLAY` is set to.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file that has the pixels of the screen.
+    pub fn framebuffer(&self) -> PathBuf {
+        self.folder.path().join("Xvfb_screen0")
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// What is on the screen: red, green and blue of each pixel.
+pub struct Screen {
+    width: usize,
+    rgb: Vec<u8>,
+}
+
+impl Screen {
+    /// Looks at the screen: an X window dump, whose header has numbers of 32 bits, the most significant byte first.
+    pub fn look(framebuffer: &Path) -> Self {
+        let bytes = std::fs::read(framebuffer).expect("the screen's pixels");
+        let number = |index: usize| {
+            let at = 4 * index;
+            u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize
+        };
+        let (header, width, height, bytes_per_line, colours) = (number(0), number(4), number(5), number(12), number(19));
+        let pixels = &bytes[header + 12 * colours..];
+        let mut rgb = Vec::with_capacity(3 * width * height);
+        for line in pixels.chunks_exact(bytes_per_line).take(height) {
+            rgb.extend(line[..4 * width].chunks_exact(4).flat_map(|pixel| [pixel[2], pixel[1], pixel[0]]));
+        }
+        Self { width, rgb }
+    }
+
+    pub fn pixel(&self, [x, y]: [usize; 2]) -> [u8; 3] {
+        let at = 3 * (y * self.width + x);
+        [self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]]
+    }
+
+    /// The upper left part, as a PNG file.
+    pub fn save(&self, path: &Path, [width, height]: [u32; 2]) {
+        let file = std::io::BufWriter::new(std::fs::File::create(path).expect("a file for a picture"));
+        let mut encoder = png::Encoder::new(file, width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        let rows = self.rgb.chunks_exact(3 * self.width).take(height as usize);
+        let part: Vec<u8> = rows.flat_map(|row| &row[..3 * width as usize]).copied().collect();
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(&part)).expect("a picture");
+    }
+}

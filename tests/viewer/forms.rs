@@ -1,0 +1,120 @@
+//! The ways to show a window.
+
+use std::thread;
+
+use mujoco_safe::viewer::{self, Handle, Key, Viewer, ViewerError, ViewerOptions};
+use mujoco_safe::{Data, sample};
+
+use crate::case::{SIZE, TITLE, or_exit, show, state};
+use crate::hand::{Hand, wait_until};
+
+fn options() -> ViewerOptions {
+    ViewerOptions { title: TITLE.to_owned(), size: Some(SIZE), ..ViewerOptions::default() }
+}
+
+/// A program's own loop, until the window is closed. Returned are the keys that it got.
+fn steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerError> {
+    let mut keys = Vec::new();
+    while handle.is_running() {
+        if !handle.is_paused() {
+            data.step()?;
+        }
+        handle.sync(data)?;
+        keys.extend(handle.keys().into_iter().map(|press| press.key));
+        handle.wait(std::time::Duration::from_millis(2));
+    }
+    Ok(keys)
+}
+
+pub fn one_after_another() {
+    // The simulation's own, then a program's, then one that the program closes.
+    let data = show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |hand| {
+        crate::case::press(hand, "Right", "a step", |state| state.time > 0.0);
+    });
+    assert!(data.time() > 0.0, "how it stands at the end is returned");
+
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let keys = thread::scope(|scope| {
+        scope.spawn(|| {
+            or_exit(|| {
+                let hand = Hand::at(TITLE);
+                wait_until("the program's simulation is seen", || state().status == "Program" && state().nbody > 10);
+                hand.key("Home");
+                crate::case::press(&hand, "BackSpace", "the start", |state| state.time < 0.05);
+                hand.key("Escape");
+            });
+        });
+        viewer::run(options(), |handle| steps(handle, &mut data)).unwrap()
+    });
+    assert_eq!(keys, [Key::Home], "keys that the viewer has no use for are the program's");
+
+    let answer = viewer::run(options(), |handle| -> Result<u32, ViewerError> {
+        handle.sync(&mut data)?;
+        Ok(42)
+    });
+    assert_eq!(answer.unwrap(), 42, "the window closes with the program");
+    let error = viewer::run(options(), |_| -> Result<(), Failure> { Err(Failure::Own) }).unwrap_err();
+    assert!(matches!(error, Failure::Own));
+}
+
+enum Failure {
+    Own,
+    Viewer(ViewerError),
+}
+
+impl From<ViewerError> for Failure {
+    fn from(error: ViewerError) -> Self {
+        Self::Viewer(error)
+    }
+}
+
+impl std::fmt::Debug for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Own => f.write_str("the program's own"),
+            Self::Viewer(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+pub fn launched() {
+    viewer::probe::start();
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    // One after another, and two at once.
+    for _ in 0..2 {
+        let mut handle = viewer::launch(options()).unwrap();
+        let hand = thread::spawn(|| {
+            or_exit(|| {
+                let hand = Hand::at(TITLE);
+                wait_until("it is drawn", || viewer::probe::latest().is_some());
+                hand.key("ctrl+q");
+            });
+        });
+        steps(&mut handle, &mut data).unwrap();
+        hand.join().unwrap();
+    }
+    let mut one = viewer::launch(options()).unwrap();
+    let mut other = viewer::launch(ViewerOptions { title: "another".to_owned(), ..options() }).unwrap();
+    one.sync(&mut data).unwrap();
+    other.sync(&mut data).unwrap();
+    let hand = Hand::at("another");
+    hand.key("Escape");
+    wait_until("one of two is closed", || !other.is_running());
+    assert!(one.is_running());
+    drop(one);
+    // A window that waits for its program is shown by the same thread.
+    let data = show(Viewer::new(), data, |hand| {
+        crate::case::press(hand, "Right", "a step", |state| state.status == "Paused" && state.time > 0.0);
+    });
+    drop(data);
+}
+
+pub fn two_threads() {
+    let data = show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {});
+    let error = thread::spawn(move || Viewer::new().run(data).map(drop).unwrap_err()).join().unwrap();
+    assert!(matches!(error, ViewerError::OtherThread), "{error}");
+    let error = viewer::launch(options()).map(drop).unwrap_err();
+    assert!(matches!(error, ViewerError::OtherThread), "{error}");
+    // And the thread that shows them goes on.
+    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {});
+}

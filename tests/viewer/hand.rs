@@ -1,0 +1,112 @@
+//! Keys and mouse, through the X server: what xdotool does.
+
+use std::process::Command;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The hand at one window.
+pub struct Hand {
+    window: String,
+}
+
+fn xdotool(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("xdotool").args(arguments).output().expect("xdotool is installed");
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+impl Hand {
+    /// Waits for the window of this title, and gives it the keyboard: there is no window manager that would.
+    pub fn at(title: &str) -> Self {
+        let deadline = Instant::now() + Duration::from_secs(20);
+        loop {
+            let found = xdotool(&["search", "--onlyvisible", "--name", &format!("^{title}$")]).unwrap_or_default();
+            if let Some(window) = found.lines().next() {
+                if xdotool(&["windowfocus", "--sync", window]).is_some() {
+                    return Self { window: window.to_owned() };
+                }
+            }
+            assert!(Instant::now() < deadline, "no window called {title} came up");
+            thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    fn act(&self, arguments: &[&str]) {
+        assert!(xdotool(arguments).is_some(), "xdotool {arguments:?}");
+    }
+
+    /// Presses and releases a key, with modifiers as in `ctrl+Right`.
+    pub fn key(&self, name: &str) {
+        self.act(&["key", name]);
+    }
+
+    pub fn keys(&self, names: &[&str]) {
+        self.act(&[&["key", "--delay", "30"], names].concat());
+    }
+
+    pub fn write(&self, text: &str) {
+        self.act(&["type", "--delay", "15", text]);
+    }
+
+    pub fn move_to(&self, [x, y]: [i32; 2]) {
+        self.act(&["mousemove", "--window", &self.window, &x.to_string(), &y.to_string()]);
+    }
+
+    /// Clicks so many times, fast, with a button: 1 left, 2 middle, 3 right, 4 wheel up, 5 wheel down.
+    pub fn click(&self, at: [i32; 2], button: u8, times: u8) {
+        self.move_to(at);
+        self.act(&["click", "--repeat", &times.to_string(), "--delay", "40", &button.to_string()]);
+    }
+
+    pub fn double_click(&self, at: [i32; 2], button: u8) {
+        self.click(at, button, 2);
+    }
+
+    /// Drags with a button, while modifiers such as `ctrl` are held, and lets go if it is told to.
+    pub fn drag(&self, from: [i32; 2], by: [i32; 2], button: u8, modifiers: &[&str]) {
+        self.press(from, button, modifiers);
+        self.pull(by);
+        self.release(button, modifiers);
+    }
+
+    /// Holds modifiers.
+    pub fn hold(&self, modifiers: &[&str]) {
+        modifiers.iter().for_each(|modifier| self.act(&["keydown", modifier]));
+    }
+
+    pub fn let_go(&self, modifiers: &[&str]) {
+        modifiers.iter().for_each(|modifier| self.act(&["keyup", modifier]));
+    }
+
+    pub fn press(&self, at: [i32; 2], button: u8, modifiers: &[&str]) {
+        self.move_to(at);
+        self.hold(modifiers);
+        self.act(&["mousedown", &button.to_string()]);
+    }
+
+    /// Moves the mouse in a few steps.
+    pub fn pull(&self, by: [i32; 2]) {
+        const STEPS: i32 = 5;
+        for _ in 0..STEPS {
+            self.act(&["mousemove_relative", "--", &(by[0] / STEPS).to_string(), &(by[1] / STEPS).to_string()]);
+            thread::sleep(Duration::from_millis(15));
+        }
+    }
+
+    pub fn release(&self, button: u8, modifiers: &[&str]) {
+        self.act(&["mouseup", &button.to_string()]);
+        self.let_go(modifiers);
+    }
+
+    pub fn resize(&self, [width, height]: [u32; 2]) {
+        self.act(&["windowsize", &self.window, &width.to_string(), &height.to_string()]);
+    }
+}
+
+/// Waits until something is so, and says what did not come true.
+pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let deadline = Instant::now() + Duration::from_secs(15);
+    while !is_so() {
+        assert!(Instant::now() < deadline, "this did not come true: {what}");
+        thread::sleep(Duration::from_millis(10));
+    }
+}

@@ -1,0 +1,151 @@
+//! Every key that changes the simulation or what is shown.
+
+use mujoco_safe::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFlags};
+use mujoco_safe::viewer::Viewer;
+use mujoco_safe::{Data, PdController, sample};
+
+use crate::case::{press, show, state};
+use crate::hand::wait_until;
+
+fn humanoid() -> Data {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    data
+}
+
+pub fn simulation() {
+    let data = humanoid();
+    let controller = PdController::new(data.model(), 10.0, 1.0);
+    let timestep = data.model().timestep();
+    show(Viewer::new().controller(controller), data, |hand| {
+        let first = state();
+        assert_eq!((first.mode.as_str(), first.status.as_str(), first.time), ("Controller", "Paused", 0.0));
+        let at = |steps: f64| move |time: f64| (time - steps * timestep).abs() < 1e-9;
+
+        press(hand, "Right", "a step forward", |state| at(1.0)(state.time));
+        press(hand, "shift+Right", "fifty more", |state| at(51.0)(state.time));
+        press(hand, "Left", "a step back", |state| at(50.0)(state.time));
+        press(hand, "shift+Left", "fifty back", |state| at(0.0)(state.time));
+
+        press(hand, "space", "it runs", |state| state.status == "Forward Simulation" && state.time > 0.0);
+        press(hand, "space", "it is paused", |state| state.status == "Paused");
+        let paused = state();
+        assert!(paused.ctrl.iter().any(|ctrl| *ctrl != 0.0), "the controller decided on controls");
+        press(hand, "ctrl+Right", "the next mode", |state| state.mode == "Passive Dynamics");
+        assert_eq!(state().time, paused.time, "another mode is no step");
+        press(hand, "ctrl+Right", "and round again", |state| state.mode == "Controller");
+        press(hand, "ctrl+Left", "and back", |state| state.mode == "Passive Dynamics");
+        press(hand, "BackSpace", "the start", |state| state.time == 0.0);
+        assert_eq!(state().qpos, first.qpos);
+
+        press(hand, "shift+Down", "half the speed that is set", |state| state.wanted < 1.0);
+        let slow = state().wanted;
+        press(hand, "shift+Up", "twice that", |state| state.wanted == 2.0 * slow);
+        press(hand, "Return", "real time", |state| state.wanted == 1.0);
+        press(hand, "Return", "that speed again", |state| state.wanted == 2.0 * slow);
+        press(hand, "Return", "real time", |state| state.wanted == 1.0);
+
+        press(hand, "ctrl+s", "a keyframe is kept", |state| state.captured == 1);
+        press(hand, "ctrl+Right", "the controller", |state| state.mode == "Controller");
+        press(hand, "shift+Right", "steps", |state| state.ctrl.iter().any(|ctrl| *ctrl != 0.0));
+        press(hand, "ctrl+BackSpace", "no controls", |state| state.ctrl.iter().all(|ctrl| *ctrl == 0.0));
+
+        hand.key("ctrl+c");
+        wait_until("the state is in the clipboard", || {
+            let text = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.get_text());
+            text.is_ok_and(|text| text.contains("<key") && text.contains("qpos="))
+        });
+    });
+}
+
+pub fn shown() {
+    show(Viewer::new(), humanoid(), |hand| {
+        for (keys, part) in [
+            ("F1", 0),
+            ("F2", 1),
+            ("ctrl+1", 2),
+            ("ctrl+2", 3),
+            ("F3", 4),
+            ("F4", 5),
+        ] {
+            let before = state().panels;
+            press(hand, keys, "a panel comes or goes", |state| state.panels[part] != before[part]);
+            press(hand, keys, "and back", |state| state.panels == before);
+        }
+
+        for (key, flag) in [
+            ("h", VisualFlags::CONVEXHULL),
+            ("x", VisualFlags::TEXTURE),
+            ("j", VisualFlags::JOINT),
+            ("q", VisualFlags::CAMERA),
+            ("u", VisualFlags::ACTUATOR),
+            ("comma", VisualFlags::ACTIVATION),
+            ("z", VisualFlags::LIGHT),
+            ("v", VisualFlags::TENDON),
+            ("y", VisualFlags::RANGEFINDER),
+            ("n", VisualFlags::CONSTRAINT),
+            ("i", VisualFlags::INERTIA),
+            ("apostrophe", VisualFlags::SCLINERTIA),
+            ("b", VisualFlags::PERTFORCE),
+            ("o", VisualFlags::PERTOBJ),
+            ("c", VisualFlags::CONTACTPOINT),
+            ("f", VisualFlags::CONTACTFORCE),
+            ("p", VisualFlags::CONTACTSPLIT),
+            ("t", VisualFlags::TRANSPARENT),
+            ("a", VisualFlags::AUTOCONNECT),
+            ("m", VisualFlags::COM),
+            ("e", VisualFlags::SELECT),
+            ("d", VisualFlags::STATIC),
+            ("semicolon", VisualFlags::SKIN),
+        ] {
+            let wanted = state().options.flags ^ flag;
+            press(hand, key, "a part of the scene", |state| state.options.flags == wanted);
+            press(hand, key, "and back", |state| state.options.flags == wanted ^ flag);
+        }
+        for (key, flag) in [
+            ("s", RenderFlags::SHADOW),
+            ("w", RenderFlags::WIREFRAME),
+            ("r", RenderFlags::REFLECTION),
+            ("l", RenderFlags::ADDITIVE),
+            ("k", RenderFlags::SKYBOX),
+            ("g", RenderFlags::FOG),
+            ("slash", RenderFlags::HAZE),
+            ("shift+comma", RenderFlags::SEGMENT),
+            ("period", RenderFlags::IDCOLOR),
+        ] {
+            let wanted = state().render ^ flag;
+            press(hand, key, "an effect", |state| state.render == wanted);
+            press(hand, key, "and back", |state| state.render == wanted ^ flag);
+        }
+        for group in 0..6 {
+            let key = (group + 1).to_string();
+            let wanted = !state().options.geomgroup[group];
+            press(hand, &key, "a group of geoms", |state| state.options.geomgroup[group] == wanted);
+            press(hand, &key, "and back", |state| state.options.geomgroup[group] != wanted);
+            let key = format!("shift+{key}");
+            let wanted = !state().options.sitegroup[group];
+            press(hand, &key, "a group of sites", |state| state.options.sitegroup[group] == wanted);
+        }
+
+        // What is shown reaches the scene.
+        let before = state().ngeom;
+        press(hand, "j", "joints are in the scene", |state| state.ngeom > before);
+
+        press(hand, "equal", "the next label", |state| state.options.label == LabelMode::Body);
+        press(hand, "minus", "the label before", |state| state.options.label == LabelMode::None);
+        press(hand, "minus", "and round", |state| state.options.label == LabelMode::ContactForce);
+        press(hand, "F7", "and round", |state| state.options.label == LabelMode::None);
+        press(hand, "bracketright", "the next frame", |state| state.options.frame == FrameMode::Body);
+        press(hand, "bracketleft", "the frame before", |state| state.options.frame == FrameMode::None);
+        press(hand, "bracketleft", "and round", |state| state.options.frame == FrameMode::World);
+        press(hand, "F6", "and round", |state| state.options.frame == FrameMode::None);
+
+        let model = sample::humanoid();
+        assert!(model.ncam() > 0, "the model has a camera to go to");
+        press(hand, "Tab", "a camera of the model's", |state| matches!(state.camera.view, CameraView::Fixed(_)));
+        press(hand, "shift+Tab", "the free camera", |state| state.camera.view == CameraView::Free);
+        press(hand, "shift+Tab", "and round", |state| matches!(state.camera.view, CameraView::Fixed(_)));
+        press(hand, "ctrl+a", "free, on the whole model", |state| state.camera.view == CameraView::Free);
+        assert_eq!(state().camera.distance, 1.5 * model.statistics().extent);
+    });
+}
