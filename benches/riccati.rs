@@ -1,26 +1,120 @@
-//! How long [`Lqr::solve`] takes for the gain: the humanoid on its left leg (54 states, 21 controls) and the cart-pole (4 states,
-//! 1 control). There is nothing in C to compare it with; the number of doublings and the residual are printed beside it.
+//! How long a Riccati equation takes: the humanoid on its left leg (54 states, 21 controls) and the cart-pole (4 states, 1 control), with
+//! room that is there already ([`Riccati::solve_into`]) and with room of its own ([`Lqr::solve`]). The number of doublings and the residual are printed beside
+//! it.
+//!
+//! There is nothing in C to compare it with, but there is SciPy: where the environment variable `MUJOCO_PYTHON` names a Python that has
+//! it, both solve the same equation in turn, and the ratio of their times is printed, and SciPy's residual.
 //!
 //! ```text
 //! cargo bench --bench riccati
+//! MUJOCO_PYTHON=python3 cargo bench --bench riccati
 //! ```
 
 mod common;
 
+use std::env;
 use std::hint::black_box;
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Command, Stdio};
+use std::time::Instant;
 
 use common::balance::Balance;
 use criterion::Criterion;
-use mujoco_safe::{Lqr, Result};
+use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
+use mujoco_safe::{Lqr, LqrWeights, Result, StateSpace};
+
+/// How often each of the two solves the equation.
+const PAIRS: usize = 60;
+
+/// Reads the equation, and then solves it as often as there are lines. In one thread, as we do.
+const SCIPY: &str = r#"
+import os, sys, time
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[name] = "1"
+import numpy as np
+from scipy.linalg import solve_discrete_are
+
+def matrix():
+    rows, columns, *entries = sys.stdin.readline().split()
+    return np.array([float(entry) for entry in entries]).reshape(int(rows), int(columns))
+
+a, b, q, r = (matrix() for _ in range(4))
+print("ready", flush=True)
+for _ in sys.stdin:
+    start = time.perf_counter()
+    p = solve_discrete_are(a, b, q, r)
+    seconds = time.perf_counter() - start
+    k = np.linalg.solve(r + b.T @ p @ b, b.T @ p @ a)
+    f = a - b @ k
+    residual = np.linalg.norm(f.T @ p @ f + k.T @ r @ k + q - p) / np.linalg.norm(p)
+    print(repr(seconds), repr(float(residual)), flush=True)
+"#;
+
+/// Has SciPy solve the equation in turn with us.
+fn beside_scipy(python: &str, name: &str, system: &StateSpace, weights: &LqrWeights) -> std::io::Result<()> {
+    let mut child = Command::new(python).args(["-c", SCIPY]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+    let mut input = child.stdin.take().expect("it is piped");
+    let mut output = BufReader::new(child.stdout.take().expect("it is piped")).lines();
+    let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
+    for matrix in [a.clone_owned(), b.clone_owned(), weights.q.clone(), weights.r.clone()] {
+        // Row by row.
+        let entries: Vec<String> = matrix.transpose().iter().map(|entry| format!("{entry:e}")).collect();
+        writeln!(input, "{} {} {}", matrix.nrows(), matrix.ncols(), entries.join(" "))?;
+    }
+    let mut line = || output.next().unwrap_or_else(|| Err(std::io::ErrorKind::UnexpectedEof.into()));
+    line()?;
+
+    let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
+    let (mut ours, mut theirs, mut residual) = (Vec::new(), Vec::new(), 0.0);
+    for _ in 0..PAIRS {
+        let start = Instant::now();
+        let outcome = Riccati::new(&a, &b, &weights.q, &weights.r).solve_into(&mut workspace, &mut solution);
+        ours.push(start.elapsed().as_secs_f64());
+        outcome.expect("it was solved before");
+        writeln!(input)?;
+        let answer = line()?;
+        let (seconds, of_scipy) = answer.split_once(' ').unwrap_or((&answer, "nan"));
+        theirs.push(seconds.parse().unwrap_or(f64::NAN));
+        residual = of_scipy.parse().unwrap_or(f64::NAN);
+    }
+    drop(input);
+    child.wait()?;
+    let mut ratios: Vec<f64> = ours.iter().zip(&theirs).map(|(ours, theirs)| theirs / ours).collect();
+    for values in [&mut ours, &mut theirs, &mut ratios] {
+        values.sort_unstable_by(f64::total_cmp);
+    }
+    let [ours, theirs] = [ours, theirs].map(|times| 1e6 * times[PAIRS / 2]);
+    println!(
+        "{name}: {:.1} times as fast as SciPy (quartiles {:.1} and {:.1}): {ours:.0} µs and {theirs:.0} µs; SciPy's relative residual is \
+         {residual:.1e}",
+        ratios[PAIRS / 2],
+        ratios[PAIRS / 4],
+        ratios[3 * PAIRS / 4]
+    );
+    Ok(())
+}
 
 fn bench(criterion: &mut Criterion, name: &str, mut balance: Balance) -> Result<()> {
     let system = balance.system()?;
-    let solution = Lqr::solve(&system, &balance.weights)?;
+    let weights = &balance.weights;
+    let solution = Lqr::solve(&system, weights)?;
     println!(
         "{name}: {} doublings, relative residual {:.1e}, spectral radius {:.12}",
         solution.iterations, solution.relative_residual, solution.spectral_radius
     );
-    criterion.bench_function(name, |bencher| bencher.iter(|| Lqr::solve(black_box(&system), &balance.weights)));
+    if let Ok(python) = env::var("MUJOCO_PYTHON")
+        && let Err(error) = beside_scipy(&python, name, &system, weights)
+    {
+        println!("{name}: not compared with SciPy, because {python} has failed: {error}");
+    }
+    let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
+    let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
+    criterion.bench_function(&format!("{name}/again"), |bencher| {
+        bencher
+            .iter(|| Riccati::new(&a, &b, &weights.q, &weights.r).solve_into(&mut workspace, black_box(&mut solution)));
+    });
+    criterion
+        .bench_function(&format!("{name}/once"), |bencher| bencher.iter(|| Lqr::solve(black_box(&system), weights)));
     Ok(())
 }
 

@@ -15,7 +15,8 @@
 //!
 //! # How
 //!
-//! The cross term is eliminated first: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`. Then one step of the
+//! The cross term is eliminated first: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`, and the states get units in which these are
+//! balanced (`riccati/scaling.rs`), which is worth two digits of the humanoid's solution. Then one step of the
 //! structure-preserving doubling algorithm,
 //!
 //! ```text
@@ -28,7 +29,7 @@
 //! after `k` doublings the error has the factor `ρ` to the power `2ᵏ⁺¹`, with `ρ` the spectral radius of `A − BK`. Even a humanoid
 //! whose place on the floor costs next to nothing, `1 − ρ ≈ 10⁻⁹`, needs about forty. Most of these are nearly free, because by
 //! then the rank of `A` has fallen to a handful and the rest happens in that many dimensions; `riccati/doubling.rs`
-//! has the derivation. Last come Newton steps (Hewer 1971), for as long as they reduce the residual.
+//! has the derivation. Where the residual is above what rounding explains, Newton steps follow (Hewer 1971).
 //!
 //! # Sources
 //!
@@ -41,12 +42,16 @@
 #![allow(clippy::many_single_char_names, reason = "A, B, Q, R, S, P, K, G and H are the symbols of the field")]
 
 mod backup;
-mod dense;
 mod diagnosis;
 mod doubling;
 mod error;
+mod factors;
+mod lanes;
+mod low_rank;
+mod panels;
 mod problem;
 mod recursion;
+mod scaling;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
@@ -54,6 +59,7 @@ pub(in crate::control) use backup::{Backup, StepCost};
 pub use error::{RiccatiError, RiccatiMatrix};
 pub use recursion::RiccatiRecursion;
 
+use panels::Panels;
 use problem::Problem;
 
 /// What [`Riccati::residual_tolerance`] is if nobody says otherwise.
@@ -65,8 +71,8 @@ const SYMMETRY_TOLERANCE: f64 = 1e-8;
 /// A discrete algebraic Riccati equation, ready to be solved.
 ///
 /// With `n` states and `m` controls, `A` is `(n, n)`, `B` is `(n, m)`, `Q` is `(n, n)`, `R` is `(m, m)` and `S`, zero unless
-/// [`with_cross_term`](Self::with_cross_term) gives it, is `(n, m)`. `R` must be positive definite, and `Q − SR⁻¹Sᵀ` ought to be positive
-/// semidefinite, as it is for any cost that cannot be negative. `Q` and `R` stand for their symmetric parts: rounding may have made
+/// [`with_cross_term`](Self::with_cross_term) gives it, is `(n, m)`. `R` must be positive semidefinite, and the whole cost ought to be, as
+/// it is if it cannot be negative. `Q` and `R` stand for their symmetric parts: rounding may have made
 /// them differ from their transposes by up to 10⁻⁸ of the largest entry.
 ///
 /// Any nalgebra matrix or view goes in, statically or dynamically sized, column-major or row-major.
@@ -96,8 +102,28 @@ pub struct Riccati<'a> {
     residual_tolerance: f64,
 }
 
-/// The stabilising solution of a Riccati equation, and the figures that vouch for it.
-#[derive(Clone, Debug, PartialEq)]
+/// Room for solving Riccati equations again and again without allocating, with [`Riccati::solve_into`]. It grows to the size of the largest.
+#[derive(Clone, Debug)]
+pub struct RiccatiWorkspace {
+    problem: Problem,
+}
+
+impl RiccatiWorkspace {
+    /// An empty one, which the first equation fills.
+    pub fn new() -> Self {
+        Self { problem: Problem::new() }
+    }
+}
+
+impl Default for RiccatiWorkspace {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The stabilising solution of a Riccati equation, and the figures that vouch for it. The default is that of no equation, for
+/// [`Riccati::solve_into`] to write to.
+#[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RiccatiSolution {
     /// The solution `P`, `(n, n)`, symmetric to the last bit: `xᵀPx` is the cost to go from `x`.
@@ -149,59 +175,78 @@ impl<'a> Riccati<'a> {
     /// # Errors
     ///
     /// * [`WrongShape`](RiccatiError::WrongShape), [`NotFinite`](RiccatiError::NotFinite),
-    ///   [`NotSymmetric`](RiccatiError::NotSymmetric), [`ControlCostNotPositive`](RiccatiError::ControlCostNotPositive):
+    ///   [`NotSymmetric`](RiccatiError::NotSymmetric), [`ControlCostNotPositive`](RiccatiError::ControlCostNotPositive),
+    ///   [`SingularPencil`](RiccatiError::SingularPencil):
     ///   the matrices do not state an equation. The first at fault is named.
     /// * [`UncontrollableMode`](RiccatiError::UncontrollableMode), [`UnobservableMode`](RiccatiError::UnobservableMode):
     ///   there is no stabilising solution, and this mode is why.
     /// * [`NoConvergence`](RiccatiError::NoConvergence): none was found, and no mode stands out as the reason.
     /// * [`Inaccurate`](RiccatiError::Inaccurate): the residual of what was found is above the tolerance.
     pub fn solve(&self) -> Result<RiccatiSolution, RiccatiError> {
-        let problem = self.checked()?;
-        let (solution, doublings) = problem.solve()?;
-        if solution.relative_residual <= self.residual_tolerance {
-            Ok(RiccatiSolution {
-                p: solution.p,
-                k: solution.k,
-                relative_residual: solution.relative_residual,
-                spectral_radius: doublings.spectral_radius,
-                iterations: doublings.count,
-            })
-        } else {
-            Err(RiccatiError::Inaccurate {
-                relative_residual: solution.relative_residual,
-                tolerance: self.residual_tolerance,
-            })
+        let mut solution = RiccatiSolution::default();
+        self.solve_into(&mut RiccatiWorkspace::new(), &mut solution)?;
+        Ok(solution)
+    }
+
+    /// As [`solve`](Self::solve), with room that is there already, into a solution that is there already. Allocates nothing when both have
+    /// seen an equation of this size before, except for finding out why there is no solution, and where `R` is singular.
+    ///
+    /// ```
+    /// use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiSolution, RiccatiWorkspace};
+    /// use nalgebra::{matrix, vector, Matrix1, Matrix2};
+    ///
+    /// let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
+    /// for timestep in [0.1, 0.05] {
+    ///     let (a, b) = (matrix![1.0, timestep; 0.0, 1.0], vector![timestep * timestep / 2.0, timestep]);
+    ///     Riccati::new(&a, &b, &Matrix2::identity(), &Matrix1::identity()).solve_into(&mut workspace, &mut solution)?;
+    ///     assert!(solution.spectral_radius < 1.0);
+    /// }
+    /// # Ok::<(), RiccatiError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`solve`](Self::solve). The solution is then as it was.
+    pub fn solve_into(
+        &self,
+        workspace: &mut RiccatiWorkspace,
+        solution: &mut RiccatiSolution,
+    ) -> Result<(), RiccatiError> {
+        let problem = &mut workspace.problem;
+        self.copy_to(problem)?;
+        let doubled = problem.solve()?;
+        let relative_residual = problem.candidate.relative_residual;
+        let good = relative_residual <= self.residual_tolerance;
+        if !good {
+            return Err(RiccatiError::Inaccurate { relative_residual, tolerance: self.residual_tolerance });
         }
+        problem.write_to(&mut solution.p, &mut solution.k);
+        solution.relative_residual = relative_residual;
+        solution.spectral_radius = doubled.spectral_radius;
+        solution.iterations = doubled.count;
+        Ok(())
     }
 
     /// Copies the matrices, checking everything that can be checked by looking at the entries.
-    fn checked(&self) -> Result<Problem, RiccatiError> {
+    fn copy_to(&self, problem: &mut Problem) -> Result<(), RiccatiError> {
         let (states, controls) = (self.a.nrows(), self.b.ncols());
-        let a = checked(RiccatiMatrix::A, &self.a, (states, states))?;
-        let b = checked(RiccatiMatrix::B, &self.b, (states, controls))?;
-        let q = checked(RiccatiMatrix::Q, &self.q, (states, states))?;
-        let r = checked(RiccatiMatrix::R, &self.r, (controls, controls))?;
-        let s = match &self.s {
-            Some(s) => Some(checked(RiccatiMatrix::S, s, (states, controls))?),
-            None => None,
-        };
-        let q = symmetric(RiccatiMatrix::Q, q)?;
-        let r = symmetric(RiccatiMatrix::R, r)?;
-        Problem::new(a, b, q, r, s)
+        check(RiccatiMatrix::A, &self.a, (states, states))?;
+        check(RiccatiMatrix::B, &self.b, (states, controls))?;
+        check(RiccatiMatrix::Q, &self.q, (states, states))?;
+        check(RiccatiMatrix::R, &self.r, (controls, controls))?;
+        if let Some(s) = &self.s {
+            check(RiccatiMatrix::S, s, (states, controls))?;
+        }
+        problem.a.copy_view(&self.a);
+        problem.b.copy_view(&self.b);
+        copy_symmetric(RiccatiMatrix::Q, &self.q, &mut problem.q)?;
+        copy_symmetric(RiccatiMatrix::R, &self.r, &mut problem.r)?;
+        problem.set_cross_term(self.s.as_ref());
+        Ok(())
     }
 }
 
-/// A copy of `view`, if it has the expected shape and nothing but numbers in it.
-fn checked(
-    matrix: RiccatiMatrix,
-    view: &DMatrixView<'_, f64, Dyn, Dyn>,
-    expected: (usize, usize),
-) -> Result<DMatrix<f64>, RiccatiError> {
-    check(matrix, view, expected)?;
-    Ok(view.clone_owned())
-}
-
-/// Whether `view` has the expected shape and nothing but numbers in it.
+/// Refuses a matrix of another shape than expected, or with something in it that is not a number.
 fn check(
     matrix: RiccatiMatrix,
     view: &DMatrixView<'_, f64, Dyn, Dyn>,
@@ -210,17 +255,27 @@ fn check(
     if view.shape() != expected {
         return Err(RiccatiError::WrongShape { matrix, expected, got: view.shape() });
     }
-    match view.iter().position(|entry| !entry.is_finite()) {
-        None => Ok(()),
-        Some(position) => {
-            let (row, column) = view.vector_to_matrix_index(position);
-            Err(RiccatiError::NotFinite { matrix, row, column, value: view[(row, column)] })
+    for (column, entries) in view.column_iter().enumerate() {
+        if let Some(row) = entries.iter().position(|entry| !entry.is_finite()) {
+            return Err(RiccatiError::NotFinite { matrix, row, column, value: entries[row] });
         }
     }
+    Ok(())
 }
 
-/// The symmetric part of `weight`, if that is `weight` up to rounding.
-fn symmetric(matrix: RiccatiMatrix, mut weight: DMatrix<f64>) -> Result<DMatrix<f64>, RiccatiError> {
+/// Copies the symmetric part of `weight`, if that is `weight` up to rounding.
+fn copy_symmetric(
+    matrix: RiccatiMatrix,
+    weight: &DMatrixView<'_, f64, Dyn, Dyn>,
+    to: &mut Panels,
+) -> Result<(), RiccatiError> {
+    check_symmetric(matrix, weight)?;
+    to.fill(weight.nrows(), weight.ncols(), |row, column| 0.5 * (weight[(row, column)] + weight[(column, row)]));
+    Ok(())
+}
+
+/// Refuses a matrix that differs from its transpose by more than rounding explains.
+fn check_symmetric(matrix: RiccatiMatrix, weight: &DMatrixView<'_, f64, Dyn, Dyn>) -> Result<(), RiccatiError> {
     let tolerance = SYMMETRY_TOLERANCE * weight.amax();
     for column in 0..weight.ncols() {
         for row in 0..column {
@@ -230,6 +285,5 @@ fn symmetric(matrix: RiccatiMatrix, mut weight: DMatrix<f64>) -> Result<DMatrix<
             }
         }
     }
-    dense::symmetrise(&mut weight);
-    Ok(weight)
+    Ok(())
 }

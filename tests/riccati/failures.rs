@@ -56,11 +56,9 @@ fn an_asymmetric_weight_is_refused_and_one_off_by_rounding_is_not() {
 }
 
 #[test]
-fn controls_that_cost_nothing_are_refused() {
+fn controls_that_cost_less_than_nothing_are_refused() {
     let identity = Matrix2::identity();
-    for (r, smallest) in
-        [(matrix![1.0, 2.0; 2.0, 1.0], -1.0), (matrix![1.0, 0.0; 0.0, 0.0], 0.0), (matrix![1.0, 1.0; 1.0, 1.0], 0.0)]
-    {
+    for (r, smallest) in [(matrix![1.0, 2.0; 2.0, 1.0], -1.0), (matrix![1.0, 0.0; 0.0, -3.0], -3.0)] {
         let Err(RiccatiError::ControlCostNotPositive { smallest_eigenvalue }) =
             Riccati::new(&identity, &identity, &identity, &r).solve()
         else {
@@ -68,6 +66,22 @@ fn controls_that_cost_nothing_are_refused() {
         };
         assert!((smallest_eigenvalue - smallest).abs() < 1e-15, "{smallest_eigenvalue}");
     }
+}
+
+#[test]
+fn a_control_that_costs_nothing_has_to_do_something() {
+    let identity = Matrix2::identity();
+    // Both controls do the same; together they cost, but not against each other.
+    let b = matrix![1.0, 1.0; 0.5, 0.5];
+    for r in [matrix![1.0, 1.0; 1.0, 1.0], Matrix2::zeros()] {
+        assert_eq!(Riccati::new(&identity, &b, &identity, &r).solve(), Err(RiccatiError::SingularPencil));
+    }
+    assert_eq!(scalar(0.5, 0.0, 1.0, 0.0), Err(RiccatiError::SingularPencil));
+    // Each does something of its own: they bring the state to rest in one step, for nothing.
+    let solution = Riccati::new(&identity, &identity, &identity, &Matrix2::zeros()).solve().unwrap();
+    assert_close_matrix(&solution.p, &DMatrix::identity(2, 2), 1e-14);
+    assert_close_matrix(&solution.k, &DMatrix::identity(2, 2), 1e-14);
+    assert!(solution.spectral_radius < 1e-14);
 }
 
 #[test]

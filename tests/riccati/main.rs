@@ -1,5 +1,5 @@
 //! What the Riccati solver promises: solutions that are known in closed form, solutions checked by plain formulas that share no code with
-//! the solver (`solutions.rs`), and every way of having no solution told apart (`failures.rs`).
+//! the solver (`solutions.rs`), a published collection of examples (`collection.rs`), and every way of having no solution told apart (`failures.rs`).
 //!
 //! The textbook systems are those of the collection DAREX (Abels and Benner 1999), written from their formulas. Random systems come from a
 //! small generator, the same in every run.
@@ -9,6 +9,7 @@
     reason = "the symbols of the field, and figures as they were published"
 )]
 
+mod collection;
 mod failures;
 mod solutions;
 

@@ -2,8 +2,6 @@
 
 use nalgebra::DMatrix;
 
-use super::dense::symmetrise;
-
 /// The quadratic cost of a step, `dxᵀ q dx + duᵀ r du + 2 dxᵀ s du`, or twice that: the recursion is the same for both.
 #[derive(Clone, Copy)]
 pub(in crate::control) struct StepCost<'a> {
@@ -91,5 +89,16 @@ impl Backup {
             self.p.gemm(-2.0, s, k, 1.0); // symmetrised below
         }
         symmetrise(&mut self.p);
+    }
+}
+
+/// Replaces `matrix` by its symmetric part, `(M + Mᵀ) / 2`.
+pub(super) fn symmetrise(matrix: &mut DMatrix<f64>) {
+    for column in 0..matrix.ncols() {
+        for row in 0..column {
+            let mean = 0.5 * (matrix[(row, column)] + matrix[(column, row)]);
+            matrix[(row, column)] = mean;
+            matrix[(column, row)] = mean;
+        }
     }
 }

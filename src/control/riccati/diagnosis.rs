@@ -13,15 +13,16 @@ const ON_THE_CIRCLE: f64 = 1e-6;
 const OUT_OF_REACH: f64 = 1e-8;
 
 /// The mode that stands in the way of a stabilising solution, if there is one.
-pub(super) fn diagnose(problem: &Problem) -> Option<RiccatiError> {
+pub(super) fn diagnose(problem: &mut Problem) -> Option<RiccatiError> {
+    let [a, b, a_without_s, q_without_s] = problem.matrices()?;
     let outside = |modulus: f64| modulus >= 1.0 - ON_THE_CIRCLE;
-    if let Some((eigenvalue, distance)) = mode_out_of_reach(&problem.a, &problem.b, outside) {
+    if let Some((eigenvalue, distance)) = mode_out_of_reach(&a, &b, outside) {
         return Some(RiccatiError::UncontrollableMode { eigenvalue, distance });
     }
     // A mode is unobservable if it is uncontrollable in the transposed system.
     let on_circle = |modulus: f64| (modulus - 1.0).abs() <= ON_THE_CIRCLE;
-    let transpose = problem.a_without_s.transpose();
-    mode_out_of_reach(&transpose, &problem.q_without_s, on_circle)
+    let transpose = a_without_s.transpose();
+    mode_out_of_reach(&transpose, &q_without_s, on_circle)
         .map(|(eigenvalue, distance)| RiccatiError::UnobservableMode { eigenvalue, distance })
 }
 

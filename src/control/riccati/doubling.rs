@@ -12,9 +12,10 @@
 //! by the Sherman–Morrison–Woodbury formula: an equation of the same kind again, in as many dimensions as slow modes are left, whose closed loop has
 //! just the eigenvalues that are left. The slow modes, which are what needs many doublings, no longer pay for the quick ones.
 
-use nalgebra::DMatrix;
-
-use super::dense::{BlockLu, congruence, identity_plus_product, log_spectral_radius, symmetrise};
+use super::factors::Factors;
+use super::lanes::Processor;
+use super::low_rank::LowRank;
+use super::panels::Panels;
 
 /// Doublings after which to give up. By then a closed loop whose spectral radius is the largest `f64` below one would have converged.
 const MOST_DOUBLINGS: usize = 64;
@@ -25,22 +26,42 @@ const CONVERGED: f64 = 1e-8;
 /// Fewest dimensions that are worth shedding any of.
 const FEWEST_TO_SHED: usize = 12;
 
-/// After an eighth of the columns, what is left of a matrix of low rank is at most this much of it. It only saves time.
-const PROMISING: f64 = 1e-2;
+/// Squarings in [`Doubling::log_spectral_radius`]: the last one weighs 2⁻⁵², an `f64`'s resolution.
+const SQUARINGS: i32 = 52;
 
-/// The equation `X = H + AᵀX (I + GX)⁻¹ A`, with symmetric `G` and `H`.
+/// The equation `X = H + AᵀX (I + GX)⁻¹ A`, with symmetric `G` and `H`, to be filled in, and room to solve it.
+#[derive(Clone, Debug)]
 pub(super) struct Doubling {
-    pub(super) a: DMatrix<f64>,
-    /// `None` is zero: Stein's equation, `X = H + AᵀXA`.
-    pub(super) g: Option<DMatrix<f64>>,
-    pub(super) h: DMatrix<f64>,
-    /// The doublings before which no dimension will be shed, as far as the caller knows. It only saves time.
-    pub(super) patience: usize,
+    processor: Processor,
+    pub(super) a: Panels,
+    pub(super) g: Panels,
+    /// And then the solution.
+    pub(super) h: Panels,
+    /// Equations in which the solution of a smaller one is to be inserted, `depth` of them.
+    shed: Vec<Shed>,
+    depth: usize,
+    /// `A` and `G` of the equation that is being solved, as it was before its first doubling.
+    first: (Panels, Panels),
+    /// The doublings that had been made by then.
+    doublings: i32,
+    factors: Factors,
+    low_rank: LowRank,
+    transpose: Panels,
+    w: Panels,
+    v: Panels,
+    product: Panels,
 }
 
-/// What [`Doubling::solve`] found.
+/// `X = h + w x wᵀ`
+#[derive(Clone, Debug, Default)]
+struct Shed {
+    w: Panels,
+    h: Panels,
+}
+
+/// What [`Doubling::solve`] found out about the equation besides its solution.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Doubled {
-    pub(super) x: DMatrix<f64>,
     /// The number of doublings.
     pub(super) count: usize,
     /// The number of doublings after which the first dimensions were shed, or `count` if none ever were.
@@ -50,184 +71,175 @@ pub(super) struct Doubled {
 }
 
 /// The doubling did not converge.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct NoConvergence {
     /// The number of doublings.
     pub(super) count: usize,
 }
 
-/// An equation in which the solution of a smaller one is to be inserted: `X = h + w x wᵀ`.
-struct Shed {
-    w: DMatrix<f64>,
-    h: DMatrix<f64>,
-}
-
-/// The closed loop of an equation to be solved, for its spectral radius.
-struct ClosedLoop {
-    a: DMatrix<f64>,
-    g: Option<DMatrix<f64>>,
-    /// The doublings that had been made when the equation was set up: `a` belongs to the closed loop to the power of two to this power.
-    doublings: i32,
-}
-
 impl Doubling {
-    /// Doubles until `A` has vanished.
-    pub(super) fn solve(mut self) -> Result<Doubled, NoConvergence> {
-        let mut shed = Vec::new();
+    pub(super) fn new(processor: Processor) -> Self {
+        let none = Panels::default;
+        Self {
+            processor,
+            a: none(),
+            g: none(),
+            h: none(),
+            shed: Vec::new(),
+            depth: 0,
+            first: (none(), none()),
+            doublings: 0,
+            factors: Factors::default(),
+            low_rank: LowRank::default(),
+            transpose: none(),
+            w: none(),
+            v: none(),
+            product: none(),
+        }
+    }
+
+    /// Doubles until `A` has vanished. Expects nothing to be shed before `patience` doublings, which only saves time.
+    pub(super) fn solve(&mut self, patience: usize) -> Result<Doubled, NoConvergence> {
+        self.depth = 0;
         let mut first_shed = None;
-        let mut closed_loop = self.closed_loop(0);
-        let mut workspace = Workspace::new(self.a.nrows());
+        let mut patience = patience;
+        self.begin(0);
         for (doublings, count) in (1..).zip(1..=MOST_DOUBLINGS) {
             let failure = NoConvergence { count };
-            let Some(norm) = self.double(&mut workspace) else {
-                return Err(failure);
-            };
+            let norm = self.double().ok_or(failure)?;
             if norm <= CONVERGED {
-                let Some(spectral_radius) = closed_loop.spectral_radius(&self.h) else {
-                    return Err(failure);
-                };
-                let x = shed.into_iter().rev().fold(self.h, |x, Shed { w, h }| h + congruence(&w, &x));
-                let finite = x.iter().all(|entry| entry.is_finite());
-                return if finite {
-                    Ok(Doubled { x, count, patience: first_shed.unwrap_or(count), spectral_radius })
+                let spectral_radius = self.spectral_radius().ok_or(failure)?;
+                self.unfold();
+                return if self.h.is_finite() {
+                    Ok(Doubled { count, patience: first_shed.unwrap_or(count), spectral_radius })
                 } else {
                     Err(failure)
                 };
             }
-            if count < self.patience {
-                continue;
-            }
-            if let Some((w, smaller)) = self.without_quick_modes() {
+            if count >= patience && self.shed_quick_modes() {
                 first_shed.get_or_insert(count);
-                shed.push(Shed { w, h: self.h });
-                self = smaller;
-                closed_loop = self.closed_loop(doublings);
-                workspace = Workspace::new(self.a.nrows());
+                patience = 0;
+                self.begin(doublings);
             }
         }
         Err(NoConvergence { count: MOST_DOUBLINGS })
     }
 
-    fn closed_loop(&self, doublings: i32) -> ClosedLoop {
-        ClosedLoop { a: self.a.clone(), g: self.g.clone(), doublings }
+    fn begin(&mut self, doublings: i32) {
+        self.first.0.copy_from(&self.a);
+        self.first.1.copy_from(&self.g);
+        self.doublings = doublings;
+    }
+
+    /// Factorises `I + GX`; false if it is singular.
+    fn factorise(&mut self, x: impl Fn(&Self) -> &Panels, g: impl Fn(&Self) -> &Panels) -> bool {
+        let mut factors = std::mem::take(&mut self.factors);
+        factors.matrix().product(self.processor, g(self), x(self));
+        factors.matrix().add_to_diagonal(1.0);
+        let regular = factors.factorise(self.processor);
+        self.factors = factors;
+        regular
     }
 
     /// One doubling; the new norm of `A`, or `None` if that is not finite or `I + GH` is singular.
-    fn double(&mut self, workspace: &mut Workspace) -> Option<f64> {
-        let size = self.a.nrows();
-        let Workspace { transpose, square, right, product } = workspace;
-        self.a.transpose_to(transpose);
-        if let Some(g) = &mut self.g {
-            // [(I + GH)⁻¹A, (I + GH)⁻¹G], and A times that.
-            right.columns_mut(0, size).copy_from(&self.a);
-            right.columns_mut(size, size).copy_from(g);
-            BlockLu::new(identity_plus_product(g, &self.h))?.solve(right);
-            product.gemm(1.0, &self.a, right, 0.0);
-            square.gemm(1.0, &self.h, &right.columns(0, size), 0.0);
-            g.gemm(1.0, &product.columns(size, size), transpose, 1.0);
-            symmetrise(g);
-            self.a.copy_from(&product.columns(0, size));
-        } else {
-            square.gemm(1.0, &self.h, &self.a, 0.0);
-            self.a = &self.a * &self.a;
+    fn double(&mut self) -> Option<f64> {
+        let processor = self.processor;
+        self.w.copy_from(&self.a);
+        // Without `G` this is Stein's equation, `X = H + AᵀXA`.
+        if self.g.rows() > 0 {
+            if !self.factorise(|this| &this.h, |this| &this.g) {
+                return None;
+            }
+            let Self { a, g, factors, transpose, w, v, product, .. } = self;
+            v.copy_from(g);
+            factors.solve(processor, w);
+            factors.solve(processor, v);
+            transpose.transpose_from(a);
+            product.product(processor, a, v);
+            g.add_symmetric_product(processor, product, transpose);
         }
-        self.h.gemm(1.0, transpose, square, 1.0);
-        symmetrise(&mut self.h);
-        let norm = self.a.norm();
+        let Self { a, h, w, product, .. } = self;
+        product.product(processor, h, w);
+        h.add_symmetric_transposed(processor, a, product);
+        product.product(processor, a, w);
+        std::mem::swap(a, product);
+        let norm = a.norm();
         norm.is_finite().then_some(norm)
     }
 
-    /// If at most half of the modes are left in `A`, its right factor `W` and the equation in their dimensions.
-    fn without_quick_modes(&self) -> Option<(DMatrix<f64>, Self)> {
-        if self.a.nrows() < FEWEST_TO_SHED {
-            return None;
+    /// If at most half of the modes are left in `A`, goes over to the equation in their dimensions.
+    fn shed_quick_modes(&mut self) -> bool {
+        let processor = self.processor;
+        let rows = self.a.rows();
+        if rows < FEWEST_TO_SHED || !self.low_rank.factorise(processor, &self.a) {
+            return false;
         }
-        let (u, w) = low_rank(&self.a)?;
-        let rank = u.ncols();
-        let mut right = u.clone();
-        let mut g = None;
-        if let Some(outer) = &self.g {
-            right.resize_horizontally_mut(2 * rank, 0.0);
-            right.columns_mut(rank, rank).copy_from(&(outer * &w));
-            BlockLu::new(identity_plus_product(outer, &self.h))?.solve(&mut right);
-            let mut inner = w.transpose() * right.columns(rank, rank);
-            symmetrise(&mut inner);
-            g = Some(inner);
+        let stein = self.g.rows() == 0;
+        if !stein && !self.factorise(|this| &this.h, |this| &this.g) {
+            return false;
         }
-        let solved = right.columns(0, rank);
-        let a = w.transpose() * solved;
-        let mut h = u.transpose() * (&self.h * solved);
-        symmetrise(&mut h);
-        let patience = 0;
-        Some((w, Self { a, g, h, patience }))
+        if self.shed.len() == self.depth {
+            self.shed.push(Shed::default());
+        }
+        let Self { a, g, h, factors, low_rank, w: solved, v, product, transpose: u, .. } = self;
+        let shed = &mut self.shed[self.depth];
+        let w = &mut shed.w;
+        low_rank.write_to(rows, u, w);
+        solved.copy_from(u);
+        if !stein {
+            v.product(processor, g, w);
+            factors.solve(processor, solved);
+            factors.solve(processor, v);
+            g.clear(w.columns(), w.columns());
+            g.add_symmetric_transposed(processor, w, v);
+        }
+        a.transposed_product(processor, w, solved);
+        product.product(processor, h, solved);
+        std::mem::swap(h, &mut shed.h);
+        h.clear(w.columns(), w.columns());
+        h.add_symmetric_transposed(processor, u, product);
+        self.depth += 1;
+        true
     }
-}
 
-impl ClosedLoop {
-    /// The spectral radius of the original equation's closed loop, given the solution of the one that this belongs to.
-    fn spectral_radius(self, x: &DMatrix<f64>) -> Option<f64> {
-        let mut power = self.a;
-        if let Some(g) = self.g {
-            BlockLu::new(identity_plus_product(&g, x))?.solve(&mut power);
+    /// Inserts the solution of the smallest equation in the one that it comes from, and so on.
+    fn unfold(&mut self) {
+        let Self { processor, h, shed, depth, transpose, product, .. } = self;
+        for Shed { w, h: larger } in shed[..*depth].iter_mut().rev() {
+            transpose.transpose_from(w);
+            product.product(*processor, w, h);
+            std::mem::swap(h, larger);
+            h.add_symmetric_product(*processor, product, transpose);
         }
-        let logarithm = log_spectral_radius(power);
-        Some((logarithm * 0.5_f64.powi(self.doublings)).exp())
     }
-}
 
-/// Factors `U` and `W` of `matrix = U Wᵀ` up to rounding, `U` with orthonormal columns, if at most half as many columns as the matrix
-/// has are enough: Gram–Schmidt orthogonalisation that always takes the column of which most is left.
-fn low_rank(matrix: &DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-    let size = matrix.ncols();
-    let most = size / 2;
-    let norm = matrix.norm();
-    let mut rest = matrix.clone();
-    let mut u = DMatrix::zeros(matrix.nrows(), most);
-    let mut w = DMatrix::zeros(size, most);
-    for rank in 0..=most {
-        let (mut left, mut pivot, mut largest) = (0.0, 0, 0.0);
-        for (index, column) in rest.column_iter().enumerate() {
-            let square = column.norm_squared();
-            left += square;
-            if square > largest {
-                (pivot, largest) = (index, square);
+    /// The spectral radius of the closed loop, given the solution of the smallest equation.
+    fn spectral_radius(&mut self) -> Option<f64> {
+        self.w.copy_from(&self.first.0);
+        if self.first.1.rows() > 0 {
+            if !self.factorise(|this| &this.h, |this| &this.first.1) {
+                return None;
             }
+            self.factors.solve(self.processor, &mut self.w);
         }
-        let left = left.sqrt();
-        if left <= f64::EPSILON * norm {
-            return (rank > 0).then(|| (u.columns(0, rank).into_owned(), w.columns(0, rank).into_owned()));
-        }
-        if rank == most || (rank == size / 8 && left > PROMISING * norm) {
-            return None;
-        }
-        let mut direction = rest.column(pivot).normalize();
-        // What rounding has left of the earlier directions in the rest would show once the rest is small.
-        let earlier = u.columns(0, rank);
-        let overlap = earlier.tr_mul(&direction);
-        direction.gemv(-1.0, &earlier, &overlap, 1.0);
-        direction.normalize_mut();
-        let coefficients = rest.tr_mul(&direction);
-        rest.ger(-1.0, &direction, &coefficients, 1.0);
-        u.set_column(rank, &direction);
-        w.set_column(rank, &coefficients);
+        Some((self.log_spectral_radius() * 0.5_f64.powi(self.doublings)).exp())
     }
-    None
-}
 
-/// Room for a doubling's intermediate results.
-struct Workspace {
-    transpose: DMatrix<f64>,
-    square: DMatrix<f64>,
-    right: DMatrix<f64>,
-    product: DMatrix<f64>,
-}
-
-impl Workspace {
-    fn new(size: usize) -> Self {
-        Self {
-            transpose: DMatrix::zeros(size, size),
-            square: DMatrix::zeros(size, size),
-            right: DMatrix::zeros(size, 2 * size),
-            product: DMatrix::zeros(size, 2 * size),
+    /// The natural logarithm of the largest modulus among the eigenvalues of `self.w`, by Gelfand's formula
+    /// `ρ = lim ‖Mᵗ‖^(1/t)` with `t = 1, 2, 4, …`. Unlike a Schur decomposition it always ends.
+    fn log_spectral_radius(&mut self) -> f64 {
+        let Self { processor, w: matrix, product, .. } = self;
+        let mut logarithm = 0.0;
+        for squaring in 0..=SQUARINGS {
+            let norm = matrix.norm();
+            if norm < f64::MIN_POSITIVE {
+                return f64::NEG_INFINITY;
+            }
+            logarithm += norm.ln() * 0.5_f64.powi(squaring);
+            matrix.scale(norm.recip());
+            product.product(*processor, matrix, matrix);
+            std::mem::swap(matrix, product);
         }
+        logarithm
     }
 }

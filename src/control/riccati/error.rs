@@ -58,11 +58,14 @@ pub enum RiccatiError {
         /// Its mirror image below the diagonal.
         mirror: f64,
     },
-    /// `R` is not positive definite: some control costs nothing, or less.
+    /// `R` is not positive semidefinite: some control costs less than nothing.
     ControlCostNotPositive {
         /// The smallest eigenvalue of `R`.
         smallest_eigenvalue: f64,
     },
+    /// Some combination of controls costs nothing and does nothing, so that it could be anything: `R` and `BᵀB` have a common null
+    /// vector, and the pencil whose eigenvalues are those of the closed loop is singular.
+    SingularPencil,
     /// Over a finite number of steps there is no least cost: `R + BᵀPB` is not positive definite in some step, where a control of
     /// no end would cost less than nothing. With a positive definite `R` this takes a `Q` or a `P` at the end that is not positive
     /// semidefinite.
@@ -124,7 +127,11 @@ impl fmt::Display for RiccatiError {
             ),
             Self::ControlCostNotPositive { smallest_eigenvalue } => write!(
                 formatter,
-                "R has the eigenvalue {smallest_eigenvalue:e}; it should be positive definite, so that every control costs something"
+                "R has the eigenvalue {smallest_eigenvalue:e}; it should be positive semidefinite, so that no control costs less than nothing"
+            ),
+            Self::SingularPencil => formatter.write_str(
+                "a combination of controls costs nothing and does nothing, so the best control is not determined; give it a \
+                 weight in R, however small, or leave it out",
             ),
             Self::NoLeastCost { smallest_eigenvalue } => write!(
                 formatter,
