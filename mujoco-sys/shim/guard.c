@@ -136,6 +136,9 @@ GUARDED(mj_inverseSkip, d, (const mjModel* m, mjData* d, int stage, int skip_sen
 
 // Parts of the pipeline.
 GUARDED(mj_kinematics, d, (const mjModel* m, mjData* d), (m, d))
+int mujoco_sys_parts(const mjModel* m, mjData* d, void (*const parts[])(const mjModel*, mjData*), int count) {
+  GUARDED_RUN(d, for (int i = 0; i < count; i++) parts[i](m, d))
+}
 GUARDED(mj_comPos, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_camlight, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_tendon, d, (const mjModel* m, mjData* d), (m, d))

@@ -37,7 +37,14 @@ macro_rules! guarded {
     };
 }
 
+/// A part of the engine's pipeline.
+pub type Part = unsafe extern "C" fn(m: *const mjModel, d: *mut mjData);
+
 unsafe extern "C" {
+    /// Calls parts of the pipeline one after the other, behind one guard: for those who call many short ones.
+    #[link_name = "mujoco_sys_parts"]
+    pub fn parts(m: *const mjModel, d: *mut mjData, parts: *const Part, count: c_int) -> c_int;
+
     /// Makes the guards' handlers the engine's `mju_user_error` and `mju_user_warning`, for the whole process. Warnings go to
     /// `warn`, or to standard error if there is none. The engine's
     /// collision functions are checked from then on: a box whose size is not positive and finite is an error where it may meet

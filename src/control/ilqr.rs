@@ -189,6 +189,10 @@ impl Ilqr {
     /// [`Error::Shape`] for controls of a wrong shape, [`Error::Invalid`] if there is not one step or if a cost or a derivative of
     /// it is not finite, [`Error::OtherModel`] for a simulation of a model that was loaded separately, the errors of
     /// [`Data::step`] for the trajectory that the given controls make, and those of [`Transition::along`].
+    ///
+    /// # Panics
+    ///
+    /// If the cost does, as a [`QuadraticCost`] does that was made for a model of other sizes.
     pub fn solve(&mut self, data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> Result<IlqrSolution> {
         let model = data.model();
         let steps = controls.nrows();

@@ -263,7 +263,18 @@ fn check(
     Ok(())
 }
 
-/// Refuses a square matrix that is symmetric by no stretch of rounding.
+/// Copies the symmetric part of `weight`, if that is `weight` up to rounding.
+fn copy_symmetric(
+    matrix: RiccatiMatrix,
+    weight: &DMatrixView<'_, f64, Dyn, Dyn>,
+    to: &mut Panels,
+) -> Result<(), RiccatiError> {
+    check_symmetric(matrix, weight)?;
+    to.fill(weight.nrows(), weight.ncols(), |row, column| 0.5 * (weight[(row, column)] + weight[(column, row)]));
+    Ok(())
+}
+
+/// Refuses a matrix that differs from its transpose by more than rounding explains.
 fn check_symmetric(matrix: RiccatiMatrix, weight: &DMatrixView<'_, f64, Dyn, Dyn>) -> Result<(), RiccatiError> {
     let tolerance = SYMMETRY_TOLERANCE * weight.amax();
     for column in 0..weight.ncols() {
@@ -275,31 +286,4 @@ fn check_symmetric(matrix: RiccatiMatrix, weight: &DMatrixView<'_, f64, Dyn, Dyn
         }
     }
     Ok(())
-}
-
-/// An entry of the symmetric part.
-fn symmetric_entry(weight: &DMatrixView<'_, f64, Dyn, Dyn>, row: usize, column: usize) -> f64 {
-    0.5 * (weight[(row, column)] + weight[(column, row)])
-}
-
-/// Copies the symmetric part of `weight`, if that is `weight` up to rounding.
-fn copy_symmetric(
-    matrix: RiccatiMatrix,
-    weight: &DMatrixView<'_, f64, Dyn, Dyn>,
-    to: &mut Panels,
-) -> Result<(), RiccatiError> {
-    check_symmetric(matrix, weight)?;
-    to.fill(weight.nrows(), weight.ncols(), |row, column| symmetric_entry(weight, row, column));
-    Ok(())
-}
-
-/// The symmetric part of `weight`, if it is square, of this size, finite, and symmetric up to rounding.
-fn checked_symmetric(
-    matrix: RiccatiMatrix,
-    weight: &DMatrixView<'_, f64, Dyn, Dyn>,
-    size: usize,
-) -> Result<DMatrix<f64>, RiccatiError> {
-    check(matrix, weight, (size, size))?;
-    check_symmetric(matrix, weight)?;
-    Ok(DMatrix::from_fn(size, size, |row, column| symmetric_entry(weight, row, column)))
 }

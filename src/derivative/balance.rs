@@ -2,7 +2,7 @@
 
 use std::ffi::c_int;
 
-use mujoco_sys::{self as sys, guard, mjData, mjModel};
+use mujoco_sys::{self as sys, guard};
 
 use super::worker::{Input, Wanted, Worker};
 use crate::data::Computed;
@@ -10,35 +10,21 @@ use crate::error::Result;
 use crate::ffi;
 use crate::id::{Id, kind};
 
-/// A part of the pipeline.
-type Part = unsafe extern "C" fn(*const mjModel, *mut mjData) -> c_int;
 /// What forces need of positions; adhesion acts through the constraints, so transmission comes after these.
-const POSITIONS: [Part; 7] = [
-    guard::mj_kinematics,
-    guard::mj_com_pos,
-    guard::mj_tendon,
-    guard::mj_crb,
-    guard::mj_collision,
-    guard::mj_make_constraint,
-    guard::mj_transmission,
+const POSITIONS: [guard::Part; 7] = [
+    sys::mj_kinematics,
+    sys::mj_comPos,
+    sys::mj_tendon,
+    sys::mj_crb,
+    sys::mj_collision,
+    sys::mj_makeConstraint,
+    sys::mj_transmission,
 ];
 /// What they need of velocities, without those of tendons.
-const VELOCITIES: [Part; 3] = [guard::mj_com_vel, guard::mj_passive, guard::mj_reference_constraint];
-const FORCES: [Part; 2] = [guard::mj_fwd_actuation, guard::mj_inv_constraint];
+const VELOCITIES: [guard::Part; 3] = [sys::mj_comVel, sys::mj_passive, sys::mj_referenceConstraint];
+const FORCES: [guard::Part; 2] = [sys::mj_fwdActuation, sys::mj_invConstraint];
 
 impl Worker {
-    /// Comes to the base point that another worker has prepared.
-    pub(super) fn begin(&mut self, wanted: Wanted) -> Result<()> {
-        self.data.qacc_mut().copy_from_slice(&self.base.qacc);
-        self.data.fwd_position()?;
-        self.data.fwd_velocity()?;
-        if wanted.sensors {
-            self.data.sensor_pos()?;
-            self.data.sensor_vel()?;
-        }
-        self.data.fwd_actuation()
-    }
-
     /// All forces, at the acceleration that is set: of positions only what has changed since.
     pub(super) fn evaluate(&mut self, input: Input, wanted: Wanted) -> Result<()> {
         let moved = matches!(input, Input::Position(_));
@@ -57,20 +43,23 @@ impl Worker {
         self.data.run("mj_inverse", Computed::empty(), |model, data| {
             // SAFETY: `run` passes a model and a data that go together.
             let (tendons, nu, nv) = unsafe { ((*model).ntendon, (*model).nu, (*model).nv) };
-            let positions: &[Part] = if moved { &POSITIONS } else { &[] };
-            let velocities: &[Part] = if tendons > 0 { &[guard::mj_fwd_velocity] } else { &VELOCITIES };
-            let all = |parts: &[Part]| {
+            let positions: &[guard::Part] = if moved { &POSITIONS } else { &[] };
+            let velocities: &[guard::Part] = if tendons > 0 { &[sys::mj_fwdVelocity] } else { &VELOCITIES };
+            let all = |parts: &[guard::Part]| {
                 // SAFETY: as above, and each part reads what those before it compute, or what was computed of the base point:
-                // `prepare` and `begin` have seen to that, and positions are moved last.
-                let statuses = parts.iter().map(|part| unsafe { part(model, data) });
-                { statuses }.find(|&status| status != guard::OK)
+                // `prepare` has seen to that, and positions are moved last.
+                unsafe { guard::parts(model, data, parts.as_ptr(), parts.len() as c_int) }
             };
-            if let Some(status) = all(positions) {
+            let status = all(positions);
+            if status != guard::OK {
                 return status;
             }
             // SAFETY: the engine's own arrays: nu numbers, nu × nv, nv.
             unsafe { sys::mju_mulMatVec((*data).actuator_velocity, (*data).actuator_moment, (*data).qvel, nu, nv) };
-            all(velocities).or_else(|| all(&FORCES)).unwrap_or(guard::OK)
+            match all(velocities) {
+                guard::OK => all(&FORCES),
+                status => status,
+            }
         })
     }
 

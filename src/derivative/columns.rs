@@ -6,7 +6,7 @@
 //! whether they are wanted or not, and the factorisation of the integrator anew, with the same result.
 
 use super::method::Step;
-use super::worker::{Input, Share, Wanted, Worker, sides};
+use super::worker::{Input, Wanted, Worker, sides};
 
 use crate::data::{Computed, Stage};
 use crate::enums::Integrator;
@@ -19,39 +19,46 @@ const RIGHT: usize = 1;
 const LEFT: usize = 2;
 
 impl Worker {
-    /// Computes the columns of a share from the base point that was set.
-    pub(super) fn columns(&mut self, share: Share, wanted: Wanted, step: Step) -> Result<()> {
+    /// Takes the step from the base point that was set.
+    pub(super) fn step_from_base(&mut self, wanted: Wanted) -> Result<()> {
         self.advance(Stage::Nothing, wanted.sensors)?;
         self.sample(BASE);
-        self.restore()?;
-        let model = self.data.model().clone();
-        for input in share.inputs(&model, wanted) {
-            let (right, left) = sides(&self.data, input, step);
-            if right {
-                self.step_aside(input, step.eps, RIGHT, wanted)?;
-            }
-            if left {
-                self.step_aside(input, -step.eps, LEFT, wanted)?;
-            }
-            let (from, to) = match (left, right) {
-                (false, true) => (BASE, RIGHT),
-                (true, false) => (LEFT, BASE),
-                (true, true) => (LEFT, RIGHT),
-                (false, false) => {
-                    self.rows.row_mut(input.row(&model)).fill(0.0);
-                    continue;
-                }
-            };
-            let width = if left && right { 2.0 * step.eps } else { step.eps };
-            let [from, to] = [from, to].map(|sample| &self.samples[sample][..]);
-            difference(&model, self.rows.row_mut(input.row(&model)), from, to, width)?;
+        self.restore()
+    }
+
+    /// Computes a column. They have to come in the order of [`inputs`](super::worker::inputs).
+    pub(super) fn column(
+        &mut self,
+        model: &Model,
+        input: Input,
+        wanted: Wanted,
+        step: Step,
+        row: &mut [f64],
+    ) -> Result<()> {
+        let (right, left) = sides(&self.data, input, step);
+        if right {
+            self.step_aside(model, input, step.eps, RIGHT, wanted)?;
         }
-        Ok(())
+        if left {
+            self.step_aside(model, input, -step.eps, LEFT, wanted)?;
+        }
+        let (from, to) = match (left, right) {
+            (false, true) => (BASE, RIGHT),
+            (true, false) => (LEFT, BASE),
+            (true, true) => (LEFT, RIGHT),
+            (false, false) => {
+                row.fill(0.0);
+                return Ok(());
+            }
+        };
+        let width = if left && right { 2.0 * step.eps } else { step.eps };
+        let [from, to] = [from, to].map(|sample| &self.samples[sample][..]);
+        difference(model, row, from, to, width)
     }
 
     /// A step from beside the base point, and back.
-    fn step_aside(&mut self, input: Input, by: f64, sample: usize, wanted: Wanted) -> Result<()> {
-        self.nudge(input, by)?;
+    fn step_aside(&mut self, model: &Model, input: Input, by: f64, sample: usize, wanted: Wanted) -> Result<()> {
+        self.nudge(model, input, by)?;
         self.advance(
             match input {
                 Input::Control(_) | Input::Activation(_) => Stage::Velocity,

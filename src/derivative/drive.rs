@@ -31,12 +31,6 @@ impl Drive {
             values.fill(0.0);
         }
     }
-
-    pub(super) fn adopt(&mut self, other: &Self) {
-        self.force.copy_from_slice(&other.force);
-        self.activation.copy_from_slice(&other.activation);
-        self.sensors.copy_from_slice(&other.sensors);
-    }
 }
 
 impl Worker {
@@ -99,11 +93,10 @@ impl Worker {
     }
 
     /// The column of what drives an actuator.
-    pub(super) fn driven_column(&mut self, model: &Model, input: Input, actuator: usize) {
+    pub(super) fn driven_column(&mut self, model: &Model, input: Input, actuator: usize, row: &mut [f64]) {
         let base = &mut self.base;
         let drive = if matches!(input, Input::Control(_)) { &base.by_control } else { &base.by_activation };
         let (nv, nx) = (model.nv(), sizes(model).0);
-        let row = self.rows.row_mut(input.row(model));
         row.fill(0.0);
         let slope = drive.force[actuator];
         for (column, moment) in base.column.iter_mut().zip(self.data.actuator_moment().row(actuator)) {

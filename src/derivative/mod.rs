@@ -19,6 +19,7 @@
 //! | `workspace.rs` | the same by a choice of methods, in several threads, and along trajectories |
 //! | `method.rs` | the methods |
 //! | `worker.rs` | a simulation for each thread |
+//! | `team.rs` | how the threads share the columns |
 //! | `columns.rs` | the engine's differences, shared among threads |
 //! | `through_inverse.rs` | the implicit function theorem, with differences of inverse dynamics |
 //! | `balance.rs` | the balance of forces that is differenced for it |
@@ -32,6 +33,7 @@ mod drive;
 mod inverse;
 mod method;
 mod newton;
+mod team;
 mod through_inverse;
 mod transition;
 mod worker;

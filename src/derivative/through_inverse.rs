@@ -33,7 +33,7 @@ use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjMAXVAL, mjSTAGE_ACC};
 use super::drive::Drive;
 use super::method::{Fallback, Step};
 use super::sizes;
-use super::worker::{Input, Share, Wanted, Worker, sides};
+use super::worker::{Input, Wanted, Worker, sides};
 use crate::data::Stage;
 use crate::enums::Integrator;
 use crate::error::Result;
@@ -78,7 +78,7 @@ pub(super) struct Base {
     /// Forces are applied to bodies, which depend on positions.
     pub(super) pushed: bool,
     /// `(nv, nsensordata)`, if some sensors are of accelerations.
-    sensors_by_acceleration: Matrix,
+    pub(super) sensors_by_acceleration: Matrix,
     accelerometers: bool,
     /// What is differenced: g, and `M (a − s)`, and sensors.
     pub(super) forces: [Vec<f64>; 3],
@@ -114,28 +114,6 @@ impl Base {
             column: dofs.clone(),
             acceleration: dofs,
         }
-    }
-
-    /// Takes over what another worker has found of the base point.
-    pub(super) fn adopt(&mut self, other: &Self) {
-        self.qacc.copy_from_slice(&other.qacc);
-        for (to, from) in [
-            (&mut self.h_inverse, &other.h_inverse),
-            (&mut self.w_inverse, &other.w_inverse),
-            (&mut self.p_transposed, &other.p_transposed),
-            (&mut self.sensors_by_acceleration, &other.sensors_by_acceleration),
-        ] {
-            to.as_mut_slice().copy_from_slice(from.as_slice());
-        }
-        (self.damped, self.pushed) = (other.damped, other.pushed);
-        self.spread.copy_from_slice(&other.spread);
-        self.rotations.clone_from(&other.rotations);
-        for (to, from) in [(&mut self.by_control, &other.by_control), (&mut self.by_activation, &other.by_activation)] {
-            to.adopt(from);
-        }
-        self.forces[BASE].copy_from_slice(&other.forces[BASE]);
-        self.inertias[BASE].copy_from_slice(&other.inertias[BASE]);
-        self.sensors[BASE].copy_from_slice(&other.sensors[BASE]);
     }
 }
 
@@ -227,57 +205,50 @@ impl Worker {
         self.base.accelerometers
     }
 
-    /// The derivatives of the sensors of accelerations by those, as far as they are in a share. Comes before the columns, which
-    /// need those of all shares.
-    pub(super) fn accelerate(&mut self, share: Share, step: Step) -> Result<()> {
+    /// The derivatives of the sensors of accelerations by one of these. All of them come before the columns, which need them.
+    pub(super) fn accelerate(&mut self, dof: usize, step: Step, row: &mut [f64]) -> Result<()> {
         // Of other stages the readings stay as they are. These are linear in the accelerations but for elliptic cones.
         let eps = WIDER * step.eps;
-        for dof in share.of(self.data.model().nv()) {
-            for (side, by) in [(RIGHT, eps), (LEFT, -eps)] {
-                self.data.qacc_mut()[dof] = self.base.qacc[dof] + by;
-                self.data.inv_constraint()?;
-                self.data.sensor_acc()?;
-                self.base.sensors[side].copy_from_slice(self.data.sensordata());
-            }
-            self.data.qacc_mut()[dof] = self.base.qacc[dof];
-            let [_, right, left] = &self.base.sensors;
-            let row = self.base.sensors_by_acceleration.row_mut(dof);
-            quotient(row, left, right, 2.0 * eps);
+        for (side, by) in [(RIGHT, eps), (LEFT, -eps)] {
+            self.data.qacc_mut()[dof] = self.base.qacc[dof] + by;
+            self.data.inv_constraint()?;
+            self.data.sensor_acc()?;
+            self.base.sensors[side].copy_from_slice(self.data.sensordata());
         }
+        self.data.qacc_mut()[dof] = self.base.qacc[dof];
+        let [_, right, left] = &self.base.sensors;
+        quotient(row, left, right, 2.0 * eps);
         Ok(())
     }
 
-    /// Hands a share of what [`accelerate`](Self::accelerate) has found to another worker.
-    pub(super) fn share_accelerations(&self, share: Share, to: &mut Self) {
-        for dof in share.of(self.data.model().nv()) {
-            let row = self.base.sensors_by_acceleration.row(dof);
-            to.base.sensors_by_acceleration.row_mut(dof).copy_from_slice(row);
-        }
-    }
-
-    /// Computes the columns of a share.
-    pub(super) fn inverse_columns(&mut self, share: Share, wanted: Wanted, step: Step) -> Result<()> {
-        let model = self.data.model().clone();
-        for input in share.inputs(&model, wanted) {
-            match input {
-                Input::Control(actuator) => self.driven_column(&model, input, actuator),
-                Input::Activation(activation) => {
-                    self.driven_column(&model, input, activation + model.nu() - model.na());
-                }
-                Input::Velocity(_) | Input::Position(_) => self.state_column(&model, input, wanted, step)?,
+    /// Computes a column, given what [`accelerate`](Self::accelerate) has found. They have to come in the order of
+    /// [`inputs`](super::worker::inputs).
+    pub(super) fn inverse_column(
+        &mut self,
+        model: &Model,
+        input: Input,
+        wanted: Wanted,
+        step: Step,
+        row: &mut [f64],
+    ) -> Result<()> {
+        match input {
+            Input::Control(actuator) => self.driven_column(model, input, actuator, row),
+            Input::Activation(activation) => {
+                self.driven_column(model, input, activation + model.nu() - model.na(), row);
             }
+            Input::Velocity(_) | Input::Position(_) => self.state_column(model, input, wanted, step, row)?,
         }
         Ok(())
     }
 
     /// The column of a velocity or a position.
-    fn state_column(&mut self, model: &Model, input: Input, wanted: Wanted, step: Step) -> Result<()> {
+    fn state_column(&mut self, model: &Model, input: Input, wanted: Wanted, step: Step, row: &mut [f64]) -> Result<()> {
         let (_, left) = sides(&self.data, input, step);
         for (side, by) in [(RIGHT, step.eps), (LEFT, -step.eps)] {
             if side == LEFT && !left {
                 continue;
             }
-            self.nudge(input, by)?;
+            self.nudge(model, input, by)?;
             self.evaluate(input, wanted)?;
             self.balance(side)?;
             if matches!(input, Input::Position(_)) {
@@ -293,7 +264,6 @@ impl Worker {
         let width = if left { 2.0 * step.eps } else { step.eps };
         let base = &mut self.base;
         quotient(&mut base.column, &base.forces[from], &base.forces[RIGHT], width);
-        let row = self.rows.row_mut(input.row(model));
         row.fill(0.0);
         quotient(&mut row[sizes(model).0..], &base.sensors[from], &base.sensors[RIGHT], width);
         let inertia = (base.damped && matches!(input, Input::Position(_))).then_some((from, width));

@@ -1,6 +1,5 @@
 //! A simulation of its own for each thread that linearises, and the columns that it computes.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::method::Step;
@@ -28,14 +27,13 @@ pub(super) enum Input {
 }
 
 impl Input {
-    /// Its row in [`Worker::rows`]: the columns of A, and then those of B.
-    pub(super) fn row(self, model: &Model) -> usize {
-        let (nv, na) = (model.nv(), model.na());
+    /// Its column in A, or in B.
+    fn column(self, model: &Model) -> usize {
         match self {
+            Self::Control(control) => control,
             Self::Position(dof) => dof,
-            Self::Velocity(dof) => nv + dof,
-            Self::Activation(activation) => 2 * nv + activation,
-            Self::Control(control) => 2 * nv + na + control,
+            Self::Velocity(dof) => model.nv() + dof,
+            Self::Activation(activation) => 2 * model.nv() + activation,
         }
     }
 }
@@ -58,30 +56,15 @@ impl Wanted {
     }
 }
 
-/// Which part of the columns is whose: worker `index` of `count`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Share {
-    pub(super) index: usize,
-    pub(super) count: usize,
-}
-
-impl Share {
-    pub(super) const WHOLE: Self = Self { index: 0, count: 1 };
-
-    pub(super) fn of(self, n: usize) -> Range<usize> {
-        n * self.index / self.count..n * (self.index + 1) / self.count
-    }
-
-    /// The columns, those first that need the least of what is computed at the base point, as each spoils it for the ones before.
-    pub(super) fn inputs(self, model: &Model, wanted: Wanted) -> impl Iterator<Item = Input> + use<> {
-        let of = |n: usize, wanted: bool| if wanted { self.of(n) } else { 0..0 };
-        let (nv, na, nu) = (model.nv(), model.na(), model.nu());
-        let controls = of(nu, wanted.controls).map(Input::Control);
-        let activations = of(na, wanted.states).map(Input::Activation);
-        let velocities = of(nv, wanted.states).map(Input::Velocity);
-        let positions = of(nv, wanted.states).map(Input::Position);
-        controls.chain(activations).chain(velocities).chain(positions)
-    }
+/// The columns, those first that need the least of what is computed at the base point, as each spoils it for the ones before.
+pub(super) fn inputs(model: &Model, wanted: Wanted) -> impl Iterator<Item = Input> + use<> {
+    let of = |n: usize, wanted: bool| if wanted { 0..n } else { 0..0 };
+    let (nv, na, nu) = (model.nv(), model.na(), model.nu());
+    let controls = of(nu, wanted.controls).map(Input::Control);
+    let activations = of(na, wanted.states).map(Input::Activation);
+    let velocities = of(nv, wanted.states).map(Input::Velocity);
+    let positions = of(nv, wanted.states).map(Input::Position);
+    controls.chain(activations).chain(velocities).chain(positions)
 }
 
 #[derive(Debug)]
@@ -89,7 +72,7 @@ pub(super) struct Worker {
     pub(super) data: Data,
     /// The base point, as far as it is moved.
     pub(super) moved: Vec<f64>,
-    /// `(nx + nu, nx + nsensordata)`: the columns of the system, each as a row.
+    /// `(nx + nu, nx + nsensordata)`: the columns of a system that it computes alone, each as a row, in the order of [`inputs`].
     pub(super) rows: Matrix,
     /// `[qpos; qvel; act; sensordata]` after a step from the base point, and from either side of it.
     pub(super) samples: [Vec<f64>; 3],
@@ -97,6 +80,8 @@ pub(super) struct Worker {
     pub(super) direction: Vec<f64>,
     pub(super) base: Base,
     pub(super) newton: Newton,
+    /// Whether what all columns need of the base point is known. False if the solver has not converged there.
+    pub(super) prepared: Option<bool>,
     /// What became of its share.
     pub(super) outcome: Result<()>,
 }
@@ -113,6 +98,7 @@ impl Worker {
             direction: vec![0.0; model.nv()],
             base: Base::new(model),
             newton: Newton::new(model),
+            prepared: None,
             outcome: Ok(()),
         })
     }
@@ -144,13 +130,12 @@ impl Worker {
     }
 
     /// Moves one input away from the base point.
-    pub(super) fn nudge(&mut self, input: Input, by: f64) -> Result<()> {
+    pub(super) fn nudge(&mut self, model: &Model, input: Input, by: f64) -> Result<()> {
         match input {
             Input::Control(control) => self.data.ctrl_mut()[control] += by,
             Input::Activation(activation) => self.data.act_mut()[activation] += by,
             Input::Velocity(dof) => self.data.qvel_mut()[dof] += by,
             Input::Position(dof) => {
-                let model = self.data.model().clone();
                 self.direction[dof] = 1.0;
                 let moved = model.integrate_pos(self.data.qpos_mut(), &self.direction, by);
                 self.direction[dof] = 0.0;
@@ -170,22 +155,21 @@ impl Worker {
             _ => self.data.qpos_mut().copy_from_slice(qpos),
         }
     }
+}
 
-    /// Writes its share to the outputs, the right way round.
-    pub(super) fn write(&self, share: Share, wanted: Wanted, outputs: &mut TransitionOutputs<'_>) {
-        let model = self.data.model();
-        let (nx, _, _) = sizes(model);
-        for input in share.inputs(model, wanted) {
-            let row = input.row(model);
-            let (state, sensors) = self.rows.row(row).split_at(nx);
-            let (column, of_state, of_sensors) = match input {
-                Input::Control(control) => (control, &mut outputs.b, &mut outputs.d),
-                _ => (row, &mut outputs.a, &mut outputs.c),
-            };
-            for (values, output) in [(state, of_state), (sensors, of_sensors)] {
-                if let Some(output) = output {
-                    values.iter().enumerate().for_each(|(row, value)| output[(row, column)] = *value);
-                }
+/// Writes columns, each of which is a row, to the outputs, the right way round.
+pub(super) fn write(model: &Model, rows: &Matrix, wanted: Wanted, outputs: &mut TransitionOutputs<'_>) {
+    let (nx, _, _) = sizes(model);
+    for (row, input) in inputs(model, wanted).enumerate() {
+        let (state, sensors) = rows.row(row).split_at(nx);
+        let column = input.column(model);
+        let (of_state, of_sensors) = match input {
+            Input::Control(_) => (&mut outputs.b, &mut outputs.d),
+            _ => (&mut outputs.a, &mut outputs.c),
+        };
+        for (values, output) in [(state, of_state), (sensors, of_sensors)] {
+            if let Some(output) = output {
+                values.iter().enumerate().for_each(|(row, value)| output[(row, column)] = *value);
             }
         }
     }

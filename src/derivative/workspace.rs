@@ -1,18 +1,20 @@
 //! Linear systems of steps, again and again, in several threads, without allocating.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use rayon::prelude::*;
-
-use super::method::{Fallback, TransitionMethod, TransitionOptions, Used};
+use super::method::{Fallback, Step, TransitionMethod, TransitionOptions, Used};
+use super::team::{Queue, together};
 use super::through_inverse::obstacle;
-use super::worker::{Share, Wanted, Worker};
+use super::worker::{Input, Wanted, Worker, inputs, write};
 use super::{StateSpace, TransitionOutputs, check_eps, sizes};
 use crate::data::{Data, StateSpec};
 use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
+
+/// Fewest columns that are worth waking another thread for.
+const FEWEST_TO_SHARE: usize = 16;
 
 /// Linearises steps of a simulation, by a choice of [methods](TransitionMethod), and keeps what that needs: a simulation for
 /// each thread, and room for the columns.
@@ -31,13 +33,20 @@ use crate::model::Model;
 /// ```
 ///
 /// Columns are shared among the threads of the rayon pool that the call is made in, so `ThreadPool::install` chooses another
-/// one than the global pool. The result does not depend on their number. With one thread all is done in the caller's.
+/// one than the global pool. The caller's thread is one of them, and the result does not depend on their number. With one thread, or a
+/// model of a few degrees of freedom only, all is done in the caller's.
 #[derive(Debug)]
 pub struct Transition {
     options: TransitionOptions,
     workers: Vec<Worker>,
     /// The point to linearise about.
-    inputs: Vec<f64>,
+    base: Vec<f64>,
+    /// The columns, in the order in which they are computed, and each as a row: `(nx + nu, nx + nsensordata)`. Several threads
+    /// share them.
+    order: Vec<Input>,
+    rows: Matrix,
+    /// `(nv, nsensordata)`, if some sensors are of accelerations: their derivatives by these, which all columns need.
+    sensors_by_acceleration: Matrix,
 }
 
 impl Transition {
@@ -56,7 +65,15 @@ impl Transition {
             return Err(Error::invalid("threads of TransitionOptions", "0", "at least 1"));
         }
         let workers = (0..options.threads).map(|_| Worker::new(&model)).collect::<Result<_>>()?;
-        Ok(Self { options, workers, inputs: vec![0.0; model.state_size(StateSpec::INTEGRATION)] })
+        let (nx, nu, ny) = sizes(&model);
+        Ok(Self {
+            options,
+            workers,
+            base: vec![0.0; model.state_size(StateSpec::INTEGRATION)],
+            order: Vec::with_capacity(nx + nu),
+            rows: Matrix::zeros(nx + nu, nx + ny),
+            sensors_by_acceleration: Matrix::zeros(model.nv(), ny),
+        })
     }
 
     /// What it was made with.
@@ -94,19 +111,20 @@ impl Transition {
         let mut outputs = outputs.into();
         outputs.check(data.model())?;
         self.follow(data)?;
-        data.state_into(StateSpec::INTEGRATION, &mut self.inputs)?;
+        data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {
             let step = self.options.step(method);
             let result = data.transition_fd_into(step.eps, step.differences, outputs);
             // What a closure sets is not put back by the engine.
-            data.set_state(StateSpec::INTEGRATION, &self.inputs)?;
+            data.set_state(StateSpec::INTEGRATION, &self.base)?;
             return result.map(|()| Used { method, fallback });
         }
         let wanted = Wanted::by(&outputs);
-        if self.workers.len() == 1 || method == TransitionMethod::Engine {
+        let alone = self.workers.len() == 1 || inputs(data.model(), wanted).count() < FEWEST_TO_SHARE;
+        if alone || method == TransitionMethod::Engine {
             let worker = &mut self.workers[0];
-            return worker.linear_system(&self.inputs, method, fallback, &self.options, wanted, outputs);
+            return worker.linear_system(&self.base, method, fallback, &self.options, wanted, outputs);
         }
         let used = match method {
             TransitionMethod::Inverse if self.inverse(wanted)? => Used { method, fallback },
@@ -119,10 +137,7 @@ impl Transition {
                 Used { method, fallback }
             }
         };
-        let count = self.workers.len();
-        for (index, worker) in self.workers.iter().enumerate() {
-            worker.write(Share { index, count }, wanted, &mut outputs);
-        }
+        write(data.model(), &self.rows, wanted, &mut outputs);
         Ok(used)
     }
 
@@ -175,29 +190,37 @@ impl Transition {
             TransitionOutputs::from(system).check(model)?;
         }
         self.follow(data)?;
-        data.state_into(StateSpec::INTEGRATION, &mut self.inputs)?;
+        data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
         let (method, fallback) = self.method(data);
         if fallback == Some(Fallback::Callbacks) {
             return Err(Error::Unsupported("along linearises simulations without callbacks only".to_owned()));
         }
-        let (inputs, options) = (&self.inputs, &self.options);
-        let share = |worker: &mut Worker, first: usize, systems: &mut [(StateSpace, Used)]| {
-            for (knot, (system, used)) in (first..).zip(systems) {
+        let (base, options) = (&self.base, &self.options);
+        let queue = Queue::new(systems.iter_mut().enumerate());
+        let first_error = Mutex::new(None);
+        together(&mut self.workers, |worker, _| {
+            while let Some((knot, (system, used))) = queue.take() {
                 let outputs = TransitionOutputs::from(system);
-                worker.set_knot(inputs, states.row(knot), controls.row(knot))?;
-                *used = worker.go(method, fallback, options, Wanted::by(&outputs), outputs)?;
+                let outcome = worker
+                    .set_knot(base, states.row(knot), controls.row(knot))
+                    .and_then(|()| worker.go(method, fallback, options, Wanted::by(&outputs), outputs));
+                match outcome {
+                    Ok(method) => *used = method,
+                    // All before it were taken before it, so the first of all is among those that the threads have found.
+                    Err(error) => {
+                        let mut first = first_error.lock().unwrap_or_else(PoisonError::into_inner);
+                        if first.as_ref().is_none_or(|&(earlier, _)| knot < earlier) {
+                            *first = Some((knot, error));
+                        }
+                        return;
+                    }
+                }
             }
-            Ok(())
-        };
-        let chunk = knots.div_ceil(self.workers.len()).max(1);
-        if self.workers.len() == 1 {
-            return share(&mut self.workers[0], 0, systems);
-        }
-        let shares = self.workers.par_iter_mut().with_max_len(1).zip(systems.par_chunks_mut(chunk));
-        shares.enumerate().for_each(|(index, (worker, systems))| {
-            worker.outcome = share(worker, index * chunk, systems);
         });
-        outcome(&mut self.workers)
+        match first_error.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            None => Ok(()),
+            Some((_, error)) => Err(error),
+        }
     }
 
     /// Takes over the model of a simulation, which may have been changed since.
@@ -229,74 +252,78 @@ impl Transition {
 
     /// All columns by differences of a step.
     fn columns(&mut self, wanted: Wanted) -> Result<()> {
-        let (inputs, step) = (&self.inputs, self.options.step(TransitionMethod::Columns));
-        each(&mut self.workers, |worker, share| {
-            worker.start(inputs)?;
-            worker.columns(share, wanted, step)
-        });
-        outcome(&mut self.workers)
+        let step = self.options.step(TransitionMethod::Columns);
+        let base = &self.base;
+        let model = self.workers[0].data.model().clone();
+        let queue = pieces(&model, &mut self.order, &mut self.rows, wanted);
+        share(&mut self.workers, |worker, first| {
+            if first || queue.is_worth_joining() {
+                worker.start(base)?;
+                worker.step_from_base(wanted)?;
+                while let Some((&input, row)) = queue.take() {
+                    worker.column(&model, input, wanted, step, row)?;
+                }
+            }
+            Ok(())
+        })
     }
 
     /// All columns by differences of inverse dynamics, or false where the solver has not converged.
     fn inverse(&mut self, wanted: Wanted) -> Result<bool> {
-        let (inputs, step) = (&self.inputs, self.options.step(TransitionMethod::Inverse));
-        let (first, others) = self.workers.split_first_mut().expect("Bug: no worker");
-        first.start(inputs)?;
-        if !first.prepare(wanted, step)? {
-            return Ok(false);
+        let step = self.options.step(TransitionMethod::Inverse);
+        let Self { workers, base, order, rows, sensors_by_acceleration, .. } = self;
+        let (base, model) = (&base[..], workers[0].data.model().clone());
+        for worker in &mut *workers {
+            worker.prepared = None;
         }
-        let count = others.len() + 1;
-        let accelerate = wanted.sensors && first.has_accelerometers();
-        let begin = |first: &Worker, worker: &mut Worker| {
-            worker.start(inputs)?;
-            worker.base.adopt(&first.base);
-            worker.begin(wanted)
-        };
+        let accelerate = wanted.sensors && workers[0].has_accelerometers();
         if accelerate {
-            let first = &*first;
-            others.par_iter_mut().with_max_len(1).for_each(|worker| worker.outcome = begin(first, worker));
-            outcome(&mut self.workers)?;
-            each(&mut self.workers, |worker, share| worker.accelerate(share, step));
-            outcome(&mut self.workers)?;
-            for index in 0..count {
-                for other in (0..count).filter(|&other| other != index) {
-                    let [from, to] = self.workers.get_disjoint_mut([index, other]).expect("Bug: two equal indices");
-                    from.share_accelerations(Share { index, count }, to);
+            let width = sensors_by_acceleration.ncols().max(1);
+            let queue = Queue::new((0..model.nv()).zip(sensors_by_acceleration.as_mut_slice().chunks_exact_mut(width)));
+            share(workers, |worker, first| {
+                if (first || queue.is_worth_joining()) && worker.is_prepared(base, wanted, step)? {
+                    while let Some((dof, row)) = queue.take() {
+                        worker.accelerate(dof, step, row)?;
+                    }
                 }
-            }
-            each(&mut self.workers, |worker, share| worker.inverse_columns(share, wanted, step));
-        } else {
-            for worker in others {
-                worker.base.adopt(&first.base);
-            }
-            each(&mut self.workers, |worker, share| {
-                if share.index > 0 {
-                    worker.start(inputs)?;
-                    worker.begin(wanted)?;
-                }
-                worker.inverse_columns(share, wanted, step)
-            });
+                Ok(())
+            })?;
         }
-        outcome(&mut self.workers).map(|()| true)
+        let queue = pieces(&model, order, rows, wanted);
+        share(workers, |worker, first| {
+            if (first || queue.is_worth_joining()) && worker.is_prepared(base, wanted, step)? {
+                if accelerate {
+                    let from = sensors_by_acceleration.as_slice();
+                    worker.base.sensors_by_acceleration.as_mut_slice().copy_from_slice(from);
+                }
+                while let Some((&input, row)) = queue.take() {
+                    worker.inverse_column(&model, input, wanted, step, row)?;
+                }
+            }
+            Ok(())
+        })?;
+        Ok(workers[0].prepared == Some(true))
     }
 }
 
-/// The first error of a worker, if there is one.
-fn outcome(workers: &mut [Worker]) -> Result<()> {
-    let mut first = Ok(());
-    for worker in workers {
-        let outcome = std::mem::replace(&mut worker.outcome, Ok(()));
-        first = first.and(outcome);
-    }
-    first
+/// The columns of a system, each with the row that it is written to, for several threads to take.
+fn pieces<'a>(
+    model: &Model,
+    order: &'a mut Vec<Input>,
+    rows: &'a mut Matrix,
+    wanted: Wanted,
+) -> Queue<impl ExactSizeIterator<Item = (&'a Input, &'a mut [f64])>> {
+    order.clear();
+    order.extend(inputs(model, wanted));
+    let width = rows.ncols().max(1);
+    Queue::new(order.iter().zip(rows.as_mut_slice().chunks_exact_mut(width)))
 }
 
-/// Has each worker do its share, all at the same time.
-fn each(workers: &mut [Worker], work: impl Fn(&mut Worker, Share) -> Result<()> + Sync) {
-    let count = workers.len();
-    workers.par_iter_mut().with_max_len(1).enumerate().for_each(|(index, worker)| {
-        worker.outcome = work(worker, Share { index, count });
-    });
+/// Has the workers share some work; the first error of one, if there is one.
+fn share(workers: &mut [Worker], work: impl Fn(&mut Worker, bool) -> Result<()> + Sync) -> Result<()> {
+    together(workers, |worker, first| worker.outcome = work(worker, first));
+    let outcomes = workers.iter_mut().map(|worker| std::mem::replace(&mut worker.outcome, Ok(())));
+    outcomes.fold(Ok(()), Result::and)
 }
 
 impl Worker {
@@ -332,29 +359,66 @@ impl Worker {
         wanted: Wanted,
         mut outputs: TransitionOutputs<'_>,
     ) -> Result<Used> {
+        if method == TransitionMethod::Engine {
+            let step = options.step(method);
+            self.data.transition_fd_into(step.eps, step.differences, outputs)?;
+            return Ok(Used { method, fallback });
+        }
+        let model = self.data.model().clone();
+        let mut rows = std::mem::replace(&mut self.rows, Matrix::zeros(0, 0));
+        let used = self.all_columns(&model, method, fallback, options, wanted, &mut rows);
+        if used.is_ok() {
+            write(&model, &rows, wanted, &mut outputs);
+        }
+        self.rows = rows;
+        used
+    }
+
+    /// Computes all columns about the base point, one after the other.
+    fn all_columns(
+        &mut self,
+        model: &Model,
+        method: TransitionMethod,
+        fallback: Option<Fallback>,
+        options: &TransitionOptions,
+        wanted: Wanted,
+        rows: &mut Matrix,
+    ) -> Result<Used> {
         let mut used = Used { method, fallback };
-        let step = options.step(method);
-        match method {
-            TransitionMethod::Engine => {
-                self.data.transition_fd_into(step.eps, step.differences, outputs)?;
+        if method == TransitionMethod::Inverse {
+            let step = options.step(method);
+            if self.prepare(wanted, step)? {
+                if wanted.sensors && self.has_accelerometers() {
+                    let mut found = std::mem::replace(&mut self.base.sensors_by_acceleration, Matrix::zeros(0, 0));
+                    let outcome = (0..model.nv()).try_for_each(|dof| self.accelerate(dof, step, found.row_mut(dof)));
+                    self.base.sensors_by_acceleration = found;
+                    outcome?;
+                }
+                for (row, input) in inputs(model, wanted).enumerate() {
+                    self.inverse_column(model, input, wanted, step, rows.row_mut(row))?;
+                }
                 return Ok(used);
             }
-            TransitionMethod::Columns => self.columns(Share::WHOLE, wanted, step)?,
-            TransitionMethod::Inverse => {
-                if self.prepare(wanted, step)? {
-                    if wanted.sensors && self.has_accelerometers() {
-                        self.accelerate(Share::WHOLE, step)?;
-                    }
-                    self.inverse_columns(Share::WHOLE, wanted, step)?;
-                } else {
-                    used = Used { method: TransitionMethod::Columns, fallback: Some(Fallback::NotConverged) };
-                    self.restore()?;
-                    self.columns(Share::WHOLE, wanted, options.step(TransitionMethod::Columns))?;
-                }
-            }
+            used = Used { method: TransitionMethod::Columns, fallback: Some(Fallback::NotConverged) };
+            self.restore()?;
         }
-        self.write(Share::WHOLE, wanted, &mut outputs);
+        let step = options.step(TransitionMethod::Columns);
+        self.step_from_base(wanted)?;
+        for (row, input) in inputs(model, wanted).enumerate() {
+            self.column(model, input, wanted, step, rows.row_mut(row))?;
+        }
         Ok(used)
+    }
+
+    /// Prepares for the columns if nobody has yet. False if the solver has not converged.
+    fn is_prepared(&mut self, base: &[f64], wanted: Wanted, step: Step) -> Result<bool> {
+        if let Some(prepared) = self.prepared {
+            return Ok(prepared);
+        }
+        self.start(base)?;
+        let prepared = self.prepare(wanted, step)?;
+        self.prepared = Some(prepared);
+        Ok(prepared)
     }
 }
 

@@ -178,17 +178,14 @@ impl TrajectoryCost for Higher {
 
     fn expand(&self, step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion) {
         assert_eq!(controls.is_none(), step == 50);
-        match controls {
-            Some(controls) => {
-                expansion.u[0] = 2e-3 * controls[0];
-                expansion.uu[(0, 0)] = 2e-3;
-                expansion.x[0] = 0.2 * state[0];
-                expansion.xx[(0, 0)] = 0.2;
-            }
-            None => {
-                expansion.x[1] = state[1].sin();
-                expansion.xx[(1, 1)] = state[1].cos();
-            }
+        if let Some(controls) = controls {
+            expansion.u[0] = 2e-3 * controls[0];
+            expansion.uu[(0, 0)] = 2e-3;
+            expansion.x[0] = 0.2 * state[0];
+            expansion.xx[(0, 0)] = 0.2;
+        } else {
+            expansion.x[1] = state[1].sin();
+            expansion.xx[(1, 1)] = state[1].cos();
         }
     }
 }

@@ -1,4 +1,5 @@
 //! The recursion against SciPy's figures, and against the same problem written as one large system of linear equations.
+#![allow(clippy::many_single_char_names, reason = "these are the symbols of the field")]
 #![allow(clippy::unreadable_literal, reason = "figures are as they are printed where they come from")]
 
 use mujoco_safe::LqrWeights;
@@ -135,6 +136,9 @@ fn no_weight_of_the_controls_is_needed_where_the_state_after_them_costs() {
     assert!(recursion.p().norm() < 1e-15);
 }
 
+/// What is wrong with A, B and the weights.
+type Spoil = fn(&mut DMatrix<f64>, &mut DMatrix<f64>, &mut LqrWeights);
+
 #[test]
 fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
     let good = || {
@@ -147,7 +151,6 @@ fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
     let begin = || RiccatiRecursion::new(&DMatrix::identity(3, 3), 2).expect("it is symmetric");
     begin().step_back(&good().0, &good().1, &good().2).expect("it is good");
 
-    type Spoil = fn(&mut DMatrix<f64>, &mut DMatrix<f64>, &mut LqrWeights);
     let wrong = |matrix, expected, got| RiccatiError::WrongShape { matrix, expected, got };
     let shapes: [(Spoil, RiccatiError); 5] = [
         (|a, _, _| *a = DMatrix::zeros(3, 4), wrong(RiccatiMatrix::A, (3, 3), (3, 4))),

@@ -1,6 +1,6 @@
 //! One wrong size at a time.
 
-use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
+use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost, TrajectoryCost};
 use mujoco_safe::{Controller, Data, Error, LqrWeights, Matrix, TimeVaryingLqr, Transition, TransitionOptions, sample};
 use nalgebra::DMatrix;
 
@@ -87,6 +87,20 @@ fn of_a_quadratic_cost() {
     assert_shape(cost(4, LqrWeights::diagonal(&[1.0; 4], &[1.0; 2]), (4, 4)), (1, 1), (2, 2));
     assert_shape(cost(4, LqrWeights { s: Some(DMatrix::zeros(1, 4)), ..weights() }, (4, 4)), (4, 1), (1, 4));
     assert_shape(cost(4, weights(), (4, 3)), (4, 4), (4, 3));
+}
+
+#[test]
+#[should_panic = "a state of 3 numbers for a QuadraticCost of states of 4"]
+fn of_a_state_that_costs() {
+    let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
+    cost.value(0, &[0.0; 3], None);
+}
+
+#[test]
+#[should_panic = "2 controls for a QuadraticCost of 1"]
+fn of_controls_that_cost() {
+    let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
+    cost.value(0, &[0.0; 4], Some(&[0.0; 2]));
 }
 
 #[test]

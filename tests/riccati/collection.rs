@@ -65,7 +65,8 @@ fn every_example_is_solved_to_the_last_digits_and_stabilised() {
         // The gain is the one that belongs to P, as far as the cost of the controls lets it be known.
         let cost = r + b.transpose() * &p * b;
         let coupling = b.transpose() * &p * a + s.transpose();
-        let unbalanced = (&cost * &k - &coupling).norm() / (cost.norm() * k.norm() + coupling.norm());
+        let unbalanced =
+            (&cost * &k - &coupling).norm() / (cost.norm() * k.norm() + coupling.norm() + f64::MIN_POSITIVE);
         assert!(unbalanced < 1e-13, "{name}: {unbalanced:e}");
         let closed_loop = a - b * &k;
         let right =

@@ -80,6 +80,8 @@ impl CostExpansion {
 /// [`Lqr`](crate::Lqr), so that quaternions are treated as rotations. Its second derivatives leave out those of the
 /// difference itself (Gauss and Newton's approximation), which is none for models without quaternions.
 ///
+/// A state or controls of a wrong length are a panic.
+///
 /// ```
 /// use mujoco_safe::control::ilqr::{QuadraticCost, TrajectoryCost};
 /// use mujoco_safe::{LqrWeights, sample};
@@ -138,6 +140,8 @@ impl QuadraticCost {
 
     /// `dx`.
     fn deviation(&self, state: &[f64]) -> DVector<f64> {
+        let (found, expected) = (state.len(), self.state.len());
+        assert!(found == expected, "a state of {found} numbers for a QuadraticCost of states of {expected}");
         let (nq, nv) = (self.model.nq(), self.model.nv());
         let mut dx = DVector::zeros(2 * nv + self.model.na());
         let (dq, rest) = dx.as_mut_slice().split_at_mut(nv);
@@ -148,7 +152,10 @@ impl QuadraticCost {
         dx
     }
 
+    /// `du`.
     fn change(&self, controls: &[f64]) -> DVector<f64> {
+        let (found, expected) = (controls.len(), self.controls.len());
+        assert!(found == expected, "{found} controls for a QuadraticCost of {expected}");
         DVector::from_iterator(
             controls.len(),
             controls.iter().zip(&self.controls).map(|(control, free)| control - free),

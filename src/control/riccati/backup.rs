@@ -93,7 +93,7 @@ impl Backup {
 }
 
 /// Replaces `matrix` by its symmetric part, `(M + Mᵀ) / 2`.
-fn symmetrise(matrix: &mut DMatrix<f64>) {
+pub(super) fn symmetrise(matrix: &mut DMatrix<f64>) {
     for column in 0..matrix.ncols() {
         for row in 0..column {
             let mean = 0.5 * (matrix[(row, column)] + matrix[(column, row)]);

@@ -63,6 +63,9 @@ pub enum RiccatiError {
         /// The smallest eigenvalue of `R`.
         smallest_eigenvalue: f64,
     },
+    /// Some combination of controls costs nothing and does nothing, so that it could be anything: `R` and `BᵀB` have a common null
+    /// vector, and the pencil whose eigenvalues are those of the closed loop is singular.
+    SingularPencil,
     /// Over a finite number of steps there is no least cost: `R + BᵀPB` is not positive definite in some step, where a control of
     /// no end would cost less than nothing. With a positive definite `R` this takes a `Q` or a `P` at the end that is not positive
     /// semidefinite.
@@ -70,9 +73,6 @@ pub enum RiccatiError {
         /// The smallest eigenvalue of `R + BᵀPB`.
         smallest_eigenvalue: f64,
     },
-    /// Some combination of controls costs nothing and does nothing, so that it could be anything: `R` and `BᵀB` have a common null
-    /// vector, and the pencil whose eigenvalues are those of the closed loop is singular.
-    SingularPencil,
     /// No control stabilises the system: a mode on or outside the unit circle is out of the controls' reach.
     UncontrollableMode {
         /// The mode's eigenvalue of `A`.

@@ -2,9 +2,9 @@
 
 use nalgebra::{Cholesky, DMatrix, DMatrixView, Dyn};
 
-use super::backup::{Backup, StepCost};
+use super::backup::{Backup, StepCost, symmetrise};
 use super::problem::smallest_eigenvalue;
-use super::{RiccatiError, RiccatiMatrix, check, checked_symmetric};
+use super::{RiccatiError, RiccatiMatrix, check, check_symmetric};
 use crate::control::LqrWeights;
 
 /// The Riccati recursion: the best controls of a linear system over a finite number of steps, found from the last step to the
@@ -56,7 +56,7 @@ impl RiccatiRecursion {
     pub fn new<'a>(terminal: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>, controls: usize) -> Result<Self, RiccatiError> {
         let terminal = terminal.into();
         let n = terminal.nrows();
-        let p = checked_symmetric(RiccatiMatrix::P, &terminal, n)?;
+        let p = symmetric(RiccatiMatrix::P, &terminal, n)?;
         Ok(Self {
             backup: Backup::new(p, controls),
             k: DMatrix::zeros(controls, n),
@@ -86,8 +86,8 @@ impl RiccatiRecursion {
         let (m, n) = self.k.shape();
         check(RiccatiMatrix::A, &a, (n, n))?;
         check(RiccatiMatrix::B, &b, (n, m))?;
-        let q = checked_symmetric(RiccatiMatrix::Q, &(&weights.q).into(), n)?;
-        let r = checked_symmetric(RiccatiMatrix::R, &(&weights.r).into(), m)?;
+        let q = symmetric(RiccatiMatrix::Q, &(&weights.q).into(), n)?;
+        let r = symmetric(RiccatiMatrix::R, &(&weights.r).into(), m)?;
         if let Some(s) = &weights.s {
             check(RiccatiMatrix::S, &s.into(), (n, m))?;
         }
@@ -113,4 +113,17 @@ impl RiccatiRecursion {
     pub fn p(&self) -> &DMatrix<f64> {
         &self.backup.p
     }
+}
+
+/// The symmetric part of a weight of so many rows and columns, if that is the weight up to rounding.
+fn symmetric(
+    matrix: RiccatiMatrix,
+    weight: &DMatrixView<'_, f64, Dyn, Dyn>,
+    size: usize,
+) -> Result<DMatrix<f64>, RiccatiError> {
+    check(matrix, weight, (size, size))?;
+    check_symmetric(matrix, weight)?;
+    let mut weight = weight.clone_owned();
+    symmetrise(&mut weight);
+    Ok(weight)
 }

@@ -1,0 +1,51 @@
+//! The pictures: how high the robot is with and without the planner, where it goes, and what the planner expects.
+
+use std::error::Error;
+use std::path::Path;
+
+use crate::attempt::Attempt;
+use crate::common::chart::{self, Line, PALETTE, Panel};
+use crate::simulate::Run;
+
+pub fn draw(path: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
+    let color = |attempt: &Attempt| PALETTE[(attempt.seed as usize + PALETTE.len() - 1) % PALETTE.len()];
+    let line = |attempt: &Attempt, run: &Run, dashed: bool, value: &dyn Fn([f64; 3]) -> f64| Line {
+        label: if dashed { String::new() } else { format!("push {}", attempt.seed) },
+        points: run.trajectory.times().iter().zip(&run.com).map(|(&time, &com)| (time, value(com))).collect(),
+        color: color(attempt),
+        dashed,
+    };
+    let both = |value: &dyn Fn([f64; 3]) -> f64| -> Vec<Line> {
+        let planned = attempts.iter().map(|attempt| line(attempt, &attempt.planned, false, value));
+        let regulated = attempts.iter().map(|attempt| line(attempt, &attempt.regulated, true, value));
+        planned.chain(regulated).collect()
+    };
+    let expected = attempts.iter().map(|attempt| {
+        let points = attempt.decisions.iter().map(|&(time, cost)| (time, cost.max(1e-6).log10()));
+        Line::new(&format!("push {}", attempt.seed), color(attempt), points)
+    });
+    let panels = [
+        Panel {
+            title: "Height of the centre of mass: planned, and (dashed) under LQR alone",
+            x: "time (s)",
+            y: "height (m)",
+            lines: both(&|com| com[2]),
+            at_least: None,
+        },
+        Panel {
+            title: "How far the centre of mass is from where it was",
+            x: "time (s)",
+            y: "distance (m)",
+            lines: both(&|com| com[0].hypot(com[1])),
+            at_least: None,
+        },
+        Panel {
+            title: "What the planner expects the next half second to cost",
+            x: "time (s)",
+            y: "logarithm (base 10)",
+            lines: expected.collect(),
+            at_least: None,
+        },
+    ];
+    chart::draw(path, 280, &panels)
+}

@@ -1,0 +1,53 @@
+//! The robot, standing on both feet, and the regulator that holds it there.
+
+use std::sync::Arc;
+
+use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Model, Result, sample};
+
+use crate::arguments::Push;
+use crate::set_point::SetPoint;
+use crate::weights::{Dofs, weights};
+
+/// How hard a push is, N. From the front, the back or a side the regulator can take 140 N, and from between them 100 N.
+pub const NEWTONS: f64 = 180.0;
+/// How long it lasts, s.
+pub const PUSH: f64 = 0.1;
+
+pub struct Robot {
+    pub model: Arc<Model>,
+    pub set_point: SetPoint,
+    /// The height of its centre of mass at the set-point, m.
+    pub height: f64,
+    pub lqr: Lqr,
+}
+
+impl Robot {
+    /// Finds where it stands, and its regulator.
+    pub fn new() -> Result<Self> {
+        let model = Arc::new(sample::humanoid());
+        let mut data = Data::new(model.clone())?;
+        let (set_point, _) = SetPoint::near(&mut data, model.keyframe("stand")?.id())?;
+        set_point.apply(&mut data)?;
+        let torso = model.body("torso")?;
+        let height = data.body(torso).subtree_com()[2];
+
+        // Both feet count, each as the only one does in the example `humanoid_lqr`.
+        let [left, right] = ["foot_left", "foot_right"].map(|foot| {
+            let foot = model.body(foot)?;
+            weights(&mut data, torso, foot, &Dofs::of(&model, torso, foot))
+        });
+        let (left, right) = (left?, right?);
+        let cost = LqrWeights { q: left.q + right.q, ..left };
+        let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
+        let solution = Lqr::solve(&system, &cost)?;
+        let lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
+        Ok(Self { model, set_point, height, lqr })
+    }
+}
+
+/// A push in a direction that follows from the seed: as the golden angle goes on, no two are near each other.
+pub fn push(newtons: f64, seed: u64) -> Push {
+    const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    let angle = seed as f64 * GOLDEN_ANGLE;
+    Push { force: [newtons * angle.cos(), newtons * angle.sin()], duration: PUSH }
+}
