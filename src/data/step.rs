@@ -134,16 +134,36 @@ impl Data {
         let warnings = Lifted::lift(self.raw_mut());
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
         let adhesive = self.model().has_adhesion();
-        let (status, failure) = match &self.callbacks {
-            None if adhesive => (run_with_adhesion(model, data, call), None),
-            None => (call(model, data), None),
+        if adhesive || self.callbacks.is_some() {
+            return self.run_specially(function, computes, time, &warnings, call);
+        }
+        let status = call(model, data);
+        let counted = warnings.lower(self.raw_mut());
+        if status == guard::OK && counted == Counted::Nothing {
+            self.computed = computes;
+            return Ok(());
+        }
+        self.settle(function, computes, time, &warnings, status, counted, None)
+    }
+
+    /// The rest of [`run`](Self::run) for a simulation with callbacks, or with an adhesion actuator.
+    fn run_specially(
+        &mut self,
+        function: &'static str,
+        computes: Computed,
+        time: f64,
+        warnings: &Lifted,
+        call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
+    ) -> Result<()> {
+        let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
+        let adhesive = self.model().has_adhesion();
+        let all = || if adhesive { run_with_adhesion(model, data, call) } else { call(model, data) };
+        let (status, failure) = match self.callbacks.clone() {
+            None => (all(), None),
             Some(slot) => {
-                let slot = slot.clone();
                 // What leaves nothing behind, such as finite differences, goes through the whole pipeline all the same.
                 let reaches = if computes.is_empty() { Computed::AFTER_FORWARD } else { computes };
-                callback::computing(ptr::from_mut(self), data, reaches, &slot, || {
-                    if adhesive { run_with_adhesion(model, data, call) } else { call(model, data) }
-                })
+                callback::computing(ptr::from_mut(self), data, reaches, &slot, all)
             }
         };
         let counted = warnings.lower(self.raw_mut());
@@ -151,7 +171,7 @@ impl Data {
             self.computed = computes;
             return Ok(());
         }
-        self.settle(function, computes, time, &warnings, status, counted, failure)
+        self.settle(function, computes, time, warnings, status, counted, failure)
     }
 
     /// The engine's inverse dynamics computes what an adhesion actuator acts on from the contacts and constraints of the call

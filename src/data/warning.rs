@@ -162,7 +162,8 @@ impl Lifted {
     /// Puts the counters back, with what was counted meanwhile.
     #[inline]
     pub(super) fn lower(&self, data: &mut mjData) -> Counted {
-        if data.warning.iter().all(|stat| stat.number == LIFT) {
+        // All of them, without an early end, so that it compiles to vector instructions.
+        if data.warning.iter().fold(0, |change, stat| change | (stat.number ^ LIFT)) == 0 {
             data.warning = self.before;
             Counted::Nothing
         } else {

@@ -126,7 +126,7 @@ impl Panels {
                 let to = &mut self.lanes[panel * size + BLOCK * block..][..BLOCK];
                 for (row, lane) in to.iter_mut().enumerate() {
                     let first = if block == panel { row + 1 } else { 0 };
-                    lane.0.iter_mut().zip(from).skip(first).for_each(|(to, from)| *to = from.0[row]);
+                    lane.0.iter_mut().zip(&from).skip(first).for_each(|(to, from)| *to = from.0[row]);
                 }
             }
         }
@@ -244,6 +244,10 @@ impl Panels {
             }
         }
         sum.sqrt()
+    }
+
+    pub(super) fn is_zero(&self) -> bool {
+        self.lanes.iter().flat_map(|lane| &lane.0).all(|&entry| entry == 0.0)
     }
 
     pub(super) fn is_finite(&self) -> bool {

@@ -14,7 +14,7 @@ use super::scaling;
 const MOST_NEWTON_STEPS: usize = 6;
 
 /// The relative residual for each state, in units of the precision, that is not worth a Newton step.
-const GOOD: f64 = 8.0;
+const GOOD: f64 = 32.0;
 
 /// Doublings before which nothing is expected to be shed: a mechanical system's modes take longer than 2⁴ steps to vanish.
 const PATIENCE: usize = 4;
@@ -245,24 +245,37 @@ impl Problem {
         let Self { processor, a, b, q, r, s, candidate, product, other, units, .. } = self;
         let Candidate { p, k, relative_residual, residual, closed_loop, cost } = candidate;
         let processor = *processor;
-        product.product(processor, p, b);
+        // Nothing is to be learnt from products with zero, with which everything begins.
+        let (from_zero, plain) = (p.is_zero(), s.is_none());
         cost.matrix().copy_from(r);
-        cost.matrix().add_symmetric_transposed(processor, b, product);
+        if !from_zero {
+            product.product(processor, p, b);
+            cost.matrix().add_symmetric_transposed(processor, b, product);
+        }
         if !cost.factorise_positive(processor) {
             return false;
         }
-        k.transposed_product(processor, product, a);
+        k.clear(b.columns(), a.columns());
+        closed_loop.copy_from(a);
+        residual.copy_from(q);
+        if from_zero && plain {
+            *relative_residual = if residual.is_zero() { 0.0 } else { f64::INFINITY };
+            return true;
+        }
+        if !from_zero {
+            k.transposed_product(processor, product, a);
+        }
         if let Some(s) = s {
             other.transpose_from(s);
             k.add(other);
         }
         cost.solve(processor, k);
-        closed_loop.copy_from(a);
         closed_loop.subtract_product(processor, b, k);
 
-        residual.copy_from(q);
-        product.product(processor, p, closed_loop);
-        residual.add_symmetric_transposed(processor, closed_loop, product);
+        if !from_zero {
+            product.product(processor, p, closed_loop);
+            residual.add_symmetric_transposed(processor, closed_loop, product);
+        }
         product.product(processor, r, k);
         residual.add_symmetric_transposed(processor, k, product);
         if let Some(s) = s {

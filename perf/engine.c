@@ -1,0 +1,172 @@
+// The engine as it comes, in C: what everything else is measured against. Speaks a line at a time, so that it can take turns with
+// the others: it is told what to do, does it, and answers with the seconds that took and a number made of the result.
+//
+//   engine MODEL.xml [KEYFRAME] < commands
+//   step CALLS                    mj_step under random controls
+//   rollout COUNT STEPS THREADS   COUNT simulations of STEPS each, recording qpos and qvel
+//   transition CALLS              mjd_transitionFD, A and B, by central differences
+#define _GNU_SOURCE
+#include <pthread.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <mujoco/mujoco.h>
+
+static mjModel* m;
+static int key = -1;
+static double* controls;
+static int controls_made;
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return t.tv_sec + 1e-9 * t.tv_nsec;
+}
+
+static void* must(void* p) {
+  if (!p) {
+    fprintf(stderr, "engine: out of memory\n");
+    exit(1);
+  }
+  return p;
+}
+
+// The controls of `count` steps, up to a tenth of their ranges: the same in all languages.
+static void make_controls(int count) {
+  if (count <= controls_made) {
+    return;
+  }
+  controls = must(realloc(controls, sizeof(double) * count * (m->nu ? m->nu : 1)));
+  controls_made = count;
+  uint64_t x = 1;
+  for (int i = 0; i < count * m->nu; i++) {
+    x = x * 6364136223846793005u + 1442695040888963407u;
+    const double unit = (double)(x >> 11) / 9007199254740992.0 * 2 - 1;
+    const double* range = m->actuator_ctrlrange + 2 * (i % m->nu);
+    const int limited = m->actuator_ctrllimited[i % m->nu];
+    controls[i] = 0.1 * unit * (limited ? range[1] : 1);
+  }
+}
+
+static void start(mjData* d) {
+  if (key >= 0) {
+    mj_resetDataKeyframe(m, d, key);
+  } else {
+    mj_resetData(m, d);
+  }
+}
+
+static void set_controls(mjData* d, int step) {
+  memcpy(d->ctrl, controls + (size_t)step * m->nu, sizeof(double) * m->nu);
+}
+
+static double sum(const double* values, int count) {
+  double result = 0;
+  for (int i = 0; i < count; i++) {
+    result += values[i];
+  }
+  return result;
+}
+
+struct share {
+  int first, last, steps;
+  double* states;
+  mjData* d;
+};
+
+static void* simulate(void* argument) {
+  struct share* share = argument;
+  const int width = m->nq + m->nv;
+  for (int i = share->first; i < share->last; i++) {
+    start(share->d);
+    for (int step = 0; step < share->steps; step++) {
+      set_controls(share->d, i * share->steps + step);
+      mj_step(m, share->d);
+      double* state = share->states + ((size_t)i * share->steps + step) * width;
+      memcpy(state, share->d->qpos, sizeof(double) * m->nq);
+      memcpy(state + m->nq, share->d->qvel, sizeof(double) * m->nv);
+    }
+  }
+  return NULL;
+}
+
+static void rollout(mjData** d, int count, int steps, int threads) {
+  struct share shares[64];
+  pthread_t ids[64];
+  const size_t size = (size_t)count * steps * (m->nq + m->nv);
+  double* states = must(malloc(sizeof(double) * size));
+  make_controls(count * steps);
+  for (int t = 0; t < threads; t++) {
+    if (!d[t]) {
+      d[t] = must(mj_makeData(m));
+    }
+    shares[t] = (struct share){count * t / threads, count * (t + 1) / threads, steps, states, d[t]};
+  }
+  const double begin = now();
+  for (int t = 1; t < threads; t++) {
+    pthread_create(&ids[t], NULL, simulate, &shares[t]);
+  }
+  simulate(&shares[0]);
+  for (int t = 1; t < threads; t++) {
+    pthread_join(ids[t], NULL);
+  }
+  const double seconds = now() - begin;
+  const size_t last = size - m->nq - m->nv;
+  printf("%.9e %.17e\n", seconds, sum(states + last, m->nq));
+  free(states);
+}
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    fprintf(stderr, "usage: engine MODEL.xml [KEYFRAME]\n");
+    return 1;
+  }
+  char error[1000] = "";
+  m = mj_loadXML(argv[1], NULL, error, sizeof(error));
+  if (!m) {
+    fprintf(stderr, "engine: %s\n", error);
+    return 1;
+  }
+  if (argc > 2) {
+    key = mj_name2id(m, mjOBJ_KEY, argv[2]);
+    if (key < 0) {
+      fprintf(stderr, "engine: no keyframe %s\n", argv[2]);
+      return 1;
+    }
+  }
+  mjData* d[64] = {must(mj_makeData(m))};
+  const int nx = 2 * m->nv + m->na;
+  double* a = must(calloc(nx * nx + 1, sizeof(double)));
+  double* b = must(calloc(nx * m->nu + 1, sizeof(double)));
+  char line[256];
+  while (fgets(line, sizeof(line), stdin)) {
+    int calls, count, steps, threads;
+    if (sscanf(line, "step %d", &calls) == 1) {
+      make_controls(calls);
+      start(d[0]);
+      const double begin = now();
+      for (int i = 0; i < calls; i++) {
+        set_controls(d[0], i);
+        mj_step(m, d[0]);
+      }
+      printf("%.9e %.17e\n", now() - begin, sum(d[0]->qpos, m->nq));
+    } else if (sscanf(line, "rollout %d %d %d", &count, &steps, &threads) == 3 && threads >= 1 && threads <= 64) {
+      rollout(d, count, steps, threads);
+    } else if (sscanf(line, "transition %d", &calls) == 1) {
+      start(d[0]);
+      const double begin = now();
+      for (int i = 0; i < calls; i++) {
+        mjd_transitionFD(m, d[0], 1e-6, 1, a, b, NULL, NULL);
+      }
+      printf("%.9e %.17e\n", now() - begin, sum(a, nx * nx));
+    } else {
+      fprintf(stderr, "engine: what is %s", line);
+      return 1;
+    }
+    fflush(stdout);
+  }
+  return 0;
+}

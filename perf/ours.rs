@@ -1,0 +1,181 @@
+//! What the others are compared with.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
+use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder};
+use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
+use mujoco_safe::{
+    Controller, Data, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, Transition, TransitionOptions,
+    TransitionOutputs,
+};
+use nalgebra::DMatrix;
+
+use crate::Outcome;
+use crate::balance::Balance;
+
+/// The random numbers of `engine.c`.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / 9_007_199_254_740_992.0 * 2.0 - 1.0
+    }
+}
+
+pub(crate) struct Ours {
+    data: Data,
+    start: Vec<f64>,
+    controls: Vec<f64>,
+    workers: Workers,
+    pool: ThreadPool,
+    states: Vec<f64>,
+    transitions: [Transition; 2],
+    a: Matrix,
+    b: Matrix,
+    lqr: Lqr,
+}
+
+impl Ours {
+    pub(crate) fn new(path: &Path, key: Option<&str>, threads: usize) -> Outcome<Self> {
+        let model = Arc::new(Model::from_xml_path(path)?);
+        let mut data = Data::new(model.clone())?;
+        if let Some(key) = key {
+            data.reset_to_key(key)?;
+        }
+        let (nx, nu) = (2 * model.nv() + model.na(), model.nu());
+        let transition = |threads| Transition::new(model.clone(), TransitionOptions { threads, ..Default::default() });
+        let mut numbers = Numbers(1);
+        let mut gain = Matrix::zeros(nu, nx);
+        gain.as_mut_slice().iter_mut().for_each(|entry| *entry = numbers.next());
+        Ok(Self {
+            start: data.state(StateSpec::INTEGRATION),
+            controls: Vec::new(),
+            workers: Workers::new(model.clone()),
+            pool: ThreadPoolBuilder::new().num_threads(threads).build()?,
+            states: Vec::new(),
+            transitions: [transition(1)?, transition(threads)?],
+            a: Matrix::zeros(nx, nx),
+            b: Matrix::zeros(nx, nu),
+            lqr: Lqr::with_gain(&data, gain)?,
+            data,
+        })
+    }
+
+    /// Controls for this many steps, up to a tenth of their ranges.
+    fn make_controls(&mut self, steps: usize) {
+        let model = self.data.model();
+        let nu = model.nu();
+        if self.controls.len() < steps * nu {
+            let mut numbers = Numbers(1);
+            let (ranges, limited) = (model.actuator_ctrlrange(), model.actuator_ctrllimited());
+            let scale = |index: usize| if limited[index % nu] == 0 { 1.0 } else { ranges[index % nu][1] };
+            self.controls = (0..steps * nu).map(|index| 0.1 * numbers.next() * scale(index)).collect();
+        }
+    }
+
+    fn restart(&mut self) -> Outcome<()> {
+        Ok(self.data.set_state(StateSpec::INTEGRATION, &self.start)?)
+    }
+
+    pub(crate) fn step(&mut self, calls: usize) -> Outcome<(f64, f64)> {
+        self.make_controls(calls);
+        self.restart()?;
+        let nu = self.data.model().nu();
+        let begin = Instant::now();
+        for call in 0..calls {
+            self.data.ctrl_mut().copy_from_slice(&self.controls[call * nu..(call + 1) * nu]);
+            self.data.step()?;
+        }
+        Ok((begin.elapsed().as_secs_f64(), self.data.qpos().iter().sum()))
+    }
+
+    pub(crate) fn rollout(&mut self, count: usize, steps: usize, threads: usize) -> Outcome<(f64, f64)> {
+        self.make_controls(count * steps);
+        let model = self.data.model();
+        let (nq, width) = (model.nq(), model.state_size(StateSpec::PHYSICS));
+        self.states.resize(count * (steps + 1) * width, 0.0);
+        let begin = Instant::now();
+        let rollout = Rollout::on(&self.workers, count, steps)
+            .initial_state(StateSpec::INTEGRATION, &self.start)
+            .controls(&self.controls[..count * steps * model.nu()]);
+        let buffers = RolloutBuffers { states: Some(&mut self.states), ..Default::default() };
+        let outcomes = if threads == 1 {
+            rollout.chunk(count).run_into(buffers)?
+        } else {
+            self.pool.install(|| rollout.run_into(buffers))?
+        };
+        let seconds = begin.elapsed().as_secs_f64();
+        outcomes.into_iter().collect::<Result<Vec<()>, _>>()?;
+        let last = &self.states[self.states.len() - width..];
+        Ok((seconds, last[..nq].iter().sum()))
+    }
+
+    pub(crate) fn transition(&mut self, calls: usize, threads: usize) -> Outcome<(f64, f64)> {
+        self.restart()?;
+        let Self { data, transitions, a, b, .. } = self;
+        let transition = &mut transitions[usize::from(threads > 1)];
+        let begin = Instant::now();
+        for _ in 0..calls {
+            let outputs = TransitionOutputs { a: Some(&mut *a), b: Some(&mut *b), ..Default::default() };
+            let used = transition.linear_system_into(data, outputs)?;
+            assert_eq!(used.fallback, None);
+        }
+        Ok((begin.elapsed().as_secs_f64(), self.a.as_slice().iter().sum()))
+    }
+
+    pub(crate) fn controller(&mut self, calls: usize) -> Outcome<(f64, f64)> {
+        self.restart()?;
+        self.data.qvel_mut().fill(0.01);
+        let begin = Instant::now();
+        for _ in 0..calls {
+            self.lqr.control(&mut self.data)?;
+        }
+        Ok((begin.elapsed().as_secs_f64(), self.data.ctrl().iter().sum()))
+    }
+}
+
+/// A Riccati equation, again and again.
+pub(crate) struct Riccatis {
+    system: StateSpace,
+    weights: LqrWeights,
+    workspace: RiccatiWorkspace,
+    solution: RiccatiSolution,
+}
+
+impl Riccatis {
+    pub(crate) fn new(mut balance: Balance) -> Outcome<Self> {
+        let system = balance.system()?;
+        let (workspace, solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
+        Ok(Self { system, weights: balance.weights, workspace, solution })
+    }
+
+    pub(crate) fn solve(&mut self) -> Outcome<(f64, f64)> {
+        let Self { system, weights, workspace, solution } = self;
+        let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
+        let begin = Instant::now();
+        Riccati::new(&a, &b, &weights.q, &weights.r).solve_into(workspace, solution)?;
+        Ok((begin.elapsed().as_secs_f64(), self.solution.relative_residual))
+    }
+
+    /// Their shapes in the first line, and then one of A, B, Q and R in each.
+    pub(crate) fn text(&self) -> String {
+        let (a, b) = (self.system.a.to_nalgebra().clone_owned(), self.system.b.to_nalgebra().clone_owned());
+        let matrices: [DMatrix<f64>; 4] = [a, b, self.weights.q.clone(), self.weights.r.clone()];
+        let mut text = String::new();
+        for matrix in &matrices {
+            let _ = write!(text, "{} {} ", matrix.nrows(), matrix.ncols());
+        }
+        for matrix in &matrices {
+            text.push('\n');
+            for entry in &matrix.transpose() {
+                let _ = write!(text, "{entry:e} ");
+            }
+        }
+        text
+    }
+}

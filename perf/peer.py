@@ -1,0 +1,138 @@
+"""The official Python bindings, SciPy and NumPy, which take turns with the others: see engine.c for how they are told what to do.
+
+    peer.py MODEL.xml KEYFRAME|- < commands
+    step CALLS
+    rollout COUNT STEPS THREADS
+    controller CALLS        an LQR's decision: differentiatePos and a product with a gain
+    riccati FILE            SciPy's solve_discrete_are; the file has A, B, Q and R
+
+The bindings of 2.2.2 have no `rollout` module, which later versions of them have: its place takes a pool of threads that call
+`mj_step`, which lets go of Python's lock while the engine works, as the module's own threads do.
+"""
+
+import os
+import sys
+import time
+
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[name] = "1"
+
+from concurrent.futures import ThreadPoolExecutor
+
+import mujoco
+import numpy as np
+from scipy.linalg import solve_discrete_are
+
+MODEL = mujoco.MjModel.from_xml_path(sys.argv[1])
+KEY = -1 if sys.argv[2] == "-" else mujoco.mj_name2id(MODEL, mujoco.mjtObj.mjOBJ_KEY, sys.argv[2])
+MASK = (1 << 64) - 1
+
+
+class Numbers:
+    """The random numbers of engine.c."""
+
+    def __init__(self):
+        self.x = 1
+
+    def next(self):
+        self.x = (self.x * 6364136223846793005 + 1442695040888963407) & MASK
+        return (self.x >> 11) / 2.0**53 * 2 - 1
+
+
+class Controls:
+    """Those of engine.c, made when they are first needed."""
+
+    made = np.zeros((0, MODEL.nu))
+
+    @classmethod
+    def of(cls, count):
+        if len(cls.made) < count:
+            numbers = Numbers()
+            scale = [r[1] if limited else 1.0 for r, limited in zip(MODEL.actuator_ctrlrange, MODEL.actuator_ctrllimited)]
+            cls.made = np.array([[0.1 * numbers.next() * s for s in scale] for _ in range(count)]).reshape(count, MODEL.nu)
+        return cls.made
+
+
+def start(data):
+    if KEY >= 0:
+        mujoco.mj_resetDataKeyframe(MODEL, data, KEY)
+    else:
+        mujoco.mj_resetData(MODEL, data)
+
+
+def step(calls):
+    controls, data = Controls.of(calls), DATA[0]
+    start(data)
+    begin = time.perf_counter()
+    for i in range(calls):
+        data.ctrl[:] = controls[i]
+        mujoco.mj_step(MODEL, data)
+    return time.perf_counter() - begin, float(np.sum(data.qpos))
+
+
+def rollout(count, steps, threads):
+    controls = Controls.of(count * steps)
+    while len(DATA) < threads:
+        DATA.append(mujoco.MjData(MODEL))
+    states = np.zeros((count, steps, MODEL.nq + MODEL.nv))
+
+    def simulate(thread):
+        data = DATA[thread]
+        qpos, qvel, ctrl = data.qpos, data.qvel, data.ctrl
+        for i in range(count * thread // threads, count * (thread + 1) // threads):
+            start(data)
+            for k in range(steps):
+                ctrl[:] = controls[i * steps + k]
+                mujoco.mj_step(MODEL, data)
+                states[i, k, : MODEL.nq] = qpos
+                states[i, k, MODEL.nq :] = qvel
+
+    begin = time.perf_counter()
+    list(POOL.map(simulate, range(threads)))
+    return time.perf_counter() - begin, float(np.sum(states[-1, -1, : MODEL.nq]))
+
+
+def controller(calls):
+    data = DATA[0]
+    start(data)
+    nv = MODEL.nv
+    numbers = Numbers()
+    gain = np.array([[numbers.next() for _ in range(2 * nv)] for _ in range(MODEL.nu)])
+    qpos0, ctrl0 = data.qpos.copy(), data.ctrl.copy()
+    data.qvel[:] = 0.01
+    dq = np.zeros(nv)
+    begin = time.perf_counter()
+    for _ in range(calls):
+        mujoco.mj_differentiatePos(MODEL, dq, 1, qpos0, data.qpos)
+        dx = np.hstack((dq, data.qvel))
+        data.ctrl[:] = ctrl0 - gain @ dx
+    return time.perf_counter() - begin, float(np.sum(data.ctrl))
+
+
+def riccati(path):
+    if path not in EQUATIONS:
+        with open(path) as file:
+            rows = [[float(entry) for entry in line.split()] for line in file]
+        shapes, matrices = [(int(rows[0][i]), int(rows[0][i + 1])) for i in range(0, 8, 2)], rows[1:]
+        EQUATIONS[path] = [np.array(entries).reshape(shape) for entries, shape in zip(matrices, shapes)]
+    a, b, q, r = EQUATIONS[path]
+    begin = time.perf_counter()
+    p = solve_discrete_are(a, b, q, r)
+    seconds = time.perf_counter() - begin
+    k = np.linalg.solve(r + b.T @ p @ b, b.T @ p @ a)
+    f = a - b @ k
+    return seconds, float(np.linalg.norm(f.T @ p @ f + k.T @ r @ k + q - p) / np.linalg.norm(p))
+
+
+DATA = [mujoco.MjData(MODEL)]
+POOL = ThreadPoolExecutor(64)
+EQUATIONS = {}
+COMMANDS = {"step": step, "rollout": rollout, "controller": controller}
+
+for line in sys.stdin:
+    command, *arguments = line.split()
+    if command == "riccati":
+        seconds, number = riccati(arguments[0])
+    else:
+        seconds, number = COMMANDS[command](*map(int, arguments))
+    print(f"{seconds:.9e} {number:.17e}", flush=True)
