@@ -25,7 +25,6 @@ pub(crate) use self::mirror::Mirror;
 use self::primitive::Part;
 use super::bound::{Bounds, Reach, sorting_radius};
 use super::content::{LEVELS, Shapes, Textures};
-use super::frame::matrix::Matrix4;
 use super::frame::{Eye, Lights};
 use super::settings::is_drawable;
 use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
@@ -288,11 +287,3 @@ fn level(geom: SceneGeom<'_>, reach: &Reach, eye: &Eye) -> u32 {
     let pixels = eye.pixels * eye.scale * f64::from(radius) / nearest;
     ENOUGH.iter().take_while(|&&enough| pixels < enough).count() as u32
 }
-
-/// A matrix of the mirror for the eye.
-pub(crate) fn mirrored(eye: &Eye, matrix: &Matrix4) -> Eye {
-    eye.mirrored(matrix)
-}
-
-#[cfg(test)]
-mod tests;
