@@ -18,6 +18,8 @@ mod plots;
 mod set_point;
 mod simulate;
 mod weights;
+#[path = "../common/window.rs"]
+mod window;
 
 use std::error::Error;
 use std::sync::Arc;
@@ -139,5 +141,10 @@ fn balance() -> Result<(), Box<dyn Error>> {
             say(format!("wrote {}", path.display()));
         }
     }
-    if run.upright() { Ok(()) } else { Err("the humanoid has fallen".into()) }
+    let upright = run.upright();
+    if arguments.view {
+        set_point.apply(&mut data)?;
+        window::show("A humanoid on one leg", data, lqr, vec![run.trajectory, open_loop.trajectory])?;
+    }
+    if upright { Ok(()) } else { Err("the humanoid has fallen".into()) }
 }
