@@ -156,3 +156,121 @@ fn in_world(Sphere { centre, radius }: Sphere, pos: [f32; 3], mat: [f32; 9]) -> 
         Reach::Nowhere
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Bounds, Reach, Sphere, sorting_radius};
+    use crate::scene::{Camera, Categories, Connector, NewGeom, Scene, SceneOptions};
+    use crate::{Data, Model, sample};
+
+    fn model() -> Model {
+        Model::from_xml_str(
+            "<mujoco><asset><mesh name='m' vertex='0 0 0  1 0 0  0 1 0  0 0 4'/>
+               <hfield name='h' nrow='3' ncol='3' size='2 3 0.5 0.25'/></asset></mujoco>",
+        )
+        .unwrap()
+    }
+
+    fn pushed(model: &Model, geom: &NewGeom) -> Reach {
+        let mut scene = Scene::new(model, 1).unwrap();
+        scene.push(geom).unwrap();
+        Bounds::new(model).reach(scene.geom(0))
+    }
+
+    /// Everything is within the sphere, and the sphere is not much larger than it must be.
+    fn assert_around(reach: Reach, points: &[[f32; 3]]) {
+        let Reach::Within(Sphere { centre, radius }) = reach else { panic!("{reach:?}") };
+        let distance = |point: &[f32; 3]| (0..3).map(|axis| (point[axis] - centre[axis]).powi(2)).sum::<f32>().sqrt();
+        let farthest = points.iter().map(distance).fold(0.0, f32::max);
+        assert!(farthest <= radius && radius <= 1.1 * farthest, "{radius} around {farthest}");
+    }
+
+    #[test]
+    fn every_shape_is_within_its_sphere() {
+        let model = model();
+        let (pos, mat) = ([1.0, 2.0, 3.0], [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        let place = |[x, y, z]: [f32; 3]| [1.0 - y, 2.0 + x, 3.0 + z];
+        let mesh = model.mesh("m").unwrap();
+        let ends = |points: &[[f32; 3]]| points.iter().map(|&point| place(point)).collect::<Vec<_>>();
+        let cases = [
+            (NewGeom::plane([1.0, 2.0]), ends(&[[1.0, 2.0, 0.0]])),
+            (NewGeom::sphere(2.0), ends(&[[0.0, 0.0, 2.0], [2.0, 0.0, 0.0]])),
+            (NewGeom::capsule(0.5, 2.0), ends(&[[0.0, 0.0, 2.5], [0.5, 0.0, 2.0]])),
+            (NewGeom::ellipsoid([1.0, 3.0, 2.0]), ends(&[[0.0, -3.0, 0.0], [0.0, 0.0, 2.0]])),
+            (NewGeom::cylinder(0.5, 2.0), ends(&[[0.5, 0.0, -2.0], [0.0, 0.5, 2.0]])),
+            (NewGeom::cuboid([1.0, 2.0, 3.0]), ends(&[[1.0, -2.0, 3.0], [-1.0, 2.0, 3.0]])),
+            (NewGeom::mesh(mesh.id()), ends(mesh.vert())),
+            (NewGeom::convex_hull(mesh.id()), ends(mesh.vert())),
+        ];
+        for (geom, points) in cases {
+            assert_around(pushed(&model, &geom.pos(pos).mat(mat)), &points);
+        }
+        let field = NewGeom::height_field(model.height_field("h").unwrap().id());
+        assert_around(pushed(&model, &field.pos(pos).mat(mat)), &ends(&[[2.0, 3.0, -0.25], [-2.0, -3.0, 0.0]]));
+    }
+
+    #[test]
+    fn a_field_that_was_raised_reaches_farther() {
+        let mut model = model();
+        let mut bounds = Bounds::new(&model);
+        model.edit().height_field_mut("h").unwrap().data_mut()[4] = 20.0;
+        let id = model.height_field("h").unwrap().id();
+        let mut scene = Scene::new(&model, 1).unwrap();
+        scene.push(&NewGeom::height_field(id)).unwrap();
+        let reaches = |bounds: &Bounds, z: f32| {
+            let Reach::Within(Sphere { centre, radius }) = bounds.reach(scene.geom(0)) else { panic!() };
+            centre[2] + radius >= z
+        };
+        assert!(!reaches(&bounds, 10.0));
+        bounds.update_height_field(&model, id);
+        assert!(reaches(&bounds, 10.0));
+    }
+
+    #[test]
+    fn connectors_are_within_their_spheres() {
+        let (from, to) = ([0.0, 0.0, 0.0], [0.0, 3.0, 4.0]);
+        for shape in [Connector::Arrow, Connector::Arrow1, Connector::Line, Connector::Cylinder] {
+            let reach = pushed(&model(), &NewGeom::connector(shape, 0.01, from, to));
+            assert_around(reach, &[[0.0; 3], [0.0, 3.0, 4.0]]);
+        }
+    }
+
+    #[test]
+    fn what_has_no_end_is_everywhere_and_what_has_no_shape_nowhere() {
+        let model = model();
+        assert_eq!(pushed(&model, &NewGeom::plane([0.0, 0.0])), Reach::Everywhere);
+        assert_eq!(pushed(&model, &NewGeom::plane([1.0, 0.0])), Reach::Everywhere);
+        assert_eq!(pushed(&model, &NewGeom::text("here").unwrap()), Reach::Nowhere);
+        assert_eq!(pushed(&model, &NewGeom::sphere(f64::from(f32::MAX))), Reach::Everywhere);
+    }
+
+    #[test]
+    fn a_matrix_that_stretches_is_allowed_for() {
+        let stretched = NewGeom::sphere(1.0).mat([5.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let Reach::Within(Sphere { radius, .. }) = pushed(&model(), &stretched) else { panic!() };
+        assert!(radius >= 5.0);
+    }
+
+    #[test]
+    fn the_order_of_transparent_geoms_is_the_engines() {
+        let mut data = Data::new(sample::humanoid()).unwrap();
+        data.forward().unwrap();
+        let mut scene = Scene::new(data.model(), 1000).unwrap();
+        let mut camera = Camera::free(data.model());
+        scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
+        for geom in scene.geoms().take(data.model().ngeom()) {
+            assert_eq!(sorting_radius(geom), geom.modelrbound());
+        }
+        let mut scene = Scene::new(data.model(), 10).unwrap();
+        for (geom, radius) in [
+            (NewGeom::sphere(2.0), 2.0),
+            (NewGeom::capsule(0.5, 2.0), 2.5),
+            (NewGeom::cylinder(3.0, 4.0), 5.0),
+            (NewGeom::cuboid([2.0, 3.0, 6.0]), 7.0),
+            (NewGeom::ellipsoid([1.0, 3.0, 2.0]), 3.0),
+        ] {
+            let index = scene.push(&geom).unwrap();
+            assert!((sorting_radius(scene.geom(index)) - radius).abs() < 1e-6);
+        }
+    }
+}

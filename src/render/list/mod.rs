@@ -127,7 +127,9 @@ impl List {
             }
             let place = self.place(&reach, &planes, mirror_planes.as_ref());
             self.parts.clear();
-            primitive::parts(geom, scenery.shapes, level(geom, &reach, eye), &mut self.parts);
+            // Numbers are measurements, for which no corner is spared.
+            let level = if scenery.numbers.is_some() { 0 } else { level(geom, &reach, eye) };
+            primitive::parts(geom, scenery.shapes, level, &mut self.parts);
             let look = look::look(index, geom, scenery, is_behind);
             let first = self.drafts.len() as u32;
             for part in &self.parts {

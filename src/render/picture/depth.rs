@@ -127,3 +127,57 @@ impl fmt::Debug for DepthPicture {
         write!(f, "DepthPicture({} x {})", self.width, self.height)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::DepthPicture;
+
+    fn picture() -> DepthPicture {
+        DepthPicture::from_metres(4, 2, vec![0.5, 1.0, 2.5, f32::INFINITY, 0.0004, 65.535, 65.536, f32::NAN]).unwrap()
+    }
+
+    #[test]
+    fn a_file_has_millimetres() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("depth.png");
+        picture().save_png(&path).unwrap();
+        let mut reader =
+            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Grayscale, png::BitDepth::Sixteen));
+        let millimetres: Vec<u16> = bytes.as_chunks().0.iter().map(|&pixel| u16::from_be_bytes(pixel)).collect();
+        assert_eq!(millimetres, [500, 1000, 2500, 0, 0, 65535, 0, 0]);
+    }
+
+    #[test]
+    fn what_is_nearer_is_brighter_and_what_is_nowhere_is_black() {
+        let picture = picture();
+        assert_eq!(picture.range(), Some([0.0004, 65.536]));
+        let grey = picture.to_picture([0.5, 2.5]);
+        let level = |x, y| {
+            let [red, green, blue] = grey.pixel(x, y);
+            assert!(red == green && green == blue);
+            red
+        };
+        assert_eq!([level(0, 0), level(0, 1), level(2, 0), level(1, 1)], [255, 255, 40, 40]);
+        assert!(level(1, 0) < 255 && level(1, 0) > 40);
+        assert_eq!([level(3, 0), level(3, 1)], [0, 0]);
+        // One depth for all, or limits that are none.
+        assert_eq!(picture.to_picture([0.5, 0.5]).pixel(0, 0), [255; 3]);
+        assert_eq!(picture.to_picture([f32::NAN; 2]).pixel(0, 0), [255; 3]);
+    }
+
+    #[test]
+    fn where_nothing_is_there_is_no_range() {
+        assert_eq!(DepthPicture::from_metres(1, 1, vec![f32::INFINITY]).unwrap().range(), None);
+        assert_eq!(DepthPicture::default().range(), None);
+    }
+
+    #[test]
+    fn a_number_of_depths_that_does_not_fit_is_an_error() {
+        for (width, height, depths) in [(2, 1, 1), (2, 1, 3), (usize::MAX, usize::MAX, 1)] {
+            DepthPicture::from_metres(width, height, vec![0.0; depths]).unwrap_err();
+        }
+    }
+}

@@ -129,3 +129,65 @@ impl fmt::Debug for Picture {
         write!(f, "Picture({} x {})", self.width, self.height)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Picture;
+    use crate::Error;
+
+    /// Each byte is another.
+    fn picture() -> Picture {
+        Picture::from_rgb(5, 3, (0..45).collect()).unwrap()
+    }
+
+    #[test]
+    fn pixels_are_row_by_row_from_the_top() {
+        let mut picture = picture();
+        assert_eq!(picture.pixel(4, 0), [12, 13, 14]);
+        assert_eq!(picture.pixel(0, 1), [15, 16, 17]);
+        picture.set_pixel(4, 2, [7, 8, 9]);
+        assert_eq!(picture.as_bytes()[42..], [7, 8, 9]);
+        assert_eq!(picture.into_bytes().len(), 45);
+    }
+
+    #[test]
+    fn a_file_has_the_same_pixels() {
+        let picture = picture();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.png");
+        picture.save_png(&path).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), picture.to_png().unwrap());
+        let mut reader =
+            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!((info.width, info.height, info.color_type), (5, 3, png::ColorType::Rgb));
+        assert_eq!(pixels, picture.as_bytes());
+    }
+
+    #[test]
+    fn what_has_no_pixels_has_no_file_and_leaves_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.png");
+        std::fs::write(&path, "before").unwrap();
+        for empty in [Picture::default(), Picture::new(0, 3), Picture::new(3, 0)] {
+            assert!(matches!(empty.to_png(), Err(Error::Invalid { .. })));
+            assert!(matches!(empty.save_png(&path), Err(Error::File { .. })));
+        }
+        assert_eq!(std::fs::read(&path).unwrap(), b"before");
+    }
+
+    #[test]
+    fn a_number_of_bytes_that_does_not_fit_is_an_error() {
+        for (width, height, bytes) in [(2, 1, 5), (2, 1, 7), (1, 2, 0), (usize::MAX, 2, 6), (0, 0, 1)] {
+            Picture::from_rgb(width, height, vec![0; bytes]).unwrap_err();
+        }
+        assert!(Picture::from_rgb(0, 7, Vec::new()).is_ok());
+    }
+
+    #[test]
+    #[should_panic(expected = "there is no pixel (5, 0) in a picture of 5 x 3 pixels")]
+    fn a_pixel_that_is_not_there_panics() {
+        picture().pixel(5, 0);
+    }
+}

@@ -124,3 +124,55 @@ fn rgb(number: u32) -> [u8; 3] {
     // There is no such number for the last of the indices.
     [2, 3, 5].map(|base| (255.0 * (0.1 + 0.8 * math::halton(index, base).unwrap_or_default())).round() as u8)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Segment, SegmentationPicture};
+    use crate::scene::{Camera, Categories, NewGeom, Scene, SceneObject, SceneOptions};
+    use crate::{Data, sample};
+
+    fn picture() -> (SegmentationPicture, usize) {
+        let mut data = Data::new(sample::cartpole()).unwrap();
+        data.forward().unwrap();
+        let mut scene = Scene::new(data.model(), 100).unwrap();
+        let mut camera = Camera::free(data.model());
+        scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
+        let added = scene.push(&NewGeom::sphere(1.0)).unwrap();
+        let mut picture = SegmentationPicture::default();
+        picture.resize(3, 2, &scene).copy_from_slice(&[0, 1, 1, added as u32 + 1, 2, u32::MAX]);
+        (picture, added)
+    }
+
+    #[test]
+    fn each_pixel_knows_its_geom_and_what_it_stands_for() {
+        let (picture, added) = picture();
+        assert_eq!(picture.pixel(0, 0), None);
+        let segment = picture.pixel(1, 0).unwrap();
+        assert_eq!(segment.geom, 0);
+        assert!(matches!(segment.object, Some(SceneObject::Geom(geom)) if geom.index() == 0));
+        assert_eq!(picture.pixel(0, 1), Some(Segment { geom: added, object: None }));
+        assert_eq!(picture.pixel(2, 1), None, "a number of no geom");
+        assert_eq!(picture.pixels().len(), 6);
+    }
+
+    #[test]
+    fn what_is_seen_is_counted() {
+        let (picture, added) = picture();
+        let counts: Vec<_> = picture.segments().into_iter().map(|(segment, count)| (segment.geom, count)).collect();
+        assert_eq!(counts, [(0, 2), (1, 1), (added, 1)]);
+    }
+
+    #[test]
+    fn to_look_at_each_thing_has_its_own_bright_colour() {
+        let (picture, _) = picture();
+        let shown = picture.to_picture();
+        assert_eq!(shown.pixel(0, 0), [0; 3]);
+        assert_eq!(shown.pixel(1, 0), shown.pixel(2, 0));
+        assert_ne!(shown.pixel(1, 0), shown.pixel(1, 1));
+        let mut seen: Vec<_> = (1..500).map(super::rgb).collect();
+        assert!(seen.iter().flatten().all(|&byte| byte >= 25));
+        seen.sort_unstable();
+        seen.dedup();
+        assert_eq!(seen.len(), 499);
+    }
+}

@@ -54,3 +54,67 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, most: usize) -> Res
     }
     Ok(triangles)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::{assert_closed, assert_finite, assert_normals_agree, volume};
+    use super::height_field;
+    use crate::{HeightFieldId, Model};
+
+    fn model(rows: usize, columns: usize, elevation: impl Fn(usize) -> f32) -> (Model, HeightFieldId) {
+        let mut model = Model::from_xml_str(&format!(
+            "<mujoco><asset><hfield name='h' nrow='{rows}' ncol='{columns}' size='2 3 0.5 0.25'/></asset></mujoco>"
+        ))
+        .unwrap();
+        let mut edit = model.edit();
+        for (index, value) in edit.height_field_mut("h").unwrap().data_mut().iter_mut().enumerate() {
+            *value = elevation(index);
+        }
+        let id = model.height_field("h").unwrap().id();
+        (model, id)
+    }
+
+    #[test]
+    fn a_height_field_is_closed_and_has_the_volume_of_its_prisms() {
+        for (rows, columns) in [(2, 2), (3, 2), (4, 7), (9, 5)] {
+            let (model, id) = model(rows, columns, |index| ((index * 7) % 5) as f32 / 4.0);
+            let shape = height_field(&model, id, usize::MAX).unwrap();
+            assert_closed(&[&shape]);
+            assert_normals_agree(&shape, 1.0);
+            let elevation =
+                |row: usize, column: usize| 0.5 * f64::from(model.height_field(id).matrix()[(row, column)]) + 0.25;
+            let half_cell = (4.0 / (columns - 1) as f64) * (6.0 / (rows - 1) as f64) / 2.0;
+            let mut expected = 0.0;
+            for row in 0..rows - 1 {
+                for column in 0..columns - 1 {
+                    // The two that are on the cut count for both halves of the cell.
+                    let cut = elevation(row, column) + elevation(row + 1, column + 1);
+                    expected += half_cell / 3.0 * (2.0 * cut + elevation(row, column + 1) + elevation(row + 1, column));
+                }
+            }
+            assert!((volume(&[&shape]) - expected).abs() < 1e-4 * expected, "{rows} x {columns}");
+        }
+    }
+
+    #[test]
+    fn elevations_that_are_nowhere_are_holes() {
+        for nowhere in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let (model, id) = model(3, 3, |index| if index == 4 { nowhere } else { 0.5 });
+            let shape = height_field(&model, id, usize::MAX).unwrap();
+            assert_finite(&shape);
+            // Six of the eight triangles on top have a corner in the middle.
+            assert_eq!(shape.indices.len(), 3 * (2 + 3 * 8));
+        }
+        let (model, id) = model(2, 2, |_| f32::MAX);
+        assert_finite(&height_field(&model, id, usize::MAX).unwrap());
+    }
+
+    #[test]
+    fn a_field_that_is_too_large_is_an_error_that_names_it() {
+        let (model, id) = model(3, 4, |_| 0.0);
+        let needed = 6 * 6 + 9 * 10;
+        assert_eq!(height_field(&model, id, needed).unwrap().vertices.len(), needed);
+        let error = height_field(&model, id, needed - 1).unwrap_err();
+        assert!(error.to_string().contains("height field 0 'h' has 126 corners"), "{error}");
+    }
+}

@@ -36,3 +36,38 @@ pub(crate) fn skin(model: &Model, id: SkinId, most: usize) -> Result<SkinSurface
     surface.texcoords.resize(vertices, [0.0; 2]);
     Ok(surface)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::skin;
+    use crate::Model;
+
+    fn cloth() -> Model {
+        Model::from_xml_str(
+            "<mujoco><worldbody><body name='B1_1' pos='0 0 1'><freejoint/>
+               <composite type='cloth' count='4 3 1' spacing='0.1'><geom type='sphere' size='0.02'/>
+                 <skin texcoord='true' inflate='0.01'/></composite></body></worldbody></mujoco>",
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn a_skin_keeps_its_triangles_and_where_the_picture_is() {
+        let model = cloth();
+        let view = model.skins().next().unwrap();
+        let surface = skin(&model, view.id(), usize::MAX).unwrap();
+        assert_eq!(surface.vertices, view.vert().len());
+        assert_eq!(surface.indices, view.face().as_flattened().iter().map(|&index| index as u32).collect::<Vec<_>>());
+        assert_eq!(surface.texcoords, view.texcoord());
+        assert!(surface.texcoords.as_flattened().iter().all(|coordinate| (0.0..=1.0).contains(coordinate)));
+        assert!(skin(&model, view.id(), surface.vertices - 1).is_err());
+    }
+
+    #[test]
+    fn numbers_that_are_none_do_not_get_through() {
+        let mut model = cloth();
+        let id = model.skins().next().unwrap().id();
+        model.edit().skin_mut(id).texcoord_mut()[3] = [f32::NAN, f32::INFINITY];
+        assert_eq!(skin(&model, id, usize::MAX).unwrap().texcoords[3], [0.0; 2]);
+    }
+}

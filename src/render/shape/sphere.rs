@@ -71,7 +71,7 @@ mod tests {
     fn a_hemisphere_fits_a_disk_and_its_own_mirror_image() {
         for detail in details() {
             let top = hemisphere(detail);
-            let under = |triangles| placed(triangles, |[x, y, z]| [x, -y, -z]);
+            let under = |triangles: &_| placed(triangles, |[x, y, z]| [x, -y, -z]);
             assert_closed(&[&top, &under(&disk(detail.slices, 1))]);
             assert_closed(&[&top, &under(&top)]);
             assert!((volume(&[&top, &under(&disk(detail.slices, 1))]) - expected(detail)).abs() < 1e-5);

@@ -1,0 +1,374 @@
+//! What is drawn is what the model contains, whatever that is: every shape, every decoration, every label; what was edited after the
+//! renderer was told, and not before; and numbers that are none harm nothing but themselves.
+//!
+//! With the environment variable `MUJOCO_SAFE_PICTURES` set to a folder the pictures are saved there, to be looked at.
+
+use std::path::PathBuf;
+
+use mujoco_safe::render::{Picture, Renderer, RendererOptions};
+use mujoco_safe::scene::{
+    Camera, CameraView, Categories, Connector, FrameMode, LabelMode, NewGeom, Perturbation, PerturbationFlags, Scene,
+    SceneOptions, VisualFlags,
+};
+use mujoco_safe::{Data, Model, ModelMut, sample};
+
+const SIZE: [u32; 2] = [320, 240];
+
+/// A picture to look at.
+fn save(picture: &Picture, name: &str) {
+    if let Some(folder) = std::env::var_os("MUJOCO_SAFE_PICTURES") {
+        picture.save_png(PathBuf::from(folder).join(name).with_extension("png")).unwrap();
+    }
+}
+
+/// A model with a mesh, a height field, a skin, textures of each type, glued and not, lights of each kind, and a camera.
+fn museum() -> Model {
+    Model::from_xml_str(
+        "<mujoco>
+           <asset>
+             <texture name='sky' type='skybox' builtin='gradient' width='32' height='192' rgb1='.4 .6 .8' rgb2='0 0 0'/>
+             <texture name='checks' type='2d' builtin='checker' width='64' height='64' rgb1='.9 .3 .2' rgb2='.2 .3 .9'/>
+             <texture name='cube' type='cube' builtin='flat' width='32' height='192' rgb1='.2 .7 .3' rgb2='.2 .7 .3' mark='cross' markrgb='1 1 1'/>
+             <material name='checks' texture='checks' texrepeat='2 2'/>
+             <material name='cube' texture='cube' texuniform='true'/>
+             <mesh name='roof' vertex='0 0 0  1 0 0  1 1 0  0 1 0  .5 .5 .7' face='0 2 1  0 3 2  0 1 4  1 2 4  2 3 4  3 0 4'
+               texcoord='0 0  1 0  1 1  0 1  .5 .5'/>
+             <hfield name='hills' nrow='9' ncol='9' size='1 1 .5 .1'/>
+           </asset>
+           <worldbody>
+             <light name='sun' directional='true' pos='0 0 4' dir='.3 .3 -1'/>
+             <light name='spot' pos='-2 -2 3' dir='1 1 -1.2' cutoff='40'/>
+             <camera name='side' pos='0 -5 1.5' xyaxes='1 0 0 0 .25 1'/>
+             <geom name='floor' type='plane' size='0 0 .1' material='checks'/>
+             <geom name='hills' type='hfield' hfield='hills' pos='2 1 .2' rgba='.5 .7 .4 1'/>
+             <body pos='-1.5 .5 .5'><freejoint/><geom name='roof' type='mesh' mesh='roof' material='checks'/></body>
+             <body pos='0 0 1'><joint name='hinge' axis='0 1 0'/><geom name='box' type='box' size='.3 .2 .25' material='cube'/>
+               <site name='site' pos='0 0 .4' size='.05'/></body>
+             <body pos='.8 -.5 .5'><freejoint/><geom name='ball' type='sphere' size='.25' rgba='.8 .8 .1 .5'/></body>
+             <body name='B0_0' pos='-.4 -1 .6'><freejoint/>
+               <composite type='cloth' count='5 5 1' spacing='.1'><geom type='sphere' size='.03' group='3'/>
+                 <skin texcoord='true' material='checks' inflate='.01'/></composite></body>
+           </worldbody>
+           <actuator><motor name='motor' joint='hinge'/></actuator>
+         </mujoco>",
+    )
+    .unwrap()
+}
+
+fn update(data: &mut Data, scene: &mut Scene, options: &SceneOptions) {
+    let side = data.model().camera("side").unwrap().id();
+    let mut camera = Camera { view: CameraView::Fixed(side), ..Camera::default() };
+    scene.update(data, options, None, &mut camera, Categories::all()).unwrap();
+}
+
+/// The picture of a simulation from its camera.
+fn picture(renderer: &mut Renderer, data: &mut Data) -> Picture {
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 1000).unwrap();
+    update(data, &mut scene, &SceneOptions::default());
+    renderer.rgb(&scene).unwrap()
+}
+
+/// The share of bytes that differ.
+fn difference(a: &Picture, b: &Picture) -> f64 {
+    assert_eq!(a.as_bytes().len(), b.as_bytes().len());
+    let differ = a.as_bytes().iter().zip(b.as_bytes()).filter(|(a, b)| a != b).count();
+    differ as f64 / a.as_bytes().len() as f64
+}
+
+#[test]
+fn edits_of_textures_meshes_and_height_fields_are_seen_once_the_renderer_is_told() {
+    type Edit = fn(&mut ModelMut<'_>);
+    type Tell = fn(&mut Renderer, &Model);
+    let edits: [(&str, Edit, Tell); 4] = [
+        (
+            "texture",
+            |model| model.texture_mut("checks").unwrap().rgb_mut().fill(255),
+            |renderer, model| renderer.update_texture(model, model.texture("checks").unwrap().id()).unwrap(),
+        ),
+        (
+            "cube",
+            |model| model.texture_mut("cube").unwrap().rgb_mut().fill(0),
+            |renderer, model| renderer.update_texture(model, model.texture("cube").unwrap().id()).unwrap(),
+        ),
+        (
+            "mesh",
+            |model| model.mesh_mut("roof").unwrap().normal_mut().fill([0.0, 0.0, -1.0]),
+            |renderer, model| renderer.update_mesh(model, model.mesh("roof").unwrap().id()).unwrap(),
+        ),
+        (
+            "height field",
+            |model| {
+                for (index, elevation) in model.height_field_mut("hills").unwrap().data_mut().iter_mut().enumerate() {
+                    *elevation = (index % 9) as f32 / 9.0;
+                }
+            },
+            |renderer, model| renderer.update_height_field(model, model.height_field("hills").unwrap().id()).unwrap(),
+        ),
+    ];
+    for (what, edit, tell) in edits {
+        let mut data = Data::new(museum()).unwrap();
+        let mut renderer = Renderer::new(data.model(), SIZE[0], SIZE[1]).unwrap();
+        let before = picture(&mut renderer, &mut data);
+        data.edit_model(|model| edit(model)).unwrap();
+        assert_eq!(difference(&before, &picture(&mut renderer, &mut data)), 0.0, "{what}: seen too early");
+        tell(&mut renderer, data.model());
+        let after = picture(&mut renderer, &mut data);
+        assert!(difference(&before, &after) > 0.001, "{what}: not seen");
+        save(&after, &format!("edited {what}"));
+        // As one that was made after the edit draws it.
+        let mut other = Renderer::new(data.model(), SIZE[0], SIZE[1]).unwrap();
+        assert_eq!(difference(&after, &picture(&mut other, &mut data)), 0.0, "{what}: not the same as from the start");
+    }
+}
+
+/// Everything of a model that can be edited to be no number, or too large, in ways that a picture has to do with.
+const HOSTILE: [(&str, fn(&mut ModelMut<'_>, f64)); 12] = [
+    ("colours", |model, number| model.geom_rgba_mut().fill([number as f32; 4])),
+    ("sizes", |model, number| model.geom_size_mut().fill([number; 3])),
+    ("normals", |model, number| model.mesh_normal_mut().fill([number as f32; 3])),
+    ("places in pictures", |model, number| {
+        model.mesh_texcoord_mut().fill([number as f32; 2]);
+        model.skin_texcoord_mut().fill([number as f32; 2]);
+    }),
+    ("elevations", |model, number| model.hfield_data_mut().fill(number as f32)),
+    ("vertices of skins", |model, number| model.skin_vert_mut().fill([number as f32; 3])),
+    ("weights of skins", |model, number| model.skin_bonevertweight_mut().fill(number as f32)),
+    ("materials", |model, number| {
+        model.mat_texrepeat_mut().fill([number as f32; 2]);
+        model.mat_emission_mut().fill(number as f32);
+        model.mat_specular_mut().fill(number as f32);
+        model.mat_shininess_mut().fill(number as f32);
+        model.mat_reflectance_mut().fill(number as f32);
+        model.mat_rgba_mut().fill([number as f32; 4]);
+    }),
+    ("directions of lights", |model, number| model.light_dir_mut().fill([number; 3])),
+    ("places of lights", |model, number| model.light_pos_mut().fill([number; 3])),
+    ("cones of lights", |model, number| {
+        model.light_cutoff_mut().fill(number as f32);
+        model.light_exponent_mut().fill(number as f32);
+        model.light_attenuation_mut().fill([number as f32; 3]);
+    }),
+    ("colours of lights", |model, number| {
+        model.light_ambient_mut().fill([number as f32; 3]);
+        model.light_diffuse_mut().fill([number as f32; 3]);
+        model.light_specular_mut().fill([number as f32; 3]);
+    }),
+];
+
+#[test]
+fn numbers_that_are_none_harm_nothing_but_themselves() {
+    let mut clean = Data::new(museum()).unwrap();
+    let mut renderer = Renderer::new(clean.model(), SIZE[0], SIZE[1]).unwrap();
+    let expected = picture(&mut renderer, &mut clean);
+    for (what, edit) in HOSTILE {
+        for number in [f64::NAN, f64::INFINITY, -1e30, 0.0] {
+            let mut data = Data::new(clean.model().clone()).unwrap();
+            data.edit_model(|model| edit(model, number)).unwrap();
+            let mut scene = Scene::new(data.model(), 1000).unwrap();
+            // A simulation that has become unstable has no scene.
+            if data.forward().is_err() {
+                continue;
+            }
+            update(&mut data, &mut scene, &SceneOptions::default());
+            // A renderer of the edited model, and one that is told.
+            let Ok(mut own) = Renderer::on(renderer.gpu(), data.model(), SIZE[0], SIZE[1], &RendererOptions::default())
+            else {
+                continue;
+            };
+            drop((own.rgb(&scene), own.depth(&scene), own.segmentation(&scene)));
+            drop((renderer.rgb(&scene), renderer.depth(&scene), renderer.segmentation(&scene)));
+            let after = picture(&mut renderer, &mut clean);
+            assert_eq!(difference(&expected, &after), 0.0, "{what} of {number}: the picture after it is another");
+        }
+    }
+}
+
+#[test]
+fn settings_that_the_compiler_lets_through_do_not_stop_a_renderer() {
+    for visual in [
+        "<quality numslices='-5' numstacks='0' numquads='-1' shadowsize='-7' offsamples='-3'/>",
+        "<quality numslices='1000000' numstacks='1000000' numquads='1000000' shadowsize='64' offsamples='1000'/>",
+        "<quality shadowsize='1000000'/>",
+        "<map znear='0' zfar='0'/>",
+        "<map znear='-1' zfar='-2' haze='-3' fogstart='5' fogend='2' shadowclip='0' shadowscale='-1'/>",
+        "<map znear='1e-30' zfar='1e30'/>",
+        "<global fovy='0' linewidth='-1'/>",
+        "<global fovy='180' linewidth='1e30'/>",
+    ] {
+        let model = Model::from_xml_str(&format!(
+            "<mujoco><visual>{visual}</visual><worldbody><light/><geom type='plane' size='0 0 1'/>
+             <geom size='.1'/></worldbody></mujoco>"
+        ));
+        let Ok(model) = model else { continue };
+        let mut data = Data::new(model).unwrap();
+        data.forward().unwrap();
+        let mut scene = Scene::new(data.model(), 100).unwrap();
+        let mut camera = Camera::free(data.model());
+        let updated = scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all());
+        // Whatever it says, it says it: no panic, and no picture of another size.
+        let drawn = updated.is_ok().then(|| Renderer::new(data.model(), 64, 48)).and_then(Result::ok);
+        if let Some(picture) = drawn.and_then(|mut renderer| renderer.rgb(&scene).ok()) {
+            assert_eq!([picture.width(), picture.height()], [64, 48]);
+        }
+    }
+}
+
+#[test]
+fn every_shape_that_a_user_adds_is_seen() {
+    let mut data = Data::new(museum()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 1000).unwrap();
+    update(&mut data, &mut scene, &SceneOptions::default());
+    scene.clear();
+    let (mesh, field) = (data.model().mesh("roof").unwrap().id(), data.model().height_field("hills").unwrap().id());
+    let checks = data.model().texture("checks").unwrap().id();
+    let connector = |shape| NewGeom::connector(shape, 0.05, [0.0, 0.0, -0.3], [0.2, 0.0, 0.3]);
+    let shapes = [
+        NewGeom::plane([0.3, 0.3]).texture(checks, [1.0, 1.0], false),
+        NewGeom::sphere(0.3),
+        NewGeom::capsule(0.15, 0.2),
+        NewGeom::ellipsoid([0.3, 0.2, 0.1]),
+        NewGeom::cylinder(0.2, 0.3),
+        NewGeom::cuboid([0.2, 0.3, 0.1]).texture(checks, [1.0, 1.0], false),
+        NewGeom::mesh(mesh),
+        NewGeom::convex_hull(mesh),
+        NewGeom::height_field(field),
+        NewGeom::connector(Connector::Capsule, 0.1, [0.0; 3], [0.2, 0.0, 0.3]),
+        connector(Connector::Cylinder),
+        connector(Connector::Arrow),
+        connector(Connector::Arrow1),
+        connector(Connector::Arrow2),
+        connector(Connector::Line),
+    ];
+    let mut places = (0..4).flat_map(|row| (0..4).map(move |column| (row, column)));
+    for (index, shape) in shapes.iter().enumerate() {
+        let (row, column) = places.next().unwrap();
+        let at = [-1.8 + 1.2 * f64::from(column), 0.0, 1.7 - 0.9 * f64::from(row)];
+        let color = [0.3 + 0.04 * index as f32, 0.8 - 0.04 * index as f32, 0.6, 1.0];
+        let shape = match index {
+            // Ends of connectors are in the world frame.
+            9.. => {
+                let kinds = [
+                    Connector::Capsule,
+                    Connector::Cylinder,
+                    Connector::Arrow,
+                    Connector::Arrow1,
+                    Connector::Arrow2,
+                    Connector::Line,
+                ];
+                NewGeom::connector(
+                    kinds[index - 9],
+                    0.06,
+                    [at[0], at[1], at[2] - 0.3],
+                    [at[0] + 0.2, at[1], at[2] + 0.3],
+                )
+            }
+            0 => shape.clone().pos(at).mat([1.0, 0.0, 0.0, 0.0, 0.6, -0.8, 0.0, 0.8, 0.6]),
+            8 => shape.clone().pos([at[0], 1.0, at[2]]),
+            _ => shape.clone().pos(at),
+        };
+        assert_eq!(scene.push(&shape.rgba(color)).unwrap(), index);
+    }
+    let mut renderer = Renderer::new(data.model(), 640, 480).unwrap();
+    save(&renderer.rgb(&scene).unwrap(), "shapes");
+    let segmentation = renderer.segmentation(&scene).unwrap();
+    save(&segmentation.to_picture(), "shapes by segment");
+    let seen = segmentation.segments();
+    let unseen: Vec<usize> =
+        (0..shapes.len()).filter(|index| seen.iter().all(|(segment, _)| segment.geom != *index)).collect();
+    assert!(unseen.is_empty(), "unseen: {unseen:?}");
+    assert!(seen.iter().all(|(segment, count)| segment.object.is_none() && *count > 20), "{seen:?}");
+}
+
+/// A humanoid that has fallen, under a perturbation.
+fn humanoid() -> (Data, Perturbation) {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    for _ in 0..300 {
+        data.step().unwrap();
+    }
+    data.forward().unwrap();
+    let mut perturbation = Perturbation::default();
+    perturbation.select = data.model().bodies().nth(3).map(|body| body.id());
+    perturbation.active = PerturbationFlags::all();
+    perturbation.refpos = [0.3, -0.2, 0.8];
+    perturbation.localpos = [0.2, -0.3, 0.1];
+    perturbation.refquat = [0.8, 0.0, 0.6, 0.0];
+    (data, perturbation)
+}
+
+fn decorated(renderer: &mut Renderer, data: &mut Data, perturbation: &Perturbation, options: &SceneOptions) -> Picture {
+    let mut scene = Scene::new(data.model(), 10_000).unwrap();
+    let mut camera = Camera::free(data.model());
+    camera.lookat = [0.0, 0.0, 0.3];
+    camera.distance = 3.0;
+    scene.update(data, options, Some(perturbation), &mut camera, Categories::all()).unwrap();
+    renderer.rgb(&scene).unwrap()
+}
+
+#[test]
+fn every_decoration_is_seen() {
+    let (mut data, perturbation) = humanoid();
+    let mut renderer = Renderer::new(data.model(), 640, 480).unwrap();
+    let plain = SceneOptions { flags: VisualFlags::TEXTURE | VisualFlags::STATIC, ..SceneOptions::default() };
+    let before = decorated(&mut renderer, &mut data, &perturbation, &plain);
+    // Those of which the model has something to show.
+    for flag in [
+        VisualFlags::JOINT,
+        VisualFlags::ACTUATOR,
+        VisualFlags::INERTIA,
+        VisualFlags::PERTOBJ,
+        VisualFlags::CONTACTPOINT,
+        VisualFlags::CONTACTFORCE,
+        VisualFlags::TRANSPARENT,
+        VisualFlags::AUTOCONNECT,
+        VisualFlags::COM,
+        VisualFlags::SELECT,
+    ] {
+        let options = SceneOptions { flags: plain.flags | flag, ..plain.clone() };
+        let after = decorated(&mut renderer, &mut data, &perturbation, &options);
+        assert!(difference(&before, &after) > 1e-5, "{flag:?} is not seen");
+        save(&after, &format!("decoration {flag:?}"));
+    }
+    for frame in [FrameMode::Body, FrameMode::Geom, FrameMode::Contact, FrameMode::World] {
+        let after = decorated(&mut renderer, &mut data, &perturbation, &SceneOptions { frame, ..plain.clone() });
+        assert!(difference(&before, &after) > 1e-5, "frames of {frame:?} are not seen");
+        save(&after, &format!("frames {frame:?}"));
+    }
+    let all = SceneOptions { flags: VisualFlags::all(), frame: FrameMode::Body, ..SceneOptions::default() };
+    save(&decorated(&mut renderer, &mut data, &perturbation, &all), "decoration all");
+}
+
+#[test]
+fn labels_are_seen() {
+    let (mut data, perturbation) = humanoid();
+    let mut renderer = Renderer::new(data.model(), 640, 480).unwrap();
+    let plain = SceneOptions::default();
+    let before = decorated(&mut renderer, &mut data, &perturbation, &plain);
+    for label in [LabelMode::Body, LabelMode::Geom, LabelMode::Selection] {
+        let after = decorated(&mut renderer, &mut data, &perturbation, &SceneOptions { label, ..plain.clone() });
+        assert!(difference(&before, &after) > 1e-4, "labels of {label:?} are not seen");
+        save(&after, &format!("labels {label:?}"));
+        // White letters.
+        let is_white = |pixel: &&[u8; 3]| pixel.iter().all(|&byte| byte > 230);
+        let white = |picture: &Picture| picture.as_bytes().as_chunks::<3>().0.iter().filter(is_white).count();
+        assert!(white(&after) > white(&before) + 5, "{label:?}: {} against {}", white(&after), white(&before));
+    }
+}
+
+#[test]
+fn a_text_of_the_users_is_seen_where_it_was_put_and_in_front_of_everything() {
+    let mut data = Data::new(museum()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 1000).unwrap();
+    update(&mut data, &mut scene, &SceneOptions::default());
+    let mut renderer = Renderer::new(data.model(), SIZE[0], SIZE[1]).unwrap();
+    let before = renderer.rgb(&scene).unwrap();
+    // Behind the hills, and with letters that the font has not.
+    scene.push(&NewGeom::text("höher als die Hügel").unwrap().pos([1.5, 4.0, 0.1])).unwrap();
+    let after = renderer.rgb(&scene).unwrap();
+    assert!(difference(&before, &after) > 1e-3);
+    save(&after, "text");
+    let segmentation = renderer.segmentation(&scene).unwrap();
+    assert!(segmentation.pixels().flatten().all(|segment| segment.geom + 1 < scene.ngeom()), "a text is no thing");
+}
