@@ -9,8 +9,6 @@
 
 #[path = "common/mod.rs"]
 mod common;
-#[path = "common/window.rs"]
-mod window;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -114,7 +112,7 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     if arguments.view {
         data.reset()?;
         data.joint_mut("hinge")?.qpos_mut()[0] = arguments.angle;
-        window::show("A pole on a cart", data, lqr, vec![trajectory])?;
+        common::window::show("A pole on a cart", data, lqr, vec![trajectory])?;
     }
     if upright { Ok(()) } else { Err("the pole has fallen".into()) }
 }

@@ -8,8 +8,12 @@
 //! `--trajectory FILE.csv` (any number of times) plays what was recorded of this model. Another model is loaded by dropping its
 //! file onto the window. F1 says what keys and mouse do.
 
+#[path = "common/mod.rs"]
+mod common;
+
 use std::path::PathBuf;
 
+use common::option::text;
 use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
@@ -43,24 +47,13 @@ fn arguments() -> Result<Arguments, String> {
     Ok(arguments)
 }
 
-fn text(parser: &mut lexopt::Parser, option: &str) -> Result<String, String> {
-    let value = parser.value().map_err(|error| error.to_string())?;
-    value.into_string().map_err(|value| format!("{option} {}: not valid Unicode", value.to_string_lossy()))
-}
-
 fn size(text: &str) -> Result<[u32; 2], String> {
     let numbers = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     numbers.filter(|size| !size.contains(&0)).ok_or_else(|| format!("--size {text}: give it as in 1280x720"))
 }
 
 fn main() -> std::process::ExitCode {
-    match view() {
-        Ok(()) => std::process::ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            std::process::ExitCode::FAILURE
-        }
-    }
+    common::finish(view())
 }
 
 fn view() -> Result<(), Box<dyn std::error::Error>> {

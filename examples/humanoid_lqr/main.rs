@@ -18,8 +18,6 @@ mod plots;
 mod set_point;
 mod simulate;
 mod weights;
-#[path = "../common/window.rs"]
-mod window;
 
 use std::error::Error;
 use std::sync::Arc;
@@ -144,7 +142,7 @@ fn balance() -> Result<(), Box<dyn Error>> {
     let upright = run.upright();
     if arguments.view {
         set_point.apply(&mut data)?;
-        window::show("A humanoid on one leg", data, lqr, vec![run.trajectory, open_loop.trajectory])?;
+        common::window::show("A humanoid on one leg", data, lqr, vec![run.trajectory, open_loop.trajectory])?;
     }
     if upright { Ok(()) } else { Err("the humanoid has fallen".into()) }
 }

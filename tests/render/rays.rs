@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use mujoco_safe::render::{DepthPicture, Renderer, Segment, SegmentationPicture};
-use mujoco_safe::scene::{Camera, Categories, Scene, SceneObject, SceneOptions, Viewpoint, VisualFlags};
+use mujoco_safe::scene::{Camera, Categories, Scene, SceneGeom, SceneObject, SceneOptions, Viewpoint, VisualFlags};
 use mujoco_safe::{Data, GeomId, GeomType, Model, RayHit, RayOptions, math, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -73,12 +73,27 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let depth = renderer.depth(&scene).unwrap();
     let segmentation = renderer.segmentation(&scene).unwrap();
 
-    let rays = Rays::new(&data, scene.viewpoint());
+    // What is transparent has no depth.
+    let is_transparent = |geom: &SceneGeom<'_>| geom.rgba()[3] < 0.995;
+    let transparent: Vec<GeomId> = scene.geoms().filter(is_transparent).filter_map(of_model).collect();
+    let rays = Rays::new(&data, scene.viewpoint(), &[]);
+    let solid = (!transparent.is_empty()).then(|| Rays::new(&data, scene.viewpoint(), &transparent));
+    let check = |pixel: [usize; 2]| {
+        // The rods of cranks are drawn whatever is to be shown, and no ray meets them.
+        let segment = segmentation.pixel(pixel[0], pixel[1]);
+        if matches!(segment, Some(Segment { object: Some(SceneObject::Actuator(_)), .. })) {
+            return false;
+        }
+        let met = rays.meet(pixel);
+        let deep = solid.as_ref().map_or(met.range, |rays| rays.meet(pixel).range);
+        check_depth(name, pixel, depth.metres(pixel[0], pixel[1]).into(), deep);
+        rays.check_segment(name, pixel, segment, &met)
+    };
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2022);
     let mut certain = 0;
     for _ in 0..PIXELS {
         let pixel = SIZE.map(|length| random.random_range(0..length) as usize);
-        certain += usize::from(rays.check(name, &depth, &segmentation, pixel));
+        certain += usize::from(check(pixel));
     }
     println!("{name} after {steps} steps: at {certain} of {PIXELS} pixels there is no doubt what is seen");
     assert!(certain > PIXELS * 3 / 4, "{name}: only {certain} of {PIXELS} pixels are away from edges");
@@ -90,7 +105,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
         .collect();
     assert!(things.len() > PIXELS, "{name}: only {} pixels show more than the floor", things.len());
     for _ in 0..PIXELS {
-        rays.check(name, &depth, &segmentation, things[random.random_range(0..things.len())]);
+        check(things[random.random_range(0..things.len())]);
     }
 }
 
@@ -101,9 +116,17 @@ fn geoms_only() -> SceneOptions {
     options
 }
 
+/// The geom of the model that one of a scene stands for.
+fn of_model(geom: SceneGeom<'_>) -> Option<GeomId> {
+    match geom.object()? {
+        SceneObject::Geom(geom) => Some(geom),
+        _ => None,
+    }
+}
+
 /// Two simulations in the same state: with the shapes as they are, and with round ones that are inside of what is drawn.
-struct Rays<'d> {
-    outer: &'d Data,
+struct Rays {
+    outer: Data,
     inner: Data,
     viewpoint: Viewpoint,
 }
@@ -112,14 +135,24 @@ struct Rays<'d> {
 struct Met {
     /// The least and the greatest depth that it can have.
     range: [f64; 2],
-    /// The one that they all agree on, if they do: `None` for none.
+    /// What they all agree on, if they do: a geom or nothing.
     only: Option<Option<GeomId>>,
     /// The directions of the rays.
     directions: Vec<[f64; 3]>,
 }
 
-impl<'d> Rays<'d> {
-    fn new(outer: &'d Data, viewpoint: Viewpoint) -> Self {
+impl Rays {
+    /// Geoms that are absent are put where nobody looks.
+    fn new(data: &Data, viewpoint: Viewpoint, absent: &[GeomId]) -> Self {
+        let mut outer = data.clone();
+        outer
+            .edit_model(|model| {
+                for geom in absent {
+                    model.geom_pos_mut()[geom.index()] = [1e6; 3];
+                }
+            })
+            .unwrap();
+        outer.forward().unwrap();
         let quality = outer.model().visual().quality;
         // A circle is cut into slices, and a half circle from pole to pole into stacks, an even number of them.
         let around = (PI / quality.numslices as f64).cos();
@@ -173,7 +206,7 @@ impl<'d> Rays<'d> {
         };
         // What is at the far side of the frustum may be seen or not.
         let [before, beyond] = [far * (1.0 - PRECISION), far * (1.0 + PRECISION)];
-        let outer: Vec<_> = directions.iter().map(|&direction| cast(self.outer, direction, beyond)).collect();
+        let outer: Vec<_> = directions.iter().map(|&direction| cast(&self.outer, direction, beyond)).collect();
         let inner: Vec<_> = directions.iter().map(|&direction| cast(&self.inner, direction, before)).collect();
         let distance = |hit: &Option<RayHit>| hit.map_or(f64::INFINITY, |hit| hit.distance);
         let range = [
@@ -182,17 +215,7 @@ impl<'d> Rays<'d> {
         ];
         let first = outer[0].map(|hit| hit.geom);
         let is_same = outer.iter().chain(&inner).all(|hit| hit.map(|hit| hit.geom) == first);
-        // Another geom may be between the shape and the smaller one.
-        let is_alone = || directions.iter().all(|&direction| self.others_are_behind(direction, first, range[1]));
-        Met { range, only: (is_same && is_alone()).then_some(first), directions }
-    }
-
-    fn others_are_behind(&self, direction: [f64; 3], first: Option<GeomId>, depth: f64) -> bool {
-        self.outer
-            .model()
-            .geoms()
-            .filter(|geom| Some(geom.id()) != first)
-            .all(|geom| self.distance(geom.id(), direction).is_none_or(|distance| distance > depth))
+        Met { range, only: is_same.then_some(first), directions }
     }
 
     /// How far away a ray meets a geom that others may hide.
@@ -209,37 +232,25 @@ impl<'d> Rays<'d> {
         }
     }
 
-    /// Compares a pixel, and says whether there is no doubt about what it must show.
-    fn check(&self, name: &str, depth: &DepthPicture, segmentation: &SegmentationPicture, pixel: [usize; 2]) -> bool {
-        let [x, y] = pixel;
-        let met = self.meet(pixel);
-        let [near, far] = met.range;
-        let found = f64::from(depth.metres(x, y));
-        let segment = segmentation.pixel(x, y);
-        // The rods of cranks are drawn whatever is to be shown, and no ray meets them. They hide what is behind.
-        if let Some(Segment { object: Some(SceneObject::Actuator(_)), .. }) = segment {
-            assert!(found <= far * (1.0 + PRECISION), "{name} at {pixel:?}: a rod at {found} m is behind {far} m");
-            return false;
-        }
-        let seen = segment.map(|segment| match segment.object {
+    /// Compares what is seen at a pixel, and says whether the rays agree.
+    fn check_segment(&self, name: &str, pixel: [usize; 2], seen: Option<Segment>, met: &Met) -> bool {
+        let seen = seen.map(|segment| match segment.object {
             Some(SceneObject::Geom(geom)) => geom,
-            other => panic!("{name} at {pixel:?}: {other:?} is no geom"),
+            _ => panic!("{name} at {pixel:?}: {segment:?} is no geom"),
         });
-        let described =
-            || format!("{name} at {pixel:?}: {seen:?} at {found} m, rays meet {:?} at {near} to {far} m", met.only);
-        assert_eq!(found.is_finite(), seen.is_some(), "{}", described());
-        assert!(found >= near * (1.0 - PRECISION), "too near: {}", described());
-        assert!(found <= far * (1.0 + PRECISION) || found == far, "too far: {}", described());
-        match met.only {
-            Some(only) => assert_eq!(seen, only, "{}", described()),
-            None => {
-                if let Some(geom) = seen {
-                    let distances = met.directions.iter().filter_map(|&direction| self.distance(geom, direction));
-                    let nearest = distances.fold(f64::INFINITY, f64::min);
-                    assert!(nearest <= far * (1.0 + PRECISION), "it is at {nearest} m, hidden: {}", described());
-                }
-            }
-        }
+        let far = met.range[1] * (1.0 + PRECISION);
+        // At an edge, or where two surfaces are closer to each other than to what is drawn of them.
+        let is_near = |geom| {
+            let mut distances = met.directions.iter().filter_map(|&direction| self.distance(geom, direction));
+            distances.any(|distance| distance <= far)
+        };
+        let is_right = met.only == Some(seen) || seen.map_or(far == f64::INFINITY, is_near);
+        assert!(is_right, "{name} at {pixel:?}: {seen:?}, but rays meet {:?} at {:?} m", met.only, met.range);
         met.only.is_some()
     }
+}
+
+fn check_depth(name: &str, pixel: [usize; 2], found: f64, [near, far]: [f64; 2]) {
+    let is_right = found >= near * (1.0 - PRECISION) && (found == far || found <= far * (1.0 + PRECISION));
+    assert!(is_right, "{name} at {pixel:?}: {found} m, but rays meet something at {near} to {far} m");
 }

@@ -127,7 +127,9 @@ impl List {
             }
             let place = self.place(&reach, &planes, mirror_planes.as_ref());
             self.parts.clear();
-            primitive::parts(geom, scenery.shapes, level(geom, &reach, eye), &mut self.parts);
+            // Numbers are measurements, for which no corner is spared.
+            let level = if scenery.numbers.is_some() { 0 } else { level(geom, &reach, eye) };
+            primitive::parts(geom, scenery.shapes, level, &mut self.parts);
             let look = look::look(index, geom, scenery, is_behind);
             let first = self.drafts.len() as u32;
             for part in &self.parts {
@@ -276,7 +278,6 @@ fn is_endless(geom: SceneGeom<'_>) -> bool {
 fn level(geom: SceneGeom<'_>, reach: &Reach, eye: &Eye) -> u32 {
     /// With radii of so many pixels the edges of the next level are within a fifth of a pixel of those of this one.
     const ENOUGH: [f64; LEVELS as usize - 1] = [9.0, 3.5];
-    if std::env::var_os("ZZ_LOD").is_some() { return 0; } // ZZ
     let Reach::Within(sphere) = reach else { return 0 };
     let [x, y, z] = geom.size();
     let radius = match geom.geom_type() {

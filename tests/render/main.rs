@@ -1,0 +1,4 @@
+//! Pictures.
+
+mod content;
+mod rays;
