@@ -5,7 +5,7 @@
 //! ```
 //!
 //! `--angle RAD` where the pole starts (0.1), `--seconds S` how long (10), `--out DIR` where the plot goes (none is written
-//! without), `--json` to print A, B, K and the outcome as one JSON object.
+//! without), `--view` to show it in a window (built with `--features viewer`), `--json` to print A, B, K and the outcome as one JSON object.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -21,21 +21,23 @@ struct Arguments {
     angle: f64,
     seconds: f64,
     out: Option<PathBuf>,
+    view: bool,
     json: bool,
 }
 
 fn arguments() -> Result<Arguments, String> {
     use lexopt::Arg::{Long, Short, Value};
-    let mut arguments = Arguments { angle: 0.1, seconds: 10.0, out: None, json: false };
+    let mut arguments = Arguments { angle: 0.1, seconds: 10.0, out: None, view: false, json: false };
     let mut parser = lexopt::Parser::from_env();
     while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
         match argument {
             Long("angle") => arguments.angle = option::number(&mut parser, "--angle")?,
             Long("seconds") => arguments.seconds = option::number(&mut parser, "--seconds")?,
             Long("out") => arguments.out = Some(option::text(&mut parser, "--out")?.into()),
+            Long("view") => arguments.view = true,
             Long("json") => arguments.json = true,
             Short('h') | Long("help") => {
-                println!("cartpole_lqr [--angle RAD] [--seconds S] [--out DIR] [--json]");
+                println!("cartpole_lqr [--angle RAD] [--seconds S] [--out DIR] [--view] [--json]");
                 std::process::exit(0);
             }
             Short(_) | Long(_) | Value(_) => {
@@ -106,6 +108,11 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
         if !arguments.json {
             println!("wrote {}", path.display());
         }
+    }
+    if arguments.view {
+        data.reset()?;
+        data.joint_mut("hinge")?.qpos_mut()[0] = arguments.angle;
+        common::window::show("A pole on a cart", data, lqr, vec![trajectory])?;
     }
     if upright { Ok(()) } else { Err("the pole has fallen".into()) }
 }

@@ -38,26 +38,21 @@ struct Arguments {
     out: Option<PathBuf>,
 }
 
+const HELP: &str = "rollouts [--rollouts N] [--newtons F] [--seconds S] [--seed N] [--out DIR]";
+
 fn arguments() -> Result<Arguments, String> {
-    use lexopt::Arg::{Long, Short, Value};
     let mut arguments = Arguments { rollouts: 256, newtons: 6.0, seconds: 3.0, seed: 1, out: None };
-    let mut parser = lexopt::Parser::from_env();
-    while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
-        match argument {
-            Long("rollouts") => arguments.rollouts = option::number(&mut parser, "--rollouts")?,
-            Long("newtons") => arguments.newtons = option::number(&mut parser, "--newtons")?,
-            Long("seconds") => arguments.seconds = option::number(&mut parser, "--seconds")?,
-            Long("seed") => arguments.seed = option::number(&mut parser, "--seed")?,
-            Long("out") => arguments.out = Some(option::text(&mut parser, "--out")?.into()),
-            Short('h') | Long("help") => {
-                println!("rollouts [--rollouts N] [--newtons F] [--seconds S] [--seed N] [--out DIR]");
-                std::process::exit(0);
-            }
-            Short(_) | Long(_) | Value(_) => {
-                return Err(format!("{}; --help lists the options", argument.unexpected()));
-            }
+    option::each(HELP, |name, parser| {
+        match name {
+            "--rollouts" => arguments.rollouts = option::number(parser, name)?,
+            "--newtons" => arguments.newtons = option::number(parser, name)?,
+            "--seconds" => arguments.seconds = option::number(parser, name)?,
+            "--seed" => arguments.seed = option::number(parser, name)?,
+            "--out" => arguments.out = Some(option::text(parser, name)?.into()),
+            _ => return Ok(false),
         }
-    }
+        Ok(true)
+    })?;
     Ok(arguments)
 }
 

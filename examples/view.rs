@@ -8,11 +8,12 @@
 //! `--trajectory FILE.csv` (any number of times) plays what was recorded of this model. Another model is loaded by dropping its
 //! file onto the window. F1 says what keys and mouse do.
 
-#[path = "common/option.rs"]
-mod option;
+#[path = "common/mod.rs"]
+mod common;
 
 use std::path::PathBuf;
 
+use common::option::text;
 use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
@@ -31,14 +32,16 @@ fn arguments() -> Result<Arguments, String> {
     while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
         match argument {
             Value(path) if arguments.model.is_none() => arguments.model = Some(path.into()),
-            Long("keyframe") => arguments.keyframe = Some(option::text(&mut parser, "--keyframe")?),
-            Long("size") => arguments.size = Some(size(&option::text(&mut parser, "--size")?)?),
-            Long("trajectory") => arguments.trajectories.push(option::text(&mut parser, "--trajectory")?.into()),
+            Long("keyframe") => arguments.keyframe = Some(text(&mut parser, "--keyframe")?),
+            Long("size") => arguments.size = Some(size(&text(&mut parser, "--size")?)?),
+            Long("trajectory") => arguments.trajectories.push(text(&mut parser, "--trajectory")?.into()),
             Short('h') | Long("help") => {
                 println!("view [MODEL] [--keyframe NAME] [--size WxH] [--trajectory FILE.csv]...");
                 std::process::exit(0);
             }
-            Short(_) | Long(_) | Value(_) => return Err(format!("{}; --help lists the options", argument.unexpected())),
+            Short(_) | Long(_) | Value(_) => {
+                return Err(format!("{}; --help lists the options", argument.unexpected()));
+            }
         }
     }
     Ok(arguments)
@@ -50,13 +53,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn main() -> std::process::ExitCode {
-    match view() {
-        Ok(()) => std::process::ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            std::process::ExitCode::FAILURE
-        }
-    }
+    common::finish(view())
 }
 
 fn view() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,12 @@
-//! What the examples share: plots, command-line options, and how they end.
+//! What the examples share: plots, command-line options, progress, and how they end.
 
+#![allow(dead_code, reason = "each example uses its part")]
+
+pub mod balance;
 pub mod chart;
 pub mod option;
+pub mod progress;
+pub mod window;
 
 use std::error::Error;
 use std::process::ExitCode;

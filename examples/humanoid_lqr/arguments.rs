@@ -16,6 +16,7 @@ A humanoid on one leg, held by a linear-quadratic regulator.
   --noise SIGMA     add normal noise of this deviation to every control (0)
   --seed N          the seed of the noise (1)
   --out DIR         where the plots and the trajectory go; nothing is written without
+  --view            show it in a window (built with --features viewer): under control, and as it was recorded
   --json            print the figures as one JSON object";
 
 /// A push against the torso.
@@ -38,6 +39,7 @@ pub struct Arguments {
     pub noise: f64,
     pub seed: u64,
     pub out: Option<PathBuf>,
+    pub view: bool,
     pub json: bool,
 }
 
@@ -54,6 +56,7 @@ impl Arguments {
             noise: 0.0,
             seed: 1,
             out: None,
+            view: false,
             json: false,
         };
         let mut parser = lexopt::Parser::from_env();
@@ -68,6 +71,7 @@ impl Arguments {
                 Long("noise") => arguments.noise = positive(&mut parser, "--noise")?,
                 Long("seed") => arguments.seed = option::number(&mut parser, "--seed")?,
                 Long("out") => arguments.out = Some(option::text(&mut parser, "--out")?.into()),
+                Long("view") => arguments.view = true,
                 Long("json") => arguments.json = true,
                 Short('h') | Long("help") => {
                     println!("{HELP}");

@@ -139,5 +139,10 @@ fn balance() -> Result<(), Box<dyn Error>> {
             say(format!("wrote {}", path.display()));
         }
     }
-    if run.upright() { Ok(()) } else { Err("the humanoid has fallen".into()) }
+    let upright = run.upright();
+    if arguments.view {
+        set_point.apply(&mut data)?;
+        common::window::show("A humanoid on one leg", data, lqr, vec![run.trajectory, open_loop.trajectory])?;
+    }
+    if upright { Ok(()) } else { Err("the humanoid has fallen".into()) }
 }

@@ -53,14 +53,14 @@ impl ReadBack {
         );
     }
 
-    /// Waits for the copy, and shows each row of it.
+    /// Waits for the copy, and shows each row of it from the last to the first: pictures are drawn upside down.
     pub(crate) fn rows(&self, gpu: &Gpu, mut each: impl FnMut(&[u8])) -> Result<(), RenderError> {
         let slice = self.buffer.slice(..);
         slice.map_async(wgpu::MapMode::Read, |_| {});
         gpu.wait()?;
         let mapped = slice.get_mapped_range().map_err(|error| RenderError::Lost { message: error.to_string() })?;
         let used = (self.size[0] * self.pixel) as usize;
-        for row in mapped.chunks_exact(self.row as usize) {
+        for row in mapped.chunks_exact(self.row as usize).rev() {
             each(&row[..used]);
         }
         drop(mapped);

@@ -336,9 +336,19 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let gpu = self.gpu.clone();
         gpu.guarded(|| {
-            let encoder = self.encode(scene, target, target.texture().format(), size)?;
+            let encoder = self.encode(scene, target, target.texture().format(), size, false)?;
             gpu.queue().submit([encoder.finish()]);
             Ok(())
+        })
+    }
+
+    /// Does what the processor does for [`rgb`](Self::rgb), and has nothing drawn: for measurements.
+    #[doc(hidden)]
+    pub fn prepare(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            let (_, view) = self.color();
+            self.encode(scene, &view, COLOR, self.size, true).map(drop)
         })
     }
 
@@ -346,24 +356,31 @@ impl Renderer {
     fn colors(&mut self, scene: &Scene, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
         let gpu = self.gpu.clone();
         gpu.guarded(|| {
-            if self.color.as_ref().is_none_or(|(texture, _)| [texture.width(), texture.height()] != self.size) {
-                let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-                let color = texture(&gpu, self.size, COLOR, 1, usage);
-                self.color = Some((color.clone(), view(&color)));
-            }
-            let Some((texture, view)) = self.color.clone() else { return Ok(()) };
-            let mut encoder = self.encode(scene, &view, COLOR, self.size)?;
+            let (texture, view) = self.color();
+            let mut encoder = self.encode(scene, &view, COLOR, self.size, true)?;
             self.read(4)?.encode(&mut encoder, &texture);
             gpu.queue().submit([encoder.finish()]);
             self.read(4)?.rows(&gpu, each)
         })
     }
 
+    /// What colours are drawn to, to be read back.
+    fn color(&mut self) -> (wgpu::Texture, wgpu::TextureView) {
+        let kept = self.color.take().filter(|(texture, _)| [texture.width(), texture.height()] == self.size);
+        let color = kept.unwrap_or_else(|| {
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+            let color = texture(&self.gpu, self.size, COLOR, 1, usage);
+            let view = view(&color);
+            (color, view)
+        });
+        self.color.insert(color).clone()
+    }
+
     /// Draws numbers and shows the rows of the picture: eight bytes for each pixel.
     fn ids(&mut self, scene: &Scene, numbers: Numbers, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
         let gpu = self.gpu.clone();
         gpu.guarded(|| {
-            let eye = self.list(scene, self.size, Some(numbers))?.0;
+            let eye = self.list(scene, self.size, Some(numbers), true)?.0;
             self.bind_numbers(&eye)?;
             if self.ids.as_ref().is_none_or(|ids| ids.size() != self.size) {
                 self.ids = Some(Ids::new(&gpu, self.size));
@@ -373,7 +390,7 @@ impl Renderer {
             let (Some(group), Some(ids)) = (numbers_group, ids) else { return Ok(()) };
             let mut draw = Draw { gpu: &gpu, pipelines, shapes, textures, instances: instances.buffer() };
             let culls = scene.render_flags().contains(RenderFlags::CULL_FACE);
-            numbers::encode_ids(&mut encoder, &mut draw, list, group, ids, culls);
+            numbers::encode_ids(&mut encoder, &mut draw, list, group, ids, [culls, true]);
             let texture = ids.texture.clone();
             self.read(8)?.encode(&mut encoder, &texture);
             gpu.queue().submit([encoder.finish()]);
@@ -390,11 +407,18 @@ impl Renderer {
     }
 
     /// Makes the list of what is drawn, and uploads it.
-    fn list(&mut self, scene: &Scene, size: [u32; 2], numbers: Option<Numbers>) -> Result<(Eye, Lights), RenderError> {
+    fn list(
+        &mut self,
+        scene: &Scene,
+        size: [u32; 2],
+        numbers: Option<Numbers>,
+        turned: bool,
+    ) -> Result<(Eye, Lights), RenderError> {
         if scene.lineage() != self.lineage {
             return Err(Error::OtherModel { what: "the scene to draw" }.into());
         }
         let eye = Eye::new(scene, &scene.viewpoint(), size)?;
+        let eye = if turned { eye.turned() } else { eye };
         let lights = Lights::new(scene, &eye, &self.settings, numbers.is_none() && self.shadows.any());
         let Self { gpu, list, shapes, textures, bounds, instances, .. } = self;
         let scenery = Scenery { eye: &eye, lights: &lights, shapes, textures, bounds, numbers };
@@ -421,13 +445,14 @@ impl Renderer {
         Ok(())
     }
 
-    /// Draws a scene to a texture.
+    /// Draws a scene to a texture, upside down if it is to be read back.
     fn encode(
         &mut self,
         scene: &Scene,
         color: &wgpu::TextureView,
         format: wgpu::TextureFormat,
         size: [u32; 2],
+        turned: bool,
     ) -> Result<wgpu::CommandEncoder, RenderError> {
         check_size(&self.gpu, size)?;
         let flags = scene.render_flags();
@@ -436,7 +461,7 @@ impl Renderer {
         } else {
             Numbers::Colors
         });
-        let (eye, lights) = self.list(scene, size, numbers)?;
+        let (eye, lights) = self.list(scene, size, numbers, turned)?;
         let marked = self.list.mirror.as_ref().is_some_and(|mirror| mirror.mark.is_some());
         let samples = if numbers.is_some() { 1 } else { self.samples };
         if !self.target.as_ref().is_some_and(|target| target.is(size, format, samples, marked)) {
@@ -449,7 +474,7 @@ impl Renderer {
             let Self { gpu, list, pipelines, shapes, textures, instances, numbers_group, target, .. } = self;
             let (Some(group), Some(target)) = (numbers_group, target) else { return Ok(encoder) };
             let mut draw = Draw { gpu, pipelines, shapes, textures, instances: instances.buffer() };
-            numbers::encode_flat(&mut encoder, &mut draw, list, group, (target, color), culls);
+            numbers::encode_flat(&mut encoder, &mut draw, list, group, (target, color), [culls, turned]);
             return Ok(encoder);
         }
         let shade = match self.options.lighting {

@@ -221,8 +221,8 @@ impl Handle {
         self.bridge.as_mut().map(Bridge::take_keys).unwrap_or_default()
     }
 
-    /// Says that a texture of the model was changed, so that it is drawn anew. Which it is, the model says that
-    /// [`sync`](Self::sync) is called with.
+    /// Says that a texture of the model was changed, so that it is drawn anew as the model has it that the next
+    /// [`sync`](Self::sync) sees. One of another model is ignored.
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {

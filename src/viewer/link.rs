@@ -74,6 +74,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub(crate) struct Front {
     shared: Arc<Shared>,
     drawn: Option<Box<Snapshot>>,
+    /// Whether `drawn` was handed out.
+    seen: bool,
     /// What was said last.
     look: Option<Look>,
 }
@@ -93,7 +95,7 @@ pub(crate) fn link(wake: impl Fn() + Send + Sync + 'static) -> (Front, Back) {
         over: AtomicBool::new(false),
         wake: Box::new(wake),
     });
-    (Front { shared: shared.clone(), drawn: None, look: None }, Back { shared })
+    (Front { shared: shared.clone(), drawn: None, seen: true, look: None }, Back { shared })
 }
 
 impl Front {
@@ -127,16 +129,13 @@ impl Front {
 
     /// The newest snapshot, and whether it is one that was not seen before. `None` before the first.
     pub fn latest(&mut self) -> Option<(&mut Snapshot, bool)> {
-        let newer = {
-            let mut outbox = lock(&self.shared.outbox);
-            let newer = outbox.ready.take();
-            if newer.is_some() {
-                outbox.spare = mem::replace(&mut self.drawn, newer);
-                true
-            } else {
-                false
-            }
-        };
+        let mut outbox = lock(&self.shared.outbox);
+        if let Some(newer) = outbox.ready.take() {
+            outbox.spare = self.drawn.replace(newer);
+            self.seen = false;
+        }
+        drop(outbox);
+        let newer = !mem::replace(&mut self.seen, true);
         self.drawn.as_deref_mut().map(|snapshot| (snapshot, newer))
     }
 
@@ -145,9 +144,20 @@ impl Front {
         self.drawn.as_deref()
     }
 
-    /// What the physics had to say since the last call.
-    pub fn events(&self) -> Vec<Event> {
-        mem::take(&mut lock(&self.shared.outbox).events)
+    /// What the physics had to say since the last call. The newest snapshot is taken with it, so that what is said of a model is
+    /// said of that which is there; what was said of one that was replaced since is left out.
+    pub fn events(&mut self) -> Vec<Event> {
+        let mut outbox = lock(&self.shared.outbox);
+        let mut events = mem::take(&mut outbox.events);
+        if let Some(newer) = outbox.ready.take() {
+            outbox.spare = self.drawn.replace(newer);
+            self.seen = false;
+        }
+        drop(outbox);
+        if let Some(snapshot) = &self.drawn {
+            events.retain(|event| event.fits(&snapshot.model));
+        }
+        events
     }
 
     /// Ends the physics, or the program's loop.

@@ -40,7 +40,7 @@ def state_of(scene):
     return model, data, state
 
 
-def abstract_picture(scene, model, data):
+def view_of(scene):
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
     camera.lookat[:] = scene["lookat"]
@@ -48,10 +48,12 @@ def abstract_picture(scene, model, data):
     options = mujoco.MjvOption()
     for flag in scene["visual"]:
         options.flags[getattr(mujoco.mjtVisFlag, f"mjVIS_{flag}")] = 1
-    picture = mujoco.MjvScene(model, maxgeom=20_000)
+    return camera, options
+
+
+def update(picture, model, data, camera, options, perturbation):
     everything = mujoco.mjtCatBit.mjCAT_ALL.value
-    mujoco.mjv_updateScene(model, data, options, mujoco.MjvPerturb(), camera, everything, picture)
-    return picture
+    mujoco.mjv_updateScene(model, data, options, perturbation, camera, everything, picture)
 
 
 def drawn(picture, model):
@@ -82,7 +84,8 @@ def main():
         if name in ONLY_FOR_SPEED or (names and name not in names):
             continue
         model, data, states[name] = state_of(scene)
-        picture = abstract_picture(scene, model, data)
+        picture = mujoco.MjvScene(model, maxgeom=20_000)
+        update(picture, model, data, *view_of(scene), mujoco.MjvPerturb())
         Image.fromarray(drawn(picture, model)).save(out / f"{name}.png", optimize=True)
         states[name]["geoms"] = picture.ngeom
         print(f"{name}: {picture.ngeom} geoms, the sum of qpos is {data.qpos.sum()}")

@@ -17,7 +17,7 @@ fn decode(path: &Path) -> (Vec<Shown>, gif::Repeat) {
     let mut screen = vec![0; 3 * width * height];
     let mut shown = Vec::new();
     while let Some(frame) = decoder.read_next_frame().unwrap() {
-        assert!(frame.dispose == gif::DisposalMethod::Keep && !shown.is_empty() == frame.transparent.is_some());
+        assert!(frame.dispose == gif::DisposalMethod::Keep && shown.is_empty() == frame.transparent.is_none());
         let palette = frame.palette.as_ref().unwrap_or(&global);
         for (place, &index) in frame.buffer.iter().enumerate() {
             let (row, column) = (place / usize::from(frame.width), place % usize::from(frame.width));

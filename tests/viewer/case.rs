@@ -62,8 +62,9 @@ pub fn show(viewer: Viewer, data: Data, act: impl FnOnce(&Hand) + Send) -> Data 
     thread::scope(|scope| {
         scope.spawn(|| {
             or_exit(|| {
-                let hand = Hand::at(TITLE);
+                // Before that the window of the case before may still be there.
                 wait_until("the window is drawn", || probe::latest().is_some());
+                let hand = Hand::at(TITLE);
                 act(&hand);
                 hand.key("Escape");
             });

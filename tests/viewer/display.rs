@@ -60,7 +60,8 @@ impl Screen {
             let at = 4 * index;
             u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize
         };
-        let (header, width, height, bytes_per_line, colours) = (number(0), number(4), number(5), number(12), number(19));
+        let (header, width, height, bytes_per_line, colours) =
+            (number(0), number(4), number(5), number(12), number(19));
         let pixels = &bytes[header + 12 * colours..];
         let mut rgb = Vec::with_capacity(3 * width * height);
         for line in pixels.chunks_exact(bytes_per_line).take(height) {

@@ -69,6 +69,31 @@ pub fn lost_surface() {
     });
 }
 
+/// Nothing is drawn, and nothing computed, where nothing moves.
+pub fn rest() {
+    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {
+        // Until messages are gone and the rate of frames is "at rest".
+        let mut frame = state().frame;
+        wait_until("it is not drawn for a second", || {
+            let before = std::mem::replace(&mut frame, state().frame);
+            std::thread::sleep(std::time::Duration::from_secs(1));
+            before == state().frame
+        });
+        let seconds = processor_time();
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        let used = processor_time() - seconds;
+        assert!(used < 0.2, "{used} s of the processor in a second of rest");
+    });
+}
+
+/// The processor's time that this process has used, s.
+fn processor_time() -> f64 {
+    // In hundredths of a second, in the user's and in the system's code: fields 14 and 15, counted behind the name.
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
+    let behind = stat.rsplit(')').next().unwrap().split_whitespace();
+    behind.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0
+}
+
 pub fn no_display() {
     for _ in 0..2 {
         let data = Data::new(sample::cartpole()).unwrap();

@@ -34,11 +34,14 @@ pub fn one_after_another() {
     assert!(data.time() > 0.0, "how it stands at the end is returned");
 
     let mut data = Data::new(sample::humanoid()).unwrap();
+    viewer::probe::start();
     let keys = thread::scope(|scope| {
         scope.spawn(|| {
             or_exit(|| {
+                wait_until("the program's simulation is seen", || {
+                    viewer::probe::latest().is_some_and(|state| state.status == "Program" && state.nbody > 10)
+                });
                 let hand = Hand::at(TITLE);
-                wait_until("the program's simulation is seen", || state().status == "Program" && state().nbody > 10);
                 hand.key("Home");
                 crate::case::press(&hand, "BackSpace", "the start", |state| state.time < 0.05);
                 hand.key("Escape");
@@ -78,16 +81,15 @@ impl std::fmt::Debug for Failure {
 }
 
 pub fn launched() {
-    viewer::probe::start();
     let mut data = Data::new(sample::cartpole()).unwrap();
     // One after another, and two at once.
     for _ in 0..2 {
+        viewer::probe::start();
         let mut handle = viewer::launch(options()).unwrap();
         let hand = thread::spawn(|| {
             or_exit(|| {
-                let hand = Hand::at(TITLE);
                 wait_until("it is drawn", || viewer::probe::latest().is_some());
-                hand.key("ctrl+q");
+                Hand::at(TITLE).key("ctrl+q");
             });
         });
         steps(&mut handle, &mut data).unwrap();

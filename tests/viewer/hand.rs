@@ -14,47 +14,48 @@ fn xdotool(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
+fn act(arguments: &[&str]) {
+    assert!(xdotool(arguments).is_some(), "xdotool {arguments:?}");
+}
+
+#[allow(clippy::unused_self, reason = "what is typed goes to the window that the hand is at")]
 impl Hand {
     /// Waits for the window of this title, and gives it the keyboard: there is no window manager that would.
     pub fn at(title: &str) -> Self {
         let deadline = Instant::now() + Duration::from_secs(20);
         loop {
             let found = xdotool(&["search", "--onlyvisible", "--name", &format!("^{title}$")]).unwrap_or_default();
-            if let Some(window) = found.lines().next() {
-                if xdotool(&["windowfocus", "--sync", window]).is_some() {
-                    return Self { window: window.to_owned() };
-                }
+            if let Some(window) = found.lines().next()
+                && xdotool(&["windowfocus", "--sync", window]).is_some()
+            {
+                return Self { window: window.to_owned() };
             }
             assert!(Instant::now() < deadline, "no window called {title} came up");
             thread::sleep(Duration::from_millis(20));
         }
     }
 
-    fn act(&self, arguments: &[&str]) {
-        assert!(xdotool(arguments).is_some(), "xdotool {arguments:?}");
-    }
-
     /// Presses and releases a key, with modifiers as in `ctrl+Right`.
     pub fn key(&self, name: &str) {
-        self.act(&["key", name]);
+        act(&["key", name]);
     }
 
     pub fn keys(&self, names: &[&str]) {
-        self.act(&[&["key", "--delay", "30"], names].concat());
+        act(&[&["key", "--delay", "30"], names].concat());
     }
 
     pub fn write(&self, text: &str) {
-        self.act(&["type", "--delay", "15", text]);
+        act(&["type", "--delay", "15", text]);
     }
 
     pub fn move_to(&self, [x, y]: [i32; 2]) {
-        self.act(&["mousemove", "--window", &self.window, &x.to_string(), &y.to_string()]);
+        act(&["mousemove", "--window", &self.window, &x.to_string(), &y.to_string()]);
     }
 
     /// Clicks so many times, fast, with a button: 1 left, 2 middle, 3 right, 4 wheel up, 5 wheel down.
     pub fn click(&self, at: [i32; 2], button: u8, times: u8) {
         self.move_to(at);
-        self.act(&["click", "--repeat", &times.to_string(), "--delay", "40", &button.to_string()]);
+        act(&["click", "--repeat", &times.to_string(), "--delay", "40", &button.to_string()]);
     }
 
     pub fn double_click(&self, at: [i32; 2], button: u8) {
@@ -70,35 +71,39 @@ impl Hand {
 
     /// Holds modifiers.
     pub fn hold(&self, modifiers: &[&str]) {
-        modifiers.iter().for_each(|modifier| self.act(&["keydown", modifier]));
+        for modifier in modifiers {
+            act(&["keydown", modifier]);
+        }
     }
 
     pub fn let_go(&self, modifiers: &[&str]) {
-        modifiers.iter().for_each(|modifier| self.act(&["keyup", modifier]));
+        for modifier in modifiers {
+            act(&["keyup", modifier]);
+        }
     }
 
     pub fn press(&self, at: [i32; 2], button: u8, modifiers: &[&str]) {
         self.move_to(at);
         self.hold(modifiers);
-        self.act(&["mousedown", &button.to_string()]);
+        act(&["mousedown", &button.to_string()]);
     }
 
     /// Moves the mouse in a few steps.
     pub fn pull(&self, by: [i32; 2]) {
         const STEPS: i32 = 5;
         for _ in 0..STEPS {
-            self.act(&["mousemove_relative", "--", &(by[0] / STEPS).to_string(), &(by[1] / STEPS).to_string()]);
+            act(&["mousemove_relative", "--", &(by[0] / STEPS).to_string(), &(by[1] / STEPS).to_string()]);
             thread::sleep(Duration::from_millis(15));
         }
     }
 
     pub fn release(&self, button: u8, modifiers: &[&str]) {
-        self.act(&["mouseup", &button.to_string()]);
+        act(&["mouseup", &button.to_string()]);
         self.let_go(modifiers);
     }
 
     pub fn resize(&self, [width, height]: [u32; 2]) {
-        self.act(&["windowsize", &self.window, &width.to_string(), &height.to_string()]);
+        act(&["windowsize", &self.window, &width.to_string(), &height.to_string()]);
     }
 }
 

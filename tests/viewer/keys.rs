@@ -60,14 +60,7 @@ pub fn simulation() {
 
 pub fn shown() {
     show(Viewer::new(), humanoid(), |hand| {
-        for (keys, part) in [
-            ("F1", 0),
-            ("F2", 1),
-            ("ctrl+1", 2),
-            ("ctrl+2", 3),
-            ("F3", 4),
-            ("F4", 5),
-        ] {
+        for (keys, part) in [("F1", 0), ("F2", 1), ("ctrl+1", 2), ("ctrl+2", 3), ("F3", 4), ("F4", 5)] {
             let before = state().panels;
             press(hand, keys, "a panel comes or goes", |state| state.panels[part] != before[part]);
             press(hand, keys, "and back", |state| state.panels == before);

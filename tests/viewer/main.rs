@@ -45,6 +45,7 @@ const CASES: &[Case] = &[
     ("an_interrupt_finishes_the_recording", ends::interrupt),
     ("a_controller_that_panics_is_shown", ends::panic),
     ("a_lost_surface_is_made_anew", ends::lost_surface),
+    ("a_simulation_at_rest_costs_nothing", ends::rest),
     ("nothing_leaks", leaks::nothing_leaks),
 ];
 
@@ -69,8 +70,9 @@ fn main() -> ExitCode {
         }
         ["pictures", directory] => {
             let display = Display::start();
-            let framebuffer = display.framebuffer().to_owned();
-            let status = this(&["draw", directory]).env("DISPLAY", display.name()).env("FRAMEBUFFER", framebuffer).status();
+            let framebuffer = display.framebuffer();
+            let status =
+                this(&["draw", directory]).env("DISPLAY", display.name()).env("FRAMEBUFFER", framebuffer).status();
             ExitCode::from(u8::from(!status.is_ok_and(|status| status.success())))
         }
         _ if words.contains(&"--list") => {

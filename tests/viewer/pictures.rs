@@ -23,8 +23,8 @@ pub fn draw(directory: &Path) {
     std::thread::scope(|scope| {
         scope.spawn(|| {
             or_exit(|| {
-                let hand = Hand::at(TITLE);
                 wait_until("it is drawn", || probe::latest().is_some());
+                let hand = Hand::at(TITLE);
                 let shoot = |name: &str| {
                     let frame = state().frame;
                     hand.move_to([640, 20]);
@@ -48,7 +48,7 @@ pub fn draw(directory: &Path) {
                 press(&hand, "space", "paused", |state| state.status == "Paused");
                 // The sections, from below, so that those above stay where they are.
                 for section in [617, 594, 571, 548, 207, 184] {
-                    hand.click([100, section], 1, 1);
+                    hand.click([40, section], 1, 1);
                 }
                 shoot("sections");
                 hand.move_to([100, 400]);

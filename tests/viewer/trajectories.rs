@@ -32,7 +32,9 @@ pub fn keys_and_wheel() {
         press(hand, "Right", "a record forward", |state| state.playback == Some([0, 1]));
         press(hand, "Left", "a record back", |state| state.playback == Some([0, 0]));
         press(hand, "Left", "and round to the last", |state| state.playback == Some([0, lengths[0] - 1]));
-        press(hand, "Up", "the next trajectory, as far as it goes", |state| state.playback == Some([1, lengths[1] - 1]));
+        press(hand, "Up", "the next trajectory, as far as it goes", |state| {
+            state.playback == Some([1, lengths[1] - 1])
+        });
         press(hand, "Down", "the one before", |state| state.playback.is_some_and(|playback| playback[0] == 0));
         press(hand, "BackSpace", "its first record", |state| state.playback == Some([0, 0]));
 

@@ -67,7 +67,9 @@ pub fn outputs() {
         assert_eq!(state().time, 0.0);
         fs::write(&model, "<mujoco><nonsense/></mujoco>").unwrap();
         hand.key("ctrl+l");
-        wait_until("what is wrong with a file is said", || state().messages.iter().any(|text| text.contains("nonsense")));
+        wait_until("what is wrong with a file is said", || {
+            state().messages.iter().any(|text| text.contains("nonsense"))
+        });
         assert_eq!(state().nbody, 3, "and the model stays");
     });
 }

@@ -23,6 +23,8 @@ pub(crate) struct Eye {
     pub(crate) corners: [[f64; 3]; 4],
     /// Pixels that a metre has at a distance of one metre.
     pub(crate) pixels: f64,
+    /// Whether the picture is upside down.
+    pub(crate) turned: bool,
 }
 
 impl Eye {
@@ -55,7 +57,16 @@ impl Eye {
         let depth = row(&view, 2).map(|number| -number);
         let clip = product(&projection, &view);
         let pixels = f64::from(height) * range[0] / (top - bottom);
-        Ok(Self { clip, depth, head: head.pos, gaze: head.forward, range, scale, corners, pixels })
+        Ok(Self { clip, depth, head: head.pos, gaze: head.forward, range, scale, corners, pixels, turned: false })
+    }
+
+    /// The same eye, for a picture that is drawn upside down. Its rows are in OpenGL's order then, and the samples of its pixels
+    /// where OpenGL has them: otherwise they would lie in a mirrored pattern, and edges would be a little different.
+    pub(crate) fn turned(mut self) -> Self {
+        for column in &mut self.clip {
+            column[1] = -column[1];
+        }
+        Self { turned: !self.turned, ..self }
     }
 
     /// The depth of a point, m.

@@ -47,6 +47,12 @@ impl Labels {
                 self.letters.extend(quads(label, at, Style::LABEL).map(Letter::from));
             }
         }
+        if eye.turned {
+            let height = size[1] as f32;
+            for Letter { rect: [_, top, _, bottom], .. } in &mut self.letters {
+                (*top, *bottom) = (height - *top, height - *bottom);
+            }
+        }
         self.count = self.letters.len() as u32;
         self.memory.write(gpu, bytemuck::cast_slice(&self.letters))?;
         Ok(())
@@ -68,5 +74,6 @@ fn pixel(point: [f32; 3], eye: &Eye, size: [u32; 2]) -> Option<[f32; 2]> {
     let [x, y, z, w] = apply(&eye.clip, [x, y, z, 1.0]);
     let is_seen = w > 0.0 && x.abs() <= w && y.abs() <= w && z >= 0.0 && z <= w;
     let [width, height] = size.map(f64::from);
+    let y = if eye.turned { -y } else { y };
     is_seen.then(|| [((x / w + 1.0) / 2.0 * width) as f32, ((1.0 - y / w) / 2.0 * height) as f32])
 }

@@ -38,30 +38,30 @@ pub(crate) fn prepare(gpu: &Gpu, memory: &mut Memory, view: &View) -> Result<boo
     memory.write(gpu, Uniform::plain(view).bytes())
 }
 
-/// Draws numbers and depths.
+/// Draws numbers and depths. `sides`: whether one side of surfaces is left out, and whether the picture is upside down.
 pub(crate) fn encode_ids(
     encoder: &mut wgpu::CommandEncoder,
     draw: &mut Draw<'_>,
     list: &List,
     group: &wgpu::BindGroup,
     ids: &Ids,
-    culls: bool,
+    sides: [bool; 2],
 ) {
     let pass = begin(encoder, &ids.color, &ids.depth);
-    encode(pass, draw, list, group, &key(Step::Ids, NUMBERS, culls));
+    encode(pass, draw, list, group, &key(Step::Ids, NUMBERS, sides));
 }
 
-/// Draws geoms in their colours, to a target without samples.
+/// Draws geoms in their colours, to a target without samples; `sides` as above.
 pub(crate) fn encode_flat(
     encoder: &mut wgpu::CommandEncoder,
     draw: &mut Draw<'_>,
     list: &List,
     group: &wgpu::BindGroup,
     (target, color): (&Target, &wgpu::TextureView),
-    culls: bool,
+    sides: [bool; 2],
 ) {
     let pass = begin(encoder, color, &target.depth);
-    encode(pass, draw, list, group, &key(Step::Flat, target.format, culls));
+    encode(pass, draw, list, group, &key(Step::Flat, target.format, sides));
 }
 
 fn encode(mut pass: wgpu::RenderPass<'_>, draw: &mut Draw<'_>, list: &List, group: &wgpu::BindGroup, key: &Key) {
@@ -93,7 +93,7 @@ fn begin<'e>(
     })
 }
 
-fn key(step: Step, format: wgpu::TextureFormat, culls: bool) -> Key {
+fn key(step: Step, format: wgpu::TextureFormat, [culls, turned]: [bool; 2]) -> Key {
     Key {
         step,
         coat: Coat::Plain,
@@ -108,5 +108,6 @@ fn key(step: Step, format: wgpu::TextureFormat, culls: bool) -> Key {
         format,
         samples: 1,
         stencil: false,
+        turned,
     }
 }

@@ -71,6 +71,8 @@ pub(crate) struct Key {
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) samples: u32,
     pub(crate) stencil: bool,
+    /// Whether the picture is upside down.
+    pub(crate) turned: bool,
 }
 
 /// All that were made.
@@ -229,8 +231,8 @@ fn blend(key: &Key) -> Option<wgpu::BlendState> {
 
 fn primitive(key: &Key, subject: Subject) -> wgpu::PrimitiveState {
     use wgpu::Face::{Back, Front};
-    // A map is upside down, so that its texels are in OpenGL's order; and so is what is in a mirror.
-    let is_turned = matches!(key.step, Step::Shadow | Step::MirrorSolid { .. } | Step::MirrorClear { .. });
+    // What is in a mirror is upside down.
+    let is_turned = key.turned != matches!(key.step, Step::MirrorSolid { .. } | Step::MirrorClear { .. });
     let hidden = match key.step {
         // Fronts cast no shadows, so that they are not in their own.
         Step::Shadow | Step::Sky | Step::Haze => Some(Front),

@@ -136,6 +136,7 @@ impl Scenes {
             format: canvas.target.format,
             samples: canvas.target.samples,
             stencil: canvas.target.stencil,
+            turned: frame.eye.turned,
         };
         if list.mirror.is_some() {
             pass.set_bind_group(0, mirror_group, &[]);

@@ -123,6 +123,8 @@ impl Shadows {
             format: super::COLOR,
             samples: 1,
             stencil: false,
+            // So that its texels are in OpenGL's order.
+            turned: true,
         };
         for map in &mut self.maps[..self.windows.len()] {
             let group = map.group.get_or_insert_with(|| {

@@ -13,8 +13,8 @@ pub(crate) struct HelpSection {
 
 /// What the mouse does: modifiers, the gesture, what it does, and in which mode only.
 const MOUSE: &[(Modifiers, &str, &str, Option<Mode>)] = &[
-    (Modifiers::NONE, "left drag", "Turn the view, from side to side and up and down", None),
-    (Modifiers::SHIFT, "left drag", "Turn the view, from side to side only", None),
+    (Modifiers::NONE, "left drag", "Turn the view", None),
+    (Modifiers::SHIFT, "left drag", "Turn the view too", None),
     (Modifiers::NONE, "right drag", "Move the view up, down and sideways", None),
     (Modifiers::SHIFT, "right drag", "Move the view over the ground", None),
     (Modifiers::NONE, "middle drag, wheel", "Zoom", None),

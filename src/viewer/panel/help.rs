@@ -21,14 +21,21 @@ pub(super) fn show(context: &Context, shown: &Shown<'_>) {
             ui.label(RichText::new("F1 closes this").small().color(style::FAINT));
         });
         ui.add_space(4.0);
-        ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {
-            ui.horizontal_top(|ui| {
-                ui.spacing_mut().item_spacing.x = 14.0;
-                for column in split(&sections, columns) {
-                    ui.vertical(|ui| column.into_iter().for_each(|section| table(ui, section)));
-                }
+        let wanted = columns as f32 * (WIDTHS[0] + WIDTHS[1] + 24.0) - 14.0;
+        ui.set_min_width(wanted.min(room.x));
+        ScrollArea::both()
+            .auto_shrink([false, true])
+            .min_scrolled_height(room.y)
+            .max_height(room.y)
+            .max_width(room.x)
+            .show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    ui.spacing_mut().item_spacing.x = 14.0;
+                    for column in split(&sections, columns) {
+                        ui.vertical(|ui| column.into_iter().for_each(|section| table(ui, section)));
+                    }
+                });
             });
-        });
     });
 }
 
@@ -39,10 +46,14 @@ fn split(sections: &[HelpSection], columns: usize) -> Vec<Vec<&HelpSection>> {
     order.sort_by_key(|&section| std::cmp::Reverse(length(section)));
     let mut parts = vec![Vec::new(); columns];
     for section in order {
-        let shortest = parts.iter_mut().min_by_key(|part: &&mut Vec<usize>| part.iter().map(|&other| length(other)).sum::<usize>());
+        let shortest = parts
+            .iter_mut()
+            .min_by_key(|part: &&mut Vec<usize>| part.iter().map(|&other| length(other)).sum::<usize>());
         shortest.expect("Bug: no column").push(section);
     }
-    parts.iter_mut().for_each(|part| part.sort_unstable());
+    for part in &mut parts {
+        part.sort_unstable();
+    }
     parts.sort_by_key(|part| part.first().copied());
     parts.into_iter().map(|part| part.into_iter().map(|section| &sections[section]).collect()).collect()
 }

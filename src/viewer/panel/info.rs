@@ -28,6 +28,10 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
     if snapshot.status != Status::Paused && snapshot.pace.measured > 0.0 {
         lines.push(("Real Time", format!("{:.2}x", snapshot.pace.measured)));
     }
+    if let Some(selected) = snapshot.selected.filter(|selected| selected.active) {
+        let norm = |part: &[f64]| part.iter().map(|number| number * number).sum::<f64>().sqrt();
+        lines.push(("Pull", format!("{:.1} N, {:.1} N m", norm(&selected.force[..3]), norm(&selected.force[3..]))));
+    }
     lines.extend([("Frame", format!("{:?}", options.frame)), ("Label", format!("{:?}", options.label))]);
     Grid::new("info").num_columns(2).spacing([14.0, 2.0]).show(ui, |ui| {
         for (name, value) in lines {

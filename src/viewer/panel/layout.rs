@@ -55,7 +55,7 @@ pub(super) fn middle(context: &Context, id: &'static str, content: impl FnOnce(&
         .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
         .order(Order::Foreground)
         .default_size(context.content_rect().size())
-        .show(context, |ui| style::frame().show(ui, content));
+        .show(context, |ui| style::opaque().show(ui, content));
 }
 
 /// A part of a panel, that opens and closes.

@@ -62,7 +62,8 @@ impl Messages {
         }
         // Between the panels at the sides.
         let sides = SIDE * (f32::from(u8::from(shown.view.left_panel)) + f32::from(u8::from(shown.view.right_panel)));
-        let shift = SIDE / 2.0 * (f32::from(u8::from(shown.view.left_panel)) - f32::from(u8::from(shown.view.right_panel)));
+        let shift =
+            SIDE / 2.0 * (f32::from(u8::from(shown.view.left_panel)) - f32::from(u8::from(shown.view.right_panel)));
         let width = (context.content_rect().width() - sides - 4.0 * GAP).clamp(120.0, 560.0);
         Area::new(Id::unique("messages"))
             .anchor(Align2::CENTER_TOP, [shift, GAP])

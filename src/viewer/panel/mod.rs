@@ -121,7 +121,7 @@ impl Panels {
     }
 
     /// While nothing is there to be seen.
-    pub fn wait(&mut self, ui: &mut Ui) {
+    pub fn wait(ui: &mut Ui) {
         layout::middle(ui.ctx(), "wait", |ui| {
             ui.label("Waiting for the program to show its simulation…");
         });

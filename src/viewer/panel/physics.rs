@@ -12,7 +12,7 @@ const NAMES: f32 = 104.0;
 
 pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     let mut options = shown.snapshot.model.options();
-    let before = options.clone();
+    let before = options;
 
     choice(ui, "integrator", &mut options.integrator, Integrator::from_raw);
     choice(ui, "collision", &mut options.collision, Collision::from_raw);
@@ -48,14 +48,26 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     }
 }
 
-fn choice<T: Copy + PartialEq + std::fmt::Debug>(ui: &mut Ui, name: &str, value: &mut T, from_raw: fn(i32) -> Option<T>) {
+fn choice<T: Copy + PartialEq + std::fmt::Debug>(
+    ui: &mut Ui,
+    name: &str,
+    value: &mut T,
+    from_raw: fn(i32) -> Option<T>,
+) {
     layout::named(ui, name, NAMES, |ui| visual::choice(ui, name, value, (0..).map_while(from_raw)));
 }
 
 fn number(ui: &mut Ui, name: &str, value: &mut f64, speed: f64, least: f64) {
     layout::named(ui, name, NAMES, |ui| {
-        let text = |value: f64, _| if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { format!("{value}") };
-        ui.add(DragValue::new(value).speed(speed).range(least..=f64::MAX).custom_formatter(text).update_while_editing(false));
+        let text =
+            |value: f64, _| if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { format!("{value}") };
+        ui.add(
+            DragValue::new(value)
+                .speed(speed)
+                .range(least..=f64::MAX)
+                .custom_formatter(text)
+                .update_while_editing(false),
+        );
     });
 }
 

@@ -45,7 +45,11 @@ impl Plots {
         let view = &*shown.view;
         let mut plots: Vec<(&str, &str, &[Curve])> = Vec::new();
         if view.sensors {
-            plots.push(("sensors", if self.curves.sensors.is_empty() { "there are none" } else { "" }, &self.curves.sensors));
+            plots.push((
+                "sensors",
+                if self.curves.sensors.is_empty() { "there are none" } else { "" },
+                &self.curves.sensors,
+            ));
         }
         if view.profile {
             let computed = shown.snapshot.model.options().enable.contains(EnableFlags::ENERGY);

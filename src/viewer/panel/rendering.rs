@@ -3,7 +3,8 @@
 use egui::{ComboBox, DragValue, RichText, Ui};
 
 use super::{Request, Shown, layout, name_of, style, visual};
-use crate::scene::{Camera, CameraView, RenderFlags};
+use crate::scene::{CameraView, RenderFlags};
+use crate::viewer::input::Action;
 
 /// Width of the names.
 const NAMES: f32 = 64.0;
@@ -45,10 +46,16 @@ fn camera(ui: &mut Ui, shown: &mut Shown<'_>) {
                 ui.selectable_value(&mut camera.view, CameraView::Fixed(fixed.id()), text);
             }
         });
-        if ui.button("Align").clicked() {
-            *camera = Camera::free(&model);
+    });
+    ui.horizontal(|ui| {
+        if ui.button("Align").on_hover_text("free, on the whole model").clicked() {
+            shown.act(Action::Align);
+        }
+        if ui.button("Copy camera").on_hover_text("as a <camera> for the model's XML").clicked() {
+            shown.act(Action::CopyCamera);
         }
     });
+    let camera = &mut shown.view.camera;
     if matches!(camera.view, CameraView::Free | CameraView::Tracking(_)) {
         layout::named(ui, "from", NAMES, |ui| {
             ui.add(DragValue::new(&mut camera.azimuth).suffix("°").fixed_decimals(0));

@@ -81,7 +81,8 @@ fn speed(ui: &mut Ui, shown: &mut Shown<'_>) {
     let pace = shown.snapshot.pace;
     layout::named(ui, "speed", NAMES, |ui| {
         let mut factor = pace.wanted();
-        let slider = Slider::new(&mut factor, 0.01..=10.0).logarithmic(true).custom_formatter(|value, _| format!("{value:.2}x"));
+        let slider =
+            Slider::new(&mut factor, 0.01..=10.0).logarithmic(true).custom_formatter(|value, _| format!("{value:.2}x"));
         if ui.add(slider).changed() {
             shown.ask(Request::SetSpeed(factor));
         }
@@ -89,10 +90,11 @@ fn speed(ui: &mut Ui, shown: &mut Shown<'_>) {
             shown.ask(Request::ToggleSpeed);
         }
     });
-    if shown.snapshot.status == Status::Paused || pace.measured <= 0.0 {
-        return;
-    }
     layout::named(ui, "reached", NAMES, |ui| {
+        if shown.snapshot.status == Status::Paused || pace.measured <= 0.0 {
+            ui.label(RichText::new("at rest").color(style::FAINT));
+            return;
+        }
         let text = RichText::new(format!("{:.2}x real time", pace.measured)).monospace();
         let slow = pace.measured < 0.9 * pace.wanted();
         ui.label(if slow { text.color(style::WARNING) } else { text })

@@ -30,6 +30,11 @@ pub fn frame() -> Frame {
     Frame::new().fill(GROUND).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(10, 8))
 }
 
+/// The same where nothing is to be seen through it.
+pub fn opaque() -> Frame {
+    frame().fill(GROUND.to_opaque())
+}
+
 /// The same for a panel at the side of the window.
 pub fn side() -> Frame {
     frame().corner_radius(CornerRadius::ZERO)

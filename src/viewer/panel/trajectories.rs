@@ -12,14 +12,16 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     let Some(playback) = shown.snapshot.playback else { return };
     layout::named(ui, "trajectory", NAMES, |ui| {
         let mut number = playback.trajectory + 1;
-        let slider = Slider::new(&mut number, 1..=playback.trajectories).custom_formatter(|value, _| format!("{value} / {}", playback.trajectories));
+        let slider = Slider::new(&mut number, 1..=playback.trajectories)
+            .custom_formatter(|value, _| format!("{value} / {}", playback.trajectories));
         if ui.add_enabled(playback.trajectories > 1, slider).changed() {
             shown.ask(Request::SetTrajectory(number - 1));
         }
     });
     layout::named(ui, "record", NAMES, |ui| {
         let mut record = playback.frame + 1;
-        let slider = Slider::new(&mut record, 1..=playback.frames).custom_formatter(|value, _| format!("{value} / {}", playback.frames));
+        let slider = Slider::new(&mut record, 1..=playback.frames)
+            .custom_formatter(|value, _| format!("{value} / {}", playback.frames));
         if ui.add(slider).changed() {
             shown.ask(Request::SetFrame(record - 1));
         }

@@ -3,6 +3,7 @@
 mod failure;
 mod handle;
 mod key;
+mod memory;
 mod mode;
 mod mouse;
 mod request;

@@ -1,6 +1,8 @@
 //! The picture of the scene: the renderer of the model that is shown.
 
+use crate::model::Model;
 use crate::render::{Gpu, Picture, RenderError, Renderer, RendererOptions};
+use crate::viewer::event::Asset;
 use crate::viewer::snapshot::Snapshot;
 
 /// What a window is cleared with while there is nothing to be seen.
@@ -19,13 +21,30 @@ impl Canvas {
         self.renderer = None;
     }
 
-    fn renderer(&mut self, gpu: &Gpu, snapshot: &Snapshot, [width, height]: [u32; 2]) -> Result<&mut Renderer, RenderError> {
+    fn renderer(
+        &mut self,
+        gpu: &Gpu,
+        snapshot: &Snapshot,
+        [width, height]: [u32; 2],
+    ) -> Result<&mut Renderer, RenderError> {
         let kept = self.renderer.take().filter(|(generation, _)| *generation == snapshot.generation);
         let renderer = match kept {
             Some((_, renderer)) => renderer,
             None => Renderer::on(gpu, &snapshot.model, width, height, &RendererOptions::default())?,
         };
         Ok(&mut self.renderer.insert((snapshot.generation, renderer)).1)
+    }
+
+    /// Takes over what the program has changed. That of a model that is no longer shown is of no interest.
+    pub fn update(&mut self, model: &Model, asset: Asset) -> Result<(), RenderError> {
+        let Some((_, renderer)) = &mut self.renderer else { return Ok(()) };
+        let ours = model.lineage();
+        match asset {
+            Asset::Texture(id) if id.lineage() == ours => renderer.update_texture(model, id),
+            Asset::Mesh(id) if id.lineage() == ours => renderer.update_mesh(model, id),
+            Asset::HeightField(id) if id.lineage() == ours => renderer.update_height_field(model, id),
+            Asset::Texture(_) | Asset::Mesh(_) | Asset::HeightField(_) => Ok(()),
+        }
     }
 
     /// Draws a snapshot to the window.
@@ -41,7 +60,8 @@ impl Canvas {
 
     /// What a window shows before there is something to be shown.
     pub fn draw_nothing(gpu: &Gpu, to: &wgpu::TextureView) {
-        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("nothing") });
+        let mut encoder =
+            gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("nothing") });
         drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("nothing"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -18,7 +18,7 @@ use crate::viewer::error::ViewerError;
 
 thread_local! {
     /// This thread's event loop while it does not run.
-    static RESTING: RefCell<Option<EventLoop<Wake>>> = const { RefCell::new(None) };
+    static RESTING: RefCell<Option<Box<EventLoop<Wake>>>> = const { RefCell::new(None) };
 }
 
 /// Whose the event loop is.
@@ -41,7 +41,7 @@ fn owner() -> MutexGuard<'static, Owner> {
 /// Where a window can be shown.
 pub(super) enum Place {
     /// In this thread, which then waits until it is closed.
-    Here(EventLoop<Wake>),
+    Here(Box<EventLoop<Wake>>),
     /// In the thread of its own.
     Hosted(EventLoopProxy<Wake>),
 }
@@ -61,18 +61,18 @@ pub(super) fn place() -> Result<Place, ViewerError> {
     }
     let event_loop = remembered(&mut owner, build())?;
     *owner = Owner::Caller(thread::current().id());
-    Ok(Place::Here(event_loop))
+    Ok(Place::Here(Box::new(event_loop)))
 }
 
 /// Shows windows in this thread until the last of them is closed. They are those that were asked for through the loop's proxy.
-pub(super) fn run_here(mut event_loop: EventLoop<Wake>) -> Result<(), ViewerError> {
+pub(super) fn run_here(mut event_loop: Box<EventLoop<Wake>>) -> Result<(), ViewerError> {
     let outcome = event_loop.run_app_on_demand(&mut App::until_closed());
     rest(event_loop);
     outcome.map_err(|error| failure(&error))
 }
 
 /// Keeps this thread's event loop for its next window.
-pub(super) fn rest(event_loop: EventLoop<Wake>) {
+pub(super) fn rest(event_loop: Box<EventLoop<Wake>>) {
     RESTING.with(|resting| resting.replace(Some(event_loop)));
 }
 

@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 /// The path itself, or, where there is something already, the first that is free of `name-2.png`, `name-3.png`, ….
 pub(super) fn free(path: &Path) -> PathBuf {
-    let named = |number: u32| {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let extension = path.extension().map(|extension| format!(".{}", extension.to_string_lossy())).unwrap_or_default();
-        path.with_file_name(format!("{stem}-{number}{extension}"))
-    };
-    std::iter::once(path.to_owned())
-        .chain((2..).map(named))
-        .find(|path| !path.exists())
-        .expect("Bug: there are as many names as numbers")
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map(|extension| format!(".{}", extension.to_string_lossy())).unwrap_or_default();
+    let mut free = path.to_owned();
+    let mut number = 2_u64;
+    while free.exists() {
+        free = path.with_file_name(format!("{stem}-{number}{extension}"));
+        number += 1;
+    }
+    free
 }
 
 #[cfg(test)]

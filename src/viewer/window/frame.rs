@@ -10,7 +10,7 @@ use super::screen::{Place, Screen};
 use super::session::Session;
 use crate::render::RenderError;
 use crate::viewer::event::Event;
-use crate::viewer::panel::{Facts, Request as PanelRequest, Shown};
+use crate::viewer::panel::{Facts, Panels, Request as PanelRequest, Shown};
 use crate::viewer::probe;
 use crate::viewer::view::View;
 
@@ -24,7 +24,7 @@ impl Session {
         self.pace.drawn(now);
         // What comes from here on wakes it again.
         self.waker.looked();
-        self.hear();
+        self.hear()?;
         if self.over {
             return Ok(());
         }
@@ -51,7 +51,7 @@ impl Session {
     }
 
     /// Listens to what the physics has to say.
-    fn hear(&mut self) {
+    fn hear(&mut self) -> Result<(), RenderError> {
         for event in self.front.events() {
             if let Some(view) = &mut self.view {
                 view.take(&event);
@@ -59,18 +59,24 @@ impl Session {
             match event {
                 Event::Copied(text) => {
                     if self.overlay.copy(text) {
-                        self.panels.notice("copied the state".to_owned());
+                        self.panels.notice("copied to the clipboard".to_owned());
                     } else {
                         self.panels.warn("there is no clipboard to copy to".to_owned());
                     }
                 }
                 Event::Notice(text) => self.panels.notice(text),
+                Event::Asset(asset) => {
+                    if let Some(snapshot) = self.front.drawn() {
+                        self.canvas.update(&snapshot.model, asset)?;
+                    }
+                }
                 Event::LookAt(_) | Event::Track(_) | Event::View(_) => {}
             }
         }
         if self.front.is_closing() {
             self.close();
         }
+        Ok(())
     }
 
     /// Draws the newest snapshot and the panels over it. Returns how long until the panels change by themselves.
@@ -81,7 +87,7 @@ impl Session {
         let Some((snapshot, _)) = self.front.latest() else {
             if let Some(target) = &target {
                 Canvas::draw_nothing(&gpu, target);
-                let painted = self.overlay.run(&self.window, |ui| self.panels.wait(ui));
+                let painted = self.overlay.run(&self.window, Panels::wait);
                 self.overlay.paint(&gpu, target, size, painted);
             }
             return Ok(Duration::MAX);

@@ -38,11 +38,11 @@ impl Session {
                 true
             }
             WindowEvent::CursorMoved { position, .. } => self.moved([position.x, position.y]),
-            WindowEvent::CursorLeft { .. } => true,
             WindowEvent::MouseWheel { delta, .. } => {
                 if !self.overlay.is_over(self.pointer) {
                     let mode = self.mode();
-                    let gesture = self.mouse.scroll(translate::notches(*delta), translate::modifiers(self.modifiers), mode);
+                    let gesture =
+                        self.mouse.scroll(translate::notches(*delta), translate::modifiers(self.modifiers), mode);
                     self.gesture(gesture);
                 }
                 true
@@ -55,7 +55,10 @@ impl Session {
                 self.load(path);
                 true
             }
-            WindowEvent::Focused(true) | WindowEvent::ThemeChanged(_) | WindowEvent::Ime(_) => true,
+            WindowEvent::CursorLeft { .. }
+            | WindowEvent::Focused(true)
+            | WindowEvent::ThemeChanged(_)
+            | WindowEvent::Ime(_) => true,
             _ => false,
         };
         if changes {

@@ -34,9 +34,9 @@ mod wake;
 
 use std::sync::mpsc;
 
-use crate::viewer::error::ViewerError;
 use super::launch::ViewerOptions;
 use super::link::{Back, Front, link};
+use crate::viewer::error::ViewerError;
 use wake::{Token, Wake, Waker};
 use winit::event_loop::{EventLoop, EventLoopProxy};
 
@@ -58,7 +58,7 @@ pub(super) struct Asked {
 }
 
 /// This thread's event loop, which has to be run for a window to come. It is kept for the next window when it is not.
-pub(super) struct Here(Option<EventLoop<Wake>>);
+pub(super) struct Here(Option<Box<EventLoop<Wake>>>);
 
 /// Tells whether a window came.
 pub(super) struct Opened(mpsc::Receiver<Result<(), ViewerError>>);

@@ -59,11 +59,16 @@ impl Output {
     fn start(&mut self, size: [u32; 2]) -> Result<PathBuf> {
         let recorder = match &self.recordings {
             Some(path) => Recorder::create(file_name::free(path), self.options.clone())?,
-            None => Recorder::create(file_name::free(Path::new("recording.mp4")), self.options.clone()).or_else(|_| {
-                // There is no ffmpeg.
-                let options = RecorderOptions { frames_per_second: self.options.frames_per_second.min(50.0), ..self.options.clone() };
-                Recorder::create(file_name::free(Path::new("recording.gif")), options)
-            })?,
+            None => {
+                Recorder::create(file_name::free(Path::new("recording.mp4")), self.options.clone()).or_else(|_| {
+                    // There is no ffmpeg.
+                    let options = RecorderOptions {
+                        frames_per_second: self.options.frames_per_second.min(50.0),
+                        ..self.options.clone()
+                    };
+                    Recorder::create(file_name::free(Path::new("recording.gif")), options)
+                })?
+            }
         };
         let path = recorder.path().to_owned();
         // Videos have an even number of rows and columns.
@@ -91,16 +96,22 @@ impl Output {
                 Err(error) => outcome.problem = Some(error.to_string()),
             }
         }
-        if let Some(recording) = &mut self.recording {
-            if let Err(error) = recording.take(canvas, gpu, snapshot) {
-                outcome.problem = Some(format!("the recording has ended: {error}"));
-                self.recording = None;
-            }
+        if let Some(recording) = &mut self.recording
+            && let Err(error) = recording.take(canvas, gpu, snapshot)
+        {
+            outcome.problem = Some(format!("the recording has ended: {error}"));
+            self.recording = None;
         }
         outcome
     }
 
-    fn save(&self, canvas: &mut Canvas, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<PathBuf, ViewerError> {
+    fn save(
+        &self,
+        canvas: &mut Canvas,
+        gpu: &Gpu,
+        snapshot: &Snapshot,
+        size: [u32; 2],
+    ) -> Result<PathBuf, ViewerError> {
         let path = file_name::free(&self.screenshots);
         canvas.picture(gpu, snapshot, size)?.save_png(&path)?;
         Ok(path)

@@ -10,7 +10,9 @@ use winit::event::WindowEvent;
 use winit::keyboard::ModifiersState;
 use winit::window::Window;
 
+use super::translate;
 use crate::render::Gpu;
+use crate::viewer::input::Modifiers;
 use crate::viewer::panel::style;
 
 /// What a pass of the panels gave: shapes to be drawn, and when it wants to be drawn again.
@@ -76,10 +78,13 @@ impl Overlay {
                 return;
             }
             let paste = winit::keyboard::Key::Character("v".into());
-            if key.state.is_pressed() && modifiers.control_key() && key.logical_key == paste {
-                if let Some(text) = self.clipboard().and_then(|clipboard| clipboard.get_text().ok()) {
-                    self.input.set_clipboard_text(text);
-                }
+            let command = translate::modifiers(modifiers) == Modifiers::COMMAND;
+            if key.state.is_pressed()
+                && command
+                && key.logical_key == paste
+                && let Some(text) = self.clipboard().and_then(|clipboard| clipboard.get_text().ok())
+            {
+                self.input.set_clipboard_text(text);
             }
         }
         let _ = self.input.on_window_event(window, event);
@@ -98,7 +103,8 @@ impl Overlay {
                 self.copy(text.clone());
             }
         }
-        let again = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        let again =
+            output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         self.input.handle_platform_output(window, output.platform_output);
         let triangles = self.context.tessellate(output.shapes, output.pixels_per_point);
         Painted { triangles, textures: output.textures_delta, pixels_per_point: output.pixels_per_point, again }

@@ -42,8 +42,7 @@ impl Screen {
         let configuration = gpu.surface_configuration(surface, window.inner_size().into());
         let mut configuration = configuration
             .ok_or_else(|| RenderError::Refused { message: format!("{} cannot draw to this window", gpu.name()) })?;
-        configuration.present_mode =
-            if vsync { wgpu::PresentMode::AutoVsync } else { wgpu::PresentMode::AutoNoVsync };
+        configuration.present_mode = if vsync { wgpu::PresentMode::AutoVsync } else { wgpu::PresentMode::AutoNoVsync };
         Ok(configuration)
     }
 

@@ -81,7 +81,8 @@ impl Session {
         let size = *options.size.get_or_insert(usual.unwrap_or(USUAL_SIZE));
         let rate = monitor.and_then(|monitor| monitor.refresh_rate_millihertz()).map(|rate| f64::from(rate) / 1000.0);
 
-        let attributes = Window::default_attributes().with_title(&options.title).with_inner_size(PhysicalSize::<u32>::from(size));
+        let attributes =
+            Window::default_attributes().with_title(&options.title).with_inner_size(PhysicalSize::<u32>::from(size));
         let window = event_loop.create_window(attributes).map_err(|error| ViewerError::Window(error.to_string()))?;
         let window = Arc::new(window);
         let screen = Screen::new(window.clone(), options.vsync)?;

@@ -1,0 +1,276 @@
+//! How fast are pictures drawn? Against the engine's own renderer where there is one, and by itself.
+//!
+//! ```text
+//! MUJOCO_PYTHON=python3 cargo bench --features renderer --bench render
+//! ```
+//!
+//! `MUJOCO_PYTHON` names an interpreter with the official bindings of the engine's version (`mujoco==2.2.2`, `numpy<2`,
+//! `pyopengl`, `pillow`) for `render.py` beside this file, and Debian's `libosmesa6`; without it the engine's side is left out.
+//!
+//! Both draw the same scenes of `tests/pictures` with the same settings: samples and shadows as the model says, and the pixels
+//! are read back. They take turns of a few pictures each, and every two turns give a ratio. What is compared is processor time,
+//! of all threads: where a processor draws, as with Mesa's lavapipe and OSMesa, it is what a picture costs on a machine that
+//! does other things besides. On a graphics card it is only what the program itself does.
+//!
+//! Further arguments are names of scenes, to be timed alone.
+
+#[path = "../tests/pictures/scenes.rs"]
+mod scenes;
+
+use std::env;
+use std::error::Error;
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+use mujoco_safe::render::{Lighting, Picture, Renderer, RendererOptions};
+use mujoco_safe::scene::{Camera, Categories, NewGeom, SceneOptions};
+use mujoco_safe::{Data, Scene, sample};
+use serde_json::{Value, json};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+const SIZES: [[u32; 2]; 2] = [[640, 480], [1280, 720]];
+/// Pairs of turns for each setting.
+const ROUNDS: usize = 9;
+/// How long a turn takes about, s of processor time.
+const TURN: f64 = 1.0;
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    if arguments.iter().any(|argument| argument == FIRST_FRAME) {
+        return first_frame_of_this_process();
+    }
+    // `cargo test --benches` only wants to see it run.
+    let rounds = if arguments.iter().any(|argument| argument == "--bench") { ROUNDS } else { 1 };
+    let names: Vec<&String> = arguments.iter().filter(|argument| !argument.starts_with('-')).collect();
+    let wanted = |name: &str| names.is_empty() || names.iter().any(|wanted| *wanted == name);
+
+    let mut engine = Engine::start()?;
+    if wanted("first") {
+        first_frame(rounds)?;
+    }
+    for name in ["humanoid", "crowd", "hundred"] {
+        let lightings: &[Lighting] =
+            if name == "humanoid" { &[Lighting::PerVertex, Lighting::PerPixel] } else { &[Lighting::PerVertex] };
+        for size in SIZES.into_iter().filter(|_| wanted(name)) {
+            for &lighting in lightings {
+                compare(name, size, lighting, rounds, engine.as_mut())?;
+            }
+        }
+    }
+    if wanted("prepare") {
+        prepare(rounds)?;
+    }
+    Ok(())
+}
+
+/// Our side of a scene.
+struct Drawing {
+    setting: scenes::Setting,
+    data: Data,
+    scene: Scene,
+    camera: Camera,
+    renderer: Renderer,
+    picture: Picture,
+}
+
+impl Drawing {
+    fn new(name: &str, [width, height]: [u32; 2], lighting: Lighting) -> Result<Self> {
+        let setting = scenes::named(name);
+        let mut data = setting.after_steps();
+        let scene = setting.scene(&mut data);
+        let renderer =
+            Renderer::with_options(data.model(), width, height, &RendererOptions::default().lighting(lighting))?;
+        let camera = setting.camera();
+        let mut drawing = Self { setting, data, scene, camera, renderer, picture: Picture::default() };
+        drawing.draw()?;
+        Ok(drawing)
+    }
+
+    fn draw(&mut self) -> Result<()> {
+        let options = self.setting.options();
+        self.scene.update(&mut self.data, &options, None, &mut self.camera, Categories::all())?;
+        Ok(self.renderer.rgb_into(&self.scene, &mut self.picture)?)
+    }
+
+    /// Processor time of so many pictures, s.
+    fn turn(&mut self, pictures: usize) -> Result<f64> {
+        let start = processor_time()?;
+        for _ in 0..pictures {
+            self.draw()?;
+        }
+        Ok(processor_time()? - start)
+    }
+}
+
+fn compare(name: &str, size: [u32; 2], lighting: Lighting, rounds: usize, engine: Option<&mut Engine>) -> Result<()> {
+    let mut ours = Drawing::new(name, size, lighting)?;
+    let of_one = ours.turn(3)? / 3.0;
+    let pictures = (TURN / of_one).ceil().clamp(2.0, 100.0) as usize;
+    let title = format!("{name} {}×{} {lighting:?}", size[0], size[1]);
+    let Some(engine) = engine else {
+        let mut times =
+            (0..rounds).map(|_| Ok(ours.turn(pictures)? / pictures as f64)).collect::<Result<Vec<f64>>>()?;
+        let Spread { low, median, high } = Spread::of(&mut times);
+        println!("{title:40} {:.2} pictures a processor second [{:.2}, {:.2}]", 1.0 / median, 1.0 / high, 1.0 / low);
+        return Ok(());
+    };
+    engine.open(name, size)?;
+    let (mut our_times, mut engine_times, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..rounds {
+        let (ours, engines) = (ours.turn(pictures)?, engine.turn(pictures)?);
+        our_times.push(1e3 * ours / pictures as f64);
+        engine_times.push(1e3 * engines / pictures as f64);
+        ratios.push(engines / ours);
+    }
+    let Spread { low, median, high } = Spread::of(&mut ratios);
+    let (ours, engines) = (Spread::of(&mut our_times).median, Spread::of(&mut engine_times).median);
+    println!(
+        "{title:40} ours {ours:6.1} ms, engine {engines:6.1} ms: {median:.2} times the pictures [{low:.2}, {high:.2}]"
+    );
+    Ok(())
+}
+
+const FIRST_FRAME: &str = "--first-frame";
+
+/// From nothing to the first pixels, in processes of their own. Mesa keeps compiled shaders on disk: without and with them.
+fn first_frame(rounds: usize) -> Result<()> {
+    for (label, disabled) in [("no shaders on disk", "true"), ("shaders on disk", "false")] {
+        let mut times = Vec::new();
+        for _ in 0..rounds {
+            let program = env::current_exe()?;
+            let output = Command::new(program).arg(FIRST_FRAME).env("MESA_SHADER_CACHE_DISABLE", disabled).output()?;
+            if !output.status.success() {
+                return Err(String::from_utf8_lossy(&output.stderr).into());
+            }
+            times.push(String::from_utf8(output.stdout)?.trim().parse()?);
+        }
+        let Spread { low, median, high } = Spread::of(&mut times);
+        println!("first picture of the humanoid, {label}: {median:.3} s [{low:.3}, {high:.3}]");
+    }
+    Ok(())
+}
+
+fn first_frame_of_this_process() -> Result<()> {
+    let setting = scenes::named("humanoid");
+    let mut data = setting.after_steps();
+    let scene = setting.scene(&mut data);
+    let start = Instant::now();
+    let mut renderer = Renderer::new(data.model(), 640, 480)?;
+    let picture = renderer.rgb(&scene)?;
+    let time = start.elapsed().as_secs_f64();
+    assert!(picture.as_bytes().iter().any(|&byte| byte > 0), "the picture is black");
+    println!("{time}");
+    Ok(())
+}
+
+/// What the processor does for a picture before anything is drawn: from the abstract scene to the adapter's buffers. Spheres
+/// are added to the humanoid.
+fn prepare(rounds: usize) -> Result<()> {
+    const PER_TURN: usize = 50;
+    let mut data = Data::new(sample::humanoid())?;
+    data.forward()?;
+    let mut camera = Camera::free(data.model());
+    for geoms in [0, 10, 100, 1000, 10_000] {
+        let mut scene = Scene::new(data.model(), 20_000)?;
+        scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
+        for index in 0..geoms {
+            let at = |place: usize| (place % 22) as f64 * 0.2 - 2.2;
+            let pos = [at(index), at(index / 22), at(index / 484)];
+            scene.push(&NewGeom::sphere(0.05).pos(pos))?;
+        }
+        let mut renderer = Renderer::new(data.model(), 640, 480)?;
+        renderer.prepare(&scene)?;
+        let mut times = Vec::new();
+        for _ in 0..rounds {
+            let start = Instant::now();
+            for _ in 0..PER_TURN {
+                renderer.prepare(&scene)?;
+            }
+            times.push(1e3 * start.elapsed().as_secs_f64() / PER_TURN as f64);
+        }
+        let Spread { low, median, high } = Spread::of(&mut times);
+        println!("preparing {:6} geoms: {median:.4} ms [{low:.4}, {high:.4}]", scene.ngeom());
+    }
+    Ok(())
+}
+
+/// Median and quartiles.
+struct Spread {
+    low: f64,
+    median: f64,
+    high: f64,
+}
+
+impl Spread {
+    fn of(values: &mut [f64]) -> Self {
+        values.sort_unstable_by(f64::total_cmp);
+        let at = |fraction: f64| values[(fraction * (values.len() - 1) as f64).round() as usize];
+        Self { low: at(0.25), median: at(0.5), high: at(0.75) }
+    }
+}
+
+/// Of all threads that there are, s.
+fn processor_time() -> Result<f64> {
+    let mut nanoseconds = 0.0;
+    for thread in fs::read_dir("/proc/self/task")? {
+        // A thread may end in the meantime.
+        if let Ok(text) = fs::read_to_string(thread?.path().join("schedstat")) {
+            nanoseconds += text.split(' ').next().unwrap_or_default().parse::<f64>()?;
+        }
+    }
+    Ok(1e-9 * nanoseconds)
+}
+
+/// The engine's side: another process.
+struct Engine {
+    process: Child,
+    input: ChildStdin,
+    output: BufReader<ChildStdout>,
+}
+
+impl Engine {
+    fn start() -> Result<Option<Self>> {
+        let Some(python) = env::var_os("MUJOCO_PYTHON") else {
+            println!("the engine's own renderer is left out: MUJOCO_PYTHON names no interpreter");
+            return Ok(None);
+        };
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/render.py");
+        let mut command = Command::new(python);
+        command.arg(script).stdin(Stdio::piped()).stdout(Stdio::piped());
+        if env::var_os("MUJOCO_GL").is_none() {
+            command.env("MUJOCO_GL", "osmesa");
+        }
+        let mut process = command.spawn()?;
+        let (input, output) = (process.stdin.take().ok_or("a pipe")?, process.stdout.take().ok_or("a pipe")?);
+        Ok(Some(Self { process, input, output: BufReader::new(output) }))
+    }
+
+    fn ask(&mut self, request: &Value) -> Result<Value> {
+        writeln!(self.input, "{request}")?;
+        let mut answer = String::new();
+        self.output.read_line(&mut answer)?;
+        if answer.is_empty() {
+            return Err("the engine's side has ended".into());
+        }
+        Ok(serde_json::from_str(&answer)?)
+    }
+
+    fn open(&mut self, name: &str, [width, height]: [u32; 2]) -> Result<()> {
+        self.ask(&json!({"open": name, "width": width, "height": height}))?;
+        self.turn(3).map(drop)
+    }
+
+    fn turn(&mut self, pictures: usize) -> Result<f64> {
+        self.ask(&json!({"draw": pictures}))?["cpu"].as_f64().ok_or_else(|| "no time".into())
+    }
+}
+
+impl Drop for Engine {
+    fn drop(&mut self) {
+        _ = self.process.kill();
+        _ = self.process.wait();
+    }
+}

@@ -1,0 +1,96 @@
+//! A moving picture without a window or a display: a humanoid balances on one leg, is pushed, and stays up.
+//!
+//! ```text
+//! cargo run --release --features renderer --example record -- --out humanoid.gif
+//! ```
+//!
+//! `--out PATH` what to write (humanoid.gif): a name that ends with .gif, .png, .mp4 (for which `ffmpeg` must be installed), or
+//! a folder for numbered pictures. `--seconds S` of the simulation (4), `--slow N` for slow motion (1), `--fps N` frames per
+//! second (25), `--size WxH` in pixels (480x360).
+
+#[path = "common/mod.rs"]
+mod common;
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use common::{balance, option, progress};
+use mujoco_safe::record::{Recorder, RecorderOptions};
+use mujoco_safe::render::{Picture, Renderer};
+use mujoco_safe::scene::{Camera, Categories, SceneOptions, VisualFlags};
+use mujoco_safe::{Controller, Scene};
+
+const HELP: &str = "record [--out PATH] [--seconds S] [--slow N] [--fps N] [--size WxH]";
+
+/// N, against the torso, for a tenth of a second.
+const PUSH: [f64; 2] = [40.0, 25.0];
+/// When, s.
+const PUSH_AT: f64 = 1.0;
+
+struct Arguments {
+    out: PathBuf,
+    seconds: f64,
+    slow: f64,
+    frames_per_second: f64,
+    size: [u32; 2],
+}
+
+fn arguments() -> Result<Arguments, String> {
+    let mut arguments =
+        Arguments { out: "humanoid.gif".into(), seconds: 4.0, slow: 1.0, frames_per_second: 25.0, size: [480, 360] };
+    option::each(HELP, |name, parser| {
+        match name {
+            "--out" => arguments.out = option::text(parser, name)?.into(),
+            "--seconds" => arguments.seconds = option::number(parser, name)?,
+            "--slow" => arguments.slow = option::number(parser, name)?,
+            "--fps" => arguments.frames_per_second = option::number(parser, name)?,
+            "--size" => arguments.size = option::size(parser, name)?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    })?;
+    Ok(arguments)
+}
+
+fn main() -> std::process::ExitCode {
+    common::finish(run())
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let Arguments { out, seconds, slow, frames_per_second, size: [width, height] } = arguments()?;
+    let options = RecorderOptions { frames_per_second, speed: 1.0 / slow, ..RecorderOptions::default() };
+    let mut recorder = Recorder::create(&out, options)?;
+    let (mut data, _, mut lqr) = balance::humanoid()?;
+    let model = data.model().clone();
+    let torso = model.body("torso")?.id();
+
+    // What is shown, and from where.
+    let mut scene = Scene::new(&model, 1000)?;
+    let mut shown = SceneOptions::default();
+    shown.flags |= VisualFlags::PERTFORCE;
+    let mut camera = Camera { distance: 2.9, azimuth: 215.0, elevation: -12.0, ..Camera::free(&model) };
+    camera.lookat = [0.0, 0.0, 0.85];
+    scene.update_camera(&data, &mut camera)?;
+    let mut renderer = Renderer::new(&model, width, height)?;
+    let mut picture = Picture::default();
+
+    let bar = progress::bar(seconds)?;
+    while data.time() < seconds {
+        let pushing = (PUSH_AT..PUSH_AT + 0.1).contains(&data.time());
+        let [x, y] = if pushing { PUSH } else { [0.0, 0.0] };
+        *data.body_mut(torso).xfrc_applied_mut() = [x, y, 0.0, 0.0, 0.0, 0.0];
+        // Drawing takes longer than a step: only when a picture is due.
+        if recorder.is_due(data.time()) {
+            scene.update(&mut data, &shown, None, &mut camera, Categories::all())?;
+            renderer.rgb_into(&scene, &mut picture)?;
+            recorder.push(&picture, data.time())?;
+        }
+        lqr.control(&mut data)?;
+        data.step()?;
+        bar.set_position(progress::position(data.time()));
+    }
+    bar.finish_and_clear();
+    let recorded = recorder.finish()?;
+    println!("{}: {} frames, {:.2} s", recorded.path.display(), recorded.frames, recorded.seconds);
+    Ok(())
+}

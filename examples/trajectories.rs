@@ -1,0 +1,102 @@
+//! The same fall twice, side by side: a humanoid on one leg without control, and with a regulator that holds it.
+//!
+//! ```text
+//! cargo run --release --features renderer --example trajectories -- --out trajectories.gif
+//! ```
+//!
+//! Both are simulated first and kept as trajectories, and drawn from them afterwards. `--out PATH` what to write
+//! (trajectories.gif; see the example `record`), `--seconds S` (2), `--size WxH` of each half (320x360).
+
+#[path = "common/mod.rs"]
+mod common;
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use common::{balance, option, progress};
+use mujoco_safe::record::{Recorder, RecorderOptions};
+use mujoco_safe::render::{Picture, Renderer};
+use mujoco_safe::scene::{Camera, Categories, SceneOptions};
+use mujoco_safe::{Controller, Data, Scene, Trajectory, ZeroController};
+
+const HELP: &str = "trajectories [--out PATH] [--seconds S] [--size WxH]";
+
+struct Arguments {
+    out: PathBuf,
+    seconds: f64,
+    size: [u32; 2],
+}
+
+fn arguments() -> Result<Arguments, String> {
+    let mut arguments = Arguments { out: "trajectories.gif".into(), seconds: 2.0, size: [320, 360] };
+    option::each(HELP, |name, parser| {
+        match name {
+            "--out" => arguments.out = option::text(parser, name)?.into(),
+            "--seconds" => arguments.seconds = option::number(parser, name)?,
+            "--size" => arguments.size = option::size(parser, name)?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    })?;
+    Ok(arguments)
+}
+
+fn main() -> std::process::ExitCode {
+    common::finish(run())
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let arguments = arguments()?;
+    let (mut data, set_point, mut lqr) = balance::humanoid()?;
+    let steps = (arguments.seconds / data.model().timestep()).round() as usize;
+
+    // From the same start: already falling a little to its side.
+    let controllers: [&mut dyn Controller; 2] = [&mut ZeroController, &mut lqr];
+    let mut trajectories = Vec::new();
+    for controller in controllers {
+        set_point.apply(&mut data)?;
+        data.qvel_mut()[1] = -0.15;
+        let mut trajectory = Trajectory::with_capacity(data.model(), steps);
+        trajectory.record(&mut data, controller, steps)?;
+        trajectories.push(trajectory);
+    }
+
+    draw(&mut data, &trajectories, &arguments)
+}
+
+/// Draws trajectories side by side.
+fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let [width, height] = arguments.size;
+    let mut recorder =
+        Recorder::create(&arguments.out, RecorderOptions { frames_per_second: 25.0, ..Default::default() })?;
+    let mut renderer = Renderer::new(data.model(), width, height)?;
+    let mut scene = Scene::new(data.model(), 1000)?;
+    let options = SceneOptions::default();
+    let mut camera = Camera { distance: 3.2, azimuth: 200.0, elevation: -12.0, ..Camera::free(data.model()) };
+    camera.lookat = [0.0, 0.0, 0.75];
+    scene.update_camera(data, &mut camera)?;
+
+    let (width, height) = (width as usize, height as usize);
+    let mut both = Picture::new(width * trajectories.len(), height);
+    let mut half = Picture::default();
+    let bar = progress::bar(arguments.seconds)?;
+    for (record, &time) in trajectories[0].times().iter().enumerate() {
+        if !recorder.is_due(time) {
+            continue;
+        }
+        for (index, trajectory) in trajectories.iter().enumerate() {
+            trajectory.apply(record, data)?;
+            data.forward()?;
+            scene.update(data, &options, None, &mut camera, Categories::all())?;
+            renderer.rgb_into(&scene, &mut half)?;
+            let halves = both.as_bytes_mut().chunks_exact_mut(3 * width).skip(index).step_by(trajectories.len());
+            halves.zip(half.as_bytes().chunks_exact(3 * width)).for_each(|(to, from)| to.copy_from_slice(from));
+        }
+        recorder.push(&both, time)?;
+        bar.set_position(progress::position(time));
+    }
+    bar.finish_and_clear();
+    let recorded = recorder.finish()?;
+    println!("{}: {} frames, {:.2} s", recorded.path.display(), recorded.frames, recorded.seconds);
+    Ok(())
+}

@@ -1,0 +1,165 @@
+//! Our pictures are those of the engine's own renderer.
+//!
+//! `engine/` has them as the engine draws them (see `make.py`). Drawn by us, with the renderer's default options:
+//!
+//! - the mean of the absolute differences of all channels of all pixels is at most 1.5 of 255;
+//! - at most 0.7 % of the pixels have a channel that is off by more than 8 of 255.
+//!
+//! With light computed at each pixel 2.5 % may be: the edge of a spot of light is a line then, which the engine smears over a cell of
+//! its floor.
+//!
+//! What is left is explained in [`mujoco_safe::render`]. For each scene the test leaves a picture of the engine's, ours, and of
+//! their difference eight times as strong, side by side, in the folder `pictures` of cargo's folder for tests
+//! (`target/tmp/pictures`).
+
+#![forbid(unsafe_code)]
+
+mod scenes;
+
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use mujoco_safe::render::{Lighting, Picture, Renderer, RendererOptions};
+
+use scenes::Setting;
+
+const WIDTH: usize = 640;
+const HEIGHT: usize = 480;
+
+/// Of 255.
+const MEAN: f64 = 1.5;
+/// A channel that is off by more, of 255, makes a pixel an outlier.
+const OUTLIER: u8 = 8;
+/// Of all pixels, as the engine computes light, and at each pixel.
+const OUTLIERS: [(&str, Lighting, f64); 2] =
+    [("", Lighting::PerVertex, 0.007), ("_per_pixel", Lighting::PerPixel, 0.025)];
+
+/// How far a picture is from another.
+#[derive(Debug)]
+struct Difference {
+    /// Over all channels.
+    mean: f64,
+    /// Over all pixels, the largest of its channels.
+    mean_largest: f64,
+    outliers: f64,
+}
+
+impl Difference {
+    fn of(engine: &Picture, ours: &Picture) -> Self {
+        assert_eq!((engine.width(), engine.height()), (ours.width(), ours.height()));
+        let pixels = engine.as_bytes().chunks_exact(3).zip(ours.as_bytes().chunks_exact(3));
+        let (mut sum, mut sum_largest, mut outliers) = (0.0, 0.0, 0.0);
+        for (engine, ours) in pixels {
+            let off: [u8; 3] = std::array::from_fn(|channel| engine[channel].abs_diff(ours[channel]));
+            let largest = off.into_iter().fold(0, u8::max);
+            sum += off.map(f64::from).iter().sum::<f64>();
+            sum_largest += f64::from(largest);
+            outliers += f64::from(u8::from(largest > OUTLIER));
+        }
+        let pixels = (engine.width() * engine.height()) as f64;
+        Self { mean: sum / (3.0 * pixels), mean_largest: sum_largest / pixels, outliers: outliers / pixels }
+    }
+
+    fn is_small(&self, outliers: f64) -> bool {
+        self.mean <= MEAN && self.outliers <= outliers
+    }
+}
+
+/// Where the pictures are left.
+fn out() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn engines(setting: &Setting) -> Picture {
+    let path = scenes::folder().join("engine").join(format!("{}.png", setting.name));
+    let mut reader = png::Decoder::new(BufReader::new(File::open(&path).unwrap())).read_info().unwrap();
+    let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut rgb).unwrap();
+    assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
+    Picture::from_rgb(info.width as usize, info.height as usize, rgb).unwrap()
+}
+
+fn ours(setting: &Setting, options: &RendererOptions) -> Picture {
+    let mut data = setting.as_drawn();
+    let scene = setting.scene(&mut data);
+    let mut renderer = Renderer::with_options(data.model(), WIDTH as u32, HEIGHT as u32, options).unwrap();
+    renderer.rgb(&scene).unwrap()
+}
+
+/// The engine's picture, ours, and their difference.
+fn side_by_side(engine: &Picture, ours: &Picture) -> Picture {
+    let mut all = Picture::new(3 * WIDTH, HEIGHT);
+    for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
+        let pair = [engine.pixel(x, y), ours.pixel(x, y)];
+        let difference = std::array::from_fn(|channel| pair[0][channel].abs_diff(pair[1][channel]).saturating_mul(8));
+        for (part, pixel) in [pair[0], pair[1], difference].into_iter().enumerate() {
+            all.set_pixel(part * WIDTH + x, y, pixel);
+        }
+    }
+    all
+}
+
+fn compare(name: &str) {
+    let setting = scenes::named(name);
+    let engine = engines(&setting);
+    assert_eq!(OUTLIERS[0].1, RendererOptions::default().lighting);
+    let differences = OUTLIERS.map(|(label, lighting, outliers)| {
+        let ours = ours(&setting, &RendererOptions::default().lighting(lighting));
+        side_by_side(&engine, &ours).save_png(out().join(format!("{name}{label}.png"))).unwrap();
+        (Difference::of(&engine, &ours), outliers)
+    });
+    println!("{name}: {differences:.4?}");
+    assert!(
+        differences.iter().all(|(difference, outliers)| difference.is_small(*outliers)),
+        "{name}: {differences:.4?}"
+    );
+}
+
+/// One test for each scene.
+macro_rules! compare {
+    ($($name:ident)*) => {
+        $(#[test]
+        fn $name() {
+            compare(stringify!($name));
+        })*
+
+        #[test]
+        fn every_picture_of_the_engine_is_compared() {
+            let mut pictures: Vec<String> = fs::read_dir(scenes::folder().join("engine"))
+                .unwrap()
+                .filter_map(|entry| entry.unwrap().file_name().to_str()?.strip_suffix(".png").map(str::to_owned))
+                .collect();
+            pictures.sort();
+            assert_eq!(pictures, [$(stringify!($name)),*]);
+        }
+    };
+}
+
+compare! {
+    adhesion
+    arm
+    cloth
+    hammock
+    humanoid
+    humanoid_decor
+    humanoid_fallen
+    humanoid_horizon
+    humanoid_seethru
+    mug
+    slider_crank
+    softbox
+}
+
+#[test]
+fn a_difference_is_seen() {
+    let grey = Picture::from_rgb(10, 10, vec![100; 300]).unwrap();
+    let mut other = grey.clone();
+    other.set_pixel(3, 4, [100, 109, 97]);
+    other.set_pixel(5, 6, [108, 100, 100]);
+    let difference = Difference::of(&grey, &other);
+    assert_eq!(difference.outliers, 0.01);
+    assert!((difference.mean - 20.0 / 300.0).abs() < 1e-12 && (difference.mean_largest - 0.17).abs() < 1e-12);
+}
