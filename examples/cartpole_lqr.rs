@@ -5,7 +5,8 @@
 //! ```
 //!
 //! `--angle RAD` where the pole starts (0.1), `--seconds S` how long (10), `--out DIR` where the plot goes (none is written
-//! without), `--view` to show it in a window (built with `--features viewer`), `--json` to print A, B, K and the outcome as one JSON object.
+//! without), `--view` to show it in a window (built with `--features viewer`), `--json` to print A, B, K and the outcome as one
+//! JSON object.
 
 #[path = "common/mod.rs"]
 mod common;

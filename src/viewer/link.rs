@@ -139,6 +139,11 @@ impl Front {
         self.drawn.as_deref_mut().map(|snapshot| (snapshot, newer))
     }
 
+    /// As [`drawn`](Self::drawn), to be changed.
+    pub fn drawn_mut(&mut self) -> Option<&mut Snapshot> {
+        self.drawn.as_deref_mut()
+    }
+
     /// The snapshot that [`latest`](Self::latest) gave last.
     pub fn drawn(&self) -> Option<&Snapshot> {
         self.drawn.as_deref()

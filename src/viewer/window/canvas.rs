@@ -1,6 +1,5 @@
 //! The picture of the scene: the renderer of the model that is shown.
 
-use crate::model::Model;
 use crate::render::{Gpu, Picture, RenderError, Renderer, RendererOptions};
 use crate::viewer::event::Asset;
 use crate::viewer::snapshot::Snapshot;
@@ -35,15 +34,16 @@ impl Canvas {
         Ok(&mut self.renderer.insert((snapshot.generation, renderer)).1)
     }
 
-    /// Takes over what the program has changed. That of a model that is no longer shown is of no interest.
-    pub fn update(&mut self, model: &Model, asset: Asset) -> Result<(), RenderError> {
-        let Some((_, renderer)) = &mut self.renderer else { return Ok(()) };
-        let ours = model.lineage();
+    /// Takes over what the program has changed of the model. A renderer that is made later has it anyway.
+    pub fn update(&mut self, snapshot: &Snapshot, asset: Asset) -> Result<(), RenderError> {
+        let Some((generation, renderer)) = &mut self.renderer else { return Ok(()) };
+        if *generation != snapshot.generation {
+            return Ok(());
+        }
         match asset {
-            Asset::Texture(id) if id.lineage() == ours => renderer.update_texture(model, id),
-            Asset::Mesh(id) if id.lineage() == ours => renderer.update_mesh(model, id),
-            Asset::HeightField(id) if id.lineage() == ours => renderer.update_height_field(model, id),
-            Asset::Texture(_) | Asset::Mesh(_) | Asset::HeightField(_) => Ok(()),
+            Asset::Texture(id) => renderer.update_texture(&snapshot.model, id),
+            Asset::Mesh(id) => renderer.update_mesh(&snapshot.model, id),
+            Asset::HeightField(id) => renderer.update_height_field(&snapshot.model, id),
         }
     }
 

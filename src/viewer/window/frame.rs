@@ -67,16 +67,28 @@ impl Session {
                 Event::Notice(text) => self.panels.notice(text),
                 Event::Asset(asset) => {
                     if let Some(snapshot) = self.front.drawn() {
-                        self.canvas.update(&snapshot.model, asset)?;
+                        self.canvas.update(snapshot, asset)?;
                     }
                 }
                 Event::LookAt(_) | Event::Track(_) | Event::View(_) => {}
             }
         }
+        self.meet();
         if self.front.is_closing() {
             self.close();
         }
         Ok(())
+    }
+
+    /// Looks at the newest snapshot's model: a camera of another one is of no use.
+    fn meet(&mut self) {
+        let Some((snapshot, _)) = self.front.latest() else { return };
+        let view = self.view.get_or_insert_with(|| View::new(&snapshot.model));
+        if snapshot.generation != self.generation {
+            self.generation = snapshot.generation;
+            view.model_replaced(&snapshot.model);
+            self.panels.forget_model();
+        }
     }
 
     /// Draws the newest snapshot and the panels over it. Returns how long until the panels change by themselves.
@@ -84,7 +96,9 @@ impl Session {
         let gpu = self.screen.gpu().clone();
         let size = self.screen.size();
         let target = texture.map(|texture| texture.texture.create_view(&wgpu::TextureViewDescriptor::default()));
-        let Some((snapshot, _)) = self.front.latest() else {
+        // One that may have come in between is looked at anew.
+        self.meet();
+        let (Some(snapshot), Some(view)) = (self.front.drawn_mut(), &mut self.view) else {
             if let Some(target) = &target {
                 Canvas::draw_nothing(&gpu, target);
                 let painted = self.overlay.run(&self.window, Panels::wait);
@@ -92,13 +106,6 @@ impl Session {
             }
             return Ok(Duration::MAX);
         };
-        let view = self.view.get_or_insert_with(|| View::new(&snapshot.model));
-        if snapshot.generation != self.generation {
-            // Another model is looked at anew. What is shown of it stays.
-            self.generation = snapshot.generation;
-            view.model_replaced(&snapshot.model);
-            self.panels.forget_model();
-        }
         view.prepare(snapshot)?;
 
         let outcome = self.output.take(&mut self.canvas, &gpu, snapshot, size);
