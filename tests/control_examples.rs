@@ -109,7 +109,7 @@ fn the_planner_keeps_a_humanoid_up_that_the_regulator_does_not() {
 fn the_planner_keeps_the_humanoid_up_for_every_push() {
     let robot = Robot::new().expect("there is a regulator");
     for seed in 1..=5 {
-        let attempt = attempt::attempt(&robot, NEWTONS, seed, 4.0).expect("it is stable");
+        let attempt = attempt::attempt(&robot, NEWTONS, seed, 6.0).expect("it is stable");
         let fates = (attempt.regulated.fell_at, attempt.planned.fell_at);
         assert!(
             attempt.succeeded(),

@@ -10,7 +10,7 @@ A humanoid is pushed so hard that its linear-quadratic regulator falls; a planne
 
   --seeds N         how many pushes, each in another direction (5)
   --newtons F       how hard, for 0.1 s (180)
-  --seconds S       how long each simulation is; the push comes after 1 s (4)
+  --seconds S       how long each simulation is; the push comes after 1 s (6)
   --threads N       how many threads plan (all cores)
   --out DIR         where the plots and the trajectory of the first go; nothing is written without";
 
@@ -36,7 +36,7 @@ impl Arguments {
     pub fn parse() -> Result<Self, String> {
         use lexopt::Arg::{Long, Short, Value};
         let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-        let mut arguments = Self { seeds: 5, newtons: NEWTONS, seconds: 4.0, threads: cores, out: None };
+        let mut arguments = Self { seeds: 5, newtons: NEWTONS, seconds: 6.0, threads: cores, out: None };
         let mut parser = lexopt::Parser::from_env();
         while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
             match argument {
