@@ -1,6 +1,6 @@
-//! How long a Riccati equation takes: the humanoid on its left leg (54 states, 21 controls) and the cart-pole (4 states, 1 control), with
-//! room that is there already ([`Riccati::solve_into`]) and with room of its own ([`Lqr::solve`]). The number of doublings and the residual are printed beside
-//! it.
+//! How long a Riccati equation takes: the humanoid on its left leg (54 states, 21 controls) and the cart-pole (4 states,
+//! 1 control), with room that is there already ([`Riccati::solve_into`]) and with room of its own ([`Lqr::solve`]). The number
+//! of doublings and the residual are printed beside it.
 //!
 //! There is nothing in C to compare it with, but there is SciPy: where the environment variable `MUJOCO_PYTHON` names a Python that has
 //! it, both solve the same equation in turn, and the ratio of their times is printed, and SciPy's residual.

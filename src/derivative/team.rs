@@ -1,8 +1,8 @@
 //! Work shared by a few threads, of which the caller's is one.
 //!
-//! A linearisation takes less than a millisecond, and a thread that sleeps takes a good part of that to wake up. So nobody waits for anybody:
-//! the caller begins at once, whoever comes later takes what is left, one piece after another, and where nobody comes the caller
-//! does it all. Who does what shows in no result.
+//! A linearisation takes less than a millisecond, and a thread that sleeps takes a good part of that to wake up. So nobody waits
+//! for anybody: the caller begins at once, whoever comes later takes what is left, one piece after another, and where nobody
+//! comes the caller does it all. Who does what shows in no result.
 
 use std::hint;
 use std::sync::atomic::{AtomicUsize, Ordering};

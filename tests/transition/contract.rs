@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use mujoco_safe::rayon::ThreadPoolBuilder;
 use mujoco_safe::{
     Callbacks, Data, Differences, Error, Fallback, Integrator, Matrix, Model, ModelMut, Options, StateSpace, StateSpec,
     Transition, TransitionMethod, TransitionOptions, TransitionOutputs, sample,
@@ -113,6 +114,35 @@ fn the_number_of_threads_changes_no_bit() {
                 assert_eq!(by(&mut data, method, threads), one, "{method:?} in {threads}");
             }
         }
+    }
+}
+
+#[test]
+fn the_pool_that_the_call_is_made_in_changes_no_bit() {
+    // Called from within a pool, with fewer threads than asked for, or with none to spare.
+    for mut data in [standing(), zoo()] {
+        for method in METHODS {
+            let one = by(&mut data, method, 1);
+            for threads in [1, 2, 5] {
+                let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
+                assert_eq!(pool.install(|| by(&mut data, method, 3)), one, "{method:?} in {threads}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_workspace_that_has_failed_linearises_the_next_state_as_a_new_one() {
+    let mut data = standing();
+    for method in METHODS {
+        let options = TransitionOptions { method, threads: 2, ..Default::default() };
+        let (mut used, mut system) = (workspace(&data, options), StateSpace::zeros(data.model()));
+        let one = by(&mut data, method, 1);
+        let mut lost = data.clone();
+        lost.qfrc_applied_mut().fill(1e300);
+        assert!(used.linear_system_into(&mut lost, &mut system).is_err(), "{method:?}");
+        used.linear_system_into(&mut data, &mut system).expect("stable");
+        assert_eq!(system, one, "{method:?}");
     }
 }
 

@@ -5,8 +5,8 @@
 //! mpirun -n 2 target/release/mujoco-safe-mpi --check
 //! ```
 //!
-//! `--rollouts N` how many humanoids (64), `--steps N` how long each is simulated (100), `--seed N` for other controls (1), `--check` has the
-//! first rank do all of it alone as well, and compares.
+//! `--rollouts N` how many humanoids (64), `--steps N` how long each is simulated (100), `--seed N` for other controls (1),
+//! `--check` has the first rank do all of it alone as well, and compares.
 //!
 //! What a rollout is made of depends on its number alone, not on who simulates it. So the states are the same for any
 //! number of ranks and of threads, to the last bit, as long as the ranks have the same engine and processors alike.

@@ -54,8 +54,8 @@ impl Processor {
 /// Whether one instruction multiplies and adds where nothing is known of the processor.
 const ALWAYS_FUSED: bool = cfg!(any(target_arch = "aarch64", target_feature = "fma"));
 
-/// Makes a function that calls another, compiled for the processor. Its parameters are whether one instruction multiplies and adds, and how many
-/// rows of a block the registers have room for.
+/// Makes a function that calls another, compiled for the processor. Its parameters are whether one instruction multiplies and
+/// adds, and how many rows of a block the registers have room for.
 macro_rules! for_processor {
     ($(#[$doc:meta])* fn $name:ident = $inner:ident($($argument:ident: $kind:ty),* $(,)?)) => {
         $(#[$doc])*
