@@ -43,3 +43,6 @@ pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
 pub use self::options::{Lighting, RendererOptions};
 pub use self::picture::{DepthPicture, Picture, Segment, SegmentationPicture};
 pub use self::renderer::Renderer;
+
+#[cfg(test)]
+mod leak_tests;
