@@ -17,8 +17,7 @@
 
 #![forbid(unsafe_code)]
 
-#[allow(dead_code)]
-pub(crate) mod bound;
+mod bound;
 mod content;
 mod error;
 mod frame;
@@ -31,12 +30,9 @@ mod read_back;
 mod renderer;
 mod settings;
 mod shader;
-#[allow(dead_code, unused_imports)]
-pub(crate) mod shape;
-#[allow(dead_code, unused_imports)]
-pub(crate) mod text;
-#[allow(dead_code)]
-pub(crate) mod texture;
+mod shape;
+mod text;
+mod texture;
 
 pub use self::error::RenderError;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
