@@ -125,7 +125,6 @@ fn a_model_of_any_numbers_is_drawn() {
         edit.mat_shininess_mut().fill(single);
         edit.mat_reflectance_mut().fill(single);
         edit.hfield_data_mut()[4] = single;
-        drop(edit);
         let mut data = Data::new(model.clone()).unwrap();
         data.forward().unwrap();
         let mut scene = stage::scene(&mut data);
@@ -196,8 +195,7 @@ fn any_quality_is_drawn_with() {
 #[test]
 fn any_number_of_lights_is_drawn() {
     for count in [0, 1, 7, 9, 100] {
-        let lights: String =
-            (0..count).map(|light| format!(r#"<light pos="{light} 0 3" dir="0 0 -1" cutoff="80"/>"#)).collect();
+        let lights: String = (0..count).map(|_| r#"<light pos="0 0 3" dir="0 0 -1" cutoff="80"/>"#).collect();
         let headlight = if count == 100 { r#"<visual><headlight active="0"/></visual>"# } else { "" };
         let xml =
             format!(r#"<mujoco>{headlight}<worldbody>{lights}<geom type="plane" size="1 1 1"/></worldbody></mujoco>"#);

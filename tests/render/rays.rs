@@ -21,11 +21,13 @@ use std::cell::Cell;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use mujoco_safe::render::{Renderer, Segment};
+use mujoco_safe::render::{Renderer, RendererOptions, Segment};
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneGeom, SceneObject, SceneOptions, Viewpoint, VisualFlags};
 use mujoco_safe::{Data, GeomId, GeomType, Model, RayHit, RayOptions, math, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+
+use crate::stage;
 
 const SIZE: [u32; 2] = [640, 480];
 const PIXELS: usize = 1000;
@@ -75,7 +77,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let mut scene = Scene::new(data.model(), 20_000).unwrap();
     let mut camera = Camera { lookat, distance, azimuth, elevation, ..Camera::default() };
     scene.update(&mut data, &geoms_only(), None, &mut camera, Categories::STATIC | Categories::DYNAMIC).unwrap();
-    let mut renderer = Renderer::new(data.model(), SIZE[0], SIZE[1]).unwrap();
+    let mut renderer = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], &RendererOptions::default()).unwrap();
     let depth = renderer.depth(&scene).unwrap();
     let segmentation = renderer.segmentation(&scene).unwrap();
 
@@ -100,11 +102,11 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
             assert!(
                 is_edge,
                 "{name} at {pixel:?}: {seen:?} at {found} m, but rays meet {:?} at {:?} m",
-                met.only, met.range
+                met.first, met.range
             );
             edges.set(edges.get() + 1);
         }
-        met.only.is_some()
+        met.agree
     };
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2022);
     let mut certain = 0;
@@ -153,8 +155,9 @@ struct Rays {
 struct Met {
     /// The least and the greatest depth that it can have.
     range: [f64; 2],
-    /// What they all agree on, if they do: a geom or nothing.
-    only: Option<Option<GeomId>>,
+    /// What one of them meets, and whether they all do.
+    first: Option<GeomId>,
+    agree: bool,
     /// The directions of the rays.
     directions: Vec<[f64; 3]>,
 }
@@ -232,8 +235,8 @@ impl Rays {
             inner.iter().map(distance).fold(f64::NEG_INFINITY, f64::max),
         ];
         let first = outer[0].map(|hit| hit.geom);
-        let is_same = outer.iter().chain(&inner).all(|hit| hit.map(|hit| hit.geom) == first);
-        Met { range, only: is_same.then_some(first), directions }
+        let agree = outer.iter().chain(&inner).all(|hit| hit.map(|hit| hit.geom) == first);
+        Met { range, first, agree, directions }
     }
 
     /// How far away a ray meets a geom that others may hide.
@@ -255,7 +258,7 @@ impl Rays {
         // At an edge, or where two surfaces are closer to each other than to what is drawn of them.
         let is_near =
             |geom| met.directions.iter().any(|&ray| self.distance(&self.outer, geom, ray).is_some_and(|at| at <= far));
-        met.only == Some(seen) || seen.map_or(far == f64::INFINITY, is_near)
+        (met.agree && met.first == seen) || seen.map_or(far == f64::INFINITY, is_near)
     }
 
     /// Whether a geom's edge is at a pixel: some of its rays meet it, and some miss it once it is smaller.
