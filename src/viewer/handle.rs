@@ -277,7 +277,7 @@ impl Handle {
             other => match bridge.execute(other, data) {
                 Ok(Outcome::Changed) => return true,
                 Ok(Outcome::Done) => {}
-                Ok(Outcome::Left(_)) => {
+                Ok(Outcome::Left) => {
                     bridge.back.tell(Event::Notice("the program has the simulation in its own hands".to_owned()));
                 }
                 Err(error) => bridge.back.tell(Event::Notice(error.to_string())),
