@@ -93,8 +93,9 @@ impl Handle {
             bridge.set_look(look);
         }
         if bridge.back.is_closed() {
-            // Nobody pulls any more.
+            // Nobody pulls any more, and nobody could let it go on.
             bridge.stop_perturbation(data);
+            self.paused = false;
             self.bridge = Some(bridge);
             return Ok(());
         }
@@ -128,7 +129,8 @@ impl Handle {
         published
     }
 
-    /// Whether the user wants the simulation to stand still. The program does not have to care:
+    /// Whether the user wants the simulation to stand still, which a user who has closed the window does not. The program does not
+    /// have to care:
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
@@ -277,7 +279,7 @@ impl Handle {
             other => match bridge.execute(other, data) {
                 Ok(Outcome::Changed) => return true,
                 Ok(Outcome::Done) => {}
-                Ok(Outcome::Left(_)) => {
+                Ok(Outcome::Left) => {
                     bridge.back.tell(Event::Notice("the program has the simulation in its own hands".to_owned()));
                 }
                 Err(error) => bridge.back.tell(Event::Notice(error.to_string())),

@@ -35,11 +35,6 @@ impl Curve {
     pub fn points(&self) -> impl ExactSizeIterator<Item = [f64; 2]> + '_ {
         self.points.iter().copied()
     }
-
-    /// The newest value.
-    pub fn last(&self) -> Option<f64> {
-        self.points.back().map(|[_, value]| *value)
-    }
 }
 
 /// The curves of a viewer, fed from snapshots.
@@ -161,7 +156,7 @@ mod tests {
         // Back in time, as after steps back.
         let back = 2.5 * MOST_POINTS as f64;
         curve.push(back, 7.0);
-        assert_eq!((curve.points().len(), curve.last()), (MOST_POINTS / 2 + 1, Some(7.0)));
+        assert_eq!((curve.points().len(), curve.points().last()), (MOST_POINTS / 2 + 1, Some([back, 7.0])));
         curve.push(0.0, 1.0);
         assert_eq!(curve.points().collect::<Vec<_>>(), [[0.0, 1.0]]);
     }
@@ -188,8 +183,9 @@ mod tests {
             data.step().unwrap();
         }
         let [potential, kinetic, total] = &plots.energy[..] else { panic!("three energies") };
-        assert_eq!(total.last().unwrap(), potential.last().unwrap() + kinetic.last().unwrap());
-        assert!(potential.last().unwrap() > 0.0);
+        let [potential, kinetic, total] = [potential, kinetic, total].map(|curve| curve.points().last().unwrap()[1]);
+        assert_eq!(total, potential + kinetic);
+        assert!(potential > 0.0);
         assert_eq!(plots.sensors.len(), data.model().nsensordata());
         assert_eq!(plots.solver.len(), 3);
         let [height] = &plots.watched[..] else { panic!("one is watched") };

@@ -22,8 +22,8 @@ pub(crate) enum Outcome {
     Done,
     /// It is done, and the simulation has changed: what depends on its state has to be computed.
     Changed,
-    /// It is not for a bridge.
-    Left(Request),
+    /// It is not for a bridge, and nothing is done.
+    Left,
 }
 
 impl Bridge {
@@ -100,7 +100,25 @@ impl Bridge {
                 }
                 return Ok(Outcome::Done);
             }
-            other => return Ok(Outcome::Left(other)),
+            Request::Pause(_)
+            | Request::TogglePause
+            | Request::Step(_)
+            | Request::ToggleSpeed
+            | Request::Faster
+            | Request::Slower
+            | Request::SetSpeed(_)
+            | Request::CycleMode(_)
+            | Request::SetMode(_)
+            | Request::Scrub(_)
+            | Request::Reload(_)
+            | Request::Reverse
+            | Request::CycleTrajectory(_)
+            | Request::SetTrajectory(_)
+            | Request::SetFrame(_)
+            | Request::Burst
+            | Request::Doppler
+            | Request::BurstFactor(_)
+            | Request::BurstGamma(_) => return Ok(Outcome::Left),
         }
         Ok(Outcome::Changed)
     }

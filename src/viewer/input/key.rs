@@ -83,10 +83,6 @@ impl Modifiers {
     pub(super) const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
-
-    pub(crate) const fn is_empty(self) -> bool {
-        self.0 == 0
-    }
 }
 
 impl std::ops::BitOr for Modifiers {

@@ -15,7 +15,7 @@ mod key;
 mod mouse;
 
 pub(crate) use self::action::{Action, Panel, PlotKind, WindowAction};
-pub(crate) use self::binding::{BINDINGS, Binding, Section, action};
+pub(crate) use self::binding::{BINDINGS, Section, action};
 pub(crate) use self::help::{HelpSection, help, help_text};
 pub(crate) use self::key::MouseButton;
 pub use self::key::{Key, KeyPress, Modifiers};

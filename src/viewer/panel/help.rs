@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn every_table_is_in_one_column_in_order() {
         let section = |title, lines| HelpSection { title, lines: vec![(String::new(), ""); lines] };
-        let sections = [section("a", 3), section("b", 9), section("c", 2), section("d", 4)];
+        let sections = [section("a", 3), section("b", 10), section("c", 2), section("d", 4)];
         let names = |columns| {
             let parts = split(&sections, columns);
             parts.iter().map(|part| part.iter().map(|section| section.title).collect::<String>()).collect::<Vec<_>>()

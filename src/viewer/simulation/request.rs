@@ -48,7 +48,7 @@ impl Simulation {
             }
             other => match self.bridge.execute(other, &mut self.data) {
                 Ok(Outcome::Changed) => self.stale = true,
-                Ok(Outcome::Done | Outcome::Left(_)) => {}
+                Ok(Outcome::Done | Outcome::Left) => {}
                 // The simulation goes on as it was; what has failed is what was asked for.
                 Err(error) => self.bridge.back.tell(Event::Notice(error.to_string())),
             },

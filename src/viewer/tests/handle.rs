@@ -126,10 +126,12 @@ fn a_window_that_is_closed_lets_the_body_go() {
     front.ask(Request::MovePerturbation(MouseAction::MoveV, [0.0, -0.5]));
     handle.sync(&mut data).unwrap();
     assert_ne!(data.xfrc_applied()[torso.index()], [0.0; 6]);
+    handle.set_paused(true);
     drop(front);
     assert!(!handle.is_running());
     handle.sync(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[torso.index()], [0.0; 6]);
+    assert!(!handle.is_paused(), "a program that waits for the user goes on");
 }
 
 #[test]
