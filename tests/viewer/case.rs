@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -12,8 +13,12 @@ use mujoco_safe::viewer::probe::{self, State};
 
 use crate::hand::{Hand, wait_until};
 
-/// The window's title.
-pub const TITLE: &str = "a test of the viewer";
+/// A window's title that no window had before: one that was closed may still be there for a moment.
+pub fn fresh_title() -> String {
+    static NEXT: AtomicU32 = AtomicU32::new(1);
+    format!("test {} of the viewer", NEXT.fetch_add(1, Ordering::Relaxed))
+}
+
 /// Small, for it is drawn by the processor.
 pub const SIZE: [u32; 2] = [480, 360];
 
@@ -59,17 +64,18 @@ pub fn or_exit<R>(act: impl FnOnce() -> R) -> R {
 /// Shows a viewer in this thread while the hand acts in another. The hand is to leave the window open: it is closed with Esc.
 pub fn show(viewer: Viewer, data: Data, act: impl FnOnce(&Hand) + Send) -> Data {
     probe::start();
+    let title = fresh_title();
     thread::scope(|scope| {
         scope.spawn(|| {
             or_exit(|| {
                 // Before that the window of the case before may still be there.
                 wait_until("the window is drawn", || probe::latest().is_some());
-                let hand = Hand::at(TITLE);
+                let hand = Hand::at(&title);
                 act(&hand);
                 hand.key("Escape");
             });
         });
-        viewer.title(TITLE).size(SIZE).run(data).expect("a window")
+        viewer.title(&*title).size(SIZE).run(data).expect("a window")
     })
 }
 

@@ -5,11 +5,11 @@ use std::thread;
 use mujoco_safe::viewer::{self, Handle, Key, Viewer, ViewerError, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
-use crate::case::{SIZE, TITLE, or_exit, show, state};
+use crate::case::{SIZE, fresh_title, or_exit, press, show};
 use crate::hand::{Hand, wait_until};
 
 fn options() -> ViewerOptions {
-    ViewerOptions { title: TITLE.to_owned(), size: Some(SIZE), ..ViewerOptions::default() }
+    ViewerOptions { title: fresh_title(), size: Some(SIZE), ..ViewerOptions::default() }
 }
 
 /// A program's own loop, until the window is closed. Returned are the keys that it got.
@@ -29,25 +29,27 @@ fn steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerError> 
 pub fn one_after_another() {
     // The simulation's own, then a program's, then one that the program closes.
     let data = show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |hand| {
-        crate::case::press(hand, "Right", "a step", |state| state.time > 0.0);
+        press(hand, "Right", "a step", |state| state.time > 0.0);
     });
     assert!(data.time() > 0.0, "how it stands at the end is returned");
 
     let mut data = Data::new(sample::humanoid()).unwrap();
     viewer::probe::start();
+    let programs = options();
+    let title = programs.title.clone();
     let keys = thread::scope(|scope| {
         scope.spawn(|| {
             or_exit(|| {
                 wait_until("the program's simulation is seen", || {
                     viewer::probe::latest().is_some_and(|state| state.status == "Program" && state.nbody > 10)
                 });
-                let hand = Hand::at(TITLE);
+                let hand = Hand::at(&title);
                 hand.key("Home");
-                crate::case::press(&hand, "BackSpace", "the start", |state| state.time < 0.05);
+                press(&hand, "BackSpace", "the start", |state| state.time < 0.05);
                 hand.key("Escape");
             });
         });
-        viewer::run(options(), |handle| steps(handle, &mut data)).unwrap()
+        viewer::run(programs, |handle| steps(handle, &mut data)).unwrap()
     });
     assert_eq!(keys, [Key::Home], "keys that the viewer has no use for are the program's");
 
@@ -85,28 +87,32 @@ pub fn launched() {
     // One after another, and two at once.
     for _ in 0..2 {
         viewer::probe::start();
-        let mut handle = viewer::launch(options()).unwrap();
-        let hand = thread::spawn(|| {
+        let options = options();
+        let title = options.title.clone();
+        let mut handle = viewer::launch(options).unwrap();
+        let hand = thread::spawn(move || {
             or_exit(|| {
                 wait_until("it is drawn", || viewer::probe::latest().is_some());
-                Hand::at(TITLE).key("ctrl+q");
+                Hand::at(&title).key("ctrl+q");
             });
         });
         steps(&mut handle, &mut data).unwrap();
         hand.join().unwrap();
     }
     let mut one = viewer::launch(options()).unwrap();
-    let mut other = viewer::launch(ViewerOptions { title: "another".to_owned(), ..options() }).unwrap();
+    let others = options();
+    let title = others.title.clone();
+    let mut other = viewer::launch(others).unwrap();
     one.sync(&mut data).unwrap();
     other.sync(&mut data).unwrap();
-    let hand = Hand::at("another");
+    let hand = Hand::at(&title);
     hand.key("Escape");
     wait_until("one of two is closed", || !other.is_running());
     assert!(one.is_running());
     drop(one);
     // A window that waits for its program is shown by the same thread.
     let data = show(Viewer::new(), data, |hand| {
-        crate::case::press(hand, "Right", "a step", |state| state.status == "Paused" && state.time > 0.0);
+        press(hand, "Right", "a step", |state| state.status == "Paused" && state.time > 0.0);
     });
     drop(data);
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mujoco_safe::viewer::{Viewer, ViewerOptions, probe};
 use mujoco_safe::{Data, PdController, Trajectory, sample};
 
-use crate::case::{TITLE, or_exit, press, state};
+use crate::case::{fresh_title, or_exit, press, settle, state};
 use crate::display::Screen;
 use crate::hand::{Hand, wait_until};
 
@@ -20,11 +20,12 @@ pub fn draw(directory: &Path) {
     trajectory.record(&mut data, &mut controller, 400).unwrap();
     data.reset().unwrap();
     probe::start();
+    let title = fresh_title();
     std::thread::scope(|scope| {
         scope.spawn(|| {
             or_exit(|| {
                 wait_until("it is drawn", || probe::latest().is_some());
-                let hand = Hand::at(TITLE);
+                let hand = Hand::at(&title);
                 let shoot = |name: &str| {
                     let frame = state().frame;
                     hand.move_to([640, 20]);
@@ -49,12 +50,13 @@ pub fn draw(directory: &Path) {
                 // The sections, from below, so that those above stay where they are.
                 for section in [617, 594, 571, 548, 207, 184] {
                     hand.click([40, section], 1, 1);
+                    settle(&hand);
+                    settle(&hand);
                 }
                 shoot("sections");
-                hand.move_to([100, 400]);
-                hand.click([100, 400], 5, 10);
+                hand.click([100, 400], 5, 30);
                 shoot("sections_below");
-                hand.click([1100, 400], 5, 10);
+                hand.click([1100, 400], 5, 30);
                 shoot("joints");
                 press(&hand, "F3", "no profile", |state| !state.panels[4]);
                 press(&hand, "F4", "no sensors", |state| !state.panels[5]);
@@ -68,7 +70,7 @@ pub fn draw(directory: &Path) {
             });
         });
         let options = ViewerOptions { screenshots: directory.join("screenshot.png"), ..ViewerOptions::default() };
-        let viewer = Viewer::new().options(options).title(TITLE).size(SIZE);
+        let viewer = Viewer::new().options(options).title(&*title).size(SIZE);
         viewer.controller(controller).trajectories([trajectory]).run(data).expect("a window");
     });
 }

@@ -34,11 +34,11 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     vector(ui, "wind, m/s", &mut options.wind);
     vector(ui, "magnetic", &mut options.magnetic);
 
-    ui.strong("on");
+    ui.strong("Parts of a step");
     let mut disable = options.disable;
     flags(ui, DisableFlags::all().iter_names(), |flag| !options.disable.contains(flag), |flag| disable.toggle(flag));
     options.disable = disable;
-    ui.strong("besides");
+    ui.strong("Extras");
     let mut enable = options.enable;
     flags(ui, EnableFlags::all().iter_names(), |flag| options.enable.contains(flag), |flag| enable.toggle(flag));
     options.enable = enable;

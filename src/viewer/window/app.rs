@@ -14,19 +14,28 @@ use super::wake::{Token, Wake};
 /// All windows of the process. Each is drawn when something in it has changed, and the thread sleeps otherwise.
 pub(super) struct App {
     sessions: HashMap<WindowId, Session>,
-    /// Whether the event loop ends when the last window is closed.
-    ends: bool,
+    ends: Ends,
+}
+
+/// When the event loop ends.
+enum Ends {
+    Never,
+    /// When this window has come and gone. What is told about windows of before may come first.
+    After(Token),
+    /// When no window is left.
+    WhenEmpty,
 }
 
 impl App {
-    /// Ends when its last window is closed.
-    pub fn until_closed() -> Self {
-        Self { sessions: HashMap::new(), ends: true }
+    /// Ends when this window is closed, and all others that there are.
+    pub fn until_closed(token: Token) -> Self {
+        Self { sessions: HashMap::new(), ends: Ends::After(token) }
     }
 
     /// Waits for the next window when its last one is closed.
+    #[cfg(not(target_os = "macos"))]
     pub fn forever() -> Self {
-        Self { ends: false, ..Self::until_closed() }
+        Self { sessions: HashMap::new(), ends: Ends::Never }
     }
 
     fn by_token(&mut self, token: Token) -> Option<&mut Session> {
@@ -36,7 +45,7 @@ impl App {
     /// Takes away the windows that are done.
     fn sweep(&mut self, event_loop: &ActiveEventLoop) {
         self.sessions.retain(|_, session| !session.is_over());
-        if self.ends && self.sessions.is_empty() {
+        if matches!(self.ends, Ends::WhenEmpty) && self.sessions.is_empty() {
             event_loop.exit();
         }
     }
@@ -48,6 +57,9 @@ impl ApplicationHandler<Wake> for App {
     fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {
         match wake {
             Wake::Open(opening) => {
+                if matches!(self.ends, Ends::After(awaited) if awaited == opening.waker.token()) {
+                    self.ends = Ends::WhenEmpty;
+                }
                 if let Some((id, session)) = Session::open(event_loop, *opening) {
                     self.sessions.insert(id, session);
                 }

@@ -13,7 +13,7 @@ use winit::event_loop::{EventLoop, EventLoopProxy};
 use winit::platform::run_on_demand::EventLoopExtRunOnDemand;
 
 use super::app::App;
-use super::wake::Wake;
+use super::wake::{Token, Wake};
 use crate::viewer::error::ViewerError;
 
 thread_local! {
@@ -64,9 +64,9 @@ pub(super) fn place() -> Result<Place, ViewerError> {
     Ok(Place::Here(Box::new(event_loop)))
 }
 
-/// Shows windows in this thread until the last of them is closed. They are those that were asked for through the loop's proxy.
-pub(super) fn run_here(mut event_loop: Box<EventLoop<Wake>>) -> Result<(), ViewerError> {
-    let outcome = event_loop.run_app_on_demand(&mut App::until_closed());
+/// Shows the window that was asked for through the loop's proxy, in this thread, until it is closed.
+pub(super) fn run_here(mut event_loop: Box<EventLoop<Wake>>, token: Token) -> Result<(), ViewerError> {
+    let outcome = event_loop.run_app_on_demand(&mut App::until_closed(token));
     rest(event_loop);
     outcome.map_err(|error| failure(&error))
 }

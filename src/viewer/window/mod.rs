@@ -58,7 +58,10 @@ pub(super) struct Asked {
 }
 
 /// This thread's event loop, which has to be run for a window to come. It is kept for the next window when it is not.
-pub(super) struct Here(Option<Box<EventLoop<Wake>>>);
+pub(super) struct Here {
+    event_loop: Option<Box<EventLoop<Wake>>>,
+    token: Token,
+}
 
 /// Tells whether a window came.
 pub(super) struct Opened(mpsc::Receiver<Result<(), ViewerError>>);
@@ -66,20 +69,24 @@ pub(super) struct Opened(mpsc::Receiver<Result<(), ViewerError>>);
 impl Asked {
     /// Asks for a window of this thread's.
     pub fn here(options: ViewerOptions) -> Result<(Self, Back), ViewerError> {
+        let token = Token::next();
         Ok(match event_loop::place()? {
-            event_loop::Place::Hosted(proxy) => Self::of(&proxy, options, None),
-            event_loop::Place::Here(here) => Self::of(&here.create_proxy(), options, Some(Here(Some(here)))),
+            event_loop::Place::Hosted(proxy) => Self::of(&proxy, token, options, None),
+            event_loop::Place::Here(event_loop) => {
+                let proxy = event_loop.create_proxy();
+                Self::of(&proxy, token, options, Some(Here { event_loop: Some(event_loop), token }))
+            }
         })
     }
 
     /// Asks for a window that is shown while this thread goes on.
     #[cfg(not(target_os = "macos"))]
     pub fn elsewhere(options: ViewerOptions) -> Result<(Self, Back), ViewerError> {
-        Ok(Self::of(&event_loop::host()?, options, None))
+        Ok(Self::of(&event_loop::host()?, Token::next(), options, None))
     }
 
-    fn of(proxy: &EventLoopProxy<Wake>, options: ViewerOptions, here: Option<Here>) -> (Self, Back) {
-        let waker = Waker::new(proxy.clone(), Token::next());
+    fn of(proxy: &EventLoopProxy<Wake>, token: Token, options: ViewerOptions, here: Option<Here>) -> (Self, Back) {
+        let waker = Waker::new(proxy.clone(), token);
         let told = waker.clone();
         let (front, back) = link(move || told.look());
         // For the plots. Nothing of the window's is simulated yet.
@@ -100,13 +107,13 @@ impl Asked {
 impl Here {
     /// Shows the window until it is closed.
     pub fn show(mut self) -> Result<(), ViewerError> {
-        self.0.take().map_or(Ok(()), event_loop::run_here)
+        self.event_loop.take().map_or(Ok(()), |event_loop| event_loop::run_here(event_loop, self.token))
     }
 }
 
 impl Drop for Here {
     fn drop(&mut self) {
-        if let Some(event_loop) = self.0.take() {
+        if let Some(event_loop) = self.event_loop.take() {
             event_loop::rest(event_loop);
         }
     }

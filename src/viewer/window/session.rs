@@ -139,6 +139,8 @@ impl Session {
             log::error!("{problem}");
         }
         self.front.close();
+        // At once: what destroys it is sent only with what comes next, which may never come.
+        self.window.set_visible(false);
         self.over = true;
     }
 
