@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Both are simulated first and kept as trajectories, and drawn from them afterwards. `--out PATH` what to write
-//! (trajectories.gif; see the example `record`), `--seconds S` (2), `--size WxH` of each half (320x360).
+//! (trajectories.gif; see the example `record`), `--seconds S` (2), `--size WxH` of each half (320x360), `--view` to go through
+//! them in a window instead, forwards and backwards (built with `--features viewer`).
 
 #[path = "common/mod.rs"]
 mod common;
@@ -13,27 +14,29 @@ mod common;
 use std::error::Error;
 use std::path::PathBuf;
 
-use common::{balance, option, progress};
+use common::{balance, option, progress, window};
 use mujoco_safe::record::{Recorder, RecorderOptions};
 use mujoco_safe::render::{Picture, Renderer};
 use mujoco_safe::scene::{Camera, Categories, SceneOptions};
 use mujoco_safe::{Controller, Data, Scene, Trajectory, ZeroController};
 
-const HELP: &str = "trajectories [--out PATH] [--seconds S] [--size WxH]";
+const HELP: &str = "trajectories [--out PATH] [--seconds S] [--size WxH] [--view]";
 
 struct Arguments {
     out: PathBuf,
     seconds: f64,
     size: [u32; 2],
+    view: bool,
 }
 
 fn arguments() -> Result<Arguments, String> {
-    let mut arguments = Arguments { out: "trajectories.gif".into(), seconds: 2.0, size: [320, 360] };
+    let mut arguments = Arguments { out: "trajectories.gif".into(), seconds: 2.0, size: [320, 360], view: false };
     option::each(HELP, |name, parser| {
         match name {
             "--out" => arguments.out = option::text(parser, name)?.into(),
             "--seconds" => arguments.seconds = option::number(parser, name)?,
             "--size" => arguments.size = option::size(parser, name)?,
+            "--view" => arguments.view = true,
             _ => return Ok(false),
         }
         Ok(true)
@@ -61,6 +64,9 @@ fn run() -> Result<(), Box<dyn Error>> {
         trajectories.push(trajectory);
     }
 
+    if arguments.view {
+        return window::replay("Without control, and with it", data, trajectories);
+    }
     draw(&mut data, &trajectories, &arguments)
 }
 
