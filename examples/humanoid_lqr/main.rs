@@ -15,14 +15,13 @@ mod arguments;
 mod common;
 mod film;
 mod plots;
-mod set_point;
 mod simulate;
-mod weights;
 
 use std::error::Error;
 use std::sync::Arc;
 
 use arguments::Arguments;
+use common::balance::{set_point, weights};
 use mujoco_safe::{Data, Differences, Lqr, Matrix, Model, sample};
 use set_point::SetPoint;
 use simulate::{Disturbance, simulate};

@@ -19,20 +19,15 @@ mod film;
 mod planner;
 mod plots;
 mod robot;
-#[allow(dead_code, reason = "the example it belongs to tells more about the set-point")]
-#[path = "../humanoid_lqr/set_point.rs"]
-mod set_point;
 #[allow(dead_code, reason = "the example it belongs to tells more about the run")]
 #[path = "../humanoid_lqr/simulate.rs"]
 mod simulate;
-#[allow(dead_code, reason = "the example it belongs to tells more about the joints")]
-#[path = "../humanoid_lqr/weights.rs"]
-mod weights;
 
 use std::error::Error;
 
 use arguments::Arguments;
 use attempt::{Attempt, attempt};
+use common::balance::{set_point, weights};
 use mujoco_safe::Data;
 use mujoco_safe::rayon::ThreadPoolBuilder;
 use planner::{HORIZON, SAMPLES, STEPS};

@@ -101,7 +101,7 @@ mod tests {
         for time in times {
             if clock.is_due(time) {
                 let count = clock.take(time).unwrap();
-                held.into_iter().for_each(|held| shown.extend(std::iter::repeat_n(held, count as usize)));
+                shown.extend(held.into_iter().flat_map(|held| std::iter::repeat_n(held, count as usize)));
                 held = Some(time);
             }
         }
