@@ -158,7 +158,7 @@ mod tests {
         assert!(palette.suits(error) && error < 100.0, "{error}");
         // Squares of 16 pixels look as they should from afar.
         for (top, left) in (0..height).step_by(16).flat_map(|top| (0..width).step_by(16).map(move |left| (top, left))) {
-            for channel in 0..3 {
+            for channel in [0, 1, 2] {
                 let mean = |value: &dyn Fn(usize) -> u8| {
                     let places = (0..256).map(|place| (top + place / 16) * width + left + place % 16);
                     places.map(|place| f64::from(value(place))).sum::<f64>() / 256.0

@@ -53,11 +53,11 @@ fn surfaces_are_valid_in_every_light() {
 fn surfaces_are_valid_with_any_number_of_lights() {
     for shade in [Shade::Vertex, Shade::Pixel] {
         for count in 0..=8 {
-            let mut lights = vec![kind(0b1111110); count];
+            let mut lights = vec![kind(0b111_1110); count];
             lights.extend([kind(0); 3]);
             check(&Program { shade, lights: &lights, coat: Coat::Flat, fog: true, clip: true, ..SURFACE });
         }
-        check(&Program { shade, lights: &[kind(0b110110); 100], ..SURFACE });
+        check(&Program { shade, lights: &[kind(0b11_0110); 100], ..SURFACE });
     }
 }
 
@@ -70,7 +70,7 @@ fn every_subject_is_valid_with_every_addition() {
                     for bits in 0..4 {
                         // What has numbers or nothing has no picture either.
                         let coat = if output == Output::Color { coat } else { Coat::Plain };
-                        let lights = &[kind(0b1111110), kind(1)];
+                        let lights = &[kind(0b111_1110), kind(1)];
                         let (fog, clip) = (bits & 1 == 1, bits & 2 == 2);
                         check(&Program { subject, output, coat, shade, lights, fog, clip });
                     }
