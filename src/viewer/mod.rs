@@ -32,7 +32,8 @@
 //!
 //! Physics and window are two threads that share nothing but a link: requests go one way, snapshots and events the other.
 //! No simulation is ever copied. Physics keeps to real time and gives up what it cannot reach; a window is drawn when there is
-//! something new to be seen, and sleeps otherwise.
+//! something new to be seen, and sleeps otherwise. The first window gives the engine a clock, as
+//! [`enable_timers`](crate::enable_timers) does, for the plot of computing times.
 //!
 //! | file | what is in it |
 //! |---|---|
