@@ -18,7 +18,9 @@ pub enum Lighting {
 /// ```
 /// use mujoco_safe::render::{Lighting, RendererOptions};
 ///
-/// let fast = RendererOptions { samples: Some(1), shadow_size: Some(1024), lighting: Lighting::PerVertex, ..Default::default() };
+/// let fast = RendererOptions::default().samples(1).shadow_size(1024);
+/// let smooth = RendererOptions::default().lighting(Lighting::PerPixel);
+/// assert_eq!((fast.samples, smooth.lighting), (Some(1), Lighting::PerPixel));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]

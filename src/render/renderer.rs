@@ -218,7 +218,10 @@ impl Renderer {
         self.check_model(model)?;
         model.check_id(id);
         let Self { gpu, textures, .. } = self;
-        gpu.guarded(|| textures.update(gpu, model, id))
+        gpu.guarded(|| {
+            textures.update(gpu, model, id);
+            Ok(())
+        })
     }
 
     /// The colours of a scene.
@@ -291,9 +294,8 @@ impl Renderer {
         let mut rows = picture.resize(width, height).chunks_exact_mut(width);
         self.ids(scene, Numbers::Depths, |row| {
             for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
-                let [a, b, c, d, e, f, g, h] = *from;
-                let is_there = u32::from_ne_bytes([a, b, c, d]) != 0;
-                *to = if is_there { f32::from_ne_bytes([e, f, g, h]) } else { f32::INFINITY };
+                let [number, depth]: [u32; 2] = bytemuck::pod_read_unaligned(from);
+                *to = if number == 0 { f32::INFINITY } else { f32::from_bits(depth) };
             }
         })
     }
@@ -319,15 +321,15 @@ impl Renderer {
         let mut rows = picture.resize(width, height, scene).chunks_exact_mut(width);
         self.ids(scene, Numbers::Ids, |row| {
             for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
-                let [a, b, c, d, ..] = *from;
-                *to = u32::from_ne_bytes([a, b, c, d]);
+                let [number, _]: [u32; 2] = bytemuck::pod_read_unaligned(from);
+                *to = number;
             }
         })
     }
 
     /// Draws to a texture of the size and of one of the formats of a window's surface: `Bgra8Unorm` or `Rgba8Unorm`. Everything
     /// in it is overwritten. The commands are submitted.
-    #[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "the viewer draws to windows"))]
+    #[allow(dead_code, reason = "the viewer draws to windows")]
     pub(crate) fn draw_to(
         &mut self,
         scene: &Scene,
@@ -388,7 +390,7 @@ impl Renderer {
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let Self { list, pipelines, shapes, textures, instances, numbers_group, ids, .. } = self;
             let (Some(group), Some(ids)) = (numbers_group, ids) else { return Ok(()) };
-            let mut draw = Draw { gpu: &gpu, pipelines, shapes, textures, instances: instances.buffer() };
+            let mut draw = Draw { gpu: &gpu, pipelines, shapes, textures, instances: instances.buffer(), sight: None };
             let culls = scene.render_flags().contains(RenderFlags::CULL_FACE);
             numbers::encode_ids(&mut encoder, &mut draw, list, group, ids, [culls, true]);
             let texture = ids.texture.clone();
@@ -426,9 +428,6 @@ impl Renderer {
         // The mirror's mark is behind all others.
         list.instances.extend(list.mirror.as_ref().and_then(|mirror| mirror.mark).map(|(_, instance)| instance));
         instances.write(gpu, bytemuck::cast_slice(&list.instances))?;
-        if list.mirror.as_ref().is_some_and(|mirror| mirror.mark.is_some()) {
-            list.instances.pop();
-        }
         shapes.update_skins(gpu, scene);
         Ok((eye, lights))
     }
@@ -473,7 +472,7 @@ impl Renderer {
             self.bind_numbers(&eye)?;
             let Self { gpu, list, pipelines, shapes, textures, instances, numbers_group, target, .. } = self;
             let (Some(group), Some(target)) = (numbers_group, target) else { return Ok(encoder) };
-            let mut draw = Draw { gpu, pipelines, shapes, textures, instances: instances.buffer() };
+            let mut draw = Draw { gpu, pipelines, shapes, textures, instances: instances.buffer(), sight: None };
             numbers::encode_flat(&mut encoder, &mut draw, list, group, (target, color), [culls, turned]);
             return Ok(encoder);
         }
@@ -498,6 +497,7 @@ impl Renderer {
         } = self;
         let Some(target) = target else { return Ok(encoder) };
         let frame = Frame { eye: &eye, lights: &lights, settings, size, flags, shade };
+        let planes = eye.planes();
         shadows.prepare(gpu, &lights, list)?;
         let has_haze = flags.contains(RenderFlags::HAZE);
         sky.prepare(gpu, list, &eye, settings, has_haze)?;
@@ -506,8 +506,9 @@ impl Renderer {
             labels.atlas = Some(textures.atlas(gpu));
         }
         scenes.prepare(gpu, &frame, list, shadows)?;
-        let mut draw = Draw { gpu, pipelines, shapes, textures, instances: instances.buffer() };
+        let mut draw = Draw { gpu, pipelines, shapes, textures, instances: instances.buffer(), sight: None };
         shadows.encode(&mut encoder, &mut draw, list, culls);
+        draw.sight = Some((&planes, &list.instances));
         let viewport = [0, 0, size[0], size[1]];
         let canvas = Canvas { target, view: color, viewport, keeps: false };
         scenes.encode(&mut encoder, &mut draw, &frame, list, (shadows, sky, labels), &canvas);

@@ -1,4 +1,7 @@
 //! Pictures.
 
 mod content;
+mod hostile;
+mod optics;
 mod rays;
+mod stage;

@@ -11,15 +11,23 @@
 //!
 //! Where all of these rays agree on the geom, the picture must show it. Where they do not, at the edges of things, it must show one
 //! of those that are within the bounds.
+//!
+//! One thing is let pass, where a pixel shows the very edge of a round geom, which some of its rays meet and some miss once it is
+//! smaller: a triangle is seen edge-on there, and its depth changes without bound from pixel to pixel. A card that computes it for the
+//! middle of a pixel from corners that it has rounded, as Mesa's software rasteriser does, may find it nearer than the whole geom, and
+//! show it through others. There are few such pixels, and they are counted.
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use mujoco_safe::render::{DepthPicture, Renderer, Segment, SegmentationPicture};
+use mujoco_safe::render::{Renderer, RendererOptions, Segment};
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneGeom, SceneObject, SceneOptions, Viewpoint, VisualFlags};
 use mujoco_safe::{Data, GeomId, GeomType, Model, RayHit, RayOptions, math, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+
+use crate::stage;
 
 const SIZE: [u32; 2] = [640, 480];
 const PIXELS: usize = 1000;
@@ -69,7 +77,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let mut scene = Scene::new(data.model(), 20_000).unwrap();
     let mut camera = Camera { lookat, distance, azimuth, elevation, ..Camera::default() };
     scene.update(&mut data, &geoms_only(), None, &mut camera, Categories::STATIC | Categories::DYNAMIC).unwrap();
-    let mut renderer = Renderer::new(data.model(), SIZE[0], SIZE[1]).unwrap();
+    let mut renderer = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], &RendererOptions::default()).unwrap();
     let depth = renderer.depth(&scene).unwrap();
     let segmentation = renderer.segmentation(&scene).unwrap();
 
@@ -78,6 +86,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let transparent: Vec<GeomId> = scene.geoms().filter(is_transparent).filter_map(of_model).collect();
     let rays = Rays::new(&data, scene.viewpoint(), &[]);
     let solid = (!transparent.is_empty()).then(|| Rays::new(&data, scene.viewpoint(), &transparent));
+    let edges = Cell::new(0);
     let check = |pixel: [usize; 2]| {
         // The rods of cranks are drawn whatever is to be shown, and no ray meets them.
         let segment = segmentation.pixel(pixel[0], pixel[1]);
@@ -86,8 +95,18 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
         }
         let met = rays.meet(pixel);
         let deep = solid.as_ref().map_or(met.range, |rays| rays.meet(pixel).range);
-        check_depth(name, pixel, depth.metres(pixel[0], pixel[1]).into(), deep);
-        rays.check_segment(name, pixel, segment, &met)
+        let found = f64::from(depth.metres(pixel[0], pixel[1]));
+        let seen = segment.map(|segment| of_model(scene.geom(segment.geom)).expect("nothing but geoms"));
+        if !(is_within(found, deep) && rays.agree(&met, seen)) {
+            let is_edge = seen.is_some_and(|geom| rays.is_edge(geom, &met));
+            assert!(
+                is_edge,
+                "{name} at {pixel:?}: {seen:?} at {found} m, but rays meet {:?} at {:?} m",
+                met.first, met.range
+            );
+            edges.set(edges.get() + 1);
+        }
+        met.agree
     };
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2022);
     let mut certain = 0;
@@ -107,6 +126,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     for _ in 0..PIXELS {
         check(things[random.random_range(0..things.len())]);
     }
+    assert!(edges.get() <= PIXELS / 100, "{name}: edges of round geoms are too near at {} pixels", edges.get());
 }
 
 /// All geoms, and as little else as possible: what rays meet.
@@ -135,8 +155,9 @@ struct Rays {
 struct Met {
     /// The least and the greatest depth that it can have.
     range: [f64; 2],
-    /// What they all agree on, if they do: a geom or nothing.
-    only: Option<Option<GeomId>>,
+    /// What one of them meets, and whether they all do.
+    first: Option<GeomId>,
+    agree: bool,
     /// The directions of the rays.
     directions: Vec<[f64; 3]>,
 }
@@ -214,43 +235,40 @@ impl Rays {
             inner.iter().map(distance).fold(f64::NEG_INFINITY, f64::max),
         ];
         let first = outer[0].map(|hit| hit.geom);
-        let is_same = outer.iter().chain(&inner).all(|hit| hit.map(|hit| hit.geom) == first);
-        Met { range, only: is_same.then_some(first), directions }
+        let agree = outer.iter().chain(&inner).all(|hit| hit.map(|hit| hit.geom) == first);
+        Met { range, first, agree, directions }
     }
 
     /// How far away a ray meets a geom that others may hide.
-    fn distance(&self, geom: GeomId, direction: [f64; 3]) -> Option<f64> {
-        let (model, index) = (self.outer.model(), geom.index());
+    fn distance(&self, data: &Data, geom: GeomId, direction: [f64; 3]) -> Option<f64> {
+        let (model, index) = (data.model(), geom.index());
         match model.geom(geom).geom_type() {
-            GeomType::Mesh => self.outer.ray_mesh(geom, self.eye(), direction).unwrap(),
-            GeomType::HeightField => self.outer.ray_hfield(geom, self.eye(), direction).unwrap(),
+            GeomType::Mesh => data.ray_mesh(geom, self.eye(), direction).unwrap(),
+            GeomType::HeightField => data.ray_hfield(geom, self.eye(), direction).unwrap(),
             geom_type => {
-                let (pos, mat) = (self.outer.geom_xpos()[index], self.outer.geom_xmat()[index]);
-                let size = model.geom_size()[index];
+                let (pos, mat, size) = (data.geom_xpos()[index], data.geom_xmat()[index], model.geom_size()[index]);
                 math::ray_geom(&pos, &mat, &size, &self.eye(), &direction, geom_type).unwrap()
             }
         }
     }
 
-    /// Compares what is seen at a pixel, and says whether the rays agree.
-    fn check_segment(&self, name: &str, pixel: [usize; 2], seen: Option<Segment>, met: &Met) -> bool {
-        let seen = seen.map(|segment| match segment.object {
-            Some(SceneObject::Geom(geom)) => geom,
-            _ => panic!("{name} at {pixel:?}: {segment:?} is no geom"),
-        });
+    /// Whether a picture may show this geom, or nothing, where rays meet that.
+    fn agree(&self, met: &Met, seen: Option<GeomId>) -> bool {
         let far = met.range[1] * (1.0 + PRECISION);
         // At an edge, or where two surfaces are closer to each other than to what is drawn of them.
-        let is_near = |geom| {
-            let mut distances = met.directions.iter().filter_map(|&direction| self.distance(geom, direction));
-            distances.any(|distance| distance <= far)
-        };
-        let is_right = met.only == Some(seen) || seen.map_or(far == f64::INFINITY, is_near);
-        assert!(is_right, "{name} at {pixel:?}: {seen:?}, but rays meet {:?} at {:?} m", met.only, met.range);
-        met.only.is_some()
+        let is_near =
+            |geom| met.directions.iter().any(|&ray| self.distance(&self.outer, geom, ray).is_some_and(|at| at <= far));
+        (met.agree && met.first == seen) || seen.map_or(far == f64::INFINITY, is_near)
+    }
+
+    /// Whether a geom's edge is at a pixel: some of its rays meet it, and some miss it once it is smaller.
+    fn is_edge(&self, geom: GeomId, met: &Met) -> bool {
+        met.directions.iter().any(|&ray| self.distance(&self.outer, geom, ray).is_some())
+            && met.directions.iter().any(|&ray| self.distance(&self.inner, geom, ray).is_none())
     }
 }
 
-fn check_depth(name: &str, pixel: [usize; 2], found: f64, [near, far]: [f64; 2]) {
-    let is_right = found >= near * (1.0 - PRECISION) && (found == far || found <= far * (1.0 + PRECISION));
-    assert!(is_right, "{name} at {pixel:?}: {found} m, but rays meet something at {near} to {far} m");
+/// Whether a depth is between two, as precise as it must be.
+fn is_within(depth: f64, [near, far]: [f64; 2]) -> bool {
+    depth >= near * (1.0 - PRECISION) && (depth == far || depth <= far * (1.0 + PRECISION))
 }

@@ -11,5 +11,5 @@ mod surface;
 mod textures;
 
 pub(crate) use self::shapes::{LEVELS, Round, Shapes};
-pub(crate) use self::surface::Surface;
+pub(crate) use self::surface::{Surface, Tile};
 pub(crate) use self::textures::{Layouts, Textures};

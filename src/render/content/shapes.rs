@@ -124,13 +124,14 @@ impl Shapes {
     ) -> Result<(), RenderError> {
         let cells = |cells: u32| if lighting == Lighting::PerVertex { cells } else { cells.min(ENOUGH_CELLS) };
         let mut made: Vec<(u32, u32)> = Vec::new();
-        let mut shape = |shapes: &mut Self, count: u32| match made.iter().find(|(cells, _)| *cells == count) {
-            Some(&(_, shape)) => Ok(shape),
-            None => {
-                let shape = shapes.push(gpu, &shape::plane(count))?;
-                made.push((count, shape));
-                Ok::<u32, RenderError>(shape)
+        let mut shape = |shapes: &mut Self, count: u32| {
+            if let Some(&(_, shape)) = made.iter().find(|(cells, _)| *cells == count) {
+                return Ok(shape);
             }
+            shapes.surfaces.push(Surface::tiled(gpu, count)?);
+            let shape = shapes.surfaces.len() as u32 - 1;
+            made.push((count, shape));
+            Ok::<u32, RenderError>(shape)
         };
         self.endless = Plane { shape: shape(self, cells(MOST_CELLS))?, half: [endless(settings, 0.0); 2] };
         for geom in model.geoms().filter(|geom| geom.geom_type() == crate::GeomType::Plane) {

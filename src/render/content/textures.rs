@@ -2,10 +2,10 @@
 
 use crate::id::TextureId;
 use crate::model::Model;
+use crate::render::Gpu;
 use crate::render::shader::Coat;
 use crate::render::text::Atlas;
 use crate::render::texture::{Faces, Images, Level, images};
-use crate::render::{Gpu, RenderError};
 
 /// How programs are given pictures.
 #[derive(Debug, Clone)]
@@ -76,9 +76,8 @@ impl Textures {
     }
 
     /// Makes a picture anew.
-    pub(crate) fn update(&mut self, gpu: &Gpu, model: &Model, id: TextureId) -> Result<(), RenderError> {
+    pub(crate) fn update(&mut self, gpu: &Gpu, model: &Model, id: TextureId) {
         self.pictures[id.index()] = self.picture(gpu, model, id);
-        Ok(())
     }
 
     fn picture(&self, gpu: &Gpu, model: &Model, id: TextureId) -> (Coat, wgpu::BindGroup) {

@@ -9,6 +9,7 @@ use crate::scene::{RenderFlags, Scene, SceneLight};
 pub(crate) const MOST_SHADOWS: usize = 8;
 
 /// What a light does that others do not. Programs are written for the kinds of the lights, so that they need not ask.
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub(crate) struct LightKind {
     pub(crate) directional: bool,
@@ -83,7 +84,7 @@ fn kind(light: &mut SceneLight) -> Option<LightKind> {
     }
     if light.directional {
         light.attenuation = [1.0, 0.0, 0.0];
-        (light.cutoff, light.exponent) = (light.cutoff, 0.0);
+        light.exponent = 0.0;
     }
     light.exponent = if light.exponent.is_finite() { light.exponent.clamp(0.0, 128.0) } else { 0.0 };
     let is_spot = !light.directional && (0.0..=90.0).contains(&light.cutoff);
@@ -108,7 +109,7 @@ fn shadow_matrix(light: &SceneLight, eye: &Eye, settings: &Settings) -> Option<M
         orthographic(settings.shadow_clip, eye.range)
     } else {
         let angle = (2.0 * f64::from(light.cutoff) * settings.shadow_scale).min(160.0);
-        if !(angle > 0.0) {
+        if angle.is_nan() || angle <= 0.0 {
             return None;
         }
         let half = (angle / 2.0).to_radians().tan() * eye.range[0];

@@ -89,6 +89,7 @@ pub(crate) fn mirror(point: [f64; 3], normal: [f64; 3]) -> Matrix4 {
 }
 
 /// A turn by a quaternion `[w, x, y, z]`, then a scale, then a shift.
+#[allow(clippy::many_single_char_names, reason = "the names that quaternions have")]
 pub(crate) fn placed(quat: [f64; 4], scale: f64, shift: [f64; 3]) -> Matrix4 {
     let length = quat.iter().map(|part| part * part).sum::<f64>().sqrt();
     let [w, x, y, z] = if length > 1e-10 { quat.map(|part| part / length) } else { [1.0, 0.0, 0.0, 0.0] };

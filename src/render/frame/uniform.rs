@@ -96,6 +96,7 @@ impl Window {
     pub(crate) fn zoom(&self, size: u32) -> Matrix4 {
         let mut matrix = ONE;
         let inner = f64::from(size) - 2.0;
+        #[allow(clippy::needless_range_loop, reason = "rows and columns by the same axis")]
         for axis in 0..2 {
             let (first, length) = (f64::from(self.first[axis]), f64::from(self.size[axis]));
             matrix[axis][axis] = inner / length;
@@ -110,6 +111,7 @@ impl Window {
     /// From the cube that the light sees to texels of the kept part. The border is not thought of here, as the engine does not.
     fn texels(&self, size: u32) -> Matrix4 {
         let mut matrix = ONE;
+        #[allow(clippy::needless_range_loop, reason = "rows and columns by the same axis")]
         for axis in 0..2 {
             matrix[axis][axis] = f64::from(size) / 2.0;
             matrix[3][axis] = f64::from(size) / 2.0 - f64::from(self.first[axis]);

@@ -28,7 +28,7 @@ use super::RenderError;
 ///
 /// let gpu = Gpu::new()?;
 /// println!("{}, {:?}", gpu.name(), gpu.kind());
-/// let software = Gpu::with_options(&GpuOptions { preference: GpuPreference::Software, ..GpuOptions::default() })?;
+/// let software = Gpu::with_options(&GpuOptions::preferring(GpuPreference::Software))?;
 /// # Ok::<(), mujoco_safe::render::RenderError>(())
 /// ```
 #[derive(Clone)]
@@ -45,11 +45,11 @@ struct Shared {
     /// Why it is lost, once it is.
     lost: Arc<OnceLock<String>>,
     /// What windows need. Nothing for the caller's own device.
-    #[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "windows are the viewer's"))]
+    #[allow(dead_code, reason = "windows are the viewer's")]
     origin: Option<Origin>,
 }
 
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "windows are the viewer's"))]
+#[allow(dead_code, reason = "windows are the viewer's")]
 struct Origin {
     instance: wgpu::Instance,
     adapter: wgpu::Adapter,
@@ -94,6 +94,12 @@ impl Gpu {
 
     pub(crate) fn has(&self, feature: wgpu::Features) -> bool {
         self.shared.device.features().contains(feature)
+    }
+
+    /// What the graphics library keeps.
+    #[cfg(test)]
+    pub(crate) fn report(&self) -> Option<wgpu::wgc::global::GlobalReport> {
+        self.shared.origin.as_ref()?.instance.generate_report()
     }
 
     /// The number of samples of a pixel that comes nearest, and is not more if there is one.

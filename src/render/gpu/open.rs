@@ -1,5 +1,7 @@
 //! Which adapter is taken.
 
+#![allow(clippy::trivially_copy_pass_by_ref, reason = "there will be more options")]
+
 use std::sync::{Arc, OnceLock};
 
 use super::{Gpu, Origin, Shared};
@@ -77,9 +79,8 @@ impl Gpu {
         // OpenGL is asked only where there is nothing newer: to look for it takes a while.
         for backends in [wgpu::Backends::PRIMARY, wgpu::Backends::GL] {
             let instance = wgpu::Instance::new(descriptor(backends));
-            match choose(&instance, options, None, &mut found) {
-                Some(adapter) => return open(instance, adapter),
-                None => continue,
+            if let Some(adapter) = choose(&instance, options, None, &mut found) {
+                return open(instance, adapter);
             }
         }
         Err(no_adapter(options, &found))

@@ -1,5 +1,7 @@
 //! An adapter that can draw to a window.
 
+#![allow(clippy::trivially_copy_pass_by_ref, reason = "there will be more options")]
+
 use super::open::{choose, descriptor, no_adapter, open};
 use super::{Gpu, GpuOptions};
 use crate::render::RenderError;

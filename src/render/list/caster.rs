@@ -28,18 +28,21 @@ impl<'a> Casters<'a> {
         Self { lights, culls }
     }
 
-    /// Adds a geom that casts shadows.
-    pub(super) fn add(&mut self, geom: SceneGeom<'_>, reach: &Reach) {
-        for light in &mut self.lights {
+    /// Adds a geom that casts shadows. The lights that it casts them in are returned: a bit for each.
+    pub(super) fn add(&mut self, geom: SceneGeom<'_>, reach: &Reach) -> u8 {
+        let mut casts = 0;
+        for (index, light) in self.lights.iter_mut().enumerate() {
             // The front of a plane is left out, as all fronts are: then nothing of it is drawn.
             let is_left_out = self.culls && geom.geom_type() == SceneGeomType::Plane && light.sees_front(geom);
-            match reach {
-                _ if is_left_out => {}
+            let is_seen = match reach {
+                _ if is_left_out => false,
                 Reach::Within(sphere) => light.add(sphere),
-                Reach::Everywhere => (light.low, light.high) = ([-1.0; 2], [1.0; 2]),
-                Reach::Nowhere => {}
-            }
+                Reach::Everywhere => light.add_all(),
+                Reach::Nowhere => false,
+            };
+            casts |= u8::from(is_seen) << index;
         }
+        casts
     }
 
     /// The rectangles, from the lowest to the highest corner; none where nothing is drawn.
@@ -68,24 +71,36 @@ impl<'a> Caster<'a> {
         normal.iter().zip(toward).map(|(a, b)| a * b).sum::<f32>() > 0.0
     }
 
-    /// Adds the box around the picture of a sphere.
-    fn add(&mut self, sphere: &Sphere) {
+    /// Adds the box around the picture of a sphere, and tells whether any of it is seen.
+    fn add(&mut self, sphere: &Sphere) -> bool {
         let [x, y, z] = sphere.centre.map(f64::from);
         let radius = f64::from(sphere.radius);
         let [across, up, deep] = self.rows.map(|row| row[0] * x + row[1] * y + row[2] * z + row[3]);
         let around = self.lengths.map(|length| length * radius);
         let (near, far) = (deep - around[2], deep + around[2]);
+        if far <= 0.0 {
+            return false;
+        }
         // It reaches behind the light, or almost: it may be anywhere.
-        if !(near > 1e-6 * far.abs()) {
-            if !(far <= 0.0) {
-                (self.low, self.high) = ([-1.0; 2], [1.0; 2]);
-            }
-            return;
+        if near.is_nan() || near <= 1e-6 * far {
+            return self.add_all();
         }
-        for (axis, center) in [across, up].into_iter().enumerate() {
-            let (low, high) = (center - around[axis], center + around[axis]);
-            self.low[axis] = self.low[axis].min(low / if low < 0.0 { near } else { far });
-            self.high[axis] = self.high[axis].max(high / if high > 0.0 { near } else { far });
+        let sides = [(across, around[0]), (up, around[1])].map(|(center, around)| {
+            let (low, high) = (center - around, center + around);
+            [low / if low < 0.0 { near } else { far }, high / if high > 0.0 { near } else { far }]
+        });
+        if sides.iter().any(|&[low, high]| low > 1.0 || high < -1.0) {
+            return false;
         }
+        for (axis, [low, high]) in sides.into_iter().enumerate() {
+            self.low[axis] = self.low[axis].min(low);
+            self.high[axis] = self.high[axis].max(high);
+        }
+        true
+    }
+
+    fn add_all(&mut self) -> bool {
+        (self.low, self.high) = ([-1.0; 2], [1.0; 2]);
+        true
     }
 }

@@ -45,6 +45,8 @@ pub(crate) struct Place {
     /// Within the frustum.
     pub(crate) seen: bool,
     pub(crate) side: Side,
+    /// The lights in which they cast shadows: a bit for each.
+    pub(crate) casts: u8,
 }
 
 /// On which side of the mirror instances are.

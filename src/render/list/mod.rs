@@ -25,7 +25,6 @@ pub(crate) use self::mirror::Mirror;
 use self::primitive::Part;
 use super::bound::{Bounds, Reach, sorting_radius};
 use super::content::{LEVELS, Shapes, Textures};
-use super::frame::matrix::Matrix4;
 use super::frame::{Eye, Lights};
 use super::settings::is_drawable;
 use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
@@ -122,10 +121,8 @@ impl List {
                 self.horizon = Some(Horizon { pos: geom.pos(), mat: geom.mat(), is_opaque: !is_clear });
             }
             let is_line = geom.geom_type() == SceneGeomType::Line;
-            if !is_line {
-                casters.add(geom, &reach);
-            }
-            let place = self.place(&reach, &planes, mirror_planes.as_ref());
+            let casts = if is_line { 0 } else { casters.add(geom, &reach) };
+            let place = Place { casts, ..self.place(&reach, &planes, mirror_planes.as_ref()) };
             self.parts.clear();
             // Numbers are measurements, for which no corner is spared.
             let level = if scenery.numbers.is_some() { 0 } else { level(geom, &reach, eye) };
@@ -188,7 +185,7 @@ impl List {
 
     /// Where a geom is seen, if at all.
     fn place(&self, reach: &Reach, planes: &[[f32; 4]; 6], mirror_planes: Option<&[[f32; 4]; 6]>) -> Place {
-        let Reach::Within(sphere) = reach else { return Place { seen: true, side: Side::Across } };
+        let Reach::Within(sphere) = reach else { return Place { seen: true, side: Side::Across, casts: 0 } };
         let distance = |plane: &[f32; 4]| {
             let [x, y, z] = sphere.centre;
             plane[0] * x + plane[1] * y + plane[2] * z + plane[3]
@@ -208,7 +205,7 @@ impl List {
             }
             _ => Side::Behind,
         };
-        Place { seen: is_within(planes), side }
+        Place { seen: is_within(planes), side, casts: 0 }
     }
 
     /// Puts the drafts in order: the mirror, what is solid by kinds, what is transparent by distance.
@@ -249,10 +246,15 @@ fn push(batches: &mut Vec<Batch>, instances: &mut Vec<Instance>, draft: &Draft) 
 /// Instances with the same key are drawn at once. That of a mirror is 0.
 fn key(draft: &Draft) -> u64 {
     let Kind { shape, coat, texture, line, back } = draft.kind;
-    let Place { seen, side } = draft.place;
+    let Place { seen, side, casts } = draft.place;
     let flags = [line, back, !seen].iter().fold(side as u64, |flags, &flag| flags << 1 | u64::from(flag));
     let coated = (coat as u64) << 32 | u64::from(texture & 0xFFFF) << 16;
-    1 << 63 | flags << 40 | coated | u64::from(shape & 0xFFFF) | u64::from(shape >> 16) << 46
+    1 << 63
+        | u64::from(casts) << 54
+        | u64::from(shape >> 16 & 0xFF) << 46
+        | flags << 40
+        | coated
+        | u64::from(shape & 0xFFFF)
 }
 
 /// Whether a geom has a place, a shape, and numbers that can be drawn with.
@@ -277,7 +279,7 @@ fn is_endless(geom: SceneGeom<'_>) -> bool {
 /// The level of detail of a round geom: the fewer pixels it has, the fewer corners nobody misses.
 fn level(geom: SceneGeom<'_>, reach: &Reach, eye: &Eye) -> u32 {
     /// With radii of so many pixels the edges of the next level are within a fifth of a pixel of those of this one.
-    const ENOUGH: [f64; LEVELS as usize - 1] = [9.0, 3.5];
+    const ENOUGH: [f64; LEVELS as usize - 1] = [6.0, 2.5];
     let Reach::Within(sphere) = reach else { return 0 };
     let [x, y, z] = geom.size();
     let radius = match geom.geom_type() {
@@ -288,11 +290,3 @@ fn level(geom: SceneGeom<'_>, reach: &Reach, eye: &Eye) -> u32 {
     let pixels = eye.pixels * eye.scale * f64::from(radius) / nearest;
     ENOUGH.iter().take_while(|&&enough| pixels < enough).count() as u32
 }
-
-/// A matrix of the mirror for the eye.
-pub(crate) fn mirrored(eye: &Eye, matrix: &Matrix4) -> Eye {
-    eye.mirrored(matrix)
-}
-
-#[cfg(test)]
-mod tests;

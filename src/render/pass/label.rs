@@ -75,5 +75,5 @@ fn pixel(point: [f32; 3], eye: &Eye, size: [u32; 2]) -> Option<[f32; 2]> {
     let is_seen = w > 0.0 && x.abs() <= w && y.abs() <= w && z >= 0.0 && z <= w;
     let [width, height] = size.map(f64::from);
     let y = if eye.turned { -y } else { y };
-    is_seen.then(|| [((x / w + 1.0) / 2.0 * width) as f32, ((1.0 - y / w) / 2.0 * height) as f32])
+    is_seen.then(|| [((0.5 + 0.5 * x / w) * width) as f32, ((0.5 - 0.5 * y / w) * height) as f32])
 }

@@ -51,6 +51,7 @@ impl Step {
 }
 
 /// What a pipeline is made for.
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Key {
     pub(crate) step: Step,
@@ -153,7 +154,7 @@ impl Pipelines {
         let layouts = [Some(self.view(shadows)), picture];
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: None,
-            bind_group_layouts: &layouts[..1 + usize::from(picture.is_some())],
+            bind_group_layouts: &layouts[..=usize::from(picture.is_some())],
             immediate_size: 0,
         });
         let targets = [Some(wgpu::ColorTargetState {

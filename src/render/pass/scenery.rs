@@ -184,11 +184,11 @@ fn begin<'e>(encoder: &'e mut wgpu::CommandEncoder, canvas: &Canvas<'_>, list: &
     // The samples are of no use once they are mixed.
     let store = if resolve_target.is_some() && canvas.keeps { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard };
     let store = if resolve_target.is_none() { wgpu::StoreOp::Store } else { store };
-    let marked = u32::from(!list.mirror.as_ref().is_some_and(|mirror| mirror.mark.is_some()));
+    let unmarked = u32::from(list.mirror.as_ref().is_none_or(|mirror| mirror.mark.is_none()));
     let stencil_ops = canvas
         .target
         .stencil
-        .then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(marked), store: wgpu::StoreOp::Discard });
+        .then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(unmarked), store: wgpu::StoreOp::Discard });
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("scene"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -222,10 +222,10 @@ fn mirror(
     let Some(mirror) = &list.mirror else { return };
     pass.set_stencil_reference(1);
     if let Some((shape, _)) = mirror.mark {
-        // Its own view, and its own instance: the last.
-        let index = list.instances.len() as u32;
+        // Seen as it is, and with an instance of its own: the last.
+        let index = list.instances.len() as u32 - 1;
         let kind = crate::render::list::Kind { shape, coat: Coat::Plain, texture: 0, line: false, back: false };
-        let place = crate::render::list::Place { seen: true, side: Side::Across };
+        let place = crate::render::list::Place { seen: true, side: Side::Across, casts: 0 };
         let batch = Batch { kind, place, instances: index..index + 1 };
         let key =
             Key { step: Step::Mark, coat: Coat::Plain, shade: Shade::None, fog: false, wire: false, lights: 0, ..*key };
@@ -233,6 +233,8 @@ fn mirror(
         draw.batch(pass, &batch, &key);
         pass.set_bind_group(0, mirror_group, &[]);
     }
+    // What is out of sight may be seen in the mirror.
+    let sight = draw.sight.take();
     for batch in &list.solid {
         if batch.place.side != Side::Behind {
             let clip = batch.place.side == Side::Across;
@@ -245,6 +247,7 @@ fn mirror(
             draw.batch(pass, batch, &Key { step: Step::MirrorClear { clip }, ..*key });
         }
     }
+    draw.sight = sight;
 }
 
 /// What is transparent: front to back, and unless it is added back to front once more.

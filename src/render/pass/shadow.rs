@@ -5,7 +5,7 @@ use super::target::{texture, view};
 use super::{Draw, Key, Memory, Step};
 use crate::render::frame::matrix::product;
 use crate::render::frame::{Lights, Uniform, View, Window};
-use crate::render::list::List;
+use crate::render::list::{Batch, Kind, List};
 use crate::render::shader::{Coat, Shade};
 use crate::render::{Gpu, RenderError};
 
@@ -100,7 +100,7 @@ impl Shadows {
     fn needed(&self, casters: Option<[[f64; 2]; 2]>) -> Window {
         let Some([low, high]) = casters else { return Window { first: [0; 2], size: [GRAIN.min(self.size); 2] } };
         let inner = f64::from(self.size) - 2.0;
-        let texel = |coordinate: f64| 1.0 + (coordinate + 1.0) / 2.0 * inner;
+        let texel = |coordinate: f64| 1.0 + (0.5 + 0.5 * coordinate) * inner;
         let first = low.map(|low| (texel(low).floor() as u32).saturating_sub(2));
         let last = high.map(|high| (texel(high).ceil() as u32 + 2).min(self.size));
         let size = [0, 1].map(|axis| (last[axis] - first[axis]).next_multiple_of(GRAIN).min(self.size));
@@ -126,7 +126,7 @@ impl Shadows {
             // So that its texels are in OpenGL's order.
             turned: true,
         };
-        for map in &mut self.maps[..self.windows.len()] {
+        for (light, map) in self.maps[..self.windows.len()].iter_mut().enumerate() {
             let group = map.group.get_or_insert_with(|| {
                 draw.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
                     label: None,
@@ -150,12 +150,10 @@ impl Shadows {
             pass.set_scissor_rect(left, top, right - left, bottom - top);
             pass.set_bind_group(0, &*group, &[]);
             let solid = list.reflector.iter().chain(&list.solid);
-            for batch in solid.chain(&list.clear[..list.clear_once]).filter(|batch| !batch.kind.line) {
+            let casts = |batch: &&Batch| batch.place.casts & 1 << light != 0;
+            for batch in solid.chain(&list.clear[..list.clear_once]).filter(casts) {
                 // A plane is not turned for a light: which side it shows the eye does not matter.
-                let batch = crate::render::list::Batch {
-                    kind: crate::render::list::Kind { back: false, ..batch.kind },
-                    ..batch.clone()
-                };
+                let batch = Batch { kind: Kind { back: false, ..batch.kind }, ..batch.clone() };
                 draw.batch(&mut pass, &batch, &key);
             }
         }

@@ -67,17 +67,10 @@ fn letters(text: &str) -> impl Iterator<Item = (char, [u32; 2])> + '_ {
     })
 }
 
-/// Width and height of a text, pixels.
-pub(crate) fn extent(text: &str, scale: f32) -> [f32; 2] {
-    let columns = text.split('\n').map(|line| line.chars().count()).max().unwrap_or(0);
-    let rows = text.split('\n').count();
-    [scale * (columns as f32) * CELL[0] as f32, scale * (rows as f32) * CELL[1] as f32]
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::CELL;
-    use super::{Style, extent, quads};
+    use super::{Style, quads};
 
     #[test]
     fn letters_stand_side_by_side_and_lines_below_each_other() {
@@ -86,8 +79,6 @@ mod tests {
         let quads: Vec<_> = quads("ab c\nd", [10.0, 20.0], style).collect();
         let places: Vec<_> = quads.iter().map(|quad| [quad.rect[0] + 1.0 - 10.0, quad.rect[1] + 1.0 - 20.0]).collect();
         assert_eq!(places, [[0.0, 0.0], [width, 0.0], [3.0 * width, 0.0], [0.0, height]]);
-        assert_eq!(extent("ab c\nd", 2.0), [8.0 * width, 4.0 * height]);
-        assert_eq!(extent("", 1.0), [0.0, height]);
     }
 
     #[test]

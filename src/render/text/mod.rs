@@ -12,4 +12,4 @@ mod atlas;
 mod layout;
 
 pub(crate) use self::atlas::{Atlas, CELL};
-pub(crate) use self::layout::{Quad, Style, extent, quads};
+pub(crate) use self::layout::{Quad, Style, quads};

@@ -46,9 +46,8 @@ impl Part {
 
     /// Turned by half a turn about x, before it is moved.
     fn turned(self) -> Self {
-        let [x, y, z] = self.scale;
-        let [u, v, w] = self.wrap;
-        Self { scale: [x, -y, -z], wrap: [u, -v, -w], ..self }
+        let turned = |[across, along, upward]: [f32; 3]| [across, -along, -upward];
+        Self { scale: turned(self.scale), wrap: turned(self.wrap), ..self }
     }
 }
 

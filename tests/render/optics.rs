@@ -1,0 +1,284 @@
+//! What is drawn is what optics says: colours, light, transparency, fog, mirrors and shadows, by formulae that have nothing to do with how
+//! they are drawn.
+#![forbid(unsafe_code)]
+
+use mujoco_safe::render::{Lighting, Picture, Renderer, RendererOptions};
+use mujoco_safe::scene::{NewGeom, RenderFlags};
+
+use crate::stage::{self, Stage};
+
+const SIZE: [u32; 2] = [33, 33];
+
+fn world(visual: &str, body: &str) -> String {
+    format!(
+        r#"<mujoco><statistic extent="1" center="0 0 0"/>
+           <visual><headlight active="0"/><map znear="0.01" zfar="100"/>{visual}</visual>
+           <worldbody>{body}</worldbody></mujoco>"#
+    )
+}
+
+fn middle(picture: &Picture) -> [u8; 3] {
+    picture.pixel(picture.width() / 2, picture.height() / 2)
+}
+
+/// Equal but for the rounding of one byte.
+#[track_caller]
+fn assert_rgb(actual: [u8; 3], expected: [f64; 3]) {
+    let is_close =
+        actual.iter().zip(expected).all(|(&actual, expected)| (f64::from(actual) - 255.0 * expected).abs() <= 1.0);
+    assert!(is_close, "{actual:?} is not {:?}", expected.map(|part| 255.0 * part));
+}
+
+#[test]
+fn an_empty_scene_is_black_without_depth_and_without_geoms() {
+    let mut stage = Stage::new(&world("", ""), SIZE);
+    assert!(stage.rgb().as_bytes().iter().all(|&byte| byte == 0));
+    assert!(stage.renderer.depth(&stage.scene).unwrap().as_slice().iter().all(|depth| *depth == f32::INFINITY));
+    assert!(stage.renderer.segmentation(&stage.scene).unwrap().pixels().all(|pixel| pixel.is_none()));
+}
+
+#[test]
+fn what_shines_by_itself_has_its_own_colour() {
+    let mut stage = Stage::new(&world("", r#"<light directional="true" diffuse="0 0 0" specular="0 0 0"/>"#), SIZE);
+    stage.look_along_x([0.0; 3], 3.0);
+    stage.scene.push(&NewGeom::sphere(0.5).rgba([0.2, 0.4, 0.6, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
+    let picture = stage.rgb();
+    assert_rgb(middle(&picture), [0.2, 0.4, 0.6]);
+    assert_eq!(picture.pixel(0, 0), [0; 3], "beside it");
+    let depth = stage.renderer.depth(&stage.scene).unwrap();
+    assert!((depth.metres(16, 16) - 2.5).abs() < 0.01, "{}", depth.metres(16, 16));
+}
+
+#[test]
+fn a_directional_light_shines_by_the_cosine_of_its_angle() {
+    // The side of the box that is seen faces along -x.
+    let body = r#"<light directional="true" castshadow="false" dir="3 0 -4" ambient="0.1 0.2 0" diffuse="0.5 0.5 0.5" specular="0 0 0"/>
+                  <geom type="box" size="0.5 2 2" rgba="1 0.5 0.25 1"/>"#;
+    for lighting in [Lighting::PerVertex, Lighting::PerPixel] {
+        let options = RendererOptions::default().samples(1).lighting(lighting);
+        let mut stage = Stage::with(&world("", body), SIZE, &options);
+        stage.look_along_x([0.0; 3], 3.0);
+        let cosine = 0.6;
+        let expected = [0, 1, 2].map(|channel| {
+            let (rgb, ambient) = ([1.0, 0.5, 0.25][channel], [0.1, 0.2, 0.0][channel]);
+            rgb * (ambient + 0.5 * cosine)
+        });
+        assert_rgb(middle(&stage.rgb()), expected);
+    }
+}
+
+#[test]
+fn a_lamp_is_weaker_farther_away_and_shines_within_its_cone() {
+    let lamp = |cutoff: f64, x: f64| {
+        let body = format!(
+            r#"<light castshadow="false" pos="{x} 0 0" dir="1 0 0" cutoff="{cutoff}" exponent="0" attenuation="1 0.5 0.25"
+                      ambient="0 0 0" diffuse="1 1 1" specular="0 0 0"/>
+               <geom type="box" size="0.5 0.6 0.6" rgba="1 1 1 1"/>"#
+        );
+        let options = RendererOptions::default().samples(1).lighting(Lighting::PerPixel);
+        let mut stage = Stage::with(&world("", &body), SIZE, &options);
+        stage.look_along_x([0.0; 3], 3.0);
+        stage.rgb()
+    };
+    for x in [-1.5, -2.5] {
+        let distance = -0.5 - x;
+        let strength = 1.0 / (1.0 + 0.5 * distance + 0.25 * distance * distance);
+        assert_rgb(middle(&lamp(90.0, x)), [strength; 3]);
+    }
+    // The cone of 20° is 0.36 m wide at 1 m, and the frustum of 45° 1.04 m at 2.5 m: 6 pixels from the middle are 0.38 m.
+    let spot = lamp(20.0, -1.5);
+    assert!(spot.pixel(16 + 4, 16)[0] > 50 && spot.pixel(16 + 8, 16)[0] == 0, "{:?}", spot.pixel(24, 16));
+}
+
+#[test]
+fn a_highlight_is_where_the_light_is_mirrored() {
+    // Light and eye are both at -x: the highlight is where the sphere faces them.
+    let body = r#"<light directional="true" castshadow="false" dir="1 0 0" diffuse="0 0 0" specular="1 1 1"/>"#;
+    let options = RendererOptions::default().samples(1).lighting(Lighting::PerPixel);
+    let mut stage = Stage::with(&world("", body), SIZE, &options);
+    stage.look_along_x([0.0; 3], 3.0);
+    stage.scene.push(&NewGeom::sphere(0.5).rgba([0.5, 0.5, 0.5, 1.0]).surface(0.0, 0.8, 0.5, 0.0)).unwrap();
+    let picture = stage.rgb();
+    let [red, ..] = middle(&picture);
+    assert!((f64::from(red) - 255.0 * 0.8).abs() < 4.0, "{red}");
+    assert!(picture.pixel(16 + 5, 16)[0] < red / 2);
+}
+
+#[test]
+fn what_is_transparent_lets_through_what_is_behind() {
+    let dark = r#"<light directional="true" diffuse="0 0 0" specular="0 0 0"/>"#;
+    let mut stage = Stage::new(&world("", dark), SIZE);
+    stage.look_along_x([0.0; 3], 3.0);
+    let wall =
+        |x: f64, rgba| NewGeom::cuboid([0.01, 2.0, 2.0]).pos([x, 0.0, 0.0]).rgba(rgba).surface(1.0, 0.0, 0.0, 0.0);
+    stage.scene.push(&wall(0.0, [0.0, 0.5, 0.0, 0.4])).unwrap();
+    stage.scene.push(&wall(1.0, [1.0, 0.0, 0.0, 1.0])).unwrap();
+    // It is drawn twice, front to back and back to front, as the engine does.
+    let over = |below: f64, own: f64| 0.4 * own + 0.6 * below;
+    assert_rgb(middle(&stage.rgb()), [over(over(1.0, 0.0), 0.0), over(over(0.0, 0.5), 0.5), 0.0]);
+    stage.scene.set_render_flags(stage.scene.render_flags() | RenderFlags::ADDITIVE);
+    assert_rgb(middle(&stage.rgb()), [1.0, 0.4 * 0.5, 0.0]);
+}
+
+#[test]
+fn fog_hides_what_is_far_away() {
+    let visual = r#"<map fogstart="2" fogend="4" znear="0.01" zfar="100"/><rgba fog="0 0 1 1"/>"#;
+    let xml = format!(
+        r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><headlight active="0"/>{visual}</visual><worldbody>
+           <light directional="true" diffuse="0 0 0" specular="0 0 0"/></worldbody></mujoco>"#
+    );
+    let mut stage = Stage::new(&xml, SIZE);
+    stage.look_along_x([0.0; 3], 3.0);
+    let flags = stage.scene.render_flags() | RenderFlags::FOG;
+    for (x, clear) in [(-1.5, 1.0), (0.0, 0.5), (0.5, 0.25), (2.0, 0.0)] {
+        stage.update();
+        stage.scene.set_render_flags(flags);
+        // The side of the box that is seen is at x.
+        let wall = NewGeom::cuboid([0.5, 3.0, 3.0]).pos([x + 0.5, 0.0, 0.0]);
+        stage.scene.push(&wall.rgba([1.0, 0.0, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
+        assert_rgb(middle(&stage.rgb()), [clear, 0.0, 1.0 - clear]);
+    }
+}
+
+#[test]
+fn a_mirror_shows_what_is_before_it_where_its_image_is() {
+    let mirror = |size: &str| {
+        let xml = format!(
+            r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><headlight active="0"/><map zfar="100"/></visual>
+               <asset><material name="mirror" reflectance="0.5" rgba="0 0 0 1" specular="0"/></asset>
+               <worldbody><light directional="true" diffuse="0 0 0" specular="0 0 0"/>
+                 <geom type="plane" size="{size}" material="mirror"/></worldbody></mujoco>"#
+        );
+        let mut stage = Stage::new(&xml, [65, 65]);
+        // Down at 30°: a ball 0.5 m over the floor, and its image 0.5 m below.
+        stage.look([0.0; 3], 4.0, 0.0, -30.0);
+        let ball = NewGeom::sphere(0.2).pos([0.0, 0.0, 0.5]).rgba([1.0, 0.5, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0);
+        stage.scene.push(&ball).unwrap();
+        stage
+    };
+    for size in ["0 0 1", "2 2 1"] {
+        let mut stage = mirror(size);
+        let picture = stage.rgb();
+        // The image is as far below the middle as its place is in the frustum of 45°.
+        let (along, down) = (4.0 + 0.5 * 0.5, 0.5 * 30_f64.to_radians().cos());
+        let row = 32.5 + 32.5 * down / along / 22.5_f64.to_radians().tan();
+        assert_rgb(picture.pixel(32, row as usize), [0.5, 0.25, 0.0]);
+        stage.scene.set_render_flags(stage.scene.render_flags() & !RenderFlags::REFLECTION);
+        assert_eq!(stage.rgb().pixel(32, row as usize), [0; 3]);
+    }
+    // There is no image beside a small mirror.
+    let picture = mirror("0.05 0.05 1").rgb();
+    assert!((33..65).all(|row| picture.pixel(32, row)[0] < 130));
+    assert!((36..65).all(|row| picture.pixel(32, row) == [0; 3]), "an image beside the mirror");
+}
+
+#[test]
+fn a_shadow_is_where_the_light_does_not_come() {
+    // Straight down from 3 m: the ball's shadow is a disk around the origin.
+    for light in
+        [r#"directional="true" pos="0 0 3" dir="0 0 -1""#, r#"pos="0 0 3" dir="0 0 -1" cutoff="60" exponent="0""#]
+    {
+        let xml = world(
+            r#"<quality shadowsize="512"/>"#,
+            &format!(
+                r#"<light {light} ambient="0.2 0.2 0.2" diffuse="0.6 0.6 0.6" specular="0 0 0"/>
+                   <geom type="plane" size="1 1 0.1" rgba="1 1 1 1"/>
+                   <geom type="sphere" size="0.2" pos="0 0 1.5"/>"#
+            ),
+        );
+        let mut stage = Stage::new(&xml, [65, 65]);
+        // From below the ball, at 45°.
+        stage.look([0.0; 3], 1.5, 0.0, -45.0);
+        let shaded = stage.rgb();
+        assert_eq!(
+            middle(&shaded),
+            [0; 3],
+            "a light that casts a shadow adds nothing to it, not even its ambient part"
+        );
+        assert!(shaded.pixel(2, 32)[0] > 100, "beside the shadow {:?}", shaded.pixel(2, 32));
+        stage.scene.set_render_flags(stage.scene.render_flags() & !RenderFlags::SHADOW);
+        assert!(middle(&stage.rgb())[0] > 100, "without shadows");
+    }
+}
+
+#[test]
+fn the_colours_of_numbers_are_the_segmentation() {
+    let body = r#"<geom type="sphere" size="0.3" pos="0 0.4 0"/><geom type="box" size="0.2 0.2 0.2" pos="0 -0.4 0" rgba="1 1 1 0.3"/>"#;
+    let mut stage = Stage::new(&world("", body), SIZE);
+    stage.look_along_x([0.0; 3], 3.0);
+    let segmentation = stage.renderer.segmentation(&stage.scene).unwrap();
+    stage.scene.set_render_flags(stage.scene.render_flags() | RenderFlags::SEGMENT | RenderFlags::IDCOLOR);
+    let colors = stage.rgb();
+    let mut seen = [false; 2];
+    for (rgb, segment) in colors.as_bytes().as_chunks::<3>().0.iter().zip(segmentation.pixels()) {
+        let number = u32::from_le_bytes([rgb[0], rgb[1], rgb[2], 0]);
+        assert_eq!(number.checked_sub(1), segment.map(|segment| segment.geom as u32));
+        if let Some(segment) = segment {
+            seen[segment.geom] = true;
+        }
+    }
+    assert_eq!(seen, [true; 2]);
+}
+
+#[test]
+fn the_same_scene_is_the_same_picture_on_any_thread_and_after_any_size() {
+    let xml = world(
+        r#"<quality shadowsize="256"/>"#,
+        r#"<light pos="0 0 3"/><geom type="plane" size="0 0 1"/><geom size="0.3" pos="0 0 1"/>"#,
+    );
+    let mut stage = Stage::with(&xml, [48, 32], &RendererOptions::default());
+    let expected = stage.rgb();
+    for [width, height] in [[1, 1], [100, 3], [48, 32]] {
+        stage.renderer.resize(width, height).unwrap();
+        let picture = stage.rgb();
+        assert_eq!([picture.width() as u32, picture.height() as u32], [width, height]);
+        let mut rgba = vec![0; 4 * (width * height) as usize];
+        stage.renderer.rgba_into(&stage.scene, &mut rgba).unwrap();
+        let same = rgba.as_chunks::<4>().0.iter().zip(picture.as_bytes().as_chunks::<3>().0);
+        assert!(same.into_iter().all(|(rgba, rgb)| rgba[..3] == rgb[..] && rgba[3] == 255));
+    }
+    assert_eq!(stage.rgb(), expected);
+    let (scene, model) = (&stage.scene, stage.data.model());
+    std::thread::scope(|threads| {
+        for _ in 0..3 {
+            threads.spawn(|| {
+                let mut renderer = Renderer::on(stage::gpu(), model, 48, 32, &RendererOptions::default()).unwrap();
+                for _ in 0..3 {
+                    assert_eq!(renderer.rgb(scene).unwrap(), expected);
+                }
+            });
+        }
+    });
+}
+
+#[test]
+fn what_was_edited_is_drawn_once_it_is_taken_over() {
+    let xml = r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+      <asset><texture name="t" type="2d" builtin="flat" width="4" height="4" rgb1="1 0 0"/><material name="m" texture="t"/>
+        <hfield name="h" nrow="2" ncol="2" size="1 1 1 0.1"/></asset>
+      <worldbody><geom type="hfield" hfield="h" material="m"/></worldbody></mujoco>"#;
+    let mut stage = Stage::new(xml, SIZE);
+    stage.look([0.0; 3], 5.0, 0.0, -90.0);
+    assert_eq!(middle(&stage.rgb()), [255, 0, 0]);
+    let near = stage.renderer.depth(&stage.scene).unwrap().metres(16, 16);
+    let (texture, field) = {
+        let model = stage.data.model();
+        (model.texture("t").unwrap().id(), model.height_field("h").unwrap().id())
+    };
+    stage
+        .data
+        .edit_model(|model| {
+            for pixel in model.texture_mut(texture).rgb_mut().as_chunks_mut::<3>().0 {
+                *pixel = [0, 255, 0];
+            }
+            model.hfield_data_mut().fill(0.5);
+        })
+        .unwrap();
+    assert_eq!(middle(&stage.rgb()), [255, 0, 0], "it keeps what it has");
+    let model = stage.data.model().clone();
+    stage.renderer.update_texture(&model, texture).unwrap();
+    stage.renderer.update_height_field(&model, field).unwrap();
+    assert_eq!(middle(&stage.rgb()), [0, 255, 0]);
+    let raised = stage.renderer.depth(&stage.scene).unwrap().metres(16, 16);
+    assert!((near - raised - 0.5).abs() < 0.01, "{near} {raised}");
+}
