@@ -50,7 +50,7 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `gpu/` | the graphics adapter |
-//! | `renderer.rs`, `options.rs` | [`Renderer`], [`RendererOptions`] |
+//! | `renderer/`, `options.rs` | [`Renderer`], [`RendererOptions`] |
 //! | `picture/` | [`Picture`], [`DepthPicture`], [`SegmentationPicture`]: arrays of pixels, and files of them |
 //! | `frame/` | from where a picture is drawn, and in which light |
 //! | `list/` | what is drawn: the geoms of a scene as shapes in places, in order |
