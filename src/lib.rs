@@ -29,6 +29,7 @@
 //!  humanoid.xml ──load──▶ Model ──Arc──▶ Data ──qpos, qvel──▶ Controller ──ctrl──▶ Data::step ──▶ Trajectory ──▶ CSV
 //!                         sizes, ids,     │  ▲
 //!                         names, options  │  └── reset, reset_to_key, set_state
+//!                                         ├── Scene ─▶ Renderer ─▶ PNG, GIF, MP4; Viewer
 //!                                         └── transition_fd ─▶ StateSpace (A, B, C, D) ─▶ Lqr (Riccati) ─▶ K
 //! ```
 //!
@@ -42,8 +43,8 @@
 //! - [`callback`]: closures in the middle of a step.
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR.
 //! - [`rollout`]: many simulations at once, on all cores.
-//! - [`scene`]: the abstract picture of a simulation, for a renderer to draw.
 //! - [`Trajectory`]: what was recorded.
+//! - [`scene`]: the abstract picture of a simulation. `render` draws it, `record` makes films, `viewer` opens a window.
 //! - [`sample`]: models to begin with.
 //!
 //! And to read: [`cookbook`] has whole programs, [`promises`] says what can be relied on and how it is tested, [`coverage`] where
@@ -61,7 +62,8 @@
 //!
 //! # Features
 //!
-//! None is on by default. `npz`: trajectories to and from NumPy's files. `serde`: options, states, matrices and trajectories as
+//! None is on by default. `renderer`: pictures and films, without a window or a display. `viewer`: the window. `npz`: trajectories to
+//! and from NumPy's files. `serde`: options, states, matrices and trajectories as
 //! plain data, in any of serde's formats.
 //!
 //! # Units and conventions
