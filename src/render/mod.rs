@@ -31,7 +31,8 @@
 //!    to front; labels.
 //! 4. The samples of each pixel are mixed, and the picture is copied to memory that programs can read.
 //!
-//! Depths and numbers of geoms are pictures of their own, with one sample for each pixel.
+//! Depths and numbers of geoms are pictures of their own, with one sample for each pixel. Round shapes have as many corners there as the
+//! precision of the depth needs, whatever the model asks for.
 //!
 //! # What differs from the engine's own renderer
 //!

@@ -33,11 +33,12 @@ engine_enum! {
         Box = mjGEOM_BOX,
         /// A mesh.
         Mesh = mjGEOM_MESH,
-        /// An arrow from its origin along z; `size`: twice the width, the length.
+        /// An arrow from its origin along z; `size`: twice the radius of its shaft, and a length of which the engine's renderer, and so
+        /// ours, draws only half: a third of it is shaft, a sixth is head.
         Arrow = mjGEOM_ARROW,
-        /// An arrow without wedges, measured likewise.
+        /// An arrow of which the head is no wider than the shaft, measured likewise.
         Arrow1 = mjGEOM_ARROW1,
-        /// An arrow in both directions, measured likewise.
+        /// An arrow in both directions, measured likewise. It is drawn around its origin, half its length to either side.
         Arrow2 = mjGEOM_ARROW2,
         /// A line from its origin along z; `size`: twice the width, the length.
         Line = mjGEOM_LINE,

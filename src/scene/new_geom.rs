@@ -19,11 +19,13 @@ engine_enum! {
         Capsule = mjGEOM_CAPSULE,
         /// A cylinder; its width is its radius.
         Cylinder = mjGEOM_CYLINDER,
-        /// An arrow.
+        /// An arrow; its width is the radius of its shaft. It is drawn [only half as long](SceneGeomType::Arrow): to reach a point, give
+        /// one that is twice as far.
         Arrow = mjGEOM_ARROW,
-        /// An arrow without wedges.
+        /// An arrow that is no wider at its head. It is drawn only half as long, as [`Arrow`](Self::Arrow).
         Arrow1 = mjGEOM_ARROW1,
-        /// An arrow in both directions.
+        /// An arrow with a head at both ends. It is drawn around the *first* point, [half its length to either
+        /// side](SceneGeomType::Arrow2).
         Arrow2 = mjGEOM_ARROW2,
         /// A line, whose width is that of the model's visual settings.
         Line = mjGEOM_LINE,

@@ -10,6 +10,6 @@ mod shapes;
 mod surface;
 mod textures;
 
-pub(crate) use self::shapes::{LEVELS, Round, Shapes};
+pub(crate) use self::shapes::{FINE, LEVELS, Level, Round, Shapes};
 pub(crate) use self::surface::{Surface, Tile};
 pub(crate) use self::textures::{Layouts, Textures};

@@ -23,11 +23,23 @@ pub(crate) enum Round {
 
 const ROUND: [Round; 6] = [Round::Sphere, Round::Hemisphere, Round::Side, Round::LongSide, Round::Disk, Round::Cone];
 
-/// How many levels of detail there are. The first is what the model asks for.
-pub(crate) const LEVELS: u32 = 3;
+/// How round a shape is to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Level {
+    /// For colours: the first is what the model asks for, the others have fewer corners.
+    Seen(usize),
+    /// For depths and numbers, whatever the model asks for: one of [`FINE`].
+    Measured(usize),
+}
 
-/// At most into how many slices the shapes of each level are cut.
-const SLICES: [u32; LEVELS as usize] = [Detail::MOST, 14, 8];
+/// How many levels of detail there are for colours.
+pub(crate) const LEVELS: usize = 3;
+
+/// At most into how many slices the shapes of each of these levels are cut.
+const SLICES: [u32; LEVELS] = [Detail::MOST, 14, 8];
+
+/// Into how many slices shapes are cut that are measured.
+pub(crate) const FINE: [u32; 4] = [32, 64, 128, Detail::MOST];
 
 /// The engine cuts an infinite plane into so many cells in each direction, and no plane into more.
 const MOST_CELLS: u32 = 200;
@@ -50,6 +62,8 @@ pub(crate) struct Shapes {
     planes: Vec<Plane>,
     /// How far a plane without end is drawn that is none of the model's.
     endless: Plane,
+    /// The first of the round shapes that are measured, once something was.
+    fine: Option<u32>,
     plane: u32,
     cuboid: u32,
     line: u32,
@@ -71,6 +85,7 @@ impl Shapes {
             surfaces: Vec::new(),
             planes: Vec::new(),
             endless: Plane { shape: 0, half: [0.0; 2] },
+            fine: None,
             plane: 0,
             cuboid: 0,
             line: 0,
@@ -108,6 +123,24 @@ impl Shapes {
             shapes.skin_surfaces.push(surface);
         }
         Ok(shapes)
+    }
+
+    /// Makes the round shapes that are measured, unless they are there.
+    pub(crate) fn refine(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
+        if self.fine.is_some() {
+            return Ok(());
+        }
+        let first = self.surfaces.len();
+        for shape in ROUND {
+            for slices in FINE {
+                if let Err(error) = self.push(gpu, &measured(shape, slices)) {
+                    self.surfaces.truncate(first);
+                    return Err(error);
+                }
+            }
+        }
+        self.fine = Some(first as u32);
+        Ok(())
     }
 
     fn push(&mut self, gpu: &Gpu, triangles: &Triangles) -> Result<u32, RenderError> {
@@ -201,8 +234,15 @@ impl Shapes {
         &self.surfaces[shape as usize]
     }
 
-    pub(crate) fn round(shape: Round, level: u32) -> u32 {
-        shape as u32 * LEVELS + level.min(LEVELS - 1)
+    /// A round shape. Until those that are measured [were made](Self::refine), what the model asks for stands for them.
+    pub(crate) fn round(&self, shape: Round, level: Level) -> u32 {
+        let of =
+            |first: u32, levels: usize, level: usize| first + (shape as usize * levels + level.min(levels - 1)) as u32;
+        match (level, self.fine) {
+            (Level::Seen(level), _) => of(0, LEVELS, level),
+            (Level::Measured(level), Some(fine)) => of(fine, FINE.len(), level),
+            (Level::Measured(_), None) => of(0, LEVELS, 0),
+        }
     }
 
     /// The plane of the model of a number; a square if there is none.
@@ -259,6 +299,19 @@ fn round(shape: Round, detail: Detail, lighting: Lighting) -> Triangles {
         Round::LongSide => shape::cylinder(slices, stacks),
         Round::Disk => shape::disk(slices, (few / 2).max(1)),
         Round::Cone => shape::cone(slices, stacks),
+    }
+}
+
+/// A round shape for measurements. Its pieces are as high as wide where it is bent in two directions; elsewhere they may be long, for no
+/// light is computed at their corners.
+fn measured(shape: Round, slices: u32) -> Triangles {
+    match shape {
+        Round::Sphere => shape::sphere(Detail { slices, stacks: slices / 2, quads: 1 }),
+        Round::Hemisphere => shape::hemisphere(Detail { slices, stacks: slices / 2, quads: 1 }),
+        Round::Side => shape::cylinder(slices, 2),
+        Round::LongSide => shape::cylinder(slices, 16),
+        Round::Disk => shape::disk(slices, 1),
+        Round::Cone => shape::cone(slices, 1),
     }
 }
 

@@ -24,9 +24,10 @@ pub(crate) use self::instance::{Batch, Instance, Kind, Place, Side};
 pub(crate) use self::mirror::Mirror;
 use self::primitive::Part;
 use super::bound::{Bounds, Reach, sorting_radius};
-use super::content::{LEVELS, Shapes, Textures};
+use super::content::{FINE, LEVELS, Level, Shapes, Textures};
 use super::frame::{Eye, Lights};
 use super::settings::is_drawable;
+use super::shape::Detail;
 use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
 
 /// What is drawn of a scene. Kept from picture to picture for its memory.
@@ -124,8 +125,7 @@ impl List {
             let casts = if is_line { 0 } else { casters.add(geom, &reach) };
             let place = Place { casts, ..self.place(&reach, &planes, mirror_planes.as_ref()) };
             self.parts.clear();
-            // Numbers are measurements, for which no corner is spared.
-            let level = if scenery.numbers.is_some() { 0 } else { level(geom, &reach, eye) };
+            let level = level(geom, &reach, eye, scenery.numbers);
             primitive::parts(geom, scenery.shapes, level, &mut self.parts);
             let look = look::look(index, geom, scenery, is_behind);
             let first = self.drafts.len() as u32;
@@ -276,17 +276,27 @@ fn is_endless(geom: SceneGeom<'_>) -> bool {
     geom.geom_type() == SceneGeomType::Plane && geom.size()[0] == 0.0 && geom.size()[1] == 0.0
 }
 
-/// The level of detail of a round geom: the fewer pixels it has, the fewer corners nobody misses.
-fn level(geom: SceneGeom<'_>, reach: &Reach, eye: &Eye) -> u32 {
+/// How round a geom is to be: the fewer pixels it has, the fewer corners nobody misses, and the farther away it is, the fewer are
+/// needed to measure it.
+fn level(geom: SceneGeom<'_>, reach: &Reach, eye: &Eye, numbers: Option<Numbers>) -> Level {
     /// With radii of so many pixels the edges of the next level are within a fifth of a pixel of those of this one.
-    const ENOUGH: [f64; LEVELS as usize - 1] = [6.0, 2.5];
-    let Reach::Within(sphere) = reach else { return 0 };
+    const ENOUGH: [f64; LEVELS - 1] = [6.0, 2.5];
+    /// How far from a geom its drawn surface may be, as a share of the distance. Under an angle of 15° this is 1/5000 of the depth.
+    const PRECISION: f64 = 5e-5;
+    let (Reach::Within(sphere), None | Some(Numbers::Depths | Numbers::Ids)) = (reach, numbers) else {
+        return Level::Seen(0);
+    };
     let [x, y, z] = geom.size();
     let radius = match geom.geom_type() {
         SceneGeomType::Sphere | SceneGeomType::Ellipsoid => x.max(y).max(z),
         _ => x.max(y),
     };
     let nearest = (eye.depth_of(sphere.centre) - f64::from(sphere.radius)).max(eye.range[0]);
-    let pixels = eye.pixels * eye.scale * f64::from(radius) / nearest;
-    ENOUGH.iter().take_while(|&&enough| pixels < enough).count() as u32
+    let share = eye.scale * f64::from(radius) / nearest;
+    if numbers.is_some() {
+        // Bent in two directions, at most.
+        let is_enough = |&slices: &u32| 2.0 * Detail::chord_error(slices) * share <= PRECISION;
+        return Level::Measured(FINE.iter().position(is_enough).unwrap_or(FINE.len() - 1));
+    }
+    Level::Seen(ENOUGH.iter().take_while(|&&enough| eye.pixels * share < enough).count())
 }

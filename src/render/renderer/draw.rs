@@ -80,6 +80,9 @@ impl Renderer {
         let eye = if turned { eye.turned() } else { eye };
         let lights = Lights::new(scene, &eye, &self.settings, numbers.is_none() && self.shadows.any());
         let Self { gpu, list, shapes, textures, bounds, instances, .. } = self;
+        if matches!(numbers, Some(Numbers::Depths | Numbers::Ids)) {
+            shapes.refine(gpu)?;
+        }
         let scenery = Scenery { eye: &eye, lights: &lights, shapes, textures, bounds, numbers };
         list.update(scene, &scenery);
         // The mirror's mark is behind all others.

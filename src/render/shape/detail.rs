@@ -38,7 +38,6 @@ impl Detail {
 
     /// The farthest that the edges of a round shape are from the shape, in radii, for each of the directions that it is cut
     /// in: `1 - cos(π / slices)`. On a sphere, which is cut in two directions, the two add up.
-    #[cfg(test)]
     pub(crate) fn chord_error(parts_of_a_circle: u32) -> f64 {
         1.0 - (std::f64::consts::PI / f64::from(parts_of_a_circle)).cos()
     }

@@ -13,7 +13,7 @@ mod plane;
 mod skin;
 mod sphere;
 
-use crate::render::content::{Round, Shapes};
+use crate::render::content::{Level, Round, Shapes};
 use crate::scene::{SceneGeom, SceneGeomType, SceneObject};
 
 /// A shape in the frame of a geom.
@@ -52,8 +52,8 @@ impl Part {
 }
 
 /// The shapes of a geom, at a level of detail, added to `parts`. None for one without a shape, or with one that the model has not.
-pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: u32, parts: &mut Vec<Part>) {
-    let round = |shape: Round| Shapes::round(shape, level);
+pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: Level, parts: &mut Vec<Part>) {
+    let round = |shape: Round| shapes.round(shape, level);
     let size = geom.size();
     match geom.geom_type() {
         SceneGeomType::Plane => parts.push(plane::part(geom, shapes)),
