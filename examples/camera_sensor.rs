@@ -32,17 +32,16 @@ struct Arguments {
 }
 
 fn arguments() -> Result<Arguments, String> {
-    let mut arguments = Arguments { seconds: 6.0, size: [320, 240], out: None };
-    option::each(HELP, |name, parser| {
-        match name {
-            "--seconds" => arguments.seconds = option::number(parser, name)?,
-            "--size" => arguments.size = option::size(parser, name)?,
-            "--out" => arguments.out = Some(option::text(parser, name)?.into()),
-            _ => return Ok(false),
+    let arguments = Arguments { seconds: 6.0, size: [320, 240], out: None };
+    option::read(HELP, arguments, |arguments, option| {
+        match option.name() {
+            "--seconds" => arguments.seconds = option.number()?,
+            "--size" => arguments.size = option.size()?,
+            "--out" => arguments.out = Some(option.path()?),
+            _ => return option.unknown(),
         }
-        Ok(true)
-    })?;
-    Ok(arguments)
+        Ok(())
+    })
 }
 
 fn main() -> std::process::ExitCode {

@@ -26,27 +26,21 @@ struct Arguments {
     json: bool,
 }
 
+const HELP: &str = "cartpole_lqr [--angle RAD] [--seconds S] [--out DIR] [--view] [--json]";
+
 fn arguments() -> Result<Arguments, String> {
-    use lexopt::Arg::{Long, Short, Value};
-    let mut arguments = Arguments { angle: 0.1, seconds: 10.0, out: None, view: false, json: false };
-    let mut parser = lexopt::Parser::from_env();
-    while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
-        match argument {
-            Long("angle") => arguments.angle = option::number(&mut parser, "--angle")?,
-            Long("seconds") => arguments.seconds = option::number(&mut parser, "--seconds")?,
-            Long("out") => arguments.out = Some(option::text(&mut parser, "--out")?.into()),
-            Long("view") => arguments.view = true,
-            Long("json") => arguments.json = true,
-            Short('h') | Long("help") => {
-                println!("cartpole_lqr [--angle RAD] [--seconds S] [--out DIR] [--view] [--json]");
-                std::process::exit(0);
-            }
-            Short(_) | Long(_) | Value(_) => {
-                return Err(format!("{}; --help lists the options", argument.unexpected()));
-            }
+    let arguments = Arguments { angle: 0.1, seconds: 10.0, out: None, view: false, json: false };
+    option::read(HELP, arguments, |arguments, option| {
+        match option.name() {
+            "--angle" => arguments.angle = option.number()?,
+            "--seconds" => arguments.seconds = option.number()?,
+            "--out" => arguments.out = Some(option.path()?),
+            "--view" => arguments.view = true,
+            "--json" => arguments.json = true,
+            _ => return option.unknown(),
         }
-    }
-    Ok(arguments)
+        Ok(())
+    })
 }
 
 fn main() -> std::process::ExitCode {

@@ -36,20 +36,19 @@ struct Arguments {
 }
 
 fn arguments() -> Result<Arguments, String> {
-    let mut arguments =
+    let arguments =
         Arguments { out: "humanoid.gif".into(), seconds: 4.0, slow: 1.0, frames_per_second: 25.0, size: [480, 360] };
-    option::each(HELP, |name, parser| {
-        match name {
-            "--out" => arguments.out = option::text(parser, name)?.into(),
-            "--seconds" => arguments.seconds = option::number(parser, name)?,
-            "--slow" => arguments.slow = option::number(parser, name)?,
-            "--fps" => arguments.frames_per_second = option::number(parser, name)?,
-            "--size" => arguments.size = option::size(parser, name)?,
-            _ => return Ok(false),
+    option::read(HELP, arguments, |arguments, option| {
+        match option.name() {
+            "--out" => arguments.out = option.path()?,
+            "--seconds" => arguments.seconds = option.number()?,
+            "--slow" => arguments.slow = option.number()?,
+            "--fps" => arguments.frames_per_second = option.number()?,
+            "--size" => arguments.size = option.size()?,
+            _ => return option.unknown(),
         }
-        Ok(true)
-    })?;
-    Ok(arguments)
+        Ok(())
+    })
 }
 
 fn main() -> std::process::ExitCode {

@@ -41,19 +41,18 @@ struct Arguments {
 const HELP: &str = "rollouts [--rollouts N] [--newtons F] [--seconds S] [--seed N] [--out DIR]";
 
 fn arguments() -> Result<Arguments, String> {
-    let mut arguments = Arguments { rollouts: 256, newtons: 6.0, seconds: 3.0, seed: 1, out: None };
-    option::each(HELP, |name, parser| {
-        match name {
-            "--rollouts" => arguments.rollouts = option::number(parser, name)?,
-            "--newtons" => arguments.newtons = option::number(parser, name)?,
-            "--seconds" => arguments.seconds = option::number(parser, name)?,
-            "--seed" => arguments.seed = option::number(parser, name)?,
-            "--out" => arguments.out = Some(option::text(parser, name)?.into()),
-            _ => return Ok(false),
+    let arguments = Arguments { rollouts: 256, newtons: 6.0, seconds: 3.0, seed: 1, out: None };
+    option::read(HELP, arguments, |arguments, option| {
+        match option.name() {
+            "--rollouts" => arguments.rollouts = option.number()?,
+            "--newtons" => arguments.newtons = option.number()?,
+            "--seconds" => arguments.seconds = option.number()?,
+            "--seed" => arguments.seed = option.number()?,
+            "--out" => arguments.out = Some(option.path()?),
+            _ => return option.unknown(),
         }
-        Ok(true)
-    })?;
-    Ok(arguments)
+        Ok(())
+    })
 }
 
 fn main() -> std::process::ExitCode {

@@ -30,18 +30,17 @@ struct Arguments {
 }
 
 fn arguments() -> Result<Arguments, String> {
-    let mut arguments = Arguments { out: "trajectories.gif".into(), seconds: 2.0, size: [320, 360], view: false };
-    option::each(HELP, |name, parser| {
-        match name {
-            "--out" => arguments.out = option::text(parser, name)?.into(),
-            "--seconds" => arguments.seconds = option::number(parser, name)?,
-            "--size" => arguments.size = option::size(parser, name)?,
+    let arguments = Arguments { out: "trajectories.gif".into(), seconds: 2.0, size: [320, 360], view: false };
+    option::read(HELP, arguments, |arguments, option| {
+        match option.name() {
+            "--out" => arguments.out = option.path()?,
+            "--seconds" => arguments.seconds = option.number()?,
+            "--size" => arguments.size = option.size()?,
             "--view" => arguments.view = true,
-            _ => return Ok(false),
+            _ => return option.unknown(),
         }
-        Ok(true)
-    })?;
-    Ok(arguments)
+        Ok(())
+    })
 }
 
 fn main() -> std::process::ExitCode {

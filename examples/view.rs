@@ -13,7 +13,7 @@ mod common;
 
 use std::path::PathBuf;
 
-use common::option::text;
+use common::option;
 use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
@@ -25,31 +25,19 @@ struct Arguments {
     trajectories: Vec<PathBuf>,
 }
 
-fn arguments() -> Result<Arguments, String> {
-    use lexopt::Arg::{Long, Short, Value};
-    let mut arguments = Arguments::default();
-    let mut parser = lexopt::Parser::from_env();
-    while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
-        match argument {
-            Value(path) if arguments.model.is_none() => arguments.model = Some(path.into()),
-            Long("keyframe") => arguments.keyframe = Some(text(&mut parser, "--keyframe")?),
-            Long("size") => arguments.size = Some(size(&text(&mut parser, "--size")?)?),
-            Long("trajectory") => arguments.trajectories.push(text(&mut parser, "--trajectory")?.into()),
-            Short('h') | Long("help") => {
-                println!("view [MODEL] [--keyframe NAME] [--size WxH] [--trajectory FILE.csv]...");
-                std::process::exit(0);
-            }
-            Short(_) | Long(_) | Value(_) => {
-                return Err(format!("{}; --help lists the options", argument.unexpected()));
-            }
-        }
-    }
-    Ok(arguments)
-}
+const HELP: &str = "view [MODEL] [--keyframe NAME] [--size WxH] [--trajectory FILE.csv]...";
 
-fn size(text: &str) -> Result<[u32; 2], String> {
-    let numbers = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-    numbers.filter(|size| !size.contains(&0)).ok_or_else(|| format!("--size {text}: give it as in 1280x720"))
+fn arguments() -> Result<Arguments, String> {
+    option::read(HELP, Arguments::default(), |arguments, option| {
+        match option.name() {
+            "" if arguments.model.is_none() => arguments.model = Some(option.path()?),
+            "--keyframe" => arguments.keyframe = Some(option.text()?),
+            "--size" => arguments.size = Some(option.size()?),
+            "--trajectory" => arguments.trajectories.push(option.path()?),
+            _ => return option.unknown(),
+        }
+        Ok(())
+    })
 }
 
 fn main() -> std::process::ExitCode {

@@ -30,15 +30,6 @@ mod swing_up;
 #[path = "../examples/humanoid_lqr/weights.rs"]
 mod weights;
 
-/// What the planner's files take from the command line.
-mod arguments {
-    #[derive(Clone, Copy, Debug)]
-    pub struct Push {
-        pub force: [f64; 2],
-        pub duration: f64,
-    }
-}
-
 use robot::{NEWTONS, Robot};
 
 /// Swings a pole up, and checks that everything on the way is what it should be.
@@ -163,6 +154,9 @@ fn the_programs_say_what_is_wrong_with_their_arguments() {
     for (name, arguments, expected) in [
         ("cartpole_swing_up", ["--seeds", "many"], "--seeds many"),
         ("cartpole_swing_up", ["--speed", "1"], "--help lists the options"),
+        ("cartpole_lqr", ["--angle", "steep"], "--angle steep"),
+        ("rollouts", ["--seed", "-1"], "--seed -1"),
+        ("rollouts", ["many", "pushes"], "unexpected argument many"),
         ("humanoid_predictive", ["--newtons", "hard"], "--newtons hard"),
         ("humanoid_predictive", ["--threads", "-1"], "--threads -1"),
     ] {

@@ -14,18 +14,8 @@ mod simulate;
 #[path = "../examples/humanoid_lqr/weights.rs"]
 mod weights;
 
-/// What `simulate.rs` takes from the command line.
-mod arguments {
-    #[derive(Clone, Copy, Debug)]
-    pub struct Push {
-        pub force: [f64; 2],
-        pub duration: f64,
-    }
-}
-
-use arguments::Push;
 use set_point::{SetPoint, Sweep};
-use simulate::{Disturbance, Run, simulate};
+use simulate::{Disturbance, Push, Run, simulate};
 use weights::{Dofs, weights};
 
 /// A robot and the regulator that holds it.

@@ -29,26 +29,20 @@ struct Arguments {
     out: Option<PathBuf>,
 }
 
+const HELP: &str = "cartpole_swing_up [--seeds N] [--threads N] [--out DIR]";
+
 fn arguments() -> Result<Arguments, String> {
-    use lexopt::Arg::{Long, Short, Value};
     let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    let mut arguments = Arguments { seeds: 5, threads: cores, out: None };
-    let mut parser = lexopt::Parser::from_env();
-    while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
-        match argument {
-            Long("seeds") => arguments.seeds = option::number(&mut parser, "--seeds")?,
-            Long("threads") => arguments.threads = option::number(&mut parser, "--threads")?,
-            Long("out") => arguments.out = Some(option::text(&mut parser, "--out")?.into()),
-            Short('h') | Long("help") => {
-                println!("cartpole_swing_up [--seeds N] [--threads N] [--out DIR]");
-                std::process::exit(0);
-            }
-            Short(_) | Long(_) | Value(_) => {
-                return Err(format!("{}; --help lists the options", argument.unexpected()));
-            }
+    let arguments = Arguments { seeds: 5, threads: cores, out: None };
+    option::read(HELP, arguments, |arguments, option| {
+        match option.name() {
+            "--seeds" => arguments.seeds = option.number()?,
+            "--threads" => arguments.threads = option.number()?,
+            "--out" => arguments.out = Some(option.path()?),
+            _ => return option.unknown(),
         }
-    }
-    Ok(arguments)
+        Ok(())
+    })
 }
 
 fn main() -> std::process::ExitCode {

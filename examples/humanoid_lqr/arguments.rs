@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::common::option;
+use crate::common::option::{self, Given};
+use crate::simulate::Push;
 
 pub const HELP: &str = "\
 A humanoid on one leg, held by a linear-quadratic regulator.
@@ -18,15 +19,6 @@ A humanoid on one leg, held by a linear-quadratic regulator.
   --out DIR         where the plots and the trajectory go; nothing is written without
   --view            show it in a window (built with --features viewer): under control, and as it was recorded
   --json            print the figures as one JSON object";
-
-/// A push against the torso.
-#[derive(Clone, Copy, Debug)]
-pub struct Push {
-    /// N, world frame.
-    pub force: [f64; 2],
-    /// s.
-    pub duration: f64,
-}
 
 #[derive(Clone, Debug)]
 pub struct Arguments {
@@ -45,8 +37,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn parse() -> Result<Self, String> {
-        use lexopt::Arg::{Long, Short, Value};
-        let mut arguments = Self {
+        let arguments = Self {
             model: None,
             keyframe: "stand_on_left_leg".to_owned(),
             torso: "torso".to_owned(),
@@ -59,44 +50,37 @@ impl Arguments {
             view: false,
             json: false,
         };
-        let mut parser = lexopt::Parser::from_env();
-        while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
-            match argument {
-                Long("model") => arguments.model = Some(option::text(&mut parser, "--model")?.into()),
-                Long("keyframe") => arguments.keyframe = option::text(&mut parser, "--keyframe")?,
-                Long("torso") => arguments.torso = option::text(&mut parser, "--torso")?,
-                Long("foot") => arguments.foot = option::text(&mut parser, "--foot")?,
-                Long("seconds") => arguments.seconds = positive(&mut parser, "--seconds")?,
-                Long("push") => arguments.push = Some(push(&mut parser)?),
-                Long("noise") => arguments.noise = positive(&mut parser, "--noise")?,
-                Long("seed") => arguments.seed = option::number(&mut parser, "--seed")?,
-                Long("out") => arguments.out = Some(option::text(&mut parser, "--out")?.into()),
-                Long("view") => arguments.view = true,
-                Long("json") => arguments.json = true,
-                Short('h') | Long("help") => {
-                    println!("{HELP}");
-                    std::process::exit(0);
-                }
-                Short(_) | Long(_) | Value(_) => {
-                    return Err(format!("{}; --help lists the options", argument.unexpected()));
-                }
+        option::read(HELP, arguments, |arguments, option| {
+            match option.name() {
+                "--model" => arguments.model = Some(option.path()?),
+                "--keyframe" => arguments.keyframe = option.text()?,
+                "--torso" => arguments.torso = option.text()?,
+                "--foot" => arguments.foot = option.text()?,
+                "--seconds" => arguments.seconds = positive(option)?,
+                "--push" => arguments.push = Some(push(option)?),
+                "--noise" => arguments.noise = positive(option)?,
+                "--seed" => arguments.seed = option.number()?,
+                "--out" => arguments.out = Some(option.path()?),
+                "--view" => arguments.view = true,
+                "--json" => arguments.json = true,
+                _ => return option.unknown(),
             }
-        }
-        Ok(arguments)
+            Ok(())
+        })
     }
 }
 
-fn positive(parser: &mut lexopt::Parser, name: &str) -> Result<f64, String> {
-    let value: f64 = option::number(parser, name)?;
+fn positive(option: &mut Given<'_>) -> Result<f64, String> {
+    let value: f64 = option.number()?;
     if value.is_finite() && value >= 0.0 {
         Ok(value)
     } else {
-        Err(format!("{name} {value}: must be finite and not negative"))
+        Err(format!("{} {value}: must be finite and not negative", option.name()))
     }
 }
 
-fn push(parser: &mut lexopt::Parser) -> Result<Push, String> {
-    let list = option::text(parser, "--push")?;
+fn push(option: &mut Given<'_>) -> Result<Push, String> {
+    let list = option.text()?;
     let numbers: Result<Vec<f64>, String> =
         list.split(',').map(|part| part.trim().parse().map_err(|error| format!("--push {list}: {error}"))).collect();
     match numbers?[..] {

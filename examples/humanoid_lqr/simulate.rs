@@ -6,13 +6,21 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use crate::arguments::Push;
 use crate::set_point::SetPoint;
 
 /// When the push begins, s.
 const PUSH_AT: f64 = 1.0;
 /// The robot has fallen when the centre of mass is below this part of its height at the set-point.
 const FALLEN: f64 = 0.8;
+
+/// A push against the torso.
+#[derive(Clone, Copy, Debug)]
+pub struct Push {
+    /// N, world frame.
+    pub force: [f64; 2],
+    /// s.
+    pub duration: f64,
+}
 
 /// What disturbs the robot.
 #[derive(Clone, Copy, Debug, Default)]

@@ -14,15 +14,6 @@ A humanoid is pushed so hard that its linear-quadratic regulator falls; a planne
   --threads N       how many threads plan (all cores)
   --out DIR         where the plots and the trajectory of the first go; nothing is written without";
 
-/// A push against the torso.
-#[derive(Clone, Copy, Debug)]
-pub struct Push {
-    /// N, world frame.
-    pub force: [f64; 2],
-    /// s.
-    pub duration: f64,
-}
-
 #[derive(Clone, Debug)]
 pub struct Arguments {
     pub seeds: u64,
@@ -34,26 +25,18 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn parse() -> Result<Self, String> {
-        use lexopt::Arg::{Long, Short, Value};
         let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-        let mut arguments = Self { seeds: 5, newtons: NEWTONS, seconds: 6.0, threads: cores, out: None };
-        let mut parser = lexopt::Parser::from_env();
-        while let Some(argument) = parser.next().map_err(|error| error.to_string())? {
-            match argument {
-                Long("seeds") => arguments.seeds = option::number(&mut parser, "--seeds")?,
-                Long("newtons") => arguments.newtons = option::number(&mut parser, "--newtons")?,
-                Long("seconds") => arguments.seconds = option::number(&mut parser, "--seconds")?,
-                Long("threads") => arguments.threads = option::number(&mut parser, "--threads")?,
-                Long("out") => arguments.out = Some(option::text(&mut parser, "--out")?.into()),
-                Short('h') | Long("help") => {
-                    println!("{HELP}");
-                    std::process::exit(0);
-                }
-                Short(_) | Long(_) | Value(_) => {
-                    return Err(format!("{}; --help lists the options", argument.unexpected()));
-                }
+        let arguments = Self { seeds: 5, newtons: NEWTONS, seconds: 6.0, threads: cores, out: None };
+        option::read(HELP, arguments, |arguments, option| {
+            match option.name() {
+                "--seeds" => arguments.seeds = option.number()?,
+                "--newtons" => arguments.newtons = option.number()?,
+                "--seconds" => arguments.seconds = option.number()?,
+                "--threads" => arguments.threads = option.number()?,
+                "--out" => arguments.out = Some(option.path()?),
+                _ => return option.unknown(),
             }
-        }
-        Ok(arguments)
+            Ok(())
+        })
     }
 }

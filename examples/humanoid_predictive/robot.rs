@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Model, Result, sample};
 
-use crate::arguments::Push;
 use crate::set_point::SetPoint;
+use crate::simulate::Push;
 use crate::weights::{Dofs, weights};
 
 /// How hard a push is, N. From the front, the back or a side the regulator can take 140 N, and from between them 100 N.

@@ -2,6 +2,8 @@
 
 use arbitrary::Unstructured;
 
+use super::mutate::Random;
+
 /// Bytes that decide. When they are used up, every decision is the first of its kind.
 pub struct Bytes<'b>(Unstructured<'b>);
 
@@ -96,20 +98,7 @@ impl<'b> Bytes<'b> {
 /// The bytes of a seed.
 pub(super) fn of_seed(seed: u64, salt: u64) -> Vec<u8> {
     // Neighbouring seeds must not share a part of their streams.
-    let mut random = SplitMix(SplitMix(seed ^ (salt << 56)).next());
+    let mut random = Random(Random(seed ^ (salt << 56)).next());
     let words = 16 + random.next() % 64;
     (0..words).flat_map(|_| random.next().to_le_bytes()).collect()
-}
-
-/// SplitMix64, by Sebastiano Vigna: enough for this, and the same everywhere.
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
 }
