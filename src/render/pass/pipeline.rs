@@ -168,7 +168,11 @@ impl Pipelines {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &targets,
         });
-        let buffers = vertex_buffers(parts.subject);
+        let mut attributes = ATTRIBUTES.map(<[_]>::to_vec);
+        for of_buffer in &mut attributes {
+            of_buffer.retain(|attribute| program.reads(attribute.shader_location));
+        }
+        let buffers = vertex_buffers(parts.subject, &attributes);
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: None,
             layout: Some(&layout),
@@ -305,12 +309,9 @@ fn view_layout(gpu: &Gpu, shadows: usize) -> wgpu::BindGroupLayout {
     gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
 }
 
-/// What the buffers of corners, of instances, of haze and of letters have in them.
-fn vertex_buffers(subject: Subject) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
+/// What the buffers of corners and of instances have in them.
+const ATTRIBUTES: [&[wgpu::VertexAttribute]; 2] = {
     use wgpu::VertexFormat::{Float32x2, Float32x3, Float32x4, Uint32};
-    const fn at(shader_location: u32, format: wgpu::VertexFormat, offset: usize) -> wgpu::VertexAttribute {
-        wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
-    }
     const CORNER: [wgpu::VertexAttribute; 3] = [
         at(0, Float32x3, offset_of!(Vertex, position)),
         at(1, Float32x3, offset_of!(Vertex, normal)),
@@ -325,6 +326,19 @@ fn vertex_buffers(subject: Subject) -> Vec<Option<wgpu::VertexBufferLayout<'stat
         at(8, Float32x4, offset_of!(Instance, texgen)),
         at(9, Uint32, offset_of!(Instance, id)),
     ];
+    [&CORNER, &INSTANCE]
+};
+
+const fn at(shader_location: u32, format: wgpu::VertexFormat, offset: usize) -> wgpu::VertexAttribute {
+    wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
+}
+
+/// The buffers of corners and of instances, of which so much is read, of haze, or of letters.
+fn vertex_buffers(
+    subject: Subject,
+    read: &[Vec<wgpu::VertexAttribute>; 2],
+) -> Vec<Option<wgpu::VertexBufferLayout<'_>>> {
+    use wgpu::VertexFormat::{Float32x2, Float32x3, Float32x4};
     const HAZE: [wgpu::VertexAttribute; 2] = [at(0, Float32x3, 0), at(1, Float32x4, 12)];
     const LABEL: [wgpu::VertexAttribute; 4] =
         [at(0, Float32x4, 0), at(1, Float32x4, 16), at(2, Float32x4, 32), at(3, Float32x2, 48)];
@@ -334,9 +348,9 @@ fn vertex_buffers(subject: Subject) -> Vec<Option<wgpu::VertexBufferLayout<'stat
     let corner = |attributes| buffer(size_of::<Vertex>(), wgpu::VertexStepMode::Vertex, attributes);
     match subject {
         Subject::Surface | Subject::Line | Subject::Depth => {
-            vec![corner(&CORNER), buffer(size_of::<Instance>(), wgpu::VertexStepMode::Instance, &INSTANCE)]
+            vec![corner(&read[0]), buffer(size_of::<Instance>(), wgpu::VertexStepMode::Instance, &read[1])]
         }
-        Subject::Sky => vec![corner(&CORNER[..1])],
+        Subject::Sky => vec![corner(&read[0][..1])],
         Subject::Haze => vec![buffer(28, wgpu::VertexStepMode::Vertex, &HAZE)],
         Subject::Label => vec![buffer(56, wgpu::VertexStepMode::Instance, &LABEL)],
     }

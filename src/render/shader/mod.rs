@@ -72,9 +72,34 @@ pub(crate) struct Program<'a> {
 const MOST_VERTEX_SHADOWS: usize = 5;
 
 impl Program<'_> {
+    /// Whether it computes light.
+    fn is_lit(&self) -> bool {
+        self.subject == Subject::Surface && self.output == Output::Color && self.shade != Shade::None
+    }
+
+    /// Whether it reads the colours of instances, and their numbers. Lines have both.
+    fn instance(&self) -> [bool; 2] {
+        [Output::Color, Output::Ids].map(|output| match self.subject {
+            Subject::Line => true,
+            subject => subject == Subject::Surface && self.output == output,
+        })
+    }
+
+    /// Whether it reads what is at a location of a corner or an instance: `instance.wgsl` says the same. Some drivers spend time on
+    /// each that is there.
+    pub(crate) fn reads(&self, location: u32) -> bool {
+        match location {
+            1 | 7 => self.is_lit(),
+            2 | 8 => self.coat != Coat::Plain,
+            6 => self.instance()[0],
+            9 => self.instance()[1],
+            _ => true,
+        }
+    }
+
     /// Its text.
     pub(crate) fn source(&self) -> String {
-        let is_lit = self.subject == Subject::Surface && self.output == Output::Color && self.shade != Shade::None;
+        let is_lit = self.is_lit();
         let shadows = if is_lit { self.lights.iter().filter(|light| light.shadow).count() } else { 0 };
         let shade = match self.shade {
             Shade::Vertex if shadows > MOST_VERTEX_SHADOWS => Shade::Pixel,
@@ -83,6 +108,8 @@ impl Program<'_> {
         let flags = [
             ("COLOR", self.output == Output::Color),
             ("IDS", self.output == Output::Ids),
+            ("COLORED", self.instance()[0]),
+            ("NUMBERED", self.instance()[1]),
             ("LIT", is_lit),
             ("LIGHTS", is_lit && !self.lights.is_empty()),
             ("SHADOWS", shadows > 0),
