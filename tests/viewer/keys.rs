@@ -50,11 +50,14 @@ pub fn simulation() {
         press(hand, "shift+Right", "steps", |state| state.ctrl.iter().any(|ctrl| *ctrl != 0.0));
         press(hand, "ctrl+BackSpace", "no controls", |state| state.ctrl.iter().all(|ctrl| *ctrl == 0.0));
 
-        hand.key("ctrl+c");
-        wait_until("the state is in the clipboard", || {
+        let copied = |parts: [&str; 2]| {
             let text = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.get_text());
-            text.is_ok_and(|text| text.contains("<key") && text.contains("qpos="))
-        });
+            text.is_ok_and(|text| parts.iter().all(|part| text.contains(part)))
+        };
+        hand.key("ctrl+c");
+        wait_until("the state is in the clipboard", || copied(["<key", "qpos="]));
+        hand.key("ctrl+shift+c");
+        wait_until("the camera is in the clipboard", || copied(["<camera", "pos="]));
     });
 }
 

@@ -69,6 +69,10 @@ fn camera(hand: &Hand) {
     hand.drag(MIDDLE, [0, 50], 2, &[]);
     wait_until("a middle drag zooms", || state().camera.distance != before.distance);
     settle(hand);
+    let before = state().camera;
+    hand.drag(MIDDLE, [0, 50], 2, &["shift"]);
+    wait_until("and so it does with Shift", || state().camera.distance != before.distance);
+    settle(hand);
     let before = state().camera.distance;
     hand.click(MIDDLE, 4, 1);
     wait_until("the wheel zooms", || state().camera.distance != before);
@@ -117,6 +121,15 @@ fn paused(hand: &Hand) {
     let before = state().qpos;
     hand.drag(MIDDLE, [40, 20], 1, &["ctrl"]);
     wait_until("a left drag with Ctrl turns it", || state().qpos[3..] != before[3..]);
+    settle(hand);
+    let before = state().qpos;
+    hand.drag(MIDDLE, [40, 20], 3, &["ctrl", "shift"]);
+    wait_until("a right drag with Ctrl and Shift moves it over the ground", || state().qpos[..2] != before[..2]);
+    settle(hand);
+    assert!((state().qpos[2] - before[2]).abs() < 1e-6, "and only there");
+    let before = state().qpos;
+    hand.drag(MIDDLE, [40, 0], 1, &["ctrl", "shift"]);
+    wait_until("a left drag with Ctrl and Shift turns it", || state().qpos[3..] != before[3..]);
     assert_eq!(state().time, 0.0);
 }
 
