@@ -29,6 +29,18 @@ pub(crate) unsafe fn array<'a, T>(array: *const T, length: usize) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(array, length) }
 }
 
+/// Whether `is` holds for all values of an array. For each step of a simulation: the slice of [`array`] takes longer to make than
+/// the few numbers of a small model to look at.
+///
+/// # Safety
+///
+/// As for [`array`], and `array` is not NULL unless `length` is zero.
+#[inline]
+pub(crate) unsafe fn all<T: Copy>(array: *const T, length: usize, is: impl Fn(T) -> bool) -> bool {
+    // SAFETY: within the array, which is there since it has a value.
+    (0..length).all(|index| is(unsafe { *array.add(index) }))
+}
+
 /// As [`array`], to be written to.
 ///
 /// # Safety

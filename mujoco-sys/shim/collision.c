@@ -4,6 +4,11 @@
 
 static mjfCollision original[mjNGEOMTYPES][mjNGEOMTYPES];
 
+// Whether the engine looks for contacts of points, centres or ends, with a box.
+static int is_point_and_box(int type1, int type2) {
+  return type2 == mjGEOM_BOX && (type1 == mjGEOM_SPHERE || type1 == mjGEOM_CAPSULE);
+}
+
 // The engine looks for the side that is nearest to a point inside of a box. Where the box has no inside it finds none, and
 // writes to an array at an index that nothing was assigned to.
 static void check_box(const mjModel* m, int box) {
@@ -47,7 +52,7 @@ int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int
   if (!function) {
     return -1;
   }
-  if (type2 == mjGEOM_BOX && (type1 == mjGEOM_SPHERE || type1 == mjGEOM_CAPSULE)) {
+  if (is_point_and_box(type1, type2)) {
     check_box(m, g2);
   }
   if (is_iterated(type1, type2)) {
@@ -67,11 +72,25 @@ static int is_twice_in_a_row(const mjModel* m, int g1, int g2) {
   return body == m->geom_bodyid[g2] && m->body_simple[body] && m->body_dofnum[body] && mj_isSparse(m);
 }
 
-static int checked(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin) {
+// Whether geoms of these types go to the engine's function as they are.
+static unsigned char needs_no_look[mjNGEOMTYPES][mjNGEOMTYPES];
+
+static __attribute__((noinline)) int looked_at(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2,
+                                               mjtNum margin) {
   if (is_twice_in_a_row(m, g1, g2)) {
     return 0;
   }
   return mujoco_sys_collide_as(m, d, con, m->geom_type[g1], m->geom_type[g2], g1, g2, margin);
+}
+
+// Called for each pair of geoms that are near each other, so what most of them need is a few instructions and a jump.
+static int checked(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin) {
+  const int type1 = m->geom_type[g1];
+  const int type2 = m->geom_type[g2];
+  if (needs_no_look[type1][type2] && m->geom_bodyid[g1] != m->geom_bodyid[g2]) {
+    return original[type1][type2](m, d, con, g1, g2, margin);
+  }
+  return looked_at(m, d, con, g1, g2, margin);
 }
 
 void mujoco_sys_check_collisions(void) {
@@ -79,6 +98,7 @@ void mujoco_sys_check_collisions(void) {
     for (int j = 0; j < mjNGEOMTYPES; j++) {
       if (mjCOLLISIONFUNC[i][j] && mjCOLLISIONFUNC[i][j] != checked) {
         original[i][j] = mjCOLLISIONFUNC[i][j];
+        needs_no_look[i][j] = !is_point_and_box(i, j) && !is_iterated(i, j);
         mjCOLLISIONFUNC[i][j] = checked;
       }
     }

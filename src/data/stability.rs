@@ -72,17 +72,24 @@ impl fmt::Display for Instability {
     }
 }
 
-/// Whether the engine takes all of these for good numbers. No early end, so that it compiles to vector instructions.
+/// Whether the engine takes this for a good number.
 #[inline]
-fn all_good(values: &[f64]) -> bool {
-    values.iter().fold(true, |good, value| good & (value.abs() <= mjMAXVAL))
+fn is_good(value: f64) -> bool {
+    value.abs() <= mjMAXVAL
 }
 
 impl Data {
     /// Refuses a state or controls that the engine would reset, before it does.
     #[inline]
     pub(crate) fn check_inputs(&self) -> Result<()> {
-        if !(all_good(self.qpos()) && all_good(self.qvel()) && all_good(self.ctrl())) {
+        let (raw, model) = (self.raw(), self.model());
+        // SAFETY: the engine allocated each array with this length, and `self` is borrowed.
+        let good = unsafe {
+            ffi::all(raw.qpos, model.nq(), is_good)
+                && ffi::all(raw.qvel, model.nv(), is_good)
+                && ffi::all(raw.ctrl, model.nu(), is_good)
+        };
+        if !good {
             return Err(self.bad_input());
         }
         if self.model().has_ranged_fields() { self.check_field_poses() } else { Ok(()) }
@@ -93,7 +100,7 @@ impl Data {
         [(Quantity::Position, self.qpos()), (Quantity::Velocity, self.qvel()), (Quantity::Control, self.ctrl())]
             .into_iter()
             .find_map(|(quantity, values)| {
-                let index = values.iter().position(|value| !all_good(&[*value]))?;
+                let index = values.iter().position(|&value| !is_good(value))?;
                 Some(self.instability(quantity, index, Some(values[index]), self.time()).into())
             })
             .expect("Bug: no bad number among bad inputs")
@@ -129,5 +136,36 @@ impl Data {
             Quantity::Control => model.name_at(Kind::Actuator, index),
         };
         Instability { quantity, index, name: name.map(str::to_owned), value, time }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mujoco_sys::mjMAXVAL;
+
+    use crate::{Data, sample};
+
+    #[test]
+    fn only_a_number_beyond_the_limit_is_refused() {
+        let mut data = Data::new(sample::humanoid()).unwrap();
+        data.ctrl_mut().fill(-mjMAXVAL);
+        assert!(data.check_inputs().is_ok());
+        for bad in [mjMAXVAL.next_up(), -mjMAXVAL.next_up(), f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -f64::NAN] {
+            for index in [0, 7, data.ctrl().len() - 1] {
+                data.ctrl_mut().fill(0.0);
+                data.ctrl_mut()[index] = bad;
+                assert!(data.check_inputs().is_err(), "{bad} at {index}");
+            }
+            data.ctrl_mut().fill(0.0);
+            let last = data.qvel().len() - 1;
+            data.qvel_mut()[last] = bad;
+            assert!(data.check_inputs().is_err(), "{bad} in qvel");
+            data.qvel_mut()[last] = 0.0;
+            let last = data.qpos().len() - 1;
+            let before = std::mem::replace(&mut data.qpos_mut()[last], bad);
+            assert!(data.check_inputs().is_err(), "{bad} in qpos");
+            data.qpos_mut()[last] = before;
+        }
+        assert!(data.check_inputs().is_ok());
     }
 }

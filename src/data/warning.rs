@@ -162,8 +162,9 @@ impl Lifted {
     /// Puts the counters back, with what was counted meanwhile.
     #[inline]
     pub(super) fn lower(&self, data: &mut mjData) -> Counted {
-        // All of them, without an early end, so that it compiles to vector instructions.
-        if data.warning.iter().fold(0, |change, stat| change | (stat.number ^ LIFT)) == 0 {
+        // A warning sets a bit below the lift, and a reset zeroes all of the counters at once, so no other bit than that of the lift
+        // means that none has changed.
+        if data.warning.iter().fold(0, |bits, stat| bits | stat.number) == LIFT {
             data.warning = self.before;
             Counted::Nothing
         } else {
