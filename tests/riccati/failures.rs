@@ -182,6 +182,13 @@ fn entries_beyond_what_arithmetic_holds_end_in_an_error() {
         let got = solve(&huge, &huge, &identity, &identity);
         assert!(got.is_err(), "{got:?}");
     }
+    // The norm of A overflows, and what is divided by it is no number any more.
+    let twisted = dmatrix![0.01, -1e15; 1e300, 0.05];
+    for controls in [0, 2] {
+        let (b, r) = (DMatrix::from_element(2, controls, 1.0), DMatrix::identity(controls, controls));
+        let got = solve(&twisted, &b, &DMatrix::identity(2, 2), &r);
+        assert!(got.is_err(), "{got:?}");
+    }
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn mode_out_of_reach(
         .filter(|&(_, distance)| distance <= OUT_OF_REACH)
 }
 
-/// The smallest singular value of `[A − λI, B]`, with `A` and `B` scaled to unit norm.
+/// The smallest singular value of `[A − λI, B]`, with `A` and `B` scaled to unit norm, unless arithmetic does not hold it.
 fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>, eigenvalue: Complex<f64>) -> Option<f64> {
     let (size, controls) = b.shape();
     let (norm_of_a, norm_of_b) = (a.norm(), b.norm());
@@ -57,6 +57,12 @@ fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>, eigenvalue: Complex<f64>) -> Opt
         let shift = if row == column { eigenvalue } else { Complex::default() };
         (Complex::from(a[(row, column)]) - shift) / unless_zero(norm_of_a)
     });
-    let decomposition = SVD::try_new(pencil, false, false, f64::EPSILON, MOST_EIGENVALUE_ITERATIONS)?;
-    Some(decomposition.singular_values.min())
+    // Norms and eigenvalues of numbers that are finite may overflow.
+    if !pencil.iter().all(|entry| entry.re.is_finite() && entry.im.is_finite()) {
+        return None;
+    }
+    // Unordered, because nalgebra panics at a singular value that is not a number when it orders them.
+    let decomposition = SVD::try_new_unordered(pencil, false, false, f64::EPSILON, MOST_EIGENVALUE_ITERATIONS)?;
+    let smallest = decomposition.singular_values.iter().copied().min_by(f64::total_cmp)?;
+    decomposition.singular_values.iter().all(|value| value.is_finite()).then_some(smallest)
 }
