@@ -8,10 +8,13 @@ mod control;
 mod edit;
 mod elements;
 mod files;
+mod linearise;
 mod look;
 mod math;
 mod parts;
+mod picture;
 mod read;
+mod rollouts;
 mod several;
 mod simulate;
 mod write;
@@ -19,7 +22,7 @@ mod write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use mujoco_safe::{Data, Error, Model, Result, Stage};
+use mujoco_safe::{Data, Error, Model, Result, Stage, Transition};
 
 use super::{Bytes, Verdict, models, print_all, touch_all};
 
@@ -32,6 +35,10 @@ pub(super) struct Scene<'l> {
     pub(super) state: Vec<f64>,
     /// The model as it was loaded, which is shared.
     pub(super) model: Arc<Model>,
+    /// An abstract scene, of the model that the call had which made it.
+    picture: Option<picture::Picture>,
+    /// A workspace for linear systems, likewise.
+    transition: Option<Transition>,
     /// Within how many scopes with callbacks the calls are made.
     pub(super) depth: usize,
     /// Is told what is done before it is done.
@@ -63,6 +70,9 @@ const TABLES: &[Table] = &[
     Table { weight: 3, needs_step: false, calls: callback::CALLS },
     Table { weight: 2, needs_step: false, calls: math::CALLS },
     Table { weight: 2, needs_step: false, calls: control::CALLS },
+    Table { weight: 2, needs_step: false, calls: linearise::CALLS },
+    Table { weight: 1, needs_step: false, calls: rollouts::CALLS },
+    Table { weight: 3, needs_step: true, calls: picture::CALLS },
     Table { weight: 1, needs_step: false, calls: files::CALLS },
 ];
 
@@ -73,7 +83,8 @@ pub(super) fn call_sequence(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) ->
     log(&models::all()[which].name);
     let model = models::model(which).clone();
     let data = Data::new(model.clone()).expect("a model of the corpus has no simulation");
-    let mut scene = Scene { data, other: None, state: Vec::new(), model, depth: 0, log };
+    let mut scene =
+        Scene { data, other: None, state: Vec::new(), model, picture: None, transition: None, depth: 0, log };
     let calls = 10 + bytes.below(MOST_CALLS - 9);
     call_some(&mut scene, bytes, calls);
     Verdict::Worked

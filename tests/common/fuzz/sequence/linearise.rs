@@ -1,0 +1,207 @@
+//! Linear systems in a workspace that is kept, and what regulators make of them.
+
+use std::hint::black_box;
+
+use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
+use mujoco_safe::control::riccati::{Riccati, RiccatiRecursion, RiccatiSolution, RiccatiWorkspace};
+use mujoco_safe::nalgebra::DMatrix;
+use mujoco_safe::{
+    Callbacks, Controller, Data, Differences, LqrWeights, Matrix, Result, StateSpace, StateSpec, TimeVaryingLqr,
+    Transition, TransitionMethod, TransitionOptions, TransitionOutputs,
+};
+
+use super::{Bytes, Call, Scene};
+
+const METHODS: [TransitionMethod; 3] = [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse];
+
+/// Calls with a workspace, which often is that of an earlier call: of the same model, or of another.
+fn with_transition(
+    scene: &mut Scene<'_>,
+    bytes: &mut Bytes<'_>,
+    call: impl FnOnce(&mut Transition, &mut Data, &mut Bytes<'_>) -> Result<()>,
+) -> Result<()> {
+    if scene.data.model().nv() >= 20 {
+        return Ok(());
+    }
+    if scene.transition.is_none() || bytes.once_in(4) {
+        let options = TransitionOptions {
+            method: METHODS[bytes.below(3)],
+            differences: [Differences::Forward, Differences::Central][bytes.below(2)],
+            eps: bytes.once_in(3).then(|| bytes.number()),
+            threads: [1, 1, 2, 3, 0][bytes.below(5)],
+        };
+        scene.transition = Some(Transition::new(scene.data.model().clone(), options)?);
+    }
+    let transition = scene.transition.as_mut().expect("it was just made");
+    black_box(transition.options().threads);
+    call(transition, &mut scene.data, bytes)
+}
+
+/// So many rows, mostly the present state with a number in it.
+fn states(data: &Data, bytes: &mut Bytes<'_>, nrows: usize) -> Matrix {
+    let state = data.physics_state();
+    let mut states = Matrix::zeros(nrows, state.len() + usize::from(bytes.once_in(16)));
+    for row in 0..nrows {
+        let to = states.row_mut(row);
+        to[..state.len()].copy_from_slice(&state);
+        if bytes.once_in(2) {
+            let (at, number) = (bytes.below(state.len()), bytes.number());
+            to.iter_mut().skip(at).take(1).for_each(|value| *value = number);
+        }
+    }
+    states
+}
+
+fn controls(data: &Data, bytes: &mut Bytes<'_>, nrows: usize) -> Matrix {
+    let nu = data.model().nu();
+    Matrix::from_row_major(nrows, nu, vec![bytes.number(); nrows * nu])
+}
+
+/// A matrix, mostly of the shape that is right, of numbers that are mostly small.
+fn matrix(bytes: &mut Bytes<'_>, nrows: usize, ncols: usize) -> DMatrix<f64> {
+    let extra = usize::from(bytes.once_in(64));
+    let seed = bytes.fraction();
+    let mut matrix = DMatrix::from_fn(nrows + extra, ncols, |row, column| (seed * (1 + row + 3 * column) as f64).sin());
+    for _ in 0..bytes.below(3) {
+        let (at, number) = (bytes.below(matrix.len()), bytes.number());
+        matrix.iter_mut().skip(at).take(1).for_each(|value| *value = number);
+    }
+    if bytes.once_in(4) { matrix * bytes.number() } else { matrix }
+}
+
+/// A symmetric one.
+fn cost(bytes: &mut Bytes<'_>, size: usize) -> DMatrix<f64> {
+    let half = matrix(bytes, size, size);
+    match bytes.below(6) {
+        0 => DMatrix::identity(size, size) * bytes.number(),
+        1 | 2 => half.tr_mul(&half),
+        3 if half.is_square() => &half + half.transpose(),
+        4 => half,
+        _ => DMatrix::identity(size, size),
+    }
+}
+
+fn weights(bytes: &mut Bytes<'_>, nx: usize, nu: usize) -> LqrWeights {
+    LqrWeights { q: cost(bytes, nx), r: cost(bytes, nu), s: bytes.once_in(3).then(|| matrix(bytes, nx, nu)) }
+}
+
+pub(super) const CALLS: &[(&str, Call)] = &[
+    ("Transition::linear_system", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, _| {
+            let before = data.state(StateSpec::INTEGRATION);
+            let result = transition.linear_system(data);
+            let after = data.state(StateSpec::INTEGRATION);
+            assert!(before.iter().map(|number| number.to_bits()).eq(after.iter().map(|number| number.to_bits())));
+            result.map(drop)
+        })
+    }),
+    ("Transition::linear_system_into", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, bytes| {
+            let StateSpace { mut a, mut b, mut c, mut d, .. } = StateSpace::zeros(data.model());
+            if bytes.once_in(8) {
+                d = Matrix::zeros(1, 1000);
+            }
+            let wanted = bytes.word();
+            let outputs = TransitionOutputs {
+                a: (wanted & 1 != 0).then_some(&mut a),
+                b: (wanted & 2 != 0).then_some(&mut b),
+                c: (wanted & 4 != 0).then_some(&mut c),
+                d: (wanted & 8 != 0).then_some(&mut d),
+            };
+            transition.linear_system_into(data, outputs).map(|used| drop(black_box(format!("{used:?}"))))
+        })
+    }),
+    ("Transition::linear_system, with a callback", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, bytes| {
+            let number = bytes.number();
+            let callbacks = Callbacks::new().control(move |moment| moment.ctrl_mut().fill(number));
+            data.with_callbacks(callbacks, |data| transition.linear_system(data).map(drop))
+        })
+    }),
+    ("Transition::along", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, bytes| {
+            let rows = bytes.below(4);
+            let (states, controls) = (states(data, bytes, rows), controls(data, bytes, rows));
+            let mut systems = transition.along(data, &states, &controls)?;
+            if bytes.once_in(4) {
+                systems.pop();
+            }
+            transition.along_into(data, &states, &controls, &mut systems)
+        })
+    }),
+    ("TimeVaryingLqr", |scene, bytes| {
+        with_transition(scene, bytes, |transition, data, bytes| {
+            let (steps, nu) = (bytes.below(4), data.model().nu());
+            let nx = 2 * data.model().nv() + data.model().na();
+            let (states, controls) = (states(data, bytes, steps + 1), controls(data, bytes, steps));
+            let mut regulator = if bytes.once_in(2) {
+                let gain = Matrix::from_row_major(nu, nx, vec![bytes.number(); nu * nx]);
+                let gains = vec![gain; steps + usize::from(bytes.once_in(16))];
+                TimeVaryingLqr::with_gains(data, states, controls, gains)?
+            } else {
+                let (weights, terminal) = (weights(bytes, nx, nu), cost(bytes, nx));
+                TimeVaryingLqr::along(transition, data, states, controls, &weights, &terminal)?
+            };
+            if bytes.once_in(2) {
+                regulator.set_start(bytes.number());
+            }
+            black_box((regulator.row(data), regulator.start(), regulator.gains().len(), regulator.states().shape()));
+            regulator.control(data)?;
+            data.step()?;
+            regulator.control(data)
+        })
+    }),
+    ("Ilqr", |scene, bytes| {
+        let model = scene.data.model().clone();
+        if model.nv() > 6 {
+            return Ok(());
+        }
+        let (nx, nu) = (2 * model.nv() + model.na(), model.nu());
+        let (options, number) = (IlqrOptions::default(), bytes.number());
+        let options = IlqrOptions {
+            iterations: bytes.below(5),
+            tolerance: if bytes.once_in(8) { number } else { options.tolerance },
+            threads: 1 + bytes.below(2),
+            step_sizes: if bytes.once_in(8) { vec![number; bytes.below(3)] } else { options.step_sizes },
+        };
+        let target = bytes.vector(model.state_size(StateSpec::PHYSICS));
+        let cost = QuadraticCost::new(model.clone(), &target, weights(bytes, nx, nu), cost(bytes, nx))?;
+        let steps = bytes.below(6);
+        let controls = controls(&scene.data, bytes, steps);
+        let solution = Ilqr::new(model, options)?.solve(&scene.data, &controls, &cost)?;
+        black_box((solution.cost(), solution.status.to_string()));
+        solution.controller(&scene.data)?.control(&mut scene.data)
+    }),
+    ("Riccati::solve_into", |scene, bytes| {
+        let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
+        for _ in 0..=bytes.below(3) {
+            let (n, m) = (bytes.below(7), bytes.below(4));
+            let (a, b) = (matrix(bytes, n, n), matrix(bytes, n, m));
+            let LqrWeights { q, r, s } = weights(bytes, n, m);
+            let mut riccati = Riccati::new(&a, &b, &q, &r);
+            if let Some(s) = &s {
+                riccati = riccati.with_cross_term(s);
+            }
+            if bytes.once_in(4) {
+                riccati = riccati.with_residual_tolerance(bytes.number());
+            }
+            (scene.log)(&format!("  A {a:?}, B {b:?}, Q {q:?}, R {r:?}, S {s:?}"));
+            let result = riccati.solve_into(&mut workspace, &mut solution);
+            black_box(result.err().map(|error| error.to_string()));
+        }
+        Ok(())
+    }),
+    ("RiccatiRecursion", |scene, bytes| {
+        let (n, m) = (bytes.below(6), bytes.below(4));
+        let terminal = cost(bytes, n);
+        let Ok(mut recursion) = RiccatiRecursion::new(&terminal, m) else { return Ok(()) };
+        for _ in 0..=bytes.below(4) {
+            let (a, b, weights) = (matrix(bytes, n, n), matrix(bytes, n, m), weights(bytes, n, m));
+            (scene.log)(&format!("  {a:?} {b:?} {weights:?}"));
+            let result = recursion.step_back(&a, &b, &weights).map(DMatrix::shape);
+            black_box(result.err().map(|error| error.to_string()));
+        }
+        black_box((recursion.k().shape(), recursion.p().shape()));
+        Ok(())
+    }),
+];
