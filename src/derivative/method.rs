@@ -28,7 +28,7 @@ pub struct TransitionOptions {
     /// The step of the differences, or one that suits the method that is used: `1e-7` through inverse dynamics, and `1e-6` for
     /// differences of a step, where it has to be large against the tolerance of the solver.
     pub eps: Option<f64>,
-    /// How many threads of rayon's pool work at the same time, at most; each has a simulation of its own. The result is the
+    /// How many threads of rayon's pool work at the same time, at most 1024; each has a simulation of its own. The result is the
     /// same for any number, to the last bit.
     pub threads: usize,
 }

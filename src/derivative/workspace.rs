@@ -16,6 +16,9 @@ use crate::model::Model;
 /// Fewest columns that are worth waking another thread for.
 const FEWEST_TO_SHARE: usize = 16;
 
+/// More would be a mistake, and would take memory for as many simulations.
+const MOST_THREADS: usize = 1024;
+
 /// Linearises steps of a simulation, by a choice of [methods](TransitionMethod), and keeps what that needs: a simulation for
 /// each thread, and room for the columns.
 ///
@@ -54,15 +57,16 @@ impl Transition {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1 and there is at least one thread, [`Error::Engine`] or
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1 and there are from 1 to 1024 threads, [`Error::Engine`] or
     /// [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
     pub fn new(model: impl Into<Arc<Model>>, options: TransitionOptions) -> Result<Self> {
         let model = model.into();
         if let Some(eps) = options.eps {
             check_eps("TransitionOptions", eps)?;
         }
-        if options.threads == 0 {
-            return Err(Error::invalid("threads of TransitionOptions", "0", "at least 1"));
+        if !(1..=MOST_THREADS).contains(&options.threads) {
+            let expected = format!("from 1 to {MOST_THREADS}, as each has a simulation of its own");
+            return Err(Error::invalid("threads of TransitionOptions", options.threads, expected));
         }
         let workers = (0..options.threads).map(|_| Worker::new(&model)).collect::<Result<_>>()?;
         let (nx, nu, ny) = sizes(&model);

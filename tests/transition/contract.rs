@@ -308,8 +308,10 @@ fn wrong_shapes_options_and_models_are_errors() {
         let options = TransitionOptions { eps: Some(eps), ..Default::default() };
         assert!(matches!(Transition::new(model.clone(), options), Err(Error::Invalid { .. })));
     }
-    let options = TransitionOptions { threads: 0, ..Default::default() };
-    assert!(matches!(Transition::new(model.clone(), options), Err(Error::Invalid { .. })));
+    for threads in [0, 1025, usize::MAX] {
+        let options = TransitionOptions { threads, ..Default::default() };
+        assert!(matches!(Transition::new(model.clone(), options), Err(Error::Invalid { .. })));
+    }
 
     let mut transition = workspace(&data, TransitionOptions::default());
     for wrong in 0..4 {
