@@ -84,7 +84,9 @@ fn main() -> ExitCode {
 }
 
 fn this(arguments: &[&str]) -> Command {
-    let mut command = Command::new(std::env::current_exe().expect("the test's own path"));
+    // What runs in a shell's background ignores Ctrl-C, and hands that down; a case wants to see what Ctrl-C does.
+    let mut command = Command::new("env");
+    command.arg("--default-signal=INT").arg(std::env::current_exe().expect("the test's own path"));
     command.args(arguments).env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
     command.env("RUST_BACKTRACE", "0");
     // Mesa complains where there is none.
