@@ -132,6 +132,20 @@ pub(super) struct Blocks<'a> {
     pub(super) only_lower: bool,
 }
 
+impl Blocks<'_> {
+    /// The rows of `right` that each panel has. Where there are none, or none in `left`, the product is zero, and all is done.
+    #[inline(always)]
+    fn inner(&mut self, left: &[Lane], right: &[Lane]) -> Option<usize> {
+        if self.lanes.is_empty() || left.is_empty() {
+            if self.then == Then::Set {
+                self.lanes.fill(Lane::ZERO);
+            }
+            return None;
+        }
+        Some(right.len() / (self.lanes.len() / self.size))
+    }
+}
+
 #[inline(always)]
 fn store(out: &mut [Lane], sums: &[Lane], then: Then) {
     for (out, sum) in out.iter_mut().zip(sums) {
@@ -150,6 +164,20 @@ fn store(out: &mut [Lane], sums: &[Lane], then: Then) {
 fn multiply_add<const FUSED: bool>(sum: &mut Lane, factor: f64, row: &Lane) {
     for lane in 0..BLOCK {
         sum.0[lane] = if FUSED { factor.mul_add(row.0[lane], sum.0[lane]) } else { factor * row.0[lane] + sum.0[lane] };
+    }
+}
+
+/// `sums += left · right`, for rows of a block and a whole one.
+#[inline(always)]
+fn accumulate<const FUSED: bool, const ROWS: usize>(
+    sums: &mut [Lane; ROWS],
+    left: &[Lane; ROWS],
+    right: &[Lane; BLOCK],
+) {
+    for column in 0..BLOCK {
+        for row in 0..ROWS {
+            multiply_add::<FUSED>(&mut sums[row], left[row].0[column], &right[column]);
+        }
     }
 }
 
@@ -181,15 +209,9 @@ pub(super) fn invert_upper(block: &[Lane; BLOCK], reciprocals: &[f64; BLOCK]) ->
 }
 
 #[inline(always)]
-fn product<const FUSED: bool, const ROWS: usize>(out: Blocks<'_>, left: &[Lane], right: &[Lane]) {
+fn product<const FUSED: bool, const ROWS: usize>(mut out: Blocks<'_>, left: &[Lane], right: &[Lane]) {
+    let Some(inner) = out.inner(left, right) else { return };
     let Blocks { then, only_lower, .. } = out;
-    if out.lanes.is_empty() || left.is_empty() {
-        if then == Then::Set {
-            out.lanes.fill(Lane::ZERO);
-        }
-        return;
-    }
-    let inner = right.len() / (out.lanes.len() / out.size);
     for (panel, (out, right)) in out.lanes.chunks_exact_mut(out.size).zip(right.chunks_exact(inner)).enumerate() {
         let first = if only_lower { BLOCK * panel } else { 0 };
         let size = out.len();
@@ -197,11 +219,7 @@ fn product<const FUSED: bool, const ROWS: usize>(out: Blocks<'_>, left: &[Lane],
             let mut sums = [Lane::ZERO; ROWS];
             for (left, right) in left.chunks_exact(size).zip(right.as_chunks::<BLOCK>().0) {
                 let left: &[Lane; ROWS] = left[start..].first_chunk().expect("Bug: panels end with a block");
-                for column in 0..BLOCK {
-                    for row in 0..ROWS {
-                        multiply_add::<FUSED>(&mut sums[row], left[row].0[column], &right[column]);
-                    }
-                }
+                accumulate::<FUSED, ROWS>(&mut sums, left, right);
             }
             store(&mut out[start..start + ROWS], &sums, then);
         }
@@ -209,21 +227,12 @@ fn product<const FUSED: bool, const ROWS: usize>(out: Blocks<'_>, left: &[Lane],
 }
 
 #[inline(always)]
-fn transposed_product<const FUSED: bool, const ROWS: usize>(out: Blocks<'_>, left: &[Lane], right: &[Lane]) {
+fn transposed_product<const FUSED: bool, const ROWS: usize>(mut out: Blocks<'_>, left: &[Lane], right: &[Lane]) {
+    let Some(inner) = out.inner(left, right) else { return };
     let Blocks { then, only_lower, .. } = out;
-    if out.lanes.is_empty() || left.is_empty() {
-        if then == Then::Set {
-            out.lanes.fill(Lane::ZERO);
-        }
-        return;
-    }
-    let inner = right.len() / (out.lanes.len() / out.size);
     for (panel, (out, right)) in out.lanes.chunks_exact_mut(out.size).zip(right.chunks_exact(inner)).enumerate() {
         let first = if only_lower { panel } else { 0 };
-        for (index, (out, left)) in
-            out.as_chunks_mut::<BLOCK>().0.iter_mut().zip(left.chunks_exact(inner)).enumerate().skip(first)
-        {
-            debug_assert!(index >= first);
+        for (out, left) in out.as_chunks_mut::<BLOCK>().0.iter_mut().zip(left.chunks_exact(inner)).skip(first) {
             for start in (0..BLOCK).step_by(ROWS) {
                 let mut sums = [Lane::ZERO; ROWS];
                 for (left, right) in left.iter().zip(right) {
@@ -254,11 +263,7 @@ fn substitute<const FUSED: bool, const ROWS: usize>(
         let columns = matrix.chunks_exact(size).zip(panel.as_chunks::<BLOCK>().0);
         for (left, right) in columns.take(known.end).skip(known.start) {
             let left: &[Lane; ROWS] = left[start..].first_chunk().expect("Bug: panels end with a block");
-            for column in 0..BLOCK {
-                for row in 0..ROWS {
-                    multiply_add::<FUSED>(&mut sums[row], left[row].0[column], &right[column]);
-                }
-            }
+            accumulate::<FUSED, ROWS>(&mut sums, left, right);
         }
         store(&mut panel[start..start + ROWS], &sums, Then::Subtract);
     }
@@ -267,11 +272,8 @@ fn substitute<const FUSED: bool, const ROWS: usize>(
         let right = *block;
         for start in (0..BLOCK).step_by(ROWS) {
             let mut sums = [Lane::ZERO; ROWS];
-            for column in 0..BLOCK {
-                for row in 0..ROWS {
-                    multiply_add::<FUSED>(&mut sums[row], inverse[start + row].0[column], &right[column]);
-                }
-            }
+            let left: &[Lane; ROWS] = inverse[start..].first_chunk().expect("Bug: as above");
+            accumulate::<FUSED, ROWS>(&mut sums, left, &right);
             block[start..start + ROWS].copy_from_slice(&sums);
         }
     }

@@ -6,7 +6,6 @@ use super::open::{choose, descriptor, no_adapter, open};
 use super::{Gpu, GpuOptions};
 use crate::render::RenderError;
 
-#[allow(dead_code, reason = "the viewer's window is what calls these")]
 impl Gpu {
     /// An adapter that can draw to a window, and the window's surface. An `Arc` of the window is a target.
     ///

@@ -4,7 +4,6 @@ use super::target::{depth_format, texture, view};
 use super::{Draw, Key, Memory, Step, Target};
 use crate::render::frame::{Uniform, View};
 use crate::render::list::List;
-use crate::render::shader::{Coat, Shade};
 use crate::render::{Gpu, RenderError};
 
 /// For each pixel the number of a geom, and its depth in metres: the bits of a floating-point number, which not every adapter can
@@ -48,7 +47,7 @@ pub(crate) fn encode_ids(
     sides: [bool; 2],
 ) {
     let pass = begin(encoder, &ids.color, &ids.depth);
-    encode(pass, draw, list, group, &key(Step::Ids, NUMBERS, sides));
+    encode(pass, draw, list, group, &Key::plain(Step::Ids, NUMBERS, sides));
 }
 
 /// Draws geoms in their colours, to a target without samples; `sides` as above.
@@ -61,7 +60,7 @@ pub(crate) fn encode_flat(
     sides: [bool; 2],
 ) {
     let pass = begin(encoder, color, &target.depth);
-    encode(pass, draw, list, group, &key(Step::Flat, target.format, sides));
+    encode(pass, draw, list, group, &Key::plain(Step::Flat, target.format, sides));
 }
 
 fn encode(mut pass: wgpu::RenderPass<'_>, draw: &mut Draw<'_>, list: &List, group: &wgpu::BindGroup, key: &Key) {
@@ -91,23 +90,4 @@ fn begin<'e>(
         }),
         ..Default::default()
     })
-}
-
-fn key(step: Step, format: wgpu::TextureFormat, [culls, turned]: [bool; 2]) -> Key {
-    Key {
-        step,
-        coat: Coat::Plain,
-        line: false,
-        back: false,
-        lights: 0,
-        shade: Shade::None,
-        fog: false,
-        culls,
-        wire: false,
-        additive: false,
-        format,
-        samples: 1,
-        stencil: false,
-        turned,
-    }
 }

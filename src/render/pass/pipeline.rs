@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::mem::offset_of;
 
+use super::Memory;
 use super::target::depth_format;
 use crate::render::Gpu;
 use crate::render::content::Layouts;
@@ -76,6 +77,29 @@ pub(crate) struct Key {
     pub(crate) turned: bool,
 }
 
+impl Key {
+    /// One for shapes alone: without light, pictures, fog and samples. `culls`: whether one side of surfaces is left out; `turned`: whether
+    /// the picture is upside down.
+    pub(crate) fn plain(step: Step, format: wgpu::TextureFormat, [culls, turned]: [bool; 2]) -> Self {
+        Self {
+            step,
+            coat: Coat::Plain,
+            line: false,
+            back: false,
+            lights: 0,
+            shade: Shade::None,
+            fog: false,
+            culls,
+            wire: false,
+            additive: false,
+            format,
+            samples: 1,
+            stencil: false,
+            turned,
+        }
+    }
+}
+
 /// All that were made.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
@@ -109,8 +133,21 @@ impl Pipelines {
     }
 
     /// How a view with so many shadow maps is bound.
-    pub(crate) fn view(&self, shadows: usize) -> &wgpu::BindGroupLayout {
+    fn view(&self, shadows: usize) -> &wgpu::BindGroupLayout {
         &self.views[shadows]
+    }
+
+    /// What a view's programs read: its numbers, and the shadow maps of its lights.
+    pub(crate) fn group(&self, gpu: &Gpu, uniform: &Memory, maps: &[&wgpu::TextureView]) -> wgpu::BindGroup {
+        let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: uniform.buffer().as_entire_binding() }];
+        entries.extend(
+            maps.iter().zip(1..).map(|(map, binding)| wgpu::BindGroupEntry {
+                binding,
+                resource: wgpu::BindingResource::TextureView(map),
+            }),
+        );
+        let layout = self.view(maps.len());
+        gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 
     /// The pipeline for a key.

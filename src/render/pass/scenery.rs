@@ -70,15 +70,7 @@ impl Scenes {
 
     /// Makes the groups that are not there.
     fn bind(&mut self, draw: &Draw<'_>, shadows: &Shadows) {
-        let group = |memory: &Memory, views: &[&wgpu::TextureView]| {
-            let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: memory.buffer().as_entire_binding() }];
-            entries.extend(views.iter().zip(1..).map(|(view, binding)| wgpu::BindGroupEntry {
-                binding,
-                resource: wgpu::BindingResource::TextureView(view),
-            }));
-            let layout = draw.pipelines.view(views.len());
-            draw.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
-        };
+        let group = |memory: &Memory, maps: &[&wgpu::TextureView]| draw.pipelines.group(draw.gpu, memory, maps);
         if self.group.is_none() {
             self.group = Some(group(&self.uniform, &shadows.views().collect::<Vec<_>>()));
         }

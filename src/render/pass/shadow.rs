@@ -6,7 +6,6 @@ use super::{Draw, Key, Memory, Step};
 use crate::render::frame::matrix::product;
 use crate::render::frame::{Lights, Uniform, View, Window};
 use crate::render::list::{Batch, Kind, List};
-use crate::render::shader::{Coat, Shade};
 use crate::render::{Gpu, RenderError};
 
 /// A map of one light.
@@ -109,31 +108,10 @@ impl Shadows {
 
     /// Draws everything that casts shadows to the maps.
     pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, draw: &mut Draw<'_>, list: &List, culls: bool) {
-        let key = Key {
-            step: Step::Shadow,
-            coat: Coat::Plain,
-            line: false,
-            back: false,
-            lights: 0,
-            shade: Shade::None,
-            fog: false,
-            culls,
-            wire: false,
-            additive: false,
-            format: super::COLOR,
-            samples: 1,
-            stencil: false,
-            // So that its texels are in OpenGL's order.
-            turned: true,
-        };
+        // Upside down, so that its texels are in OpenGL's order.
+        let key = Key::plain(Step::Shadow, super::COLOR, [culls, true]);
         for (light, map) in self.maps[..self.windows.len()].iter_mut().enumerate() {
-            let group = map.group.get_or_insert_with(|| {
-                draw.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: None,
-                    layout: draw.pipelines.view(0),
-                    entries: &[wgpu::BindGroupEntry { binding: 0, resource: map.uniform.buffer().as_entire_binding() }],
-                })
-            });
+            let group = map.group.get_or_insert_with(|| draw.pipelines.group(draw.gpu, &map.uniform, &[]));
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow map"),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

@@ -95,11 +95,7 @@ impl Renderer {
     fn bind_numbers(&mut self, eye: &Eye) -> Result<(), RenderError> {
         let view = View::new(eye, &self.settings, self.size, false);
         if numbers::prepare(&self.gpu, &mut self.numbers, &view)? || self.numbers_group.is_none() {
-            self.numbers_group = Some(self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: self.pipelines.view(0),
-                entries: &[wgpu::BindGroupEntry { binding: 0, resource: self.numbers.buffer().as_entire_binding() }],
-            }));
+            self.numbers_group = Some(self.pipelines.group(&self.gpu, &self.numbers, &[]));
         }
         Ok(())
     }

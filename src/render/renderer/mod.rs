@@ -329,7 +329,7 @@ impl Renderer {
 
     /// Draws to a texture of the size and of one of the formats of a window's surface: `Bgra8Unorm` or `Rgba8Unorm`. Everything
     /// in it is overwritten. The commands are submitted.
-    #[allow(dead_code, reason = "the viewer draws to windows")]
+    #[cfg(feature = "viewer")]
     pub(crate) fn draw_to(
         &mut self,
         scene: &Scene,
