@@ -117,7 +117,11 @@ impl Viewer {
 
     /// Sets what decides on the controls. It begins in this mode then.
     ///
-    /// An error of the controller, or a panic in it, pauses the simulation, and the window says what happened.
+    /// An error of the controller, or a panic in it, pauses the simulation, and the window says what happened. While it decides,
+    /// the window is drawn, but waits for it to close.
+    ///
+    /// A reset, or a step back, changes the simulation and not what the controller itself remembers: one that has a memory can
+    /// tell by [`Data::time`], which goes back too.
     pub fn controller(mut self, controller: impl Controller + Send + 'static) -> Self {
         self.controller = Some(Box::new(controller));
         self

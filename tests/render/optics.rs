@@ -202,6 +202,80 @@ fn a_shadow_is_where_the_light_does_not_come() {
 }
 
 #[test]
+fn what_is_out_of_sight_casts_its_shadow_into_sight() {
+    // The ball is two metres to the left, or behind the eye; the shadow of its centre is at the origin.
+    for ball in [[0.0, -2.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [0.0, 0.0, 2.0]] {
+        let [x, y, z] = ball;
+        let toward = format!(r#"dir="{} {} {}""#, -x, -y, -z);
+        let parallel = format!(r#"directional="true" pos="{x} {y} {}" {toward}"#, z + 1.0);
+        let lamp = format!(r#"pos="{} {} {}" {toward} cutoff="60" exponent="0""#, 2.0 * x, 2.0 * y, 2.0 * z);
+        for light in [parallel, lamp] {
+            let xml = world(
+                r#"<quality shadowsize="1024"/>"#,
+                &format!(
+                    r#"<light {light} ambient="0 0 0" diffuse="1 1 1" specular="0 0 0" attenuation="1 0 0"/>
+                       <geom type="plane" size="5 5 0.1" rgba="1 1 1 1"/>
+                       <body pos="{x} {y} {z}"><freejoint/><geom size="0.3"/></body>"#
+                ),
+            );
+            let mut stage = Stage::new(&xml.replace("<map", r#"<map shadowclip="4""#), [33, 33]);
+            stage.look([0.0; 3], 1.0, 0.0, -60.0);
+            let ball = stage.renderer.segmentation(&stage.scene).unwrap();
+            let is_floor = ball.pixels().all(|pixel| pixel.is_some_and(|segment| segment.geom == 0));
+            assert!(is_floor, "the ball is in sight");
+            assert_eq!(middle(&stage.rgb()), [0; 3], "{light}");
+            stage.data.qpos_mut()[2] = -5.0;
+            stage.data.forward().unwrap();
+            stage.update();
+            assert!(middle(&stage.rgb())[0] > 100, "{light}: a shadow of nothing");
+        }
+    }
+}
+
+#[test]
+fn no_picture_has_anything_of_those_before_it() {
+    let light = r#"diffuse="0.4 0.4 0.4" cutoff="60""#;
+    let xml = world(
+        r#"<quality shadowsize="256"/>"#,
+        &format!(
+            r#"<light directional="true" pos="0 0 3" dir="0 0.3 -1" {light}/><light pos="0 0 3" dir="0 0 -1" {light}/>
+               <geom type="plane" size="2 2 0.1"/>
+               <body><freejoint/><geom size="0.2"/></body><body><freejoint/><geom type="box" size="0.1 0.2 0.3"/></body>"#
+        ),
+    );
+    let mut stage = Stage::new(&xml, [48, 32]);
+    // The ball, then the box; in the last they are under the floor and cast no shadow that is seen, or none at all.
+    let places = [
+        [[0.0, 0.0, 0.5], [0.5, 0.5, 0.5]],
+        [[0.1, 0.0, 1.5], [-0.5, 0.5, 0.7]],
+        [[0.0, 0.6, 0.3], [0.5, -0.5, 1.0]],
+        [[-0.8, 0.0, 0.5], [0.0, 0.0, 2.0]],
+        [[0.0, 0.0, -9.0], [50.0, 0.0, -9.0]],
+    ];
+    let mut place = |stage: &mut Stage, index: usize| {
+        for (body, pos) in places[index].iter().enumerate() {
+            stage.data.qpos_mut()[7 * body..][..3].copy_from_slice(pos);
+        }
+        stage.data.forward().unwrap();
+        stage.look([0.0, 0.0, 0.3], 3.0, 90.0, -40.0);
+    };
+    let expected: Vec<_> = (0..places.len())
+        .map(|index| {
+            place(&mut stage, index);
+            let options = RendererOptions::default().samples(1);
+            Renderer::on(stage::gpu(), stage.data.model(), 48, 32, &options).unwrap().rgb(&stage.scene).unwrap()
+        })
+        .collect();
+    assert!(expected.iter().enumerate().all(|(index, picture)| !expected[..index].contains(picture)));
+    for picture in 0..300 {
+        // In a different order each time around.
+        let index = picture * (1 + picture / places.len()) % places.len();
+        place(&mut stage, index);
+        assert_eq!(stage.rgb(), expected[index], "picture {picture}");
+    }
+}
+
+#[test]
 fn the_colours_of_numbers_are_the_segmentation() {
     let body = r#"<geom type="sphere" size="0.3" pos="0 0.4 0"/><geom type="box" size="0.2 0.2 0.2" pos="0 -0.4 0" rgba="1 1 1 0.3"/>"#;
     let mut stage = Stage::new(&world("", body), SIZE);

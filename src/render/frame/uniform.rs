@@ -83,11 +83,13 @@ impl View {
     }
 }
 
-/// The part of a shadow map that is kept: the first texel and how many there are.
+/// The part of a shadow map that is kept: the first texel and how many there are, and how deep they are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Window {
     pub(crate) first: [u32; 2],
     pub(crate) size: [u32; 2],
+    /// Pictures since the map was cleared; see [`depths`](Self::depths).
+    pub(crate) turn: u32,
 }
 
 impl Window {
@@ -108,9 +110,19 @@ impl Window {
         matrix
     }
 
-    /// From the cube that the light sees to texels of the kept part. The border is not thought of here, as the engine does not.
+    /// The nearest and the farthest depth. Each picture's are half of those of the one before, so that whatever that one has left in the
+    /// map is behind all that this one draws: as good as cleared. Halves are exact: all pictures of a scene are the same.
+    pub(crate) fn depths(&self) -> [f32; 2] {
+        let far = 0.5_f32.powi(self.turn as i32);
+        [far / 2.0, far]
+    }
+
+    /// From the cube that the light sees to texels of the kept part, and to its depths. The border is not thought of here, as the
+    /// engine does not.
     fn texels(&self, size: u32) -> Matrix4 {
         let mut matrix = ONE;
+        let [near, far] = self.depths().map(f64::from);
+        (matrix[2][2], matrix[3][2]) = (far - near, near);
         #[allow(clippy::needless_range_loop, reason = "rows and columns by the same axis")]
         for axis in 0..2 {
             matrix[axis][axis] = f64::from(size) / 2.0;
@@ -151,7 +163,7 @@ impl Uniform {
         for (matrix, window) in lights.shadows().zip(windows) {
             let texels = clip_to(&window.texels(size), matrix);
             let last = window.size.map(|length| length as f32 - 1.0);
-            let shadow = Shadow { texels: single(&texels), last: [last[0], last[1], 0.0, 0.0] };
+            let shadow = Shadow { texels: single(&texels), last: [last[0], last[1], window.depths()[1], 0.0] };
             uniform.bytes.extend_from_slice(bytemuck::bytes_of(&shadow));
         }
         uniform

@@ -1,5 +1,5 @@
-//! What part of a shadow map anything is drawn to. Only that part is kept: to clear a map of 4096 by 4096 costs more than to draw a
-//! robot to it.
+//! What casts shadows that are seen, and what part of a shadow map it is drawn to. Only that part is kept: a whole map has millions of
+//! texels.
 
 use crate::render::bound::{Reach, Sphere};
 use crate::render::frame::matrix::{Matrix4, row};
@@ -10,6 +10,8 @@ use crate::scene::{SceneGeom, SceneGeomType};
 pub(super) struct Casters<'a> {
     lights: Vec<Caster<'a>>,
     culls: bool,
+    /// The sides of what the eye sees.
+    planes: [[f32; 4]; 6],
 }
 
 struct Caster<'a> {
@@ -22,10 +24,10 @@ struct Caster<'a> {
 }
 
 impl<'a> Casters<'a> {
-    /// Nothing yet. `culls` says that only backs are drawn to the maps.
-    pub(super) fn new(lights: &'a Lights, culls: bool) -> Self {
+    /// Nothing yet. `culls` says that only backs are drawn to the maps, and `planes` what the eye sees.
+    pub(super) fn new(lights: &'a Lights, culls: bool, planes: [[f32; 4]; 6]) -> Self {
         let lights = lights.lamps.iter().filter_map(|lamp| Some(Caster::new(lamp, lamp.shadow.as_ref()?))).collect();
-        Self { lights, culls }
+        Self { lights, culls, planes }
     }
 
     /// Adds a geom that casts shadows. The lights that it casts them in are returned: a bit for each.
@@ -36,7 +38,7 @@ impl<'a> Casters<'a> {
             let is_left_out = self.culls && geom.geom_type() == SceneGeomType::Plane && light.sees_front(geom);
             let is_seen = match reach {
                 _ if is_left_out => false,
-                Reach::Within(sphere) => light.add(sphere),
+                Reach::Within(sphere) => !light.throws_past(sphere, &self.planes) && light.add(sphere),
                 Reach::Everywhere => light.add_all(),
                 Reach::Nowhere => false,
             };
@@ -69,6 +71,23 @@ impl<'a> Caster<'a> {
         let toward =
             [0, 1, 2].map(|axis| if light.directional { -light.dir[axis] } else { light.pos[axis] - pos[axis] });
         normal.iter().zip(toward).map(|(a, b)| a * b).sum::<f32>() > 0.0
+    }
+
+    /// Whether the whole shadow of a sphere is out of sight: the sphere is beyond a side of what is seen, and the light shines on it from
+    /// within, or along.
+    fn throws_past(&self, sphere: &Sphere, planes: &[[f32; 4]; 6]) -> bool {
+        let light = &self.lamp.light;
+        let dot = |plane: &[f32; 4], [x, y, z]: [f32; 3]| plane[0] * x + plane[1] * y + plane[2] * z;
+        planes.iter().any(|plane| {
+            let nearest = dot(plane, sphere.centre) + plane[3] + sphere.radius;
+            let is_beyond = nearest < 0.0;
+            is_beyond
+                && if light.directional {
+                    dot(plane, light.dir) <= 0.0
+                } else {
+                    nearest <= dot(plane, light.pos) + plane[3]
+                }
+        })
     }
 
     /// Adds the box around the picture of a sphere, and tells whether any of it is seen.

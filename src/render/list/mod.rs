@@ -6,7 +6,7 @@
 //! | `primitive/` | the shapes of each primitive |
 //! | `look.rs` | colour, material and picture of a geom |
 //! | `mirror.rs` | the one geom that mirrors the others |
-//! | `caster.rs` | what part of a shadow map anything is drawn to |
+//! | `caster.rs` | what casts shadows, and what part of a shadow map it is drawn to |
 //! | `ids.rs` | colours for geoms by their numbers |
 //!
 //! Everything in a scene can be any number, for users add geoms and models are not checked: a geom with a number that nothing can
@@ -102,7 +102,7 @@ impl List {
         let reflector = self.find_mirror(scene, scenery, head);
         let planes = eye.planes();
         let mirror_planes = self.mirror.as_ref().map(|mirror| eye.mirrored(&mirror.matrix).planes());
-        let mut casters = Casters::new(scenery.lights, culls);
+        let mut casters = Casters::new(scenery.lights, culls, planes);
         let mut reflectors = 0;
         for (index, geom) in scene.geoms().enumerate() {
             if !is_there(geom) {

@@ -21,6 +21,7 @@ impl Renderer {
             gpu.queue().submit([encoder.finish()]);
             self.read(4)?.rows(&gpu, each)
         })
+        .inspect_err(|_| self.shadows.forget())
     }
 
     /// What colours are drawn to, to be read back.

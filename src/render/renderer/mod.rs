@@ -342,6 +342,7 @@ impl Renderer {
             gpu.queue().submit([encoder.finish()]);
             Ok(())
         })
+        .inspect_err(|_| self.shadows.forget())
     }
 
     /// Does what the processor does for [`rgb`](Self::rgb), and has nothing drawn: for measurements.
@@ -350,7 +351,9 @@ impl Renderer {
         let gpu = self.gpu.clone();
         gpu.guarded(|| {
             let (_, view) = self.color();
-            self.encode(scene, &view, COLOR, self.size, true).map(drop)
+            let encoded = self.encode(scene, &view, COLOR, self.size, true);
+            self.shadows.forget();
+            encoded.map(drop)
         })
     }
 

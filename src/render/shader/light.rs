@@ -74,7 +74,7 @@ impl Texts {
             self.fragment_shadow,
             "    let at_{index} = in.shadow_{index}.{point};\n    \
              let texel_{index} = vec2i(clamp(at_{index}.xy, vec2f(0.0), view.shadows[{index}].last.xy));\n    \
-             if min(at_{index}.z, 1.0) <= textureLoad(shadow_map_{index}, texel_{index}, 0).r {{\n        \
+             if min(at_{index}.z, view.shadows[{index}].last.z) <= textureLoad(shadow_map_{index}, texel_{index}, 0).r {{\n        \
              color += {lit};\n    }}\n"
         );
     }

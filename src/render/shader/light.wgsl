@@ -11,7 +11,7 @@ struct Light {
     specular: vec4f,
 }
 
-// From the world to the texels of a shadow map.
+// From the world to the texels of a shadow map and their depths, the last texel, and the farthest depth.
 struct Shadow {
     texels: mat4x4f,
     last: vec4f,
