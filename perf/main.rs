@@ -5,11 +5,12 @@
 //! cargo bench --bench compare -- --engine target/perf/engine --python target/perf/venv/bin/python --out out
 //! ```
 //!
-//! The others are programs of their own, which wait for their turn: ours, theirs, ours, theirs. Each pair has a ratio; what is
-//! reported is the median of the ratios, and their quartiles.
+//! The others are programs of their own, which wait for their turn: ours, theirs, theirs, ours. Each pair has a ratio; what is
+//! reported is the median of the ratios, and their quartiles. For work in several threads a pair counts if the machine had a core for each.
 
 #[path = "../benches/common/balance.rs"]
 mod balance;
+mod cores;
 mod ours;
 mod peer;
 mod report;
@@ -55,17 +56,43 @@ fn arguments() -> Outcome<Arguments> {
     Ok(arguments)
 }
 
-/// The models, each with the keyframe that it starts from, and the steps of a turn.
-fn models() -> Vec<(&'static str, PathBuf, Option<&'static str>, usize)> {
+/// A model, the keyframe that it starts from, and how much is done in a turn: enough for some 30 ms.
+struct Task {
+    name: &'static str,
+    path: PathBuf,
+    key: Option<&'static str>,
+    steps: usize,
+    /// Of each of 64 rollouts.
+    rollout_steps: usize,
+    systems: usize,
+}
+
+fn tasks() -> Vec<Task> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
-    let mut models = vec![
-        ("cart-pole", own.join("cartpole.xml"), Some("hanging_down"), 2000),
-        ("humanoid, standing", own.join("humanoid.xml"), Some("stand"), 200),
+    let (cartpole, humanoid) = (own.join("cartpole.xml"), own.join("humanoid.xml"));
+    let mut tasks = vec![
+        Task {
+            name: "cart-pole",
+            path: cartpole,
+            key: Some("hanging_down"),
+            steps: 20_000,
+            rollout_steps: 500,
+            systems: 3000,
+        },
+        Task {
+            name: "humanoid, standing",
+            path: humanoid,
+            key: Some("stand"),
+            steps: 800,
+            rollout_steps: 20,
+            systems: 12,
+        },
     ];
     if Path::new(MANY_HUMANOIDS).exists() {
-        models.push(("22 humanoids", MANY_HUMANOIDS.into(), None, 5));
+        let path = MANY_HUMANOIDS.into();
+        tasks.push(Task { name: "22 humanoids", path, key: None, steps: 20, rollout_steps: 0, systems: 0 });
     }
-    models
+    tasks
 }
 
 fn main() -> Outcome<()> {
@@ -73,7 +100,7 @@ fn main() -> Outcome<()> {
     let (pairs, threads) = (arguments.pairs, arguments.threads);
     let mut report = Report::default();
 
-    for (name, path, key, steps) in models() {
+    for Task { name, path, key, steps, rollout_steps, systems } in tasks() {
         let mut ours = Ours::new(&path, key, threads)?;
         let mut engine = Peer::start(&arguments.engine, &path, key, None)?;
         let mut python = match &arguments.python {
@@ -87,19 +114,20 @@ fn main() -> Outcome<()> {
             let duel = Duel::fight(pairs, || ours.step(steps), || python.ask(&order))?;
             report.add(format!("step, {name}"), "Python bindings", steps, &duel.same());
         }
-        if name == "22 humanoids" {
+        if rollout_steps == 0 {
             continue;
         }
 
-        let (count, steps) = (64, steps / 10);
+        let (count, steps) = (64, rollout_steps);
         let calls = count * steps;
         for threads in [1, threads] {
             let order = format!("rollout {count} {steps} {threads}");
             let what = format!("64 rollouts, {name}, threads: {threads}");
-            let duel = Duel::fight(pairs, || ours.rollout(count, steps, threads), || engine.ask(&order))?;
+            let duel = Duel::fight_on(threads, pairs, || ours.rollout(count, steps, threads), || engine.ask(&order))?;
             report.add(what.clone(), "C", calls, &duel.same());
             if let Some(python) = &mut python {
-                let duel = Duel::fight(pairs, || ours.rollout(count, steps, threads), || python.ask(&order))?;
+                let duel =
+                    Duel::fight_on(threads, pairs, || ours.rollout(count, steps, threads), || python.ask(&order))?;
                 report.add(what, "Python bindings", calls, &duel.same());
             }
         }
@@ -107,15 +135,15 @@ fn main() -> Outcome<()> {
             let (two, one) = (ours.rollout(count, steps, threads)?, ours.rollout(count, steps, 1)?);
             assert_eq!(two.1.to_bits(), one.1.to_bits(), "the number of threads changes the result");
             let mut others = Ours::new(&path, key, threads)?;
-            let duel = Duel::fight(pairs, || ours.rollout(count, steps, threads), || others.rollout(count, steps, 1))?;
+            let (in_all, in_one) = (|| ours.rollout(count, steps, threads), || others.rollout(count, steps, 1));
+            let duel = Duel::fight_on(threads, pairs, in_all, in_one)?;
             report.add(format!("64 rollouts, {name}, threads: {threads}"), "itself in one", calls, &duel);
         }
 
-        let calls = if name == "cart-pole" { 100 } else { 2 };
-        let order = format!("transition {calls}");
+        let order = format!("transition {systems}");
         for threads in [1, threads] {
-            let duel = Duel::fight(pairs, || ours.transition(calls, threads), || engine.ask(&order))?;
-            report.add(format!("linear system, {name}, threads: {threads}"), "C", calls, &duel);
+            let duel = Duel::fight_on(threads, pairs, || ours.transition(systems, threads), || engine.ask(&order))?;
+            report.add(format!("linear system, {name}, threads: {threads}"), "C", systems, &duel);
         }
 
         if let Some(python) = &mut python {
@@ -139,6 +167,6 @@ fn main() -> Outcome<()> {
     if arguments.python.is_none() {
         println!("Not compared with Python, SciPy and NumPy: no --python was given.");
     }
-    report.write(&arguments.out, pairs)?;
+    report.write(&arguments.out)?;
     Ok(())
 }

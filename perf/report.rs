@@ -6,7 +6,7 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
-use crate::Outcome;
+use crate::{Outcome, cores};
 
 /// What a number made of two results may differ by: the order of a sum.
 const SAME: f64 = 1e-9;
@@ -18,19 +18,39 @@ pub(crate) struct Duel {
     ratios: Vec<f64>,
     pub(crate) ours_made: f64,
     pub(crate) theirs_made: f64,
+    /// Pairs that do not count, for want of cores.
+    left_out: usize,
 }
+
+/// How many pairs are tried for each that is to count.
+const PATIENCE: usize = 4;
 
 impl Duel {
     /// In turn, each first every other time. The first pair does not count.
     pub(crate) fn fight(
+        pairs: usize,
+        ours: impl FnMut() -> Outcome<(f64, f64)>,
+        theirs: impl FnMut() -> Outcome<(f64, f64)>,
+    ) -> Outcome<Self> {
+        Self::fight_on(1, pairs, ours, theirs)
+    }
+
+    /// The same for work in several threads: a pair counts if there is a core for each, before and after.
+    pub(crate) fn fight_on(
+        threads: usize,
         pairs: usize,
         mut ours: impl FnMut() -> Outcome<(f64, f64)>,
         mut theirs: impl FnMut() -> Outcome<(f64, f64)>,
     ) -> Outcome<Self> {
         let (_, ours_made) = ours()?;
         let (_, theirs_made) = theirs()?;
-        let mut duel = Self { ours: vec![], theirs: vec![], ratios: vec![], ours_made, theirs_made };
-        for pair in 0..pairs {
+        let mut duel = Self { ours: vec![], theirs: vec![], ratios: vec![], ours_made, theirs_made, left_out: 0 };
+        let are_there = || threads == 1 || cores::are_there(threads);
+        let mut were_there = are_there();
+        for pair in 0..PATIENCE * pairs {
+            if duel.ratios.len() == pairs {
+                break;
+            }
             let (our_time, their_time) = if pair % 2 == 0 {
                 let first = ours()?.0;
                 (first, theirs()?.0)
@@ -38,6 +58,11 @@ impl Duel {
                 let first = theirs()?.0;
                 (ours()?.0, first)
             };
+            let are_there_still = are_there();
+            if !(std::mem::replace(&mut were_there, are_there_still) && are_there_still) {
+                duel.left_out += 1;
+                continue;
+            }
             duel.ours.push(our_time);
             duel.theirs.push(their_time);
             duel.ratios.push(their_time / our_time);
@@ -64,6 +89,7 @@ struct Row {
     whom: &'static str,
     microseconds: [f64; 2],
     quartiles: [f64; 3],
+    pairs: usize,
 }
 
 #[derive(Default)]
@@ -74,24 +100,35 @@ pub(crate) struct Report {
 impl Report {
     /// Adds a comparison of runs that make this many calls.
     pub(crate) fn add(&mut self, what: String, whom: &'static str, calls: usize, duel: &Duel) {
+        let pairs = duel.ratios.len();
+        if duel.left_out > 0 {
+            println!("{} pairs of the next are left out: there was not a core for each thread.", duel.left_out);
+        }
+        if pairs == 0 {
+            println!("{what}: not compared with {whom}.");
+            return;
+        }
         let at = |values: &[f64], quarter: usize| values[(values.len() - 1) * quarter / 4];
         let microseconds = [&duel.ours, &duel.theirs].map(|times| 1e6 * at(times, 2) / calls as f64);
         let quartiles = [1, 2, 3].map(|quarter| at(&duel.ratios, quarter));
         let [low, median, high] = quartiles;
         println!("{what}: {median:.3} times as fast as {whom} ({low:.3} to {high:.3})");
-        self.rows.push(Row { what, whom, microseconds, quartiles });
+        self.rows.push(Row { what, whom, microseconds, quartiles, pairs });
     }
 
     /// Writes `compare.md` and `compare.svg`.
-    pub(crate) fn write(&self, out: &Path, pairs: usize) -> Outcome<()> {
+    pub(crate) fn write(&self, out: &Path) -> Outcome<()> {
         fs::create_dir_all(out)?;
         let mut table = String::from(
-            "| what | beside | ours, µs | theirs, µs | times as fast | quartiles |\n|---|---|---:|---:|---:|---|\n",
+            "| what | beside | ours, µs | theirs, µs | times as fast | quartiles | pairs |\n|---|---|---:|---:|---:|---|---:|\n",
         );
-        for Row { what, whom, microseconds: [ours, theirs], quartiles: [low, median, high] } in &self.rows {
-            writeln!(table, "| {what} | {whom} | {ours:.2} | {theirs:.2} | {median:.2} | {low:.2} to {high:.2} |")?;
+        for Row { what, whom, microseconds: [ours, theirs], quartiles: [low, median, high], pairs } in &self.rows {
+            writeln!(
+                table,
+                "| {what} | {whom} | {ours:.2} | {theirs:.2} | {median:.3} | {low:.3} to {high:.3} | {pairs} |"
+            )?;
         }
-        writeln!(table, "\nMedians of {pairs} pairs, in turn. {}", machine())?;
+        writeln!(table, "\nMedians of pairs, in turn. {}", machine())?;
         fs::write(out.join("compare.md"), table)?;
         self.draw(&out.join("compare.svg"))?;
         println!("written: {0}/compare.md, {0}/compare.svg", out.display());

@@ -27,7 +27,7 @@ static void on_error(const char* text) {
     abort();
   }
   mujoco_sys_set_message(text);
-  longjmp(innermost->return_to, 1);
+  MUJOCO_SYS_RETURN_TO(innermost->return_to);
 }
 
 static void on_warning(const char* text) {
@@ -85,13 +85,12 @@ static void restore(mjData* d, struct stack_mark at) {
   }
 }
 
-// `_setjmp` saves no signal mask, which would cost a system call. `guard` and `at` are not changed between it and the jump,
-// so their values after the jump are defined (C11 7.13.2.1).
+// `guard` and `at` do not change between the mark and the jump to it.
 #define GUARDED_RUN(data, statement)                        \
   struct mujoco_sys_guard guard;                            \
   const struct stack_mark at = mark(data);                  \
   guard.outer = innermost;                                  \
-  if (_setjmp(guard.return_to)) {                           \
+  if (MUJOCO_SYS_SET_MARK(guard.return_to)) {               \
     innermost = guard.outer;                                \
     restore(data, at);                                      \
     return MUJOCO_SYS_ERROR;                                \

@@ -6,7 +6,6 @@
 #ifndef MUJOCO_SYS_GUARD_H_
 #define MUJOCO_SYS_GUARD_H_
 
-#include <setjmp.h>
 #include <stddef.h>
 
 #include <mujoco/mujoco.h>
@@ -15,8 +14,22 @@
 extern "C" {
 #endif
 
+// A way back to where a guard was entered. The compiler's own stores three words and has the function save its registers; it takes a
+// third of the time of the library's. Of the latter `_setjmp` saves no signal mask, which would cost a system call. What a
+// function had before the mark, and has not changed since, it has after the jump (C11 7.13.2.1).
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(_WIN32)
+typedef void* mujoco_sys_mark[5];
+#define MUJOCO_SYS_SET_MARK(mark) __builtin_setjmp(mark)
+#define MUJOCO_SYS_RETURN_TO(mark) __builtin_longjmp(mark, 1)
+#else
+#include <setjmp.h>
+typedef jmp_buf mujoco_sys_mark;
+#define MUJOCO_SYS_SET_MARK(mark) _setjmp(mark)
+#define MUJOCO_SYS_RETURN_TO(mark) longjmp(mark, 1)
+#endif
+
 struct mujoco_sys_guard {
-  jmp_buf return_to;
+  mujoco_sys_mark return_to;
   struct mujoco_sys_guard* outer;
 };
 

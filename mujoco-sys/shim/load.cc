@@ -44,7 +44,7 @@ int run(Call call) {
   const ThreadState before;
   mujoco_sys_guard guard;
   guard.outer = before.guard;
-  if (_setjmp(guard.return_to)) {
+  if (MUJOCO_SYS_SET_MARK(guard.return_to)) {
     before.restore();
     return MUJOCO_SYS_ERROR;
   }

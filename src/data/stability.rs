@@ -72,10 +72,11 @@ impl fmt::Display for Instability {
     }
 }
 
-/// Whether the engine takes this for a good number.
+/// Whether the engine takes this for a good number: one within ±10¹⁰.
 #[inline]
 fn is_good(value: f64) -> bool {
-    value.abs() <= mjMAXVAL
+    // Without their sign, numbers are in the order of their bits, and what is no number comes after all others.
+    value.to_bits() << 1 <= mjMAXVAL.to_bits() << 1
 }
 
 impl Data {
