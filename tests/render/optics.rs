@@ -252,7 +252,7 @@ fn no_picture_has_anything_of_those_before_it() {
         [[-0.8, 0.0, 0.5], [0.0, 0.0, 2.0]],
         [[0.0, 0.0, -9.0], [50.0, 0.0, -9.0]],
     ];
-    let mut place = |stage: &mut Stage, index: usize| {
+    let place = |stage: &mut Stage, index: usize| {
         for (body, pos) in places[index].iter().enumerate() {
             stage.data.qpos_mut()[7 * body..][..3].copy_from_slice(pos);
         }

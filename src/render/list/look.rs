@@ -7,6 +7,10 @@ use crate::render::settings::is_drawable;
 use crate::render::shader::Coat;
 use crate::scene::{SceneGeom, SceneGeomType};
 
+/// Takes the place of the last number that a texture is spread by, where the corners have coordinates of their own; `surface.wgsl` has the
+/// same. No geom is so large.
+const GLUED: f32 = f32::MIN;
+
 /// What a geom looks like, whatever its shape.
 pub(super) struct Look {
     rgba: [f32; 4],
@@ -88,7 +92,7 @@ impl Look {
         let [u, v, w] = [0, 1, 2].map(|axis| self.texgen[axis] * part.wrap[axis]);
         let texgen = match self.coat {
             Coat::Plain => [0.0; 4],
-            Coat::Flat => [u, v, self.texgen[2], 0.0],
+            Coat::Flat => [u, v, 0.0, if self.texgen[2] > 0.5 { GLUED } else { 0.0 }],
             Coat::Cube => [u, v, w, self.texgen[2] * part.lift],
         }
         .map(|number| if number.is_finite() { number } else { 0.0 });

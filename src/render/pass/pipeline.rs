@@ -33,7 +33,6 @@ pub(crate) enum Step {
     /// Transparent.
     Clear,
     Sky,
-    Haze,
     Label,
     /// In one colour.
     Flat,
@@ -245,7 +244,6 @@ impl Parts {
             Step::Shadow => (Subject::Depth, Output::Nothing),
             Step::Mark => (Subject::Depth, Output::Color),
             Step::Sky => (Subject::Sky, Output::Color),
-            Step::Haze => (Subject::Haze, Output::Color),
             Step::Label => (Subject::Label, Output::Color),
             Step::Ids => (if key.line { Subject::Line } else { Subject::Surface }, Output::Ids),
             _ => (if key.line { Subject::Line } else { Subject::Surface }, Output::Color),
@@ -260,7 +258,7 @@ fn blend(key: &Key) -> Option<wgpu::BlendState> {
     let (src_factor, dst_factor) = match key.step {
         Step::Reflector => (One, One),
         Step::Clear | Step::MirrorClear { .. } if key.additive => (SrcAlpha, One),
-        Step::Clear | Step::MirrorClear { .. } | Step::Haze | Step::Label => (SrcAlpha, OneMinusSrcAlpha),
+        Step::Clear | Step::MirrorClear { .. } | Step::Sky | Step::Label => (SrcAlpha, OneMinusSrcAlpha),
         _ => return None,
     };
     let operation = wgpu::BlendOperation::Add;
@@ -277,7 +275,7 @@ fn primitive(key: &Key, subject: Subject) -> wgpu::PrimitiveState {
     let is_turned = key.turned != matches!(key.step, Step::MirrorSolid { .. } | Step::MirrorClear { .. });
     let hidden = match key.step {
         // Fronts cast no shadows, so that they are not in their own.
-        Step::Shadow | Step::Sky | Step::Haze => Some(Front),
+        Step::Shadow | Step::Sky => Some(Front),
         Step::Label => None,
         _ if key.line => None,
         _ => Some(if key.back { Front } else { Back }),
@@ -370,13 +368,13 @@ const fn at(shader_location: u32, format: wgpu::VertexFormat, offset: usize) -> 
     wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
 }
 
-/// The buffers of corners and of instances, of which so much is read, of haze, or of letters.
+/// The buffers of corners and of instances, of which so much is read, of the sky, or of letters.
 fn vertex_buffers(
     subject: Subject,
     read: &[Vec<wgpu::VertexAttribute>; 2],
 ) -> Vec<Option<wgpu::VertexBufferLayout<'_>>> {
-    use wgpu::VertexFormat::{Float32x2, Float32x3, Float32x4};
-    const HAZE: [wgpu::VertexAttribute; 2] = [at(0, Float32x3, 0), at(1, Float32x4, 12)];
+    use wgpu::VertexFormat::{Float32x2, Float32x4};
+    const SKY: [wgpu::VertexAttribute; 2] = [at(0, Float32x4, 0), at(1, Float32x4, 16)];
     const LABEL: [wgpu::VertexAttribute; 4] =
         [at(0, Float32x4, 0), at(1, Float32x4, 16), at(2, Float32x4, 32), at(3, Float32x2, 48)];
     let buffer = |size: usize, step_mode, attributes| {
@@ -387,8 +385,7 @@ fn vertex_buffers(
         Subject::Surface | Subject::Line | Subject::Depth => {
             vec![corner(&read[0]), buffer(size_of::<Instance>(), wgpu::VertexStepMode::Instance, &read[1])]
         }
-        Subject::Sky => vec![corner(&read[0][..1])],
-        Subject::Haze => vec![buffer(28, wgpu::VertexStepMode::Vertex, &HAZE)],
+        Subject::Sky => vec![buffer(32, wgpu::VertexStepMode::Vertex, &SKY)],
         Subject::Label => vec![buffer(56, wgpu::VertexStepMode::Instance, &LABEL)],
     }
 }

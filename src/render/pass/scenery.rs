@@ -252,12 +252,6 @@ fn sky(pass: &mut wgpu::RenderPass<'_>, draw: &mut Draw<'_>, sky: &Sky, key: &Ke
     let key = Key { step: Step::Sky, coat: Coat::Plain, shade: Shade::None, wire: false, lights: 0, ..*key };
     pass.set_pipeline(draw.pipelines.get(draw.gpu, key));
     pass.set_bind_group(1, picture, &[]);
-    pass.set_vertex_buffer(0, sky.cylinder.vertices.slice(..));
-    pass.set_index_buffer(sky.cylinder.indices.slice(..), wgpu::IndexFormat::Uint32);
-    pass.draw_indexed(0..sky.cylinder.count, 0, 0..1);
-    if sky.haze_corners > 0 {
-        pass.set_pipeline(draw.pipelines.get(draw.gpu, Key { step: Step::Haze, ..key }));
-        pass.set_vertex_buffer(0, sky.haze.buffer().slice(..));
-        pass.draw(0..sky.haze_corners, 0..1);
-    }
+    pass.set_vertex_buffer(0, sky.memory.buffer().slice(..));
+    pass.draw(0..sky.corners(), 0..1);
 }

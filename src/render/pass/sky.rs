@@ -1,7 +1,6 @@
 //! The sky and the haze, and whether they are seen.
 
 use super::Memory;
-use crate::render::content::Surface;
 use crate::render::frame::Eye;
 use crate::render::frame::matrix::dot;
 use crate::render::list::{Horizon, List};
@@ -9,24 +8,25 @@ use crate::render::settings::Settings;
 use crate::render::shape::{self, Triangles};
 use crate::render::{Gpu, RenderError};
 
-/// A corner of the haze, in the world's frame.
+/// A corner of the sky, from the head, or of the haze, in the world's frame. One program draws both: to make a program takes longer than
+/// to draw with it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct Corner {
+pub(crate) struct Corner {
     position: [f32; 3],
+    is_haze: f32,
     rgba: [f32; 4],
 }
 
 /// What is at the end of the world.
 #[derive(Debug)]
 pub(crate) struct Sky {
-    /// A cylinder of radius 1 from z = -1 to 1.
-    pub(crate) cylinder: Surface,
-    pub(crate) haze: Memory,
-    pub(crate) haze_corners: u32,
+    pub(crate) memory: Memory,
     /// Whether anything of it is seen.
     pub(crate) is_seen: bool,
+    /// First those of a cylinder of radius 1 from z = -1 to 1, and then those of the haze.
     corners: Vec<Corner>,
+    cylinder: usize,
 }
 
 /// Into how many slices they are cut: the engine's number for round shapes, where the model does not say.
@@ -36,20 +36,18 @@ const SLICES: u32 = 28;
 const DISTANCE: f64 = 0.7;
 
 impl Sky {
-    pub(crate) fn new(gpu: &Gpu) -> Result<Self, RenderError> {
-        let mut cylinder = shape::cylinder(SLICES, 1);
+    pub(crate) fn new(gpu: &Gpu) -> Self {
         let disk = shape::disk(SLICES, 1);
+        let mut corners = list(&shape::cylinder(SLICES, 1), |position| position);
         for turn in [1.0, -1.0] {
-            let first = cylinder.vertices.len() as u32;
-            cylinder.vertices.extend(disk.vertices.iter().map(|vertex| {
-                let [x, y, z] = vertex.position;
-                shape::Vertex { position: [x, turn * y, turn + turn * z], ..*vertex }
-            }));
-            cylinder.indices.extend(disk.indices.iter().map(|index| first + index));
+            corners.extend(list(&disk, |[x, y, z]| [x, turn * y, turn + turn * z]));
         }
-        let haze = Memory::new(gpu, wgpu::BufferUsages::VERTEX);
-        let cylinder = Surface::new(gpu, &Triangles { ..cylinder })?;
-        Ok(Self { cylinder, haze, haze_corners: 0, is_seen: false, corners: Vec::new() })
+        let memory = Memory::new(gpu, wgpu::BufferUsages::VERTEX);
+        Self { memory, is_seen: false, cylinder: corners.len(), corners }
+    }
+
+    pub(crate) fn corners(&self) -> u32 {
+        self.corners.len() as u32
     }
 
     /// Finds out what of the sky is seen, and where the haze is.
@@ -61,16 +59,27 @@ impl Sky {
         settings: &Settings,
         has_haze: bool,
     ) -> Result<(), RenderError> {
-        self.haze_corners = 0;
         let distance = DISTANCE * eye.range[1] / eye.scale;
         self.is_seen = !list.horizon.is_some_and(|horizon| hides(&horizon, eye, settings, distance));
-        let Some(horizon) = list.horizon.filter(|_| has_haze && self.is_seen) else { return Ok(()) };
-        self.corners.clear();
-        haze(&horizon, eye, settings, distance, &mut self.corners);
-        self.haze.write(gpu, bytemuck::cast_slice(&self.corners))?;
-        self.haze_corners = self.corners.len() as u32;
+        if !self.is_seen {
+            return Ok(());
+        }
+        self.corners.truncate(self.cylinder);
+        if let Some(horizon) = list.horizon.filter(|_| has_haze) {
+            haze(&horizon, eye, settings, distance, &mut self.corners);
+        }
+        self.memory.write(gpu, bytemuck::cast_slice(&self.corners))?;
         Ok(())
     }
+}
+
+/// The corners of all triangles, one after the other.
+fn list(triangles: &Triangles, place: impl Fn([f32; 3]) -> [f32; 3]) -> Vec<Corner> {
+    let corner = |&index: &u32| {
+        let position = place(triangles.vertices[index as usize].position);
+        Corner { position, is_haze: 0.0, rgba: [0.0, 0.0, 0.0, 1.0] }
+    };
+    triangles.indices.iter().map(corner).collect()
 }
 
 fn normal(mat: [f32; 9]) -> [f64; 3] {
@@ -115,7 +124,7 @@ fn haze(horizon: &Horizon, eye: &Eye, settings: &Settings, distance: f64, corner
         let mat = horizon.mat.map(f64::from);
         let position = [0, 1, 2]
             .map(|row| (eye.head[row] + (0..3).map(|column| mat[3 * row + column] * own[column]).sum::<f64>()) as f32);
-        Corner { position, rgba: [red, green, blue, alpha] }
+        Corner { position, is_haze: 1.0, rgba: [red, green, blue, alpha] }
     };
     for [(low, clear), (high, thick)] in [[(0.0, 0.0), (thickest, 1.0)], [(thickest, 1.0), (1.0, 0.0)]] {
         for slice in 0..SLICES {

@@ -7,7 +7,8 @@
 //! | `surface.wgsl` | surfaces in the light |
 //! | `line.wgsl` | lines |
 //! | `depth.wgsl` | places only |
-//! | `sky.wgsl`, `haze.wgsl`, `label.wgsl` | what their names say |
+//! | `sky.wgsl` | the sky and the haze |
+//! | `label.wgsl` | text |
 //! | `light.rs` | the text for each light |
 //! | `part.rs` | which lines of a text are used |
 
@@ -24,7 +25,6 @@ pub(crate) enum Subject {
     /// Only the place of surfaces.
     Depth,
     Sky,
-    Haze,
     Label,
 }
 
@@ -127,7 +127,6 @@ impl Program<'_> {
             Subject::Line => &[VIEW, INSTANCE, include_str!("line.wgsl")],
             Subject::Depth => &[VIEW, INSTANCE, include_str!("depth.wgsl")],
             Subject::Sky => &[VIEW, include_str!("sky.wgsl")],
-            Subject::Haze => &[VIEW, include_str!("haze.wgsl")],
             Subject::Label => &[VIEW, include_str!("label.wgsl")],
         };
         let lights = if is_lit { light::texts(self.lights, shade) } else { light::Texts::default() };

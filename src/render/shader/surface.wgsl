@@ -19,10 +19,7 @@ struct Between {
 //#if FLAT
     @location(0) @interpolate(flat) rgba: vec4f,
 //#end
-//#if TEXTURE_FLAT
-    @location(4) texcoord: vec2f,
-//#end
-//#if TEXTURE_CUBE
+//#if TEXTURED
     @location(4) texcoord: vec3f,
 //#end
 //#if FOG
@@ -79,11 +76,10 @@ fn vertex(corner: Corner, instance: Instance) -> Between {
 //#if FLAT
     out.rgba = instance.rgba;
 //#end
-//#if TEXTURE_FLAT
-    out.texcoord = select(corner.position.xy * instance.texgen.xy - 0.5, corner.texcoord, instance.texgen.z > 0.5);
-//#end
-//#if TEXTURE_CUBE
-    out.texcoord = corner.position * instance.texgen.xyz + vec3f(0.0, 0.0, instance.texgen.w);
+//#if TEXTURED
+    // For flat pictures as for those in all directions: what a driver makes of this for the one serves the other.
+    let spread = corner.position * instance.texgen.xyz + vec3f(0.0, 0.0, instance.texgen.w);
+    out.texcoord = select(spread, vec3f(corner.texcoord + 0.5, 0.0), instance.texgen.w < -3e38);
 //#end
 //#if FOG
     out.depth = dot(view.depth, vec4f(world, 1.0));
@@ -105,8 +101,11 @@ fn fragment(in: Between) -> @location(0) vec2u {
 //#if COLOR
 @fragment
 fn fragment(in: Between) -> @location(0) vec4f {
-//#if TEXTURED
     // Before anything else, while all pixels do the same.
+//#if TEXTURE_FLAT
+    let texel = textureSample(image, image_sampler, in.texcoord.xy - 0.5).rgb;
+//#end
+//#if TEXTURE_CUBE
     let texel = textureSample(image, image_sampler, in.texcoord).rgb;
 //#end
 //#if CLIP

@@ -63,7 +63,7 @@ fn surfaces_are_valid_with_any_number_of_lights() {
 
 #[test]
 fn every_subject_is_valid_with_every_addition() {
-    for subject in [Subject::Surface, Subject::Line, Subject::Depth, Subject::Sky, Subject::Haze, Subject::Label] {
+    for subject in [Subject::Surface, Subject::Line, Subject::Depth, Subject::Sky, Subject::Label] {
         for output in [Output::Color, Output::Ids, Output::Nothing] {
             for coat in [Coat::Plain, Coat::Flat, Coat::Cube] {
                 for shade in [Shade::None, Shade::Vertex, Shade::Pixel] {
