@@ -10,7 +10,9 @@ pub(crate) fn compile(engine: &Engine) {
         .include(&engine.include)
         .warnings(true)
         .extra_warnings(true)
-        .std("c11");
+        .std("c11")
+        // The engine is called without a jump on the way.
+        .flag_if_supported("-fno-plt");
     c.compile("mujoco_sys_guard");
 
     // The loaders are C++ inside and throw (out of memory, for one), which only C++ can catch.
