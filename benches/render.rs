@@ -138,17 +138,24 @@ fn compare(name: &str, size: [u32; 2], lighting: Lighting, rounds: usize, engine
 
 const FIRST_FRAME: &str = "--first-frame";
 
-/// From nothing to the first pixels, in processes of their own. Mesa keeps compiled shaders on disk: without and with them.
+/// From nothing to the first pixels, in processes of their own. Mesa keeps compiled shaders on disk: without any there, as on the day that
+/// it was installed, and with them.
 fn first_frame(rounds: usize) -> Result<()> {
-    for (label, disabled) in [("no shaders on disk", "true"), ("shaders on disk", "false")] {
+    let kept = tempfile::tempdir()?;
+    for (label, keeps) in [("no shaders on disk", false), ("shaders on disk", true)] {
         let mut times = Vec::new();
-        for _ in 0..rounds {
-            let program = env::current_exe()?;
-            let output = Command::new(program).arg(FIRST_FRAME).env("MESA_SHADER_CACHE_DISABLE", disabled).output()?;
+        // One more, which finds nothing on disk.
+        for round in 0..=rounds {
+            let fresh = tempfile::tempdir()?;
+            let folder = if keeps { &kept } else { &fresh };
+            let mut command = Command::new(env::current_exe()?);
+            let output = command.arg(FIRST_FRAME).env("MESA_SHADER_CACHE_DIR", folder.path()).output()?;
             if !output.status.success() {
                 return Err(String::from_utf8_lossy(&output.stderr).into());
             }
-            times.push(String::from_utf8(output.stdout)?.trim().parse()?);
+            if round > 0 {
+                times.push(String::from_utf8(output.stdout)?.trim().parse()?);
+            }
         }
         let Spread { low, median, high } = Spread::of(&mut times);
         println!("first picture of the humanoid, {label}: {median:.3} s [{low:.3}, {high:.3}]");
