@@ -158,7 +158,7 @@ fn main() -> Outcome<()> {
             report.add(format!("Riccati equation, {name}"), "SciPy", 1, &duel);
             fs::remove_file(&file)?;
 
-            let calls = 1000;
+            let calls = 20_000;
             let order = format!("controller {calls}");
             let duel = Duel::fight(pairs, || ours.controller(calls), || python.ask(&order))?;
             report.add(format!("LQR's decision, {name}"), "NumPy", calls, &duel.same());
