@@ -24,8 +24,8 @@
 //! 1. The geoms of the scene become shapes in places, a capsule for one the side of a cylinder and two halves of a sphere. What is the
 //!    same shape with the same texture is drawn at once. What is out of sight, what a mirror does not show and what casts no shadow is
 //!    found out by spheres around the geoms.
-//! 2. For each light that casts shadows everything is drawn to its shadow map, backs only, so that nothing is in its own shadow. Of a map
-//!    only the part is kept that something is drawn to.
+//! 2. For each light that casts shadows everything whose shadow may be seen is drawn to its shadow map, backs only, so that nothing is in
+//!    its own shadow. Of a map only the part is kept that something is drawn to.
 //! 3. In one pass, in this order: the mirror images of everything, if a plane or a box reflects; that plane or box, added to them; what
 //!    is solid; the sky and the haze at the horizon, unless the floor hides them; what is transparent, from front to back and from back
 //!    to front; labels.
