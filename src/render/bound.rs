@@ -13,6 +13,11 @@ pub(crate) struct Sphere {
     pub(crate) radius: f32,
 }
 
+/// How high a point is over a plane, m.
+pub(crate) fn height([x, y, z]: [f32; 3], plane: &[f32; 4]) -> f32 {
+    plane[0] * x + plane[1] * y + plane[2] * z + plane[3]
+}
+
 /// Where a geom of a scene may be seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Reach {

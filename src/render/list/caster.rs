@@ -1,7 +1,7 @@
 //! What casts shadows that are seen, and what part of a shadow map it is drawn to. Only that part is kept: a whole map has millions of
 //! texels.
 
-use crate::render::bound::{Reach, Sphere};
+use crate::render::bound::{Reach, Sphere, height};
 use crate::render::frame::matrix::{Matrix4, row};
 use crate::render::frame::{Lamp, Lights};
 use crate::scene::{SceneGeom, SceneGeomType};
@@ -30,15 +30,15 @@ impl<'a> Casters<'a> {
         Self { lights, culls, planes }
     }
 
-    /// Adds a geom that casts shadows. The lights that it casts them in are returned: a bit for each.
-    pub(super) fn add(&mut self, geom: SceneGeom<'_>, reach: &Reach) -> u8 {
+    /// Adds a geom that casts shadows, and is in sight itself or not. The lights that it casts them in are returned: a bit for each.
+    pub(super) fn add(&mut self, geom: SceneGeom<'_>, reach: &Reach, in_sight: bool) -> u8 {
         let mut casts = 0;
         for (index, light) in self.lights.iter_mut().enumerate() {
             // The front of a plane is left out, as all fronts are: then nothing of it is drawn.
             let is_left_out = self.culls && geom.geom_type() == SceneGeomType::Plane && light.sees_front(geom);
             let is_seen = match reach {
                 _ if is_left_out => false,
-                Reach::Within(sphere) => !light.throws_past(sphere, &self.planes) && light.add(sphere),
+                Reach::Within(sphere) => (in_sight || !light.throws_past(sphere, &self.planes)) && light.add(sphere),
                 Reach::Everywhere => light.add_all(),
                 Reach::Nowhere => false,
             };
@@ -77,16 +77,11 @@ impl<'a> Caster<'a> {
     /// within, or along.
     fn throws_past(&self, sphere: &Sphere, planes: &[[f32; 4]; 6]) -> bool {
         let light = &self.lamp.light;
-        let dot = |plane: &[f32; 4], [x, y, z]: [f32; 3]| plane[0] * x + plane[1] * y + plane[2] * z;
+        let along = |plane: &[f32; 4]| (0..3).map(|axis| plane[axis] * light.dir[axis]).sum::<f32>();
         planes.iter().any(|plane| {
-            let nearest = dot(plane, sphere.centre) + plane[3] + sphere.radius;
-            let is_beyond = nearest < 0.0;
-            is_beyond
-                && if light.directional {
-                    dot(plane, light.dir) <= 0.0
-                } else {
-                    nearest <= dot(plane, light.pos) + plane[3]
-                }
+            let nearest = height(sphere.centre, plane) + sphere.radius;
+            let leads_away = if light.directional { along(plane) <= 0.0 } else { nearest <= height(light.pos, plane) };
+            nearest < 0.0 && leads_away
         })
     }
 

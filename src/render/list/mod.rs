@@ -23,7 +23,7 @@ use self::caster::Casters;
 pub(crate) use self::instance::{Batch, Instance, Kind, Place, Side};
 pub(crate) use self::mirror::Mirror;
 use self::primitive::Part;
-use super::bound::{Bounds, Reach, sorting_radius};
+use super::bound::{Bounds, Reach, height, sorting_radius};
 use super::content::{FINE, LEVELS, Level, Shapes, Textures};
 use super::frame::{Eye, Lights};
 use super::settings::is_drawable;
@@ -122,8 +122,10 @@ impl List {
                 self.horizon = Some(Horizon { pos: geom.pos(), mat: geom.mat(), is_opaque: !is_clear });
             }
             let is_line = geom.geom_type() == SceneGeomType::Line;
-            let casts = if is_line { 0 } else { casters.add(geom, &reach) };
-            let place = Place { casts, ..self.place(&reach, &planes, mirror_planes.as_ref()) };
+            let mut place = self.place(&reach, &planes, mirror_planes.as_ref());
+            if !is_line {
+                place.casts = casters.add(geom, &reach, place.seen);
+            }
             self.parts.clear();
             let level = level(geom, &reach, eye, scenery.numbers);
             primitive::parts(geom, scenery.shapes, level, &mut self.parts);
@@ -186,18 +188,15 @@ impl List {
     /// Where a geom is seen, if at all.
     fn place(&self, reach: &Reach, planes: &[[f32; 4]; 6], mirror_planes: Option<&[[f32; 4]; 6]>) -> Place {
         let Reach::Within(sphere) = reach else { return Place { seen: true, side: Side::Across, casts: 0 } };
-        let distance = |plane: &[f32; 4]| {
-            let [x, y, z] = sphere.centre;
-            plane[0] * x + plane[1] * y + plane[2] * z + plane[3]
-        };
-        // A distance that is no number hides nothing.
-        let is_within = |planes: &[[f32; 4]; 6]| !planes.iter().any(|plane| distance(plane) < -sphere.radius);
+        // A height that is no number hides nothing.
+        let is_within =
+            |planes: &[[f32; 4]; 6]| !planes.iter().any(|plane| height(sphere.centre, plane) < -sphere.radius);
         let side = match (&self.mirror, mirror_planes) {
             (Some(mirror), Some(planes)) if is_within(planes) => {
-                let distance = distance(&mirror.plane);
-                if distance > sphere.radius {
+                let height = height(sphere.centre, &mirror.plane);
+                if height > sphere.radius {
                     Side::Before
-                } else if distance < -sphere.radius {
+                } else if height < -sphere.radius {
                     Side::Behind
                 } else {
                     Side::Across

@@ -12,7 +12,7 @@ use crate::render::{Gpu, RenderError};
 /// to draw with it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct Corner {
+struct Corner {
     position: [f32; 3],
     is_haze: f32,
     rgba: [f32; 4],
@@ -36,14 +36,15 @@ const SLICES: u32 = 28;
 const DISTANCE: f64 = 0.7;
 
 impl Sky {
-    pub(crate) fn new(gpu: &Gpu) -> Self {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let disk = shape::disk(SLICES, 1);
         let mut corners = list(&shape::cylinder(SLICES, 1), |position| position);
         for turn in [1.0, -1.0] {
             corners.extend(list(&disk, |[x, y, z]| [x, turn * y, turn + turn * z]));
         }
-        let memory = Memory::new(gpu, wgpu::BufferUsages::VERTEX);
-        Self { memory, is_seen: false, cylinder: corners.len(), corners }
+        let mut memory = Memory::new(gpu, wgpu::BufferUsages::VERTEX);
+        memory.write(gpu, bytemuck::cast_slice(&corners))?;
+        Ok(Self { memory, is_seen: false, cylinder: corners.len(), corners })
     }
 
     pub(crate) fn corners(&self) -> u32 {
@@ -64,11 +65,12 @@ impl Sky {
         if !self.is_seen {
             return Ok(());
         }
+        // The cylinder is in the memory since it was made.
         self.corners.truncate(self.cylinder);
         if let Some(horizon) = list.horizon.filter(|_| has_haze) {
             haze(&horizon, eye, settings, distance, &mut self.corners);
+            self.memory.write(gpu, bytemuck::cast_slice(&self.corners))?;
         }
-        self.memory.write(gpu, bytemuck::cast_slice(&self.corners))?;
         Ok(())
     }
 }

@@ -125,7 +125,7 @@ impl Renderer {
                 instances: Memory::new(gpu, wgpu::BufferUsages::VERTEX),
                 scenes: Scenes::new(gpu),
                 shadows: Shadows::new(shadows),
-                sky: Sky::new(gpu),
+                sky: Sky::new(gpu)?,
                 labels: Labels::new(gpu),
                 numbers: Memory::new(gpu, wgpu::BufferUsages::UNIFORM),
                 numbers_group: None,
