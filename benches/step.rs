@@ -2,9 +2,9 @@
 //! same random controls: the humanoid, standing, and the cart-pole. Going back to the start, which both do, is less than a
 //! thousandth of it.
 //!
-//! What the ratio measures is the guard, the look at the state for numbers that the engine would reset, the warning counters, and
-//! the look at each pair of geoms before it goes to the engine's collision functions. Those looks are in the table of these
-//! functions since the first model was loaded, so a raw run gets the engine's own table back.
+//! What the ratio measures is the guard, the look at the state for numbers that the engine would reset, in place of the engine's own, the
+//! warning counters, and the look at each pair of geoms before it goes to the engine's collision functions. Those last looks are in the
+//! table of these functions since the first model was loaded, so a raw run gets the engine's own table back.
 //!
 //! ```text
 //! cargo bench --bench step

@@ -1,6 +1,7 @@
 #include "guard.h"
 
 #include "collision.h"
+#include "step.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -126,6 +127,7 @@ GUARDED(mj_setConst, d, (mjModel * m, mjData* d), (m, d))
 
 // Simulation.
 GUARDED(mj_step, d, (const mjModel* m, mjData* d), (m, d))
+int mujoco_sys_step_from_good_state(const mjModel* m, mjData* d) { GUARDED_RUN(d, step_from_good_state(m, d)) }
 GUARDED(mj_step1, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_step2, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_forward, d, (const mjModel* m, mjData* d), (m, d))

@@ -28,8 +28,8 @@ impl Data {
         self.check_usable()?;
         self.check_inputs()?;
         self.run("mj_step", Computed::AFTER_STEP, |m, d| {
-            // SAFETY: `run` passes a model and a data that go together.
-            unsafe { guard::mj_step(m, d) }
+            // SAFETY: `run` passes a model and a data that go together, and the state was found good above.
+            unsafe { guard::step_from_good_state(m, d) }
         })
     }
 

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::{Cone, Integrator, Model, Solver, Warning, sample, sys};
+use mujoco_safe::{Cone, EnableFlags, Error, Integrator, Model, Quantity, Solver, Warning, sample, sys};
 
-use crate::twins::{Subject, Twins, c, subjects, usual_subjects};
+use crate::twins::{Subject, Twins, c, read, subjects, usual_subjects};
 
 /// As many steps as take a few seconds at most.
 fn steps(subject: &Subject) -> usize {
@@ -53,6 +53,73 @@ fn a_trajectory_is_the_engines_with_every_integrator_solver_and_cone() {
                 }
                 assert!(contacts > 0, "{} has come to the ground", twins.name);
             }
+        }
+    }
+}
+
+/// What the arrays of a data hold, except that of contacts, of which the engine leaves parts as they were in its local variables.
+fn arrays(data: &sys::mjData, model: &Model) -> Vec<u8> {
+    let length = usize::try_from(data.nbuffer).expect("a length");
+    // SAFETY: that is how long the buffer is, all of which the engine sets to zero when it makes it.
+    let mut bytes = unsafe { read(data.buffer.cast::<u8>(), 0, length) };
+    let contacts = data.contact as usize - data.buffer as usize;
+    let room = model.nconmax() * size_of::<sys::mjContact>();
+    bytes.drain(contacts..contacts + room);
+    bytes
+}
+
+/// The library's step is not a call of `mj_step`, so nothing that one leaves may be missing.
+#[test]
+fn a_step_leaves_every_byte_as_the_engines_does() {
+    for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
+        for enable in [EnableFlags::empty(), EnableFlags::ENERGY | EnableFlags::FWDINV] {
+            let mut model = sample::humanoid();
+            let changed = model.edit().options(|options| (options.integrator, options.enable) = (integrator, enable));
+            changed.expect("these are options");
+            let name = format!("humanoid with {integrator:?} and {enable:?}");
+            let mut twins = Twins::new(&Subject { name: name.clone(), model: Arc::new(model) });
+            let (mut contacts, mut differences) = (0, 0.0);
+            for _ in 0..200 {
+                twins.control();
+                twins.step();
+                assert_eq!(twins.ours.solver_fwdinv(), twins.raw.data().solver_fwdinv, "{name}");
+                contacts += twins.ours.ncon();
+                differences += twins.ours.solver_fwdinv()[1];
+            }
+            assert!(contacts > 0, "{name} has come to the ground");
+            assert_eq!(differences > 0.0, enable.contains(EnableFlags::FWDINV), "{name}");
+            // SAFETY: the library's data is valid, and nothing writes to it meanwhile.
+            let (ours, raw) = (unsafe { &*twins.ours.as_ptr() }, twins.raw.data());
+            assert_eq!(ours.nbuffer, raw.nbuffer);
+            assert!(arrays(ours, &twins.model) == arrays(raw, &twins.model), "{name}: the arrays");
+            assert_eq!((ours.time, ours.energy), (raw.time, raw.energy), "{name}");
+            assert_eq!(
+                (ours.solver_iter, ours.maxuse_con, ours.maxuse_efc),
+                (raw.solver_iter, raw.maxuse_con, raw.maxuse_efc)
+            );
+            assert_eq!(ours.maxuse_stack, raw.maxuse_stack, "{name}");
+            assert_eq!(ours.timer.map(|timer| timer.number), raw.timer.map(|timer| timer.number), "{name}");
+            assert_eq!(ours.timer[sys::mjTIMER_STEP as usize].number, 200, "{name}");
+        }
+    }
+}
+
+#[test]
+fn an_acceleration_out_of_range_is_found_where_the_engine_finds_it() {
+    for index in [0, 6, sample::humanoid().nv() - 1] {
+        let mut twins = Twins::new(&Subject { name: "humanoid".to_owned(), model: Arc::new(sample::humanoid()) });
+        let mut force = vec![0.0; twins.model.nv()];
+        force[index] = 1e300;
+        twins.ours.qfrc_applied_mut().copy_from_slice(&force);
+        twins.raw.write(|d| d.qfrc_applied, &force);
+        c!(mj_step(twins.raw.m(), twins.raw.d));
+        let warning = twins.raw.data().warning[sys::mjWARN_BADQACC as usize];
+        assert!(warning.number == 1, "the engine has reset the simulation");
+        match twins.ours.step() {
+            Err(Error::Unstable(found)) => {
+                assert_eq!((found.quantity, found.index as i32), (Quantity::Acceleration, warning.lastinfo));
+            }
+            other => panic!("{other:?}"),
         }
     }
 }
