@@ -1,6 +1,6 @@
 //! What does safety cost a simulation? [`Data::step`] against `mj_step`, from the same state through the same steps under the
-//! same random controls: the humanoid, standing, and the cart-pole. Going back to the start, which both do, is less than a
-//! thousandth of it.
+//! same random controls: the humanoid, standing, the cart-pole, and 22 humanoids where the engine's sample models are installed
+//! (`apt-get install libmujoco-samples`). Going back to the start, which both do, is less than a thousandth of it.
 //!
 //! What the ratio measures is the guard, the look at the state for numbers that the engine would reset, in place of the engine's own, the
 //! warning counters, and the look at each pair of geoms before it goes to the engine's collision functions. Those last looks are in the
@@ -12,8 +12,13 @@
 
 mod common;
 
+use std::path::Path;
+
 use criterion::Criterion;
 use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, sample, sys};
+
+/// One of the sample models of Debian's package `libmujoco-samples`.
+const MANY_HUMANOIDS: &str = "/usr/share/mujoco/model/humanoid/22_humanoids.xml";
 
 type Collisions = [[sys::mjfCollision; 8]; 8];
 
@@ -31,16 +36,18 @@ struct Episode {
 }
 
 impl Episode {
-    /// From a keyframe, with controls of up to `strength` of their range.
-    fn new(model: Model, key: &str, strength: f64, steps: u32) -> Result<Self> {
+    /// From a keyframe, or the model's own positions, with controls of up to a tenth of their range.
+    fn new(model: Model, key: Option<&str>, steps: u32) -> Result<Self> {
         let mut data = Data::new(model)?;
-        data.reset_to_key(key)?;
+        if let Some(key) = key {
+            data.reset_to_key(key)?;
+        }
         let start = data.state(StateSpec::INTEGRATION);
         let mut random = RandomController::new(1);
         let controls = (0..steps)
             .map(|_| {
                 random.control(&mut data)?;
-                Ok(data.ctrl().iter().map(|ctrl| strength * ctrl).collect())
+                Ok(data.ctrl().iter().map(|ctrl| 0.1 * ctrl).collect())
             })
             .collect::<Result<_>>()?;
         Ok(Self { data, start, controls })
@@ -73,8 +80,17 @@ fn main() -> Result<()> {
     let mut criterion = common::criterion();
     // SAFETY: no model has been loaded, and nothing else runs.
     let engines_own = unsafe { sys::mjCOLLISIONFUNC };
-    compare(&mut criterion, &engines_own, "step/humanoid", Episode::new(sample::humanoid(), "stand", 0.1, 50)?);
-    compare(&mut criterion, &engines_own, "step/cartpole", Episode::new(sample::cartpole(), "hanging_down", 0.1, 200)?);
+    compare(&mut criterion, &engines_own, "step/humanoid", Episode::new(sample::humanoid(), Some("stand"), 50)?);
+    compare(
+        &mut criterion,
+        &engines_own,
+        "step/cartpole",
+        Episode::new(sample::cartpole(), Some("hanging_down"), 200)?,
+    );
+    if Path::new(MANY_HUMANOIDS).exists() {
+        let episode = Episode::new(Model::from_xml_path(MANY_HUMANOIDS)?, None, 10)?;
+        compare(&mut criterion, &engines_own, "step/22 humanoids", episode);
+    }
     criterion.final_summary();
     Ok(())
 }

@@ -6,13 +6,15 @@
 //! ```
 //!
 //! The others are programs of their own, which wait for their turn: ours, theirs, theirs, ours. Each pair has a ratio; what is
-//! reported is the median of the ratios, and their quartiles. For work in several threads a pair counts if the machine had a core for each.
+//! reported is the median of the ratios, and their quartiles. All threads keep to a processor each (see `processor.rs`), and for work in several
+//! a pair counts if the machine had a core for each.
 
 #[path = "../benches/common/balance.rs"]
 mod balance;
 mod cores;
 mod ours;
 mod peer;
+mod processor;
 mod report;
 
 use std::error::Error;
@@ -27,7 +29,10 @@ use report::{Duel, Report};
 /// The sample models of Debian's package `libmujoco-samples`.
 const MANY_HUMANOIDS: &str = "/usr/share/mujoco/model/humanoid/22_humanoids.xml";
 
-type Outcome<T> = Result<T, Box<dyn Error>>;
+/// How many pairs of short turns there are for one of rollouts, which take longer.
+const LONGER: usize = 6;
+
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 struct Arguments {
     engine: PathBuf,
@@ -40,7 +45,7 @@ struct Arguments {
 fn arguments() -> Outcome<Arguments> {
     use lexopt::prelude::*;
     let mut arguments =
-        Arguments { engine: "target/perf/engine".into(), python: None, out: "out".into(), pairs: 41, threads: 2 };
+        Arguments { engine: "target/perf/engine".into(), python: None, out: "out".into(), pairs: 301, threads: 2 };
     let mut parser = lexopt::Parser::from_env();
     while let Some(argument) = parser.next()? {
         match argument {
@@ -56,7 +61,8 @@ fn arguments() -> Outcome<Arguments> {
     Ok(arguments)
 }
 
-/// A model, the keyframe that it starts from, and how much is done in a turn: enough for some 30 ms.
+/// A model, the keyframe that it starts from, and how much is done in a turn: some milliseconds, as what else the machine does changes from
+/// one hundredth of a second to the next. Rollouts take longer, so that threads are worth starting.
 struct Task {
     name: &'static str,
     path: PathBuf,
@@ -75,22 +81,22 @@ fn tasks() -> Vec<Task> {
             name: "cart-pole",
             path: cartpole,
             key: Some("hanging_down"),
-            steps: 20_000,
+            steps: 2000,
             rollout_steps: 500,
-            systems: 3000,
+            systems: 200,
         },
         Task {
             name: "humanoid, standing",
             path: humanoid,
             key: Some("stand"),
-            steps: 800,
+            steps: 80,
             rollout_steps: 20,
-            systems: 12,
+            systems: 2,
         },
     ];
     if Path::new(MANY_HUMANOIDS).exists() {
         let path = MANY_HUMANOIDS.into();
-        tasks.push(Task { name: "22 humanoids", path, key: None, steps: 20, rollout_steps: 0, systems: 0 });
+        tasks.push(Task { name: "22 humanoids", path, key: None, steps: 8, rollout_steps: 0, systems: 0 });
     }
     tasks
 }
@@ -98,6 +104,8 @@ fn tasks() -> Vec<Task> {
 fn main() -> Outcome<()> {
     let arguments = arguments()?;
     let (pairs, threads) = (arguments.pairs, arguments.threads);
+    let (one, all) = (processor::pool(1)?, processor::pool(threads)?);
+    let pools = if threads == 1 { vec![&one] } else { vec![&one, &all] };
     let mut report = Report::default();
 
     for Task { name, path, key, steps, rollout_steps, systems } in tasks() {
@@ -108,10 +116,10 @@ fn main() -> Outcome<()> {
             None => None,
         };
         let order = format!("step {steps}");
-        let c = Duel::fight(pairs, || ours.step(steps), || engine.ask(&order))?;
+        let c = Duel::fight(&one, pairs, || ours.step(steps), || engine.ask(&order))?;
         report.add(format!("step, {name}"), "C", steps, &c.same());
         if let Some(python) = &mut python {
-            let duel = Duel::fight(pairs, || ours.step(steps), || python.ask(&order))?;
+            let duel = Duel::fight(&one, pairs, || ours.step(steps), || python.ask(&order))?;
             report.add(format!("step, {name}"), "Python bindings", steps, &duel.same());
         }
         if rollout_steps == 0 {
@@ -119,30 +127,31 @@ fn main() -> Outcome<()> {
         }
 
         let (count, steps) = (64, rollout_steps);
+        let long = pairs.div_ceil(LONGER);
         let calls = count * steps;
-        for threads in [1, threads] {
+        for pool in &pools {
+            let threads = pool.current_num_threads();
             let order = format!("rollout {count} {steps} {threads}");
             let what = format!("64 rollouts, {name}, threads: {threads}");
-            let duel = Duel::fight_on(threads, pairs, || ours.rollout(count, steps, threads), || engine.ask(&order))?;
+            let duel = Duel::fight(pool, long, || ours.rollout(count, steps), || engine.ask(&order))?;
             report.add(what.clone(), "C", calls, &duel.same());
             if let Some(python) = &mut python {
-                let duel =
-                    Duel::fight_on(threads, pairs, || ours.rollout(count, steps, threads), || python.ask(&order))?;
+                let duel = Duel::fight(pool, long, || ours.rollout(count, steps), || python.ask(&order))?;
                 report.add(what, "Python bindings", calls, &duel.same());
             }
         }
         if threads > 1 {
-            let (two, one) = (ours.rollout(count, steps, threads)?, ours.rollout(count, steps, 1)?);
-            assert_eq!(two.1.to_bits(), one.1.to_bits(), "the number of threads changes the result");
             let mut others = Ours::new(&path, key, threads)?;
-            let (in_all, in_one) = (|| ours.rollout(count, steps, threads), || others.rollout(count, steps, 1));
-            let duel = Duel::fight_on(threads, pairs, in_all, in_one)?;
+            let in_one = || one.install(|| others.rollout(count, steps));
+            let duel = Duel::fight(&all, long, || ours.rollout(count, steps), in_one)?;
+            assert!(duel.is_same_to_the_last_bit(), "the number of threads changes the result");
             report.add(format!("64 rollouts, {name}, threads: {threads}"), "itself in one", calls, &duel);
         }
 
         let order = format!("transition {systems}");
-        for threads in [1, threads] {
-            let duel = Duel::fight_on(threads, pairs, || ours.transition(systems, threads), || engine.ask(&order))?;
+        for pool in &pools {
+            let threads = pool.current_num_threads();
+            let duel = Duel::fight(pool, pairs, || ours.transition(systems, threads), || engine.ask(&order))?;
             report.add(format!("linear system, {name}, threads: {threads}"), "C", systems, &duel);
         }
 
@@ -153,14 +162,14 @@ fn main() -> Outcome<()> {
             let file = std::path::absolute(arguments.out.join("riccati.txt"))?;
             fs::write(&file, riccatis.text())?;
             let order = format!("riccati {}", file.display());
-            let duel = Duel::fight(pairs, || riccatis.solve(), || python.ask(&order))?;
+            let duel = Duel::fight(&one, pairs, || riccatis.solve(), || python.ask(&order))?;
             println!("Riccati, {name}: relative residuals {:.1e} and {:.1e}", duel.ours_made, duel.theirs_made);
             report.add(format!("Riccati equation, {name}"), "SciPy", 1, &duel);
             fs::remove_file(&file)?;
 
-            let calls = 20_000;
+            let calls = 2000;
             let order = format!("controller {calls}");
-            let duel = Duel::fight(pairs, || ours.controller(calls), || python.ask(&order))?;
+            let duel = Duel::fight(&one, pairs, || ours.controller(calls), || python.ask(&order))?;
             report.add(format!("LQR's decision, {name}"), "NumPy", calls, &duel.same());
         }
     }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
-use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder};
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{
     Controller, Data, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, Transition, TransitionOptions,
@@ -32,7 +31,6 @@ pub(crate) struct Ours {
     start: Vec<f64>,
     controls: Vec<f64>,
     workers: Workers,
-    pool: ThreadPool,
     states: Vec<f64>,
     transitions: [Transition; 2],
     a: Matrix,
@@ -56,7 +54,6 @@ impl Ours {
             start: data.state(StateSpec::INTEGRATION),
             controls: Vec::new(),
             workers: Workers::new(model.clone()),
-            pool: ThreadPoolBuilder::new().num_threads(threads).build()?,
             states: Vec::new(),
             transitions: [transition(1)?, transition(threads)?],
             a: Matrix::zeros(nx, nx),
@@ -83,18 +80,23 @@ impl Ours {
     }
 
     pub(crate) fn step(&mut self, calls: usize) -> Outcome<(f64, f64)> {
-        self.make_controls(calls);
+        let before = calls / 8;
+        self.make_controls(before + calls);
         self.restart()?;
         let nu = self.data.model().nu();
-        let begin = Instant::now();
-        for call in 0..calls {
+        let mut begin = Instant::now();
+        for call in 0..before + calls {
+            if call == before {
+                begin = Instant::now();
+            }
             self.data.ctrl_mut().copy_from_slice(&self.controls[call * nu..(call + 1) * nu]);
             self.data.step()?;
         }
         Ok((begin.elapsed().as_secs_f64(), self.data.qpos().iter().sum()))
     }
 
-    pub(crate) fn rollout(&mut self, count: usize, steps: usize, threads: usize) -> Outcome<(f64, f64)> {
+    /// On the threads of the present pool.
+    pub(crate) fn rollout(&mut self, count: usize, steps: usize) -> Outcome<(f64, f64)> {
         self.make_controls(count * steps);
         let model = self.data.model();
         let (nq, width) = (model.nq(), model.state_size(StateSpec::PHYSICS));
@@ -104,11 +106,7 @@ impl Ours {
             .initial_state(StateSpec::INTEGRATION, &self.start)
             .controls(&self.controls[..count * steps * model.nu()]);
         let buffers = RolloutBuffers { states: Some(&mut self.states), ..Default::default() };
-        let outcomes = if threads == 1 {
-            rollout.chunk(count).run_into(buffers)?
-        } else {
-            self.pool.install(|| rollout.run_into(buffers))?
-        };
+        let outcomes = rollout.run_into(buffers)?;
         let seconds = begin.elapsed().as_secs_f64();
         outcomes.into_iter().collect::<Result<Vec<()>, _>>()?;
         let last = &self.states[self.states.len() - width..];
@@ -119,12 +117,15 @@ impl Ours {
         self.restart()?;
         let Self { data, transitions, a, b, .. } = self;
         let transition = &mut transitions[usize::from(threads > 1)];
-        let begin = Instant::now();
-        for _ in 0..calls {
+        let mut linearise = || -> Outcome<()> {
             let outputs = TransitionOutputs { a: Some(&mut *a), b: Some(&mut *b), ..Default::default() };
             let used = transition.linear_system_into(data, outputs)?;
             assert_eq!(used.fallback, None);
-        }
+            Ok(())
+        };
+        linearise()?;
+        let begin = Instant::now();
+        (0..calls).try_for_each(|_| linearise())?;
         Ok((begin.elapsed().as_secs_f64(), self.a.as_slice().iter().sum()))
     }
 

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+use mujoco_safe::rayon::ThreadPool;
 use plotters::prelude::*;
 
 use crate::{Outcome, cores};
@@ -26,27 +27,19 @@ pub(crate) struct Duel {
 const PATIENCE: usize = 4;
 
 impl Duel {
-    /// In turn, each first every other time. The first pair does not count.
+    /// In turn, each first every other time; ours on the threads of a pool. The first pair does not count, and others only if there
+    /// is a core for each thread before and after.
     pub(crate) fn fight(
+        pool: &ThreadPool,
         pairs: usize,
-        ours: impl FnMut() -> Outcome<(f64, f64)>,
-        theirs: impl FnMut() -> Outcome<(f64, f64)>,
-    ) -> Outcome<Self> {
-        Self::fight_on(1, pairs, ours, theirs)
-    }
-
-    /// The same for work in several threads: a pair counts if there is a core for each, before and after.
-    pub(crate) fn fight_on(
-        threads: usize,
-        pairs: usize,
-        mut ours: impl FnMut() -> Outcome<(f64, f64)>,
+        mut ours: impl FnMut() -> Outcome<(f64, f64)> + Send,
         mut theirs: impl FnMut() -> Outcome<(f64, f64)>,
     ) -> Outcome<Self> {
+        let mut ours = || pool.install(&mut ours);
         let (_, ours_made) = ours()?;
         let (_, theirs_made) = theirs()?;
         let mut duel = Self { ours: vec![], theirs: vec![], ratios: vec![], ours_made, theirs_made, left_out: 0 };
-        let are_there = || threads == 1 || cores::are_there(threads);
-        let mut were_there = are_there();
+        let mut were_there = cores::are_there(pool);
         for pair in 0..PATIENCE * pairs {
             if duel.ratios.len() == pairs {
                 break;
@@ -58,7 +51,7 @@ impl Duel {
                 let first = theirs()?.0;
                 (ours()?.0, first)
             };
-            let are_there_still = are_there();
+            let are_there_still = cores::are_there(pool);
             if !(std::mem::replace(&mut were_there, are_there_still) && are_there_still) {
                 duel.left_out += 1;
                 continue;
@@ -71,6 +64,10 @@ impl Duel {
             values.sort_unstable_by(f64::total_cmp);
         }
         Ok(duel)
+    }
+
+    pub(crate) fn is_same_to_the_last_bit(&self) -> bool {
+        self.ours_made.to_bits() == self.theirs_made.to_bits()
     }
 
     /// Says so where the results are not the same. Two builds of one engine differ in the last bits, and simulations with contacts
@@ -89,8 +86,6 @@ struct Row {
     whom: &'static str,
     microseconds: [f64; 2],
     quartiles: [f64; 3],
-    /// The ratio of the times of each that only a tenth are below: what others on the machine do makes a time longer, and never shorter.
-    undisturbed: f64,
     pairs: usize,
 }
 
@@ -114,28 +109,24 @@ impl Report {
         let microseconds = [&duel.ours, &duel.theirs].map(|times| 1e6 * at(times, 2) / calls as f64);
         let quartiles = [1, 2, 3].map(|quarter| at(&duel.ratios, quarter));
         let [low, median, high] = quartiles;
-        let [ours, theirs] = [&duel.ours, &duel.theirs].map(|times| times[times.len() / 10]);
-        let undisturbed = theirs / ours;
-        println!("{what}: {median:.3} times as fast as {whom} ({low:.3} to {high:.3}; undisturbed {undisturbed:.3})");
-        self.rows.push(Row { what, whom, microseconds, quartiles, undisturbed, pairs });
+        println!("{what}: {median:.3} times as fast as {whom} ({low:.3} to {high:.3})");
+        self.rows.push(Row { what, whom, microseconds, quartiles, pairs });
     }
 
     /// Writes `compare.md` and `compare.svg`.
     pub(crate) fn write(&self, out: &Path) -> Outcome<()> {
         fs::create_dir_all(out)?;
         let mut table = String::from(
-            "| what | beside | ours, µs | theirs, µs | times as fast | quartiles | undisturbed | pairs |\n\
-             |---|---|---:|---:|---:|---|---:|---:|\n",
+            "| what | beside | ours, µs | theirs, µs | times as fast | quartiles | pairs |\n\
+             |---|---|---:|---:|---:|---|---:|\n",
         );
-        for Row { what, whom, microseconds: [ours, theirs], quartiles: [low, median, high], undisturbed, pairs } in
-            &self.rows
-        {
+        for Row { what, whom, microseconds: [ours, theirs], quartiles: [low, median, high], pairs } in &self.rows {
             writeln!(
                 table,
-                "| {what} | {whom} | {ours:.2} | {theirs:.2} | {median:.3} | {low:.3} to {high:.3} | {undisturbed:.3} | {pairs} |"
+                "| {what} | {whom} | {ours:.2} | {theirs:.2} | {median:.3} | {low:.3} to {high:.3} | {pairs} |"
             )?;
         }
-        writeln!(table, "\nMedians of pairs, in turn; undisturbed: the ratio of the fastest tenths. {}", machine())?;
+        writeln!(table, "\nMedians of pairs, in turn. {}", machine())?;
         fs::write(out.join("compare.md"), table)?;
         self.draw(&out.join("compare.svg"))?;
         println!("written: {0}/compare.md, {0}/compare.svg", out.display());
