@@ -5,8 +5,11 @@ use std::thread;
 use mujoco_safe::viewer::{self, Handle, Key, Viewer, ViewerError, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
-use crate::case::{SIZE, fresh_title, or_exit, press, show};
+use crate::case::{SIZE, fresh_title, or_exit, press, show, state};
 use crate::hand::{Hand, wait_until};
+
+/// Simulated time, s: so long that a window with slow pictures shows one of it.
+const A_WHILE: f64 = 1.0;
 
 fn options() -> ViewerOptions {
     ViewerOptions { title: fresh_title(), size: Some(SIZE), ..ViewerOptions::default() }
@@ -45,7 +48,8 @@ pub fn one_after_another() {
                 });
                 let hand = Hand::at(&title);
                 hand.key("Home");
-                press(&hand, "BackSpace", "the start", |state| state.time < 0.05);
+                wait_until("a while of the simulation", || state().time > A_WHILE);
+                press(&hand, "BackSpace", "the start", |state| state.time < A_WHILE);
                 hand.key("Escape");
             });
         });
