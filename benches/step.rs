@@ -12,13 +12,8 @@
 
 mod common;
 
-use std::path::Path;
-
 use criterion::Criterion;
 use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, sample, sys};
-
-/// One of the sample models of Debian's package `libmujoco-samples`.
-const MANY_HUMANOIDS: &str = "/usr/share/mujoco/model/humanoid/22_humanoids.xml";
 
 type Collisions = [[sys::mjfCollision; 8]; 8];
 
@@ -87,8 +82,8 @@ fn main() -> Result<()> {
         "step/cartpole",
         Episode::new(sample::cartpole(), Some("hanging_down"), 200)?,
     );
-    if Path::new(MANY_HUMANOIDS).exists() {
-        let episode = Episode::new(Model::from_xml_path(MANY_HUMANOIDS)?, None, 10)?;
+    if let Some(path) = common::samples::many_humanoids() {
+        let episode = Episode::new(Model::from_xml_path(path)?, None, 10)?;
         compare(&mut criterion, &engines_own, "step/22 humanoids", episode);
     }
     criterion.final_summary();

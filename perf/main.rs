@@ -16,6 +16,8 @@ mod ours;
 mod peer;
 mod processor;
 mod report;
+#[path = "../benches/common/samples.rs"]
+mod samples;
 
 use std::error::Error;
 use std::fs;
@@ -25,9 +27,6 @@ use balance::Balance;
 use ours::{Ours, Riccatis};
 use peer::Peer;
 use report::{Duel, Report};
-
-/// The sample models of Debian's package `libmujoco-samples`.
-const MANY_HUMANOIDS: &str = "/usr/share/mujoco/model/humanoid/22_humanoids.xml";
 
 /// How many pairs of short turns there are for one of rollouts, which take longer.
 const LONGER: usize = 6;
@@ -94,8 +93,7 @@ fn tasks() -> Vec<Task> {
             systems: 2,
         },
     ];
-    if Path::new(MANY_HUMANOIDS).exists() {
-        let path = MANY_HUMANOIDS.into();
+    if let Some(path) = samples::many_humanoids().map(Path::to_owned) {
         tasks.push(Task { name: "22 humanoids", path, key: None, steps: 8, rollout_steps: 0, systems: 0 });
     }
     tasks
@@ -151,7 +149,7 @@ fn main() -> Outcome<()> {
         let order = format!("transition {systems}");
         for pool in &pools {
             let threads = pool.current_num_threads();
-            let duel = Duel::fight(pool, pairs, || ours.transition(systems, threads), || engine.ask(&order))?;
+            let duel = Duel::fight(pool, pairs, || ours.transition(systems), || engine.ask(&order))?;
             report.add(format!("linear system, {name}, threads: {threads}"), "C", systems, &duel);
         }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
+use mujoco_safe::rayon;
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{
     Controller, Data, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, Transition, TransitionOptions,
@@ -113,10 +114,11 @@ impl Ours {
         Ok((seconds, last[..nq].iter().sum()))
     }
 
-    pub(crate) fn transition(&mut self, calls: usize, threads: usize) -> Outcome<(f64, f64)> {
+    /// On the threads of the present pool. As with steps, what comes first does not count: see `engine.c`.
+    pub(crate) fn transition(&mut self, calls: usize) -> Outcome<(f64, f64)> {
         self.restart()?;
         let Self { data, transitions, a, b, .. } = self;
-        let transition = &mut transitions[usize::from(threads > 1)];
+        let transition = &mut transitions[usize::from(rayon::current_num_threads() > 1)];
         let mut linearise = || -> Outcome<()> {
             let outputs = TransitionOutputs { a: Some(&mut *a), b: Some(&mut *b), ..Default::default() };
             let used = transition.linear_system_into(data, outputs)?;

@@ -117,8 +117,7 @@ impl Report {
     pub(crate) fn write(&self, out: &Path) -> Outcome<()> {
         fs::create_dir_all(out)?;
         let mut table = String::from(
-            "| what | beside | ours, µs | theirs, µs | times as fast | quartiles | pairs |\n\
-             |---|---|---:|---:|---:|---|---:|\n",
+            "| what | beside | ours, µs | theirs, µs | times as fast | quartiles | pairs |\n|---|---|---:|---:|---:|---|---:|\n",
         );
         for Row { what, whom, microseconds: [ours, theirs], quartiles: [low, median, high], pairs } in &self.rows {
             writeln!(

@@ -13,6 +13,7 @@
 #![allow(dead_code, reason = "each bench uses its part")]
 
 pub(crate) mod balance;
+pub(crate) mod samples;
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

@@ -29,8 +29,8 @@ pub struct TransitionOptions {
     /// differences of a step, where it has to be large against the tolerance of the solver.
     pub eps: Option<f64>,
     /// How many threads of rayon's pool work at the same time, at most 1024; each has a simulation of its own. The result is the
-    /// same for any number, to the last bit. A thread that the operating system puts on the caller's processor brings nothing, which
-    /// some virtual machines do for milliseconds: a pool whose threads keep to a processor each, and in which the call is made, does not.
+    /// same for any number, to the last bit. A thread that the operating system puts on the caller's processor brings nothing,
+    /// which happens in virtual machines, for milliseconds: there, make the call in a pool whose threads keep to a processor each.
     pub threads: usize,
 }
 

@@ -17,7 +17,7 @@ pub(super) struct Look {
     material: [f32; 4],
     coat: Coat,
     texture: u32,
-    /// By what the coordinates of the shape are multiplied for the texture.
+    /// By what the coordinates of the shape are multiplied for the texture; of a flat one the last is 0, or `GLUED`.
     texgen: [f32; 3],
     id: u32,
 }
@@ -51,11 +51,14 @@ impl Look {
             return;
         }
         (self.coat, self.texture) = (coat, texture as u32);
+        if geom.texcoord() {
+            self.texgen = [0.0, 0.0, GLUED];
+            return;
+        }
         let (size, repeat) = (geom.size(), geom.texrepeat());
         let is_measured = geom.mesh().is_some() || geom.height_field().is_some() || geom.plane().is_some();
         self.texgen = match coat {
             Coat::Plain => [0.0; 3],
-            Coat::Flat if geom.texcoord() => [0.0, 0.0, 1.0],
             Coat::Flat => {
                 let mut scale = repeat;
                 for axis in 0..2 {
@@ -92,7 +95,7 @@ impl Look {
         let [u, v, w] = [0, 1, 2].map(|axis| self.texgen[axis] * part.wrap[axis]);
         let texgen = match self.coat {
             Coat::Plain => [0.0; 4],
-            Coat::Flat => [u, v, 0.0, if self.texgen[2] > 0.5 { GLUED } else { 0.0 }],
+            Coat::Flat => [u, v, 0.0, self.texgen[2]],
             Coat::Cube => [u, v, w, self.texgen[2] * part.lift],
         }
         .map(|number| if number.is_finite() { number } else { 0.0 });
