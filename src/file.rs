@@ -8,24 +8,82 @@ use tempfile::{NamedTempFile, TempPath};
 
 use crate::error::{Error, Result};
 
-/// Opens a file to be read. A pipe or a device, which could make the reader wait for ever or never end, is an error.
+/// Largest size of a file that is read whole.
+const MOST_BYTES: u64 = 1 << 31;
+
+/// Opens a regular file of an ordinary file system for reading. Pipes, sockets and devices can block or never end, and so can the
+/// files of kernel file systems such as `/proc/kmsg`, although their metadata says that they are regular.
 pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
-    // Before it is opened: that of a pipe waits for a writer.
-    let metadata = fs::metadata(path)?;
+    // Before opening, since opening a pipe waits for a writer and opening a device can have side effects.
+    check_regular(path)?;
+    let mut options = File::options();
+    options.read(true);
+    // The path may lead to a pipe by now.
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, rustix::fs::OFlags::NONBLOCK.bits() as i32);
+    let file = options.open(path)?;
+    check_type(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// Checks that a path leads to a regular file of an ordinary file system.
+pub(crate) fn check_regular(path: &Path) -> io::Result<()> {
+    check_type(&fs::metadata(path)?)?;
+    #[cfg(target_os = "linux")]
+    if KERNEL_FILE_SYSTEMS.contains(&(rustix::fs::statfs(path)?.f_type as u32)) {
+        return Err(io::Error::other("not a regular file, but a file of the kernel"));
+    }
+    Ok(())
+}
+
+fn check_type(metadata: &fs::Metadata) -> io::Result<()> {
     if metadata.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
     }
     if !metadata.is_file() {
         return Err(io::Error::other("not a regular file"));
     }
-    File::open(path)
+    Ok(())
 }
 
-/// What a file contains, if [`open_regular`] opens it.
+/// Magic numbers of the file systems whose content the kernel generates, from `linux/magic.h`.
+#[cfg(target_os = "linux")]
+const KERNEL_FILE_SYSTEMS: [u32; 20] = [
+    0x9fa0,      // proc
+    0x6265_6572, // sysfs
+    0x6462_6720, // debugfs
+    0x7472_6163, // tracefs
+    0x7363_6673, // securityfs
+    0x6265_6570, // configfs
+    0x0027_e0eb, // cgroup
+    0x6367_7270, // cgroup2
+    0xcafe_4a11, // bpf
+    0x6165_676c, // pstore
+    0xde5e_81e4, // efivarfs
+    0xf97c_ff8c, // selinuxfs
+    0x4341_5d53, // smackfs
+    0x0000_1cd1, // devpts
+    0x1980_0202, // mqueue
+    0x4249_4e4d, // binfmt_misc
+    0x6573_5543, // fusectl
+    0x6e73_6673, // nsfs
+    0x0765_5821, // resctrl
+    0x6759_6969, // rpc_pipefs
+];
+
+/// Reads a file that [`open_regular`] opens, up to 2 GiB.
 pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let file = open_regular(path)?;
+    let length = file.metadata()?.len();
+    let too_large = || io::Error::new(io::ErrorKind::FileTooLarge, "larger than 2 GiB");
+    if length > MOST_BYTES {
+        return Err(too_large());
+    }
     let mut content = Vec::new();
-    open_regular(path)?.read_to_end(&mut content)?;
-    Ok(content)
+    content.try_reserve_exact(length as usize)?;
+    // A file can grow while it is read.
+    file.take(MOST_BYTES + 1).read_to_end(&mut content)?;
+    if content.len() as u64 > MOST_BYTES { Err(too_large()) } else { Ok(content) }
 }
 
 /// A file for what is to be written to `path` later, which nobody else can read: among the temporary files, or beside it.

@@ -337,7 +337,7 @@ fn counts_beyond_what_the_compiler_has_room_for_are_refused() {
             "<asset><skin name='s' vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'><bone body='world' bindpos='0 0 0' bindquat='1 0 0 0'
              vertid='0 1 2' vertweight='1 1 1'/></skin></asset>"
                 .to_owned(),
-            "skin 0 has a face of vertex 3",
+            "skin_face[2] is 3; it must be from 0 to 2",
         ),
         ("<asset><texture name='t' type='cube' fileleft='/dev/zero'/></asset>".to_owned(), "regular file"),
         ("<asset><mesh name='m' file='../../../../../../../../dev/zero'/></asset>".to_owned(), "regular file"),

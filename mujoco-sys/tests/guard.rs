@@ -243,6 +243,57 @@ fn out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_
     assert_eq!(simulation.step(), error("Invalid integrator"));
 }
 
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+#[test]
+fn a_load_prints_nothing_and_other_threads_print_as_before() {
+    const CHILD: &str = "MUJOCO_SYS_TEST_PRINTS";
+    const LINES: usize = 20_000;
+    // The convex hull library prints 28 lines about it.
+    const FLAT: &str = "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 1 1 0'/></asset>
+        <worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>";
+    if std::env::var_os(CHILD).is_none() {
+        let output = Command::new(std::env::current_exe().expect("a test is a program"))
+            .args(["--exact", "--nocapture", "a_load_prints_nothing_and_other_threads_print_as_before"])
+            .env(CHILD, "1")
+            .output()
+            .expect("the program runs");
+        assert!(output.status.success(), "{output:?}");
+        assert!(output.stderr == "printed\n".repeat(LINES).as_bytes(), "{}", String::from_utf8_lossy(&output.stderr));
+        return;
+    }
+    unsafe extern "C" {
+        static stderr: *mut std::ffi::c_void;
+        fn fputs(text: *const c_char, file: *mut std::ffi::c_void) -> c_int;
+    }
+    install();
+    let lines = AtomicU32::new(0);
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            for _ in 0..LINES {
+                // SAFETY: a string that ends with NUL, and the stream that the C library's variable has at the moment.
+                unsafe { fputs(c"printed\n".as_ptr(), ptr::read_volatile(&raw const stderr)) };
+                lines.fetch_add(1, Ordering::Relaxed);
+            }
+        });
+        for _ in 0..2 {
+            scope.spawn(|| {
+                let mut loads = 0;
+                while loads < 20 || lines.load(Ordering::Relaxed) < LINES as u32 {
+                    let told = load(FLAT).expect_err("a flat mesh has no convex hull");
+                    // SAFETY: the text belongs to this thread and is copied before its next load.
+                    let printed = unsafe { CStr::from_ptr(guard::printed()) }.to_string_lossy();
+                    assert!(
+                        told.contains("qhull error") && printed.contains("Initial simplex is flat"),
+                        "{told} {printed}"
+                    );
+                    assert!(!printed.contains("printed"));
+                    loads += 1;
+                }
+            });
+        }
+    });
+}
+
 #[test]
 fn after_an_error_the_stack_mark_is_where_it_was() {
     let simulation = Simulation::new();

@@ -115,23 +115,25 @@ impl Model {
         Self::from_text(&path.display().to_string(), &path.with_file_name(TEXT), &text, files)
     }
 
-    /// Loads a model from a text in MJCF or URDF.
+    /// Loads a model from MJCF or URDF text.
     ///
-    /// The text goes to the engine's own compiler. That of 2.2.2 is known to crash, to run without end, or to read and write
-    /// outside of its memory on some kinds of input. Those that a look at the text and at the files that it names can see are
-    /// refused here:
+    /// The engine's own compiler reads the text. The compiler of 2.2.2 crashes, runs without end, or accesses memory out of
+    /// bounds on some inputs. Inputs that the text and the files that it names reveal are rejected before compilation:
     ///
-    /// * files that include each other without end, elements nested more than 400 deep, pipes and devices,
-    /// * sizes that overflow or are beyond any use, of textures, height fields, keyframes, user and custom data, the skins of
-    ///   composites, and more than 40 000 bodies or degrees of freedom,
-    /// * meshes, skins and height fields that are damaged: another size than the header says, faces of vertices that there are
-    ///   not, vertices that are not finite,
-    /// * a muscle whose length range does not settle, a fixed tendon with the same joint twice, adhesion with room for fewer than
-    ///   100 constraints, a rangefinder with a height field of more rows than columns.
+    /// * includes that recurse, elements nested more than 400 deep, special files (pipes, devices, `/proc`),
+    /// * in URDF: joints of an unknown type, links that are their own ancestors, chains of more than 400 joints,
+    /// * oversized textures, height fields, keyframes, user and custom data and skins of composites, more than 32 766 bodies, and
+    ///   more than 13 377 degrees of freedom,
+    /// * damaged meshes, skins and height fields: a size that contradicts the header, faces with vertices that do not exist,
+    ///   vertices that are not finite,
+    /// * a muscle whose length range does not converge, a fixed tendon with the same joint twice, adhesion with room for fewer
+    ///   than 100 constraints, a rangefinder together with a height field of more rows than columns.
     ///
-    /// What is left takes time or memory: bodies by the ten thousand, and a PNG that unpacks to more than its head says. And a
-    /// file on the disk that the text names could change between the look at it and the compiler's. So a text from strangers
-    /// should be compiled in a process of its own, with limits.
+    /// The compiled model then passes the checks of a binary model, see [`from_binary`](Self::from_binary).
+    ///
+    /// Compilation can still take minutes (thousands of bodies) or much memory (a PNG that decompresses to more than its header
+    /// says), and a file on disk can change between the check and the compilation. Compile untrusted models in a separate process
+    /// with limits on time and memory.
     ///
     /// # Errors
     ///
@@ -268,8 +270,7 @@ impl Model {
         result?;
         let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;
         // SAFETY: the engine allocated it for us, and its content was validated.
-        let model = unsafe { Self::from_raw(raw, Lineage::new(), warnings) };
-        model.hazard().map_or(Ok(model), |reason| Err(invalid(reason)))
+        Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
     }
 
     fn compile(name: &CString, files: &VirtualFiles, source_name: &str) -> Result<Self> {
@@ -296,6 +297,10 @@ impl Model {
             }
         });
         xml.leave("mj_loadXML", status)?;
+        // SAFETY: the pointer is this thread's own buffer, NUL-terminated and unchanged until the thread's next load.
+        let printed = unsafe { ffi::text(guard::printed()) };
+        // The convex hull library prints its point first, and then pages of numbers.
+        warnings.extend(printed.lines().map(str::trim).find(|line| !line.is_empty()).map(str::to_owned));
         // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
         let message = unsafe { ffi::text(message.as_ptr()) };
         let Some(raw) = NonNull::new(loaded) else {
@@ -309,9 +314,10 @@ impl Model {
         let lineage = Lineage::new();
         // SAFETY: the engine compiled it for us.
         let model = unsafe { Self::from_raw(raw, lineage, warnings) };
-        if let Some(message) = model.hazard() {
-            return Err(Error::Load { source_name: source_name.to_owned(), message });
-        }
+        model.validate().map_err(|reason| Error::Load {
+            source_name: source_name.to_owned(),
+            message: format!("the compiled model is invalid: {reason}"),
+        })?;
         xml.last = Some(lineage);
         Ok(model)
     }

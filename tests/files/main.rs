@@ -4,6 +4,7 @@ mod assets;
 mod load;
 mod refuse;
 mod save;
+mod urdf;
 
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};

@@ -236,3 +236,47 @@ fn sizes_whose_product_wraps_a_c_int_are_refused() {
         }
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_of_the_kernel_or_a_device_is_an_error_at_once_wherever_a_text_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("link.stl");
+    std::os::unix::fs::symlink("/proc/version", &link).unwrap();
+    let pipe = folder.path().join("pipe.stl");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let socket = folder.path().join("socket.stl");
+    let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+    let special = [
+        // Reading this one waits for the next message of the kernel.
+        "/proc/kmsg",
+        "/proc/version",
+        "/proc/self/environ",
+        "/sys/kernel/mm/transparent_hugepage/enabled",
+        "/dev/null",
+        "/dev/zero",
+        link.to_str().unwrap(),
+        pipe.to_str().unwrap(),
+        socket.to_str().unwrap(),
+    ];
+    for path in special.into_iter().filter(|path| std::path::Path::new(path).exists()) {
+        for element in [
+            format!("<include file='{path}'/>"),
+            format!("<asset><mesh name='m' file='{path}'/></asset>"),
+            format!("<asset><hfield name='h' file='{path}' size='1 1 1 1'/></asset>"),
+            format!("<asset><texture name='t' type='2d' file='{path}'/></asset>"),
+            format!("<asset><texture name='t' type='cube' fileup='{path}'/></asset>"),
+            format!("<asset><skin name='s' file='{path}'/></asset>"),
+        ] {
+            let error = error(&format!("<mujoco>{element}</mujoco>"), &[]);
+            assert!(error.contains("regular file"), "{element}: {error}");
+        }
+        let robot = format!(
+            "<robot name='r'><link name='l'><collision><geometry><mesh filename='{path}'/></geometry></collision></link></robot>"
+        );
+        assert!(error(&robot, &[]).contains("regular file"), "{path}");
+        for result in [Model::from_xml_path(path), Model::from_binary_path(path)] {
+            assert!(matches!(result, Err(Error::File { .. })), "{path}");
+        }
+    }
+}

@@ -34,6 +34,57 @@ fn a_binary_model_comes_back_whole_from_a_file_and_from_memory() {
 }
 
 #[test]
+fn every_model_that_loads_from_xml_comes_back_whole_from_its_binary_form() {
+    let body = "<body name='b'><joint name='j'/><geom size='.1'/><site name='s'/><site name='r' pos='1 0 0'/></body>
+                <body><freejoint/><geom size='.1'/></body><site name='w'/>";
+    let with = |rest: &str| Model::from_xml_str(&format!("<mujoco><worldbody>{body}</worldbody>{rest}</mujoco>"));
+    let mut models: Vec<Model> = sample::system_models()
+        .iter()
+        .filter_map(|path| Model::from_xml_path(path).ok())
+        .chain([Model::from_xml_str(include_str!("../models/every_element.xml")).unwrap()])
+        .collect();
+    for rest in [
+        "<actuator><motor site='s' refsite='r'/></actuator>",
+        "<actuator><position site='s' refsite='w' gear='1 0 0 0 1 0'/></actuator>",
+        "<visual><quality numslices='0' numstacks='-3' numquads='0' shadowsize='-1' offsamples='-1'/></visual>",
+        "<visual><quality numslices='5000' shadowsize='100000' offsamples='1000'/></visual>",
+        "<visual><global offwidth='0' offheight='-1'/></visual>",
+        "<visual><global offwidth='100000' offheight='100000'/></visual>",
+        "<option iterations='-1' noslip_iterations='-1'/>",
+        "<option iterations='0' mpr_iterations='0'/>",
+    ] {
+        models.push(with(rest).unwrap_or_else(|error| panic!("{rest}: {error}")));
+    }
+    assert!(models.len() > 20);
+    for model in models {
+        let saved = bytes(&model);
+        let again = Model::from_binary(&saved).unwrap_or_else(|error| panic!("{model:?}: {error}"));
+        assert!(bytes(&again) == saved, "{model:?}");
+    }
+    // A model that the binary form could not carry is an error at once.
+    for (rest, expected) in [
+        ("<option mpr_iterations='-1'/>", "opt.mpr_iterations is -1"),
+        ("<option iterations='2000000'/>", "opt.iterations is 2000000; it must be"),
+        ("<option timestep='0'/>", "opt.timestep is 0"),
+    ] {
+        let error = with(rest).unwrap_err().to_string();
+        assert!(error.contains("the compiled model is invalid") && error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn a_mesh_whose_scale_makes_its_vertices_huge_is_an_error() {
+    for scale in ["1e12 1 1", "1e39 1 1", "-1e300 1 1"] {
+        let text = format!(
+            "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1' scale='{scale}'/></asset>
+             <worldbody><body><freejoint/><geom size='.1'/><geom type='mesh' mesh='m' contype='0' conaffinity='0' mass='0'/></body></worldbody></mujoco>"
+        );
+        let error = Model::from_xml_str(&text).unwrap_err();
+        assert!(matches!(error, Error::Load { .. }), "{scale}: {error}");
+    }
+}
+
+#[test]
 fn a_model_that_was_saved_as_xml_loads_as_the_same_model() {
     let folder = folder();
     let path = folder.path().join("again.xml");

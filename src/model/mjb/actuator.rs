@@ -26,10 +26,11 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
             _ => size::nbody,
         };
         is_in(view, field::actuator_trnid, 2 * i, ids(view.size(count)))?;
-        if kind as u32 == mjTRN_SLIDERCRANK {
-            is_in(view, field::actuator_trnid, 2 * i + 1, ids(view.size(size::nsite)))?;
-        } else {
-            is(view, field::actuator_trnid, 2 * i + 1, -1, "since only a slider-crank has two ends")?;
+        let second = 2 * i + 1;
+        match kind as u32 {
+            mjTRN_SLIDERCRANK => is_in(view, field::actuator_trnid, second, ids(view.size(size::nsite)))?,
+            mjTRN_SITE => is_in(view, field::actuator_trnid, second, -1..=view.size(size::nsite) as i64 - 1)?,
+            _ => is(view, field::actuator_trnid, second, -1, "since only slider-cranks and sites have a second site")?,
         }
     }
     adhesion(view)?;

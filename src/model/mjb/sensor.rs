@@ -1,9 +1,9 @@
 //! Sensors: what each type measures, on what, when, and how many numbers it writes.
 
 use mujoco_sys::{
-    mjDATATYPE_AXIS, mjDATATYPE_POSITIVE, mjDATATYPE_QUATERNION, mjDATATYPE_REAL, mjJNT_BALL, mjJNT_HINGE, mjJNT_SLIDE,
-    mjOBJ_ACTUATOR, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_JOINT, mjOBJ_SITE, mjOBJ_TENDON, mjOBJ_UNKNOWN,
-    mjOBJ_XBODY, mjSTAGE_ACC, mjSTAGE_POS, mjSTAGE_VEL,
+    mjDATATYPE_AXIS, mjDATATYPE_POSITIVE, mjDATATYPE_QUATERNION, mjDATATYPE_REAL, mjGEOM_HFIELD, mjJNT_BALL,
+    mjJNT_HINGE, mjJNT_SLIDE, mjOBJ_ACTUATOR, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_JOINT, mjOBJ_SITE,
+    mjOBJ_TENDON, mjOBJ_UNKNOWN, mjOBJ_XBODY, mjSTAGE_ACC, mjSTAGE_POS, mjSTAGE_VEL,
 };
 use mujoco_sys::{
     mjSENS_ACCELEROMETER, mjSENS_ACTUATORFRC, mjSENS_ACTUATORPOS, mjSENS_ACTUATORVEL, mjSENS_BALLANGVEL,
@@ -20,6 +20,7 @@ use super::invalid::Invalid;
 use super::layout::{field, size};
 use super::rule::{all_in, ids, is, is_in, size_is};
 use super::view::View;
+use crate::model::hazard::{are_ray_sizes, is_misread_by_rays};
 
 /// What a type of sensor is attached to.
 #[derive(Clone, Copy, PartialEq)]
@@ -95,7 +96,30 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
         is(view, field::sensor_adr, i, next, "where the one before it ends")?;
         next += i64::from(view.get(field::sensor_dim, i));
     }
-    size_is(view, size::nsensordata, next as u64, "the sum of sensor_dim")
+    size_is(view, size::nsensordata, next as u64, "the sum of sensor_dim")?;
+    rangefinders(view)
+}
+
+/// Rangefinders send rays to all geoms. On some height fields the engine's ray functions read out of bounds.
+fn rangefinders(view: &View<'_>) -> Result<(), Invalid> {
+    if !view.values(field::sensor_type).any(|kind| kind as u32 == mjSENS_RANGEFINDER) {
+        return Ok(());
+    }
+    for (geom, kind) in view.values(field::geom_type).enumerate() {
+        if kind as u32 != mjGEOM_HFIELD {
+            continue;
+        }
+        let data = view.get(field::geom_dataid, geom);
+        let hfield = data as usize;
+        let [rows, columns] = [field::hfield_nrow, field::hfield_ncol].map(|count| view.get(count, hfield) as u64);
+        let sizes: [f64; 4] = std::array::from_fn(|i| view.get(field::hfield_size, 4 * hfield + i));
+        if is_misread_by_rays(rows, columns) || !are_ray_sizes(&sizes) {
+            let wanted = "a rangefinder would read out of bounds of that height field; it needs two or more rows, no more rows \
+                          than columns, and sizes from 1e-100 to 1e100";
+            return Err(Invalid::element(field::geom_dataid.name(), geom, data, wanted));
+        }
+    }
+    Ok(())
 }
 
 /// A user sensor's numbers come from a callback. But the engine treats them by their data type, whatever their number.

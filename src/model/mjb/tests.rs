@@ -6,11 +6,11 @@ use std::mem::offset_of;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use mujoco_sys::{guard, mjOption, mjVisual};
+use mujoco_sys::{guard, mjOption};
 
 use super::check;
 use super::layout::{Array, Element, Field, MODEL_ARRAYS, SIZE_NAMES, Size, field, size};
-use super::view::{OPTION_AT, SIZES_AT, VISUAL_AT, View};
+use super::view::{OPTION_AT, SIZES_AT, View};
 
 /// What the engine saves after it has compiled an XML file; `None` if it refuses to.
 fn compile(path: &Path) -> Option<Vec<u8>> {
@@ -172,14 +172,16 @@ fn options_outside_their_enums_and_ranges_are_refused() {
     assert_eq!(option(offset_of!(mjOption, solver), 3), "opt.solver is 3; it must be from 0 to 2");
     assert_eq!(
         option(offset_of!(mjOption, iterations), 1_000_001),
-        "opt.iterations is 1000001; it must be from 0 to 1000000"
+        "opt.iterations is 1000001; it must be from -2147483648 to 1000000"
+    );
+    assert_eq!(
+        option(offset_of!(mjOption, mpr_iterations), -1),
+        "opt.mpr_iterations is -1; it must be from 0 to 1000000"
     );
     assert_eq!(option(offset_of!(mjOption, enableflags), 32), "opt.enableflags is 32; it must be from 0 to 31");
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(refusal(&[(OPTION_AT, &value.to_ne_bytes())]).contains("it must be finite and positive"));
     }
-    let slices = VISUAL_AT + offset_of!(mjVisual, quality.numslices);
-    assert_eq!(refusal(&[(slices, &0_i32.to_ne_bytes())]), "vis.quality.numslices is 0; it must be from 1 to 1000");
 }
 
 /// The fields of integers that are masks, priorities and groups, for which every value is as good.
@@ -336,7 +338,7 @@ fn actuators_with_a_state_are_the_last_ones() {
     assert!(with(field::actuator_dyntype, 14, 0).contains("the last 5 of 15 actuators have a state"));
     assert_eq!(
         with(field::actuator_trnid, 1, 3),
-        "actuator_trnid[1] is 3; it must be -1, since only a slider-crank has two ends"
+        "actuator_trnid[1] is 3; it must be -1, since only slider-cranks and sites have a second site"
     );
 }
 

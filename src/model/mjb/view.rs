@@ -20,8 +20,7 @@ const HEADER: [(&str, i32); 4] = [
 const INT: usize = size_of::<i32>();
 pub(super) const SIZES_AT: usize = HEADER.len() * INT;
 pub(super) const OPTION_AT: usize = SIZES_AT + SIZES * INT;
-pub(super) const VISUAL_AT: usize = OPTION_AT + size_of::<mjOption>();
-const ARRAYS_AT: usize = VISUAL_AT + size_of::<mjVisual>() + size_of::<mjStatistic>();
+const ARRAYS_AT: usize = OPTION_AT + size_of::<mjOption>() + size_of::<mjVisual>() + size_of::<mjStatistic>();
 
 pub(super) struct View<'a> {
     bytes: &'a [u8],
@@ -78,11 +77,6 @@ impl<'a> View<'a> {
     /// The number at `offset` in the file's `mjOption`.
     pub(super) fn option<T: Element>(&self, offset: usize) -> T {
         read(self.bytes, OPTION_AT + offset)
-    }
-
-    /// The number at `offset` in the file's `mjVisual`.
-    pub(super) fn visual<T: Element>(&self, offset: usize) -> T {
-        read(self.bytes, VISUAL_AT + offset)
     }
 }
 

@@ -23,7 +23,6 @@ pub use self::flags::{DisableFlags, EnableFlags};
 use self::mirror::Mirror;
 pub use self::statistics::Statistics;
 pub use self::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
-pub(super) use self::visual_check::{LARGEST_IMAGE, MOST_SAMPLES, MOST_SLICES};
 use super::Model;
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
 use crate::error::Result;

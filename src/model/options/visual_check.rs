@@ -9,13 +9,13 @@ use super::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQual
 use crate::error::Result;
 
 /// Twice the largest texture that graphics cards have.
-pub(in crate::model) const LARGEST_IMAGE: usize = 32_768;
+const LARGEST_IMAGE: usize = 32_768;
 
 /// Samples for a pixel, beyond what graphics cards have.
-pub(in crate::model) const MOST_SAMPLES: usize = 64;
+const MOST_SAMPLES: usize = 64;
 
 /// Far beyond what can be seen of a sphere; the built-in geoms have this many vertices squared.
-pub(in crate::model) const MOST_SLICES: usize = 1_000;
+const MOST_SLICES: usize = 1_000;
 
 /// The nearest plane whose product with the smallest extent the engine does not take for zero.
 const NEAREST: f32 = 1e-6;

@@ -263,7 +263,7 @@ fn materials(path: &[u8], content: &[u8], files: &Files<'_>) -> Option<&'static 
         .filter_map(|line| behind(line, b"mtllib"))
         .flat_map(|rest| fields(rest).chain([rest.trim_ascii()]))
         .any(|name| {
-            let irregular = |path: &[u8]| matches!(Files::default().find(path), Found::Irregular);
+            let irregular = |path: &[u8]| matches!(Files::default().find(path), Found::Rejected(_));
             irregular(name) || irregular(&[directory(path), name].concat())
         })
         .then_some("names a file of materials that is not a regular file")

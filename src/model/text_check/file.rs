@@ -2,7 +2,10 @@
 
 use std::borrow::Cow;
 use std::ffi::OsStr;
+use std::io;
 use std::path::Path;
+
+use crate::file;
 
 /// Where the compiler will look for files: in memory, by their names without a path, and then on the disk.
 #[derive(Default)]
@@ -16,8 +19,8 @@ pub(in crate::model) struct Files<'f> {
 pub(super) enum Found<'f> {
     /// Nothing that can be read, which the compiler will tell.
     Nothing,
-    /// A pipe, a device or a directory, at which the compiler could wait for ever.
-    Irregular,
+    /// A pipe, a device, a directory or a file of the kernel, at which the compiler could block, or a huge file. Says which.
+    Rejected(&'static str),
     Content(Cow<'f, [u8]>),
 }
 
@@ -28,9 +31,13 @@ impl<'f> Files<'f> {
         if let Some((_, content)) = self.memory.iter().find(|(name, _)| is(name)) {
             return Found::Content(Cow::Borrowed(content));
         }
-        match std::fs::metadata(os_path(path)) {
-            Ok(data) if !data.is_file() => Found::Irregular,
-            Ok(_) => std::fs::read(os_path(path)).map_or(Found::Nothing, |content| Found::Content(Cow::Owned(content))),
+        let path = os_path(path);
+        if path.exists() && file::check_regular(path).is_err() {
+            return Found::Rejected("is not a regular file");
+        }
+        match file::read_regular(path) {
+            Ok(content) => Found::Content(Cow::Owned(content)),
+            Err(error) if error.kind() == io::ErrorKind::FileTooLarge => Found::Rejected("is larger than 2 GiB"),
             Err(_) => Found::Nothing,
         }
     }
@@ -55,7 +62,8 @@ fn is_absolute(path: &[u8]) -> bool {
 
 /// Whether there is something, and it is a pipe or a device.
 pub(super) fn is_irregular(path: &[u8]) -> bool {
-    std::fs::metadata(os_path(path)).is_ok_and(|data| !data.is_file() && !data.is_dir())
+    let path = os_path(path);
+    path.exists() && !path.is_dir() && file::check_regular(path).is_err()
 }
 
 /// Everything up to the last slash.

@@ -8,6 +8,7 @@ mod muscle;
 mod rangefinder;
 mod size;
 mod tag;
+mod urdf;
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -20,6 +21,7 @@ use self::file::{Found, is_irregular, last_part, shown};
 use self::muscle::Muscles;
 use self::rangefinder::Rangefinders;
 use self::tag::{Tag, Tags, numbers};
+use self::urdf::Urdf;
 use super::length_range::Simulation;
 use crate::error::{Error, Result};
 
@@ -29,9 +31,10 @@ const MOST_INCLUDED: usize = 50;
 const MOST_NESTED: usize = 400;
 /// Bytes of a file name; the engine's limit is 999.
 const LONGEST_NAME: usize = 900;
-/// Bodies, and degrees of freedom: the engine counts pairs of them with a C int, and writes before its stack when that
-/// overflows.
-const MOST_BODIES: usize = 40_000;
+/// Largest numbers of bodies and of degrees of freedom. The engine packs two body ids into one C int, and counts 6 nv² with a C
+/// int. The check of the compiled model has the same limits; this one saves the minutes of compilation.
+const MOST_BODIES: usize = 32_766;
+const MOST_DOFS: usize = 13_377;
 /// The least room for constraints that a text with adhesion may give. The compiler takes a step, in which each contact needs up to
 /// ten. For the first that has no room the engine writes from one before an array with a number for each constraint (see
 /// `hazard.rs`). With this much room that array has more than 90, and before it is one that the same function has on the stack, so
@@ -61,6 +64,7 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         assets: Vec::new(),
         muscles: Muscles::default(),
         rangefinders: Rangefinders::default(),
+        urdf: Urdf::default(),
     };
     check.text(source_name, text, 0)?;
     check.assets()?;
@@ -94,6 +98,7 @@ struct Check<'f> {
     assets: Vec<Asset>,
     muscles: Muscles,
     rangefinders: Rangefinders,
+    urdf: Urdf,
 }
 
 /// A file that is not a text.
@@ -138,8 +143,9 @@ impl<'f> Check<'f> {
                 if included >= MOST_INCLUDED {
                     return refuse(tag.position, &format!("more than {MOST_INCLUDED} files include each other"));
                 }
-                let Ok(content) = self.included(&name) else {
-                    return refuse(tag.position, &format!("'{}' is not a regular file", shown(&name)));
+                let content = match self.included(&name) {
+                    Ok(content) => content,
+                    Err(why) => return refuse(tag.position, &format!("'{}' {why}", shown(&name))),
                 };
                 if let Some(content) = content {
                     let inner = self.text(&String::from_utf8_lossy(&name), &content, included + 1)?;
@@ -152,21 +158,33 @@ impl<'f> Check<'f> {
                     "a fixed tendon has the same joint twice; give it once, with the sum of the coefficients",
                 );
             }
+            // The engine resolves includes in MJCF only.
+            if included == 0
+                && let Err(why) = self.urdf.note(&tag, depth)
+            {
+                return refuse(tag.position, &why);
+            }
             self.count(&tag);
-            if self.bodies > MOST_BODIES || self.dofs > MOST_BODIES {
-                return refuse(tag.position, &format!("more than {MOST_BODIES} bodies or degrees of freedom"));
+            if self.bodies > MOST_BODIES || self.dofs > MOST_DOFS {
+                let why = format!("more than {MOST_BODIES} bodies or {MOST_DOFS} degrees of freedom");
+                return refuse(tag.position, &why);
             }
             if deepest > MOST_NESTED {
                 return refuse(tag.position, &format!("elements are nested more than {MOST_NESTED} deep"));
             }
             depth += usize::from(!tag.empty);
         }
+        if included == 0
+            && let Err((position, why)) = self.urdf.check_chains(MOST_NESTED)
+        {
+            return refuse(position, &why);
+        }
         Ok(deepest)
     }
 
     /// What an included file contains; `None` if it was included before or cannot be read, which the compiler will tell, and
-    /// an error if it is a pipe or a device.
-    fn included(&mut self, name: &[u8]) -> Result<Option<Cow<'f, [u8]>>, ()> {
+    /// an error if the compiler must not open it.
+    fn included(&mut self, name: &[u8]) -> Result<Option<Cow<'f, [u8]>>, &'static str> {
         // The compiler puts the name behind the directory whatever it is.
         let path = [self.files.directory, name].concat();
         if !self.seen.insert(path.to_ascii_lowercase()) {
@@ -174,7 +192,7 @@ impl<'f> Check<'f> {
         }
         match self.files.find(&path) {
             Found::Nothing => Ok(None),
-            Found::Irregular => Err(()),
+            Found::Rejected(why) => Err(why),
             Found::Content(content) => Ok(Some(content)),
         }
     }
@@ -217,7 +235,7 @@ impl<'f> Check<'f> {
                     }
                     let fault = match self.files.find(&path) {
                         Found::Nothing => None,
-                        Found::Irregular => (!name.is_empty()).then_some("is not a regular file"),
+                        Found::Rejected(why) => (!name.is_empty()).then_some(why),
                         Found::Content(content) => {
                             let size = asset.format.rows_and_columns(&content);
                             self.rangefinders.note_field(size, &asset.source_name);
@@ -253,12 +271,12 @@ impl<'f> Check<'f> {
                 self.little_room |= tag.attribute(b"njmax").is_some() && is_little();
             }
             b"adhesion" | b"general" => self.adhesion |= tag.attribute(b"body").is_some(),
-            b"body" => self.bodies += 1,
+            b"body" | b"link" => self.bodies += 1,
             b"freejoint" => self.dofs += 6,
             b"joint" => {
                 self.dofs += match tag.attribute(b"type").as_deref() {
-                    Some(b"free") => 6,
-                    Some(b"ball") => 3,
+                    Some(b"free" | b"floating") => 6,
+                    Some(b"ball" | b"planar") => 3,
                     _ => 1,
                 }
             }
@@ -332,8 +350,8 @@ mod tests {
             ("<mesh vertex='0 0 0 1 0 0 0 1 0' face='0 1 -1'/>", "0 to 2"),
             ("<texture width='50000' height='50000'/>", "a texture is too large"),
             ("<hfield nrow='50000' ncol='50000'/>", "a height field is too large"),
-            ("<composite count='1000 1000 1'/>", "40000 bodies"),
-            ("<composite count='&#49;000 1000 1'/>", "40000 bodies"),
+            ("<composite count='1000 1000 1'/>", "32766 bodies"),
+            ("<composite count='&#49;000 1000 1'/>", "32766 bodies"),
             ("<hfield nrow='-4294917296' ncol='50000'/>", "a height field is too large"),
             ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs room"),
             ("<size njmax='5.5'/><adhesion body='b'/>", "adhesion needs room"),

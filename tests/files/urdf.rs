@@ -1,0 +1,199 @@
+//! URDF is untrusted text: every input that the engine's URDF reader cannot handle is an error.
+
+use mujoco_safe::{Data, Error, Model};
+
+fn link(name: &str) -> String {
+    format!(
+        r#"<link name="{name}"><inertial><mass value="1"/>
+           <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>"#
+    )
+}
+
+fn joint(name: &str, kind: &str, parent: &str, child: &str) -> String {
+    format!(
+        r#"<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><axis xyz="0 0 1"/></joint>"#
+    )
+}
+
+fn robot(content: &str) -> String {
+    format!(r#"<robot name="robot">{content}</robot>"#)
+}
+
+/// Links `l0`, `l1`, … where `parent(i)` is the parent of link `i`.
+fn tree(links: usize, kind: &str, parent: impl Fn(usize) -> usize) -> String {
+    let links_text: String = (0..links).map(|i| link(&format!("l{i}"))).collect();
+    let joints: String =
+        (1..links).map(|i| joint(&format!("j{i}"), kind, &format!("l{}", parent(i)), &format!("l{i}"))).collect();
+    robot(&(links_text + &joints))
+}
+
+fn error(xml: &str) -> String {
+    match Model::from_xml_str(xml) {
+        Err(error @ Error::Load { .. }) => error.to_string(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn every_unknown_joint_type_is_an_error_that_lists_the_known_ones() {
+    let ends = link("a") + &link("b");
+    for root in ["robot", "ROBOT", "Robot"] {
+        for kind in [
+            "",
+            " ",
+            "Revolute",
+            "REVOLUTE",
+            "revolute ",
+            " revolute",
+            "\trevolute",
+            "revolutе",
+            "spherical",
+            "ball",
+            "hinge",
+            "slide",
+            "free",
+            "screw",
+            "fixed\u{a0}",
+            "revolute&#32;",
+            "&#82;evolute",
+            "revolute&quot;",
+            "fixe",
+            "fixedd",
+        ] {
+            let xml = format!("<{root} name='r'>{ends}\n{}</{root}>", joint("j", kind, "a", "b"));
+            let message = error(&xml);
+            assert!(message.contains("revolute, continuous, prismatic, fixed, floating, planar"), "{kind}: {message}");
+            assert!(message.contains("line 4"), "{message}");
+        }
+    }
+    let message = error(&robot(&(ends.clone() + r#"<joint name="j"><parent link="a"/><child link="b"/></joint>"#)));
+    assert!(message.contains("required attribute missing: 'type'"), "{message}");
+}
+
+#[test]
+fn the_known_joint_types_load_however_they_are_written() {
+    let ends = link("a") + &link("b");
+    for (kind, nv) in [
+        ("revolute", 1),
+        ("continuous", 1),
+        ("prismatic", 1),
+        ("fixed", 0),
+        ("floating", 6),
+        ("planar", 3),
+        ("&#114;evolute", 1),
+        ("&#x66;ixed", 0),
+    ] {
+        let model = Model::from_xml_str(&robot(&(ends.clone() + &joint("j", kind, "a", "b")))).unwrap();
+        assert_eq!(model.nv(), nv, "{kind}");
+        Data::new(model).unwrap().step().unwrap();
+    }
+    // Elements named `joint` elsewhere are none of the reader's: ROS puts them into transmissions.
+    let other = r#"<transmission name="t"><joint name="j"><hardwareInterface>e</hardwareInterface></joint></transmission>
+                   <gazebo><joint type="no"/></gazebo><Joint type="no"/><!-- <joint type="no"/> --><mujoco><joint type="no"/></mujoco>"#;
+    let model = Model::from_xml_str(&robot(&(ends + &joint("j", "revolute", "a", "b") + other))).unwrap();
+    assert_eq!(model.nv(), 1);
+}
+
+#[test]
+fn a_chain_of_links_is_limited_in_length_and_its_check_needs_no_stack() {
+    let model = Model::from_xml_str(&tree(401, "revolute", |i| i - 1)).unwrap();
+    assert_eq!(model.nv(), 400);
+    for (links, kind) in [(402, "revolute"), (402, "fixed"), (20_000, "revolute"), (60_000, "fixed")] {
+        let message = error(&tree(links, kind, |i| i - 1));
+        assert!(message.contains("more than"), "{links}: {message}");
+    }
+    // In the reverse order of the joints, and below a branch.
+    let reversed: String =
+        (1..1000).rev().map(|i| joint(&format!("j{i}"), "fixed", &format!("l{}", i - 1), &format!("l{i}"))).collect();
+    let links: String = (0..1000).map(|i| link(&format!("l{i}"))).collect();
+    assert!(error(&robot(&(links + &reversed))).contains("chain of more than 400 joints"));
+    let comb = tree(1000, "fixed", |i| if i % 2 == 0 { i - 2 } else { i - 1 });
+    assert!(error(&comb).contains("chain of more than 400 joints"));
+}
+
+#[test]
+fn a_wide_robot_loads_and_one_of_too_many_links_does_not() {
+    for links in [400, 1000] {
+        let model = Model::from_xml_str(&tree(links, "revolute", |i| (i - 1) / 2)).unwrap();
+        assert_eq!(model.nv(), links - 1);
+    }
+    let message = error(&tree(40_000, "fixed", |_| 0));
+    assert!(message.contains("more than 32766 bodies or 13377 degrees of freedom"), "{message}");
+    let message = error(&tree(13_500, "prismatic", |_| 0));
+    assert!(message.contains("13377 degrees of freedom"), "{message}");
+}
+
+#[test]
+fn links_that_are_their_own_ancestors_are_named() {
+    let links = link("a") + &link("b") + &link("c");
+    for joints in [
+        joint("j", "revolute", "a", "a"),
+        joint("j", "revolute", "a", "b") + &joint("k", "fixed", "b", "a"),
+        joint("j", "revolute", "a", "b") + &joint("k", "fixed", "b", "c") + &joint("l", "fixed", "c", "a"),
+        joint("j", "revolute", "a", "b") + &joint("k", "fixed", "b", "&#97;"),
+    ] {
+        let message = error(&robot(&(links.clone() + &joints)));
+        assert!(message.contains("is its own ancestor"), "{message}");
+    }
+}
+
+#[test]
+fn ends_of_joints_that_are_missing_doubled_or_the_world_are_errors_or_load() {
+    let links = link("world") + &link("a") + &link("b");
+    for (joints, expected) in [
+        (joint("j", "revolute", "a", "world"), "joint found in world body"),
+        (joint("j", "floating", "a", "world"), "joint found in world body"),
+        (joint("j", "revolute", "world", "world"), "its own ancestor"),
+        (joint("j", "revolute", "a", "nobody"), "parent or child missing"),
+        (joint("j", "revolute", "nobody", "a"), "parent or child missing"),
+        (joint("j", "revolute", "a", "b") + &joint("k", "fixed", "world", "b"), "multiple parents"),
+        (joint("j", "revolute", "world", "a") + &joint("j", "revolute", "world", "b"), "repeated name"),
+        (r#"<joint name="j" type="fixed"/>"#.to_owned(), "parent"),
+        (
+            r#"<joint name="j" type="fixed"><parent link="a"/><parent link="a"/><child link="b"/></joint>"#.to_owned(),
+            "parent",
+        ),
+        (r#"<joint name="j" type="fixed"><parent/><child link="b"/></joint>"#.to_owned(), "link"),
+        (
+            r#"<joint type="fixed" name="j" type="no"><parent link="a"/><child link="b"/></joint>"#.to_owned(),
+            "ATTRIBUTE",
+        ),
+        (link("a"), "repeated URDF name"),
+    ] {
+        let message = error(&robot(&(links.clone() + &joints)));
+        assert!(message.contains(expected), "{joints}: {message}");
+    }
+    for joints in [joint("j", "fixed", "a", "world"), joint("j", "floating", "world", "a")] {
+        let mut data = Data::new(Model::from_xml_str(&robot(&(links.clone() + &joints))).unwrap()).unwrap();
+        data.step().unwrap();
+    }
+}
+
+#[test]
+fn numbers_of_a_urdf_are_checked_like_those_of_mjcf() {
+    let with = |inertial: &str, dynamics: &str| {
+        let b = format!(r#"<link name="b"><inertial>{inertial}</inertial></link>"#);
+        let joint = joint("j", "revolute", "a", "b").replace("</joint>", &format!("{dynamics}</joint>"));
+        Model::from_xml_str(&robot(&(link("a") + &b + &joint)))
+    };
+    let inertia = r#"<mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>"#;
+    with(inertia, r#"<limit lower="-1" upper="1" effort="2"/><dynamics damping="1" friction="1"/>"#).unwrap();
+    for (inertial, dynamics) in [
+        (inertia.replace("\"1\"", "\"1e300\"").replace("\"0\"", "\"1e300\""), ""),
+        (inertia.replace("mass value=\"1\"", "mass value=\"-1\""), ""),
+        (inertia.replace("mass value=\"1\"", "mass value=\"x\""), ""),
+        (inertia.to_owned(), r#"<axis xyz="0 0 0"/>"#),
+    ] {
+        with(&inertial, dynamics).unwrap_err();
+    }
+    // Values that are not finite load, as they do from MJCF, and a step reports them.
+    for (inertial, dynamics) in [
+        (inertia.to_owned(), r#"<dynamics damping="nan"/>"#),
+        (inertia.replace("mass value=\"1\"", "mass value=\"nan\""), ""),
+    ] {
+        if let Ok(model) = with(&inertial, dynamics) {
+            let mut data = Data::new(model).unwrap();
+            let _ = data.step();
+        }
+    }
+}
