@@ -21,7 +21,8 @@ const MEMORY: u64 = 4 << 20;
 /// A child that does nothing but crash would go on for ever.
 const MOST_FINDINGS: usize = 1000;
 
-const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--first SEED] [--jobs N] [--progress]";
+const USAGE: &str =
+    "usage: campaign [--sequences N] [--binaries N] [--texts N] [--urdf N] [--first SEED] [--jobs N] [--progress]";
 
 /// What is to be done.
 pub struct Campaign {
@@ -36,7 +37,7 @@ pub struct Campaign {
 impl Campaign {
     /// The cases of `cargo test`.
     pub fn bounded() -> Self {
-        let cases = vec![(Target::Sequences, 3000), (Target::Binaries, 400), (Target::Texts, 600)];
+        let cases = vec![(Target::Sequences, 3000), (Target::Binaries, 400), (Target::Texts, 600), (Target::Urdf, 600)];
         Self { cases, first: 0, jobs: 2, progress: false, strict: true }
     }
 
@@ -188,7 +189,7 @@ fn run_child(
     let mut unread = stdin.try_clone()?;
 
     let mut child = Command::new("sh")
-        .args(["-c", &format!("ulimit -c 0; ulimit -v {MEMORY}; exec \"$0\" \"$@\"")])
+        .args(["-c", &format!("ulimit -c 0; ulimit -v {MEMORY}; exec \"$0\" \"$@\" 2>&1")])
         .arg(std::env::current_exe()?)
         .args(["worker", target, &seeds.start.to_string(), &seeds.end.to_string()])
         .current_dir(folder)
@@ -196,7 +197,6 @@ fn run_child(
         .env("TMPDIR", folder)
         .stdin(stdin)
         .stdout(Stdio::piped())
-        .stderr(Stdio::null())
         .spawn()?;
     let marks = marks(&mut child);
     let mut seed = seeds.start;
@@ -209,9 +209,11 @@ fn run_child(
                     WORKED => counts.worked += 1,
                     REFUSED => counts.refused += 1,
                     PANICKED => findings.push((seed, Finding::Panic)),
-                    // Something was printed, which is no one's business.
+                    // The case printed to standard output or standard error.
                     _ => {
-                        findings.push((seed, Finding::Print));
+                        if findings.last() != Some(&(seed, Finding::Print)) {
+                            findings.push((seed, Finding::Print));
+                        }
                         continue;
                     }
                 }

@@ -26,7 +26,10 @@ pub fn misbehave(seeds: Range<u64>) {
             1 => std::process::abort(),
             2 => std::process::exit(3),
             3 => panic!("on purpose"),
-            4 => print!("a"),
+            4 => {
+                print!("a");
+                eprint!("b");
+            }
             // What the engine does with an error that no one handles.
             5 => {
                 std::fs::write("MUJOCO_LOG.TXT", "ERROR").expect("the folder is there");

@@ -17,6 +17,7 @@ mod models;
 mod sequence;
 mod text;
 mod token;
+mod urdf;
 
 #[path = "../mutate.rs"]
 mod mutate;
@@ -43,16 +44,19 @@ pub enum Target {
     Binaries,
     /// Damaged texts and the files that they name, and steps of those that are accepted.
     Texts,
+    /// Generated and damaged URDF, and steps of those that are accepted.
+    Urdf,
 }
 
 impl Target {
-    pub const ALL: [Self; 3] = [Self::Sequences, Self::Binaries, Self::Texts];
+    pub const ALL: [Self; 4] = [Self::Sequences, Self::Binaries, Self::Texts, Self::Urdf];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Sequences => "sequences",
             Self::Binaries => "binaries",
             Self::Texts => "texts",
+            Self::Urdf => "urdf",
         }
     }
 
@@ -68,6 +72,7 @@ impl Target {
             Self::Sequences => sequence::call_sequence(bytes, log),
             Self::Binaries => binary::mutated_binary(bytes, log),
             Self::Texts => text::mutated_text(bytes, log),
+            Self::Urdf => urdf::generated_urdf(bytes, log),
         }
     }
 }

@@ -170,13 +170,24 @@ pub(super) fn mutated_text(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> 
         }
     }
     let text = String::from_utf8_lossy(&text);
+    load_and_use(&text, &files, log)
+}
+
+/// Loads a text with files in memory. An accepted model must survive its binary form bit for bit, and every use.
+pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)) -> Verdict {
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (&name[..], &content[..])).collect();
     log(&format!("loading\n{text}\n"));
     for (name, content) in &files {
         log(&format!("{name}: {}", content.escape_ascii()));
     }
-    match Model::from_xml_str_with_files(&text, &files) {
-        Ok(model) => use_it(model, log),
+    match Model::from_xml_str_with_files(text, &files) {
+        Ok(model) => {
+            log("to binary and back");
+            let saved = model.to_binary().expect("a model that loads can be saved");
+            let again = Model::from_binary(&saved).expect("a model that was saved loads again");
+            assert!(again.to_binary().expect("a model that loads can be saved") == saved, "the binary form changed");
+            use_it(model, log)
+        }
         Err(error) => {
             log(&error.to_string());
             Verdict::Refused
@@ -185,7 +196,7 @@ pub(super) fn mutated_text(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> 
 }
 
 /// Damages a text, perhaps with a part of another.
-fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
+pub(super) fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
     let kind = bytes.below(20);
     let attributes = token::attributes(text);
     let tags = token::tags(text);
