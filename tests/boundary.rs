@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use mujoco_safe::{
-    Cone, Controller, Data, Differences, Error, Integrator, JacobianStorage, Lqr, Matrix, Model, PdController,
-    RandomController, Solver, StateSpec, Timer, Trajectory, TransitionOutputs, ZeroController, sample,
+    Cone, Controller, Data, Differences, Error, Integrator, JacobianStorage, LoadOptions, Lqr, Matrix, Model,
+    PdController, RandomController, Solver, StateSpec, Timer, Trajectory, TransitionOutputs, ZeroController, sample,
 };
 
 #[path = "common/touch_all.rs"]
@@ -166,10 +166,10 @@ fn loading_and_its_errors() {
     }
     let part: (&str, &[u8]) = ("part.xml", b"<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>");
     let whole = r#"<mujoco><include file="part.xml"/></mujoco>"#;
-    assert_eq!(Model::from_xml_str_with_files(whole, &[part]).unwrap().ngeom(), 1);
-    assert!(Model::from_xml_str_with_files(whole, &[]).is_err());
-    assert!(Model::from_xml_str_with_files(whole, &[part, part]).is_err());
-    assert!(Model::from_xml_str_with_files(whole, &[("", b"x")]).is_err());
+    assert_eq!(Model::from_xml_str_with(whole, &LoadOptions::default().with_files(&[part])).unwrap().ngeom(), 1);
+    assert!(Model::from_xml_str_with(whole, &LoadOptions::default().with_files(&[])).is_err());
+    assert!(Model::from_xml_str_with(whole, &LoadOptions::default().with_files(&[part, part])).is_err());
+    assert!(Model::from_xml_str_with(whole, &LoadOptions::default().with_files(&[("", b"x")])).is_err());
     assert!(matches!(model.joint("nobody"), Err(Error::NoSuchName { .. })));
 }
 

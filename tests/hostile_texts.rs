@@ -2,7 +2,7 @@
 
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{Data, Error, Model};
+use mujoco_safe::{Data, Error, LoadOptions, Model};
 
 #[test]
 fn files_that_include_each_other_without_end_are_refused() {
@@ -16,7 +16,7 @@ fn files_that_include_each_other_without_end_are_refused() {
             .collect();
         let files: Vec<(&str, &[u8])> = texts.iter().map(|(name, text)| (name.as_str(), text.as_bytes())).collect();
         let first = r#"<mujoco><worldbody><include file="f0.xml"/></worldbody></mujoco>"#;
-        Model::from_xml_str_with_files(first, &files)
+        Model::from_xml_str_with(first, &LoadOptions::default().with_files(&files))
     };
     assert_eq!(load(40, "", "").unwrap().ngeom(), 1);
     assert!(load(1900, "", "").unwrap_err().to_string().contains("include each other"));
@@ -260,7 +260,7 @@ fn damaged_files_on_which_the_compiler_reads_or_writes_outside_of_its_memory_are
         (picture, png(6, 6), good),
         (picture, png(u32::MAX, u32::MAX), "too many pixels"),
     ] {
-        match Model::from_xml_str_with_files(&with_asset(asset), &[(name, &content)]) {
+        match Model::from_xml_str_with(&with_asset(asset), &LoadOptions::default().with_files(&[(name, &content)])) {
             Ok(_) => assert_eq!(expected, good, "{asset}, {name}"),
             Err(error) => {
                 assert!(expected != good && error.to_string().contains(expected), "{asset}: {error}");

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use mujoco_safe::{Callbacks, Data, Error, Integrator, Model, RandomController, Trajectory, sample};
+use mujoco_safe::{Callbacks, Data, Error, Integrator, LoadOptions, Model, RandomController, Trajectory, sample};
 
 #[path = "common/trouble.rs"]
 mod trouble;
@@ -115,7 +115,7 @@ fn a_load_that_fails_gives_back_what_it_took() {
     stays_flat("no XML", 1000, || assert!(Model::from_xml_str("<mujoco").is_err()));
     stays_flat("two files of one name", 200, || {
         let file = ("a.xml", &b"<mujoco/>"[..]);
-        assert!(Model::from_xml_str_with_files("<mujoco/>", &[file, file]).is_err());
+        assert!(Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(&[file, file])).is_err());
     });
 }
 

@@ -8,6 +8,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use mujoco_sys::guard;
 
 use super::length_range::Simulation;
+use super::load_options::LoadOptions;
+use super::package::{self, Resolved};
 use super::text_check::{self, Files};
 use super::virtual_files::VirtualFiles;
 use super::{Model, mjb};
@@ -74,22 +76,22 @@ impl Model {
     #[doc(alias = "mj_loadXML")]
     #[doc(alias = "load_model")]
     pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
-        Self::from_xml_path_with_files(path, &[])
+        Self::from_xml_path_with(path, &LoadOptions::default())
     }
 
-    /// Loads a model from an MJCF or URDF file, some of whose other files are in memory. The file itself comes from the disk. Those
-    /// that it names are looked for in memory first, by their names without their folder, in upper or lower case, and then on
-    /// the disk, relative to the file.
+    /// Loads a model from an MJCF or URDF file with [`LoadOptions`]: some of the files that it names can be in memory, and a URDF
+    /// can name meshes by `package://` URIs. The file itself comes from disk. Files that it names are looked up in memory first,
+    /// by the part of their names behind the last slash, in upper or lower case, and then on disk, relative to the file.
     ///
-    /// What is true of hostile texts and files is in [`from_xml_str`](Self::from_xml_str).
+    /// For hostile texts and files see [`from_xml_str`](Self::from_xml_str).
     ///
     /// # Errors
     ///
     /// As for [`from_xml_path`](Self::from_xml_path), and [`Error::Invalid`] for the files in memory as for
-    /// [`from_xml_str_with_files`](Self::from_xml_str_with_files).
+    /// [`from_xml_str_with`](Self::from_xml_str_with).
     ///
     /// ```
-    /// use mujoco_safe::Model;
+    /// use mujoco_safe::{LoadOptions, Model};
     ///
     /// let folder = tempfile::tempdir()?;
     /// let path = folder.path().join("scene.xml");
@@ -100,19 +102,18 @@ impl Model {
     /// assert_eq!(Model::from_xml_path(&path)?.geom_size()[0][0], 0.1);
     ///
     /// let large = ball(0.2);
-    /// let model = Model::from_xml_path_with_files(&path, &[("ball.xml", large.as_bytes())])?;
-    /// assert_eq!(model.geom_size()[0][0], 0.2);
+    /// let options = LoadOptions::default().with_file("ball.xml", large.as_bytes());
+    /// assert_eq!(Model::from_xml_path_with(&path, &options)?.geom_size()[0][0], 0.2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[doc(alias = "mj_loadXML")]
-    #[doc(alias = "mjVFS")]
     #[doc(alias = "from_xml_path")]
-    pub fn from_xml_path_with_files(path: impl AsRef<Path>, files: &[(&str, &[u8])]) -> Result<Self> {
+    pub fn from_xml_path_with(path: impl AsRef<Path>, options: &LoadOptions<'_>) -> Result<Self> {
         let path = path.as_ref();
-        // What was looked at is what is compiled, whatever becomes of the file: under another name in the same directory, so that
-        // files of its own name in other directories are not mistaken for it.
+        // The text that was checked is the one that is compiled, even if the file changes: under another name in the same
+        // directory, so that files of the same name in other directories are not mistaken for it.
         let text = file::read_regular(path).map_err(Error::file(path))?;
-        Self::from_text(&path.display().to_string(), &path.with_file_name(TEXT), &text, files)
+        Self::from_text(&path.display().to_string(), &path.with_file_name(TEXT), &text, options)
     }
 
     /// Loads a model from MJCF or URDF text.
@@ -146,14 +147,13 @@ impl Model {
     /// assert!(error.to_string().contains("line 2"), "{error}");
     /// ```
     pub fn from_xml_str(xml: &str) -> Result<Self> {
-        Self::from_xml_str_with_files(xml, &[])
+        Self::from_xml_str_with(xml, &LoadOptions::default())
     }
 
-    /// Loads a model from a text whose other files are in memory too: included texts, meshes (`.stl`, `.obj`, `.msh`), skins,
-    /// height fields and textures (`.png`, or the engine's own formats). The compiler looks for a file by its name without its
-    /// folder, in upper or lower case, here first and then on the disk, so that no two may differ by their folder alone.
+    /// Loads a model from MJCF or URDF text with [`LoadOptions`]: files that the text names can be in memory, and a URDF can name
+    /// meshes by `package://` URIs.
     ///
-    /// What is true of a hostile text is true of a hostile file, too; see [`from_xml_str`](Self::from_xml_str).
+    /// For hostile texts and files see [`from_xml_str`](Self::from_xml_str).
     ///
     /// # Errors
     ///
@@ -161,31 +161,42 @@ impl Model {
     /// another one, with a name of 1000 bytes or more, or of 2 GiB or more, and for more than 1998 files.
     ///
     /// ```
-    /// use mujoco_safe::Model;
+    /// use mujoco_safe::{LoadOptions, Model};
     ///
-    /// let model = Model::from_xml_str_with_files(
+    /// let ball = br#"<mujoco><worldbody><geom name="ball" size="0.1"/></worldbody></mujoco>"#;
+    /// let model = Model::from_xml_str_with(
     ///     r#"<mujoco><include file="ball.xml"/></mujoco>"#,
-    ///     &[("ball.xml", br#"<mujoco><worldbody><geom name="ball" size="0.1"/></worldbody></mujoco>"#)],
+    ///     &LoadOptions::default().with_file("ball.xml", ball),
     /// )?;
     /// assert_eq!(model.ngeom(), 1);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    #[doc(alias = "mjVFS")]
-    #[doc(alias = "mj_defaultVFS")]
-    #[doc(alias = "mj_addFileVFS")]
-    #[doc(alias = "mj_addBufferVFS")]
-    #[doc(alias = "mj_makeEmptyFileVFS")]
-    #[doc(alias = "mj_deleteVFS")]
-    pub fn from_xml_str_with_files(xml: &str, files: &[(&str, &[u8])]) -> Result<Self> {
-        Self::from_text(GIVEN, TEXT.as_ref(), xml.as_bytes(), files)
+    #[doc(alias = "mj_loadXML")]
+    pub fn from_xml_str_with(xml: &str, options: &LoadOptions<'_>) -> Result<Self> {
+        Self::from_text(GIVEN, TEXT.as_ref(), xml.as_bytes(), options)
     }
 
     /// Compiles a text as if it was in the file `path`, which it is to the compiler: its name must be [`TEXT`].
-    fn from_text(source_name: &str, path: &Path, text: &[u8], files: &[(&str, &[u8])]) -> Result<Self> {
+    fn from_text(source_name: &str, path: &Path, text: &[u8], options: &LoadOptions<'_>) -> Result<Self> {
         engine::ready()?;
         if text.is_empty() {
             return Err(Error::Load { source_name: source_name.to_owned(), message: "the text is empty".to_owned() });
         }
+        let Resolved { text, files, unresolved } = package::resolve(text, &options.packages, &options.files);
+        let files: Vec<(&str, &[u8])> = (options.files.iter().copied())
+            .chain(files.iter().map(|(name, content)| (&name[..], &content[..])))
+            .collect();
+        Self::from_resolved(source_name, path, &text, &files).map_err(|error| {
+            // The engine discards visual meshes by default, so an unresolved one is the cause only if the message names it.
+            let Error::Load { source_name, mut message } = error else { return error };
+            if let Some((_, reason)) = unresolved.iter().find(|(name, _)| !name.is_empty() && message.contains(name)) {
+                message = format!("{message}; {reason}");
+            }
+            Error::Load { source_name, message }
+        })
+    }
+
+    fn from_resolved(source_name: &str, path: &Path, text: &[u8], files: &[(&str, &[u8])]) -> Result<Self> {
         let virtual_files = Self::in_memory(text, files)?;
         let memory: Vec<(&str, &[u8])> = std::iter::once((TEXT, text)).chain(files.iter().copied()).collect();
         let places = Files { memory: &memory, directory: text_check::directory(text_check::path_bytes(path)) };

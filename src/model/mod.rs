@@ -4,6 +4,8 @@
 //! |---|---|
 //! | `load.rs` | from a path, a text, a text with files in memory, a binary model |
 //! | `text_check.rs` | what the engine's compiler must not see in a text |
+//! | `load_options.rs` | files in memory and directories of packages |
+//! | `package.rs` | `package://` URIs of meshes |
 //! | `virtual_files.rs` | the engine's virtual file system, for loading from memory |
 //! | `names.rs` | names to ids and back |
 //! | `options/` | options of the physics, settings of the visualiser, statistics: typed and checked |
@@ -20,9 +22,11 @@ mod edit;
 mod hazard;
 mod length_range;
 mod load;
+mod load_options;
 mod mjb;
 mod names;
 mod options;
+mod package;
 mod position;
 mod save;
 mod schema;
@@ -37,6 +41,7 @@ use mujoco_sys::{self as sys, guard, mjModel};
 
 pub use self::edit::ModelMut;
 pub use self::length_range::{LengthRangeMode, LengthRangeOptions};
+pub use self::load_options::LoadOptions;
 pub use self::options::{
     DisableFlags, EnableFlags, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
     VisualRgba, VisualScale,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mujoco_safe::{Model, Trajectory, sample};
+use mujoco_safe::{LoadOptions, Model, Trajectory, sample};
 
 use crate::text_of;
 
@@ -68,7 +68,8 @@ fn broken_xml_is_told_with_its_line() {
 
 #[test]
 fn a_file_with_a_bad_name_or_twice_or_empty_is_told() {
-    let load = |files: &[(&str, &[u8])]| Model::from_xml_str_with_files("<mujoco/>", files);
+    let load =
+        |files: &[(&str, &[u8])]| Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(files));
     text_of(load(&[("", b"x")]), &["named with 0 bytes"]);
     text_of(load(&[("a/", b"x")]), &["'a/'", "named with 0 bytes"]);
     text_of(load(&[(&"n".repeat(1000), b"x")]), &["named with 1000 bytes"]);

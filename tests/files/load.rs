@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mujoco_safe::{Data, Model};
+use mujoco_safe::{Data, LoadOptions, Model};
 
 use crate::{assets, bytes, bytes_in_c, bytes_in_c_with_files, folder, from_memory};
 
@@ -34,7 +34,7 @@ fn a_file_is_found_by_its_name_alone_whatever_folder_and_case_it_is_given_with()
         let names: Vec<String> = files.iter().map(|(name, _)| rename(name)).collect();
         let files: Vec<(&str, &[u8])> =
             names.iter().zip(&files).map(|(name, (_, content))| (name.as_str(), content.as_slice())).collect();
-        bytes(&Model::from_xml_str_with_files(assets::MODEL, &files).unwrap())
+        bytes(&Model::from_xml_str_with(assets::MODEL, &LoadOptions::default().with_files(&files)).unwrap())
     };
     assert!(rename(|name| name.rsplit('/').next().unwrap().to_owned()) == expected);
     assert!(rename(|name| format!("/some/where/else/{name}")) == expected);
@@ -60,9 +60,9 @@ fn a_file_that_is_not_in_memory_is_looked_for_on_the_disk() {
     assert_eq!(from_memory(&xml, &larger).unwrap().mesh_facenum(), [5, 4]);
 }
 
-/// As `Model::from_xml_path_with_files`, and as the engine loads it with its own virtual file system, which must be the same.
+/// As `Model::from_xml_path_with`, and as the engine loads it with its own virtual file system, which must be the same.
 fn with_files(path: &Path, files: &[(&str, &[u8])]) -> Model {
-    let model = Model::from_xml_path_with_files(path, files).unwrap();
+    let model = Model::from_xml_path_with(path, &LoadOptions::default().with_files(files)).unwrap();
     let in_c = bytes_in_c_with_files(path, files);
     assert_eq!(bytes(&model), in_c[..bytes(&model).len()]);
     model
@@ -81,7 +81,7 @@ fn for_a_file_on_the_disk_files_in_memory_win_and_others_come_from_beside_it() {
     let part = assets::PART.replace("solid.msh", "only_here.msh");
     let files: [(&str, &[u8]); 2] = [("other.xml", part.as_bytes()), ("anywhere/only_here.msh", &assets::msh())];
     assert!(bytes(&with_files(&mixed, &files)) == bytes(&on_disk));
-    assert!(Model::from_xml_path_with_files(&mixed, &files[..1]).is_err());
+    assert!(Model::from_xml_path_with(&mixed, &LoadOptions::default().with_files(&files[..1])).is_err());
     assert!(Model::from_xml_path(&mixed).is_err());
 
     // Memory wins over the disk.
@@ -96,14 +96,18 @@ fn the_file_itself_always_comes_from_the_disk() {
     let folder = folder();
     let path = folder.path().join("model.xml");
     // To the engine this would be the model; here it is one of the files that the model may name.
-    let model = Model::from_xml_path_with_files(&path, &[("model.xml", b"<mujoco/>")]).unwrap();
+    let model =
+        Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&[("model.xml", b"<mujoco/>")])).unwrap();
     assert!(bytes(&model) == bytes(&Model::from_xml_path(&path).unwrap()));
     // So is a file of the same name in another directory.
     std::fs::create_dir(folder.path().join("parts")).unwrap();
     let ball = "<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>";
     std::fs::write(folder.path().join("parts/model.xml"), ball).unwrap();
     std::fs::write(&path, "<mujoco><include file='parts/model.xml'/></mujoco>").unwrap();
-    assert_eq!(Model::from_xml_path_with_files(&path, &[("a.txt", b"text")]).unwrap().ngeom(), 1);
+    assert_eq!(
+        Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&[("a.txt", b"text")])).unwrap().ngeom(),
+        1
+    );
 }
 
 #[test]
@@ -124,7 +128,8 @@ fn a_robot_in_urdf_loads_from_a_path_and_from_memory() {
 fn as_many_files_as_the_engine_has_room_for_can_be_given() {
     let names: Vec<String> = (0..1999).map(|index| format!("{index}.txt")).collect();
     let files: Vec<(&str, &[u8])> = names.iter().map(|name| (name.as_str(), &b"text"[..])).collect();
-    Model::from_xml_str_with_files("<mujoco/>", &files[..1998]).unwrap();
-    let error = Model::from_xml_str_with_files("<mujoco/>", &files).unwrap_err().to_string();
+    Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(&files[..1998])).unwrap();
+    let error =
+        Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(&files)).unwrap_err().to_string();
     assert!(error.contains("'1998.txt'") && error.contains("1998"), "{error}");
 }

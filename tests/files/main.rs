@@ -9,7 +9,7 @@ mod urdf;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use mujoco_safe::Model;
+use mujoco_safe::{LoadOptions, Model};
 use tempfile::TempDir;
 
 /// A folder with every file of [`assets::all`].
@@ -27,10 +27,10 @@ fn folder() -> TempDir {
     folder
 }
 
-/// As `Model::from_xml_str_with_files`, of files that are owned.
+/// Loads a text with files that are owned.
 fn from_memory(xml: &str, files: &[(&str, Vec<u8>)]) -> mujoco_safe::Result<Model> {
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (*name, content.as_slice())).collect();
-    Model::from_xml_str_with_files(xml, &files)
+    Model::from_xml_str_with(xml, &LoadOptions::default().with_files(&files))
 }
 
 /// The whole model, every array of it, as the engine writes it.

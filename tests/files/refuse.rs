@@ -1,11 +1,11 @@
 //! Files that cannot be used are errors that name them, and never end the program.
 
-use mujoco_safe::{Error, Model};
+use mujoco_safe::{Error, LoadOptions, Model};
 
 use crate::{assets, folder, from_memory};
 
 fn error(xml: &str, files: &[(&str, &[u8])]) -> String {
-    Model::from_xml_str_with_files(xml, files).unwrap_err().to_string()
+    Model::from_xml_str_with(xml, &LoadOptions::default().with_files(files)).unwrap_err().to_string()
 }
 
 #[test]
@@ -21,10 +21,11 @@ fn names_that_the_engine_cannot_keep_are_refused() {
         let error = error("<mujoco/>", &[(name, b"content")]);
         assert!(error.contains(expected), "{error}");
     }
-    Model::from_xml_str_with_files("<mujoco/>", &[(&long[..999], b"content")]).unwrap();
+    Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(&[(&long[..999], b"content")])).unwrap();
     let deep = format!("{}/{}", "folder/".repeat(1000), "a.xml");
     let include = r#"<mujoco><include file="a.xml"/></mujoco>"#;
-    Model::from_xml_str_with_files(include, &[(&deep, b"<mujoco><worldbody/></mujoco>")]).unwrap();
+    Model::from_xml_str_with(include, &LoadOptions::default().with_files(&[(&deep, b"<mujoco><worldbody/></mujoco>")]))
+        .unwrap();
 }
 
 #[test]
@@ -99,20 +100,28 @@ fn a_file_in_memory_or_on_the_disk_is_looked_at_however_the_model_is_loaded() {
         assert!(error.contains("model.xml") || error.contains("part.xml"), "{error}");
         assert!(error.contains("'solid.msh' has a face of a vertex"), "{error}");
     };
-    told(Model::from_xml_path_with_files(&path, &[("solid.msh", &damaged)]));
+    told(Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&[("solid.msh", &damaged)])));
     std::fs::write(folder.path().join("meshes/solid.msh"), &damaged).unwrap();
     told(Model::from_xml_path(&path));
-    told(Model::from_xml_path_with_files(&path, &[("part.xml", assets::PART.as_bytes())]));
-    Model::from_xml_path_with_files(&path, &[("solid.msh", &assets::msh())]).unwrap();
+    told(Model::from_xml_path_with(
+        &path,
+        &LoadOptions::default().with_files(&[("part.xml", assets::PART.as_bytes())]),
+    ));
+    Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&[("solid.msh", &assets::msh())])).unwrap();
     for (files, expected) in [
         ([("a.stl", &b""[..]), ("b.stl", b"x")], "'a.stl' is empty"),
         ([("a.stl", b"x"), ("A.STL", b"x")], "given twice"),
         ([("a.stl", b"x"), ("(main).xml", b"x")], "given twice"),
     ] {
-        let error = Model::from_xml_path_with_files(&path, &files).unwrap_err().to_string();
+        let error =
+            Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&files)).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
     }
-    let error = Model::from_xml_path_with_files(folder.path().join("no.xml"), &[("no.xml", b"<mujoco/>")]).unwrap_err();
+    let error = Model::from_xml_path_with(
+        folder.path().join("no.xml"),
+        &LoadOptions::default().with_files(&[("no.xml", b"<mujoco/>")]),
+    )
+    .unwrap_err();
     assert!(matches!(error, Error::File { .. }), "{error}");
     std::fs::write(&path, "").unwrap();
     let error = Model::from_xml_path(&path).unwrap_err().to_string();

@@ -1,6 +1,6 @@
 //! URDF is untrusted text: every input that the engine's URDF reader cannot handle is an error.
 
-use mujoco_safe::{Data, Error, Model};
+use mujoco_safe::{Data, Error, LoadOptions, Model};
 
 fn link(name: &str) -> String {
     format!(
@@ -196,4 +196,81 @@ fn numbers_of_a_urdf_are_checked_like_those_of_mjcf() {
             let _ = data.step();
         }
     }
+}
+
+/// A folder with two packages, each with a mesh `part.obj` of its own size, and the URDF that names both.
+fn workspace() -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    for (package, size) in [("arm", 1.0), ("hand", 2.0)] {
+        let meshes = folder.path().join(package).join("meshes");
+        std::fs::create_dir_all(&meshes).unwrap();
+        let text = format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nv 0 0 {size}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+        std::fs::write(meshes.join("part.obj"), text).unwrap();
+    }
+    let link = |name: &str, uri: &str| {
+        format!(
+            r#"<link name="{name}"><visual><geometry><mesh filename="package://nowhere/{name}.dae"/></geometry></visual>
+               <collision><geometry><mesh filename="{uri}"/></geometry></collision></link>"#
+        )
+    };
+    let links = link("a", "package://arm/meshes/part.obj") + &link("b", "package://h&#97;nd/meshes/part.obj");
+    let urdf = robot(&(links + &joint("j", "revolute", "a", "b")));
+    (folder, urdf)
+}
+
+/// The lengths of the meshes' short edges, in ascending order. (The compiler moves the vertices to the frame of the inertia.)
+fn edges(model: &Model) -> Vec<f64> {
+    let mut edges: Vec<f64> = (0..model.nmesh())
+        .map(|mesh| {
+            let (start, count) = (model.mesh_vertadr()[mesh] as usize, model.mesh_vertnum()[mesh] as usize);
+            let vertices = &model.mesh_vert()[start..start + count];
+            let distance =
+                |a: [f32; 3], b: [f32; 3]| (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+            let lengths = vertices.iter().flat_map(|&a| vertices.iter().map(move |&b| distance(a, b)));
+            let shortest = lengths.filter(|&length| length > 0.0).fold(f64::MAX, f64::min);
+            (shortest * 1e3).round() / 1e3
+        })
+        .collect();
+    edges.sort_by(f64::total_cmp);
+    edges
+}
+
+#[test]
+fn package_uris_are_resolved_by_name_and_by_search_path_and_files_of_one_name_stay_apart() {
+    let (folder, urdf) = workspace();
+    let in_share = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink(folder.path(), in_share.path().join("share")).unwrap();
+    let lists = [
+        folder.path().as_os_str().to_owned(),
+        in_share.path().as_os_str().to_owned(),
+        std::env::join_paths([folder.path().join("no"), folder.path().join("hand"), folder.path().join("arm")])
+            .unwrap(),
+    ];
+    let by_name = LoadOptions::default()
+        .with_package("arm", folder.path().join("arm"))
+        .with_package("hand", folder.path().join("hand"));
+    let all = lists.iter().map(|list| LoadOptions::default().with_package_path(list)).chain([by_name]);
+    for options in all {
+        let model = Model::from_xml_str_with(&urdf, &options).unwrap();
+        assert_eq!(edges(&model), [1.0, 2.0]);
+        assert!(model.mesh("part").is_ok() && model.mesh("hand-meshes-part").is_ok());
+        Data::new(model).unwrap().step().unwrap();
+    }
+    // A file in memory takes precedence.
+    let small = b"v 0 0 0\nv .5 0 0\nv 0 .5 0\nv 0 0 .5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let options = LoadOptions::default().with_package_path(folder.path()).with_file("part.obj", small);
+    assert_eq!(edges(&Model::from_xml_str_with(&urdf, &options).unwrap()), [0.5]);
+}
+
+#[test]
+fn a_package_or_a_file_in_it_that_is_missing_is_named() {
+    let (folder, urdf) = workspace();
+    let error = |options: &LoadOptions<'_>| Model::from_xml_str_with(&urdf, options).unwrap_err().to_string();
+    let none = error(&LoadOptions::default());
+    assert!(none.contains("no directory of the package 'arm' is known") && none.contains("with_package"), "{none}");
+    std::fs::remove_file(folder.path().join("hand/meshes/part.obj")).unwrap();
+    let options = LoadOptions::default().with_package_path(folder.path());
+    // The other package's file has the name that the engine looks for, so the mesh would be the wrong one.
+    let missing = error(&options);
+    assert!(missing.contains("hand/meshes/part.obj"), "{missing}");
 }

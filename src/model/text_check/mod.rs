@@ -15,12 +15,13 @@ use std::collections::HashSet;
 
 pub(super) use self::file::{Files, directory, path_bytes};
 pub(super) use self::muscle::without_simulation;
+pub(super) use self::tag::{Tags, decoded};
 
 use self::asset::Format;
 use self::file::{Found, is_irregular, last_part, shown};
 use self::muscle::Muscles;
 use self::rangefinder::Rangefinders;
-use self::tag::{Tag, Tags, numbers};
+use self::tag::{Tag, numbers};
 use self::urdf::Urdf;
 use super::length_range::Simulation;
 use crate::error::{Error, Result};

@@ -1,11 +1,14 @@
 //! The tags of a text, well enough for a look at them.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// A start tag or an end tag.
-pub(super) struct Tag<'t> {
+pub(in crate::model) struct Tag<'t> {
+    /// The text from the tag on.
+    text: &'t [u8],
     pub(super) position: usize,
-    pub(super) name: &'t [u8],
+    pub(in crate::model) name: &'t [u8],
     attributes: Vec<(&'t [u8], &'t [u8])>,
     /// `</name>`
     pub(super) closes: bool,
@@ -16,6 +19,13 @@ pub(super) struct Tag<'t> {
 impl<'t> Tag<'t> {
     pub(super) fn attribute(&self, name: &[u8]) -> Option<Cow<'t, [u8]>> {
         self.attributes.iter().find(|(found, _)| *found == name).map(|(_, value)| decoded(value))
+    }
+
+    /// The range of an attribute's value in the text, without the quotes.
+    pub(in crate::model) fn attribute_range(&self, name: &[u8]) -> Option<Range<usize>> {
+        let (_, value) = self.attributes.iter().find(|(found, _)| *found == name)?;
+        let start = self.position + (value.as_ptr() as usize - self.text.as_ptr() as usize);
+        Some(start..start + value.len())
     }
 
     /// An attribute's number as `scanf` reads it, which stops at what is no digit. `None` if there is none, or if it does not fit
@@ -30,10 +40,10 @@ impl<'t> Tag<'t> {
 }
 
 /// The tags of a text. What is not well-formed is skipped: the compiler's parser will refuse it.
-pub(super) struct Tags<'t>(&'t [u8], usize);
+pub(in crate::model) struct Tags<'t>(&'t [u8], usize);
 
 impl<'t> Tags<'t> {
-    pub(super) fn new(text: &'t [u8]) -> Self {
+    pub(in crate::model) fn new(text: &'t [u8]) -> Self {
         Self(text, 0)
     }
 }
@@ -75,7 +85,7 @@ fn tag(text: &[u8], position: usize) -> (Tag<'_>, usize) {
             *at += 1;
         }
     };
-    let mut tag = Tag { position, name: word(&mut at), attributes: Vec::new(), closes, empty: false };
+    let mut tag = Tag { text, position, name: word(&mut at), attributes: Vec::new(), closes, empty: false };
     loop {
         space(&mut at);
         let name = word(&mut at);
@@ -112,7 +122,7 @@ pub(super) fn numbers(list: &[u8]) -> impl Iterator<Item = Option<i64>> {
 }
 
 /// The value of an attribute, with references to entities and characters replaced as the compiler's parser does it.
-fn decoded(value: &[u8]) -> Cow<'_, [u8]> {
+pub(in crate::model) fn decoded(value: &[u8]) -> Cow<'_, [u8]> {
     const ENTITIES: [(&[u8], u8); 5] =
         [(b"quot;", b'"'), (b"apos;", b'\''), (b"lt;", b'<'), (b"gt;", b'>'), (b"amp;", b'&')];
     if !value.contains(&b'&') {

@@ -105,8 +105,8 @@ impl Level {
 #[cfg(test)]
 mod tests {
     use super::{Faces, Images, Level, images};
-    use crate::Model;
     use crate::render::Picture;
+    use crate::{LoadOptions, Model};
 
     fn model() -> Model {
         let mut picture = Picture::new(4, 4);
@@ -114,14 +114,12 @@ mod tests {
             *byte = index as u8;
         }
         let file = picture.to_png().unwrap();
-        Model::from_xml_str_with_files(
+        Model::from_xml_str_with(
             "<mujoco><asset>
                <texture name='flat' type='2d' builtin='checker' mark='cross' width='127' height='30' rgb1='1 0 0' rgb2='0 0 1'/>
                <texture name='sky' type='skybox' builtin='gradient' width='16' height='96' rgb1='1 1 1' rgb2='0 0 0'/>
                <texture name='cube' type='cube' file='square.png'/>
-             </asset></mujoco>",
-            &[("square.png", file.as_slice())],
-        )
+             </asset></mujoco>", &LoadOptions::default().with_files(&[("square.png", file.as_slice())]))
         .unwrap()
     }
 

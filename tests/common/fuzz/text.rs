@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use mujoco_safe::{Model, sample};
+use mujoco_safe::{LoadOptions, Model, sample};
 
 use super::assets::{self, File};
 use super::binary::use_it;
@@ -180,7 +180,7 @@ pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)
     for (name, content) in &files {
         log(&format!("{name}: {}", content.escape_ascii()));
     }
-    match Model::from_xml_str_with_files(text, &files) {
+    match Model::from_xml_str_with(text, &LoadOptions::default().with_files(&files)) {
         Ok(model) => {
             log("to binary and back");
             let saved = model.to_binary().expect("a model that loads can be saved");

@@ -1,0 +1,77 @@
+//! Options for loading a model.
+
+use std::ffi::OsStr;
+use std::path::PathBuf;
+
+use super::package::Packages;
+
+/// Options for loading a model from XML: files in memory, and directories of the ROS packages that a URDF names.
+///
+/// ```
+/// use mujoco_safe::{LoadOptions, Model};
+///
+/// let folder = tempfile::tempdir()?;
+/// let meshes = folder.path().join("arm_description/meshes");
+/// std::fs::create_dir_all(&meshes)?;
+/// std::fs::write(meshes.join("hand.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")?;
+/// let urdf = r#"<robot name="arm">
+///   <link name="hand">
+///     <collision><geometry><mesh filename="package://arm_description/meshes/hand.obj"/></geometry></collision>
+///   </link>
+/// </robot>"#;
+///
+/// // The directories of all packages below a workspace, in the form of ROS_PACKAGE_PATH …
+/// let options = LoadOptions::default().with_package_path(folder.path());
+/// assert_eq!(Model::from_xml_str_with(urdf, &options)?.nmesh(), 1);
+/// // … or one package.
+/// let options = LoadOptions::default().with_package("arm_description", folder.path().join("arm_description"));
+/// assert_eq!(Model::from_xml_str_with(urdf, &options)?.nmesh(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct LoadOptions<'a> {
+    pub(super) files: Vec<(&'a str, &'a [u8])>,
+    pub(super) packages: Packages,
+}
+
+impl<'a> LoadOptions<'a> {
+    /// Adds a file in memory: an included text, a mesh (`.stl`, `.obj`, `.msh`), a skin, a height field or a texture (`.png`, or
+    /// the engine's own formats). The compiler compares the part of a name behind the last slash and ignores case, so two files
+    /// must not differ by their folder alone. Files in memory take precedence over files on disk.
+    #[must_use]
+    #[doc(alias = "mjVFS")]
+    #[doc(alias = "mj_defaultVFS")]
+    #[doc(alias = "mj_addFileVFS")]
+    #[doc(alias = "mj_addBufferVFS")]
+    #[doc(alias = "mj_makeEmptyFileVFS")]
+    #[doc(alias = "mj_deleteVFS")]
+    pub fn with_file(mut self, name: &'a str, content: &'a [u8]) -> Self {
+        self.files.push((name, content));
+        self
+    }
+
+    /// Adds files in memory, see [`with_file`](Self::with_file).
+    #[must_use]
+    pub fn with_files(mut self, files: &[(&'a str, &'a [u8])]) -> Self {
+        self.files.extend_from_slice(files);
+        self
+    }
+
+    /// Sets the directory of a package, in which `package://name/…` looks for meshes.
+    #[must_use]
+    pub fn with_package(mut self, name: impl Into<String>, directory: impl Into<PathBuf>) -> Self {
+        self.packages.add(name.into(), directory.into());
+        self
+    }
+
+    /// Adds directories in which packages are searched for, separated as in the `PATH` of the platform: the value of
+    /// `ROS_PACKAGE_PATH` or `AMENT_PREFIX_PATH`, for example. In each directory, the package `name` is `name`, `share/name`, or
+    /// the directory itself if that is called `name`; the first match in the order of the list counts. Deeper directories are not
+    /// searched.
+    #[must_use]
+    pub fn with_package_path(mut self, list: impl AsRef<OsStr>) -> Self {
+        self.packages.search(list.as_ref());
+        self
+    }
+}

@@ -1,0 +1,169 @@
+//! `package://` URIs of meshes, as ROS writes them into URDF.
+//!
+//! The engine does not know them: it strips the path and looks for the last part beside the model, and it takes two meshes of one
+//! file name for the same mesh. So the files are read here and handed to the engine in memory, under unique names.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::ffi::OsStr;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use super::text_check::{Tags, decoded};
+use crate::file;
+
+const SCHEME: &str = "package://";
+
+/// Extensions of the mesh formats that the engine reads.
+const FORMATS: [&str; 3] = ["stl", "obj", "msh"];
+
+/// Directories of ROS packages.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Packages {
+    directories: HashMap<String, PathBuf>,
+    search_path: Vec<PathBuf>,
+}
+
+impl Packages {
+    pub(super) fn add(&mut self, name: String, directory: PathBuf) {
+        self.directories.insert(name, directory);
+    }
+
+    pub(super) fn search(&mut self, list: &OsStr) {
+        self.search_path.extend(std::env::split_paths(list).filter(|path| !path.as_os_str().is_empty()));
+    }
+
+    fn directory(&self, package: &str) -> Option<PathBuf> {
+        let is_package = |directory: &PathBuf| !package.is_empty() && directory.is_dir();
+        self.directories.get(package).cloned().or_else(|| {
+            self.search_path
+                .iter()
+                .flat_map(|path| {
+                    let is_itself = path.file_name() == Some(OsStr::new(package));
+                    [path.join(package), path.join("share").join(package)]
+                        .into_iter()
+                        .chain(is_itself.then(|| path.clone()))
+                })
+                .find(is_package)
+        })
+    }
+}
+
+/// A text whose `package://` URIs were resolved.
+#[derive(Default)]
+pub(super) struct Resolved<'t> {
+    /// The text, with another file name where two packages have files of one name.
+    pub(super) text: Cow<'t, [u8]>,
+    /// Names and contents of the files.
+    pub(super) files: Vec<(String, Vec<u8>)>,
+    /// File names of the URIs that were not resolved, and the reasons.
+    pub(super) unresolved: Vec<(String, String)>,
+}
+
+/// Reads the meshes that a text names by `package://` URIs. A file of `given` with the same name takes precedence.
+pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &[u8])]) -> Resolved<'t> {
+    let mut resolved = Resolved { text: Cow::Borrowed(text), ..Resolved::default() };
+    let mut names: HashMap<PathBuf, String> = HashMap::new();
+    let mut missing = Vec::new();
+    let mut renamed: Vec<(Range<usize>, String)> = Vec::new();
+    for (range, uri) in uris(text) {
+        let base = last_part(&uri);
+        if is_taken(base, given.iter().map(|(name, _)| *name)) {
+            continue;
+        }
+        let path = match locate(&uri, packages) {
+            Ok(path) => path,
+            Err(reason) => {
+                resolved.unresolved.push((base.to_owned(), reason));
+                missing.push((range, uri));
+                continue;
+            }
+        };
+        if !names.contains_key(&path) {
+            let content = match file::read_regular(&path) {
+                Ok(content) => content,
+                Err(error) => {
+                    resolved
+                        .unresolved
+                        .push((base.to_owned(), format!("{SCHEME}{uri} is {}: {error}", path.display())));
+                    missing.push((range, uri));
+                    continue;
+                }
+            };
+            let is_unique = !is_taken(base, resolved.files.iter().map(|(name, _)| &name[..]));
+            let name = if is_unique { base.to_owned() } else { unique_name(&uri) };
+            resolved.files.push((name.clone(), content));
+            names.insert(path.clone(), name);
+        }
+        if names[&path] != base {
+            renamed.push((range, names[&path].clone()));
+        }
+    }
+    // The engine must not take a file of another package for one that is missing.
+    for (range, uri) in missing {
+        if is_taken(last_part(&uri), resolved.files.iter().map(|(name, _)| &name[..])) {
+            renamed.push((range, unique_name(&uri)));
+        }
+    }
+    if !renamed.is_empty() {
+        renamed.sort_by_key(|(range, _)| range.start);
+        resolved.text = Cow::Owned(replace(text, &renamed));
+    }
+    resolved
+}
+
+/// The path of a mesh, given the URI without its scheme.
+fn locate(uri: &str, packages: &Packages) -> Result<PathBuf, String> {
+    let (package, inside) = uri.split_once('/').unwrap_or((uri, ""));
+    let directory = packages.directory(package).ok_or_else(|| {
+        format!("no directory of the package '{package}' is known: see LoadOptions::with_package and with_package_path")
+    })?;
+    let path = directory.join(inside);
+    if has_known_format(&path) {
+        Ok(path)
+    } else {
+        Err(format!("{SCHEME}{uri} is not a mesh of a format that the engine reads: {}", FORMATS.join(", ")))
+    }
+}
+
+/// A file name that contains the whole URI.
+fn unique_name(uri: &str) -> String {
+    uri.replace(['/', '\\'], "-")
+}
+
+/// The `package://` URIs of meshes without the scheme, and the ranges of the attribute values.
+fn uris(text: &[u8]) -> impl Iterator<Item = (Range<usize>, String)> {
+    Tags::new(text).filter(|tag| tag.name == b"mesh").filter_map(|tag| {
+        let range = tag.attribute_range(b"filename")?;
+        let value = String::from_utf8(decoded(&text[range.clone()]).into_owned()).ok()?;
+        Some((range, value.strip_prefix(SCHEME)?.to_owned()))
+    })
+}
+
+/// Returns `true` if the engine could take one of `names` for `name`: it compares the last parts and ignores case.
+fn is_taken<'n>(name: &str, mut names: impl Iterator<Item = &'n str>) -> bool {
+    names.any(|taken| last_part(taken).eq_ignore_ascii_case(name))
+}
+
+fn last_part(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or_default()
+}
+
+fn has_known_format(path: &Path) -> bool {
+    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+    FORMATS.iter().any(|known| known.eq_ignore_ascii_case(extension))
+}
+
+/// The text with other attribute values at some ranges, which are in ascending order.
+fn replace(text: &[u8], values: &[(Range<usize>, String)]) -> Vec<u8> {
+    let mut result = Vec::with_capacity(text.len());
+    let mut done = 0;
+    for (range, value) in values {
+        result.extend_from_slice(&text[done..range.start]);
+        let value = value.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;").replace('\'', "&apos;");
+        result.extend_from_slice(value.as_bytes());
+        done = range.end;
+    }
+    result.extend_from_slice(&text[done..]);
+    result
+}
