@@ -32,8 +32,9 @@ impl Data {
         let name = ffi::c_string("the path of print_to", path.as_os_str().as_encoded_bytes())?;
         // The engine only warns of a file that it cannot open.
         File::create(path).map_err(Error::file(path))?;
-        // SAFETY: a NUL-terminated path. The tendons and constraints whose rows it follows were computed for this model.
-        let status = unsafe { guard::mj_print_data(self.model().as_ptr(), self.as_mut_ptr(), name.as_ptr()) };
-        ffi::check("mj_printData", status)
+        self.call_mut("mj_printData", |m, d| {
+            // SAFETY: a NUL-terminated path. The rows of tendons and constraints were computed for this model.
+            unsafe { guard::mj_print_data(m, d, name.as_ptr()) }
+        })
     }
 }

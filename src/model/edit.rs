@@ -129,7 +129,7 @@ impl<'m> ModelMut<'m> {
     pub fn update_constants(&mut self) -> Result<()> {
         let mut scratch = ptr::null_mut();
         // SAFETY: a valid model, a place for the result.
-        ffi::check("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
+        ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
         if scratch.is_null() {
             return Err(crate::Error::OutOfMemory { function: "mj_makeData" });
         }
@@ -141,7 +141,8 @@ impl<'m> ModelMut<'m> {
         self.note_shortcuts();
         self.widen_bounds();
         // SAFETY: a model that is borrowed exclusively, and a data that was made for it.
-        let result = ffi::check("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
+        let result =
+            ffi::check_without_data("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
         if result.is_err() {
             // Their inertias may not have been computed.
             self.forget_simple_bodies();
