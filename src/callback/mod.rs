@@ -124,7 +124,7 @@ impl<'c> Callbacks<'c> {
     ///     moment.data_mut(sensor).copy_from_slice(&momentum);
     /// });
     /// data.with_callbacks(callbacks, |data| data.forward())?;
-    /// assert_eq!(data.sensor(sensor).data(), [0.0, 0.0, 3.0]);
+    /// assert_eq!(data.sensor(sensor).data()?, [0.0, 0.0, 3.0]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjcb_sensor")]

@@ -164,7 +164,7 @@ use crate::model::{Model, ModelMut};
 pub struct Data {
     raw: NonNull<mjData>,
     model: Arc<Model>,
-    /// What is there for the present model.
+    /// Results that have been computed for the present model.
     computed: Computed,
     /// Why the data is unusable, if it is.
     failure: Option<Box<str>>,
@@ -382,10 +382,49 @@ impl Data {
         self.raw().energy
     }
 
-    /// How far the present quantities have been computed.
+    /// Returns how far the present quantities have been computed.
     #[inline]
     pub fn stage(&self) -> Stage {
         self.computed.stage()
+    }
+
+    /// Returns an error unless these results have been computed for the present model: a [`Stage`], or one of the constants of
+    /// [`Needs`].
+    ///
+    /// Plain arrays such as [`xpos`](Self::xpos) and [`sensordata`](Self::sensordata) are slices of the engine's memory and check
+    /// nothing. Before the first [`forward`](Self::forward) they are zero, and after a change of the model they hold old numbers. Call
+    /// this before a loop that reads them, or in it: the cost is a comparison of two integers.
+    ///
+    /// Results count as computed until a reset, a change of the model, or a new computation of the quantities that they depend on.
+    /// After [`step`](Self::step) they belong to the state before the step. Numbers that a program writes, such as
+    /// [`qpos_mut`](Self::qpos_mut), are not tracked: call `forward` after them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] with the call that computes the results, [`Error::Poisoned`] after an engine error.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Error, Needs, Stage, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// assert!(matches!(data.require(Stage::Position), Err(Error::NotComputed { .. })));
+    /// data.step()?;
+    /// data.require(Stage::Acceleration)?;
+    /// data.require(Needs::SENSORS)?;
+    /// // A step does not compute the forces on bodies.
+    /// assert!(data.require(Needs::BODY_FORCES).is_err());
+    /// data.rne_post_constraint()?;
+    /// data.require(Needs::BODY_FORCES)?;
+    /// println!("{:?}", data.cfrc_ext());
+    /// # Ok::<(), Error>(())
+    /// ```
+    #[inline]
+    pub fn require(&self, needs: impl Into<Needs>) -> Result<()> {
+        self.check_usable()?;
+        match needs.into().missing(self.computed) {
+            None => Ok(()),
+            Some(needs) => Err(Error::NotComputed { call: "Data::require", needs }),
+        }
     }
 
     /// Notes how far the engine has come, for a closure that it calls in the middle of its work.
@@ -427,7 +466,7 @@ impl Data {
         }
     }
 
-    /// Refuses what needs quantities that have not been computed.
+    /// Rejects a call that needs a stage that has not been computed.
     #[inline]
     pub(crate) fn check_computed(&self, call: &'static str, needs: Stage) -> Result<()> {
         self.check_usable()?;

@@ -59,11 +59,13 @@ impl Data {
     #[inline]
     pub fn step2(&mut self) -> Result<()> {
         self.check_usable()?;
-        if !self.computed.contains(Computed::AFTER_STEP1) {
+        if !self.computed.contains(Computed::FIRST_HALF) {
             return Err(Error::NotComputed { call: "step2", needs: Needs::FIRST_HALF });
         }
         self.check_inputs()?;
-        self.run("mj_step2", Computed::AFTER_STEP, |m, d| {
+        // The second half reads the sensors of its own stage only.
+        let sensors = (self.computed & Computed::SENSORS) | Computed::SENSOR_ACC;
+        self.run("mj_step2", (Computed::AFTER_STEP - Computed::SENSORS) | sensors, |m, d| {
             // SAFETY: as in `step`, and the stages before this one were computed for this model.
             unsafe { guard::mj_step2(m, d) }
         })

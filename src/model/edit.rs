@@ -175,8 +175,9 @@ impl<'m> ModelMut<'m> {
 
     /// Rejects a body that moves without mass or inertia, by the rule of the XML compiler.
     fn check_moving_bodies(&self) -> Result<()> {
-        let light = |body: usize| !(self.body_mass()[body] >= mjMINVAL);
-        let thin = |body: usize| self.body_inertia()[body].iter().find(|&&moment| !(moment >= mjMINVAL));
+        let small = |value: f64| value.is_nan() || value < mjMINVAL;
+        let light = |body: usize| small(self.body_mass()[body]);
+        let thin = |body: usize| self.body_inertia()[body].iter().find(|&&moment| small(moment));
         for body in (1..self.nbody()).filter(|&body| self.body_jntnum()[body] > 0) {
             let (quantity, value) = match (light(body), thin(body)) {
                 (true, _) => ("mass", self.body_mass()[body]),
