@@ -47,9 +47,8 @@ pub enum Error {
         message: String,
     },
 
-    /// An earlier call with `&mut Data` ended with [`Engine`](Self::Engine), [`Callback`](Self::Callback),
-    /// [`OutOfMemory`](Self::OutOfMemory), or [`Unstable`](Self::Unstable) because of an acceleration. The data may be half
-    /// computed.
+    /// An earlier call with `&mut Data` ended in the engine with [`Engine`](Self::Engine), [`Callback`](Self::Callback),
+    /// [`OutOfMemory`](Self::OutOfMemory) or [`Unstable`](Self::Unstable). The data may be half computed.
     ///
     /// [`reset`](crate::Data::reset), [`reset_to_key`](crate::Data::reset_to_key) and
     /// [`copy_from`](crate::Data::copy_from) a usable data make it usable again. Until then every call that computes
@@ -62,7 +61,7 @@ pub enum Error {
     },
 
     /// A state, a control or an acceleration is not a number, or is huge. The engine itself would silently reset the simulation,
-    /// or its controls. The data is poisoned only if an acceleration is the cause: see [`Instability`].
+    /// or its controls. [`Instability`] says when the data is poisoned.
     #[error(transparent)]
     Unstable(#[from] Instability),
 

@@ -89,9 +89,10 @@ impl<'c> Callbacks<'c> {
         Self::default()
     }
 
-    /// Sets controls and applied forces in the middle of a step, from what was computed of positions and velocities. With the
-    /// Runge–Kutta integrator it is called at each of the four substeps; in [`Data::transition_fd`] at each perturbed state,
-    /// so that a feedback law is part of what is linearised. Controls that are not numbers are an error of the step.
+    /// Sets controls and applied forces in the middle of a step, from the results of the position and velocity stages, readings of
+    /// their sensors included. With the Runge–Kutta integrator it is called at each of the four substeps, with the readings of the
+    /// first; in [`Data::transition_fd`] at each perturbed state, so that a feedback law is part of the linearisation. Controls
+    /// that are not finite or are huge are [`Error::Unstable`](crate::Error::Unstable) of the step, and poison the data.
     #[doc(alias = "mjcb_control")]
     pub fn control(mut self, control: impl FnMut(&mut ControlMoment<'_>) + Send + 'c) -> Self {
         self.control = Some(Box::new(control));

@@ -165,7 +165,8 @@ impl From<Stage> for Computed {
     }
 }
 
-/// Results that a call needs: those of a whole [`Stage`], or of some parts of the pipeline.
+/// Results that a call needs: those of a whole [`Stage`], or of some parts of the pipeline. An argument of
+/// [`Data::require`](crate::Data::require), and a field of [`Error::NotComputed`](crate::Error::NotComputed).
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Needs(Need);
 

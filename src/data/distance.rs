@@ -45,7 +45,8 @@ impl Data {
     ///
     /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a `distmax` that is negative or not finite,
     /// [`Error::Unsupported`] for a pair that the engine has no function for, such as two planes, or for a geom whose pose is not
-    /// finite, [`Error::Engine`] if the engine fails.
+    /// finite, [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size is not positive. The
+    /// latter poisons the data, because the engine moves geoms during the call.
     ///
     /// # Panics
     ///

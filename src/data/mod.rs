@@ -376,8 +376,9 @@ impl Data {
         self.raw_mut().time = time;
     }
 
-    /// Potential and kinetic energy, J. Computed by `forward` and `step` where
-    /// [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set, and zero otherwise.
+    /// Potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and [`inverse`](Self::inverse) compute them
+    /// while [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set. Without the flag they are zero after a reset, but a program
+    /// that clears the flag later reads old numbers.
     pub fn energy(&self) -> [f64; 2] {
         self.raw().energy
     }

@@ -1,13 +1,12 @@
 //! The parts of the pipeline, called one by one.
 //!
-//! [`Data::forward`] calls all of them in an order that works. A part that is called alone refuses, with
-//! [`Error::NotComputed`], if what it reads has not been computed for the present model, and what was made of its old results
-//! counts as not computed afterwards.
+//! [`Data::forward`] calls all of them in a valid order. A part that is called alone returns [`Error::NotComputed`] unless its
+//! inputs have been computed for the present model. All results that depend on its own count as not computed afterwards.
 //!
-//! It is the order of the calls that is watched. Numbers that are written by hand, such as `qpos`, are not, so begin again with
+//! The crate tracks the order of the calls. It does not track numbers that a program writes, such as `qpos`: start again with
 //! [`kinematics`](Data::kinematics) after a change of positions.
 //!
-//! A name with `compute_` in front is one whose plain form is the field or the element.
+//! A method has the prefix `compute_` if a field or an element has its plain name.
 //!
 //! | part | engine | computes | reads the results of |
 //! |---|---|---|---|
@@ -30,6 +29,14 @@
 //! | [`fwd_actuation`](Data::fwd_actuation) | `mj_fwdActuation` | actuator forces, `act_dot` | `compute_actuator_velocity` |
 //! | [`fwd_acceleration`](Data::fwd_acceleration) | `mj_fwdAcceleration` | `qacc_smooth` | `factor_m`, `passive`, `compute_qfrc_bias`, `fwd_actuation` |
 //! | [`fwd_constraint`](Data::fwd_constraint) | `mj_fwdConstraint` | constraint forces, `qacc` | `project_constraint`, `reference_constraint`, `fwd_acceleration` |
+//! | [`sensor_pos`](Data::sensor_pos), [`sensor_vel`](Data::sensor_vel), [`sensor_acc`](Data::sensor_acc) | `mj_sensorPos`, … | readings of the sensors of a stage | all of the stage |
+//!
+//! Not part of `forward`:
+//!
+//! | part | engine | computes | reads the results of |
+//! |---|---|---|---|
+//! | [`subtree_vel`](Data::subtree_vel) | `mj_subtreeVel` | `subtree_linvel`, `subtree_angmom` | `com_vel` |
+//! | [`rne_post_constraint`](Data::rne_post_constraint) | `mj_rnePostConstraint` | `cacc`, `cfrc_int`, `cfrc_ext` | `com_vel`, `fwd_constraint` |
 //!
 //! Positions in one call are [`fwd_position`](Data::fwd_position), velocities [`fwd_velocity`](Data::fwd_velocity).
 

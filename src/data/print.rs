@@ -10,12 +10,13 @@ use crate::error::{Error, Result};
 use crate::ffi;
 
 impl Data {
-    /// Writes all quantities to a text file, for people to read. A file that is there is overwritten.
+    /// Writes all quantities to a text file, for people to read. An existing file is overwritten.
     ///
     /// # Errors
     ///
     /// [`Error::NotComputed`] before positions were computed, [`Error::File`] if the file cannot be written, [`Error::Invalid`]
-    /// for a path with a NUL byte, [`Error::Engine`] if the engine's stack has no room for the inertia matrix in full.
+    /// for a path with a NUL byte, [`Error::Engine`], which poisons the data, if the engine's stack has no room for the full inertia
+    /// matrix.
     ///
     /// ```no_run
     /// use mujoco_safe::{Data, sample};

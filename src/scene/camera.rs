@@ -219,7 +219,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// As for [`update`](Self::update).
+    /// [`Error::NotComputed`] before positions were computed, [`Error::OtherModel`] for the data of another model,
+    /// [`Error::Invalid`] for numbers of the camera that are not finite.
     ///
     /// # Panics
     ///

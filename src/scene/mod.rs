@@ -163,7 +163,7 @@ impl Scene {
         ffi::size(self.raw().maxgeom)
     }
 
-    /// Makes the scene anew: geoms, lights, skins and the eyes. What the user added is forgotten.
+    /// Rebuilds the scene: geoms, lights, skins and viewpoints. Geoms that the user added are removed.
     ///
     /// `camera` says where it is seen from; a tracking camera moves along. `perturbation` is shown. `categories` is
     /// [`Categories::all`] for everything.
@@ -177,7 +177,7 @@ impl Scene {
     /// the scene then, and lights, skins and eyes are up to date: a viewer may go on.
     ///
     /// [`Error::NotComputed`] as said above, [`Error::OtherModel`] for the data of another model, [`Error::Invalid`] for numbers
-    /// of the camera or of the perturbation that are not finite. The scene is as it was then.
+    /// of the camera or of the perturbation that are not finite. The scene is as it was then. None of these poisons the data.
     ///
     /// # Panics
     ///

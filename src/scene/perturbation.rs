@@ -140,7 +140,8 @@ impl Perturbation {
     /// # Errors
     ///
     /// [`Error::OtherModel`] for the scene of another model, [`Error::NotComputed`] before poses were computed,
-    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] for numbers that are not finite.
+    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] for numbers that are not finite. The data stays
+    /// usable.
     ///
     /// # Panics
     ///

@@ -30,8 +30,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed, [`Error::Engine`] before the first update, [`Error::OtherModel`] for
-    /// the data of another model, [`Error::Invalid`] for numbers that are not finite, [`Error::Unsupported`] if the model has a
+    /// [`Error::NotComputed`] before poses were computed, [`Error::Engine`] before the first update (the data stays usable),
+    /// [`Error::OtherModel`] for the data of another model, [`Error::Invalid`] for numbers that are not finite, [`Error::Unsupported`] if the model has a
     /// height field with more rows than columns, as for [`Data::ray`].
     ///
     /// ```

@@ -190,7 +190,7 @@ impl Scene {
     /// # Errors
     ///
     /// [`Error::OtherModel`] for another model, [`Error::Invalid`] for numbers that are not finite or would make the transform
-    /// so, [`Error::Engine`] before the first update.
+    /// so, [`Error::Engine`] for a scene with a transform before its first update.
     #[doc(alias = "mjv_moveModel")]
     pub fn move_model(
         &mut self,
@@ -218,7 +218,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine refuses the scale.
+    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) rules out.
     #[doc(alias = "mjv_room2model")]
     pub fn room_to_model(&self, pos: [f64; 3], quat: [f64; 4]) -> Result<([f64; 3], [f64; 4])> {
         self.convert("mjv_room2model", guard::mjv_room2model, pos, quat)
@@ -228,7 +228,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine refuses the scale.
+    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) rules out.
     #[doc(alias = "mjv_model2room")]
     pub fn model_to_room(&self, pos: [f64; 3], quat: [f64; 4]) -> Result<([f64; 3], [f64; 4])> {
         self.convert("mjv_model2room", guard::mjv_model2room, pos, quat)

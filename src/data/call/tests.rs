@@ -173,3 +173,17 @@ fn calls_that_only_read_need_no_room_on_the_stack() {
     data.add_m(&mut sum).unwrap();
     assert_eq!(data.stage(), Stage::Acceleration);
 }
+
+#[test]
+fn copies_take_over_whether_a_data_is_poisoned() {
+    let usable = squatting();
+    let mut poisoned = usable.clone();
+    fill_stack(&mut poisoned);
+    assert!(matches!(poisoned.step(), Err(Error::Engine { .. })));
+    assert!(matches!(poisoned.clone().step(), Err(Error::Poisoned { .. })));
+    let mut copy = usable.clone();
+    copy.copy_from(&poisoned).unwrap();
+    assert!(matches!(copy.step(), Err(Error::Poisoned { .. })));
+    copy.copy_from(&usable).unwrap();
+    copy.step().unwrap();
+}

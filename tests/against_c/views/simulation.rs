@@ -141,7 +141,7 @@ fn fields_of_elements_in_a_simulation_are_the_engines() {
             => act_dot: actuator.act_dot().map(|act| act.bits()), activation(m, i).map(|act| at(d.act_dot, act, 1));
         });
         check_fields!(name, data.sensors(), |sensor, i| {
-            data: d.sensordata, [int(m.sensor_adr, i); int(m.sensor_dim, i)];
+            => data: sensor.data().expect("computed").bits(), at(d.sensordata, int(m.sensor_adr, i), int(m.sensor_dim, i));
         });
     }
 }
