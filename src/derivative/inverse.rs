@@ -125,7 +125,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of [`inverse`](Self::inverse).
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of [`inverse`](Self::inverse). The state is as before
+    /// even after [`Error::Engine`], which poisons the data.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
