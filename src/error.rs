@@ -24,7 +24,12 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The engine raised an error (`mju_error`) in the middle of a call. The data it worked on is poisoned: reset it.
+    /// The engine raised an error (`mju_error`) in the middle of a call.
+    ///
+    /// A call that takes `&mut Data` poisons that data, because the engine may have left it half computed: further calls return
+    /// [`Poisoned`](Self::Poisoned) until a [`reset`](crate::Data::reset). A call that takes `&Data`, such as
+    /// [`Scene::select`](crate::Scene::select), only reads, so the data stays as it was and usable. A call on a model or a scene
+    /// alone has no data to poison.
     #[error("the engine failed in {function}: {message}")]
     Engine {
         /// The C function.
@@ -33,7 +38,7 @@ pub enum Error {
         message: String,
     },
 
-    /// A closure that the engine called has panicked. The data is poisoned: reset it.
+    /// A closure that the engine called panicked. The data is poisoned, as after [`Engine`](Self::Engine).
     #[error("the {callback} callback panicked: {message}")]
     Callback {
         /// Which of the [`Callbacks`](crate::Callbacks).
@@ -42,14 +47,21 @@ pub enum Error {
         message: String,
     },
 
-    /// An earlier call failed in the engine and left the data half computed; only a reset makes it usable again.
+    /// An earlier call with `&mut Data` ended in the engine with [`Engine`](Self::Engine), [`Callback`](Self::Callback),
+    /// [`OutOfMemory`](Self::OutOfMemory) or [`Unstable`](Self::Unstable). The data may be half computed.
+    ///
+    /// [`reset`](crate::Data::reset), [`reset_to_key`](crate::Data::reset_to_key) and
+    /// [`copy_from`](crate::Data::copy_from) a usable data make it usable again. Until then every call that computes
+    /// from the data returns this error. The arrays can be read and written, so a program can save the state; they hold whatever the
+    /// failed call left.
     #[error("this data is unusable since {failure}; reset it first")]
     Poisoned {
-        /// What happened.
+        /// Text of the error that poisoned the data.
         failure: String,
     },
 
-    /// A state or an acceleration is not a number, or is huge. The engine itself would silently reset the simulation.
+    /// A state, a control or an acceleration is not a number, or is huge. The engine itself would silently reset the simulation,
+    /// or its controls. [`Instability`] says when the data is poisoned.
     #[error(transparent)]
     Unstable(#[from] Instability),
 
@@ -200,7 +212,7 @@ pub enum Error {
         room: usize,
     },
 
-    /// The engine could not allocate memory.
+    /// The engine could not allocate memory. A call that takes `&mut Data` poisons it, as with [`Engine`](Self::Engine).
     #[error("the engine is out of memory in {function}")]
     OutOfMemory {
         /// The C function.

@@ -1,7 +1,7 @@
-//! Where C's view of memory becomes Rust's: arrays that may be NULL, strings, sizes, and the status of a guarded call. The
-//! only place with `from_raw_parts`.
+//! Conversion between C and Rust: arrays that may be NULL, strings, sizes, and the status of a guarded call. The only file with
+//! `from_raw_parts`.
 
-#![allow(clippy::disallowed_methods, reason = "the lint keeps `from_raw_parts` in this file")]
+#![allow(clippy::disallowed_methods, reason = "the lint keeps `from_raw_parts` and the uses of `check` in few files")]
 
 use std::ffi::{CStr, CString, c_char, c_int};
 
@@ -101,7 +101,15 @@ pub(crate) fn c_string(what: &'static str, text: impl Into<Vec<u8>>) -> Result<C
     })
 }
 
-/// Turns the status of a guarded call into a result.
+/// Turns the status of a guarded call on no simulation, or on one that is dropped after an error, into a result. There is
+/// nothing to poison. Calls on a [`Data`](crate::Data) go through its methods in `data/call.rs`.
+#[inline]
+pub(crate) fn check_without_data(function: &'static str, status: c_int) -> Result<()> {
+    check(function, status)
+}
+
+/// Turns the status of a guarded call into a result. Only for the functions that decide about poisoning: `data/call.rs` and
+/// [`check_without_data`].
 #[inline]
 pub(crate) fn check(function: &'static str, status: c_int) -> Result<()> {
     if status == guard::OK { Ok(()) } else { Err(caught(function, status)) }

@@ -3,7 +3,7 @@
 #![forbid(unsafe_code)]
 
 use mujoco_safe::element::SameFrame;
-use mujoco_safe::{Data, Matrix, Model, ModelMut, sample};
+use mujoco_safe::{Data, Error, Matrix, Model, ModelMut, sample};
 
 /// A free body, a body on slides and one on a ball joint: what the engine has shortcuts for.
 fn model(inertial: &str, geom: &str, site: &str, joint: &str) -> Model {
@@ -153,4 +153,56 @@ fn two_slides_along_one_axis_are_coupled() {
         data.forward().unwrap();
         assert_eq!(data.full_m().unwrap(), expected);
     }
+}
+
+/// A model with one body that has this inertia, and a child that is fixed to it.
+fn carrier(inertial: &str, child: &str) -> mujoco_safe::Result<Model> {
+    Model::from_xml_str(&format!(
+        r#"<mujoco><worldbody>
+             <body name="carrier" pos="0 0 1"><freejoint/><inertial pos="0 0 0" {inertial}/><body>{child}</body></body>
+           </worldbody></mujoco>"#
+    ))
+}
+
+#[test]
+fn a_moving_body_without_mass_or_inertia_is_refused_where_the_compiler_refuses_it() {
+    const GOOD: &str = r#"mass="1" diaginertia="1 1 1""#;
+    for (mass, inertia, what) in [
+        (0.0, [1.0; 3], "mass"),
+        (-1.0, [1.0; 3], "mass"),
+        (1e-16, [1.0; 3], "mass"),
+        (f64::NAN, [1.0; 3], "mass"),
+        (1.0, [1.0, 0.0, 1.0], "moment of inertia"),
+        (1.0, [0.0; 3], "moment of inertia"),
+    ] {
+        let mut model = carrier(GOOD, "").unwrap();
+        let mut edit = model.edit();
+        edit.body_mut("carrier").unwrap().set_mass(mass);
+        *edit.body_mut("carrier").unwrap().inertia_mut() = inertia;
+        let before = edit.body_subtreemass().to_vec();
+        match edit.update_constants() {
+            Err(Error::Invalid { what: found, .. }) => assert_eq!(found, format!("the {what} of body 'carrier'")),
+            other => panic!("{mass}, {inertia:?}: {other:?}"),
+        }
+        assert_eq!(edit.body_subtreemass(), before, "nothing has changed");
+        // Good numbers make the model usable again.
+        edit.body_mut("carrier").unwrap().set_mass(2.0);
+        *edit.body_mut("carrier").unwrap().inertia_mut() = [1.0; 3];
+        edit.update_constants().unwrap();
+    }
+}
+
+#[test]
+fn a_moving_body_without_mass_may_carry_a_fixed_one_that_has_it() {
+    const NOTHING: &str = r#"mass="0" diaginertia="0 0 0""#;
+    const BALL: &str = r#"<geom size=".1"/>"#;
+    assert!(carrier(NOTHING, "").is_err(), "the compiler refuses the body alone");
+    let mut model = carrier(NOTHING, BALL).unwrap();
+    model.edit().update_constants().unwrap();
+    let child = model.body("carrier").unwrap().index() + 1;
+    model.edit().body_mass_mut()[child] = 0.0;
+    assert!(matches!(model.edit().update_constants(), Err(Error::Invalid { .. })));
+    // Bodies without joints need no mass.
+    let mut fixed = Model::from_xml_str("<mujoco><worldbody><body/></worldbody></mujoco>").unwrap();
+    fixed.edit().update_constants().unwrap();
 }

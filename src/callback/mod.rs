@@ -89,9 +89,10 @@ impl<'c> Callbacks<'c> {
         Self::default()
     }
 
-    /// Sets controls and applied forces in the middle of a step, from what was computed of positions and velocities. With the
-    /// Runge–Kutta integrator it is called at each of the four substeps; in [`Data::transition_fd`] at each perturbed state,
-    /// so that a feedback law is part of what is linearised. Controls that are not numbers are an error of the step.
+    /// Sets controls and applied forces in the middle of a step, from the results of the position and velocity stages, readings of
+    /// their sensors included. With the Runge–Kutta integrator it is called at each of the four substeps, with the readings of the
+    /// first; in [`Data::transition_fd`] at each perturbed state, so that a feedback law is part of the linearisation. Controls
+    /// that are not finite or are huge are [`Error::Unstable`](crate::Error::Unstable) of the step, and poison the data.
     #[doc(alias = "mjcb_control")]
     pub fn control(mut self, control: impl FnMut(&mut ControlMoment<'_>) + Send + 'c) -> Self {
         self.control = Some(Box::new(control));
@@ -124,7 +125,7 @@ impl<'c> Callbacks<'c> {
     ///     moment.data_mut(sensor).copy_from_slice(&momentum);
     /// });
     /// data.with_callbacks(callbacks, |data| data.forward())?;
-    /// assert_eq!(data.sensor(sensor).data(), [0.0, 0.0, 3.0]);
+    /// assert_eq!(data.sensor(sensor).data()?, [0.0, 0.0, 3.0]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjcb_sensor")]

@@ -163,16 +163,16 @@ impl Question {
         Ok(())
     }
 
-    /// What the engine has computed when it asks, if the call goes through the whole pipeline.
+    /// Results that exist at the time of the question, if the call runs the whole pipeline.
     fn moment(&self) -> Computed {
         const POSITION: usize = mjSTAGE_POS as usize;
         const VELOCITY: usize = mjSTAGE_VEL as usize;
         match (self.what, self.first) {
             (asked::CONTACT_FILTER, _) => Computed::KINEMATICS,
-            (asked::SENSOR, POSITION) => Computed::POSITION,
+            (asked::SENSOR, POSITION) => Computed::POSITION | Computed::SENSOR_POS,
             (asked::PASSIVE, _) => Computed::BEFORE_PASSIVE,
-            (asked::SENSOR, stage) if stage != VELOCITY => Computed::FORCES,
-            _ => Computed::VELOCITY,
+            (asked::SENSOR, stage) if stage != VELOCITY => Computed::FORCES | Computed::SENSORS,
+            _ => Computed::VELOCITY | Computed::SENSOR_POS | Computed::SENSOR_VEL,
         }
     }
 

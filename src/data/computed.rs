@@ -1,4 +1,4 @@
-//! What has been computed for the present model, piece by piece.
+//! Record of the results that have been computed for the present model, part by part.
 
 use std::fmt;
 
@@ -7,8 +7,8 @@ use bitflags::bitflags;
 use super::Stage;
 
 bitflags! {
-    /// One bit for each part of the pipeline: its results are there, laid out as the present options say, and nothing that they
-    /// were made of was computed anew since.
+    /// One bit for each part of the pipeline: its results are there, laid out as the present options say, and none of the results
+    /// that they depend on has been recomputed since.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(crate) struct Computed: u32 {
         const KINEMATICS = 1;
@@ -34,6 +34,9 @@ bitflags! {
         const POST_CONSTRAINT = 1 << 20;
         /// The state was not advanced since the positions were taken from it.
         const CURRENT = 1 << 21;
+        const SENSOR_POS = 1 << 22;
+        const SENSOR_VEL = 1 << 23;
+        const SENSOR_ACC = 1 << 24;
 
         /// What [`Stage::Position`] stands for.
         const POSITION = Self::KINEMATICS.bits() | Self::COM_POS.bits() | Self::CAMLIGHT.bits() | Self::TENDON.bits()
@@ -45,25 +48,32 @@ bitflags! {
         /// What [`Stage::Acceleration`] stands for, which inverse dynamics reaches too.
         const FORCES = Self::VELOCITY.bits() | Self::FORCE.bits();
 
-        /// What is there when passive forces have just been computed.
-        const BEFORE_PASSIVE = Self::POSITION.bits() | Self::TENDON_VELOCITY.bits() | Self::ACTUATOR_VELOCITY.bits()
-            | Self::COM_VEL.bits();
+        /// Readings of the sensors of all stages.
+        const SENSORS = Self::SENSOR_POS.bits() | Self::SENSOR_VEL.bits() | Self::SENSOR_ACC.bits();
 
-        /// What the first half of a step leaves.
-        const AFTER_STEP1 = Self::VELOCITY.bits() | Self::PROJECTION.bits() | Self::CURRENT.bits();
-        /// What forward dynamics leaves.
-        const AFTER_FORWARD = Self::AFTER_STEP1.bits() | Self::ACTUATION.bits() | Self::ACCELERATION.bits()
-            | Self::FORCE.bits();
-        /// What a step leaves: quantities of the state before.
+        /// Results that exist when passive forces have just been computed.
+        const BEFORE_PASSIVE = Self::POSITION.bits() | Self::TENDON_VELOCITY.bits() | Self::ACTUATOR_VELOCITY.bits()
+            | Self::COM_VEL.bits() | Self::SENSOR_POS.bits();
+
+        /// Results of the first half of a step that its second half reads.
+        const FIRST_HALF = Self::VELOCITY.bits() | Self::PROJECTION.bits() | Self::CURRENT.bits();
+        /// Results of forward dynamics, without sensors.
+        const FORWARD = Self::FIRST_HALF.bits() | Self::ACTUATION.bits() | Self::ACCELERATION.bits() | Self::FORCE.bits();
+
+        /// Results after the first half of a step.
+        const AFTER_STEP1 = Self::FIRST_HALF.bits() | Self::SENSOR_POS.bits() | Self::SENSOR_VEL.bits();
+        /// Results after forward dynamics.
+        const AFTER_FORWARD = Self::FORWARD.bits() | Self::SENSORS.bits();
+        /// Results after a step: those of the state before it.
         const AFTER_STEP = Self::AFTER_FORWARD.bits() & !Self::CURRENT.bits();
-        /// What inverse dynamics leaves, which uses neither the projection nor the actuators.
-        const AFTER_INVERSE = Self::FORCES.bits() | Self::CURRENT.bits();
+        /// Results after inverse dynamics, which uses neither the projection nor the actuators.
+        const AFTER_INVERSE = Self::FORCES.bits() | Self::CURRENT.bits() | Self::SENSORS.bits();
     }
 }
 
 impl Computed {
     /// Each part of the pipeline, what it reads of the others, and the method that computes it, in an order that works.
-    const PARTS: [(Self, Self, &'static str); 21] = [
+    const PARTS: [(Self, Self, &'static str); 24] = [
         (Self::KINEMATICS, Self::empty(), "kinematics"),
         (Self::COM_POS, Self::KINEMATICS, "com_pos"),
         (Self::CAMLIGHT, Self::COM_POS, "camlight"),
@@ -89,7 +99,13 @@ impl Computed {
         ),
         (Self::FORCE, Self::PROJECTION.union(Self::REFERENCE).union(Self::ACCELERATION), "fwd_constraint"),
         (Self::POST_CONSTRAINT, Self::FORCE, "rne_post_constraint"),
+        (Self::SENSOR_POS, Self::POSITION, "sensor_pos"),
+        (Self::SENSOR_VEL, Self::VELOCITY, "sensor_vel"),
+        (Self::SENSOR_ACC, Self::FORCES, "sensor_acc"),
     ];
+
+    /// Parts that neither forward dynamics nor a step records.
+    const NOT_IN_FORWARD: Self = Self::SUBTREE_VEL.union(Self::POST_CONSTRAINT);
 
     /// What becomes stale when these are computed anew: all that was made of them, directly or not.
     const fn dependents(self) -> Self {
@@ -118,6 +134,17 @@ impl Computed {
         self.difference(stale).union(gives)
     }
 
+    /// The readings of sensors that exist after forward or inverse dynamics that took the stages up to `skip` from earlier calls.
+    pub(super) fn sensors_after(self, skip: Stage, skip_sensors: bool) -> Self {
+        let kept = match skip {
+            Stage::Nothing => Self::empty(),
+            Stage::Position => Self::SENSOR_POS,
+            Stage::Velocity | Stage::Acceleration => Self::SENSOR_POS | Self::SENSOR_VEL,
+        };
+        let read = if skip_sensors { Self::empty() } else { Self::SENSORS - kept };
+        (self & kept) | read
+    }
+
     pub(super) fn stage(self) -> Stage {
         [Stage::Acceleration, Stage::Velocity, Stage::Position]
             .into_iter()
@@ -138,7 +165,8 @@ impl From<Stage> for Computed {
     }
 }
 
-/// What a call needs that has not been computed: a whole [`Stage`], or the results of some parts of the pipeline.
+/// Results that a call needs: those of a whole [`Stage`], or of some parts of the pipeline. An argument of
+/// [`Data::require`](crate::Data::require), and a field of [`Error::NotComputed`](crate::Error::NotComputed).
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Needs(Need);
 
@@ -155,15 +183,42 @@ impl Needs {
         Self(Need::Parts(missing))
     }
 
-    /// A first half of a step, which nothing has made of no use since.
+    /// A first half of a step that is still valid.
     pub(super) const FIRST_HALF: Self = Self(Need::FirstHalf);
 
-    /// Since when it has not been computed, and which call computes it.
+    /// The readings of all sensors, `sensordata`. [`Data::forward`](crate::Data::forward), [`step`](crate::Data::step) and
+    /// [`inverse`](crate::Data::inverse) compute them.
+    pub const SENSORS: Self = Self(Need::Parts(Computed::SENSORS));
+    /// Accelerations of bodies and forces on them: `cacc`, `cfrc_int`, `cfrc_ext`.
+    /// [`Data::rne_post_constraint`](crate::Data::rne_post_constraint) computes them, `forward` and `step` do not.
+    pub const BODY_FORCES: Self = Self(Need::Parts(Computed::POST_CONSTRAINT));
+    /// Velocities and angular momenta of subtrees: `subtree_linvel`, `subtree_angmom`.
+    /// [`Data::subtree_vel`](crate::Data::subtree_vel) computes them, `forward` and `step` do not.
+    pub const SUBTREE_VELOCITIES: Self = Self(Need::Parts(Computed::SUBTREE_VEL));
+
+    /// What of these has not been computed.
+    #[inline]
+    pub(super) fn missing(self, computed: Computed) -> Option<Self> {
+        match self.0 {
+            Need::Stage(stage) => (!computed.contains(stage.into())).then_some(self),
+            Need::FirstHalf => (!computed.contains(Computed::FIRST_HALF)).then_some(self),
+            Need::Parts(parts) => {
+                let missing = parts - computed;
+                (!missing.is_empty()).then(|| Self::parts(missing))
+            }
+        }
+    }
+
+    /// Since when the results are missing, and which call computes them.
     pub(crate) fn remedy(self) -> &'static str {
         match self.0 {
             Need::Stage(_) => "since the last reset or change of the model: call forward or step first",
             Need::FirstHalf => {
                 "since the last step, reset or change of the model: call step1 first, once for each step2"
+            }
+            Need::Parts(parts) if parts.intersects(Computed::NOT_IN_FORWARD) => {
+                "since the last step, reset, change of the model or change of what they are made of: call these after forward \
+                 or step, which do not compute them"
             }
             Need::Parts(_) => {
                 "since the last step, reset, change of the model or change of what they are made of: call these first, in \
@@ -205,7 +260,7 @@ impl fmt::Debug for Needs {
 
 #[cfg(test)]
 mod tests {
-    use super::Computed;
+    use super::{Computed, Stage};
 
     #[test]
     fn every_part_comes_after_what_it_reads() {
@@ -224,11 +279,22 @@ mod tests {
         assert_eq!(all.after(Computed::KINEMATICS, false), Computed::KINEMATICS | Computed::CURRENT);
         let stale = all - all.after(Computed::COLLISION, false);
         let rows = Computed::CONSTRAINT | Computed::PROJECTION | Computed::REFERENCE;
-        assert_eq!(stale, rows | Computed::FORCE | Computed::POST_CONSTRAINT);
+        assert_eq!(stale, rows | Computed::FORCE | Computed::POST_CONSTRAINT | Computed::SENSORS);
         let with_adhesion = all - all.after(Computed::COLLISION, true);
         let actuators =
             Computed::TRANSMISSION | Computed::ACTUATOR_VELOCITY | Computed::ACTUATION | Computed::ACCELERATION;
         assert_eq!(with_adhesion - stale, actuators);
         assert_eq!(all - all.after(Computed::POST_CONSTRAINT, false), Computed::empty());
+    }
+
+    #[test]
+    fn readings_of_skipped_stages_are_kept_and_no_others() {
+        let (all, none) = (Computed::all(), Computed::empty());
+        assert_eq!(none.sensors_after(Stage::Nothing, false), Computed::SENSORS);
+        assert_eq!(all.sensors_after(Stage::Nothing, true), none);
+        assert_eq!(none.sensors_after(Stage::Position, false), Computed::SENSOR_VEL | Computed::SENSOR_ACC);
+        assert_eq!(all.sensors_after(Stage::Position, true), Computed::SENSOR_POS);
+        assert_eq!(none.sensors_after(Stage::Velocity, false), Computed::SENSOR_ACC);
+        assert_eq!(all.sensors_after(Stage::Velocity, true), Computed::SENSOR_POS | Computed::SENSOR_VEL);
     }
 }

@@ -9,7 +9,6 @@ use mujoco_sys::{
 
 use super::{Computed, Data};
 use crate::error::{Error, Result};
-use crate::ffi;
 use crate::id::GeomId;
 
 /// How far two geoms are from each other.
@@ -46,7 +45,8 @@ impl Data {
     ///
     /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a `distmax` that is negative or not finite,
     /// [`Error::Unsupported`] for a pair that the engine has no function for, such as two planes, or for a geom whose pose is not
-    /// finite, [`Error::Engine`] if the engine fails.
+    /// finite, [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size is not positive. The
+    /// latter poisons the data, because the engine moves geoms during the call.
     ///
     /// # Panics
     ///
@@ -157,23 +157,13 @@ impl Data {
             Search::Convex => [mjGEOM_ELLIPSOID as i32; 2],
         };
         let mut count = 0;
-        // SAFETY: two geoms of this model, whose poses were computed, and the function for their types or the one for any two
-        // convex shapes; room for as many contacts as a function may find. It moves the geoms and puts them back, so the data
-        // is borrowed exclusively.
-        let status = unsafe {
-            guard::collide(
-                self.model().as_ptr(),
-                self.as_mut_ptr(),
-                contacts.as_mut_ptr().cast(),
-                types[0],
-                types[1],
-                first as i32,
-                second as i32,
-                margin,
-                &raw mut count,
-            )
-        };
-        ffi::check("mjCOLLISIONFUNC", status)?;
+        let (found, place) = (contacts.as_mut_ptr().cast(), &raw mut count);
+        self.call_mut("mjCOLLISIONFUNC", |m, d| {
+            // SAFETY: two geoms of this model, whose poses were computed, and the function for their types or the one for any two
+            // convex shapes; room for the largest number of contacts that a function may find. It moves the geoms and puts them
+            // back, for which `call_mut` borrows the data exclusively.
+            unsafe { guard::collide(m, d, found, types[0], types[1], first as i32, second as i32, margin, place) }
+        })?;
         let Ok(count) = usize::try_from(count) else {
             return Err(Error::Unsupported(format!(
                 "the distance of geoms {first} and {second}: the engine has no collision function for their types"

@@ -6,7 +6,6 @@ use mujoco_sys::{self as sys, guard};
 
 use super::{Data, Stage};
 use crate::error::{Error, Result};
-use crate::ffi;
 use crate::matrix::Matrix;
 
 impl Data {
@@ -85,11 +84,10 @@ impl Data {
         let n = i32::try_from(vector.len())
             .map(|_| n as i32)
             .map_err(|_| Error::Unsupported(format!("solve_m of {n} vectors of length {nv} at once")))?;
-        // SAFETY: both have n × nv values.
-        let status = unsafe {
-            guard::mj_solve_m(self.model().as_ptr(), self.as_mut_ptr(), result.as_mut_ptr(), vector.as_ptr(), n)
-        };
-        ffi::check("mj_solveM", status)
+        self.call_mut("mj_solveM", |m, d| {
+            // SAFETY: both vectors have n × nv values, and the factor was computed for this model.
+            unsafe { guard::mj_solve_m(m, d, result.as_mut_ptr(), vector.as_ptr(), n) }
+        })
     }
 
     /// `result = M^½ vector`, both of length nv: the square root that belongs to the factorisation, `D^½ L`, so that the squared
@@ -152,11 +150,10 @@ impl Data {
         let n = i32::try_from(vector.len())
             .map(|_| n as i32)
             .map_err(|_| Error::Unsupported(format!("solve_m2 of {n} vectors of length {nv} at once")))?;
-        // SAFETY: both have n × nv values.
-        let status = unsafe {
-            guard::mj_solve_m2(self.model().as_ptr(), self.as_mut_ptr(), result.as_mut_ptr(), vector.as_ptr(), n)
-        };
-        ffi::check("mj_solveM2", status)
+        self.call_mut("mj_solveM2", |m, d| {
+            // SAFETY: as in `solve_m`.
+            unsafe { guard::mj_solve_m2(m, d, result.as_mut_ptr(), vector.as_ptr(), n) }
+        })
     }
 
     /// Inverse dynamics without constraints and passive forces, by the recursive Newton–Euler algorithm (Featherstone, Rigid
@@ -165,7 +162,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before velocities were computed, [`Error::Shape`] for a wrong length.
+    /// [`Error::NotComputed`] before velocities were computed, [`Error::Shape`] for a wrong length, [`Error::Engine`] if the
+    /// engine's stack is too small.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -181,11 +179,10 @@ impl Data {
     pub fn rne(&mut self, with_acceleration: bool, result: &mut [f64]) -> Result<()> {
         self.check_computed("rne", Stage::Velocity)?;
         Error::check_length("the result of rne", result.len(), self.model().nv())?;
-        // SAFETY: the result has nv values.
-        let status = unsafe {
-            guard::mj_rne(self.model().as_ptr(), self.as_mut_ptr(), with_acceleration.into(), result.as_mut_ptr())
-        };
-        ffi::check("mj_rne", status)
+        self.call_mut("mj_rne", |m, d| {
+            // SAFETY: the result has nv values.
+            unsafe { guard::mj_rne(m, d, with_acceleration.into(), result.as_mut_ptr()) }
+        })
     }
 
     /// Adds the inertia matrix to a matrix of the shape `(nv, nv)`.
@@ -210,11 +207,10 @@ impl Data {
         let nv = self.model().nv();
         Error::check_shape("the sum of add_m", sum.shape(), (nv, nv))?;
         let null = ptr::null_mut;
-        // SAFETY: without index arrays the sum is taken for a full matrix, which it is.
-        let status = unsafe {
-            guard::mj_add_m(self.model().as_ptr(), self.as_mut_ptr(), sum.as_mut_ptr(), null(), null(), null())
-        };
-        ffi::check("mj_addM", status)
+        self.call_mut("mj_addM", |m, d| {
+            // SAFETY: without index arrays the engine reads the sum as a full matrix, which it is.
+            unsafe { guard::mj_add_m(m, d, sum.as_mut_ptr(), null(), null(), null()) }
+        })
     }
 
     /// Adds the inertia matrix to a sparse matrix of nv rows. Row `r` has `rownnz[r]` numbers from `values[rowadr[r]]` on, and
@@ -224,7 +220,8 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless `rownnz` and `rowadr` have length nv and
-    /// `colind` has that of `values`, [`Error::Invalid`] for a row that is none, or has no room.
+    /// `colind` has that of `values`, [`Error::Invalid`] for a row that is none, or has no room, [`Error::Engine`] if the
+    /// engine's stack is too small.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -258,19 +255,13 @@ impl Data {
             let end = rowadr.get(row + 1).map_or(values.len(), |&next| usize::try_from(next).unwrap_or(0));
             self.check_sparse_row(row, rownnz[row], rowadr[row], end.min(values.len()), colind)?;
         }
-        // SAFETY: rows that lie one behind another within the arrays, with ascending columns of the matrix, and room for what is
-        // added. The engine only reads the addresses.
-        let status = unsafe {
-            guard::mj_add_m(
-                self.model().as_ptr(),
-                self.as_mut_ptr(),
-                values.as_mut_ptr(),
-                rownnz.as_mut_ptr(),
-                rowadr.as_ptr().cast_mut(),
-                colind.as_mut_ptr(),
-            )
-        };
-        ffi::check("mj_addM", status)
+        let (values, rownnz, colind) = (values.as_mut_ptr(), rownnz.as_mut_ptr(), colind.as_mut_ptr());
+        let rowadr = rowadr.as_ptr().cast_mut();
+        self.call_mut("mj_addM", |m, d| {
+            // SAFETY: `check_sparse_row` found the rows in order within the arrays, with ascending columns of the matrix and room
+            // for the added values. The engine only reads the addresses.
+            unsafe { guard::mj_add_m(m, d, values, rownnz, rowadr, colind) }
+        })
     }
 
     /// Refuses a row that the engine would leave its arrays with.

@@ -10,7 +10,6 @@ use mujoco_sys::{self as sys, guard};
 
 use super::{Data, Stage};
 use crate::error::{Error, Result};
-use crate::ffi;
 use crate::id::{BodyId, ElementKind, GeomId, Id, SiteId};
 use crate::matrix::Matrix;
 
@@ -151,7 +150,7 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -167,7 +166,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
+    /// engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -176,9 +176,10 @@ impl Data {
     pub fn jac_subtree_com_into(&mut self, body: impl Into<BodyId>, jacobian: &mut Matrix) -> Result<()> {
         let index = self.index_for("jac_subtree_com", body.into())?;
         let jacp = output("jacobian", Some(jacobian), self.model().nv())?;
-        // SAFETY: the id is one of this model's, and the output has 3 × nv values.
-        let status = unsafe { guard::mj_jac_subtree_com(self.model().as_ptr(), self.as_mut_ptr(), jacp, index) };
-        ffi::check("mj_jacSubtreeCom", status)
+        self.call_mut("mj_jacSubtreeCom", |m, d| {
+            // SAFETY: the index is that of a body of this model, and the output has 3 × nv values.
+            unsafe { guard::mj_jac_subtree_com(m, d, jacp, index) }
+        })
     }
 
     /// How a point on a body, in m, world frame, and an axis of the body, world frame, move: the Jacobians `(3, nv)` of the point
@@ -186,7 +187,7 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -216,7 +217,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
+    /// engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -233,11 +235,10 @@ impl Data {
         let index = self.index_for("jac_point_axis", body.into())?;
         let nv = self.model().nv();
         let (jac_point, jac_axis) = (output("jac_point", jac_point, nv)?, output("jac_axis", jac_axis, nv)?);
-        let (m, d) = (self.model().as_ptr(), self.as_mut_ptr());
-        // SAFETY: as for the others, and point and axis have three coordinates.
-        let status =
-            unsafe { guard::mj_jac_point_axis(m, d, jac_point, jac_axis, point.as_ptr(), axis.as_ptr(), index) };
-        ffi::check("mj_jacPointAxis", status)
+        self.call_mut("mj_jacPointAxis", |m, d| {
+            // SAFETY: a body of this model, outputs that are NULL or have 3 × nv values, and two vectors of three numbers.
+            unsafe { guard::mj_jac_point_axis(m, d, jac_point, jac_axis, point.as_ptr(), axis.as_ptr(), index) }
+        })
     }
 
     fn empty_jacobian(&self) -> Jacobian {

@@ -13,7 +13,8 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NoSuchName`](crate::Error::NoSuchName) or [`Error::NoSuchIndex`](crate::Error::NoSuchIndex) if there is no such
-    /// keyframe, [`Error::Engine`](crate::Error::Engine) if the copy cannot be allocated.
+    /// keyframe, [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if the copy cannot be
+    /// allocated.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};

@@ -2,6 +2,7 @@
 //!
 //! | file | what is in it |
 //! |---|---|
+//! | `call.rs` | calls of the engine, and the effect of its errors |
 //! | `step.rs` | step, forward, inverse: the pipeline |
 //! | `stage.rs` | how far the pipeline has been computed |
 //! | `computed.rs` | the same, piece by piece |
@@ -22,6 +23,7 @@
 //! | `contact.rs` | contacts and their forces |
 //! | `new_contact.rs` | contacts that the user adds |
 
+mod call;
 mod computed;
 mod constraint;
 mod contact;
@@ -42,11 +44,12 @@ mod statistics;
 mod step;
 mod warning;
 
+use std::ffi::c_int;
 use std::fmt;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
-use mujoco_sys::{self as sys, guard, mjData};
+use mujoco_sys::{self as sys, guard, mjData, mjModel};
 
 pub(crate) use self::computed::Computed;
 pub use self::computed::Needs;
@@ -87,9 +90,15 @@ use crate::model::{Model, ModelMut};
 ///
 /// # Errors of the engine
 ///
-/// Where the engine itself would print, wait for a key and end the process, the call returns
-/// [`Error::Engine`]. The data is then half computed and refuses everything with [`Error::Poisoned`] until it is
-/// [`reset`](Self::reset).
+/// Where the engine itself would print, wait for a key and end the process, the call returns [`Error::Engine`]. The receiver of
+/// the call decides about the data:
+///
+/// - After a call with `&mut Data`, such as [`step`](Self::step), [`rne`](Self::rne) or
+///   [`Scene::update`](crate::Scene::update), the data may be half computed. It is poisoned: every call that computes
+///   from it returns [`Error::Poisoned`] until a [`reset`](Self::reset). The arrays can still be read. The `# Errors` sections
+///   mention this error only for calls that can cause it.
+/// - A call with `&Data`, such as [`ray`](Self::ray) or [`Scene::select`](crate::Scene::select), only reads. The data stays as
+///   it was and usable.
 ///
 /// # What does not compile
 ///
@@ -155,7 +164,7 @@ use crate::model::{Model, ModelMut};
 pub struct Data {
     raw: NonNull<mjData>,
     model: Arc<Model>,
-    /// What is there for the present model.
+    /// Results that have been computed for the present model.
     computed: Computed,
     /// Why the data is unusable, if it is.
     failure: Option<Box<str>>,
@@ -183,7 +192,7 @@ impl Data {
         let model = model.into();
         let mut made = ptr::null_mut();
         // SAFETY: a valid model, a place for the result.
-        ffi::check("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
+        ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
         // SAFETY: the engine made it for this model.
         unsafe { Self::from_raw(made, model) }
     }
@@ -208,7 +217,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the copy cannot be allocated.
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated. Nothing is changed then, and the
+    /// data is not poisoned.
     ///
     /// ```
     /// use mujoco_safe::{Cone, Data, sample};
@@ -256,17 +266,17 @@ impl Data {
         Ok(edit(&mut model.edit()))
     }
 
-    /// Back to the reference position, at rest, with no controls and no applied forces. Makes the data usable again after an
-    /// error.
+    /// Resets to the reference position, at rest, with no controls and no applied forces. Makes a poisoned data usable again.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine fails, which it does for no model that was loaded.
+    /// [`Error::Engine`] if the engine fails. It fails for no model that was loaded.
     #[doc(alias = "mj_resetData")]
     pub fn reset(&mut self) -> Result<()> {
-        // SAFETY: a model and a data that go together.
-        let status = unsafe { guard::mj_reset_data(self.model.as_ptr(), self.raw.as_ptr()) };
-        self.was_reset("mj_resetData", status)
+        self.reset_by("mj_resetData", |m, d| {
+            // SAFETY: a model and a data that go together.
+            unsafe { guard::mj_reset_data(m, d) }
+        })
     }
 
     /// Resets, and then sets time, positions, velocities, activations, mocap poses and controls from a keyframe, given by its
@@ -274,7 +284,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] if there is no such keyframe. (The engine would make a plain reset.)
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] if there is no such keyframe; the data is unchanged then. (The engine would
+    /// make a plain reset.) [`Error::Engine`] as for [`reset`](Self::reset).
     ///
     /// ```
     /// use mujoco_safe::{Data, Error, sample};
@@ -290,19 +301,24 @@ impl Data {
     #[doc(alias = "resetkey")]
     pub fn reset_to_key(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
         let key: Id<kind::Keyframe> = key.id(&self.model)?;
-        // SAFETY: as above, and the model has this keyframe.
-        let status =
-            unsafe { guard::mj_reset_data_keyframe(self.model.as_ptr(), self.raw.as_ptr(), key.index() as i32) };
-        self.was_reset("mj_resetDataKeyframe", status)
+        self.reset_by("mj_resetDataKeyframe", |m, d| {
+            // SAFETY: a model and a data that go together, and a keyframe of the model.
+            unsafe { guard::mj_reset_data_keyframe(m, d, key.index() as c_int) }
+        })
     }
 
-    fn was_reset(&mut self, function: &'static str, status: i32) -> Result<()> {
+    fn reset_by(
+        &mut self,
+        function: &'static str,
+        reset: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
+    ) -> Result<()> {
         self.computed = Computed::empty();
         self.failure = None;
-        ffi::check(function, status).inspect_err(|error| self.failure = Some(error.to_string().into()))
+        self.call_mut(function, reset)
     }
 
-    /// A copy, or an error if there is no memory for it. [`Clone`] panics in that case.
+    /// Returns a copy, or an error if there is no memory for it. [`Clone`] panics in that case. The copy of a poisoned data is
+    /// poisoned.
     ///
     /// # Errors
     ///
@@ -310,11 +326,10 @@ impl Data {
     #[doc(alias = "mj_copyData")]
     pub fn try_clone(&self) -> Result<Self> {
         let mut copy = ptr::null_mut();
-        // SAFETY: with NULL as its destination the engine allocates a new data; the source is valid and made for the model.
-        let status = self.with_unused_stack(|source| unsafe {
-            guard::mj_copy_data(ptr::null_mut(), self.model.as_ptr(), source, &raw mut copy)
-        });
-        ffi::check("mj_copyData", status)?;
+        self.call("mj_copyData", |m, _| {
+            // SAFETY: with NULL as its destination the engine allocates a new data; the source is valid and made for the model.
+            self.with_unused_stack(|source| unsafe { guard::mj_copy_data(ptr::null_mut(), m, source, &raw mut copy) })
+        })?;
         // SAFETY: made for this model, and ours alone.
         let mut copy = unsafe { Self::from_raw(copy, self.model.clone()) }?;
         copy.computed = self.computed;
@@ -323,22 +338,22 @@ impl Data {
         Ok(copy)
     }
 
-    /// Takes over everything that another simulation has, without allocating. The models must have the same structure; this
-    /// one keeps its own.
+    /// Copies everything from another simulation, without allocating. The models must have the same structure; this
+    /// simulation keeps its own. It is poisoned afterwards exactly if the other one is.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] if the other simulation is of a model that was loaded separately.
+    /// [`Error::OtherModel`] if the other simulation is of a model that was loaded separately. [`Error::Engine`] if the engine
+    /// fails. It fails for no two models of the same structure.
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
         if !self.model.is_same_structure(&other.model) {
             return Err(Error::OtherModel { what: "the data to copy from" });
         }
         let mut copied = ptr::null_mut();
-        // SAFETY: two data of models with the same structure, so of the same sizes.
-        let status = other.with_unused_stack(|source| unsafe {
-            guard::mj_copy_data(self.raw.as_ptr(), self.model.as_ptr(), source, &raw mut copied)
-        });
-        ffi::check("mj_copyData", status)?;
+        self.call_mut("mj_copyData", |m, d| {
+            // SAFETY: two data of models with the same structure, so of the same sizes.
+            other.with_unused_stack(|source| unsafe { guard::mj_copy_data(d, m, source, &raw mut copied) })
+        })?;
         // What was computed under other options is laid out otherwise.
         self.computed = if Arc::ptr_eq(&self.model, &other.model) { other.computed } else { Computed::empty() };
         self.failure.clone_from(&other.failure);
@@ -361,16 +376,56 @@ impl Data {
         self.raw_mut().time = time;
     }
 
-    /// Potential and kinetic energy, J. Computed by `forward` and `step` where
-    /// [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set, and zero otherwise.
+    /// Potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and [`inverse`](Self::inverse) compute them
+    /// while [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set. Without the flag they are zero after a reset, but a program
+    /// that clears the flag later reads old numbers.
     pub fn energy(&self) -> [f64; 2] {
         self.raw().energy
     }
 
-    /// How far the present quantities have been computed.
+    /// Returns how far the present quantities have been computed.
     #[inline]
     pub fn stage(&self) -> Stage {
         self.computed.stage()
+    }
+
+    /// Returns an error unless these results have been computed for the present model: a [`Stage`], or one of the constants of
+    /// [`Needs`].
+    ///
+    /// Plain arrays such as [`xpos`](Self::xpos) and [`sensordata`](Self::sensordata) are slices of the engine's memory and check
+    /// nothing. Before the first [`forward`](Self::forward) they are zero, and after a change of the model they hold old numbers. Call
+    /// this before a loop that reads them, or in it: the cost is a comparison of two integers.
+    ///
+    /// Results count as computed until a reset, a change of the model, or a new computation of the quantities that they depend on.
+    /// After [`step`](Self::step) they belong to the state before the step. Numbers that a program writes, such as
+    /// [`qpos_mut`](Self::qpos_mut), are not tracked: call `forward` after them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] with the call that computes the results, [`Error::Poisoned`] after an engine error.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Error, Needs, Stage, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// assert!(matches!(data.require(Stage::Position), Err(Error::NotComputed { .. })));
+    /// data.step()?;
+    /// data.require(Stage::Acceleration)?;
+    /// data.require(Needs::SENSORS)?;
+    /// // A step does not compute the forces on bodies.
+    /// assert!(data.require(Needs::BODY_FORCES).is_err());
+    /// data.rne_post_constraint()?;
+    /// data.require(Needs::BODY_FORCES)?;
+    /// println!("{:?}", data.cfrc_ext());
+    /// # Ok::<(), Error>(())
+    /// ```
+    #[inline]
+    pub fn require(&self, needs: impl Into<Needs>) -> Result<()> {
+        self.check_usable()?;
+        match needs.into().missing(self.computed) {
+            None => Ok(()),
+            Some(needs) => Err(Error::NotComputed { call: "Data::require", needs }),
+        }
     }
 
     /// Notes how far the engine has come, for a closure that it calls in the middle of its work.
@@ -412,7 +467,7 @@ impl Data {
         }
     }
 
-    /// Refuses what needs quantities that have not been computed.
+    /// Rejects a call that needs a stage that has not been computed.
     #[inline]
     pub(crate) fn check_computed(&self, call: &'static str, needs: Stage) -> Result<()> {
         self.check_usable()?;

@@ -6,7 +6,6 @@ use mujoco_sys::{self as sys, guard, mjData, mjModel, mjOBJ_BODY, mjOBJ_CAMERA, 
 
 use super::{Computed, Data, Stage};
 use crate::error::{Error, Result};
-use crate::ffi;
 use crate::id::{BodyId, CameraId, GeomId, SiteId};
 
 /// Something with a frame that moves with a body.
@@ -112,14 +111,14 @@ impl Data {
         })
     }
 
-    /// What the engine writes of a frame to six numbers.
+    /// Makes a call that writes the motion of a frame to six numbers.
     fn motion(
         &self,
         function: &'static str,
         call: impl FnOnce(*const mjModel, *const mjData, *mut f64) -> c_int,
     ) -> Result<Motion> {
         let mut result = [0.0; 6];
-        ffi::check(function, call(self.model().as_ptr(), self.as_ptr(), result.as_mut_ptr()))?;
+        self.call(function, |m, d| call(m, d, result.as_mut_ptr()))?;
         Ok(Motion::from_engine(result))
     }
 
@@ -128,7 +127,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong length.
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong length, [`Error::Engine`] if the
+    /// engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -160,19 +160,11 @@ impl Data {
         self.model().check_id(body);
         self.check_computed("apply_ft", Stage::Position)?;
         Error::check_length("qfrc_target of apply_ft", qfrc_target.len(), self.model().nv())?;
-        // SAFETY: a body of this model, three numbers each, and a target of nv.
-        let status = unsafe {
-            guard::mj_apply_ft(
-                self.model().as_ptr(),
-                self.as_mut_ptr(),
-                force.as_ptr(),
-                torque.as_ptr(),
-                point.as_ptr(),
-                body.index() as c_int,
-                qfrc_target.as_mut_ptr(),
-            )
-        };
-        ffi::check("mj_applyFT", status)
+        let (body, target) = (body.index() as c_int, qfrc_target.as_mut_ptr());
+        self.call_mut("mj_applyFT", |m, d| {
+            // SAFETY: a body of this model, three vectors of three numbers, and a target of nv numbers.
+            unsafe { guard::mj_apply_ft(m, d, force.as_ptr(), torque.as_ptr(), point.as_ptr(), body, target) }
+        })
     }
 
     /// From a body's own frame to the world: a point, and the rotation matrix of an orientation `[w, x, y, z]`.

@@ -1,13 +1,12 @@
 //! The parts of the pipeline, called one by one.
 //!
-//! [`Data::forward`] calls all of them in an order that works. A part that is called alone refuses, with
-//! [`Error::NotComputed`], if what it reads has not been computed for the present model, and what was made of its old results
-//! counts as not computed afterwards.
+//! [`Data::forward`] calls all of them in a valid order. A part that is called alone returns [`Error::NotComputed`] unless its
+//! inputs have been computed for the present model. All results that depend on its own count as not computed afterwards.
 //!
-//! It is the order of the calls that is watched. Numbers that are written by hand, such as `qpos`, are not, so begin again with
+//! The crate tracks the order of the calls. It does not track numbers that a program writes, such as `qpos`: start again with
 //! [`kinematics`](Data::kinematics) after a change of positions.
 //!
-//! A name with `compute_` in front is one whose plain form is the field or the element.
+//! A method has the prefix `compute_` if a field or an element has its plain name.
 //!
 //! | part | engine | computes | reads the results of |
 //! |---|---|---|---|
@@ -30,6 +29,14 @@
 //! | [`fwd_actuation`](Data::fwd_actuation) | `mj_fwdActuation` | actuator forces, `act_dot` | `compute_actuator_velocity` |
 //! | [`fwd_acceleration`](Data::fwd_acceleration) | `mj_fwdAcceleration` | `qacc_smooth` | `factor_m`, `passive`, `compute_qfrc_bias`, `fwd_actuation` |
 //! | [`fwd_constraint`](Data::fwd_constraint) | `mj_fwdConstraint` | constraint forces, `qacc` | `project_constraint`, `reference_constraint`, `fwd_acceleration` |
+//! | [`sensor_pos`](Data::sensor_pos), [`sensor_vel`](Data::sensor_vel), [`sensor_acc`](Data::sensor_acc) | `mj_sensorPos`, … | readings of the sensors of a stage | all of the stage |
+//!
+//! Not part of `forward`:
+//!
+//! | part | engine | computes | reads the results of |
+//! |---|---|---|---|
+//! | [`subtree_vel`](Data::subtree_vel) | `mj_subtreeVel` | `subtree_linvel`, `subtree_angmom` | `com_vel` |
+//! | [`rne_post_constraint`](Data::rne_post_constraint) | `mj_rnePostConstraint` | `cacc`, `cfrc_int`, `cfrc_ext` | `com_vel`, `fwd_constraint` |
 //!
 //! Positions in one call are [`fwd_position`](Data::fwd_position), velocities [`fwd_velocity`](Data::fwd_velocity).
 
@@ -143,13 +150,13 @@ parts! {
 
     /// The sensors of positions.
     sensor_pos = mj_sensor_pos("mj_sensorPos")
-        reads C::POSITION.union(C::CURRENT), computes C::empty();
+        reads C::POSITION.union(C::CURRENT), computes C::SENSOR_POS;
     /// The sensors of velocities.
     sensor_vel = mj_sensor_vel("mj_sensorVel")
-        reads C::VELOCITY.union(C::CURRENT), computes C::empty();
+        reads C::VELOCITY.union(C::CURRENT), computes C::SENSOR_VEL;
     /// The sensors of accelerations and forces.
     sensor_acc = mj_sensor_acc("mj_sensorAcc")
-        reads C::FORCES, computes C::empty();
+        reads C::FORCES, computes C::SENSOR_ACC;
     /// The potential energy. Zero unless [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set.
     energy_pos = mj_energy_pos("mj_energyPos")
         reads C::TENDON.union(C::CURRENT), computes C::empty();
@@ -254,11 +261,12 @@ impl Data {
         let (stage, needs) = match skip {
             Stage::Nothing => (mjSTAGE_NONE, C::empty()),
             Stage::Position => (mjSTAGE_POS, C::POSITION | C::PROJECTION | C::CURRENT),
-            Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::AFTER_STEP1),
+            Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::FIRST_HALF),
         };
         self.check_parts("forward_skip", needs)?;
         self.check_inputs()?;
-        self.run("mj_forwardSkip", C::AFTER_FORWARD, |m, d| {
+        let sensors = self.computed.sensors_after(skip, skip_sensors);
+        self.run("mj_forwardSkip", C::FORWARD | sensors, |m, d| {
             // SAFETY: as for the other parts.
             unsafe { guard::mj_forward_skip(m, d, stage as c_int, skip_sensors.into()) }
         })
@@ -273,14 +281,15 @@ impl Data {
     #[doc(alias = "mj_inverseSkip")]
     pub fn inverse_skip(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
         let (stage, needs, gives) = match skip {
-            Stage::Nothing => (mjSTAGE_NONE, C::empty(), C::AFTER_INVERSE),
+            Stage::Nothing => (mjSTAGE_NONE, C::empty(), C::FORCES | C::CURRENT),
             Stage::Position => (mjSTAGE_POS, C::POSITION | C::CURRENT, C::FORCES - C::POSITION),
             Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::VELOCITY | C::CURRENT, C::FORCE),
         };
         self.check_parts("inverse_skip", needs)?;
         self.check_inputs()?;
         self.prepare(gives);
-        self.run("mj_inverseSkip", self.after(gives), |m, d| {
+        let computes = (self.after(gives) - C::SENSORS) | self.computed.sensors_after(skip, skip_sensors);
+        self.run("mj_inverseSkip", computes, |m, d| {
             // SAFETY: as for the other parts.
             unsafe { guard::mj_inverse_skip(m, d, stage as c_int, skip_sensors.into()) }
         })
@@ -309,9 +318,11 @@ impl Data {
     /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have been advanced since.
     #[doc(alias = "mj_RungeKutta")]
     pub fn runge_kutta(&mut self) -> Result<()> {
-        self.check_parts("runge_kutta", C::AFTER_FORWARD)?;
+        self.check_parts("runge_kutta", C::FORWARD)?;
         self.check_inputs()?;
-        self.run("mj_RungeKutta", C::AFTER_STEP, |m, d| {
+        // It reads no sensors.
+        let computes = (C::FORWARD - C::CURRENT) | (self.computed & C::SENSORS);
+        self.run("mj_RungeKutta", computes, |m, d| {
             // SAFETY: as for the other parts, and the order is the one that there is.
             unsafe { guard::mj_runge_kutta(m, d, 4) }
         })
@@ -328,9 +339,9 @@ impl Data {
         self.check_inputs()
     }
 
-    /// Refuses a call of a part whose needs have not been computed.
+    /// Rejects a call that needs results that have not been computed.
     #[inline]
-    pub(super) fn check_parts(&self, call: &'static str, needs: Computed) -> Result<()> {
+    pub(crate) fn check_parts(&self, call: &'static str, needs: Computed) -> Result<()> {
         self.check_usable()?;
         let missing = needs - self.computed;
         if missing.is_empty() { Ok(()) } else { Err(Error::NotComputed { call, needs: Needs::parts(missing) }) }

@@ -10,12 +10,13 @@ use crate::error::{Error, Result};
 use crate::ffi;
 
 impl Data {
-    /// Writes all quantities to a text file, for people to read. A file that is there is overwritten.
+    /// Writes all quantities to a text file, for people to read. An existing file is overwritten.
     ///
     /// # Errors
     ///
     /// [`Error::NotComputed`] before positions were computed, [`Error::File`] if the file cannot be written, [`Error::Invalid`]
-    /// for a path with a NUL byte, [`Error::Engine`] if the engine's stack has no room for the inertia matrix in full.
+    /// for a path with a NUL byte, [`Error::Engine`], which poisons the data, if the engine's stack has no room for the full inertia
+    /// matrix.
     ///
     /// ```no_run
     /// use mujoco_safe::{Data, sample};
@@ -32,8 +33,9 @@ impl Data {
         let name = ffi::c_string("the path of print_to", path.as_os_str().as_encoded_bytes())?;
         // The engine only warns of a file that it cannot open.
         File::create(path).map_err(Error::file(path))?;
-        // SAFETY: a NUL-terminated path. The tendons and constraints whose rows it follows were computed for this model.
-        let status = unsafe { guard::mj_print_data(self.model().as_ptr(), self.as_mut_ptr(), name.as_ptr()) };
-        ffi::check("mj_printData", status)
+        self.call_mut("mj_printData", |m, d| {
+            // SAFETY: a NUL-terminated path. The rows of tendons and constraints were computed for this model.
+            unsafe { guard::mj_print_data(m, d, name.as_ptr()) }
+        })
     }
 }

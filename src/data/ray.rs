@@ -176,21 +176,13 @@ impl Data {
             body.index() as c_int
         });
         let (mut geom, mut distance) = (-1, -1.0);
-        // SAFETY: three numbers each, six groups or NULL, places for the results; the poses were computed.
-        let status = unsafe {
-            guard::mj_ray(
-                self.model().as_ptr(),
-                self.as_ptr(),
-                point.as_ptr(),
-                direction.as_ptr(),
-                groups.as_ref().map_or(ptr::null(), |groups| groups.as_ptr()),
-                options.with_static.into(),
-                exclude,
-                &raw mut geom,
-                &raw mut distance,
-            )
-        };
-        ffi::check("mj_ray", status)?;
+        let (point, direction) = (point.as_ptr(), direction.as_ptr());
+        let groups = groups.as_ref().map_or(ptr::null(), |groups| groups.as_ptr());
+        let (with_static, hit) = (options.with_static.into(), (&raw mut geom, &raw mut distance));
+        self.call("mj_ray", |m, d| {
+            // SAFETY: two vectors of three numbers, six groups or NULL, two places for the results; the poses were computed.
+            unsafe { guard::mj_ray(m, d, point, direction, groups, with_static, exclude, hit.0, hit.1) }
+        })?;
         let geom = usize::try_from(geom).ok();
         Ok(geom.map(|geom| RayHit { distance, geom: Id::new(geom, self.model().lineage()) }))
     }

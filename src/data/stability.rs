@@ -26,8 +26,10 @@ pub enum Quantity {
 /// A number of the simulation that is not a number, or beyond ±10¹⁰. The engine itself would reset the simulation, print a
 /// warning and go on.
 ///
-/// A position, velocity or control that is out of range is found before the step, so the data is as it was and can be
-/// corrected. An acceleration is found by the engine in the middle of the step, which loses the state: the data must be reset.
+/// A position, velocity or control that is out of range is found before the engine is called. The data is as it was, and a
+/// program can correct the number. An acceleration that is out of range, and a control that a
+/// [closure](crate::Callbacks::control) sets, are found in the middle of the call. The data is poisoned then:
+/// see [`Error::Poisoned`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Instability {

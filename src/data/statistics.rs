@@ -150,9 +150,10 @@ impl Data {
         raw.solver[..self.solver_iter().min(raw.solver.len())].iter().map(SolverIteration::from)
     }
 
-    /// How well inverse dynamics gives back what forward dynamics made: the norm of the difference of the constraint forces, and
-    /// that of the difference between all forces applied and `qfrc_inverse`. Computed by `step` and `step2` where
-    /// [`EnableFlags::FWDINV`](crate::EnableFlags::FWDINV) is set; zero where there are no constraints.
+    /// Agreement of inverse with forward dynamics: the norm of the difference of the constraint forces, and that of the difference
+    /// between all forces applied and `qfrc_inverse`. [`compare_fwd_inv`](Self::compare_fwd_inv) computes both numbers, and so do
+    /// `step` and `step2` while [`EnableFlags::FWDINV`](crate::EnableFlags::FWDINV) is set. They are zero if there are no
+    /// constraints. A program that clears the flag reads old numbers until the next reset.
     ///
     /// ```
     /// use mujoco_safe::{Data, EnableFlags, sample};

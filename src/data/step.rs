@@ -1,13 +1,8 @@
 //! The pipeline: step, forward, inverse.
 
-use std::ffi::c_int;
-use std::ptr;
+use mujoco_sys::guard;
 
-use mujoco_sys::{guard, mjData, mjModel, mjWARN_CNSTRFULL};
-
-use super::warning::{Counted, Lifted};
 use super::{Computed, Data, Needs};
-use crate::callback;
 use crate::error::{Error, Result};
 use crate::ffi;
 
@@ -19,8 +14,9 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Unstable`] if a position, velocity, control or acceleration is not a number or huge; [`Error::Engine`] if the
-    /// engine fails; [`Error::Poisoned`] after such a failure, until a reset.
+    /// [`Error::Unstable`] if a position, velocity, control or acceleration is not a number or huge; [`Error::Callback`] if a
+    /// closure panics; [`Error::Engine`] if the engine fails; [`Error::Poisoned`] after one of these, until a reset. A position,
+    /// velocity or control that is out of range is found before the engine is called and does not poison the data.
     #[doc(alias = "mj_step")]
     #[doc(alias = "mj_checkAcc")]
     #[inline]
@@ -63,11 +59,13 @@ impl Data {
     #[inline]
     pub fn step2(&mut self) -> Result<()> {
         self.check_usable()?;
-        if !self.computed.contains(Computed::AFTER_STEP1) {
+        if !self.computed.contains(Computed::FIRST_HALF) {
             return Err(Error::NotComputed { call: "step2", needs: Needs::FIRST_HALF });
         }
         self.check_inputs()?;
-        self.run("mj_step2", Computed::AFTER_STEP, |m, d| {
+        // The second half reads the sensors of its own stage only.
+        let sensors = (self.computed & Computed::SENSORS) | Computed::SENSOR_ACC;
+        self.run("mj_step2", (Computed::AFTER_STEP - Computed::SENSORS) | sensors, |m, d| {
             // SAFETY: as in `step`, and the stages before this one were computed for this model.
             unsafe { guard::mj_step2(m, d) }
         })
@@ -121,59 +119,6 @@ impl Data {
         })
     }
 
-    /// Makes a guarded call that may warn, fail or reset, and notes what is computed afterwards. Every engine
-    /// call that computes goes through here.
-    #[inline]
-    pub(crate) fn run(
-        &mut self,
-        function: &'static str,
-        computes: Computed,
-        call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
-    ) -> Result<()> {
-        let time = self.time();
-        let warnings = Lifted::lift(self.raw_mut());
-        let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
-        let adhesive = self.model().has_adhesion();
-        if adhesive || self.callbacks.is_some() {
-            return self.run_specially(function, computes, time, &warnings, call);
-        }
-        let status = call(model, data);
-        let counted = warnings.lower(self.raw_mut());
-        if status == guard::OK && counted == Counted::Nothing {
-            self.computed = computes;
-            return Ok(());
-        }
-        self.settle(function, computes, time, &warnings, status, counted, None)
-    }
-
-    /// The rest of [`run`](Self::run) for a simulation with callbacks, or with an adhesion actuator.
-    fn run_specially(
-        &mut self,
-        function: &'static str,
-        computes: Computed,
-        time: f64,
-        warnings: &Lifted,
-        call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
-    ) -> Result<()> {
-        let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
-        let adhesive = self.model().has_adhesion();
-        let all = || if adhesive { run_with_adhesion(model, data, call) } else { call(model, data) };
-        let (status, failure) = match self.callbacks.clone() {
-            None => (all(), None),
-            Some(slot) => {
-                // What leaves nothing behind, such as finite differences, goes through the whole pipeline all the same.
-                let reaches = if computes.is_empty() { Computed::AFTER_FORWARD } else { computes };
-                callback::computing(ptr::from_mut(self), data, reaches, &slot, all)
-            }
-        };
-        let counted = warnings.lower(self.raw_mut());
-        if status == guard::OK && counted == Counted::Nothing {
-            self.computed = computes;
-            return Ok(());
-        }
-        self.settle(function, computes, time, warnings, status, counted, failure)
-    }
-
     /// The engine's inverse dynamics computes what an adhesion actuator acts on from the contacts and constraints of the call
     /// before. Those of another model, or that do not belong together, would lead it out of bounds, so there are none then.
     #[inline]
@@ -198,60 +143,4 @@ impl Data {
             }
         }
     }
-
-    #[cold]
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "all that is known of a call, taken out of the way of the ones that go well"
-    )]
-    fn settle(
-        &mut self,
-        function: &'static str,
-        computes: Computed,
-        time: f64,
-        warnings: &Lifted,
-        status: c_int,
-        counted: Counted,
-        failure: Option<Error>,
-    ) -> Result<()> {
-        let failed = match ffi::check(function, status) {
-            // The engine only knows that a closure has failed.
-            Err(error) => Some(failure.unwrap_or(error)),
-            Ok(()) if counted == Counted::Reset => Some(Error::Unstable(self.reset_by_engine(time))),
-            Ok(()) => None,
-        };
-        match failed {
-            None => {
-                self.computed = computes;
-                self.log_new_warnings(warnings);
-                Ok(())
-            }
-            Some(error) => {
-                self.computed = Computed::empty();
-                self.failure = Some(error.to_string().into());
-                Err(error)
-            }
-        }
-    }
-}
-
-/// A call on a model with an adhesion actuator, for which a full constraint buffer has to be an error.
-#[cold]
-fn run_with_adhesion(
-    model: *const mjModel,
-    data: *mut mjData,
-    call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
-) -> c_int {
-    const COUNTER: usize = mjWARN_CNSTRFULL as usize;
-    // SAFETY: `run` passes its own data, and nothing refers to the counter. The engine speaks of it only while it is zero.
-    let lifted = std::mem::take(unsafe { &mut (*data).warning[COUNTER].number });
-    // SAFETY: sets a flag of this thread, which is put back before this returns.
-    let outer = unsafe { guard::full_constraints_are_fatal(1) };
-    let status = call(model, data);
-    // SAFETY: as above.
-    unsafe { guard::full_constraints_are_fatal(outer) };
-    // SAFETY: as above.
-    let counter = unsafe { &mut (*data).warning[COUNTER].number };
-    *counter = counter.saturating_add(lifted);
-    status
 }

@@ -7,7 +7,6 @@ use mujoco_sys::{self as sys, guard};
 use super::worker::{Input, Wanted, Worker};
 use crate::data::Computed;
 use crate::error::Result;
-use crate::ffi;
 use crate::id::{Id, kind};
 
 /// What forces need of positions; adhesion acts through the constraints, so transmission comes after these.
@@ -66,11 +65,10 @@ impl Worker {
     /// g, what is left of the balance of forces.
     pub(super) fn balance(&mut self, side: usize) -> Result<()> {
         let force = &mut self.base.forces[side];
-        // SAFETY: the result has nv values, and what the function reads, motion axes and their velocities, was computed for this
-        // model.
-        let status =
-            unsafe { guard::mj_rne(self.data.model().as_ptr(), self.data.as_mut_ptr(), 1, force.as_mut_ptr()) };
-        ffi::check("mj_rne", status)?;
+        self.data.call_mut("mj_rne", |m, d| {
+            // SAFETY: the result has nv values, and the motion axes and their velocities were computed for this model.
+            unsafe { guard::mj_rne(m, d, 1, force.as_mut_ptr()) }
+        })?;
         if self.base.pushed {
             negate(force);
             for body in 1..self.data.model().nbody() {

@@ -82,7 +82,7 @@ impl Worker {
             data.fwd_position()?;
         } else {
             // The state was put back to the one that the positions and velocities of the step before belong to.
-            data.is_at(Computed::AFTER_STEP1);
+            data.is_at(Computed::FIRST_HALF);
         }
         if skip != Stage::Velocity {
             data.fwd_velocity()?;

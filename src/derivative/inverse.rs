@@ -125,7 +125,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of [`inverse`](Self::inverse).
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of [`inverse`](Self::inverse). The state is as before
+    /// even after [`Error::Engine`], which poisons the data.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -224,8 +225,10 @@ impl<'a> Changes<'a> {
         let size = c_int::try_from(length)
             .map_err(|_| Error::Unsupported(format!("inverse_fd of {} degrees of freedom", data.model().nv())))?;
         let (top, mut start) = (data.raw().pstack, ptr::null_mut());
-        // SAFETY: a valid data, and a place for the result.
-        ffi::check("mj_stackAlloc", unsafe { guard::mj_stack_alloc(data.as_mut_ptr(), size, &raw mut start) })?;
+        data.call_mut("mj_stackAlloc", |_, d| {
+            // SAFETY: a valid data, and a place for the result.
+            unsafe { guard::mj_stack_alloc(d, size, &raw mut start) }
+        })?;
         // SAFETY: the engine has reserved so many numbers (NULL for none), and uses only what is above them until they are given
         // back, when this is dropped.
         let kept = unsafe {

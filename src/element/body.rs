@@ -78,20 +78,36 @@ fields!(Body on Data {
     crb: [f64; 10] = crb;
     /// Velocity about the centre of mass of the tree: rotation, then translation.
     cvel: [f64; 6] = cvel;
-    /// Linear velocity of the subtree's centre of mass, m/s. Computed where a sensor needs it.
+    /// Linear velocity of the subtree's centre of mass, m/s. [`Data::subtree_vel`] computes it; `forward` and `step` do not.
     #[doc(alias = "linvel")]
-    subtree_linvel: [f64; 3] = subtree_linvel;
-    /// Angular momentum of the subtree about its centre of mass, kg·m²/s. Computed where a sensor needs it.
+    subtree_linvel: [f64; 3] = subtree_linvel after SUBTREE_VEL;
+    /// Angular momentum of the subtree about its centre of mass, kg·m²/s. [`Data::subtree_vel`] computes it; `forward` and `step`
+    /// do not.
     #[doc(alias = "angmom")]
-    subtree_angmom: [f64; 3] = subtree_angmom;
-    /// Acceleration about the centre of mass of the tree: rotation, then translation. Computed where a sensor needs it.
-    cacc: [f64; 6] = cacc;
-    /// Force between the body and its parent: torque, then force. Computed where a sensor needs it.
+    subtree_angmom: [f64; 3] = subtree_angmom after SUBTREE_VEL;
+    /// Acceleration about the centre of mass of the tree: rotation, then translation. [`Data::rne_post_constraint`] computes it;
+    /// `forward` and `step` do not.
+    cacc: [f64; 6] = cacc after POST_CONSTRAINT;
+    /// Force between the body and its parent: torque, then force. [`Data::rne_post_constraint`] computes it; `forward` and `step`
+    /// do not.
     #[doc(alias = "int")]
-    cfrc_int: [f64; 6] = cfrc_int;
-    /// External force on the body: torque, then force. Computed where a sensor needs it.
+    cfrc_int: [f64; 6] = cfrc_int after POST_CONSTRAINT;
+    /// External force on the body: torque, then force. [`Data::rne_post_constraint`] computes it; `forward` and `step` do not.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Error, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.reset_to_key("squat")?;
+    /// data.step()?;
+    /// // The array holds zeros, although the feet touch the floor.
+    /// assert!(matches!(data.body("foot_left")?.cfrc_ext(), Err(Error::NotComputed { .. })));
+    /// data.rne_post_constraint()?;
+    /// assert!(data.body("foot_left")?.cfrc_ext()?[5] > 0.0);
+    /// # Ok::<(), Error>(())
+    /// ```
     #[doc(alias = "ext")]
-    cfrc_ext: [f64; 6] = cfrc_ext;
+    cfrc_ext: [f64; 6] = cfrc_ext after POST_CONSTRAINT;
     /// Position that a mocap body is given, m, world frame: an input. `None` if it is not one.
     mocap_pos: {Option<&'a [f64; 3]>} = |body| Some(&body.owner.mocap_pos()[body.in_model().mocap()?]);
     /// Orientation that a mocap body is given: a unit quaternion `[w, x, y, z]`, and an input. `None` if it is not one.

@@ -1,4 +1,4 @@
-//! How a view is printed: its fields and their values.
+//! Text of a view: its fields and their values.
 
 use std::fmt::{self, Write as _};
 
@@ -27,11 +27,15 @@ pub(super) fn listing(
     Ok(())
 }
 
-/// A value as text, cut after so many characters.
+/// Text of a value, cut after [`LONGEST`] characters. A field that has to be computed first is a `Result`.
 fn beginning(value: &dyn fmt::Debug) -> String {
     let mut text = Cut(String::new());
     if write!(text, "{value:?}").is_ok() {
-        return text.0;
+        if text.0.starts_with("Err(") {
+            return "(not computed)".to_owned();
+        }
+        let inner = text.0.strip_prefix("Ok(").and_then(|rest| rest.strip_suffix(')')).map(str::to_owned);
+        return inner.unwrap_or(text.0);
     }
     let end = text.0.rfind(", ").unwrap_or(text.0.len());
     text.0.truncate(end);
@@ -83,6 +87,12 @@ mod tests {
         assert!(text.len() < LONGEST + 10 && text.starts_with("[1.5, 1.5, "), "{text}");
         assert!(text.ends_with(", 1.5, …"), "{text}");
         assert_eq!(beginning(&[1, 2]), "[1, 2]");
+    }
+
+    #[test]
+    fn a_result_is_its_value_or_not_computed() {
+        assert_eq!(beginning(&Ok::<_, ()>([1.5, 2.0])), "[1.5, 2.0]");
+        assert_eq!(beginning(&Err::<(), _>("why")), "(not computed)");
     }
 
     #[test]

@@ -10,6 +10,7 @@
 /// - `name: i32 = array, set_name if [values];` an integer of which only those are;
 /// - `name: f64 = array;` one value, with `, set_name in array_mut` also a setter;
 /// - `name: [f64; 3] = array;` a row of fixed length, with `, name_mut in array_mut` also to be written to;
+/// - `name: [f64; 3] = array after PART;` the same in a simulation, an error unless that part of the pipeline has been computed;
 /// - `name: [f64] = array;` a row of a matrix, likewise;
 /// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view on the model, likewise;
 /// - `name: {type} = |view| expression;` anything else.
@@ -137,6 +138,26 @@ macro_rules! fields {
                 }
             }
         )?
+        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+    };
+
+    // A row of fixed length that only a part of the pipeline outside of forward dynamics computes.
+    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+        $(#[$doc:meta])* $name:ident: [$type:ident; $columns:literal] = $array:ident after $part:ident; $($rest:tt)*
+    ) => {
+        impl<'a> View<'a, $owner, kind::$kind> {
+            $(#[$doc])*
+            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
+            ///
+            /// # Errors
+            ///
+            /// [`Error::NotComputed`](crate::Error::NotComputed) with the call that computes it.
+            #[inline]
+            pub fn $name(&self) -> $crate::Result<&'a [$type; $columns]> {
+                self.owner.check_parts(stringify!($name), $crate::data::Computed::$part)?;
+                Ok(&self.owner.$array()[self.id.index()])
+            }
+        }
         fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
     };
 

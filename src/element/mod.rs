@@ -37,6 +37,13 @@
 //!
 //! Printing a view with `{}` lists its fields.
 //!
+//! # Computed fields
+//!
+//! Fields that [`Data::forward`] and [`Data::step`] compute, such as [`xpos`](BodyData::xpos), are references into the engine's
+//! arrays, without a check: call [`Data::require`] once where the order of calls is not obvious. Fields that are easily read too
+//! early are a `Result`, with [`Error::NotComputed`](crate::Error::NotComputed): the [`data`](SensorData::data) of a sensor, and
+//! those of a body that a step does not compute, such as [`cfrc_ext`](BodyData::cfrc_ext).
+//!
 //! # Kinds
 //!
 //! Each has a lookup and an iterator on [`Model`], the kinds in the first table on [`Data`] too, where their views have what

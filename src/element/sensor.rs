@@ -5,8 +5,9 @@ use std::ops::Range;
 use mujoco_sys as sys;
 
 use super::{Object, View, ViewMut, range};
-use crate::data::{Data, Stage};
+use crate::data::{Computed, Data, Stage};
 use crate::enums::{SensorDataType, SensorType};
+use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::kind;
 use crate::model::{Model, ModelMut};
@@ -52,6 +53,55 @@ fields!(Sensor on Model {
 });
 
 fields!(Sensor on Data {
-    /// The reading.
-    data: [f64] = sensordata at data_range, data_mut in sensordata_mut;
+    /// Reading of the sensor: its part of [`sensordata`](Data::sensordata), which is the slice to read in a loop that cannot
+    /// fail. After [`step`](Data::step) it belongs to the state before the step.
+    ///
+    /// Engine array `sensordata`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] unless the stage of the sensor has been computed, [`Error::Unsupported`] if the options of the model
+    /// disable sensors.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Error, Model};
+    ///
+    /// let mut data = Data::new(Model::from_xml_str(
+    ///     r#"<mujoco>
+    ///          <worldbody><body pos="0 0 1"><freejoint/><geom size="0.1"/><site name="hand"/></body></worldbody>
+    ///          <sensor><accelerometer name="imu" site="hand"/></sensor>
+    ///        </mujoco>"#,
+    /// )?)?;
+    /// assert!(matches!(data.sensor("imu")?.data(), Err(Error::NotComputed { .. })));
+    /// data.step()?;
+    /// assert_eq!(data.sensor("imu")?.data()?.len(), 3);
+    /// // The first half of a step leaves the acceleration of the step before.
+    /// data.step1()?;
+    /// assert!(matches!(data.sensor("imu")?.data(), Err(Error::NotComputed { .. })));
+    /// # Ok::<(), Error>(())
+    /// ```
+    data: {Result<&'a [f64]>} = |sensor| {
+        let data = sensor.owner;
+        let needs = match data.model().sensor_needstage()[sensor.index()] as u32 {
+            sys::mjSTAGE_POS => Computed::SENSOR_POS,
+            sys::mjSTAGE_VEL => Computed::SENSOR_VEL,
+            sys::mjSTAGE_ACC => Computed::SENSOR_ACC,
+            // The engine reads no sensor of another stage, and the compiler makes none.
+            _ => Computed::empty(),
+        };
+        data.check_parts("the reading of a sensor", needs)?;
+        if data.model().raw().opt.disableflags & sys::mjDSBL_SENSOR as i32 != 0 {
+            return Err(Error::Unsupported("readings of sensors, which the options of the model disable".to_owned()));
+        }
+        Ok(&data.sensordata()[sensor.in_model().data_range()])
+    };
 });
+
+impl ViewMut<'_, Data, kind::Sensor> {
+    /// Returns the sensor's part of [`sensordata`](Data::sensordata), to be written to.
+    #[inline]
+    pub fn data_mut(&mut self) -> &mut [f64] {
+        let range = self.as_view().in_model().data_range();
+        &mut self.owner.sensordata_mut()[range]
+    }
+}

@@ -187,6 +187,8 @@ impl Data {
     ///
     /// In `m/s²` and `rad/s²`, in the frames of `qvel`. The result of `forward`, the input of `inverse`.
     ///
+    /// Result of the last [`fwd_constraint`](crate::Data::fwd_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.qacc`.
     #[inline]
     pub fn qacc(&self) -> &[f64] {
@@ -204,6 +206,8 @@ impl Data {
     }
 
     /// Time-derivative of actuator activation. `(na, 1)`
+    ///
+    /// Result of the last [`fwd_actuation`](crate::Data::fwd_actuation), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.act_dot`.
     #[inline]
@@ -243,6 +247,8 @@ impl Data {
     ///
     /// The readings of all sensors, each at its own address.
     ///
+    /// Result of the last [`sensor_pos`](crate::Data::sensor_pos), [`sensor_vel`](crate::Data::sensor_vel) and [`sensor_acc`](crate::Data::sensor_acc), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::SENSORS)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.sensordata`.
     #[inline]
     pub fn sensordata(&self) -> &[f64] {
@@ -262,6 +268,8 @@ impl Data {
     /// Cartesian position of body frame. `(nbody, 3)`
     ///
     /// In metres, in the world frame.
+    ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.xpos`.
     #[inline]
@@ -283,6 +291,8 @@ impl Data {
     ///
     /// Unit quaternions `[w, x, y, z]`, from the body frame to the world.
     ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.xquat`.
     #[inline]
     pub fn xquat(&self) -> &[[f64; 4]] {
@@ -302,6 +312,8 @@ impl Data {
     /// Cartesian orientation of body frame. `(nbody, 9)`
     ///
     /// Row-major 3 × 3 rotations from the body frame to the world.
+    ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.xmat`.
     #[inline]
@@ -323,6 +335,8 @@ impl Data {
     ///
     /// In metres, in the world frame.
     ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.xipos`.
     #[inline]
     pub fn xipos(&self) -> &[[f64; 3]] {
@@ -340,6 +354,8 @@ impl Data {
     }
 
     /// Cartesian orientation of body inertia. `(nbody, 9)`
+    ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.ximat`.
     #[inline]
@@ -359,6 +375,8 @@ impl Data {
 
     /// Cartesian position of joint anchor. `(njnt, 3)`
     ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.xanchor`.
     #[inline]
     pub fn xanchor(&self) -> &[[f64; 3]] {
@@ -376,6 +394,8 @@ impl Data {
     }
 
     /// Cartesian joint axis. `(njnt, 3)`
+    ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.xaxis`.
     #[inline]
@@ -397,6 +417,8 @@ impl Data {
     ///
     /// In metres, in the world frame.
     ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.geom_xpos`.
     #[inline]
     pub fn geom_xpos(&self) -> &[[f64; 3]] {
@@ -414,6 +436,8 @@ impl Data {
     }
 
     /// Cartesian geom orientation. `(ngeom, 9)`
+    ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.geom_xmat`.
     #[inline]
@@ -435,6 +459,8 @@ impl Data {
     ///
     /// In metres, in the world frame.
     ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.site_xpos`.
     #[inline]
     pub fn site_xpos(&self) -> &[[f64; 3]] {
@@ -452,6 +478,8 @@ impl Data {
     }
 
     /// Cartesian site orientation. `(nsite, 9)`
+    ///
+    /// Result of the last [`kinematics`](crate::Data::kinematics), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.site_xmat`.
     #[inline]
@@ -471,6 +499,8 @@ impl Data {
 
     /// Cartesian camera position. `(ncam, 3)`
     ///
+    /// Result of the last [`camlight`](crate::Data::camlight), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.cam_xpos`.
     #[inline]
     pub fn cam_xpos(&self) -> &[[f64; 3]] {
@@ -488,6 +518,8 @@ impl Data {
     }
 
     /// Cartesian camera orientation. `(ncam, 9)`
+    ///
+    /// Result of the last [`camlight`](crate::Data::camlight), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.cam_xmat`.
     #[inline]
@@ -507,6 +539,8 @@ impl Data {
 
     /// Cartesian light position. `(nlight, 3)`
     ///
+    /// Result of the last [`camlight`](crate::Data::camlight), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.light_xpos`.
     #[inline]
     pub fn light_xpos(&self) -> &[[f64; 3]] {
@@ -524,6 +558,8 @@ impl Data {
     }
 
     /// Cartesian light direction. `(nlight, 3)`
+    ///
+    /// Result of the last [`camlight`](crate::Data::camlight), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.light_xdir`.
     #[inline]
@@ -545,6 +581,8 @@ impl Data {
     ///
     /// In metres, in the world frame.
     ///
+    /// Result of the last [`com_pos`](crate::Data::com_pos), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.subtree_com`.
     #[inline]
     pub fn subtree_com(&self) -> &[[f64; 3]] {
@@ -562,6 +600,8 @@ impl Data {
     }
 
     /// Com-based motion axis of each dof. `(nv, 6)`
+    ///
+    /// Result of the last [`com_pos`](crate::Data::com_pos), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.cdof`.
     #[inline]
@@ -581,6 +621,8 @@ impl Data {
 
     /// Com-based body inertia and mass. `(nbody, 10)`
     ///
+    /// Result of the last [`com_pos`](crate::Data::com_pos), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.cinert`.
     #[inline]
     pub fn cinert(&self) -> &[[f64; 10]] {
@@ -599,6 +641,8 @@ impl Data {
 
     /// Start address of tendon's path. `(ntendon, 1)`
     ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.ten_wrapadr`.
     #[inline]
     pub fn ten_wrapadr(&self) -> &[i32] {
@@ -607,6 +651,8 @@ impl Data {
     }
 
     /// Number of wrap points in path. `(ntendon, 1)`
+    ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.ten_wrapnum`.
     #[inline]
@@ -617,6 +663,8 @@ impl Data {
 
     /// Number of non-zeros in Jacobian row. `(ntendon, 1)`
     ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.ten_J_rownnz`.
     #[inline]
     pub fn ten_J_rownnz(&self) -> &[i32] {
@@ -625,6 +673,8 @@ impl Data {
     }
 
     /// Row start address in colind array. `(ntendon, 1)`
+    ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.ten_J_rowadr`.
     #[inline]
@@ -637,6 +687,8 @@ impl Data {
     ///
     /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse.
     ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.ten_J_colind`.
     #[inline]
     pub fn ten_J_colind(&self) -> &[i32] {
@@ -645,6 +697,8 @@ impl Data {
     }
 
     /// Tendon lengths. `(ntendon, 1)`
+    ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.ten_length`.
     #[inline]
@@ -663,6 +717,8 @@ impl Data {
     }
 
     /// Tendon Jacobian. `(ntendon, nv)`
+    ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.ten_J`.
     #[inline]
@@ -683,6 +739,8 @@ impl Data {
 
     /// Geom id; -1: site; -2: pulley. `(nwrap*2, 1)`
     ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.wrap_obj`.
     #[inline]
     pub fn wrap_obj(&self) -> &[[i32; 2]] {
@@ -691,6 +749,8 @@ impl Data {
     }
 
     /// Cartesian 3D points in all path. `(nwrap*2, 3)`
+    ///
+    /// Result of the last [`compute_tendon`](crate::Data::compute_tendon), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.wrap_xpos`.
     #[inline]
@@ -709,6 +769,8 @@ impl Data {
     }
 
     /// Actuator lengths. `(nu, 1)`
+    ///
+    /// Result of the last [`transmission`](crate::Data::transmission), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.actuator_length`.
     #[inline]
@@ -730,6 +792,8 @@ impl Data {
     ///
     /// Row `i` is the derivative of the length of actuator `i` by each degree of freedom, its gear included: `moment' · force` is `qfrc_actuator`.
     ///
+    /// Result of the last [`transmission`](crate::Data::transmission), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.actuator_moment`.
     #[inline]
     pub fn actuator_moment(&self) -> MatrixView<'_> {
@@ -749,6 +813,8 @@ impl Data {
 
     /// Com-based composite inertia and mass. `(nbody, 10)`
     ///
+    /// Result of the last [`compute_crb`](crate::Data::compute_crb), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.crb`.
     #[inline]
     pub fn crb(&self) -> &[[f64; 10]] {
@@ -766,6 +832,8 @@ impl Data {
     }
 
     /// Total inertia (sparse). `(nM, 1)`
+    ///
+    /// Result of the last [`compute_crb`](crate::Data::compute_crb), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.qM`.
     #[inline]
@@ -785,6 +853,8 @@ impl Data {
 
     /// L'*D*L factorization of M (sparse). `(nM, 1)`
     ///
+    /// Result of the last [`factor_m`](crate::Data::factor_m), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.qLD`.
     #[inline]
     pub fn qLD(&self) -> &[f64] {
@@ -802,6 +872,8 @@ impl Data {
     }
 
     /// 1/diag(D). `(nv, 1)`
+    ///
+    /// Result of the last [`factor_m`](crate::Data::factor_m), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.qLDiagInv`.
     #[inline]
@@ -821,6 +893,8 @@ impl Data {
 
     /// 1/sqrt(diag(D)). `(nv, 1)`
     ///
+    /// Result of the last [`factor_m`](crate::Data::factor_m), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.qLDiagSqrtInv`.
     #[inline]
     pub fn qLDiagSqrtInv(&self) -> &[f64] {
@@ -839,6 +913,8 @@ impl Data {
 
     /// Constraint type (mjtConstraint). `(njmax, 1)`
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_type`.
     #[inline]
     pub fn efc_type(&self) -> &[i32] {
@@ -847,6 +923,8 @@ impl Data {
     }
 
     /// Id of object of specified type. `(njmax, 1)`
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_id`.
     #[inline]
@@ -857,6 +935,8 @@ impl Data {
 
     /// Number of non-zeros in Jacobian row. `(njmax, 1)`
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_J_rownnz`.
     #[inline]
     pub fn efc_J_rownnz(&self) -> &[i32] {
@@ -866,6 +946,8 @@ impl Data {
 
     /// Row start address in colind array. `(njmax, 1)`
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_J_rowadr`.
     #[inline]
     pub fn efc_J_rowadr(&self) -> &[i32] {
@@ -874,6 +956,8 @@ impl Data {
     }
 
     /// Number of subsequent rows in supernode. `(njmax, 1)`
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_J_rowsuper`.
     #[inline]
@@ -886,6 +970,8 @@ impl Data {
     ///
     /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse.
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_J_colind`.
     #[inline]
     pub fn efc_J_colind(&self) -> &[i32] {
@@ -894,6 +980,8 @@ impl Data {
     }
 
     /// Number of non-zeros in Jacobian row T. `(nv, 1)`
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_JT_rownnz`.
     #[inline]
@@ -904,6 +992,8 @@ impl Data {
 
     /// Row start address in colind array T. `(nv, 1)`
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_JT_rowadr`.
     #[inline]
     pub fn efc_JT_rowadr(&self) -> &[i32] {
@@ -912,6 +1002,8 @@ impl Data {
     }
 
     /// Number of subsequent rows in supernode T. `(nv, 1)`
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_JT_rowsuper`.
     #[inline]
@@ -924,6 +1016,8 @@ impl Data {
     ///
     /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse.
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_JT_colind`.
     #[inline]
     pub fn efc_JT_colind(&self) -> &[i32] {
@@ -934,6 +1028,8 @@ impl Data {
     /// Constraint Jacobian. `(njmax, nv)`
     ///
     /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse.
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_J`.
     #[inline]
@@ -956,6 +1052,8 @@ impl Data {
     ///
     /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse.
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_JT`.
     #[inline]
     pub fn efc_JT(&self) -> &[f64] {
@@ -975,6 +1073,8 @@ impl Data {
 
     /// Constraint position (equality, contact). `(njmax, 1)`
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_pos`.
     #[inline]
     pub fn efc_pos(&self) -> &[f64] {
@@ -992,6 +1092,8 @@ impl Data {
     }
 
     /// Inclusion margin (contact). `(njmax, 1)`
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_margin`.
     #[inline]
@@ -1011,6 +1113,8 @@ impl Data {
 
     /// Frictionloss (friction). `(njmax, 1)`
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_frictionloss`.
     #[inline]
     pub fn efc_frictionloss(&self) -> &[f64] {
@@ -1028,6 +1132,8 @@ impl Data {
     }
 
     /// Approximation to diagonal of A. `(njmax, 1)`
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_diagApprox`.
     #[inline]
@@ -1047,6 +1153,8 @@ impl Data {
 
     /// Stiffness, damping, impedance, imp'. `(njmax, 4)`
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_KBIP`.
     #[inline]
     pub fn efc_KBIP(&self) -> &[[f64; 4]] {
@@ -1064,6 +1172,8 @@ impl Data {
     }
 
     /// Constraint mass. `(njmax, 1)`
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_D`.
     #[inline]
@@ -1083,6 +1193,8 @@ impl Data {
 
     /// Inverse constraint mass. `(njmax, 1)`
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_R`.
     #[inline]
     pub fn efc_R(&self) -> &[f64] {
@@ -1101,6 +1213,8 @@ impl Data {
 
     /// Number of non-zeros in AR. `(njmax, 1)`
     ///
+    /// Result of the last [`project_constraint`](crate::Data::project_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_AR_rownnz`.
     #[inline]
     pub fn efc_AR_rownnz(&self) -> &[i32] {
@@ -1109,6 +1223,8 @@ impl Data {
     }
 
     /// Row start address in colind array. `(njmax, 1)`
+    ///
+    /// Result of the last [`project_constraint`](crate::Data::project_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_AR_rowadr`.
     #[inline]
@@ -1121,6 +1237,8 @@ impl Data {
     ///
     /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse.
     ///
+    /// Result of the last [`project_constraint`](crate::Data::project_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_AR_colind`.
     #[inline]
     pub fn efc_AR_colind(&self) -> &[i32] {
@@ -1131,6 +1249,8 @@ impl Data {
     /// J*inv(M)*J' + R. `(njmax, njmax)`
     ///
     /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse.
+    ///
+    /// Result of the last [`project_constraint`](crate::Data::project_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_AR`.
     #[inline]
@@ -1151,6 +1271,8 @@ impl Data {
 
     /// Tendon velocities. `(ntendon, 1)`
     ///
+    /// Result of the last [`compute_ten_velocity`](crate::Data::compute_ten_velocity), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Velocity)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.ten_velocity`.
     #[inline]
     pub fn ten_velocity(&self) -> &[f64] {
@@ -1168,6 +1290,8 @@ impl Data {
     }
 
     /// Actuator velocities. `(nu, 1)`
+    ///
+    /// Result of the last [`compute_actuator_velocity`](crate::Data::compute_actuator_velocity), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Velocity)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.actuator_velocity`.
     #[inline]
@@ -1187,6 +1311,8 @@ impl Data {
 
     /// Com-based velocity \[3D rot; 3D tran\]. `(nbody, 6)`
     ///
+    /// Result of the last [`com_vel`](crate::Data::com_vel), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Velocity)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.cvel`.
     #[inline]
     pub fn cvel(&self) -> &[[f64; 6]] {
@@ -1204,6 +1330,8 @@ impl Data {
     }
 
     /// Time-derivative of cdof. `(nv, 6)`
+    ///
+    /// Result of the last [`com_vel`](crate::Data::com_vel), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Velocity)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.cdof_dot`.
     #[inline]
@@ -1223,6 +1351,8 @@ impl Data {
 
     /// C(qpos,qvel). `(nv, 1)`
     ///
+    /// Result of the last [`compute_qfrc_bias`](crate::Data::compute_qfrc_bias), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Velocity)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.qfrc_bias`.
     #[inline]
     pub fn qfrc_bias(&self) -> &[f64] {
@@ -1240,6 +1370,8 @@ impl Data {
     }
 
     /// Passive force. `(nv, 1)`
+    ///
+    /// Result of the last [`passive`](crate::Data::passive), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Velocity)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.qfrc_passive`.
     #[inline]
@@ -1259,6 +1391,8 @@ impl Data {
 
     /// Velocity in constraint space: J*qvel. `(njmax, 1)`
     ///
+    /// Result of the last [`reference_constraint`](crate::Data::reference_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Velocity)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_vel`.
     #[inline]
     pub fn efc_vel(&self) -> &[f64] {
@@ -1276,6 +1410,8 @@ impl Data {
     }
 
     /// Reference pseudo-acceleration. `(njmax, 1)`
+    ///
+    /// Result of the last [`reference_constraint`](crate::Data::reference_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Velocity)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_aref`.
     #[inline]
@@ -1295,6 +1431,8 @@ impl Data {
 
     /// Linear velocity of subtree com. `(nbody, 3)`
     ///
+    /// Result of the last [`subtree_vel`](crate::Data::subtree_vel), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::SUBTREE_VELOCITIES)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.subtree_linvel`.
     #[inline]
     pub fn subtree_linvel(&self) -> &[[f64; 3]] {
@@ -1312,6 +1450,8 @@ impl Data {
     }
 
     /// Angular momentum about subtree com. `(nbody, 3)`
+    ///
+    /// Result of the last [`subtree_vel`](crate::Data::subtree_vel), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::SUBTREE_VELOCITIES)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.subtree_angmom`.
     #[inline]
@@ -1331,6 +1471,8 @@ impl Data {
 
     /// L'*D*L factorization of modified M. `(nM, 1)`
     ///
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Euler`](crate::Integrator::Euler) with damping in joints. It is zero before the first such call, and changes of the state or the model do not update it.
+    ///
     /// Engine field `mjData.qH`.
     #[inline]
     pub fn qH(&self) -> &[f64] {
@@ -1348,6 +1490,8 @@ impl Data {
     }
 
     /// 1/diag(D) of modified M. `(nv, 1)`
+    ///
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Euler`](crate::Integrator::Euler) with damping in joints. It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.qHDiagInv`.
     #[inline]
@@ -1367,6 +1511,8 @@ impl Data {
 
     /// Non-zeros in each row. `(nv, 1)`
     ///
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
+    ///
     /// Engine field `mjData.D_rownnz`.
     #[inline]
     pub fn D_rownnz(&self) -> &[i32] {
@@ -1375,6 +1521,8 @@ impl Data {
     }
 
     /// Address of each row in D_colind. `(nv, 1)`
+    ///
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.D_rowadr`.
     #[inline]
@@ -1385,6 +1533,8 @@ impl Data {
 
     /// Column indices of non-zeros. `(nD, 1)`
     ///
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
+    ///
     /// Engine field `mjData.D_colind`.
     #[inline]
     pub fn D_colind(&self) -> &[i32] {
@@ -1393,6 +1543,8 @@ impl Data {
     }
 
     /// D (passive + actuator - bias) / d qvel. `(nD, 1)`
+    ///
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.qDeriv`.
     #[inline]
@@ -1412,6 +1564,8 @@ impl Data {
 
     /// Sparse LU of (qM - dt*qDeriv). `(nD, 1)`
     ///
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
+    ///
     /// Engine field `mjData.qLU`.
     #[inline]
     pub fn qLU(&self) -> &[f64] {
@@ -1429,6 +1583,8 @@ impl Data {
     }
 
     /// Actuator force in actuation space. `(nu, 1)`
+    ///
+    /// Result of the last [`fwd_actuation`](crate::Data::fwd_actuation), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.actuator_force`.
     #[inline]
@@ -1450,6 +1606,8 @@ impl Data {
     ///
     /// In N and N·m.
     ///
+    /// Result of the last [`fwd_actuation`](crate::Data::fwd_actuation), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.qfrc_actuator`.
     #[inline]
     pub fn qfrc_actuator(&self) -> &[f64] {
@@ -1467,6 +1625,8 @@ impl Data {
     }
 
     /// Net unconstrained force. `(nv, 1)`
+    ///
+    /// Result of the last [`fwd_acceleration`](crate::Data::fwd_acceleration), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.qfrc_smooth`.
     #[inline]
@@ -1486,6 +1646,8 @@ impl Data {
 
     /// Unconstrained acceleration. `(nv, 1)`
     ///
+    /// Result of the last [`fwd_acceleration`](crate::Data::fwd_acceleration), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.qacc_smooth`.
     #[inline]
     pub fn qacc_smooth(&self) -> &[f64] {
@@ -1503,6 +1665,8 @@ impl Data {
     }
 
     /// Linear cost term: J*qacc_smooth - aref. `(njmax, 1)`
+    ///
+    /// Result of the last [`fwd_constraint`](crate::Data::fwd_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_b`.
     #[inline]
@@ -1522,6 +1686,8 @@ impl Data {
 
     /// Constraint force in constraint space. `(njmax, 1)`
     ///
+    /// Result of the last [`fwd_constraint`](crate::Data::fwd_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_force`.
     #[inline]
     pub fn efc_force(&self) -> &[f64] {
@@ -1540,6 +1706,8 @@ impl Data {
 
     /// Constraint state (mjtConstraintState). `(njmax, 1)`
     ///
+    /// Result of the last [`fwd_constraint`](crate::Data::fwd_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.efc_state`.
     #[inline]
     pub fn efc_state(&self) -> &[i32] {
@@ -1548,6 +1716,8 @@ impl Data {
     }
 
     /// Constraint force. `(nv, 1)`
+    ///
+    /// Result of the last [`fwd_constraint`](crate::Data::fwd_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.qfrc_constraint`.
     #[inline]
@@ -1569,6 +1739,8 @@ impl Data {
     ///
     /// In N and N·m. The result of `inverse`.
     ///
+    /// Result of the last [`inverse`](crate::Data::inverse), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it.
+    ///
     /// Engine field `mjData.qfrc_inverse`.
     #[inline]
     pub fn qfrc_inverse(&self) -> &[f64] {
@@ -1586,6 +1758,8 @@ impl Data {
     }
 
     /// Com-based acceleration. `(nbody, 6)`
+    ///
+    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.cacc`.
     #[inline]
@@ -1605,6 +1779,8 @@ impl Data {
 
     /// Com-based interaction force with parent. `(nbody, 6)`
     ///
+    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.cfrc_int`.
     #[inline]
     pub fn cfrc_int(&self) -> &[[f64; 6]] {
@@ -1622,6 +1798,8 @@ impl Data {
     }
 
     /// Com-based external force on body. `(nbody, 6)`
+    ///
+    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.cfrc_ext`.
     #[inline]
@@ -1689,6 +1867,8 @@ impl Data {
 
     /// Number of solver iterations.
     ///
+    /// Result of the last [`fwd_constraint`](crate::Data::fwd_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.solver_iter`.
     #[inline]
     pub fn solver_iter(&self) -> usize {
@@ -1696,6 +1876,8 @@ impl Data {
     }
 
     /// Number of non-zeros in Hessian or efc_AR.
+    ///
+    /// Result of the last [`fwd_constraint`](crate::Data::fwd_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.solver_nnz`.
     #[inline]
@@ -1705,6 +1887,8 @@ impl Data {
 
     /// Number of equality constraints.
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.ne`.
     #[inline]
     pub fn ne(&self) -> usize {
@@ -1712,6 +1896,8 @@ impl Data {
     }
 
     /// Number of friction constraints.
+    ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.nf`.
     #[inline]
@@ -1721,6 +1907,8 @@ impl Data {
 
     /// Number of constraints.
     ///
+    /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
+    ///
     /// Engine field `mjData.nefc`.
     #[inline]
     pub fn nefc(&self) -> usize {
@@ -1728,6 +1916,8 @@ impl Data {
     }
 
     /// Number of detected contacts.
+    ///
+    /// Result of the last [`collision`](crate::Data::collision), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.ncon`.
     #[inline]

@@ -4,6 +4,9 @@
 
 use std::fmt::Write as _;
 
+#[path = "computed_by.rs"]
+mod computed_by;
+
 /// A line of the field table.
 #[derive(Clone, Copy)]
 struct Field<'t> {
@@ -286,6 +289,9 @@ fn documentation(text: &mut String, field: Field<'_>) {
             text,
             "    ///\n    /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse."
         );
+    }
+    if field.owner == "Data" {
+        text.push_str(&computed_by::guarantee(field.name, field.kind));
     }
     let _ = writeln!(text, "    ///\n    /// Engine field `mj{}.{}`.", field.owner, field.name);
 }

@@ -1,13 +1,14 @@
-//! What may be changed after compilation.
+//! Changes of a compiled model.
 
 use std::ops::Deref;
 use std::ptr;
 
-use mujoco_sys::{self as sys, guard, mjModel};
+use mujoco_sys::{self as sys, guard, mjMINVAL, mjModel};
 
 use super::{Model, Options};
 use crate::error::Result;
 use crate::ffi;
+use crate::id::Kind;
 
 /// A model that may be changed: from [`Model::edit`] before it is shared, from
 /// [`Data::edit_model`](crate::Data::edit_model) afterwards. It reads like a [`Model`].
@@ -93,7 +94,7 @@ impl<'m> ModelMut<'m> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) unless it is positive and finite.
+    /// [`Error::Invalid`](crate::Error::Invalid) unless the sum is positive and finite.
     ///
     /// ```
     /// use mujoco_safe::sample;
@@ -116,39 +117,94 @@ impl<'m> ModelMut<'m> {
         Ok(())
     }
 
-    /// Computes anew what the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse weights,
-    /// reference lengths, the statistics and the rest of what has a `0` in its name; which frames coincide and which bodies move by
-    /// themselves (`body_sameframe`, `body_simple` and the like), so that the engine can leave computations out again. Where a
-    /// sphere, capsule, cylinder, ellipsoid or box has outgrown its `geom_rbound`, beyond which no contacts are looked for, that
-    /// grows too.
+    /// Recomputes the quantities that the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse
+    /// weights, reference lengths, statistics and all fields with a `0` in their names; and which frames coincide and which bodies
+    /// move independently (`body_sameframe`, `body_simple` and the like), so that the engine can use its shortcuts again. Where a
+    /// sphere, capsule, cylinder, ellipsoid or box is larger than its `geom_rbound`, outside of which the engine finds no contacts,
+    /// that radius grows too.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`](crate::Error::Engine) if the numbers do not make a model, such as a body without mass that moves.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a body that has joints, but a mass or a moment of inertia that is not at least
+    /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both: the rule of the XML compiler. The engine itself accepts such a
+    /// body, and does not accelerate it. Nothing is changed then.
+    ///
+    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if there is no memory for a
+    /// scratch simulation, or its stack is too small. The derived quantities may be partly updated then.
+    ///
+    /// ```
+    /// use mujoco_safe::{Error, sample};
+    ///
+    /// let mut model = sample::cartpole();
+    /// let mut edit = model.edit();
+    /// edit.body_mut("pole")?.set_mass(0.0);
+    /// let error = edit.update_constants().unwrap_err();
+    /// assert!(matches!(&error, Error::Invalid { what, .. } if what == "the mass of body 'pole'"), "{error}");
+    /// # Ok::<(), Error>(())
+    /// ```
     #[doc(alias = "mj_setConst")]
     pub fn update_constants(&mut self) -> Result<()> {
+        self.check_moving_bodies()?;
         let mut scratch = ptr::null_mut();
         // SAFETY: a valid model, a place for the result.
-        ffi::check("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
+        ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
         if scratch.is_null() {
             return Err(crate::Error::OutOfMemory { function: "mj_makeData" });
         }
         // SAFETY: just made, and ours. A counter that is not zero keeps the engine from printing a warning through a buffer that
-        // all threads share; what it would warn about, such as a singular inertia, every step with the model tells.
+        // all threads share. Every step with the model repeats the warning, such as that of a singular inertia matrix.
         for warning in unsafe { &mut (*scratch).warning } {
             warning.number = 1;
         }
         self.note_shortcuts();
         self.widen_bounds();
+        let modes = (self.cam_mode().to_vec(), self.light_mode().to_vec());
         // SAFETY: a model that is borrowed exclusively, and a data that was made for it.
-        let result = ffi::check("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
+        let result =
+            ffi::check_without_data("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
         if result.is_err() {
             // Their inertias may not have been computed.
             self.forget_simple_bodies();
+            // The engine fixes cameras and lights for the duration of the call.
+            self.set_tracking_modes(&modes.0, &modes.1);
         }
         // SAFETY: made above, and used no more.
         unsafe { sys::mj_deleteData(scratch) };
         result
+    }
+
+    /// Rejects a body that moves without mass or inertia, by the rule of the XML compiler.
+    fn check_moving_bodies(&self) -> Result<()> {
+        let small = |value: f64| value.is_nan() || value < mjMINVAL;
+        let light = |body: usize| small(self.body_mass()[body]);
+        let thin = |body: usize| self.body_inertia()[body].iter().find(|&&moment| small(moment));
+        for body in (1..self.nbody()).filter(|&body| self.body_jntnum()[body] > 0) {
+            let (quantity, value) = match (light(body), thin(body)) {
+                (true, _) => ("mass", self.body_mass()[body]),
+                (false, Some(&moment)) => ("moment of inertia", moment),
+                (false, None) => continue,
+            };
+            let is_fixed_child =
+                |child: usize| ffi::size(self.body_parentid()[child]) == body && self.body_jntnum()[child] == 0;
+            let carried =
+                (1..self.nbody()).any(|child| is_fixed_child(child) && !light(child) && thin(child).is_none());
+            if !carried {
+                let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
+                let what = format!("the {quantity} of body {name}");
+                return Err(crate::Error::invalid(what, value, "at least 1e-15, because the body has joints"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the tracking modes of all cameras and lights.
+    fn set_tracking_modes(&mut self, cameras: &[i32], lights: &[i32]) {
+        let raw = self.raw_mut();
+        // SAFETY: the engine allocated both arrays with these lengths, and the model is borrowed exclusively.
+        unsafe {
+            ffi::array_mut(raw.cam_mode, cameras.len()).copy_from_slice(cameras);
+            ffi::array_mut(raw.light_mode, lights.len()).copy_from_slice(lights);
+        }
     }
 
     #[inline]
@@ -172,5 +228,27 @@ impl Deref for ModelMut<'_> {
     #[inline]
     fn deref(&self) -> &Model {
         self.model
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Error, Model};
+
+    #[test]
+    fn an_update_that_fails_in_the_engine_leaves_cameras_and_lights_their_modes() {
+        let mut model = Model::from_xml_str(
+            r#"<mujoco><worldbody>
+                 <body name="ball"><freejoint/><geom size=".1"/>
+                   <camera mode="trackcom"/><light mode="trackcom"/></body>
+               </worldbody></mujoco>"#,
+        )
+        .unwrap();
+        let modes = (model.cam_mode().to_vec(), model.light_mode().to_vec());
+        // Room for the Jacobians, which come first, but not for what the engine allocates after it has fixed the cameras.
+        model.raw_mut().nstack = 2 * 6 * 6 + 3;
+        let error = model.edit().update_constants().unwrap_err();
+        assert!(matches!(&error, Error::Engine { message, .. } if message == "Stack overflow"), "{error}");
+        assert_eq!((model.cam_mode(), model.light_mode()), (&modes.0[..], &modes.1[..]));
     }
 }

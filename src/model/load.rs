@@ -46,7 +46,7 @@ impl XmlState {
     /// The result of a call into the compiler, and a note of what it left behind: an engine error has jumped over the release
     /// of the lock. A C++ exception has released it.
     pub(super) fn leave(&mut self, function: &'static str, status: c_int) -> Result<()> {
-        let result = ffi::check(function, status);
+        let result = ffi::check_without_data(function, status);
         if let Err(error) = &result
             && status == guard::ERROR
         {
@@ -276,7 +276,7 @@ impl Model {
         let (result, warnings) = collecting_warnings(|| {
             // SAFETY: a valid name and table. The bytes were validated, so what the engine reads by them stays inside.
             let status = unsafe { guard::mj_load_model(name.as_ptr(), files.as_ptr(), &raw mut loaded) };
-            ffi::check("mj_loadModel", status)
+            ffi::check_without_data("mj_loadModel", status)
         });
         result?;
         let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;

@@ -109,7 +109,9 @@ impl Model {
     pub fn try_clone(&self) -> Result<Self> {
         let mut copy = ptr::null_mut();
         // SAFETY: with NULL as its destination the engine allocates a new model; `self` is a valid source.
-        ffi::check("mj_copyModel", unsafe { guard::mj_copy_model(ptr::null_mut(), self.as_ptr(), &raw mut copy) })?;
+        ffi::check_without_data("mj_copyModel", unsafe {
+            guard::mj_copy_model(ptr::null_mut(), self.as_ptr(), &raw mut copy)
+        })?;
         let raw = NonNull::new(copy).ok_or(crate::Error::OutOfMemory { function: "mj_copyModel" })?;
         // SAFETY: a copy of a valid model, and ours alone.
         Ok(unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) })

@@ -104,7 +104,7 @@ impl Model {
         let mut bytes = vec![0; size];
         // SAFETY: the buffer has the size that is passed, and it is no smaller than the engine asked for.
         let status = unsafe { guard::mj_save_model(self.as_ptr(), std::ptr::null(), bytes.as_mut_ptr().cast(), bound) };
-        ffi::check("mj_saveModel", status)?;
+        ffi::check_without_data("mj_saveModel", status)?;
         // The engine asks for room for the padding between its arrays, which it does not write.
         let length = mjb::length(&bytes).map_err(|error| {
             Error::Unsupported(format!("Bug: the engine wrote a binary model that is not one: {error}"))

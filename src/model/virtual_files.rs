@@ -50,7 +50,7 @@ impl VirtualFiles {
         // no more than a name behind the last file.
         let status =
             unsafe { guard::mj_make_empty_file_vfs(&raw mut *self.raw, name_c.as_ptr(), size, &raw mut outcome) };
-        ffi::check("mj_makeEmptyFileVFS", status)?;
+        ffi::check_without_data("mj_makeEmptyFileVFS", status)?;
         match outcome {
             0 => {}
             1 => return Err(invalid("one too many".to_owned(), "one of at most 1998")),

@@ -146,7 +146,7 @@ impl Camera {
         // SAFETY: an action that there is, and a model of the scene's lineage.
         let status =
             unsafe { guard::mjv_move_camera(model.as_ptr(), action.raw(), dx, dy, scene.as_ptr(), &raw mut raw) };
-        ffi::check("mjv_moveCamera", status)?;
+        ffi::check_without_data("mjv_moveCamera", status)?;
         let mut moved = *self;
         moved.take(&raw);
         moved.check()?;
@@ -211,7 +211,7 @@ impl Scene {
         let (model, scene) = (model.as_ptr(), self.raw_mut());
         // SAFETY: a model of the scene's lineage. For a free camera the function reads no simulation.
         let status = unsafe { guard::mjv_update_camera(model, std::ptr::null_mut(), &raw mut raw, scene) };
-        ffi::check("mjv_updateCamera", status)
+        ffi::check_without_data("mjv_updateCamera", status)
     }
 
     /// Brings only the viewpoints up to date. An [`update`](Self::update) puts the middle of an infinite plane near the viewpoints
@@ -219,7 +219,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// As for [`update`](Self::update).
+    /// [`Error::NotComputed`] before positions were computed, [`Error::OtherModel`] for the data of another model,
+    /// [`Error::Invalid`] for numbers of the camera that are not finite.
     ///
     /// # Panics
     ///
@@ -229,11 +230,12 @@ impl Scene {
         self.check_model(data.model(), "the data to show")?;
         data.check_computed("Scene::update_camera", Stage::Position)?;
         let mut raw = camera.raw(data.model())?;
-        let (model, data) = (data.model().as_ptr(), data.as_ptr().cast_mut());
-        // SAFETY: a model and a data that go together, whose poses were computed, and which the function only reads; ids of the
-        // model.
-        let status = unsafe { guard::mjv_update_camera(model, data, &raw mut raw, self.raw_mut()) };
-        ffi::check("mjv_updateCamera", status)?;
+        let scene = self.raw_mut();
+        data.call("mjv_updateCamera", |m, d| {
+            // SAFETY: a model and a data that go together, whose poses were computed, and which the function only reads although
+            // its pointer is not const; ids of the model.
+            unsafe { guard::mjv_update_camera(m, d.cast_mut(), &raw mut raw, scene) }
+        })?;
         camera.take(&raw);
         Ok(())
     }

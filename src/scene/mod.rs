@@ -145,7 +145,7 @@ impl Scene {
         let mut scene = Self { raw, lineage: model.lineage(), buffers, skin_vertices, hulls };
         // SAFETY: a model and an empty scene. What it could allocate before an error, the scene's drop frees.
         let status = unsafe { guard::mjv_make_scene(model.as_ptr(), &raw mut *scene.raw, 0) };
-        ffi::check("mjv_makeScene", status)?;
+        ffi::check_without_data("mjv_makeScene", status)?;
         let raw = &mut *scene.raw;
         if skin_vertices > 0 {
             // SAFETY: allocated for three numbers for each vertex. The engine leaves them as they are until skins are updated.
@@ -163,7 +163,7 @@ impl Scene {
         ffi::size(self.raw().maxgeom)
     }
 
-    /// Makes the scene anew: geoms, lights, skins and the eyes. What the user added is forgotten.
+    /// Rebuilds the scene: geoms, lights, skins and viewpoints. Geoms that the user added are removed.
     ///
     /// `camera` says where it is seen from; a tracking camera moves along. `perturbation` is shown. `categories` is
     /// [`Categories::all`] for everything.
@@ -177,7 +177,7 @@ impl Scene {
     /// the scene then, and lights, skins and eyes are up to date: a viewer may go on.
     ///
     /// [`Error::NotComputed`] as said above, [`Error::OtherModel`] for the data of another model, [`Error::Invalid`] for numbers
-    /// of the camera or of the perturbation that are not finite. The scene is as it was then.
+    /// of the camera or of the perturbation that are not finite. The scene is as it was then. None of these poisons the data.
     ///
     /// # Panics
     ///
@@ -197,11 +197,10 @@ impl Scene {
         let pert = perturbation.as_ref().map_or(ptr::null(), ptr::from_ref);
         let (opt, catmask) = (options.raw(), categories.bits() as c_int);
         let scene = self.raw_mut();
-        let (status, missing) = counting(data, |m, d| {
+        let missing = counting(data, "mjv_updateScene", |m, d| {
             // SAFETY: a model, a data and a scene that go together, ids of the model, and all that is read was computed.
             unsafe { guard::mjv_update_scene(m, d, &raw const opt, pert, &raw mut raw_camera, catmask, scene) }
-        });
-        ffi::check("mjv_updateScene", status)?;
+        })?;
         camera.take(&raw_camera);
         if missing {
             return Err(self.geoms_full());
@@ -257,11 +256,10 @@ impl Scene {
         let (opt, catmask) = (options.raw(), categories.bits() as c_int);
         let start = self.ngeom();
         let scene = self.raw_mut();
-        let (status, missing) = counting(data, |m, d| {
+        let missing = counting(data, "mjv_addGeoms", |m, d| {
             // SAFETY: as in `update`.
             unsafe { guard::mjv_add_geoms(m, d, &raw const opt, pert, catmask, scene) }
-        });
-        ffi::check("mjv_addGeoms", status)?;
+        })?;
         if missing { Err(self.geoms_full()) } else { Ok(start..self.ngeom()) }
     }
 
@@ -334,12 +332,16 @@ impl Scene {
     }
 }
 
-/// Makes a call that may find the scene full, and tells whether it did. The engine prints the first such warning through a buffer
-/// that all threads share, so its counter is kept from being zero meanwhile.
-fn counting(data: &mut Data, call: impl FnOnce(*const mjModel, *mut mjData) -> c_int) -> (c_int, bool) {
+/// Makes a call that may find the scene full, and returns whether it did. The engine prints the first such warning through a
+/// buffer that all threads share, so the counter is not zero during the call.
+fn counting(
+    data: &mut Data,
+    function: &'static str,
+    call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
+) -> Result<bool> {
     const COUNTER: usize = mjWARN_VGEOMFULL as usize;
     let before = std::mem::replace(&mut data.raw_mut().warning[COUNTER], mjWarningStat { lastinfo: 0, number: 1 });
-    let status = call(data.model().as_ptr(), data.as_mut_ptr());
+    let result = data.call_mut(function, call);
     let stat = &mut data.raw_mut().warning[COUNTER];
     let missing = stat.number - 1;
     *stat = if missing == 0 {
@@ -347,7 +349,7 @@ fn counting(data: &mut Data, call: impl FnOnce(*const mjModel, *mut mjData) -> c
     } else {
         mjWarningStat { lastinfo: stat.lastinfo, number: before.number.saturating_add(missing) }
     };
-    (status, missing > 0)
+    result.map(|()| missing > 0)
 }
 
 impl Drop for Scene {

@@ -261,7 +261,7 @@ impl NewGeom {
             let geom = &raw mut geom;
             // SAFETY: a geom that was initialised.
             let status = unsafe { guard::mjv_make_connector(geom, shape.raw(), width, a0, a1, a2, b0, b1, b2) };
-            ffi::check("mjv_makeConnector", status)?;
+            ffi::check_without_data("mjv_makeConnector", status)?;
         }
         geom.dataid = dataid;
         (geom.objtype, geom.objid) = (mjOBJ_UNKNOWN as c_int, -1);

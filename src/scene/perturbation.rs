@@ -9,7 +9,6 @@ use super::camera::check_motion;
 use super::{MouseAction, Scene, Selection};
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
-use crate::ffi;
 use crate::id::{BodyId, SkinId};
 use crate::math::rot_vec_mat_t;
 use crate::model::Model;
@@ -141,7 +140,8 @@ impl Perturbation {
     /// # Errors
     ///
     /// [`Error::OtherModel`] for the scene of another model, [`Error::NotComputed`] before poses were computed,
-    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] for numbers that are not finite.
+    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] for numbers that are not finite. The data stays
+    /// usable.
     ///
     /// # Panics
     ///
@@ -152,9 +152,10 @@ impl Perturbation {
         scene.check_model(model, "the scene that a perturbation begins in")?;
         let mut raw = self.raw(model)?;
         data.check_computed("Perturbation::init", Stage::Position)?;
-        // SAFETY: a model, a data and a scene that go together, poses that were computed, and a body of the model.
-        let status = unsafe { guard::mjv_init_perturb(model.as_ptr(), data.as_ptr(), scene.as_ptr(), &raw mut raw) };
-        ffi::check("mjv_initPerturb", status)?;
+        data.call("mjv_initPerturb", |m, d| {
+            // SAFETY: a model, a data and a scene that go together, poses that were computed, and a body of the model.
+            unsafe { guard::mjv_init_perturb(m, d, scene.as_ptr(), &raw mut raw) }
+        })?;
         self.take(&raw)
     }
 
@@ -179,10 +180,10 @@ impl Perturbation {
             // The engine would turn a vector that it has not set.
             return Ok(());
         }
-        let (m, d) = (model.as_ptr(), data.as_ptr());
-        // SAFETY: as in `init`, and an action that there is; without a selection the engine looks at the world.
-        let status = unsafe { guard::mjv_move_perturb(m, d, action.raw(), dx, dy, scene.as_ptr(), &raw mut raw) };
-        ffi::check("mjv_movePerturb", status)?;
+        data.call("mjv_movePerturb", |m, d| {
+            // SAFETY: as in `init`, and an action of the engine's; without a selection the engine reads the world body.
+            unsafe { guard::mjv_move_perturb(m, d, action.raw(), dx, dy, scene.as_ptr(), &raw mut raw) }
+        })?;
         self.take(&raw)
     }
 
@@ -201,10 +202,10 @@ impl Perturbation {
     pub fn apply_pose(&self, data: &mut Data, paused: bool) -> Result<()> {
         let raw = self.raw(data.model())?;
         data.check_computed("Perturbation::apply_pose", Stage::Position)?;
-        let (m, d) = (data.model().as_ptr(), data.as_mut_ptr());
-        // SAFETY: a model and a data that go together, poses that were computed, a body of the model.
-        let status = unsafe { guard::mjv_apply_perturb_pose(m, d, &raw const raw, paused.into()) };
-        ffi::check("mjv_applyPerturbPose", status)
+        data.call_mut("mjv_applyPerturbPose", |m, d| {
+            // SAFETY: a model and a data that go together, poses that were computed, a body of the model.
+            unsafe { guard::mjv_apply_perturb_pose(m, d, &raw const raw, paused.into()) }
+        })
     }
 
     /// The force and torque with which it pulls and turns the selected body, as in
@@ -227,12 +228,12 @@ impl Perturbation {
         }
         // The engine writes over what was applied.
         let before = data.xfrc_applied()[body];
-        let (m, d) = (data.model().as_ptr(), data.as_mut_ptr());
-        // SAFETY: a model and a data that go together, velocities that were computed, a body of the model.
-        let status = unsafe { guard::mjv_apply_perturb_force(m, d, &raw const raw) };
+        let result = data.call_mut("mjv_applyPerturbForce", |m, d| {
+            // SAFETY: a model and a data that go together, velocities that were computed, a body of the model.
+            unsafe { guard::mjv_apply_perturb_force(m, d, &raw const raw) }
+        });
         let force = std::mem::replace(&mut data.xfrc_applied_mut()[body], before);
-        ffi::check("mjv_applyPerturbForce", status)?;
-        Ok(force)
+        result.map(|()| force)
     }
 
     /// Adds its [`force`](Self::force) to the applied forces of the selected body. What an earlier call added is taken away

@@ -5,7 +5,6 @@ use mujoco_sys::guard;
 use super::{Scene, SceneOptions};
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
-use crate::ffi;
 use crate::id::{BodyId, GeomId, Id, SkinId};
 
 /// What was found at a place of the window.
@@ -31,8 +30,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed, [`Error::Engine`] before the first update, [`Error::OtherModel`] for
-    /// the data of another model, [`Error::Invalid`] for numbers that are not finite, [`Error::Unsupported`] if the model has a
+    /// [`Error::NotComputed`] before poses were computed, [`Error::Engine`] before the first update (the data stays usable),
+    /// [`Error::OtherModel`] for the data of another model, [`Error::Invalid`] for numbers that are not finite, [`Error::Unsupported`] if the model has a
     /// height field with more rows than columns, as for [`Data::ray`].
     ///
     /// ```
@@ -75,26 +74,15 @@ impl Scene {
                 "finite",
             ));
         }
-        let options = options.raw();
+        let (options, scene) = (options.raw(), self.as_ptr());
         let (mut point, mut geom, mut skin, mut body) = ([0.0; 3], -1, -1, -1);
-        // SAFETY: a model, a data and a scene that go together, poses that were computed, three numbers and three places for the
-        // results.
-        let status = unsafe {
-            guard::mjv_select(
-                model.as_ptr(),
-                data.as_ptr(),
-                &raw const options,
-                aspectratio,
-                relx,
-                rely,
-                self.as_ptr(),
-                point.as_mut_ptr(),
-                &raw mut geom,
-                &raw mut skin,
-                &raw mut body,
-            )
-        };
-        ffi::check("mjv_select", status)?;
+        let (at, ids) = (point.as_mut_ptr(), (&raw mut geom, &raw mut skin, &raw mut body));
+        data.call("mjv_select", |m, d| {
+            let opt = &raw const options;
+            // SAFETY: a model, a data and a scene that go together, poses that were computed, a place for three numbers and three
+            // places for indices.
+            unsafe { guard::mjv_select(m, d, opt, aspectratio, relx, rely, scene, at, ids.0, ids.1, ids.2) }
+        })?;
         let index = |index: i32| usize::try_from(index).ok();
         // A vertex of a skin that no bone moves has no body.
         Ok(index(body).map(|body| Selection {

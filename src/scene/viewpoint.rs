@@ -115,7 +115,8 @@ impl Scene {
     pub fn frustum_height(&self) -> Result<f64> {
         let mut height = 0.0;
         // SAFETY: a scene, and a place for the result.
-        ffi::check("mjv_frustumHeight", unsafe { guard::mjv_frustum_height(self.as_ptr(), &raw mut height) })?;
+        let status = unsafe { guard::mjv_frustum_height(self.as_ptr(), &raw mut height) };
+        ffi::check_without_data("mjv_frustumHeight", status)?;
         Ok(height)
     }
 
@@ -148,7 +149,7 @@ impl Scene {
         let mut head = Head { pos: [0.0; 3], forward: [0.0; 3], up: [0.0; 3] };
         let (pos, forward, up) = (head.pos.as_mut_ptr(), head.forward.as_mut_ptr(), head.up.as_mut_ptr());
         // SAFETY: one of the two functions above, with three places for three numbers.
-        ffi::check(function, unsafe { call(pos, forward, up, self.as_ptr()) })?;
+        ffi::check_without_data(function, unsafe { call(pos, forward, up, self.as_ptr()) })?;
         Ok(head)
     }
 
@@ -189,7 +190,7 @@ impl Scene {
     /// # Errors
     ///
     /// [`Error::OtherModel`] for another model, [`Error::Invalid`] for numbers that are not finite or would make the transform
-    /// so, [`Error::Engine`] before the first update.
+    /// so, [`Error::Engine`] for a scene with a transform before its first update.
     #[doc(alias = "mjv_moveModel")]
     pub fn move_model(
         &mut self,
@@ -204,7 +205,7 @@ impl Scene {
         // SAFETY: an action that there is, three numbers, a scene of the model's lineage.
         let status =
             unsafe { guard::mjv_move_model(model.as_ptr(), action.raw(), dx, dy, roomup.as_ptr(), self.raw_mut()) };
-        ffi::check("mjv_moveModel", status)?;
+        ffi::check_without_data("mjv_moveModel", status)?;
         let moved = self.transform();
         if let Err(error) = self.set_transform(moved) {
             self.set_transform(before)?;
@@ -217,7 +218,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine refuses the scale.
+    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) rules out.
     #[doc(alias = "mjv_room2model")]
     pub fn room_to_model(&self, pos: [f64; 3], quat: [f64; 4]) -> Result<([f64; 3], [f64; 4])> {
         self.convert("mjv_room2model", guard::mjv_room2model, pos, quat)
@@ -227,7 +228,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine refuses the scale.
+    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) rules out.
     #[doc(alias = "mjv_model2room")]
     pub fn model_to_room(&self, pos: [f64; 3], quat: [f64; 4]) -> Result<([f64; 3], [f64; 4])> {
         self.convert("mjv_model2room", guard::mjv_model2room, pos, quat)
@@ -243,7 +244,7 @@ impl Scene {
         let (mut to_pos, mut to_quat) = ([0.0; 3], [0.0; 4]);
         let (from, to) = ((pos.as_ptr(), quat.as_ptr()), (to_pos.as_mut_ptr(), to_quat.as_mut_ptr()));
         // SAFETY: one of the two functions above, with three and four numbers, and as many places.
-        ffi::check(function, unsafe { call(to.0, to.1, from.0, from.1, self.as_ptr()) })?;
+        ffi::check_without_data(function, unsafe { call(to.0, to.1, from.0, from.1, self.as_ptr()) })?;
         Ok((to_pos, to_quat))
     }
 }

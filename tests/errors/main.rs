@@ -4,6 +4,7 @@
 
 mod arguments;
 mod files;
+mod gates;
 mod shapes;
 mod simulation;
 #[path = "../common/trouble.rs"]

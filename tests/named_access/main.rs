@@ -53,11 +53,11 @@ fn readings_of_a_sensor_are_its_part_of_the_sensor_data() {
     assert_eq!((elbow.dim(), elbow.data_range()), (1, 3..4));
     data.joint_mut("elbow").expect("an elbow").qpos_mut()[0] = 0.75;
     data.forward().expect("forward dynamics");
-    assert_eq!(data.sensor(elbow).data(), [0.75]);
+    assert_eq!(data.sensor(elbow).data().expect("computed"), [0.75]);
     // Beyond its cutoff of 1 it is clamped.
     data.joint_mut("elbow").expect("an elbow").qpos_mut()[0] = 1.5;
     data.forward().expect("forward dynamics");
-    assert_eq!(data.sensor(elbow).data(), [1.0]);
+    assert_eq!(data.sensor(elbow).data().expect("computed"), [1.0]);
     assert_eq!(data.sensordata()[3], 1.0);
     assert!(!model.options().enable.contains(EnableFlags::SENSORNOISE));
 }

@@ -17,6 +17,12 @@ fn field<'t>(listing: &'t str, name: &str) -> &'t str {
 fn a_torso_lists_its_kind_index_name_and_every_field_of_the_reference() {
     let mut data = Data::new(sample::humanoid()).expect("there is memory");
     data.step().expect("a step");
+    for name in ["subtree_linvel", "subtree_angmom", "cacc", "cfrc_int", "cfrc_ext"] {
+        let listing = data.body("torso").expect("there is a torso").to_string();
+        assert_eq!(field(&listing, name), "(not computed)", "a step does not compute {name}");
+    }
+    data.subtree_vel().expect("velocities");
+    data.rne_post_constraint().expect("forces");
     let torso = data.body("torso").expect("there is a torso");
     let listing = torso.to_string();
     assert!(listing.starts_with("Body:\nindex: "), "{listing}");

@@ -59,6 +59,8 @@ fn fields_of_elements_in_a_simulation_are_the_engines() {
     for subject in usual_subjects().chain([every_element()]) {
         let mut twins = Twins::in_motion(subject);
         twins.ours.inverse().expect("inverse dynamics");
+        twins.ours.subtree_vel().expect("velocities of subtrees");
+        twins.ours.rne_post_constraint().expect("forces on bodies");
         let (name, data) = (&subject.name, &twins.ours);
         let (m, d) = (on_model(&twins.model), on_data(data));
         let nv = m.nv as usize;
@@ -73,11 +75,11 @@ fn fields_of_elements_in_a_simulation_are_the_engines() {
             cinert: d.cinert, [10 * i; 10];
             crb: d.crb, [10 * i; 10];
             cvel: d.cvel, [6 * i; 6];
-            subtree_linvel: d.subtree_linvel, [3 * i; 3];
-            subtree_angmom: d.subtree_angmom, [3 * i; 3];
-            cacc: d.cacc, [6 * i; 6];
-            cfrc_int: d.cfrc_int, [6 * i; 6];
-            cfrc_ext: d.cfrc_ext, [6 * i; 6];
+            => subtree_linvel: body.subtree_linvel().expect("computed").bits(), at(d.subtree_linvel, 3 * i, 3);
+            => subtree_angmom: body.subtree_angmom().expect("computed").bits(), at(d.subtree_angmom, 3 * i, 3);
+            => cacc: body.cacc().expect("computed").bits(), at(d.cacc, 6 * i, 6);
+            => cfrc_int: body.cfrc_int().expect("computed").bits(), at(d.cfrc_int, 6 * i, 6);
+            => cfrc_ext: body.cfrc_ext().expect("computed").bits(), at(d.cfrc_ext, 6 * i, 6);
             => mocap_pos: body.mocap_pos().map(|pos| pos.bits()), mocap(m, i).map(|id| at(d.mocap_pos, 3 * id, 3));
             => mocap_quat: body.mocap_quat().map(|quat| quat.bits()), mocap(m, i).map(|id| at(d.mocap_quat, 4 * id, 4));
         });
@@ -139,7 +141,7 @@ fn fields_of_elements_in_a_simulation_are_the_engines() {
             => act_dot: actuator.act_dot().map(|act| act.bits()), activation(m, i).map(|act| at(d.act_dot, act, 1));
         });
         check_fields!(name, data.sensors(), |sensor, i| {
-            data: d.sensordata, [int(m.sensor_adr, i); int(m.sensor_dim, i)];
+            => data: sensor.data().expect("computed").bits(), at(d.sensordata, int(m.sensor_adr, i), int(m.sensor_dim, i));
         });
     }
 }
