@@ -1,14 +1,9 @@
 //! Models from files: on the disk, in memory, and back to where they came from.
 
-#[path = "../common/fields.rs"]
-#[macro_use]
-mod fields;
-
 mod assets;
 mod load;
 mod refuse;
 mod save;
-mod save_check;
 
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};

@@ -2,36 +2,23 @@
 
 use std::sync::PoisonError;
 
-use std::path::Path;
-
-use mujoco_safe::{Error, Kind, LostEdit, Model, Result, SaveXmlOptions, sample};
+use mujoco_safe::{Error, Kind, Model, sample};
 
 use crate::{RAW_LOADS, assets, bytes, bytes_in_c, folder};
 
-/// Loads a model and saves it as XML before another test loads one: the engine keeps the XML of the last one only. `None` if the
-/// model does not load.
-pub fn saved_with(
-    mut load: impl FnMut() -> Option<Model>,
-    path: &Path,
-    options: &SaveXmlOptions,
-) -> Option<(Model, Result<Vec<LostEdit>>)> {
-    for _ in 0..10_000 {
-        // The library does not know of loads past it.
-        let _raw = RAW_LOADS.lock().unwrap_or_else(PoisonError::into_inner);
-        let model = load()?;
-        match model.save_xml_with(path, options) {
-            Err(Error::XmlReplaced) => {}
-            saved => return Some((model, saved)),
-        }
-    }
-    panic!("no moment in which nobody else loads");
-}
-
-/// The same for a model that loads and is saved without an error.
-fn saved(load: impl Fn() -> Model, path: &Path) -> Model {
-    let (model, lost) = saved_with(|| Some(load()), path, &SaveXmlOptions::default()).unwrap();
-    assert_eq!(lost.unwrap(), []);
-    model
+/// Loads a model and saves it as XML before another test loads one: the engine keeps the XML of the last one only.
+fn saved(load: impl Fn() -> Model, path: &std::path::Path) -> Model {
+    (0..10_000)
+        .find_map(|_| {
+            // The library does not know of loads past it.
+            let _raw = RAW_LOADS.lock().unwrap_or_else(PoisonError::into_inner);
+            let model = load();
+            match model.save_xml(path) {
+                Err(Error::XmlReplaced) => None,
+                saved => Some(saved.map(|()| model).unwrap()),
+            }
+        })
+        .expect("a moment in which nobody else loads")
 }
 
 #[test]
