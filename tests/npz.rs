@@ -209,7 +209,8 @@ fn a_small_file_does_not_unpack_to_gigabytes() {
     let model = Model::from_xml_str("<mujoco/>").unwrap();
     // Zeros, packed a thousandfold: 80 MB of them in 80 kB.
     let count = 10_000_000;
-    let others = ["qpos", "qvel", "act", "ctrl"].map(|name| (format!("{name}.npy"), shaped(&format!("({count}, 0)"), &[])));
+    let others =
+        ["qpos", "qvel", "act", "ctrl"].map(|name| (format!("{name}.npy"), shaped(&format!("({count}, 0)"), &[])));
     let mut arrays = vec![("time.npy", shaped(&format!("({count},)"), &vec![0.0; count]))];
     arrays.extend(others.iter().map(|(name, bytes)| (name.as_str(), bytes.clone())));
     let mut bomb = archive(&arrays, CompressionMethod::Deflated);

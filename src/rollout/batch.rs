@@ -4,9 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Read, no_room};
 use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
 use super::restart::restart;
+use super::{Read, no_room};
 use crate::control::Outcome;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};

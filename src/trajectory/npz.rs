@@ -193,7 +193,8 @@ fn read_array(
     const FEWER: &str = "has not as many numbers as its shape says";
     let Some(rest) = allowed.checked_sub(size as u64) else {
         let is_there = size as u64 <= array.size();
-        let text = format!("unpacks to {size} bytes, and all arrays may to {MOST_UNPACKING} times the size of the file");
+        let text =
+            format!("unpacks to {size} bytes, and all arrays may to {MOST_UNPACKING} times the size of the file");
         return Err(bad(if is_there { &text } else { FEWER }));
     };
     *allowed = rest;

@@ -2,7 +2,9 @@
 
 use mujoco_safe::{Data, Trajectory};
 
-use super::{Bytes, Verdict, models};
+#[cfg(feature = "npz")]
+use super::models;
+use super::{Bytes, Verdict};
 
 /// Records at most.
 const MOST_RECORDS: usize = 6;
@@ -19,9 +21,10 @@ pub(super) fn trajectory(data: &mut Data, bytes: &mut Bytes<'_>) -> Trajectory {
     for _ in 0..bytes.below(MOST_RECORDS + 1) {
         data.set_time(bytes.number());
         let (first, other) = (bytes.number(), bytes.number());
-        for values in [data.qpos_mut(), data.qvel_mut(), data.act_mut(), data.ctrl_mut()] {
-            values.fill(first);
-        }
+        data.qpos_mut().fill(first);
+        data.qvel_mut().fill(first);
+        data.act_mut().fill(first);
+        data.ctrl_mut().fill(first);
         if let Some(last) = data.qpos_mut().last_mut() {
             *last = other;
         }
@@ -43,7 +46,7 @@ pub(super) fn use_it(trajectory: &Trajectory, data: &mut Data, log: &mut dyn FnM
         }
     }
     log("save_csv, load_csv");
-    let folder = super::sequence::folder();
+    let folder = tempfile::tempdir().expect("no temporary folder");
     let path = folder.path().join("trajectory.csv");
     if trajectory.save_csv(&path).is_ok() {
         let _ = Trajectory::load_csv(data.model(), &path);
@@ -62,13 +65,24 @@ mod damaged {
     use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
     use super::{Bytes, Verdict, models, trajectory, use_it};
-    use crate::fuzz::sequence::folder;
 
     /// Parts of a header, and what they may become.
     const HEADERS: [(&str, &[&str]); 6] = [
         ("'<f8'", &["'<f4'", "'>f8'", "'|O'", "'<U1000000000'", "\"<f8\"", "'", "[('a', '<f8')]"]),
         ("False", &["True", "0", "None", "false", ""]),
-        ("(", &["", "((", "(-", "(18446744073709551615, ", "(4611686018427387904, ", "(1, ", "[", "(99999999999999999999999"]),
+        (
+            "(",
+            &[
+                "",
+                "((",
+                "(-",
+                "(18446744073709551615, ",
+                "(4611686018427387904, ",
+                "(1, ",
+                "[",
+                "(99999999999999999999999",
+            ],
+        ),
         (")", &["", ", 0)", ", 18446744073709551615)", ", 2)", "]", "0)"]),
         ("'shape'", &["'Shape'", "'shape': (0,), 'shape'", "shape", "\"shape\""]),
         ("{", &["", "{{", "'shape': (7,), {"]),
@@ -85,17 +99,17 @@ mod damaged {
                 let mut member = archive.by_index(index).expect("a member");
                 let mut content = Vec::new();
                 member.read_to_end(&mut content).expect("its content");
-                (member.name().to_owned(), content)
+                (member.name().expect("a name").into_owned(), content)
             })
             .collect()
     }
 
-    /// Changes one thing of an archive whose sums are right afterwards.
+    /// Changes one thing of an archive whose sums are right afterwards. About half of the kinds leave it valid.
     fn damage(members: &mut Members, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
         let which = bytes.below(members.len());
         let Some((name, content)) = members.get_mut(which) else { return };
-        let kind = bytes.below(8);
-        log(&format!("damage {kind} of {name}"));
+        let kind = bytes.below(14);
+        log(&format!("change {kind} of {name}"));
         match kind {
             0..3 => {
                 let (from, to) = HEADERS[bytes.below(HEADERS.len())];
@@ -124,7 +138,20 @@ mod damaged {
             6 => {
                 members.remove(which);
             }
-            _ => *name = bytes.choose(&NAMES).to_owned(),
+            7 => *name = bytes.choose(&NAMES).to_owned(),
+            // The second version of the format has four bytes for the length of the header.
+            8 if content.get(6) == Some(&1) => {
+                content[6] = 2;
+                content.splice(10..10, [0, 0]);
+            }
+            9 => members.insert(which, ("note.txt".to_owned(), vec![b'x'; bytes.below(100)])),
+            10 => members.swap(which, 0),
+            _ => {
+                // The numbers come last.
+                let numbers = content.len().saturating_sub(128);
+                let number = bytes.word().to_le_bytes();
+                content.iter_mut().skip(128 + bytes.below(numbers + 1)).zip(number).for_each(|(byte, new)| *byte = new);
+            }
         }
     }
 
@@ -172,7 +199,7 @@ mod damaged {
     pub(crate) fn mutated_archive(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
         let model = models::model(models::choose(bytes));
         let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Refused };
-        let folder = folder();
+        let folder = tempfile::tempdir().expect("no temporary folder");
         let path = folder.path().join("trajectory.npz");
         trajectory(&mut data, bytes).save_npz(&path).expect("a file is written");
         let mut file = std::fs::read(&path).expect("it was written");

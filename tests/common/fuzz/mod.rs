@@ -10,10 +10,12 @@
 #[path = "../touch_all.rs"]
 mod touch_all;
 
+mod archive;
 mod assets;
 mod binary;
 mod bytes;
 mod models;
+mod plain;
 mod sequence;
 mod text;
 mod token;
@@ -43,16 +45,22 @@ pub enum Target {
     Binaries,
     /// Damaged texts and the files that they name, and steps of those that are accepted.
     Texts,
+    /// Damaged files of NumPy, and replays of those that are accepted.
+    Archives,
+    /// Damaged plain data (JSON, CSV), and simulations with those that are accepted.
+    Plain,
 }
 
 impl Target {
-    pub const ALL: [Self; 3] = [Self::Sequences, Self::Binaries, Self::Texts];
+    pub const ALL: [Self; 5] = [Self::Sequences, Self::Binaries, Self::Texts, Self::Archives, Self::Plain];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Sequences => "sequences",
             Self::Binaries => "binaries",
             Self::Texts => "texts",
+            Self::Archives => "archives",
+            Self::Plain => "plain",
         }
     }
 
@@ -68,6 +76,8 @@ impl Target {
             Self::Sequences => sequence::call_sequence(bytes, log),
             Self::Binaries => binary::mutated_binary(bytes, log),
             Self::Texts => text::mutated_text(bytes, log),
+            Self::Archives => archive::mutated_archive(bytes, log),
+            Self::Plain => plain::mutated_plain(bytes, log),
         }
     }
 }
