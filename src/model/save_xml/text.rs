@@ -30,11 +30,11 @@ impl Model {
         let name = path.display().to_string();
         let place = path.with_file_name(TEXT);
         let reloaded = Self::from_text_by(&name, &place, &text, &files, &mut |name, files, source_name| {
-            let last = xml.last;
             let compiled = Self::compile_under(&mut xml, name, files, source_name);
-            // The engine's tree is now that of the text, or of the same text without some attributes of actuators.
-            let fits = compiled.as_ref().is_ok_and(|model| compare::have_same_sizes(self, model));
-            xml.last = if fits { Some(self.lineage) } else { xml.last.filter(|_| xml.last == last) };
+            // Without a new model the engine keeps its tree.
+            if let Ok(model) = &compiled {
+                xml.last = compare::have_same_sizes(self, model).then_some(self.lineage);
+            }
             compiled
         });
         match reloaded {
