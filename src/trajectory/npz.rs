@@ -151,6 +151,9 @@ fn write_array<'a>(out: &mut impl Write, shape: &str, rows: impl IntoIterator<It
     Ok(())
 }
 
+/// Says that an array is shorter than its shape.
+const FEWER: &str = "has not as many numbers as its shape says";
+
 /// Reads an array of an archive, and takes its bytes off those that are allowed. `length` returns the number of values in an array
 /// of a shape, or else the shape that is right.
 fn read_array(
@@ -190,7 +193,6 @@ fn read_array(
         bad(&format!("has shape ({shape}), but must have {expected}"))
     })?;
     let size = length.checked_mul(8).ok_or_else(|| bad("is too large"))?;
-    const FEWER: &str = "has not as many numbers as its shape says";
     let Some(rest) = allowed.checked_sub(size as u64) else {
         let is_there = size as u64 <= array.size();
         let text =
