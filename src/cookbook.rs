@@ -164,8 +164,8 @@
 //!
 //! # Many variations of one model
 //!
-//! A clone has the ids of its original. What a change of masses or positions has to do with derived constants is brought up to
-//! date by [`update_constants`](crate::ModelMut::update_constants).
+//! The ids of a model are valid for its clones. `scale_mass` scales mass and inertia together, as another density does, and
+//! [`update_constants`](crate::ModelMut::update_constants) computes what is derived from them.
 //!
 //! ```
 //! use mujoco_safe::{Data, sample};
@@ -177,8 +177,7 @@
 //! for scale in [0.8, 1.0, 1.2] {
 //!     let mut variation = model.clone();
 //!     let mut edit = variation.edit();
-//!     let mass = edit.body(pole).mass();
-//!     edit.body_mut(pole).set_mass(scale * mass);
+//!     edit.body_mut(pole).scale_mass(scale)?;
 //!     edit.joint_mut(hinge).damping_mut()[0] *= scale;
 //!     edit.update_constants()?;
 //!     let mut data = Data::new(variation)?;

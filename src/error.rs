@@ -7,6 +7,7 @@ use crate::control::riccati::RiccatiError;
 use crate::data::{Instability, Needs};
 use crate::engine::Version;
 use crate::id::Kind;
+use crate::model::LostEdit;
 
 /// The result of whatever can fail here.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -94,6 +95,19 @@ pub enum Error {
         path: PathBuf,
         /// Why not.
         reason: String,
+    },
+
+    /// XML cannot carry some values of the model: the text that the engine writes loads as another model. Nothing was
+    /// written.
+    #[error(
+        "{path} is not written, because XML would lose these values of the model: {}; save a binary model, or accept the loss with SaveXmlOptions",
+        lost(fields)
+    )]
+    XmlLosesEdits {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// The fields whose values differ in the reloaded model.
+        fields: Vec<LostEdit>,
     },
 
     /// A moving picture could not be made.
@@ -253,6 +267,11 @@ impl Error {
         let path = path.into();
         move |source| Self::File { path, source }
     }
+}
+
+/// Lists the fields that XML loses.
+fn lost(fields: &[LostEdit]) -> String {
+    fields.iter().map(LostEdit::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// A vector's shape is its length.

@@ -136,8 +136,9 @@ pub use crate::id::{
 };
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{
-    DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, LoadOptions, Model, ModelMut, Options, Statistics,
-    Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale, schema, schema_html,
+    DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, LoadOptions, LostEdit, Model, ModelMut, Options,
+    SaveXmlOptions, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba,
+    VisualScale, XmlCheck, schema, schema_html,
 };
 pub use crate::rollout::{Batch, Rollout, RolloutBuffers, RolloutError, RolloutResult};
 pub use crate::scene::Scene;

@@ -46,6 +46,9 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
 use crate::ffi;
 
+/// Matrices of more values than this, 128 MiB, are worth a look at the memory that there is.
+const LARGE: usize = 1 << 24;
+
 /// How many values there are. The product must not wrap round: nalgebra checks the size of what it views with the same
 /// arithmetic, and would read beyond the values.
 #[track_caller]
@@ -72,10 +75,16 @@ impl Matrix {
     ///
     /// # Panics
     ///
-    /// If there is no room for so many.
+    /// If there is no memory for so many.
     #[doc(alias = "mj_zeros")]
     pub fn zeros(nrows: usize, ncols: usize) -> Self {
-        Self { nrows, ncols, values: vec![0.0; count(nrows, ncols)] }
+        let count = count(nrows, ncols);
+        // `vec!` ends the process where there is no memory. It takes its zeros from fresh pages, unlike a reserved vector.
+        if count > LARGE {
+            let probe = Vec::<f64>::new().try_reserve_exact(count);
+            assert!(probe.is_ok(), "there is no memory for a matrix of {nrows} rows and {ncols} columns");
+        }
+        Self { nrows, ncols, values: vec![0.0; count] }
     }
 
     /// The matrix of these rows.

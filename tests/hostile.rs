@@ -360,3 +360,46 @@ fn unknown_flags_are_refused_or_empty() {
     assert_eq!(state.len(), data.model().state_size(StateSpec::INTEGRATION));
     data.set_state(spec, &state).unwrap();
 }
+
+#[test]
+fn trajectories_in_text_from_strangers_are_errors_or_can_be_replayed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("t.csv");
+    let model = sample::cartpole();
+    let mut data = Data::new(model.clone()).expect("there is memory");
+    let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0";
+    let numbers = "9,".repeat(1_000_000);
+    for (text, loads) in [
+        (String::new(), false),
+        ("\0".to_owned(), false),
+        (header.to_owned(), true),
+        (format!("{header}\n"), true),
+        (format!("{header}\r\n0,0,0,0,0,0\r\n"), true),
+        (format!("{header}\n\n"), false),
+        (format!("{header}\n0,0,0,0,0"), false),
+        (format!("{header}\n0,0,0,0,0,0,0"), false),
+        (format!("{header}\n0,0,0,0,0,x"), false),
+        (format!("{header}\n0,0,0,0,0,0x10"), false),
+        (format!("{header}\n{numbers}"), false),
+        (format!("{header},{numbers}\n0,0,0,0,0,0"), false),
+        (format!("{header}\n-1,0,0,0,0,0\n-1,0,0,0,0,0\n-2,0,0,0,0,0"), true),
+        (format!("{header}\nNaN,inf,-inf,1e400,-1e-400,5e-324\n1e308,0,0,0,0,0"), true),
+    ] {
+        std::fs::write(&path, &text).expect("a file");
+        let start = &text[..text.len().min(60)];
+        let read = Trajectory::load_csv(&model, &path);
+        assert_eq!(read.is_ok(), loads, "{start}");
+        let Ok(read) = read else { continue };
+        for record in 0..read.len() {
+            let _ = read.apply(record, &mut data);
+            let _ = data.step();
+            data.reset().expect("a reset");
+        }
+        read.save_csv(&path).expect("a file");
+        let again = Trajectory::load_csv(&model, &path).expect("what was saved is loaded");
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        assert_eq!((bits(again.times()), bits(again.states())), (bits(read.times()), bits(read.states())), "{start}");
+    }
+    std::fs::write(&path, b"time,\xff\xfe\n").expect("a file");
+    assert!(Trajectory::load_csv(&model, &path).is_err());
+}

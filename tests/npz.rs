@@ -203,6 +203,62 @@ fn what_does_not_fit_is_named() {
 }
 
 #[test]
+fn a_small_file_does_not_unpack_to_gigabytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    let model = Model::from_xml_str("<mujoco/>").unwrap();
+    // Zeros, packed a thousandfold: 80 MB of them in 80 kB.
+    let count = 10_000_000;
+    let others =
+        ["qpos", "qvel", "act", "ctrl"].map(|name| (format!("{name}.npy"), shaped(&format!("({count}, 0)"), &[])));
+    let mut arrays = vec![("time.npy", shaped(&format!("({count},)"), &vec![0.0; count]))];
+    arrays.extend(others.iter().map(|(name, bytes)| (name.as_str(), bytes.clone())));
+    let mut bomb = archive(&arrays, CompressionMethod::Deflated);
+    assert!(bomb.len() < 1 << 18, "{}", bomb.len());
+    fs::write(&path, &bomb).unwrap();
+    let text = Trajectory::load_npz(&model, &path).unwrap_err().to_string();
+    assert!(text.contains("'time' unpacks to 80000000 bytes"), "{text}");
+    // The sizes in the archive may lie.
+    let size = (80_000_000 + arrays[0].1.len() - 8 * count) as u32;
+    while let Some(at) = bomb.windows(4).position(|bytes| bytes == size.to_le_bytes()) {
+        bomb[at..at + 4].copy_from_slice(&1000_u32.to_le_bytes());
+    }
+    fs::write(&path, &bomb).unwrap();
+    assert!(Trajectory::load_npz(&model, &path).is_err());
+    // A file that is not packed may be of any size, and one that is packed a little too.
+    fs::write(&path, archive(&arrays, CompressionMethod::Stored)).unwrap();
+    assert_eq!(Trajectory::load_npz(&model, &path).unwrap().len(), count);
+    let arrays = arrays.iter().map(|(name, _)| match *name {
+        "time.npy" => (*name, shaped("(1000000,)", &vec![0.0; 1_000_000])),
+        name => (name, shaped("(1000000, 0)", &[])),
+    });
+    fs::write(&path, archive(&arrays.collect::<Vec<_>>(), CompressionMethod::Deflated)).unwrap();
+    assert_eq!(Trajectory::load_npz(&model, &path).unwrap().len(), 1_000_000);
+}
+
+#[test]
+fn names_with_folders_and_arrays_in_them_are_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.npz");
+    let model = sample::cartpole();
+    let good = [
+        ("../time.npy", b"evil".to_vec()),
+        ("/qpos.npy", b"evil".to_vec()),
+        ("time.npy", shaped("(1,)", &[0.5])),
+        ("qpos.npy", shaped("(1, 2)", &[1.0, 2.0])),
+        ("qvel.npy", shaped("(1, 2)", &[3.0, 4.0])),
+        ("act.npy", shaped("(1, 0)", &[])),
+        ("ctrl.npy", shaped("(1, 1)", &[5.0])),
+    ];
+    fs::write(&path, archive(&good, CompressionMethod::Stored)).unwrap();
+    assert_eq!(Trajectory::load_npz(&model, &path).unwrap().states(), [1.0, 2.0, 3.0, 4.0]);
+    fs::write(&path, archive(&[&good[..2], &good[3..]].concat(), CompressionMethod::Stored)).unwrap();
+    let text = Trajectory::load_npz(&model, &path).unwrap_err().to_string();
+    assert!(text.contains("'time' is not in the file"), "{text}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
 fn no_cut_and_no_changed_byte_of_a_file_ends_the_program() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");

@@ -71,3 +71,55 @@ fn what_a_file_says_is_checked_where_it_is_applied() {
     let statistics: Statistics = serde_json::from_str(r#"{"meaninertia": 0}"#).unwrap();
     assert!(model.edit().statistics(|model| *model = statistics).is_err());
 }
+
+#[test]
+fn what_strangers_write_is_an_error_or_is_checked_where_it_is_applied() {
+    let deep = "[".repeat(100_000);
+    let long = format!(r#"{{"gravity": [{}]}}"#, "0,".repeat(100_000) + "0");
+    for text in [
+        "",
+        "null",
+        "1",
+        "\"Euler\"",
+        deep.as_str(),
+        long.as_str(),
+        r#"{"timestep": null}"#,
+        r#"{"timestep": 1e400}"#,
+        r#"{"iterations": 18446744073709551616}"#,
+        r#"{"iterations": 1.5}"#,
+        r#"{"solver": 3}"#,
+        r#"{"solver": {"Newton": 1}}"#,
+        r#"{"disable": 4294967295}"#,
+        r#"{"gravity": [0, 0]}"#,
+        r#"{"timestep": 1, "timestep": 2}"#,
+    ] {
+        assert!(serde_json::from_str::<Options>(text).is_err(), "{}", &text[..text.len().min(40)]);
+    }
+    // Numbers that a file can have and a model cannot.
+    for text in [
+        r#"{"timestep": -1}"#,
+        r#"{"timestep": 0}"#,
+        r#"{"timestep": 1e-400}"#,
+        r#"{"impratio": 0}"#,
+        r#"{"iterations": 18446744073709551615}"#,
+        r#"{"mpr_iterations": 4294967296}"#,
+        r#"{"tolerance": -1e300}"#,
+    ] {
+        let options: Options = serde_json::from_str(text).unwrap();
+        let mut model = sample::cartpole();
+        let before = model.options();
+        let result = model.edit().options(|own| *own = options);
+        assert!(matches!(result, Err(Error::Invalid { .. })), "{text}");
+        assert_eq!(model.options(), before, "{text}");
+    }
+    for text in [
+        r#"{"global": {"offwidth": 18446744073709551615}}"#,
+        r#"{"quality": {"numslices": 1000000000}}"#,
+        r#"{"map": {"znear": -1}}"#,
+        r#"{"quality": {"shadowsize": 2147483648}}"#,
+    ] {
+        let visual: Visual = serde_json::from_str(text).unwrap();
+        let result = sample::cartpole().edit().visual(|own| *own = visual);
+        assert!(matches!(result, Err(Error::Invalid { .. })), "{text}");
+    }
+}

@@ -53,6 +53,9 @@ int mujoco_sys_full_constraints_are_fatal(int fatal);
 // The text of this thread's last caught error. Valid until the thread's next one.
 const char* mujoco_sys_message(void);
 
+// The number of significant digits with which mujoco_sys_mj_saveLastXML prints a number.
+int mujoco_sys_xml_digits(void);
+
 // For the loaders, which are in C++.
 void mujoco_sys_set_message(const char* text);
 struct mujoco_sys_guard** mujoco_sys_innermost(void);

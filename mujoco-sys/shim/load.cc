@@ -22,6 +22,9 @@ __attribute__((weak)) mujoco_sys_handler _mjPRIVATE__get_tls_error_fn(void);
 __attribute__((weak)) void _mjPRIVATE__set_tls_error_fn(mujoco_sys_handler);
 __attribute__((weak)) mujoco_sys_handler _mjPRIVATE__get_tls_warning_fn(void);
 __attribute__((weak)) void _mjPRIVATE__set_tls_warning_fn(mujoco_sys_handler);
+// The number of significant digits that the XML writer prints, per thread. 6 unless set.
+__attribute__((weak)) int _mjPRIVATE__get_xml_precision(void);
+__attribute__((weak)) void _mjPRIVATE__set_xml_precision(int);
 }
 
 namespace {
@@ -154,8 +157,19 @@ int mujoco_sys_mj_loadXML(const char* filename, const mjVFS* vfs, char* error, i
 
 const char* mujoco_sys_printed(void) { return printed; }
 
+int mujoco_sys_xml_digits(void) {
+  const bool adjustable = _mjPRIVATE__get_xml_precision && _mjPRIVATE__set_xml_precision;
+  return adjustable ? 17 : 6;
+}
+
+// Prints every digit that a double has, where the engine lets the precision be set.
 int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* error, int error_size, int* result) {
-  return run([=] { *result = mj_saveLastXML(filename, m, error, error_size); });
+  const bool adjustable = _mjPRIVATE__get_xml_precision && _mjPRIVATE__set_xml_precision;
+  const int before = adjustable ? _mjPRIVATE__get_xml_precision() : 0;
+  if (adjustable) _mjPRIVATE__set_xml_precision(mujoco_sys_xml_digits());
+  const int status = run([=] { *result = mj_saveLastXML(filename, m, error, error_size); });
+  if (adjustable) _mjPRIVATE__set_xml_precision(before);
+  return status;
 }
 
 int mujoco_sys_mj_printSchema(const char* filename, char* buffer, int buffer_size, int html, int pad, int* result) {

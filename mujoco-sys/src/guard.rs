@@ -64,6 +64,11 @@ unsafe extern "C" {
     #[link_name = "mujoco_sys_full_constraints_are_fatal"]
     pub fn full_constraints_are_fatal(fatal: c_int) -> c_int;
 
+    /// Returns the number of significant digits with which `mj_save_last_xml` prints a number: 17, which a double survives, or
+    /// 6 with an engine whose precision cannot be set.
+    #[link_name = "mujoco_sys_xml_digits"]
+    pub fn xml_digits() -> c_int;
+
     /// The text of this thread's last caught error; valid until the next one.
     #[link_name = "mujoco_sys_message"]
     pub fn message() -> *const c_char;

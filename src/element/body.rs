@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::{View, ViewMut, range};
 use crate::data::Data;
+use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{BodyId, Ids, kind};
 use crate::model::{Model, ModelMut};
@@ -44,7 +45,7 @@ fields!(Body on Model {
     /// Orientation of the inertial frame in the body's own: a unit quaternion `[w, x, y, z]`.
     iquat: [f64; 4] = body_iquat, iquat_mut in body_iquat_mut;
     /// Mass, kg.
-    mass: f64 = body_mass, set_mass in body_mass_mut;
+    mass: f64 = body_mass;
     /// Mass of the body and everything below it, kg. Derived from the masses.
     subtreemass: f64 = body_subtreemass;
     /// Moments of inertia along the axes of the inertial frame, kg·m².
@@ -113,6 +114,54 @@ fields!(Body on Data {
     /// Orientation that a mocap body is given: a unit quaternion `[w, x, y, z]`, and an input. `None` if it is not one.
     mocap_quat: {Option<&'a [f64; 4]>} = |body| Some(&body.owner.mocap_quat()[body.in_model().mocap()?]);
 });
+
+impl ViewMut<'_, ModelMut<'_>, kind::Body> {
+    /// Sets `mass`, kg. The moments of inertia stay as they are, which suits a point mass: [`scale_mass`](Self::scale_mass)
+    /// changes both, as another density does.
+    ///
+    /// Call [`update_constants`](ModelMut::update_constants) afterwards, for what is derived from masses: `body_subtreemass`,
+    /// `body_invweight0`, `dof_invweight0`, `tendon_invweight0`, `actuator_acc0`, and the means in
+    /// [`Statistics`](crate::Statistics).
+    pub fn set_mass(&mut self, mass: f64) {
+        self.owner.body_mass_mut()[self.id.index()] = mass;
+    }
+
+    /// Multiplies `mass` and `inertia` by a factor, which is what another density of all the body's geoms does. The centre of
+    /// mass and the axes of inertia stay as they are, and so do the bodies below.
+    ///
+    /// Call [`update_constants`](ModelMut::update_constants) afterwards, as for [`set_mass`](Self::set_mass).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] unless the factor is positive and finite, and the mass and inertia with it finite. Nothing is changed
+    /// then.
+    ///
+    /// ```
+    /// use mujoco_safe::sample;
+    ///
+    /// let mut model = sample::cartpole();
+    /// let (mass, inertia) = (model.body("pole")?.mass(), *model.body("pole")?.inertia());
+    /// let mut edit = model.edit();
+    /// edit.body_mut("pole")?.scale_mass(2.0)?;
+    /// edit.update_constants()?;
+    /// assert_eq!(model.body("pole")?.mass(), 2.0 * mass);
+    /// assert_eq!(*model.body("pole")?.inertia(), inertia.map(|moment| 2.0 * moment));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn scale_mass(&mut self, factor: f64) -> Result<()> {
+        let index = self.id.index();
+        let (mass, inertia) = (self.owner.body_mass()[index], self.owner.body_inertia()[index]);
+        let is_valid = factor.is_finite() && factor > 0.0;
+        let (mass, inertia) = (mass * factor, inertia.map(|moment| moment * factor));
+        if !is_valid || !mass.is_finite() || inertia.iter().any(|moment| !moment.is_finite()) {
+            let expected = "positive and finite, and leave mass and inertia finite";
+            return Err(Error::invalid(format!("the factor for the mass of {self:?}"), factor, expected));
+        }
+        self.owner.body_mass_mut()[index] = mass;
+        self.owner.body_inertia_mut()[index] = inertia;
+        Ok(())
+    }
+}
 
 impl ViewMut<'_, Data, kind::Body> {
     /// `mocap_pos`, to be written to.

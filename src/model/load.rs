@@ -19,10 +19,13 @@ use crate::id::Lineage;
 use crate::{ffi, file};
 
 /// The name under which a text is known to the engine's compiler.
-const TEXT: &str = "(main).xml";
+pub(super) const TEXT: &str = "(main).xml";
 
 /// What errors call that text.
 const GIVEN: &str = "the XML given";
+
+/// Runs the engine's compiler on a file, under its name in error messages.
+type Compile<'a> = dyn FnMut(&CString, &VirtualFiles, &str) -> Result<Model> + 'a;
 
 /// What the engine keeps of XML for the whole process: the tree of the last model, under a lock.
 pub(super) struct XmlState {
@@ -178,33 +181,48 @@ impl Model {
 
     /// Compiles a text as if it was in the file `path`, which it is to the compiler: its name must be [`TEXT`].
     fn from_text(source_name: &str, path: &Path, text: &[u8], options: &LoadOptions<'_>) -> Result<Self> {
-        engine::ready()?;
-        if text.is_empty() {
-            return Err(Error::Load { source_name: source_name.to_owned(), message: "the text is empty".to_owned() });
-        }
         let Resolved { text, files, unresolved } = package::resolve(text, &options.packages, &options.files);
         let files: Vec<(&str, &[u8])> = (options.files.iter().copied())
             .chain(files.iter().map(|(name, content)| (&name[..], &content[..])))
             .collect();
-        Self::from_resolved(source_name, path, &text, &files).map_err(|error| {
-            // The engine discards visual meshes by default, so an unresolved one is the cause only if the message names it.
-            let Error::Load { source_name, mut message } = error else { return error };
-            if let Some((_, reason)) = unresolved.iter().find(|(name, _)| !name.is_empty() && message.contains(name)) {
-                message = format!("{message}; {reason}");
-            }
-            Error::Load { source_name, message }
-        })
+        let model =
+            Self::from_text_by(source_name, path, &text, &files, &mut Self::compile_quietly).map_err(|error| {
+                // The engine discards visual meshes by default, so an unresolved one is the cause only if the message names it.
+                let Error::Load { source_name, mut message } = error else { return error };
+                if let Some((_, reason)) =
+                    unresolved.iter().find(|(name, _)| !name.is_empty() && message.contains(name))
+                {
+                    message = format!("{message}; {reason}");
+                }
+                Error::Load { source_name, message }
+            })?;
+        // Not under the lock: a logger is the user's code, and may load a model, too.
+        for warning in &model.warnings {
+            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
+        }
+        Ok(model)
     }
 
-    fn from_resolved(source_name: &str, path: &Path, text: &[u8], files: &[(&str, &[u8])]) -> Result<Self> {
+    /// Checks a text and runs the compiler on it by `compile`, which takes the lock of [`XmlState`] or already has it.
+    pub(super) fn from_text_by(
+        source_name: &str,
+        path: &Path,
+        text: &[u8],
+        files: &[(&str, &[u8])],
+        compile: &mut Compile<'_>,
+    ) -> Result<Self> {
+        engine::ready()?;
+        if text.is_empty() {
+            return Err(Error::Load { source_name: source_name.to_owned(), message: "the text is empty".to_owned() });
+        }
         let virtual_files = Self::in_memory(text, files)?;
         let memory: Vec<(&str, &[u8])> = std::iter::once((TEXT, text)).chain(files.iter().copied()).collect();
         let places = Files { memory: &memory, directory: text_check::directory(text_check::path_bytes(path)) };
         let name = path_c_string(path)?;
         if let Some(muscles) = text_check::check(source_name, text, &places)? {
-            Self::try_muscles(&muscles, text, &name, files, source_name)?;
+            Self::try_muscles(&muscles, text, &name, files, source_name, compile)?;
         }
-        Self::compile(&name, &virtual_files, source_name)
+        compile(&name, &virtual_files, source_name)
     }
 
     /// A text and other files as the compiler takes them.
@@ -224,9 +242,10 @@ impl Model {
         name: &CString,
         files: &[(&str, &[u8])],
         source_name: &str,
+        compile: &mut Compile<'_>,
     ) -> Result<()> {
         let Some(text) = text_check::without_simulation(text) else { return Ok(()) };
-        let mut model = Self::compile_quietly(name, &Self::in_memory(&text, files)?, source_name)?;
+        let mut model = compile(name, &Self::in_memory(&text, files)?, source_name)?;
         let (checked, _) = collecting_warnings(|| muscles.check(&mut model));
         checked.map_err(|message| Error::Load { source_name: source_name.to_owned(), message })
     }
@@ -284,21 +303,21 @@ impl Model {
         Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
     }
 
-    fn compile(name: &CString, files: &VirtualFiles, source_name: &str) -> Result<Self> {
-        let model = Self::compile_quietly(name, files, source_name)?;
-        // Not under the lock: a logger is the user's code, and may load a model, too.
-        for warning in &model.warnings {
-            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
-        }
-        Ok(model)
+    fn compile_quietly(name: &CString, files: &VirtualFiles, source_name: &str) -> Result<Self> {
+        engine::ready()?;
+        Self::compile_under(&mut *XmlState::enter()?, name, files, source_name)
     }
 
-    fn compile_quietly(name: &CString, files: &VirtualFiles, source_name: &str) -> Result<Self> {
+    /// Runs the compiler while the caller holds the lock.
+    pub(super) fn compile_under(
+        xml: &mut XmlState,
+        name: &CString,
+        files: &VirtualFiles,
+        source_name: &str,
+    ) -> Result<Self> {
         const MESSAGE: usize = 4096;
-        engine::ready()?;
-        let mut xml = XmlState::enter()?;
-        // Whatever happens now, the tree of the last model is not that model's any more.
-        xml.last = None;
+        // The engine replaces its tree before it returns a model, which may still be refused below.
+        let last = xml.last.take();
         let mut message = [0; MESSAGE];
         let mut loaded = ptr::null_mut();
         let (status, mut warnings) = collecting_warnings(|| {
@@ -315,6 +334,8 @@ impl Model {
         // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
         let message = unsafe { ffi::text(message.as_ptr()) };
         let Some(raw) = NonNull::new(loaded) else {
+            // The engine deletes what it could not compile, and keeps the tree that it had.
+            xml.last = last;
             warnings.insert(0, message);
             return Err(Error::Load { source_name: source_name.to_owned(), message: warnings.join("; ") });
         };

@@ -14,7 +14,8 @@
 //! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
 //! | `hazard.rs` | what the engine compiles and then mishandles |
 //! | `shortcut.rs` | what the engine leaves out because the compiler said so |
-//! | `save.rs` | to XML, to a binary model |
+//! | `save.rs` | to a binary model |
+//! | `save_xml/` | to XML, with a check that the text loads as the same model |
 //! | `schema.rs` | what a model text may have in it |
 //! | `mjb/` | the validation of binary models |
 
@@ -29,6 +30,7 @@ mod options;
 mod package;
 mod position;
 mod save;
+mod save_xml;
 mod schema;
 mod shortcut;
 mod text_check;
@@ -46,6 +48,7 @@ pub use self::options::{
     DisableFlags, EnableFlags, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
     VisualRgba, VisualScale,
 };
+pub use self::save_xml::{LostEdit, SaveXmlOptions, XmlCheck};
 pub use self::schema::{schema, schema_html};
 use crate::error::Result;
 use crate::ffi;

@@ -4,9 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::Read;
 use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
 use super::restart::restart;
+use super::{Read, no_room};
 use crate::control::Outcome;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
@@ -61,10 +61,20 @@ impl<'a> Batch<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate them.
+    /// [`Error::Invalid`] if there is no memory for so many, [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot
+    /// allocate them.
     pub fn new(model: impl Into<Arc<Model>>, count: usize) -> Result<Self> {
         let model = model.into();
-        let simulations = (0..count).map(|_| Data::new(model.clone())).collect::<Result<Vec<_>>>()?;
+        let mut simulations = Vec::new();
+        if count > 0 {
+            let first = Data::new(model.clone())?;
+            check_memory(&first, count)?;
+            simulations.try_reserve_exact(count).map_err(|_| no_room("simulations", count))?;
+            simulations.push(first);
+        }
+        for _ in 1..count {
+            simulations.push(Data::new(model.clone())?);
+        }
         let batch = Self {
             failures: simulations.iter().map(|_| None).collect(),
             observations: Matrix::default(),
@@ -82,6 +92,10 @@ impl<'a> Batch<'a> {
 
     /// Each simulation is observed by this closure, which writes to a row of `nobs` zeros: after each step, when what was computed
     /// is of the state before it, and after each reset, when nothing is computed yet.
+    ///
+    /// # Panics
+    ///
+    /// If there is no memory for the observations.
     #[must_use]
     pub fn observe(mut self, nobs: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.observations = Matrix::zeros(self.simulations.len(), nobs);
@@ -325,4 +339,16 @@ impl Member<'_> {
             (self.observe)(self.data, self.row);
         }
     }
+}
+
+/// Refuses a number of simulations for which there is no memory, before the first of them is allocated.
+fn check_memory(simulation: &Data, count: usize) -> Result<()> {
+    // SAFETY: a valid simulation, which nothing writes to while it is borrowed.
+    let (buffer, stack) = unsafe { ((*simulation.as_ptr()).nbuffer, (*simulation.as_ptr()).nstack) };
+    let bytes = usize::try_from(buffer).ok().zip(usize::try_from(stack).ok()).and_then(|(buffer, stack)| {
+        let one = stack.checked_mul(size_of::<f64>())?.checked_add(buffer)?.checked_add(size_of::<Data>())?;
+        one.checked_mul(count)
+    });
+    let fits = bytes.is_some_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
+    if fits { Ok(()) } else { Err(no_room("simulations", count)) }
 }

@@ -82,15 +82,18 @@ impl Trajectory {
         Self { sizes: Sizes::of(model), times: Vec::new(), states: Vec::new(), controls: Vec::new() }
     }
 
-    /// An empty one with room for this many records, so that [`push`](Self::push) allocates nothing up to there.
+    /// Returns an empty trajectory with room for this many records, so that [`push`](Self::push) allocates nothing up to there.
+    /// If there is no memory for so many, it has no room, and grows with its records.
     pub fn with_capacity(model: &Model, records: usize) -> Self {
-        let sizes = Sizes::of(model);
-        Self {
-            sizes,
-            times: Vec::with_capacity(records),
-            states: Vec::with_capacity(records * sizes.state()),
-            controls: Vec::with_capacity(records * sizes.nu),
+        let mut trajectory = Self::new(model);
+        let Self { sizes, times, states, controls } = &mut trajectory;
+        let room = |values: &mut Vec<f64>, width: usize| {
+            records.checked_mul(width).is_some_and(|length| values.try_reserve_exact(length).is_ok())
+        };
+        if room(times, 1) && room(states, sizes.state()) && room(controls, sizes.nu) {
+            return trajectory;
         }
+        Self::new(model)
     }
 
     /// Records the present time, state and controls.

@@ -22,6 +22,11 @@ const ALIGNMENT: usize = 64;
 /// Bytes of a header. An array of numbers has a short one.
 const LONGEST_HEADER: u32 = 1 << 16;
 
+/// The bytes that the arrays of a file may unpack to: this many, and as many times the size of the file. Numbers of a simulation
+/// seldom pack to a tenth of their size; a file that unpacks to a thousand times its size is made to use up memory.
+const FREE_BYTES: u64 = 64 << 20;
+const MOST_UNPACKING: u64 = 100;
+
 /// The arrays of a file, the times aside, and their numbers in a record.
 fn arrays(sizes: Sizes) -> [(&'static str, usize); 4] {
     [("qpos", sizes.nq), ("qvel", sizes.nv), ("act", sizes.na), ("ctrl", sizes.nu)]
@@ -77,34 +82,36 @@ impl Trajectory {
     }
 
     /// Reads what [`save_npz`](Self::save_npz) wrote, or a file of NumPy's with these arrays (`numpy.savez`,
-    /// `numpy.savez_compressed`), for simulations of this model. Other arrays in the file are left alone. Memory is taken for
-    /// what these arrays unpack to, which may be a thousand times the size of a compressed file.
+    /// `numpy.savez_compressed`), for simulations of this model. Other arrays in the file are left alone. The arrays may
+    /// unpack to 64 MiB, or to a hundred times the size of the file if that is more, so that a small file cannot take all memory.
     ///
     /// Needs the feature `npz`.
     ///
     /// # Errors
     ///
     /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, or has one of another shape than this model's or of
-    /// something other than double precision, which the text names, or has two arrays of one name.
+    /// something other than double precision, which the text names, has two arrays of one name, or unpacks to more than is allowed.
     pub fn load_npz(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::read_npz(model, path).map_err(Error::file(path))
     }
 
     fn read_npz(model: &Model, path: &Path) -> io::Result<Self> {
-        let mut archive = ZipArchive::new(io::BufReader::new(file::open_regular(path)?))?;
+        let file = file::open_regular(path)?;
+        let mut allowed = file.metadata()?.len().saturating_mul(MOST_UNPACKING).max(FREE_BYTES);
+        let mut archive = ZipArchive::new(io::BufReader::new(file))?;
         if archive.has_duplicate_names() {
             return Err(io::Error::new(io::ErrorKind::InvalidData, "two arrays have the same name"));
         }
         let sizes = Sizes::of(model);
-        let times = read_array(&mut archive, "time", |shape| match shape {
+        let times = read_array(&mut archive, &mut allowed, "time", |shape| match shape {
             &[records] => Ok(records),
             _ => Err("(n)".to_owned()),
         })?;
         let records = times.len();
         let mut parts = Vec::new();
         for (name, width) in arrays(sizes) {
-            let values = read_array(&mut archive, name, |shape| match shape {
+            let values = read_array(&mut archive, &mut allowed, name, |shape| match shape {
                 &[rows, columns] if (rows, columns) == (records, width) => {
                     rows.checked_mul(columns).ok_or_else(|| "smaller".to_owned())
                 }
@@ -144,9 +151,14 @@ fn write_array<'a>(out: &mut impl Write, shape: &str, rows: impl IntoIterator<It
     Ok(())
 }
 
-/// Reads an array of an archive. `length` says how many numbers an array of a shape has, or what shape is right.
+/// Says that an array is shorter than its shape.
+const FEWER: &str = "has not as many numbers as its shape says";
+
+/// Reads an array of an archive, and takes its bytes off those that are allowed. `length` returns the number of values in an array
+/// of a shape, or else the shape that is right.
 fn read_array(
     archive: &mut ZipArchive<impl Read + Seek>,
+    allowed: &mut u64,
     name: &str,
     length: impl FnOnce(&[usize]) -> std::result::Result<usize, String>,
 ) -> io::Result<Vec<f64>> {
@@ -181,12 +193,19 @@ fn read_array(
         bad(&format!("has shape ({shape}), but must have {expected}"))
     })?;
     let size = length.checked_mul(8).ok_or_else(|| bad("is too large"))?;
+    let Some(rest) = allowed.checked_sub(size as u64) else {
+        let is_there = size as u64 <= array.size();
+        let text =
+            format!("unpacks to {size} bytes, and all arrays may to {MOST_UNPACKING} times the size of the file");
+        return Err(bad(if is_there { &text } else { FEWER }));
+    };
+    *allowed = rest;
     // Grows with what is there, whatever the header says.
     let mut bytes = Vec::new();
     array.by_ref().take(size as u64).read_to_end(&mut bytes)?;
     // At its end the archive checks its sum.
     if bytes.len() != size || array.read(&mut [0])? != 0 {
-        return Err(bad("has not as many numbers as its shape says"));
+        return Err(bad(FEWER));
     }
     Ok(bytes.as_chunks().0.iter().map(|&value| f64::from_le_bytes(value)).collect())
 }

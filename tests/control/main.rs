@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod gain_table;
+mod hostile;
 mod ilqr;
 mod recursion;
 mod sizes;

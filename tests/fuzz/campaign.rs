@@ -21,8 +21,8 @@ const MEMORY: u64 = 4 << 20;
 /// A child that does nothing but crash would go on for ever.
 const MOST_FINDINGS: usize = 1000;
 
-const USAGE: &str =
-    "usage: campaign [--sequences N] [--binaries N] [--texts N] [--urdf N] [--first SEED] [--jobs N] [--progress]";
+const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--urdf N] [--archives N] [--plain N] \
+                     [--first SEED] [--jobs N] [--progress]";
 
 /// What is to be done.
 pub struct Campaign {
@@ -35,7 +35,14 @@ pub struct Campaign {
 impl Campaign {
     /// The cases of `cargo test`.
     pub fn bounded() -> Self {
-        let cases = vec![(Target::Sequences, 3000), (Target::Binaries, 400), (Target::Texts, 600), (Target::Urdf, 600)];
+        let cases = vec![
+            (Target::Sequences, 3000),
+            (Target::Binaries, 400),
+            (Target::Texts, 600),
+            (Target::Urdf, 600),
+            (Target::Archives, 500),
+            (Target::Plain, 500),
+        ];
         Self { cases, first: 0, jobs: 2, progress: false }
     }
 

@@ -11,6 +11,7 @@ mod coverage;
 mod iterating;
 mod kinds;
 mod looking_up;
+mod mass;
 mod printing;
 mod ranges;
 mod setters;

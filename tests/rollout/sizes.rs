@@ -93,6 +93,43 @@ fn more_than_there_is_memory_for_is_an_error() {
 }
 
 #[test]
+fn more_simulations_than_there_is_memory_for_are_an_error_before_the_first() {
+    for count in [usize::MAX, usize::MAX / 2, 1 << 61, 1 << 48, 1 << 40] {
+        for model in [sample::cartpole(), sample::humanoid()] {
+            match Batch::new(model, count) {
+                Err(Error::Invalid { what, .. }) => assert_eq!(what, "the number of simulations"),
+                Err(error) => panic!("{error}"),
+                Ok(_) => panic!("{count} simulations"),
+            }
+        }
+    }
+    // Nothing that a rollout without numbers records takes room, but what became of it does.
+    let model = mujoco_safe::Model::from_xml_str("<mujoco/>").unwrap();
+    for count in [usize::MAX, 1 << 60, 1 << 48] {
+        let error = Rollout::new(model.clone(), count, 0).run().unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{error}");
+        let rollout = Rollout::new(model.clone(), 1, 1).outputs(count, |_, _| ());
+        assert!(matches!(rollout.run(), Err(Error::Invalid { .. })));
+    }
+}
+
+#[test]
+fn a_trajectory_with_too_much_room_has_none() {
+    let mut data = mujoco_safe::Data::new(sample::humanoid()).unwrap();
+    for records in [usize::MAX, usize::MAX / 55, 1 << 61, 1 << 48] {
+        let mut trajectory = mujoco_safe::Trajectory::with_capacity(data.model(), records);
+        trajectory.record(&mut data, &mut mujoco_safe::ZeroController, 2).unwrap();
+        assert_eq!(trajectory.len(), 2);
+    }
+}
+
+#[test]
+#[should_panic(expected = "there is no memory for a matrix")]
+fn a_matrix_without_memory_panics_and_does_not_abort() {
+    mujoco_safe::Matrix::zeros(1 << 45, 2);
+}
+
+#[test]
 #[should_panic(expected = "rollout 3 of 3")]
 fn a_rollout_that_is_not_there_panics() {
     let result = new().run().unwrap();

@@ -8,6 +8,7 @@ mod twins;
 
 mod camera;
 mod geoms;
+mod hostile;
 mod perturbation;
 mod raw;
 mod select;

@@ -10,10 +10,12 @@
 #[path = "../touch_all.rs"]
 mod touch_all;
 
+mod archive;
 mod assets;
 mod binary;
 mod bytes;
 mod models;
+mod plain;
 mod sequence;
 mod text;
 mod token;
@@ -46,10 +48,14 @@ pub enum Target {
     Texts,
     /// Generated and damaged URDF, and steps of those that are accepted.
     Urdf,
+    /// Damaged files of NumPy, and replays of those that are accepted.
+    Archives,
+    /// Damaged plain data (JSON, CSV), and simulations with those that are accepted.
+    Plain,
 }
 
 impl Target {
-    pub const ALL: [Self; 4] = [Self::Sequences, Self::Binaries, Self::Texts, Self::Urdf];
+    pub const ALL: [Self; 6] = [Self::Sequences, Self::Binaries, Self::Texts, Self::Urdf, Self::Archives, Self::Plain];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -57,6 +63,8 @@ impl Target {
             Self::Binaries => "binaries",
             Self::Texts => "texts",
             Self::Urdf => "urdf",
+            Self::Archives => "archives",
+            Self::Plain => "plain",
         }
     }
 
@@ -73,6 +81,8 @@ impl Target {
             Self::Binaries => binary::mutated_binary(bytes, log),
             Self::Texts => text::mutated_text(bytes, log),
             Self::Urdf => urdf::generated_urdf(bytes, log),
+            Self::Archives => archive::mutated_archive(bytes, log),
+            Self::Plain => plain::mutated_plain(bytes, log),
         }
     }
 }

@@ -189,6 +189,11 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             result
         })?
     }),
+    ("scale_mass", |scene, bytes| {
+        let factor = bytes.number();
+        let body = scene.data.model().body(bytes.index(scene.data.model().nbody()))?.id();
+        scene.data.edit_model(|model| model.body_mut(body).scale_mass(factor))?
+    }),
     ("set_length_range", |scene, bytes| {
         if scene.data.model().nv() > 20 && !bytes.once_in(4) {
             return Ok(());

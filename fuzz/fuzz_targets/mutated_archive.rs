@@ -1,0 +1,10 @@
+//! Damaged files of NumPy.
+
+#![no_main]
+
+#[path = "../../tests/common/fuzz/mod.rs"]
+mod fuzz;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    fuzz::Target::Archives.run(bytes, &mut |_| ());
+});

@@ -1,0 +1,10 @@
+//! Damaged plain data: JSON and CSV.
+
+#![no_main]
+
+#[path = "../../tests/common/fuzz/mod.rs"]
+mod fuzz;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    fuzz::Target::Plain.run(bytes, &mut |_| ());
+});

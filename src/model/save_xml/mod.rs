@@ -1,0 +1,150 @@
+//! Saving as XML.
+//!
+//! The engine does not write a model as XML. It writes the XML tree of the last model that was loaded, after it has copied some
+//! of the given model's numbers into the tree. It does not copy all of them, and the tree does not have a place for some: a body
+//! whose inertia comes from its geoms has no mass of its own in XML. [`Model::save_xml`] therefore loads the text before it is
+//! saved, and compares the two models.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `text.rs` | the engine's text, and the model that it loads as |
+//! | `digits.rs` | the numbers of the text in their shortest form |
+//! | `compare.rs` | the comparison of two models, field by field |
+//! | `lost.rs` | the fields and elements that differ |
+
+mod compare;
+mod digits;
+mod lost;
+mod text;
+
+use std::io::Write;
+use std::path::Path;
+
+pub use self::lost::LostEdit;
+use super::Model;
+use crate::error::{Error, Result};
+use crate::file;
+
+/// The check that [`Model::save_xml_with`] makes before it writes a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum XmlCheck {
+    /// Loads the text and writes it only if it loads as the same model.
+    #[default]
+    Refuse,
+    /// Loads the text, writes it even if it loads as another model, and returns the fields that differ.
+    Report,
+    /// Writes the text without loading it, for example before the meshes that it names are in their place.
+    Skip,
+}
+
+/// Options of [`Model::save_xml_with`].
+///
+/// ```
+/// use mujoco_safe::{SaveXmlOptions, XmlCheck};
+///
+/// let options = SaveXmlOptions::default().with_check(XmlCheck::Report);
+/// assert_eq!(options.check, XmlCheck::Report);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct SaveXmlOptions {
+    /// The check that is made before the file is written. By default [`XmlCheck::Refuse`].
+    pub check: XmlCheck,
+    /// Names and contents of files in memory, which the check uses before those on the disk. By default none.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+impl SaveXmlOptions {
+    /// Sets the check that is made before the file is written.
+    #[must_use]
+    pub fn with_check(mut self, check: XmlCheck) -> Self {
+        self.check = check;
+        self
+    }
+
+    /// Sets the files in memory that the check uses, for a model that was loaded with
+    /// [`LoadOptions::with_files`](crate::LoadOptions::with_files). The saved text names them; it does not contain them.
+    #[must_use]
+    pub fn with_files(mut self, files: &[(&str, &[u8])]) -> Self {
+        self.files = files.iter().map(|&(name, content)| (name.to_owned(), content.to_vec())).collect();
+        self
+    }
+}
+
+impl Model {
+    /// Writes the model as MJCF, if the text loads as this model. Equivalent to [`save_xml_with`](Self::save_xml_with) with the
+    /// default options.
+    ///
+    /// # Errors
+    ///
+    /// As for [`save_xml_with`](Self::save_xml_with).
+    ///
+    /// ```standalone_crate
+    /// use mujoco_safe::{Error, Model};
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("ball.xml");
+    /// let mut model = Model::from_xml_str(
+    ///     r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#,
+    /// )?;
+    /// model.save_xml(&path)?;
+    /// assert_eq!(Model::from_xml_path(&path)?.body("ball")?.index(), 1);
+    ///
+    /// // The mass comes from the geom, so XML has no place for another one.
+    /// let ball = model.body("ball")?.id();
+    /// model.edit().body_mut(ball).set_mass(5.0);
+    /// # let path = folder.path().join("heavy.xml");
+    /// # let model = Model::from_xml_str(
+    /// #     r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#,
+    /// # ).map(|mut model| { let ball = model.body("ball").unwrap().id(); model.edit().body_mut(ball).set_mass(5.0); model })?;
+    /// let error = model.save_xml(&path).unwrap_err();
+    /// assert!(matches!(&error, Error::XmlLosesEdits { fields, .. } if fields[0].field == "body_mass"), "{error}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[doc(alias = "mj_saveLastXML")]
+    pub fn save_xml(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.save_xml_with(path, &SaveXmlOptions::default()).map(drop)
+    }
+
+    /// Writes the model as MJCF after a check of the text.
+    ///
+    /// The engine keeps one XML tree in the whole process, that of the model that was loaded last, and writes numbers of the
+    /// given model into that tree. So this works as long as no other XML was loaded since this model, or the model that it is
+    /// a clone of. The text is the compiled tree: includes, composites and fused bodies are expanded, and meshes, textures,
+    /// height fields and skins stay references to their files.
+    ///
+    /// The tree has no place for some values, for example the mass of a body that has it from its geoms, or the vertices of a
+    /// mesh. The check finds these values: it loads the text as if from `path`, with files from `options.files` or relative to
+    /// `path`, and compares every size, option and array with this model.
+    ///
+    /// Real numbers agree if they differ by at most 1e-8 of the largest number of their row plus 1e-12 (1e-15 for masses and
+    /// moments of inertia, where the engine takes less for zero). The text has all digits of a number, with two exceptions.
+    /// The engine writes numbers within 1e-12 of an integer as that integer, and the vertices of skins and meshes that have no
+    /// file with six digits. So the arrays of skins agree to 1e-5, and if the vertices of a mesh are rounded, all numbers agree
+    /// to 1e-4. The comparison leaves out shortcuts of the compiler, which do not change results: `body_simple`,
+    /// `body_sameframe`, `geom_sameframe`, `site_sameframe` and `dof_simplenum`.
+    ///
+    /// Derived fields count too. After an edit that they depend on, call
+    /// [`update_constants`](super::ModelMut::update_constants) first, or the check reports `body_invweight0` and the like: the
+    /// compiler computes them from the edited values.
+    ///
+    /// Returns the fields that the text does not carry, which is an empty list unless `options.check` is [`XmlCheck::Report`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::XmlLosesEdits`] with the fields and elements that differ in the loaded model, [`Error::XmlReplaced`] if another
+    /// model was loaded since, [`Error::Save`] if the engine cannot write the model, or if the text does not load from `path`,
+    /// [`Error::File`] if the file cannot be written. An existing file then stays as it was.
+    #[doc(alias = "mj_saveLastXML")]
+    pub fn save_xml_with(&self, path: impl AsRef<Path>, options: &SaveXmlOptions) -> Result<Vec<LostEdit>> {
+        let path = path.as_ref();
+        let (text, reloaded) = self.to_xml(path, options)?;
+        let lost = reloaded.map_or(Ok(Vec::new()), |reloaded| compare::lost(self, &reloaded))?;
+        if !lost.is_empty() && options.check == XmlCheck::Refuse {
+            return Err(Error::XmlLosesEdits { path: path.to_owned(), fields: lost });
+        }
+        file::replace(path, |out| out.write_all(&text))?;
+        Ok(lost)
+    }
+}

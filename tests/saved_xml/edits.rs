@@ -1,0 +1,181 @@
+//! Each edit is in the saved text or named as lost.
+
+use std::path::Path;
+
+use mujoco_safe::{Error, MatrixView, MatrixViewMut, Model};
+
+use super::{beside, lost};
+
+/// One thing that can be edited, and what it is then.
+struct Edit {
+    field: &'static str,
+    edit: fn(&mut Model),
+    numbers: fn(&Model) -> Vec<f64>,
+}
+
+/// Arrays of all kinds as numbers, the last of which is edited.
+trait Numbers {
+    fn numbers(self) -> Vec<f64>;
+}
+
+trait EditLast {
+    fn edit_last(self);
+    fn fill_all(self, number: f64);
+}
+
+macro_rules! arrays {
+    ($($type:ty)*) => { $(
+        impl Numbers for &[$type] {
+            fn numbers(self) -> Vec<f64> {
+                self.iter().map(|&value| value.into()).collect()
+            }
+        }
+        impl<const N: usize> Numbers for &[[$type; N]] {
+            fn numbers(self) -> Vec<f64> {
+                self.as_flattened().numbers()
+            }
+        }
+        impl EditLast for &mut [$type] {
+            fn edit_last(self) {
+                if let Some(last) = self.last_mut() {
+                    *last = *last * 0.75 + 0.0625;
+                }
+            }
+            fn fill_all(self, number: f64) {
+                self.fill(number as $type);
+            }
+        }
+        impl<const N: usize> EditLast for &mut [[$type; N]] {
+            fn edit_last(self) {
+                self.as_flattened_mut().edit_last();
+            }
+            fn fill_all(self, number: f64) {
+                self.as_flattened_mut().fill_all(number);
+            }
+        }
+    )* };
+}
+arrays! { f32 f64 }
+
+impl Numbers for MatrixView<'_> {
+    fn numbers(self) -> Vec<f64> {
+        self.as_slice().to_vec()
+    }
+}
+
+impl EditLast for MatrixViewMut<'_> {
+    fn edit_last(mut self) {
+        self.as_mut_slice().edit_last();
+    }
+
+    fn fill_all(mut self, number: f64) {
+        self.as_mut_slice().fill(number);
+    }
+}
+
+/// Every array that can be written to, and settings and switches of every kind.
+fn edits() -> Vec<Edit> {
+    macro_rules! arrays {
+        ($($writer:ident($field:ident))*) => { vec![$(Edit {
+            field: stringify!($field),
+            edit: |model| model.edit().$writer().edit_last(),
+            numbers: |model| model.$field().numbers(),
+        }),*] };
+    }
+    macro_rules! others {
+        ($($field:literal, $edit:expr, $numbers:expr;)*) => { vec![$(Edit {
+            field: $field, edit: $edit, numbers: $numbers
+        }),*] };
+    }
+    let mut edits = model_writers! { arrays };
+    edits.extend(others! {
+        "opt.timestep", |model| model.edit().set_timestep(0.0123).unwrap(), |model| vec![model.timestep()];
+        "opt.gravity", |model| model.edit().options(|it| it.gravity[0] = 1.5).unwrap(), |model| model.options().gravity.to_vec();
+        "opt.iterations", |model| model.edit().options(|it| it.iterations = 7).unwrap(),
+            |model| vec![model.options().iterations as f64];
+        "stat.meansize", |model| model.edit().statistics(|it| it.meansize *= 3.0).unwrap(),
+            |model| vec![model.statistics().meansize];
+        "stat.extent", |model| model.edit().statistics(|it| it.extent *= 3.0).unwrap(), |model| vec![model.statistics().extent];
+        "vis.map.force", |model| model.edit().visual(|it| it.map.force = 0.3).unwrap(),
+            |model| vec![model.visual().map.force.into()];
+        "geom_contype", |model| model.edit().geom_mut(0).unwrap().set_contype(6),
+            |model| vec![model.geom_contype()[0].into()];
+        "geom_group", |model| model.edit().geom_mut(0).unwrap().set_group(3), |model| vec![model.geom_group()[0].into()];
+        "jnt_limited", |model| { let now = model.joint(1).unwrap().limited(); model.edit().joint_mut(1).unwrap().set_limited(!now) },
+            |model| vec![model.jnt_limited()[1].into()];
+        "tex_rgb", |model| model.edit().texture_mut(0).unwrap().rgb_mut().fill(77),
+            |model| model.texture(0).unwrap().rgb().iter().map(|&byte| byte.into()).collect();
+    });
+    edits
+}
+
+#[test]
+fn each_edit_is_in_the_saved_text_or_named_as_lost() {
+    let _turn = super::turn();
+    let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/every_element.xml");
+    let folder = tempfile::tempdir().unwrap();
+    let path = beside(&original, folder.path());
+    let model = Model::from_xml_path(&original).unwrap();
+    let edits = edits();
+    // All are saved before one is loaded, which replaces the engine's tree.
+    let saved = edits.iter().map(|Edit { field, edit, numbers }| {
+        let mut edited = model.clone();
+        edit(&mut edited);
+        let expected = numbers(&edited);
+        assert!(expected.is_empty() || expected != numbers(&model), "{field} was not edited");
+        let path = path.with_file_name(format!("{field}.xml"));
+        let lost = lost(|| edited, &path);
+        (expected, path, lost)
+    });
+    let saved: Vec<_> = saved.collect();
+    let (mut carried, mut named, mut refused) = (0, 0, 0);
+    for (Edit { field, numbers, .. }, (expected, path, lost)) in edits.iter().zip(saved) {
+        let lost = match lost {
+            Ok(lost) => lost,
+            Err(error) => {
+                // For example a range with its ends in the wrong order.
+                assert!(matches!(error, Error::Save { .. }) && !path.exists(), "{field}: {error}");
+                refused += 1;
+                continue;
+            }
+        };
+        let again = numbers(&Model::from_xml_path(&path).unwrap());
+        let scale = expected.iter().fold(0.0, |scale: f64, value| scale.max(value.abs()));
+        let is_carried = expected.len() == again.len()
+            && std::iter::zip(&expected, &again).all(|(a, b)| (a - b).abs() <= 1e-5 * scale);
+        assert!(is_carried || lost.iter().any(|name| name == field), "{field} is lost, and not named: {lost:?}");
+        if is_carried {
+            carried += 1;
+        } else {
+            named += 1;
+        }
+    }
+    assert!(carried > 60 && named > 20 && refused < 20, "{carried} {named} {refused}");
+}
+
+#[test]
+fn numbers_that_no_model_has_are_saved_or_refused() {
+    let _turn = super::turn();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("saved.xml");
+    let zoo = Model::from_xml_str(include_str!("../models/zoo.xml")).unwrap();
+    macro_rules! fills {
+        ($($writer:ident($field:ident))*) => { [$(|model: &mut Model, number| model.edit().$writer().fill_all(number)),*] };
+    }
+    let fills: [fn(&mut Model, f64); _] = model_writers! { fills };
+    let (mut saved, mut refused) = (0, 0);
+    for fill in fills {
+        for number in [0.0, -1.0, 1e-300, 1e10, 1e300, f64::NAN, f64::INFINITY] {
+            let mut model = zoo.clone();
+            fill(&mut model, number);
+            match lost(|| model, &path) {
+                Ok(_) => saved += 1,
+                Err(error) => {
+                    assert!(matches!(error, Error::Save { .. }), "{error}");
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert!(saved > 500 && refused > 10, "{saved} {refused}");
+}

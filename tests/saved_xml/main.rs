@@ -1,0 +1,93 @@
+//! `Model::save_xml` writes a text only if it loads as the model that was saved, and names what XML cannot carry.
+//!
+//! The engine keeps the XML of the last model that the process loaded, so the tests of this program take turns.
+#![forbid(unsafe_code)]
+#![allow(clippy::float_cmp, reason = "a saved number loads as the same number")]
+
+#[path = "../common/fields.rs"]
+#[macro_use]
+mod fields;
+
+#[path = "../files/assets.rs"]
+#[allow(dead_code, reason = "another program tests how they load")]
+mod assets;
+mod check;
+mod edits;
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use mujoco_safe::{LostEdit, Model, Result, SaveXmlOptions, XmlCheck};
+use tempfile::TempDir;
+
+/// Held while a test loads and saves.
+fn turn() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A folder with every file of [`assets::all`].
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content) in assets::all() {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
+    }
+    // A URDF looks for its meshes beside itself.
+    std::fs::write(folder.path().join("arm.urdf"), assets::URDF).unwrap();
+    std::fs::write(folder.path().join("solid.stl"), assets::stl()).unwrap();
+    folder
+}
+
+/// Loads a model and saves it.
+fn saved_with(load: impl FnOnce() -> Model, path: &Path, options: &SaveXmlOptions) -> (Model, Result<Vec<LostEdit>>) {
+    let model = load();
+    let saved = model.save_xml_with(path, options);
+    (model, saved)
+}
+
+/// Every model file of the repository and of the engine's samples.
+fn samples() -> Vec<PathBuf> {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = Vec::new();
+    let mut folders =
+        vec![PathBuf::from("/usr/share/mujoco/model"), repository.join("models"), repository.join("tests/models")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "xml") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Copies what a model names to a folder, and returns the path of a model file there.
+fn beside(original: &Path, folder: &Path) -> PathBuf {
+    for entry in std::fs::read_dir(original.parent().unwrap()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();
+        } else {
+            let inner = folder.join(path.file_name().unwrap());
+            std::fs::create_dir_all(&inner).unwrap();
+            for entry in std::fs::read_dir(path).unwrap() {
+                let path = entry.unwrap().path();
+                std::fs::copy(&path, inner.join(path.file_name().unwrap())).unwrap();
+            }
+        }
+    }
+    folder.join("saved.xml")
+}
+
+/// Loads a model, saves it with a check, and returns the fields that the check names.
+fn lost(load: impl FnOnce() -> Model, path: &Path) -> Result<Vec<String>> {
+    let options = SaveXmlOptions::default().with_check(XmlCheck::Report);
+    let (_, lost) = saved_with(load, path, &options);
+    lost.map(|lost| lost.into_iter().map(|lost| lost.field).collect())
+}
