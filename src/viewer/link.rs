@@ -192,9 +192,15 @@ impl Drop for Front {
 }
 
 impl Back {
-    /// The next request.
+    /// Removes the next request from the queue.
     pub fn next(&self) -> Option<Request> {
-        lock(&self.shared.inbox).requests.pop_front()
+        self.next_if(|_| true)
+    }
+
+    /// Removes the next request from the queue if it satisfies the condition.
+    pub fn next_if(&self, condition: impl FnOnce(&Request) -> bool) -> Option<Request> {
+        let requests = &mut lock(&self.shared.inbox).requests;
+        if requests.front().is_some_and(condition) { requests.pop_front() } else { None }
     }
 
     /// Whether something was asked for that is not done yet.

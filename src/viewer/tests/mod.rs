@@ -1,5 +1,6 @@
 //! The viewer without a window: keys, mouse, requests, modes, failures, threads.
 
+mod batch;
 mod failure;
 mod handle;
 mod key;
