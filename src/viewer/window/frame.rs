@@ -81,7 +81,7 @@ impl Session {
     }
 
     /// Looks at the newest snapshot's model: a camera of another one is of no use.
-    fn meet(&mut self) {
+    pub(super) fn meet(&mut self) {
         let Some((snapshot, _)) = self.front.latest() else { return };
         let view = self.view.get_or_insert_with(|| View::new(&snapshot.model));
         if snapshot.generation != self.generation {

@@ -135,7 +135,7 @@ impl Session {
 
     /// Closes it: finishes what is recorded, and ends the physics.
     pub fn close(&mut self) {
-        if let Err(problem) = self.output.finish() {
+        if let Err(problem) = self.finish_recording() {
             log::error!("{problem}");
         }
         self.front.close();
