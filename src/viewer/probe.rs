@@ -9,6 +9,8 @@ use super::view::View;
 
 static ON: AtomicBool = AtomicBool::new(false);
 static LOSES_SURFACE: AtomicBool = AtomicBool::new(false);
+static HOLDS: AtomicBool = AtomicBool::new(false);
+static HELD: AtomicBool = AtomicBool::new(false);
 static KEYS: AtomicU64 = AtomicU64::new(0);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<State>> = Mutex::new(None);
@@ -18,6 +20,10 @@ static LATEST: Mutex<Option<State>> = Mutex::new(None);
 pub struct State {
     /// Counts the frames.
     pub frame: u64,
+    /// Whether the simulation has executed all requests of the window.
+    pub answered: bool,
+    /// Counts the models that have replaced another.
+    pub generation: u64,
     /// What the window looks at, as its debug text.
     pub view: String,
     /// Free, tracking or fixed.
@@ -94,6 +100,29 @@ pub fn lose_surface() {
     LOSES_SURFACE.store(true, Ordering::Relaxed);
 }
 
+/// Holds the thread of the windows at its next frame until [`release`]: events wait in their queue.
+pub fn hold() {
+    HOLDS.store(true, Ordering::Release);
+}
+
+/// Whether the thread of the windows is held.
+pub fn is_held() -> bool {
+    HELD.load(Ordering::Acquire)
+}
+
+/// Ends a [`hold`].
+pub fn release() {
+    HOLDS.store(false, Ordering::Release);
+}
+
+pub(super) fn wait_while_held() {
+    while HOLDS.load(Ordering::Acquire) {
+        HELD.store(true, Ordering::Release);
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    HELD.store(false, Ordering::Release);
+}
+
 pub(super) fn takes_surface() -> bool {
     LOSES_SURFACE.swap(false, Ordering::Relaxed)
 }
@@ -114,13 +143,22 @@ pub(super) fn is_on() -> bool {
     ON.load(Ordering::Relaxed)
 }
 
-pub(super) fn put(snapshot: &Snapshot, view: &View, facts: &Facts<'_>, messages: Vec<String>, editing: bool) {
+pub(super) fn put(
+    snapshot: &Snapshot,
+    asked: u64,
+    view: &View,
+    facts: &Facts<'_>,
+    messages: Vec<String>,
+    editing: bool,
+) {
     let sliders = std::mem::take(&mut *SLIDERS.lock().unwrap_or_else(PoisonError::into_inner));
     let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
     let frame = latest.as_ref().map_or(0, |state| state.frame) + 1;
     let playback = snapshot.playback;
     *latest = Some(State {
         frame,
+        answered: snapshot.executed >= asked,
+        generation: snapshot.generation,
         view: format!("{view:?}"),
         camera: view.camera,
         options: view.options.clone(),

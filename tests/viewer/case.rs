@@ -84,11 +84,12 @@ pub fn state() -> State {
     probe::latest().expect("a window that was drawn")
 }
 
-/// Waits until all that the hand has done is done: events come in their order, and F12 does nothing.
+/// Waits until the window has processed all events so far, and the simulation the requests that they led to: events are processed
+/// in order, and F12 does nothing.
 pub fn settle(hand: &Hand) {
     let keys = state().keys;
     hand.key("F12");
-    wait_until("what was done has come", || state().keys > keys);
+    wait_until("all events are processed", || state().keys > keys && state().answered);
 }
 
 /// Presses a key, and waits until something is so.
