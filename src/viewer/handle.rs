@@ -104,7 +104,7 @@ impl Handle {
         let (was_paused, mut pulled) = (self.paused, false);
         while let Some(request) = bridge.back.next_if(|next| {
             let unseen_pause = self.paused != was_paused && next.changes_pause();
-            !unseen_pause && !(pulled && next.ends_pull())
+            !(unseen_pause || (pulled && next.ends_pull()))
         }) {
             if changed && request.reads_poses() {
                 changed = bridge.refresh(data).is_err();

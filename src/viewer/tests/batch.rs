@@ -25,7 +25,9 @@ fn bench() -> Bench {
 
 /// Has the simulation execute all requests in one turn.
 fn batch(bench: &mut Bench, requests: impl IntoIterator<Item = Request>) {
-    requests.into_iter().for_each(|request| bench.front.ask(request));
+    for request in requests {
+        bench.front.ask(request);
+    }
     bench.turn();
 }
 
@@ -167,7 +169,9 @@ fn a_program_sees_what_a_batch_begins_before_the_batch_ends_it() {
 
     // A pull.
     front.ask(Request::SelectBody(Some(ball)));
-    lift().into_iter().for_each(|request| front.ask(request));
+    for request in lift() {
+        front.ask(request);
+    }
     handle.sync(&mut data).unwrap();
     assert!(data.xfrc_applied()[ball.index()][2] > 0.0);
     handle.sync(&mut data).unwrap();
@@ -184,7 +188,9 @@ fn a_program_sees_what_a_batch_begins_before_the_batch_ends_it() {
     // A drag while paused.
     handle.set_paused(true);
     let height = data.qpos()[2];
-    lift().into_iter().for_each(|request| front.ask(request));
+    for request in lift() {
+        front.ask(request);
+    }
     handle.sync(&mut data).unwrap();
     assert!(data.qpos()[2] > height + 0.01);
     assert_eq!(front.latest().unwrap().0.qpos, data.qpos());

@@ -104,7 +104,7 @@ impl Session {
             if let Some(target) = &target {
                 Canvas::draw_nothing(&gpu, target);
                 let painted = self.overlay.run(&self.window, Panels::wait);
-                self.overlay.paint(&gpu, target, size, painted);
+                self.overlay.paint(&gpu, target, size, &painted);
             }
             return Ok(Duration::MAX);
         };
@@ -117,8 +117,7 @@ impl Session {
         self.canvas.draw(&gpu, snapshot, &target, size)?;
 
         let Some(painted) = self.lay_out() else { return Ok(Duration::MAX) };
-        let again = painted.again;
-        self.overlay.paint(&gpu, &target, size, painted);
+        self.overlay.paint(&gpu, &target, size, &painted);
         if probe::is_on()
             && let (Some(snapshot), Some(view)) = (self.front.drawn(), &self.view)
         {
@@ -126,7 +125,7 @@ impl Session {
             let messages = self.panels.messages();
             probe::put(snapshot, asked, view, &self.facts(&gpu), messages, self.overlay.is_editing());
         }
-        Ok(again)
+        Ok(painted.again)
     }
 
     /// Lays the panels out for the events so far, and executes the requests that they make.

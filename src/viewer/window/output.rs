@@ -153,7 +153,9 @@ impl Session {
             Ok(()) => self.output.record(&mut self.canvas, &gpu, snapshot),
             Err(error) => Some(error.to_string()),
         };
-        problem.into_iter().for_each(|problem| self.panels.warn(problem));
+        if let Some(problem) = problem {
+            self.panels.warn(problem);
+        }
     }
 
     fn tell(&mut self, outcome: Result<String, Error>) {

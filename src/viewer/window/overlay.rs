@@ -153,7 +153,7 @@ impl Overlay {
     }
 
     /// Draws what a pass gave over what there is.
-    pub fn paint(&mut self, gpu: &Gpu, to: &wgpu::TextureView, size: [u32; 2], painted: Painted) {
+    pub fn paint(&mut self, gpu: &Gpu, to: &wgpu::TextureView, size: [u32; 2], painted: &Painted) {
         let (device, queue) = (gpu.device(), gpu.queue());
         for (id, deltas) in std::mem::take(&mut self.textures.set) {
             for delta in &deltas {
