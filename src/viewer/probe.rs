@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use super::input::Key;
 use super::panel::Facts;
 use super::snapshot::Snapshot;
 use super::view::View;
@@ -11,7 +12,7 @@ static ON: AtomicBool = AtomicBool::new(false);
 static LOSES_SURFACE: AtomicBool = AtomicBool::new(false);
 static HOLDS: AtomicBool = AtomicBool::new(false);
 static HELD: AtomicBool = AtomicBool::new(false);
-static KEYS: AtomicU64 = AtomicU64::new(0);
+static MARKS: AtomicU64 = AtomicU64::new(0);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<State>> = Mutex::new(None);
 
@@ -74,8 +75,8 @@ pub struct State {
     pub nbody: usize,
     /// Whether a text is being edited.
     pub editing: bool,
-    /// Counts the keys that were pressed.
-    pub keys: u64,
+    /// Counts the presses of F12, which does nothing.
+    pub marks: u64,
     /// Whether the window fills the screen.
     pub full_screen: bool,
     /// What is shown for a moment.
@@ -128,8 +129,10 @@ pub(super) fn takes_surface() -> bool {
 }
 
 /// Notes that a key was pressed.
-pub(super) fn note_key() {
-    KEYS.fetch_add(1, Ordering::Relaxed);
+pub(super) fn note_key(key: Key) {
+    if key == Key::Function(12) {
+        MARKS.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 /// Notes where a slider of a control is, points.
@@ -184,7 +187,7 @@ pub(super) fn put(
         ngeom: snapshot.scene.ngeom(),
         nbody: snapshot.model.nbody(),
         editing,
-        keys: KEYS.load(Ordering::Relaxed),
+        marks: MARKS.load(Ordering::Relaxed),
         full_screen: facts.full_screen,
         messages,
         sliders,

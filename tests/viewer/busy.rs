@@ -6,15 +6,15 @@ use std::time::Duration;
 use mujoco_safe::viewer::{Viewer, probe};
 use mujoco_safe::{Data, Model, sample};
 
-use crate::case::{press, settle, show, state};
+use crate::case::{mark, press, settle, show, state};
 use crate::hand::{Hand, wait_until};
 use crate::mouse::{FLOATING, MIDDLE};
 
 /// Acts while the window draws a frame that takes longer than a double-click may.
-fn during_a_frame(hand: &Hand, act: impl FnOnce()) {
+pub fn during_a_frame(hand: &Hand, act: impl FnOnce()) {
     settle(hand);
     probe::hold();
-    hand.key("F12");
+    mark(hand);
     wait_until("a frame begins", probe::is_held);
     act();
     thread::sleep(Duration::from_millis(400));

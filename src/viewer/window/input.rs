@@ -78,7 +78,7 @@ impl Session {
             return;
         }
         let Some(key) = translate::key(event) else { return };
-        probe::note_key();
+        probe::note_key(key);
         let press = KeyPress { key, modifiers: translate::modifiers(self.modifiers), repeat: event.repeat };
         match action(press, self.mode()) {
             Some(action) => self.act(action),
