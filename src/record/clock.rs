@@ -46,17 +46,31 @@ impl Clock {
             self.last = Some(Taken { time, frame, start: time - frame as f64 * self.interval });
             return Ok(1);
         }
-        let shown = self.frame(last, time) - last.frame as f64;
-        if shown > Self::LONGEST_GAP {
-            return Err(Error::invalid(
-                "the time of a picture",
-                format!("{time} s"),
-                format!("at most {} s after the one before", Self::LONGEST_GAP * self.interval),
-            ));
-        }
-        let shown = shown as u64;
+        let shown = self.gap(last, time)?;
         self.last = Some(Taken { time, frame: last.frame + shown, ..last });
         Ok(shown)
+    }
+
+    /// Returns the number of frames that the last picture is shown for if the recording ends at this time: at least one.
+    pub(super) fn until(&self, time: f64) -> Result<u64> {
+        match self.last {
+            Some(last) if time >= last.time => Ok(self.gap(last, time)?.max(1)),
+            // The simulation was reset, or there is no picture.
+            _ => Ok(1),
+        }
+    }
+
+    /// Returns the number of frames from the last picture to this time.
+    fn gap(&self, last: Taken, time: f64) -> Result<u64> {
+        let frames = self.frame(last, time) - last.frame as f64;
+        if frames <= Self::LONGEST_GAP {
+            return Ok(frames as u64);
+        }
+        Err(Error::invalid(
+            "the time of a picture",
+            format!("{time} s"),
+            format!("at most {} s after the one before", Self::LONGEST_GAP * self.interval),
+        ))
     }
 
     fn frame(&self, last: Taken, time: f64) -> f64 {
@@ -136,6 +150,16 @@ mod tests {
     fn long_steps_repeat_pictures_and_a_reset_goes_on() {
         assert_eq!(frames(&mut Clock::new(0.1), [0.0, 0.25, 0.3]), [0.0, 0.0, 0.25, 0.3]);
         assert_eq!(frames(&mut Clock::new(0.1), [5.0, 5.1, 0.0, 0.05, 0.1]), [5.0, 5.1, 0.0, 0.1]);
+    }
+
+    #[test]
+    fn the_last_picture_lasts_until_the_end() {
+        let mut clock = Clock::new(0.1);
+        assert_eq!(clock.until(5.0).unwrap(), 1, "there is no picture");
+        clock.take(2.0).unwrap();
+        let frames = [0.0, 2.0, 2.05, 2.1, 2.15, 5.0].map(|time| clock.until(time).unwrap());
+        assert_eq!(frames, [1, 1, 1, 1, 1, 30]);
+        clock.until(1e9).unwrap_err();
     }
 
     #[test]

@@ -209,14 +209,36 @@ impl Recorder {
     /// # Errors
     ///
     /// As for [`push_rgb`](Self::push_rgb), and [`Error::Recording`] if there is no picture in it.
-    pub fn finish(mut self) -> Result<Summary> {
+    pub fn finish(self) -> Result<Summary> {
+        self.finish_after(1)
+    }
+
+    /// Completes the file as [`finish`](Self::finish) does, and shows the last picture until the simulation has reached this time,
+    /// in s: the file then lasts as long as the simulation, however seldom a picture was drawn.
+    ///
+    /// A time before that of the last picture adds nothing.
+    ///
+    /// # Errors
+    ///
+    /// As for [`finish`](Self::finish). [`Error::Invalid`] for a time that is not finite or more than 100,000 frames after the last
+    /// picture; the file then ends with this picture.
+    pub fn finish_at(self, time: f64) -> Result<Summary> {
+        if !time.is_finite() {
+            return Err(Error::invalid("the time at which a recording ends", time, "finite"));
+        }
+        let shown = self.clock.until(time)?;
+        self.finish_after(shown)
+    }
+
+    /// Completes the file. The last picture is shown for this number of frames.
+    fn finish_after(mut self, shown: u64) -> Result<Summary> {
         if let State::Waiting(_) = self.state {
             return Err(Error::Recording { path: self.path.clone(), reason: "there was no picture".to_owned() });
         }
         if let State::Over = self.state {
             return Err(self.is_over());
         }
-        self.complete()?;
+        self.complete(shown)?;
         let path = match self.format {
             Format::Sequence => numbered(&self.path).path(0),
             _ => self.path.clone(),
@@ -263,9 +285,9 @@ impl Recorder {
         written
     }
 
-    /// Writes the last picture and the end of the file, if there is one.
-    fn complete(&mut self) -> Result<()> {
-        self.write(1)?;
+    /// Writes the last picture, which is shown for this number of frames, and the end of the file, if there is one.
+    fn complete(&mut self, shown: u64) -> Result<()> {
+        self.write(shown)?;
         match std::mem::replace(&mut self.state, State::Over) {
             State::Recording(encoder) => encoder.finish(),
             State::Waiting(_) | State::Over => Ok(()),
@@ -284,7 +306,7 @@ fn numbered(path: &Path) -> NumberedName {
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        if let Err(error) = self.complete() {
+        if let Err(error) = self.complete(1) {
             log::error!("{error}");
         }
     }

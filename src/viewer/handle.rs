@@ -100,7 +100,16 @@ impl Handle {
             return Ok(());
         }
         let mut changed = false;
-        while let Some(request) = bridge.back.next() {
+        // The program sees what one request begins before the next one ends it: requests of the second kind wait in the queue.
+        let (was_paused, mut pulled) = (self.paused, false);
+        while let Some(request) = bridge.back.next_if(|next| {
+            let unseen_pause = self.paused != was_paused && next.changes_pause();
+            !(unseen_pause || (pulled && next.ends_pull()))
+        }) {
+            if changed && request.reads_poses() {
+                changed = bridge.refresh(data).is_err();
+            }
+            pulled |= matches!(request, Request::MovePerturbation(..)) && !self.paused && bridge.is_pulling();
             changed |= self.execute(request, &mut bridge, data);
         }
         let told = if data.check_usable().is_ok() { self.pull(&mut bridge, data, changed) } else { Ok(()) };
@@ -278,7 +287,7 @@ impl Handle {
             Request::TogglePause => self.paused = !self.paused,
             other => match bridge.execute(other, data) {
                 Ok(Outcome::Changed) => return true,
-                Ok(Outcome::Done) => {}
+                Ok(Outcome::Done) => return self.paused && Self::drag(bridge, data),
                 Ok(Outcome::Left) => {
                     bridge.back.tell(Event::Notice("the program has the simulation in its own hands".to_owned()));
                 }
@@ -286,6 +295,14 @@ impl Handle {
             },
         }
         false
+    }
+
+    /// Moves the selected body to the pose that the mouse has dragged it to. Returns whether the simulation has changed.
+    fn drag(bridge: &mut Bridge, data: &mut Data) -> bool {
+        bridge.drag(data).unwrap_or_else(|error| {
+            bridge.back.tell(Event::Notice(error.to_string()));
+            false
+        })
     }
 
     /// Moves or pulls the body that is dragged, and brings a simulation up to date that has changed.

@@ -42,6 +42,8 @@ impl Look {
 #[derive(Default)]
 struct Inbox {
     requests: VecDeque<Request>,
+    /// The number of requests that were ever queued.
+    asked: u64,
     look: Option<Look>,
 }
 
@@ -102,7 +104,8 @@ impl Front {
     /// Asks for something to be done.
     pub fn ask(&self, request: Request) {
         {
-            let requests = &mut lock(&self.shared.inbox).requests;
+            let inbox = &mut *lock(&self.shared.inbox);
+            let requests = &mut inbox.requests;
             if requests.back_mut().is_some_and(|last| last.merge(&request)) {
                 return;
             }
@@ -113,8 +116,14 @@ impl Front {
                 return;
             }
             requests.push_back(request);
+            inbox.asked += 1;
         }
         self.shared.arrived.notify_one();
+    }
+
+    /// Returns the number of requests that were ever queued, which is the number of the last one.
+    pub fn asked(&self) -> u64 {
+        lock(&self.shared.inbox).asked
     }
 
     /// Says from where and at what the next snapshots are to look.
@@ -192,9 +201,21 @@ impl Drop for Front {
 }
 
 impl Back {
-    /// The next request.
+    /// Removes the next request from the queue.
     pub fn next(&self) -> Option<Request> {
-        lock(&self.shared.inbox).requests.pop_front()
+        self.next_if(|_| true)
+    }
+
+    /// Removes the next request from the queue if it satisfies the condition.
+    pub fn next_if(&self, condition: impl FnOnce(&Request) -> bool) -> Option<Request> {
+        let requests = &mut lock(&self.shared.inbox).requests;
+        if requests.front().is_some_and(condition) { requests.pop_front() } else { None }
+    }
+
+    /// Returns the number of the request that was removed from the queue last.
+    pub fn taken(&self) -> u64 {
+        let inbox = lock(&self.shared.inbox);
+        inbox.asked - inbox.requests.len() as u64
     }
 
     /// Whether something was asked for that is not done yet.

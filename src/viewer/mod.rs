@@ -42,6 +42,7 @@
 //! | `panel/` | what lies over the picture |
 //! | `input/` | keys and mouse: one table of what each does |
 //! | `request.rs`, `event.rs`, `snapshot.rs` | what the two threads tell each other |
+//! | `expected.rs` | the state that requests without an answer lead to |
 //! | `link.rs` | how: a queue, and a slot for the newest snapshot |
 //! | `view.rs` | the window's side: camera, what is shown |
 //! | `bridge/` | the physics' side: requests done, snapshots made |
@@ -61,6 +62,7 @@ mod capture;
 mod clock;
 mod error;
 mod event;
+mod expected;
 mod handle;
 mod history;
 mod input;

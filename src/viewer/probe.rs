@@ -3,13 +3,16 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use super::input::Key;
 use super::panel::Facts;
 use super::snapshot::Snapshot;
 use super::view::View;
 
 static ON: AtomicBool = AtomicBool::new(false);
 static LOSES_SURFACE: AtomicBool = AtomicBool::new(false);
-static KEYS: AtomicU64 = AtomicU64::new(0);
+static HOLDS: AtomicBool = AtomicBool::new(false);
+static HELD: AtomicBool = AtomicBool::new(false);
+static MARKS: AtomicU64 = AtomicU64::new(0);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<State>> = Mutex::new(None);
 
@@ -18,6 +21,10 @@ static LATEST: Mutex<Option<State>> = Mutex::new(None);
 pub struct State {
     /// Counts the frames.
     pub frame: u64,
+    /// Whether the simulation has executed all requests of the window.
+    pub answered: bool,
+    /// Counts the models that have replaced another.
+    pub generation: u64,
     /// What the window looks at, as its debug text.
     pub view: String,
     /// Free, tracking or fixed.
@@ -68,8 +75,8 @@ pub struct State {
     pub nbody: usize,
     /// Whether a text is being edited.
     pub editing: bool,
-    /// Counts the keys that were pressed.
-    pub keys: u64,
+    /// Counts the presses of F12, which does nothing.
+    pub marks: u64,
     /// Whether the window fills the screen.
     pub full_screen: bool,
     /// What is shown for a moment.
@@ -94,13 +101,38 @@ pub fn lose_surface() {
     LOSES_SURFACE.store(true, Ordering::Relaxed);
 }
 
+/// Holds the thread of the windows at its next frame until [`release`]: events wait in their queue.
+pub fn hold() {
+    HOLDS.store(true, Ordering::Release);
+}
+
+/// Whether the thread of the windows is held.
+pub fn is_held() -> bool {
+    HELD.load(Ordering::Acquire)
+}
+
+/// Ends a [`hold`].
+pub fn release() {
+    HOLDS.store(false, Ordering::Release);
+}
+
+pub(super) fn wait_while_held() {
+    while HOLDS.load(Ordering::Acquire) {
+        HELD.store(true, Ordering::Release);
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    HELD.store(false, Ordering::Release);
+}
+
 pub(super) fn takes_surface() -> bool {
     LOSES_SURFACE.swap(false, Ordering::Relaxed)
 }
 
 /// Notes that a key was pressed.
-pub(super) fn note_key() {
-    KEYS.fetch_add(1, Ordering::Relaxed);
+pub(super) fn note_key(key: Key) {
+    if key == Key::Function(12) {
+        MARKS.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 /// Notes where a slider of a control is, points.
@@ -114,13 +146,22 @@ pub(super) fn is_on() -> bool {
     ON.load(Ordering::Relaxed)
 }
 
-pub(super) fn put(snapshot: &Snapshot, view: &View, facts: &Facts<'_>, messages: Vec<String>, editing: bool) {
+pub(super) fn put(
+    snapshot: &Snapshot,
+    asked: u64,
+    view: &View,
+    facts: &Facts<'_>,
+    messages: Vec<String>,
+    editing: bool,
+) {
     let sliders = std::mem::take(&mut *SLIDERS.lock().unwrap_or_else(PoisonError::into_inner));
     let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
     let frame = latest.as_ref().map_or(0, |state| state.frame) + 1;
     let playback = snapshot.playback;
     *latest = Some(State {
         frame,
+        answered: snapshot.executed >= asked,
+        generation: snapshot.generation,
         view: format!("{view:?}"),
         camera: view.camera,
         options: view.options.clone(),
@@ -146,7 +187,7 @@ pub(super) fn put(snapshot: &Snapshot, view: &View, facts: &Facts<'_>, messages:
         ngeom: snapshot.scene.ngeom(),
         nbody: snapshot.model.nbody(),
         editing,
-        keys: KEYS.load(Ordering::Relaxed),
+        marks: MARKS.load(Ordering::Relaxed),
         full_screen: facts.full_screen,
         messages,
         sliders,

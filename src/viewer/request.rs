@@ -109,7 +109,35 @@ pub(crate) enum Request {
 }
 
 impl Request {
-    /// Makes one of two, if they can be: a slow loop is not to be handed each motion of the mouse.
+    /// Whether executing this request can pause a simulation that runs.
+    pub(super) fn pauses(&self) -> bool {
+        matches!(self, Self::Pause(true) | Self::TogglePause | Self::Scrub(_))
+    }
+
+    /// Whether executing this request can pause a program's simulation or let it go on.
+    pub(super) fn changes_pause(&self) -> bool {
+        matches!(self, Self::Pause(_) | Self::TogglePause)
+    }
+
+    /// Whether executing this request ends the pull of the selected body.
+    pub(super) fn ends_pull(&self) -> bool {
+        matches!(
+            self,
+            Self::StartPerturbation(_)
+                | Self::StopPerturbation
+                | Self::Select(_)
+                | Self::SelectBody(_)
+                | Self::SelectParent
+        )
+    }
+
+    /// Whether the effect of this request depends on the poses that are computed from the state.
+    pub(super) fn reads_poses(&self) -> bool {
+        self.ends_pull()
+            || matches!(self, Self::LookAt(_) | Self::Track(_) | Self::MovePerturbation(..) | Self::CopyCamera)
+    }
+
+    /// Merges the next request into this one if the two are equivalent to one: a slow loop then executes fewer of them.
     pub(super) fn merge(&mut self, next: &Self) -> bool {
         match (self, next) {
             (Self::MovePerturbation(action, [x, y]), Self::MovePerturbation(next, [dx, dy])) if action == next => {

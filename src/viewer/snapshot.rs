@@ -26,6 +26,8 @@ pub(crate) struct Snapshot {
     pub camera: Camera,
     /// Counts the snapshots.
     pub number: u64,
+    /// The number of the last request that was executed.
+    pub executed: u64,
 
     pub time: f64,
     pub qpos: Vec<f64>,
@@ -151,6 +153,7 @@ impl Snapshot {
             generation: 0,
             camera: Camera::free(model),
             number: 0,
+            executed: 0,
             time: 0.0,
             qpos: Vec::with_capacity(model.nq()),
             qvel: Vec::with_capacity(model.nv()),

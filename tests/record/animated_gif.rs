@@ -51,6 +51,29 @@ fn few_colours_stay_as_they_are_and_delays_add_up() {
 }
 
 #[test]
+fn a_file_lasts_until_the_time_at_which_the_recording_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("walk.gif");
+    let begin = || {
+        let mut recorder = Recorder::create(&path, options(10.0)).unwrap();
+        recorder.push_rgb(WIDTH, HEIGHT, &crate::picture(0), 5.0).unwrap();
+        recorder
+    };
+    let summary = begin().finish_at(8.0).unwrap();
+    assert_eq!((summary.frames, summary.seconds), (30, 3.0));
+    assert_shows(&decode(&path).0, &[(0, 3.0)]);
+    for earlier in [5.05, 5.0, 0.0, -1.0] {
+        assert_eq!(begin().finish_at(earlier).unwrap().frames, 1);
+    }
+    // The file is complete although this is no time to end at.
+    for time in [f64::NAN, f64::INFINITY, f64::MAX] {
+        let error = begin().finish_at(time).unwrap_err();
+        assert!(matches!(error, mujoco_safe::Error::Invalid { .. }), "{error}");
+        assert_shows(&decode(&path).0, &[(0, 0.1)]);
+    }
+}
+
+#[test]
 fn a_picture_may_be_shown_for_longer_than_a_delay_can_tell() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.gif");

@@ -3,5 +3,6 @@
 mod content;
 mod hostile;
 mod optics;
+mod quiet;
 mod rays;
 mod stage;

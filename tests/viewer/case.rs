@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -84,11 +84,18 @@ pub fn state() -> State {
     probe::latest().expect("a window that was drawn")
 }
 
-/// Waits until all that the hand has done is done: events come in their order, and F12 does nothing.
+/// Waits until the window has processed all events so far, and the simulation the requests that they led to: events are processed
+/// in order, and F12 does nothing.
 pub fn settle(hand: &Hand) {
-    let keys = state().keys;
+    let marks = mark(hand);
+    wait_until("all events are processed", || state().marks >= marks && state().answered);
+}
+
+/// Presses F12. Returns how often this process has pressed it.
+pub fn mark(hand: &Hand) -> u64 {
+    static MARKS: AtomicU64 = AtomicU64::new(0);
     hand.key("F12");
-    wait_until("what was done has come", || state().keys > keys);
+    MARKS.fetch_add(1, Ordering::Relaxed) + 1
 }
 
 /// Presses a key, and waits until something is so.

@@ -8,7 +8,7 @@ use mujoco_safe::{Data, sample};
 use crate::case::{SIZE, fresh_title, or_exit, press, show, state};
 use crate::hand::{Hand, wait_until};
 
-/// Simulated time, s: so long that a window with slow pictures shows one of it.
+/// Simulated time, s.
 const A_WHILE: f64 = 1.0;
 
 fn options() -> ViewerOptions {
@@ -49,6 +49,7 @@ pub fn one_after_another() {
                 let hand = Hand::at(&title);
                 hand.key("Home");
                 wait_until("a while of the simulation", || state().time > A_WHILE);
+                press(&hand, "space", "the program pauses", |state| state.status == "Paused");
                 press(&hand, "BackSpace", "the start", |state| state.time < A_WHILE);
                 hand.key("Escape");
             });

@@ -4,6 +4,9 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
+/// A wait that takes longer has failed, even on a machine that other programs keep busy.
+const MOST: Duration = Duration::from_secs(90);
+
 /// The hand at one window.
 pub struct Hand {
     window: String,
@@ -22,7 +25,7 @@ fn act(arguments: &[&str]) {
 impl Hand {
     /// Waits for the window of this title, and gives it the keyboard: there is no window manager that would.
     pub fn at(title: &str) -> Self {
-        let deadline = Instant::now() + Duration::from_secs(20);
+        let deadline = Instant::now() + MOST;
         loop {
             let found = xdotool(&["search", "--onlyvisible", "--name", &format!("^{title}$")]).unwrap_or_default();
             if let Some(window) = found.lines().next()
@@ -109,7 +112,7 @@ impl Hand {
 
 /// Waits until something is so, and says what did not come true.
 pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(15);
+    let deadline = Instant::now() + MOST;
     while !is_so() {
         assert!(Instant::now() < deadline, "this did not come true: {what}");
         thread::sleep(Duration::from_millis(10));

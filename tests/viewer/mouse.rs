@@ -8,7 +8,7 @@ use crate::case::{SIZE, press, settle, show, state};
 use crate::hand::{Hand, wait_until};
 
 /// A box that floats before the camera, so that the middle of the window is on it.
-const FLOATING: &str = r#"
+pub const FLOATING: &str = r#"
 <mujoco>
   <option gravity="0 0 0"/>
   <statistic center="0 0 1" extent="1"/>
@@ -25,7 +25,7 @@ const FLOATING: &str = r#"
   </worldbody>
 </mujoco>"#;
 
-const MIDDLE: [i32; 2] = [SIZE[0] as i32 / 2, SIZE[1] as i32 / 2];
+pub const MIDDLE: [i32; 2] = [SIZE[0] as i32 / 2, SIZE[1] as i32 / 2];
 
 pub fn gestures() {
     let mut data = Data::new(Model::from_xml_str(FLOATING).unwrap()).unwrap();

@@ -1,12 +1,14 @@
 //! Keys of the window itself: sizes, pictures, recordings, files.
 
 use std::fs;
+use std::path::Path;
 
 use mujoco_safe::record::RecorderOptions;
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
-use crate::case::{SIZE, press, show, state};
+use crate::busy::during_a_frame;
+use crate::case::{SIZE, press, settle, show, state};
 use crate::hand::wait_until;
 
 pub fn keys() {
@@ -28,6 +30,16 @@ pub fn keys() {
         wait_until("it follows its window", || state().size == [300, 200]);
     });
     show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |hand| hand.key("ctrl+q"));
+}
+
+/// How long a GIF is played, s.
+fn seconds(path: &Path) -> f64 {
+    let mut decoder = gif::Decoder::new(fs::File::open(path).unwrap()).unwrap();
+    let mut hundredths = 0.0;
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        hundredths += f64::from(frame.delay);
+    }
+    hundredths / 100.0
 }
 
 pub fn outputs() {
@@ -52,7 +64,21 @@ pub fn outputs() {
         let picture = decoder.read_info().unwrap();
         assert_eq!([picture.info().width, picture.info().height], SIZE);
 
-        press(hand, "space", "it runs", |state| state.time > 0.0);
+        // The window is busy when the recording begins and while the simulation goes on.
+        let before = state();
+        during_a_frame(hand, || {
+            hand.key("ctrl+v");
+            (0..10).for_each(|_| hand.key("shift+Right"));
+        });
+        settle(hand);
+        let simulated = state().time - before.time;
+        assert!(simulated > 0.9, "500 steps");
+        press(hand, "ctrl+v", "it has recorded", |state| state.recording.is_none());
+        let clip = seconds(&path("film.gif"));
+        assert!((simulated..simulated + 0.2).contains(&clip), "{clip} s of {simulated} s");
+        fs::remove_file(path("film.gif")).unwrap();
+
+        press(hand, "space", "it runs", |state| state.time > simulated);
         press(hand, "ctrl+v", "it records", |state| state.recording.is_some_and(|frames| frames >= 3));
         hand.key("F9");
         press(hand, "ctrl+v", "it has recorded", |state| state.recording.is_none());

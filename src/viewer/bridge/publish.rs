@@ -40,6 +40,7 @@ impl Bridge {
             snapshot.captured = self.captured.clone();
         }
         self.number += 1;
+        snapshot.executed = self.back.taken();
         (snapshot.generation, snapshot.number, snapshot.camera) = (self.generation, self.number, self.camera);
         snapshot.selected = self.selected(data);
         fill(&mut snapshot);

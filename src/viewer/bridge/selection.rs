@@ -93,6 +93,11 @@ impl Bridge {
         Ok(Outcome::Done)
     }
 
+    /// Whether the selected body is pulled or turned.
+    pub fn is_pulling(&self) -> bool {
+        !self.perturbation.active.is_empty()
+    }
+
     pub fn stop_perturbation(&mut self, data: &mut Data) {
         self.perturbation.stop();
         self.perturbation.remove_force(data);

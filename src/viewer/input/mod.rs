@@ -19,4 +19,4 @@ pub(crate) use self::binding::{BINDINGS, Section, action};
 pub(crate) use self::help::{HelpSection, help, help_text};
 pub(crate) use self::key::MouseButton;
 pub use self::key::{Key, KeyPress, Modifiers};
-pub(crate) use self::mouse::{Gesture, Mouse};
+pub(crate) use self::mouse::{Gesture, Moment, Mouse};

@@ -10,6 +10,9 @@ use crate::viewer::request::Place;
 /// How soon a second click makes a double-click.
 const DOUBLE_CLICK: Duration = Duration::from_millis(250);
 
+/// A pointer that has moved farther than this while a button is held, in pixels, has dragged and not clicked.
+const JITTER: f64 = 5.0;
+
 /// By how much a notch of the wheel zooms, in heights of the window: as in the engine's programs, away from the user is away
 /// from the scene.
 const NOTCH: f64 = -0.05;
@@ -39,6 +42,19 @@ pub(crate) enum Gesture {
     BurstGamma(f64),
 }
 
+/// The time of an event by any clock, as far as it is known: an event that waits in a queue while a frame is drawn has no time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moment {
+    pub earliest: Duration,
+    pub latest: Duration,
+}
+
+impl From<Duration> for Moment {
+    fn from(time: Duration) -> Self {
+        Self { earliest: time, latest: time }
+    }
+}
+
 /// Makes gestures of what the mouse does. Positions are in pixels, from the upper left corner of the picture.
 #[derive(Debug)]
 pub(crate) struct Mouse {
@@ -46,12 +62,15 @@ pub(crate) struct Mouse {
     size: [f64; 2],
     /// The button that is held, and whether it pulls a body.
     held: Option<(MouseButton, bool)>,
+    /// The last press, unless it began a drag.
     last_press: Option<(MouseButton, Duration)>,
+    /// The place of the last press.
+    pressed_at: [f64; 2],
 }
 
 impl Default for Mouse {
     fn default() -> Self {
-        Self { at: [0.0; 2], size: [1.0; 2], held: None, last_press: None }
+        Self { at: [0.0; 2], size: [1.0; 2], held: None, last_press: None, pressed_at: [0.0; 2] }
     }
 }
 
@@ -67,8 +86,16 @@ impl Mouse {
         Place { aspectratio: width / height, at: [x / width, 1.0 - y / height] }
     }
 
-    /// A button is pressed. `now` is any clock's, `selected` whether a body is that can be moved.
-    pub fn press(&mut self, button: MouseButton, modifiers: Modifiers, now: Duration, selected: bool) -> Gesture {
+    /// Handles the press of a button. `selected` says whether there is a body to pull. Two presses are a double-click if they may
+    /// have come close enough after one another.
+    pub fn press(
+        &mut self,
+        button: MouseButton,
+        modifiers: Modifiers,
+        moment: impl Into<Moment>,
+        selected: bool,
+    ) -> Gesture {
+        let moment = moment.into();
         if matches!(self.held, Some((_, true))) {
             // One hand pulls already.
             return Gesture::None;
@@ -76,9 +103,9 @@ impl Mouse {
         let double = self
             .last_press
             .take()
-            .is_some_and(|(last, then)| last == button && now.saturating_sub(then) < DOUBLE_CLICK);
+            .is_some_and(|(last, then)| last == button && moment.earliest.saturating_sub(then) < DOUBLE_CLICK);
         let pulls = modifiers.contains(Modifiers::COMMAND) && selected && button != MouseButton::Middle && !double;
-        self.held = Some((button, pulls));
+        (self.held, self.pressed_at) = (Some((button, pulls)), self.at);
         if double {
             return match (button, modifiers) {
                 (MouseButton::Left, Modifiers::NONE) => Gesture::Select(self.place()),
@@ -87,7 +114,7 @@ impl Mouse {
                 _ => Gesture::None,
             };
         }
-        self.last_press = Some((button, now));
+        self.last_press = Some((button, moment.latest));
         match button {
             MouseButton::Left if pulls => Gesture::StartPerturbation(PerturbationFlags::ROTATE),
             MouseButton::Right if pulls => Gesture::StartPerturbation(PerturbationFlags::TRANSLATE),
@@ -99,6 +126,9 @@ impl Mouse {
     pub fn moved(&mut self, at: [f64; 2], modifiers: Modifiers) -> Gesture {
         let before = std::mem::replace(&mut self.at, at);
         let Some((button, pulls)) = self.held else { return Gesture::None };
+        if (0..2).any(|axis| (at[axis] - self.pressed_at[axis]).abs() > JITTER) {
+            self.last_press = None;
+        }
         // By the height in both directions, so that a picture that is wide does not turn faster.
         let motion = [0, 1].map(|axis| (at[axis] - before[axis]) / self.size[1]);
         if motion == [0.0; 2] {

@@ -42,6 +42,7 @@ use super::input::Action;
 use super::request::Request as PhysicsRequest;
 use super::snapshot::{Snapshot, Status};
 use super::view::View;
+use crate::model::Options;
 
 /// What the user of a panel wants.
 #[derive(Debug)]
@@ -70,6 +71,8 @@ pub(super) struct Facts<'a> {
 pub(super) struct Shown<'a> {
     pub snapshot: &'a Snapshot,
     pub view: &'a mut View,
+    /// The physics options that an edit starts from.
+    pub options: Options,
     pub facts: &'a Facts<'a>,
     pub requests: &'a mut Vec<Request>,
 }

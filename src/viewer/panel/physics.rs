@@ -11,7 +11,7 @@ use crate::viewer::request::Request;
 const NAMES: f32 = 104.0;
 
 pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
-    let mut options = shown.snapshot.model.options();
+    let mut options = shown.options;
     let before = options;
 
     choice(ui, "integrator", &mut options.integrator, Integrator::from_raw);

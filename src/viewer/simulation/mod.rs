@@ -42,6 +42,8 @@ pub(crate) struct Simulation {
     modes: Vec<Mode>,
     mode: Mode,
     paused: bool,
+    /// The simulation was unpaused or a body was pulled, and no step has been taken since.
+    owes_step: bool,
     factor: f64,
     by_factor: bool,
     clock: Clock,
@@ -82,6 +84,7 @@ impl Simulation {
             modes: Vec::new(),
             mode: Mode::Passive,
             paused: true,
+            owes_step: false,
             factor: FACTOR,
             by_factor: false,
             clock: Clock::default(),
@@ -138,7 +141,7 @@ impl Simulation {
     fn fail(&mut self, problem: String) {
         log::warn!("the viewer pauses: {problem}");
         self.problem = problem;
-        self.paused = true;
+        (self.paused, self.owes_step) = (true, false);
         self.unseen = true;
     }
 

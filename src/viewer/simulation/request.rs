@@ -10,9 +10,16 @@ use crate::viewer::request::Request;
 const MOST_STEPS: u32 = 10_000;
 
 impl Simulation {
-    /// Does what was asked for.
+    /// Executes a request.
     pub(super) fn execute(&mut self, request: Request) {
         self.unseen = true;
+        if self.stale && request.reads_poses() && self.data.check_usable().is_ok() {
+            self.refresh();
+        }
+        // The force of a pull acts in a step. Records are played without forces.
+        if matches!(request, Request::MovePerturbation(..)) && !self.paused && self.mode != Mode::Trajectory {
+            self.owes_step |= self.bridge.is_pulling();
+        }
         match request {
             Request::Pause(paused) => self.pause(paused),
             Request::TogglePause => self.pause(!self.paused),
@@ -65,6 +72,7 @@ impl Simulation {
             // A step leaves quantities of the state before it, which is not what is shown standing still.
             self.stale = true;
         }
+        self.owes_step = !paused && (self.paused || self.owes_step);
         self.paused = paused;
     }
 

@@ -52,6 +52,7 @@ impl Simulation {
         if self.mode == Mode::Trajectory {
             let player = self.player.as_mut().expect("Bug: the trajectory mode without trajectories");
             let taken = player.play(timestep);
+            self.owes_step = false;
             self.show_record();
             return (!self.paused).then_some(taken);
         }
@@ -70,7 +71,7 @@ impl Simulation {
                     self.bridge.adopt(&self.data);
                     self.history = History::new(self.data.model());
                 }
-                self.unseen = true;
+                (self.unseen, self.owes_step) = (true, false);
                 Some(timestep)
             }
             Err(problem) => {

@@ -7,6 +7,7 @@ use crate::data::Data;
 use crate::scene::{Scene, SceneOptions};
 use crate::viewer::clock::Due;
 use crate::viewer::mode::Mode;
+use crate::viewer::request::Request;
 use crate::viewer::snapshot::Snapshot;
 
 /// How often the window sees something new at most.
@@ -23,24 +24,46 @@ impl Simulation {
         self.into_data()
     }
 
-    /// Does what was asked for, takes the steps that are due and shows what has changed. When there is more to do is returned;
-    /// `None` for not before something is asked for. `now` is any clock.
+    /// Executes the queued requests, takes the steps that are due and publishes a snapshot of what has changed. Returns the time
+    /// of the next turn, or `None` if the simulation rests until the next request. `now` is any clock.
+    ///
+    /// Every request of a batch takes effect before the next one is executed, as if each had come in its own turn: a gesture that
+    /// begins and ends while the thread is busy is not lost.
     pub fn turn(&mut self, now: &dyn Fn() -> Duration) -> Option<Duration> {
         let mut asked = self.bridge.take_look();
         while let Some(request) = self.bridge.back.next() {
+            self.take_owed_step(&request, now);
             self.execute(request);
+            if self.paused {
+                self.drag();
+            }
             asked = true;
         }
         self.unseen |= asked;
         if self.paused { self.stand(now) } else { self.go(asked, now) }
     }
 
-    fn stand(&mut self, now: &dyn Fn() -> Duration) -> Option<Duration> {
-        self.clock.stop();
+    /// Takes the step that a run or a pull is owed if the next request ends it, even if no step is due yet.
+    fn take_owed_step(&mut self, next: &Request, now: &dyn Fn() -> Duration) {
+        if !self.owes_step || self.paused || !(next.pauses() || next.ends_pull()) {
+            return;
+        }
+        if let Some(simulated) = self.step() {
+            self.clock.stepped(simulated, now());
+        }
+    }
+
+    /// Moves the selected body to the pose that the mouse has dragged it to.
+    fn drag(&mut self) {
         let dragged = self.bridge.drag(&mut self.data);
         if self.note(dragged) == Some(true) {
             self.stale = true;
         }
+    }
+
+    fn stand(&mut self, now: &dyn Fn() -> Duration) -> Option<Duration> {
+        self.clock.stop();
+        self.drag();
         if self.stale && self.data.check_usable().is_ok() {
             self.refresh();
         }

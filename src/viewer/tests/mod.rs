@@ -1,5 +1,7 @@
 //! The viewer without a window: keys, mouse, requests, modes, failures, threads.
 
+mod batch;
+mod expected;
 mod failure;
 mod handle;
 mod key;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::Bench;
 use crate::scene::{CameraView, MouseAction, PerturbationFlags};
-use crate::viewer::input::{Gesture, Modifiers, Mouse, MouseButton};
+use crate::viewer::input::{Gesture, Modifiers, Moment, Mouse, MouseButton};
 use crate::viewer::mode::Mode;
 use crate::viewer::request::{Place, Request};
 use crate::viewer::view::Effect;
@@ -90,6 +90,35 @@ fn double_clicks_within_a_quarter_of_a_second_select_look_and_follow() {
     assert_eq!(press(&mut mouse, MouseButton::Left, 200), Gesture::None);
     // Two buttons are no double-click.
     assert_eq!(press(&mut mouse, MouseButton::Right, 250), Gesture::None);
+}
+
+#[test]
+fn clicks_that_wait_while_a_frame_is_drawn_are_a_double_click() {
+    let after = |milliseconds| START + Duration::from_millis(milliseconds);
+    // A frame is drawn from 1 ms to 801 ms after the first click.
+    let second = |earliest, latest| {
+        let mut mouse = mouse();
+        mouse.press(MouseButton::Left, NONE, START, false);
+        mouse.release(MouseButton::Left);
+        let moment = Moment { earliest: after(earliest), latest: after(latest) };
+        matches!(mouse.press(MouseButton::Left, NONE, moment, false), Gesture::Select(_))
+    };
+    assert!(second(1, 801), "it came during the frame");
+    assert!(!second(801, 801), "it came after the frame");
+    assert!(!second(300, 801), "it came after another frame");
+}
+
+#[test]
+fn a_drag_is_no_half_of_a_double_click() {
+    for (motion, double) in [(3.0, true), (60.0, false)] {
+        let mut mouse = mouse();
+        mouse.press(MouseButton::Left, COMMAND, START, true);
+        mouse.moved([400.0 + motion, 200.0], COMMAND);
+        mouse.moved([400.0, 200.0], COMMAND);
+        mouse.release(MouseButton::Left);
+        let again = mouse.press(MouseButton::Left, COMMAND, START, true);
+        assert_eq!(again != Gesture::StartPerturbation(PerturbationFlags::ROTATE), double, "{again:?}");
+    }
 }
 
 #[test]

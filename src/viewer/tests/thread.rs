@@ -24,11 +24,14 @@ fn started() -> (Front, Worker, Arc<AtomicUsize>) {
     (front, Worker::start(simulation).unwrap(), woken)
 }
 
+/// A thread that needs longer has not only lost its processor to others.
+const MOST: Duration = Duration::from_secs(60);
+
 /// Waits until a snapshot is as it should be.
 fn until(front: &mut Front, what: &str, is_so: impl Fn(&Snapshot) -> bool) {
     let start = Instant::now();
     while !front.latest().is_some_and(|(snapshot, _)| is_so(snapshot)) {
-        assert!(start.elapsed() < Duration::from_secs(60), "no snapshot where {what}");
+        assert!(start.elapsed() < MOST, "no snapshot where {what}");
         thread::sleep(Duration::from_millis(1));
     }
 }
@@ -51,27 +54,33 @@ fn it_runs_shows_pauses_and_ends_when_the_window_is_closed() {
 
 #[test]
 fn it_does_not_wait_for_a_window_that_never_looks() {
-    let (front, worker, _) = started();
+    let (front, worker, woken) = started();
     front.ask(Request::SetSpeed(100.0));
     front.ask(Request::Pause(false));
     let start = Instant::now();
-    while !front.is_closing() && start.elapsed() < Duration::from_millis(300) {
+    while woken.load(Ordering::Relaxed) < 30 {
+        assert!(start.elapsed() < MOST, "no more snapshots are published");
         front.ask(Request::Watch(Vec::new()));
         thread::sleep(Duration::from_millis(1));
     }
     drop(front);
-    assert!(worker.join().expect("no panic").time() > 1.0);
+    assert!(worker.join().expect("no panic").time() > 0.0);
 }
 
 #[test]
 fn while_paused_it_sleeps_until_something_is_asked_for() {
     let (mut front, worker, woken) = started();
     until(&mut front, "it is paused", |snapshot| snapshot.status == Status::Paused);
-    // What was published at the start has been; nothing more comes by itself.
-    thread::sleep(Duration::from_millis(50));
-    let before = woken.load(Ordering::Relaxed);
-    thread::sleep(Duration::from_millis(100));
-    assert_eq!(woken.load(Ordering::Relaxed), before);
+    // The thread may have no processor for some of the time. Once it rests, it rests.
+    let start = Instant::now();
+    loop {
+        let before = woken.load(Ordering::Relaxed);
+        thread::sleep(Duration::from_millis(100));
+        if woken.load(Ordering::Relaxed) == before {
+            break;
+        }
+        assert!(start.elapsed() < MOST, "it does not rest");
+    }
     front.ask(Request::Step(1));
     until(&mut front, "a step was taken", |snapshot| snapshot.time > 0.0);
     front.close();

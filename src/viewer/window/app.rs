@@ -1,15 +1,18 @@
 //! The windows that are open, and the events that they get.
 
 use std::collections::HashMap;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
-use winit::event::WindowEvent;
+use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
 
 use super::session::Session;
 use super::wake::{Token, Wake};
+
+/// A wait for events that is shorter found them in the queue. It is not zero since the thread may be without a processor meanwhile.
+const AT_ONCE: Duration = Duration::from_millis(20);
 
 /// All windows of the process. Each is drawn when something in it has changed, and the thread sleeps otherwise.
 pub(super) struct App {
@@ -52,6 +55,15 @@ impl App {
 }
 
 impl ApplicationHandler<Wake> for App {
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        let (StartCause::WaitCancelled { start, .. } | StartCause::ResumeTimeReached { start, .. }) = cause else {
+            return;
+        };
+        if start.elapsed() > AT_ONCE {
+            self.sessions.values_mut().for_each(Session::waited);
+        }
+    }
+
     fn resumed(&mut self, _: &ActiveEventLoop) {}
 
     fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {

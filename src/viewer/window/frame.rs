@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 use winit::event_loop::ActiveEventLoop;
 
 use super::canvas::Canvas;
-use super::overlay::Overlay;
+use super::overlay::{Overlay, Painted};
 use super::screen::{Place, Screen};
 use super::session::Session;
-use crate::render::RenderError;
+use crate::render::{Gpu, RenderError};
 use crate::viewer::event::Event;
 use crate::viewer::panel::{Facts, Panels, Request as PanelRequest, Shown};
 use crate::viewer::probe;
@@ -22,12 +22,14 @@ impl Session {
     pub(super) fn draw(&mut self, _: &ActiveEventLoop) -> Result<(), RenderError> {
         let now = Instant::now();
         self.pace.drawn(now);
+        self.frame_began = Some(self.now());
         // What comes from here on wakes it again.
         self.waker.looked();
         self.hear()?;
         if self.over {
             return Ok(());
         }
+        probe::wait_while_held();
         if probe::takes_surface() {
             self.screen.remake()?;
         }
@@ -81,7 +83,7 @@ impl Session {
     }
 
     /// Looks at the newest snapshot's model: a camera of another one is of no use.
-    fn meet(&mut self) {
+    pub(super) fn meet(&mut self) {
         let Some((snapshot, _)) = self.front.latest() else { return };
         let view = self.view.get_or_insert_with(|| View::new(&snapshot.model));
         if snapshot.generation != self.generation {
@@ -102,7 +104,7 @@ impl Session {
             if let Some(target) = &target {
                 Canvas::draw_nothing(&gpu, target);
                 let painted = self.overlay.run(&self.window, Panels::wait);
-                self.overlay.paint(&gpu, target, size, painted);
+                self.overlay.paint(&gpu, target, size, &painted);
             }
             return Ok(Duration::MAX);
         };
@@ -114,35 +116,52 @@ impl Session {
         let Some(target) = target else { return Ok(Duration::MAX) };
         self.canvas.draw(&gpu, snapshot, &target, size)?;
 
-        let facts = Facts {
-            size,
-            rate: self.pace.rate(),
-            recording: self.output.frames(),
-            vsync: self.screen.has_vsync(),
-            full_screen: self.window.fullscreen().is_some(),
-            gpu: gpu.name(),
-        };
+        let Some(painted) = self.lay_out() else { return Ok(Duration::MAX) };
+        self.overlay.paint(&gpu, &target, size, &painted);
+        if probe::is_on()
+            && let (Some(snapshot), Some(view)) = (self.front.drawn(), &self.view)
+        {
+            let asked = self.front.asked();
+            let messages = self.panels.messages();
+            probe::put(snapshot, asked, view, &self.facts(&gpu), messages, self.overlay.is_editing());
+        }
+        Ok(painted.again)
+    }
+
+    /// Lays the panels out for the events so far, and executes the requests that they make.
+    pub(super) fn lay_out(&mut self) -> Option<Painted> {
+        let gpu = self.screen.gpu().clone();
+        let facts = self.facts(&gpu);
+        let (Some(snapshot), Some(view)) = (self.front.drawn(), &mut self.view) else { return None };
+        let options = self.expected.options(snapshot);
         let mut requests = Vec::new();
         let painted = self.overlay.run(&self.window, |ui| {
             requests.clear();
-            let mut shown = Shown { snapshot, view, facts: &facts, requests: &mut requests };
+            let mut shown = Shown { snapshot, view, options, facts: &facts, requests: &mut requests };
             self.panels.show(ui, &mut shown);
         });
-        let again = painted.again;
-        self.overlay.paint(&gpu, &target, size, painted);
-        if probe::is_on() {
-            probe::put(snapshot, view, &facts, self.panels.messages(), self.overlay.is_editing());
-        }
-        self.front.look(&view.look());
+        let look = view.look();
+        self.front.look(&look);
         for request in requests {
             match request {
-                PanelRequest::Physics(request) => self.front.ask(*request),
+                PanelRequest::Physics(request) => self.ask(*request),
                 PanelRequest::Act(action) => self.act(action),
                 PanelRequest::Vsync(vsync) => self.screen.set_vsync(vsync),
             }
             self.pace.ask(Instant::now());
         }
-        Ok(again)
+        Some(painted)
+    }
+
+    fn facts<'a>(&self, gpu: &'a Gpu) -> Facts<'a> {
+        Facts {
+            size: self.screen.size(),
+            rate: self.pace.rate(),
+            recording: self.output.frames(),
+            vsync: self.screen.has_vsync(),
+            full_screen: self.window.fullscreen().is_some(),
+            gpu: gpu.name(),
+        }
     }
 
     /// After a frame that could not be drawn: makes what was lost anew, or says why there is nothing.

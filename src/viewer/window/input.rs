@@ -23,7 +23,10 @@ const USUAL_COLUMNS: usize = 80;
 impl Session {
     /// Hands an event to the panels or to the picture.
     pub(super) fn input(&mut self, event: &WindowEvent) {
-        self.overlay.hear(&self.window, event, self.modifiers);
+        if self.overlay.needs_pass_before(event) {
+            self.lay_out();
+        }
+        self.overlay.hear(&self.window, event, self.modifiers, self.pointer);
         let changes = match event {
             WindowEvent::ModifiersChanged(modifiers) => {
                 self.modifiers = modifiers.state();
@@ -67,7 +70,7 @@ impl Session {
     }
 
     fn mode(&self) -> Mode {
-        self.front.drawn().map_or(Mode::Passive, |snapshot| snapshot.mode)
+        self.front.drawn().map_or(Mode::Passive, |snapshot| self.expected.mode(snapshot))
     }
 
     fn key(&mut self, event: &KeyEvent) {
@@ -75,12 +78,20 @@ impl Session {
             return;
         }
         let Some(key) = translate::key(event) else { return };
-        probe::note_key();
+        probe::note_key(key);
         let press = KeyPress { key, modifiers: translate::modifiers(self.modifiers), repeat: event.repeat };
         match action(press, self.mode()) {
             Some(action) => self.act(action),
-            None => self.front.ask(Request::Key(press)),
+            None => self.ask(Request::Key(press)),
         }
+    }
+
+    /// Queues a request for the simulation.
+    pub(super) fn ask(&mut self, request: Request) {
+        if let Some(snapshot) = self.front.drawn() {
+            self.expected.note(&request, self.front.asked() + 1, snapshot);
+        }
+        self.front.ask(request);
     }
 
     pub(super) fn act(&mut self, action: Action) {
@@ -98,7 +109,7 @@ impl Session {
     fn effect(&mut self, effect: Effect) {
         match effect {
             Effect::Done => {}
-            Effect::Ask(request) => self.front.ask(request),
+            Effect::Ask(request) => self.ask(request),
             Effect::Window(action) => self.act_on_window(action),
         }
     }
@@ -154,7 +165,7 @@ impl Session {
         match model {
             Ok(model) => {
                 self.options.file = Some(path.to_owned());
-                self.front.ask(Request::Reload(Arc::new(model)));
+                self.ask(Request::Reload(Arc::new(model)));
                 self.panels.notice(format!("loaded {}", path.display()));
             }
             Err(error) => self.panels.warn(error.to_string()),
@@ -171,8 +182,8 @@ impl Session {
         } else {
             self.holds_picture = true;
             self.overlay.stop_editing();
-            let selected = self.front.drawn().is_some_and(|snapshot| snapshot.selected.is_some());
-            self.mouse.press(button, translate::modifiers(self.modifiers), self.now(), selected)
+            let selected = self.front.drawn().is_some_and(|snapshot| self.expected.is_selected(snapshot));
+            self.mouse.press(button, translate::modifiers(self.modifiers), self.moment(), selected)
         };
         self.gesture(gesture);
     }

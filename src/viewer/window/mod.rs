@@ -13,6 +13,7 @@
 //! | `screen.rs` | the surface and its device |
 //! | `canvas.rs` | the picture of the scene |
 //! | `overlay.rs` | the layer of the panels |
+//! | `recording.rs` | the clip of a session, as long as the simulation that it shows |
 //! | `pace.rs` | when a frame is due |
 //! | `interrupt.rs` | Ctrl-C |
 //! | `file_name.rs` | names of files that are not there yet |
@@ -27,6 +28,7 @@ mod interrupt;
 mod output;
 mod overlay;
 mod pace;
+mod recording;
 mod screen;
 mod session;
 mod translate;

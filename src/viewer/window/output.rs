@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::canvas::Canvas;
 use super::file_name;
+use super::recording::Recording;
 use super::session::Session;
 use crate::error::{Error, Result};
 use crate::record::{Recorder, RecorderOptions};
@@ -20,12 +21,6 @@ pub(super) struct Output {
     recording: Option<Recording>,
     /// Whether the next frame is to be saved.
     wants_screenshot: bool,
-}
-
-struct Recording {
-    recorder: Recorder,
-    /// All its pictures have this size, whatever the window has.
-    size: [u32; 2],
 }
 
 /// What came of a frame's outputs, for the user.
@@ -52,7 +47,7 @@ impl Output {
 
     /// The frames of the recording that runs.
     pub fn frames(&self) -> Option<u64> {
-        self.recording.as_ref().map(|recording| recording.recorder.frames())
+        self.recording.as_ref().map(Recording::frames)
     }
 
     /// Begins a recording, of pictures of this size. Returns where it goes.
@@ -71,19 +66,14 @@ impl Output {
             }
         };
         let path = recorder.path().to_owned();
-        // Videos have an even number of rows and columns.
-        let size = size.map(|pixels| (pixels & !1).max(2));
-        self.recording = Some(Recording { recorder, size });
+        self.recording = Some(Recording::new(recorder, size));
         Ok(path)
     }
 
-    /// Completes the recording that runs. Says what became of it.
-    pub fn finish(&mut self) -> Result<Option<String>> {
-        let Some(Recording { recorder, .. }) = self.recording.take() else { return Ok(None) };
-        if recorder.frames() == 0 {
-            return Ok(Some("nothing was recorded".to_owned()));
-        }
-        let summary = recorder.finish()?;
+    /// Completes the running recording, which lasts until this simulation time. Returns a message for the user.
+    pub fn finish(&mut self, time: Option<f64>) -> Result<Option<String>> {
+        let Some(recording) = self.recording.take() else { return Ok(None) };
+        let Some(summary) = recording.finish(time)? else { return Ok(Some("nothing was recorded".to_owned())) };
         Ok(Some(format!("{}: {} frames, {:.1} s", summary.path.display(), summary.frames, summary.seconds)))
     }
 
@@ -96,13 +86,19 @@ impl Output {
                 Err(error) => outcome.problem = Some(error.to_string()),
             }
         }
-        if let Some(recording) = &mut self.recording
-            && let Err(error) = recording.take(canvas, gpu, snapshot)
-        {
-            outcome.problem = Some(format!("the recording has ended: {error}"));
-            self.recording = None;
-        }
+        outcome.problem = self.record(canvas, gpu, snapshot).or(outcome.problem);
         outcome
+    }
+
+    /// Records a snapshot if a recording runs and a picture is due. Returns the problem that ends the recording.
+    fn record(&mut self, canvas: &mut Canvas, gpu: &Gpu, snapshot: &Snapshot) -> Option<String> {
+        if let Some(recording) = &mut self.recording
+            && let Err(error) = recording.take(snapshot.time, |size| canvas.picture(gpu, snapshot, size))
+        {
+            self.recording = None;
+            return Some(format!("the recording has ended: {error}"));
+        }
+        None
     }
 
     fn save(
@@ -118,17 +114,6 @@ impl Output {
     }
 }
 
-impl Recording {
-    fn take(&mut self, canvas: &mut Canvas, gpu: &Gpu, snapshot: &Snapshot) -> Result<(), ViewerError> {
-        // A state that is not finite is shown in the panels, and no time of a picture.
-        if !snapshot.time.is_finite() || !self.recorder.is_due(snapshot.time) {
-            return Ok(());
-        }
-        self.recorder.push(canvas.picture(gpu, snapshot, self.size)?, snapshot.time)?;
-        Ok(())
-    }
-}
-
 impl Session {
     pub(super) fn screenshot(&mut self) {
         self.output.wants_screenshot = true;
@@ -136,7 +121,7 @@ impl Session {
 
     pub(super) fn toggle_recording(&mut self) {
         if self.output.is_recording() {
-            let outcome = self.output.finish();
+            let outcome = self.finish_recording();
             self.window.set_resizable(true);
             self.tell(outcome.map(Option::unwrap_or_default));
         } else {
@@ -144,6 +129,32 @@ impl Session {
             let begun = self.output.start(size);
             self.window.set_resizable(begun.is_err());
             self.tell(begun.map(|path| format!("recording to {}", path.display())));
+            // The recording begins now, even if the next frame is drawn much later.
+            self.record_newest();
+        }
+    }
+
+    /// Completes the running recording with the newest snapshot: the time since the last frame belongs to it too.
+    pub(super) fn finish_recording(&mut self) -> Result<Option<String>> {
+        self.record_newest();
+        let time = self.front.drawn().map(|snapshot| snapshot.time);
+        self.output.finish(time)
+    }
+
+    /// Records the newest snapshot, whether or not the window is drawn.
+    fn record_newest(&mut self) {
+        if !self.output.is_recording() {
+            return;
+        }
+        self.meet();
+        let (Some(snapshot), Some(view)) = (self.front.drawn_mut(), &mut self.view) else { return };
+        let gpu = self.screen.gpu().clone();
+        let problem = match view.prepare(snapshot) {
+            Ok(()) => self.output.record(&mut self.canvas, &gpu, snapshot),
+            Err(error) => Some(error.to_string()),
+        };
+        if let Some(problem) = problem {
+            self.panels.warn(problem);
         }
     }
 

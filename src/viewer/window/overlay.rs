@@ -18,16 +18,27 @@ use crate::viewer::panel::style;
 /// What a pass of the panels gave: shapes to be drawn, and when it wants to be drawn again.
 pub(super) struct Painted {
     triangles: Vec<egui::ClippedPrimitive>,
-    textures: egui::TexturesDelta,
     pixels_per_point: f32,
     /// How long until the panels change by themselves; the longest there is if they do not.
     pub again: Duration,
+}
+
+/// Events of the pointer since the last pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Unseen {
+    None,
+    Moves,
+    /// A button was pressed or released, on a panel or by a drag that began on one.
+    Button,
 }
 
 pub(super) struct Overlay {
     context: Context,
     input: State,
     painter: Renderer,
+    /// Changes of textures since the panels were painted last.
+    textures: egui::TexturesDelta,
+    unseen: Unseen,
     /// The system's clipboard, opened when it is first needed; none where there is none.
     clipboard: Option<Clipboard>,
 }
@@ -40,7 +51,14 @@ impl Overlay {
         let scale = Some(window.scale_factor() as f32);
         let input = State::new(context.clone(), ViewportId::ROOT, window, scale, None, Some(side));
         let painter = Self::painter(device, format);
-        Self { context, input, painter, clipboard: None }
+        Self {
+            context,
+            input,
+            painter,
+            textures: egui::TexturesDelta::default(),
+            unseen: Unseen::None,
+            clipboard: None,
+        }
     }
 
     fn painter(device: &wgpu::Device, format: wgpu::TextureFormat) -> Renderer {
@@ -70,8 +88,30 @@ impl Overlay {
         self.context.egui_is_using_pointer() || layer.is_some_and(|layer| layer.order != Order::Background)
     }
 
-    /// Tells the panels of an event.
-    pub fn hear(&mut self, window: &Window, event: &WindowEvent, modifiers: ModifiersState) {
+    /// Whether a pass has to come before the next event. A pass knows the place of the pointer at its end only and whether a button
+    /// is held then: a press, a motion and a release in one pass would be no drag. And only a pass tells whether a click has begun
+    /// to edit a text, which the next key belongs to.
+    pub fn needs_pass_before(&self, event: &WindowEvent) -> bool {
+        match self.unseen {
+            Unseen::None => false,
+            Unseen::Moves => matches!(event, WindowEvent::MouseInput { .. }) && self.context.egui_is_using_pointer(),
+            Unseen::Button => matches!(
+                event,
+                WindowEvent::MouseInput { .. }
+                    | WindowEvent::CursorMoved { .. }
+                    | WindowEvent::MouseWheel { .. }
+                    | WindowEvent::KeyboardInput { .. }
+            ),
+        }
+    }
+
+    /// Hands an event to the panels. `at` is the place of the pointer, in pixels.
+    pub fn hear(&mut self, window: &Window, event: &WindowEvent, modifiers: ModifiersState, at: [f64; 2]) {
+        match event {
+            WindowEvent::MouseInput { .. } if self.is_over(at) => self.unseen = Unseen::Button,
+            WindowEvent::CursorMoved { .. } if self.unseen == Unseen::None => self.unseen = Unseen::Moves,
+            _ => {}
+        }
         if let WindowEvent::KeyboardInput { event: key, .. } = event {
             // Without a text to edit, keys are the viewer's: egui would move its focus with Tab, and press buttons with Space.
             if !self.is_editing() {
@@ -96,6 +136,7 @@ impl Overlay {
         if !self.is_editing() {
             self.stop_editing();
         }
+        self.unseen = Unseen::None;
         let input = self.input.take_egui_input(window);
         let output = self.context.run_ui(input, panels);
         for command in &output.platform_output.commands {
@@ -107,13 +148,14 @@ impl Overlay {
             output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         self.input.handle_platform_output(window, output.platform_output);
         let triangles = self.context.tessellate(output.shapes, output.pixels_per_point);
-        Painted { triangles, textures: output.textures_delta, pixels_per_point: output.pixels_per_point, again }
+        self.textures.append(output.textures_delta);
+        Painted { triangles, pixels_per_point: output.pixels_per_point, again }
     }
 
     /// Draws what a pass gave over what there is.
-    pub fn paint(&mut self, gpu: &Gpu, to: &wgpu::TextureView, size: [u32; 2], mut painted: Painted) {
+    pub fn paint(&mut self, gpu: &Gpu, to: &wgpu::TextureView, size: [u32; 2], painted: &Painted) {
         let (device, queue) = (gpu.device(), gpu.queue());
-        for (id, deltas) in std::mem::take(&mut painted.textures.set) {
+        for (id, deltas) in std::mem::take(&mut self.textures.set) {
             for delta in &deltas {
                 self.painter.update_texture(device, queue, id, delta);
             }
@@ -138,7 +180,7 @@ impl Overlay {
         }
         commands.push(encoder.finish());
         queue.submit(commands);
-        for id in std::mem::take(&mut painted.textures.free) {
+        for id in std::mem::take(&mut self.textures.free) {
             self.painter.free_texture(&id);
         }
     }

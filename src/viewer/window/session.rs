@@ -18,7 +18,8 @@ use super::pace::Pace;
 use super::screen::Screen;
 use super::wake::{Token, Waker};
 use crate::viewer::error::ViewerError;
-use crate::viewer::input::Mouse;
+use crate::viewer::expected::Expected;
+use crate::viewer::input::{Moment, Mouse};
 use crate::viewer::launch::ViewerOptions;
 use crate::viewer::link::Front;
 use crate::viewer::panel::Panels;
@@ -50,7 +51,11 @@ pub(super) struct Session {
     pub pointer: [f64; 2],
     /// Whether a button went down in the picture and not on a panel: until it is released, the panels are not there.
     pub holds_picture: bool,
+    /// The state that requests without an answer lead to.
+    pub expected: Expected,
     pub opened: Instant,
+    /// The start of the frame after which the present events are processed, if they may have come while it was drawn.
+    pub frame_began: Option<Duration>,
     pub pace: Pace,
     pub over: bool,
     _interrupt: interrupt::Guard,
@@ -109,7 +114,9 @@ impl Session {
             modifiers: ModifiersState::empty(),
             pointer: [0.0; 2],
             holds_picture: false,
+            expected: Expected::default(),
             opened: now,
+            frame_began: None,
             pace,
             over: false,
         })
@@ -135,7 +142,7 @@ impl Session {
 
     /// Closes it: finishes what is recorded, and ends the physics.
     pub fn close(&mut self) {
-        if let Err(problem) = self.output.finish() {
+        if let Err(problem) = self.finish_recording() {
             log::error!("{problem}");
         }
         self.front.close();
@@ -157,6 +164,17 @@ impl Session {
         self.opened.elapsed()
     }
 
+    /// Returns when the event that is processed now has come. The queue has no times: it may have come since the frame before began.
+    pub fn moment(&self) -> Moment {
+        let latest = self.now();
+        Moment { earliest: self.frame_began.unwrap_or(latest), latest }
+    }
+
+    /// The thread has waited for events: the next ones have come since then.
+    pub fn waited(&mut self) {
+        self.frame_began = None;
+    }
+
     pub fn event(&mut self, event_loop: &ActiveEventLoop, event: &WindowEvent) {
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => self.close(),
@@ -168,7 +186,7 @@ impl Session {
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
                 self.screen.resize();
                 self.mouse.resize(self.screen.size().map(f64::from));
-                self.overlay.hear(&self.window, event, self.modifiers);
+                self.overlay.hear(&self.window, event, self.modifiers, self.pointer);
                 self.pace.ask(Instant::now());
             }
             WindowEvent::Occluded(false) => self.pace.ask(Instant::now()),

@@ -1,0 +1,66 @@
+//! A renderer prints nothing, neither to standard output nor to standard error: each test runs one in a process of its own.
+
+#![cfg(target_os = "linux")]
+
+use std::process::Command;
+
+use mujoco_safe::render::{Gpu, RenderError, Renderer, RendererOptions};
+use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
+use mujoco_safe::{Data, sample};
+
+/// Draws a picture, with a certain backend if one is named.
+#[test]
+#[ignore = "the tests below run it, as a process of its own"]
+fn a_picture_in_a_process_of_its_own() {
+    let gpu = match Gpu::new() {
+        Ok(gpu) => gpu,
+        Err(RenderError::NoAdapter { .. }) => return,
+        Err(error) => panic!("{error}"),
+    };
+    if let Ok(backend) = std::env::var("EXPECTED_BACKEND") {
+        assert_eq!(gpu.backend(), backend);
+    }
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 100).unwrap();
+    let mut camera = Camera::free(data.model());
+    scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
+    let mut renderer = Renderer::on(&gpu, data.model(), 64, 64, &RendererOptions::default()).unwrap();
+    let picture = renderer.rgb(&scene).unwrap();
+    let first = picture.pixel(0, 0);
+    assert!(picture.as_bytes().chunks_exact(3).any(|pixel| *pixel != first), "there is something in the picture");
+}
+
+/// Runs the test above with these variables, and without those that name a session of the user.
+fn prints_nothing(variables: &[(&str, &str)]) {
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["quiet::a_picture_in_a_process_of_its_own", "--exact", "--ignored", "--nocapture", "--test-threads=1"])
+        .env_remove("XDG_RUNTIME_DIR")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("DISPLAY")
+        .envs(variables.iter().copied())
+        .output()
+        .unwrap();
+    let [stdout, stderr] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(output.status.success() && stdout.contains("1 passed"), "{stdout}{stderr}");
+    let printed = stdout.lines().filter(|line| {
+        let harness =
+            line.is_empty() || *line == "ok" || line.starts_with("running 1 test") || line.starts_with("test ");
+        !harness
+    });
+    assert_eq!(printed.collect::<Vec<_>>(), Vec::<&str>::new());
+    assert_eq!(stderr, "");
+}
+
+/// Without a layer of Mesa's, which prints by itself: see the documentation of the module `render`.
+const WITHOUT_LAYER: (&str, &str) = ("NODEVICE_SELECT", "1");
+
+#[test]
+fn a_renderer_prints_nothing_and_looks_for_no_session() {
+    prints_nothing(&[WITHOUT_LAYER, ("EXPECTED_BACKEND", "vulkan")]);
+}
+
+#[test]
+fn without_a_vulkan_driver_a_renderer_draws_with_opengl_and_prints_nothing() {
+    prints_nothing(&[("VK_DRIVER_FILES", "/dev/null"), ("VK_ICD_FILENAMES", "/dev/null"), ("EXPECTED_BACKEND", "gl")]);
+}
