@@ -1,7 +1,5 @@
 //! Record of the results that have been computed for the present model, part by part.
 
-use std::fmt;
-
 use bitflags::bitflags;
 
 use super::Stage;
@@ -38,14 +36,14 @@ bitflags! {
         const SENSOR_VEL = 1 << 23;
         const SENSOR_ACC = 1 << 24;
 
-        /// What [`Stage::Position`] stands for.
+        /// Results of [`Stage::Position`].
         const POSITION = Self::KINEMATICS.bits() | Self::COM_POS.bits() | Self::CAMLIGHT.bits() | Self::TENDON.bits()
             | Self::CRB.bits() | Self::FACTOR_M.bits() | Self::COLLISION.bits() | Self::CONSTRAINT.bits()
             | Self::TRANSMISSION.bits();
-        /// What [`Stage::Velocity`] stands for.
+        /// Results of [`Stage::Velocity`].
         const VELOCITY = Self::POSITION.bits() | Self::TENDON_VELOCITY.bits() | Self::ACTUATOR_VELOCITY.bits()
             | Self::COM_VEL.bits() | Self::PASSIVE.bits() | Self::REFERENCE.bits() | Self::BIAS.bits();
-        /// What [`Stage::Acceleration`] stands for, which inverse dynamics reaches too.
+        /// Results of [`Stage::Acceleration`], which inverse dynamics reaches too.
         const FORCES = Self::VELOCITY.bits() | Self::FORCE.bits();
 
         /// Readings of the sensors of all stages.
@@ -73,7 +71,7 @@ bitflags! {
 
 impl Computed {
     /// Each part of the pipeline, what it reads of the others, and the method that computes it, in an order that works.
-    const PARTS: [(Self, Self, &'static str); 24] = [
+    pub(super) const PARTS: [(Self, Self, &'static str); 24] = [
         (Self::KINEMATICS, Self::empty(), "kinematics"),
         (Self::COM_POS, Self::KINEMATICS, "com_pos"),
         (Self::CAMLIGHT, Self::COM_POS, "camlight"),
@@ -105,9 +103,9 @@ impl Computed {
     ];
 
     /// Parts that neither forward dynamics nor a step records.
-    const NOT_IN_FORWARD: Self = Self::SUBTREE_VEL.union(Self::POST_CONSTRAINT);
+    pub(super) const NOT_IN_FORWARD: Self = Self::SUBTREE_VEL.union(Self::POST_CONSTRAINT);
 
-    /// What becomes stale when these are computed anew: all that was made of them, directly or not.
+    /// Results that become stale when these are recomputed: all that depend on them, directly or not.
     const fn dependents(self) -> Self {
         let mut stale = Self::empty();
         let mut part = 0;
@@ -122,10 +120,10 @@ impl Computed {
         stale
     }
 
-    /// What a model with an adhesion actuator makes of the constraints, beyond what the table says.
+    /// Results that depend on the constraints only in a model with an adhesion actuator.
     const MADE_OF_TRANSMISSION: Self = Self::TRANSMISSION.union(Self::TRANSMISSION.dependents());
 
-    /// What is left when `gives` has been computed anew.
+    /// Results that are valid after `gives` has been recomputed.
     pub(super) const fn after(self, gives: Self, adhesion: bool) -> Self {
         let mut stale = gives.dependents();
         if adhesion && gives.union(stale).intersects(Self::CONSTRAINT) {
@@ -162,99 +160,6 @@ impl From<Stage> for Computed {
             Stage::Velocity => Self::VELOCITY,
             Stage::Acceleration => Self::FORCES,
         }
-    }
-}
-
-/// Results that a call needs: those of a whole [`Stage`], or of some parts of the pipeline. An argument of
-/// [`Data::require`](crate::Data::require), and a field of [`Error::NotComputed`](crate::Error::NotComputed).
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Needs(Need);
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Need {
-    Stage(Stage),
-    Parts(Computed),
-    FirstHalf,
-}
-
-impl Needs {
-    /// The parts that are missing.
-    pub(super) const fn parts(missing: Computed) -> Self {
-        Self(Need::Parts(missing))
-    }
-
-    /// A first half of a step that is still valid.
-    pub(super) const FIRST_HALF: Self = Self(Need::FirstHalf);
-
-    /// The readings of all sensors, `sensordata`. [`Data::forward`](crate::Data::forward), [`step`](crate::Data::step) and
-    /// [`inverse`](crate::Data::inverse) compute them.
-    pub const SENSORS: Self = Self(Need::Parts(Computed::SENSORS));
-    /// Accelerations of bodies and forces on them: `cacc`, `cfrc_int`, `cfrc_ext`.
-    /// [`Data::rne_post_constraint`](crate::Data::rne_post_constraint) computes them, `forward` and `step` do not.
-    pub const BODY_FORCES: Self = Self(Need::Parts(Computed::POST_CONSTRAINT));
-    /// Velocities and angular momenta of subtrees: `subtree_linvel`, `subtree_angmom`.
-    /// [`Data::subtree_vel`](crate::Data::subtree_vel) computes them, `forward` and `step` do not.
-    pub const SUBTREE_VELOCITIES: Self = Self(Need::Parts(Computed::SUBTREE_VEL));
-
-    /// What of these has not been computed.
-    #[inline]
-    pub(super) fn missing(self, computed: Computed) -> Option<Self> {
-        match self.0 {
-            Need::Stage(stage) => (!computed.contains(stage.into())).then_some(self),
-            Need::FirstHalf => (!computed.contains(Computed::FIRST_HALF)).then_some(self),
-            Need::Parts(parts) => {
-                let missing = parts - computed;
-                (!missing.is_empty()).then(|| Self::parts(missing))
-            }
-        }
-    }
-
-    /// Since when the results are missing, and which call computes them.
-    pub(crate) fn remedy(self) -> &'static str {
-        match self.0 {
-            Need::Stage(_) => "since the last reset or change of the model: call forward or step first",
-            Need::FirstHalf => {
-                "since the last step, reset or change of the model: call step1 first, once for each step2"
-            }
-            Need::Parts(parts) if parts.intersects(Computed::NOT_IN_FORWARD) => {
-                "since the last step, reset, change of the model or change of what they are made of: call these after forward \
-                 or step, which do not compute them"
-            }
-            Need::Parts(_) => {
-                "since the last step, reset, change of the model or change of what they are made of: call these first, in \
-                 this order, or forward"
-            }
-        }
-    }
-}
-
-impl From<Stage> for Needs {
-    fn from(stage: Stage) -> Self {
-        Self(Need::Stage(stage))
-    }
-}
-
-impl fmt::Display for Needs {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let missing = match self.0 {
-            Need::Stage(stage) => return stage.fmt(f),
-            Need::FirstHalf => return Stage::Velocity.fmt(f),
-            Need::Parts(missing) => missing,
-        };
-        f.write_str("the results of ")?;
-        // The positions of a state that was advanced are those of another one.
-        let missing = if missing.contains(Computed::CURRENT) { missing | Computed::KINEMATICS } else { missing };
-        let parts = Computed::PARTS.iter().filter(|(part, ..)| missing.contains(*part));
-        for (index, (_, _, method)) in parts.enumerate() {
-            write!(f, "{}{method}", if index > 0 { ", " } else { "" })?;
-        }
-        Ok(())
-    }
-}
-
-impl fmt::Debug for Needs {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Needs({self})")
     }
 }
 

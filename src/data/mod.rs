@@ -5,7 +5,8 @@
 //! | `call.rs` | calls of the engine, and the effect of its errors |
 //! | `step.rs` | step, forward, inverse: the pipeline |
 //! | `stage.rs` | how far the pipeline has been computed |
-//! | `computed.rs` | the same, piece by piece |
+//! | `computed.rs` | the same, part by part |
+//! | `needs.rs` | results that a call needs |
 //! | `pipeline.rs` | the parts of the pipeline, called one by one |
 //! | `stability.rs` | states that the engine would silently reset |
 //! | `warning.rs` | the engine's warnings, counted and logged |
@@ -32,6 +33,7 @@ mod inertia;
 mod jacobian;
 mod keyframe;
 mod momentum;
+mod needs;
 mod new_contact;
 mod object;
 pub mod pipeline;
@@ -52,10 +54,10 @@ use std::sync::Arc;
 use mujoco_sys::{self as sys, guard, mjData, mjModel};
 
 pub(crate) use self::computed::Computed;
-pub use self::computed::Needs;
 pub use self::contact::{Contact, ContactForce};
 pub use self::distance::GeomDistance;
 pub use self::jacobian::Jacobian;
+pub use self::needs::Needs;
 pub use self::new_contact::NewContact;
 pub use self::object::{Axes, Frame, Motion};
 pub use self::ray::{RayHit, RayOptions};
