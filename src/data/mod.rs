@@ -1,28 +1,7 @@
 //! The state of a simulation, and everything that is computed from it.
 //!
-//! | file | what is in it |
-//! |---|---|
-//! | `call.rs` | calls of the engine, and the effect of its errors |
-//! | `step.rs` | step, forward, inverse: the pipeline |
-//! | `stage.rs` | how far the pipeline has been computed |
-//! | `computed.rs` | the same, part by part |
-//! | `needs.rs` | results that a call needs |
-//! | `pipeline.rs` | the parts of the pipeline, called one by one |
-//! | `stability.rs` | states that the engine would silently reset |
-//! | `warning.rs` | the engine's warnings, counted and logged |
-//! | `state.rs` | the state as one vector |
-//! | `statistics.rs` | what the solver did, and how long each part took |
-//! | `keyframe.rs` | the state as a keyframe of the model |
-//! | `print.rs` | all quantities as text |
-//! | `jacobian.rs` | Jacobians of points on bodies |
-//! | `inertia.rs` | the inertia matrix: full, products, solutions |
-//! | `constraint.rs` | products with the Jacobian of the constraints, their cost |
-//! | `object.rs` | velocities, accelerations and forces of bodies and what moves with them |
-//! | `momentum.rs` | the matrix of angular momentum |
-//! | `ray.rs` | rays |
-//! | `distance.rs` | the distance of two geoms |
-//! | `contact.rs` | contacts and their forces |
-//! | `new_contact.rs` | contacts that the user adds |
+//! `call.rs` holds the gates through which every call of the engine on a simulation goes, and `computed.rs` the record of what has
+//! been computed; the other files are themes of [`Data`]'s methods.
 
 mod call;
 mod computed;
