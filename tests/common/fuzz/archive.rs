@@ -140,7 +140,7 @@ mod damaged {
             }
             7 => bytes.choose(&NAMES).clone_into(name),
             // The second version of the format has four bytes for the length of the header.
-            8 if content.get(6) == Some(&1) => {
+            8 if content.len() >= 10 && content[6] == 1 => {
                 content[6] = 2;
                 content.splice(10..10, [0, 0]);
             }
