@@ -36,14 +36,23 @@ impl Serialize for Matrix {
     }
 }
 
+/// The largest size that plain data may claim without values that prove it: more than any model has. A matrix of 2⁶⁴ empty rows
+/// would keep every loop over its rows busy for ever.
+pub(crate) const MOST_WITHOUT_VALUES: usize = 1 << 20;
+
 impl<'de> Deserialize<'de> for Matrix {
-    /// An error if there are not `nrows * ncols` values.
+    /// An error if there are not `nrows * ncols` values, or more than 2²⁰ rows or columns without values.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let Unchecked { nrows, ncols, values } = Unchecked::deserialize(deserializer)?;
         // The engine and nalgebra trust the shape.
         if nrows.checked_mul(ncols) != Some(values.len()) {
             let found = values.len();
             return Err(de::Error::custom(format!("a matrix of {nrows} rows and {ncols} columns has {found} values")));
+        }
+        if values.is_empty() && nrows.max(ncols) > MOST_WITHOUT_VALUES {
+            return Err(de::Error::custom(format!(
+                "a matrix of {nrows} rows and {ncols} columns has no values, and more than {MOST_WITHOUT_VALUES} rows or columns"
+            )));
         }
         Ok(Self::from_row_major(nrows, ncols, values))
     }

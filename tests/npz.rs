@@ -207,8 +207,8 @@ fn a_small_file_does_not_unpack_to_gigabytes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let model = Model::from_xml_str("<mujoco/>").unwrap();
-    // Zeros, packed a thousandfold: 80 MB of them in 80 kB.
-    let count = 10_000_000;
+    // Zeros, packed a thousandfold: 72 MB of them in 72 kB.
+    let count = 9_000_000;
     let others =
         ["qpos", "qvel", "act", "ctrl"].map(|name| (format!("{name}.npy"), shaped(&format!("({count}, 0)"), &[])));
     let mut arrays = vec![("time.npy", shaped(&format!("({count},)"), &vec![0.0; count]))];
@@ -217,17 +217,15 @@ fn a_small_file_does_not_unpack_to_gigabytes() {
     assert!(bomb.len() < 1 << 18, "{}", bomb.len());
     fs::write(&path, &bomb).unwrap();
     let text = Trajectory::load_npz(&model, &path).unwrap_err().to_string();
-    assert!(text.contains("'time' unpacks to 80000000 bytes"), "{text}");
+    assert!(text.contains("'time' unpacks to 72000000 bytes"), "{text}");
     // The sizes in the archive may lie.
-    let size = (80_000_000 + arrays[0].1.len() - 8 * count) as u32;
+    let size = (72_000_000 + arrays[0].1.len() - 8 * count) as u32;
     while let Some(at) = bomb.windows(4).position(|bytes| bytes == size.to_le_bytes()) {
         bomb[at..at + 4].copy_from_slice(&1000_u32.to_le_bytes());
     }
     fs::write(&path, &bomb).unwrap();
     assert!(Trajectory::load_npz(&model, &path).is_err());
-    // A file that is not packed may be of any size, and one that is packed a little too.
-    fs::write(&path, archive(&arrays, CompressionMethod::Stored)).unwrap();
-    assert_eq!(Trajectory::load_npz(&model, &path).unwrap().len(), count);
+    // A smaller one is loaded, however well it is packed.
     let arrays = arrays.iter().map(|(name, _)| match *name {
         "time.npy" => (*name, shaped("(1000000,)", &vec![0.0; 1_000_000])),
         name => (name, shaped("(1000000, 0)", &[])),

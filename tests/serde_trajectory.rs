@@ -35,10 +35,11 @@ fn a_trajectory_whose_sizes_and_values_disagree_is_refused() {
     for (field, value, expected) in [
         ("nq", json!(3), "has 80 values in 'states'"),
         ("nu", json!(2), "has 20 values in 'controls'"),
-        ("nq", json!(u64::MAX), "has 80 values in 'states'"),
-        ("nv", json!(u64::MAX - 1), "has 80 values in 'states'"),
-        ("nq", json!(u64::MAX / 4), "has 80 values in 'states'"),
-        ("nu", json!(u64::MAX / 2), "has 20 values in 'controls'"),
+        ("nq", json!(u64::MAX), "which no model has"),
+        ("nv", json!(u64::MAX - 1), "which no model has"),
+        ("nq", json!(u64::MAX / 4), "which no model has"),
+        ("nu", json!(u64::MAX / 2), "which no model has"),
+        ("na", json!(1 << 20), "has 80 values in 'states'"),
         ("nq", json!(-1), "expected usize"),
         ("times", json!([0.0]), "of 1 records"),
         ("times", json!([]), "of 0 records"),
@@ -65,6 +66,21 @@ fn a_matrix_must_have_as_many_values_as_its_shape_says() {
         let text = error::<Matrix>(json!({"nrows": nrows, "ncols": ncols, "values": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]}));
         assert!(text.contains("has 6 values"), "{text}");
     }
+}
+
+#[test]
+fn sizes_without_values_that_prove_them_are_bounded() {
+    let empty = to_value(Trajectory::new(&sample::cartpole())).unwrap();
+    for (field, size) in [("nq", u64::MAX), ("nu", 1 << 61), ("na", 1 << 27), ("nv", (1 << 20) + 1)] {
+        let mut claimed = empty.clone();
+        claimed[field] = json!(size);
+        assert!(error::<Trajectory>(claimed).contains("which no model has"), "{field}");
+    }
+    for (nrows, ncols) in [(u64::MAX, 0), (0, u64::MAX), ((1 << 20) + 1, 0)] {
+        let text = error::<Matrix>(json!({"nrows": nrows, "ncols": ncols, "values": []}));
+        assert!(text.contains("has no values"), "{text}");
+    }
+    assert_eq!(from_value::<Matrix>(json!({"nrows": 1 << 20, "ncols": 0, "values": []})).unwrap().nrows(), 1 << 20);
 }
 
 #[test]

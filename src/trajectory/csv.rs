@@ -19,7 +19,10 @@ impl Trajectory {
     }
 
     fn write_csv(&self, out: &mut impl Write) -> std::io::Result<()> {
-        writeln!(out, "{}", self.sizes.columns().collect::<Vec<_>>().join(","))?;
+        for (index, column) in self.sizes.columns().enumerate() {
+            write!(out, "{}{column}", if index == 0 { "" } else { "," })?;
+        }
+        writeln!(out)?;
         for record in 0..self.len() {
             write!(out, "{}", self.times[record])?;
             for value in self.state(record).iter().chain(self.ctrl(record)) {

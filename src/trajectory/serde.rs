@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::{Sizes, Trajectory};
+use crate::serialise::MOST_WITHOUT_VALUES;
 
 /// What is written: the sizes of a state, and then the values of [`Trajectory`].
 #[derive(Serialize, Deserialize)]
@@ -29,9 +30,15 @@ impl Serialize for Trajectory {
 }
 
 impl<'de> Deserialize<'de> for Trajectory {
-    /// An error if there are not as many values as the sizes and the number of times ask for.
+    /// An error if there are not as many values as the sizes and the number of times ask for, or if a size is above 2²⁰: a
+    /// trajectory without records has no values to prove its sizes, which decide how long the header of a text is.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let Records { nq, nv, na, nu, times, states, controls } = Records::deserialize(deserializer)?;
+        if let Some(size) = [nq, nv, na, nu].into_iter().find(|&size| size > MOST_WITHOUT_VALUES) {
+            return Err(de::Error::custom(format!(
+                "a size of {size} is above {MOST_WITHOUT_VALUES}, which no model has"
+            )));
+        }
         let state = nq.checked_add(nv).and_then(|sum| sum.checked_add(na));
         for (name, size, found) in [("states", state, states.len()), ("controls", Some(nu), controls.len())] {
             if size.and_then(|size| size.checked_mul(times.len())) != Some(found) {

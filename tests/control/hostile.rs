@@ -43,6 +43,7 @@ fn check_solution(result: Result<mujoco_safe::control::riccati::RiccatiSolution,
 }
 
 #[test]
+#[allow(clippy::many_single_char_names, reason = "A, B, Q, R and S are the symbols of the field")]
 fn riccati_equations_of_any_numbers_end_with_finite_numbers_or_an_error() {
     let mut solved = 0;
     for (states, controls) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 1), (3, 2)] {

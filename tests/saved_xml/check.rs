@@ -29,9 +29,9 @@ fn sample_models_save_without_a_loss() {
 
 #[test]
 fn a_loss_is_an_error_that_names_field_and_element_and_writes_nothing() {
-    let _turn = super::turn();
     const XML: &str = r#"<mujoco><worldbody><body name="ball"><freejoint/><geom name="skin" size="0.1" mass="1"/></body>
         <body><joint/><geom size="0.1"/></body></worldbody></mujoco>"#;
+    let _turn = super::turn();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("heavy.xml");
     let load = || {

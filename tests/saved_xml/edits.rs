@@ -9,7 +9,7 @@ use super::{beside, lost};
 /// One thing that can be edited, and what it is then.
 struct Edit {
     field: &'static str,
-    edit: fn(&mut Model),
+    change: fn(&mut Model),
     numbers: fn(&Model) -> Vec<f64>,
 }
 
@@ -78,13 +78,13 @@ fn edits() -> Vec<Edit> {
     macro_rules! arrays {
         ($($writer:ident($field:ident))*) => { vec![$(Edit {
             field: stringify!($field),
-            edit: |model| model.edit().$writer().edit_last(),
+            change: |model| model.edit().$writer().edit_last(),
             numbers: |model| model.$field().numbers(),
         }),*] };
     }
     macro_rules! others {
         ($($field:literal, $edit:expr, $numbers:expr;)*) => { vec![$(Edit {
-            field: $field, edit: $edit, numbers: $numbers
+            field: $field, change: $edit, numbers: $numbers
         }),*] };
     }
     let mut edits = model_writers! { arrays };
@@ -118,9 +118,9 @@ fn each_edit_is_in_the_saved_text_or_named_as_lost() {
     let model = Model::from_xml_path(&original).unwrap();
     let edits = edits();
     // All are saved before one is loaded, which replaces the engine's tree.
-    let saved = edits.iter().map(|Edit { field, edit, numbers }| {
+    let saved = edits.iter().map(|Edit { field, change, numbers }| {
         let mut edited = model.clone();
-        edit(&mut edited);
+        change(&mut edited);
         let expected = numbers(&edited);
         assert!(expected.is_empty() || expected != numbers(&model), "{field} was not edited");
         let path = path.with_file_name(format!("{field}.xml"));

@@ -25,7 +25,7 @@ fn rooms_near_the_limits_of_integers_are_errors_or_scenes() {
                 assert!(scene.ngeom() <= room);
             }
             Err(error) => {
-                assert!(matches!(error, Error::Invalid { .. } | Error::OutOfMemory { .. }), "{room}: {error}")
+                assert!(matches!(error, Error::Invalid { .. } | Error::OutOfMemory { .. }), "{room}: {error}");
             }
         }
     }

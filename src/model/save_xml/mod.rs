@@ -85,21 +85,18 @@ impl Model {
     ///
     /// let folder = tempfile::tempdir()?;
     /// let path = folder.path().join("ball.xml");
-    /// let mut model = Model::from_xml_str(
+    /// let model = Model::from_xml_str(
     ///     r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#,
     /// )?;
-    /// model.save_xml(&path)?;
-    /// assert_eq!(Model::from_xml_path(&path)?.body("ball")?.index(), 1);
     ///
     /// // The mass comes from the geom, so XML has no place for another one.
-    /// let ball = model.body("ball")?.id();
-    /// model.edit().body_mut(ball).set_mass(5.0);
-    /// # let path = folder.path().join("heavy.xml");
-    /// # let model = Model::from_xml_str(
-    /// #     r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#,
-    /// # ).map(|mut model| { let ball = model.body("ball").unwrap().id(); model.edit().body_mut(ball).set_mass(5.0); model })?;
-    /// let error = model.save_xml(&path).unwrap_err();
+    /// let mut heavy = model.clone();
+    /// heavy.edit().body_mut("ball")?.set_mass(5.0);
+    /// let error = heavy.save_xml(&path).unwrap_err();
     /// assert!(matches!(&error, Error::XmlLosesEdits { fields, .. } if fields[0].field == "body_mass"), "{error}");
+    ///
+    /// model.save_xml(&path)?;
+    /// assert_eq!(Model::from_xml_path(&path)?.body("ball")?.index(), 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[doc(alias = "mj_saveLastXML")]

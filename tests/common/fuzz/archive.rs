@@ -138,9 +138,9 @@ mod damaged {
             6 => {
                 members.remove(which);
             }
-            7 => *name = bytes.choose(&NAMES).to_owned(),
+            7 => bytes.choose(&NAMES).clone_into(name),
             // The second version of the format has four bytes for the length of the header.
-            8 if content.get(6) == Some(&1) => {
+            8 if content.len() >= 10 && content[6] == 1 => {
                 content[6] = 2;
                 content.splice(10..10, [0, 0]);
             }
@@ -216,12 +216,12 @@ mod damaged {
         }
         std::fs::write(&path, file).expect("a file is written");
         log("load_npz");
-        let Ok(loaded) = Trajectory::load_npz(&model, &path) else { return Verdict::Refused };
+        let Ok(loaded) = Trajectory::load_npz(model, &path) else { return Verdict::Refused };
         let _ = data.reset();
         use_it(&loaded, &mut data, log);
         log("save_npz, load_npz");
         loaded.save_npz(&path).expect("a file is written");
-        let again = Trajectory::load_npz(&model, &path).expect("what was saved is loaded");
+        let again = Trajectory::load_npz(model, &path).expect("what was saved is loaded");
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(again.states()), bits(loaded.states()));
         assert_eq!(bits(again.times()), bits(loaded.times()));
