@@ -34,6 +34,10 @@ impl Bridge {
     /// Those of the calls that it makes.
     pub fn execute(&mut self, request: Request, data: &mut Data) -> Result<Outcome> {
         match request {
+            Request::Look(look) => {
+                self.set_window_look(*look);
+                return Ok(Outcome::Done);
+            }
             Request::Reset => self.reset(data)?,
             Request::Select(place) => return self.select(place, data),
             Request::SelectBody(body) => return self.select_body(body, data),
