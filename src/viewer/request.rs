@@ -93,9 +93,9 @@ pub(crate) enum Request {
     LoadKey(KeyframeId),
     /// Keeps the state, under a name or a number.
     SaveKey(Option<String>),
-    /// To a state that was kept.
+    /// Goes to the kept state of this number.
     LoadCaptured(usize),
-    /// Forgets one.
+    /// Forgets the kept state of this number.
     RemoveCaptured(usize),
     /// Answers with [`Event::Copied`](super::event::Event::Copied).
     CopyState,

@@ -42,6 +42,8 @@ pub(crate) struct Bridge {
     clicked: Option<Selection>,
     spare: Option<Box<Snapshot>>,
     captured: Arc<Vec<CapturedKey>>,
+    /// How many states were ever kept.
+    kept: usize,
     watches: Vec<Watch>,
     keys: Vec<KeyPress>,
     /// Whether it was told that there are more geoms than there is room for.
@@ -68,6 +70,7 @@ impl Bridge {
             clicked: None,
             spare: None,
             captured: Arc::default(),
+            kept: 0,
             watches: Vec::new(),
             keys: Vec::new(),
             told_full: false,

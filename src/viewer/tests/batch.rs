@@ -138,6 +138,16 @@ fn a_place_is_in_the_picture_that_the_user_has_clicked_on() {
 }
 
 #[test]
+fn a_state_that_is_forgotten_twice_takes_no_other_with_it() {
+    let mut bench = bench();
+    batch(&mut bench, [Request::SaveKey(None), Request::SaveKey(None), Request::SaveKey(None)]);
+    let second = bench.shown().captured[1].number;
+    batch(&mut bench, [Request::RemoveCaptured(second), Request::RemoveCaptured(second)]);
+    let names: Vec<_> = bench.shown().captured.iter().map(|key| key.name.clone()).collect();
+    assert_eq!(names, ["captured_1", "captured_3"]);
+}
+
+#[test]
 fn a_pull_that_ends_before_the_next_step_acts_for_a_step() {
     let run = |pulls: bool| {
         let mut bench = bench();
