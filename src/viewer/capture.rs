@@ -10,6 +10,8 @@ use crate::scene::Head;
 /// A state that was kept.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CapturedKey {
+    /// Tells it from all others, also from those of the same name.
+    pub number: usize,
     pub name: String,
     pub time: f64,
     /// As a `<key>` for a model's XML.
@@ -23,9 +25,9 @@ impl CapturedKey {
         StateSpec::FULL_PHYSICS.union(StateSpec::CTRL).union(StateSpec::MOCAP_POS).union(StateSpec::MOCAP_QUAT);
 
     /// Keeps the present state.
-    pub fn new(data: &Data, name: String) -> Self {
+    pub fn new(data: &Data, number: usize, name: String) -> Self {
         let xml = key_xml(data, Some(&name));
-        Self { name, time: data.time(), xml, state: data.state(Self::SPEC) }
+        Self { number, name, time: data.time(), xml, state: data.state(Self::SPEC) }
     }
 
     /// Resets to it.
@@ -107,7 +109,7 @@ mod tests {
         for _ in 0..37 {
             data.step().unwrap();
         }
-        let key = CapturedKey::new(&data, "a <b> & \"c\"".to_owned());
+        let key = CapturedKey::new(&data, 0, "a <b> & \"c\"".to_owned());
         let text = MODEL.replace("</mujoco>", &format!("<keyframe>{}</keyframe></mujoco>", key.xml));
         let mut again = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
         again.reset_to_key("a <b> & \"c\"").unwrap();
@@ -119,7 +121,7 @@ mod tests {
     fn a_captured_state_is_reset_to() {
         let mut data = Data::new(Model::from_xml_str(MODEL).unwrap()).unwrap();
         data.step().unwrap();
-        let key = CapturedKey::new(&data, "one".to_owned());
+        let key = CapturedKey::new(&data, 0, "one".to_owned());
         let state = data.state(CapturedKey::SPEC);
         for _ in 0..10 {
             data.step().unwrap();

@@ -115,10 +115,23 @@ impl Front {
                 );
                 return;
             }
+            // A request that refers to the picture is executed with the view that it was asked from.
+            if request.reads_poses()
+                && let Some(look) = inbox.look.take()
+            {
+                requests.push_back(Request::Look(Box::new(look)));
+                inbox.asked += 1;
+            }
             requests.push_back(request);
             inbox.asked += 1;
         }
         self.shared.arrived.notify_one();
+    }
+
+    /// Returns the number that this request will have if it is queued next.
+    pub fn next_number(&self, request: &Request) -> u64 {
+        let inbox = lock(&self.shared.inbox);
+        inbox.asked + 1 + u64::from(request.reads_poses() && inbox.look.is_some())
     }
 
     /// Returns the number of requests that were ever queued, which is the number of the last one.

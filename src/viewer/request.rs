@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::input::KeyPress;
+use super::link::Look;
 use super::mode::Mode;
 use super::watch::Watch;
 use crate::id::{ActuatorId, BodyId, EqualityId, JointId, KeyframeId};
@@ -62,6 +63,8 @@ pub(crate) enum Request {
     BurstGamma(f64),
 
     // What can be done with any simulation.
+    /// Looks from here. The requests after it refer to what is seen from here.
+    Look(Box<Look>),
     /// Back to the start.
     Reset,
     /// Selects what is seen at a place; nothing there unselects.
@@ -90,9 +93,9 @@ pub(crate) enum Request {
     LoadKey(KeyframeId),
     /// Keeps the state, under a name or a number.
     SaveKey(Option<String>),
-    /// To a state that was kept.
+    /// Goes to the kept state of this number.
     LoadCaptured(usize),
-    /// Forgets one.
+    /// Forgets the kept state of this number.
     RemoveCaptured(usize),
     /// Answers with [`Event::Copied`](super::event::Event::Copied).
     CopyState,

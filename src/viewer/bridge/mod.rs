@@ -42,6 +42,8 @@ pub(crate) struct Bridge {
     clicked: Option<Selection>,
     spare: Option<Box<Snapshot>>,
     captured: Arc<Vec<CapturedKey>>,
+    /// How many states were ever kept.
+    kept: usize,
     watches: Vec<Watch>,
     keys: Vec<KeyPress>,
     /// Whether it was told that there are more geoms than there is room for.
@@ -68,6 +70,7 @@ impl Bridge {
             clicked: None,
             spare: None,
             captured: Arc::default(),
+            kept: 0,
             watches: Vec::new(),
             keys: Vec::new(),
             told_full: false,
@@ -141,18 +144,23 @@ impl Bridge {
         if data.stage() < needs { self.refresh(data) } else { Ok(()) }
     }
 
-    /// Takes over from where and at what the window looks. Whether that has changed is returned.
+    /// Takes over the newest view of the window. Returns whether it has changed.
     pub fn take_look(&mut self) -> bool {
         let Some(look) = self.back.look() else { return false };
+        self.set_window_look(look);
+        true
+    }
+
+    /// Takes over a view of the window.
+    fn set_window_look(&mut self, look: Look) {
         self.look = look;
-        let Some(camera) = self.look.camera else { return true };
+        let Some(camera) = self.look.camera else { return };
         if self.knows(&camera) {
             // A camera that follows a body has come further than the window knows.
             let follows = matches!(camera.view, CameraView::Tracking(_)) && camera.view == self.camera.view;
             let lookat = if follows { self.camera.lookat } else { camera.lookat };
             self.camera = Camera { lookat, ..camera };
         }
-        true
     }
 
     /// From where and at what is looked.

@@ -34,6 +34,10 @@ impl Bridge {
     /// Those of the calls that it makes.
     pub fn execute(&mut self, request: Request, data: &mut Data) -> Result<Outcome> {
         match request {
+            Request::Look(look) => {
+                self.set_window_look(*look);
+                return Ok(Outcome::Done);
+            }
             Request::Reset => self.reset(data)?,
             Request::Select(place) => return self.select(place, data),
             Request::SelectBody(body) => return self.select_body(body, data),
@@ -64,13 +68,15 @@ impl Bridge {
                 data.reset_to_key(key)?;
             }
             Request::SaveKey(name) => return Ok(self.save_key(name, data)),
-            Request::LoadCaptured(index) => {
-                let Some(key) = self.captured.get(index) else { return Ok(Outcome::Done) };
+            Request::LoadCaptured(number) => {
+                let Some(key) = self.captured.iter().find(|key| key.number == number) else {
+                    return Ok(Outcome::Done);
+                };
                 key.apply(data)?;
             }
-            Request::RemoveCaptured(index) => {
-                if index < self.captured.len() {
-                    Arc::make_mut(&mut self.captured).remove(index);
+            Request::RemoveCaptured(number) => {
+                if self.captured.iter().any(|key| key.number == number) {
+                    Arc::make_mut(&mut self.captured).retain(|key| key.number != number);
                 }
                 return Ok(Outcome::Done);
             }
@@ -135,7 +141,8 @@ impl Bridge {
             numbered.into_iter().find(|name| !taken(name)).expect("Bug: there is always a next number")
         });
         self.back.tell(Event::Notice(format!("kept as keyframe {name}")));
-        Arc::make_mut(&mut self.captured).push(CapturedKey::new(data, name));
+        Arc::make_mut(&mut self.captured).push(CapturedKey::new(data, self.kept, name));
+        self.kept += 1;
         Outcome::Done
     }
 }

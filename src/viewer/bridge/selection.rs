@@ -144,7 +144,6 @@ impl Bridge {
 
     /// Lends a scene that shows the simulation as it is, from where the window looks.
     fn with_scene<R>(&mut self, data: &mut Data, with: impl FnOnce(&Scene, &Data) -> Result<R>) -> Result<R> {
-        self.take_look();
         self.refresh_if_needed(data)?;
         let mut snapshot = self.take_spare()?;
         // A camera that follows comes nearer with each picture, and this is none.

@@ -23,16 +23,16 @@ impl KeyframesPanel {
             });
         }
         let captured = shown.snapshot.captured.clone();
-        for (index, key) in captured.iter().enumerate() {
+        for key in captured.iter() {
             ui.horizontal(|ui| {
                 if ui.button("Load").clicked() {
-                    shown.ask(Request::LoadCaptured(index));
+                    shown.ask(Request::LoadCaptured(key.number));
                 }
                 if ui.button("Copy").on_hover_text("as a <key> for the model's XML").clicked() {
                     ui.ctx().copy_text(key.xml.clone());
                 }
                 if ui.button("Forget").clicked() {
-                    shown.ask(Request::RemoveCaptured(index));
+                    shown.ask(Request::RemoveCaptured(key.number));
                 }
                 ui.label(&key.name);
                 ui.label(RichText::new(format!("{:.2} s", key.time)).color(style::FAINT));

@@ -30,7 +30,7 @@ impl Simulation {
     /// Every request of a batch takes effect before the next one is executed, as if each had come in its own turn: a gesture that
     /// begins and ends while the thread is busy is not lost.
     pub fn turn(&mut self, now: &dyn Fn() -> Duration) -> Option<Duration> {
-        let mut asked = self.bridge.take_look();
+        let mut asked = false;
         while let Some(request) = self.bridge.back.next() {
             self.take_owed_step(&request, now);
             self.execute(request);
@@ -39,6 +39,7 @@ impl Simulation {
             }
             asked = true;
         }
+        asked |= self.bridge.take_look();
         self.unseen |= asked;
         if self.paused { self.stand(now) } else { self.go(asked, now) }
     }

@@ -5,7 +5,7 @@ use crate::scene::{MouseAction, PerturbationFlags};
 use crate::viewer::handle::Handle;
 use crate::viewer::link::link;
 use crate::viewer::mode::Mode;
-use crate::viewer::request::Request;
+use crate::viewer::request::{Place, Request};
 use crate::viewer::snapshot::Status;
 use crate::{Data, Model, sample};
 
@@ -119,6 +119,32 @@ fn a_batch_has_the_same_effect_as_its_requests_one_at_a_time() {
         });
         assert_eq!(found, expected, "batch {number}");
     }
+}
+
+#[test]
+fn a_place_is_in_the_picture_that_the_user_has_clicked_on() {
+    let mut bench = bench();
+    let ball = bench.shown().model.body("ball").unwrap().id();
+    let middle = Place { aspectratio: 1.5, at: [0.5, 0.5] };
+    for (before, after, selected) in [(1.0, 50.0, Some(ball)), (50.0, 1.0, None)] {
+        bench.view.camera.lookat = [0.0, 0.0, before];
+        bench.front.look(&bench.view.look());
+        bench.front.ask(Request::Select(middle));
+        bench.view.camera.lookat[2] = after;
+        bench.turn();
+        assert_eq!(bench.shown().selected.map(|selected| selected.body), selected);
+        assert_eq!(bench.shown().camera.lookat[2], after, "the next picture is the newest");
+    }
+}
+
+#[test]
+fn a_state_that_is_forgotten_twice_takes_no_other_with_it() {
+    let mut bench = bench();
+    batch(&mut bench, [Request::SaveKey(None), Request::SaveKey(None), Request::SaveKey(None)]);
+    let second = bench.shown().captured[1].number;
+    batch(&mut bench, [Request::RemoveCaptured(second), Request::RemoveCaptured(second)]);
+    let names: Vec<_> = bench.shown().captured.iter().map(|key| key.name.clone()).collect();
+    assert_eq!(names, ["captured_1", "captured_3"]);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::{Data, sample};
 
 /// Asks as the window does, without a turn of the simulation.
 fn ask(bench: &Bench, expected: &mut Expected, request: Request) {
-    expected.note(&request, bench.front.asked() + 1, bench.front.drawn().unwrap());
+    expected.note(&request, bench.front.next_number(&request), bench.front.drawn().unwrap());
     bench.front.ask(request);
 }
 

@@ -57,6 +57,7 @@ impl Bench {
 
     /// Asks, has the physics take its turn, and looks.
     pub fn ask(&mut self, request: Request) -> &Snapshot {
+        self.front.look(&self.view.look());
         self.front.ask(request);
         self.turn()
     }

@@ -88,8 +88,11 @@ impl Session {
 
     /// Queues a request for the simulation.
     pub(super) fn ask(&mut self, request: Request) {
+        if let Some(view) = &self.view {
+            self.front.look(&view.look());
+        }
         if let Some(snapshot) = self.front.drawn() {
-            self.expected.note(&request, self.front.asked() + 1, snapshot);
+            self.expected.note(&request, self.front.next_number(&request), snapshot);
         }
         self.front.ask(request);
     }
