@@ -3,10 +3,7 @@
 // put back here. An engine error that reaches the handler of the guard has jumped over the release of the parser's lock, so
 // after MUJOCO_SYS_ERROR the next load would wait for ever: the caller must refuse to make it.
 #include <clocale>
-#include <cstdio>
-#include <cstring>
 #include <exception>
-#include <mutex>
 #include <new>
 
 #if defined(__APPLE__)
@@ -44,78 +41,6 @@ struct ThreadState {
   }
 };
 
-// The convex hull library of the XML compiler prints its errors and warnings to `stderr`, the C library's variable. During a load
-// the variable refers to a stream that keeps what the loading thread prints, and passes on what other threads print meanwhile.
-thread_local char printed[4096];
-thread_local size_t printed_length;
-thread_local bool keeps_printed;
-
-#if defined(__GLIBC__)
-class CapturedStderr {
- public:
-  CapturedStderr() {
-    printed_length = 0;
-    keeps_printed = true;
-    const std::lock_guard<std::mutex> lock(mutex());
-    if (loads()++ == 0 && stream()) {
-      original() = stderr;
-      __atomic_store_n(&stderr, stream(), __ATOMIC_RELEASE);
-    }
-  }
-
-  // Not a destructor: an engine error jumps over those.
-  static void release() {
-    keeps_printed = false;
-    printed[printed_length] = '\0';
-    const std::lock_guard<std::mutex> lock(mutex());
-    if (--loads() == 0 && stream()) {
-      __atomic_store_n(&stderr, original(), __ATOMIC_RELEASE);
-    }
-  }
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex only;
-    return only;
-  }
-
-  static int& loads() {
-    static int count = 0;
-    return count;
-  }
-
-  static FILE*& original() {
-    static FILE* file = stderr;
-    return file;
-  }
-
-  // Never closed: another thread may have read the variable during a load.
-  static FILE* stream() {
-    static FILE* const only = open();
-    return only;
-  }
-
-  static FILE* open() {
-    FILE* const file = fopencookie(nullptr, "w", {nullptr, write, nullptr, nullptr});
-    if (file) setvbuf(file, nullptr, _IONBF, 0);
-    return file;
-  }
-
-  static ssize_t write(void*, const char* text, size_t length) {
-    if (!keeps_printed) return static_cast<ssize_t>(fwrite(text, 1, length, original()));
-    const size_t room = sizeof(printed) - 1 - printed_length;
-    const size_t kept = length < room ? length : room;
-    std::memcpy(printed + printed_length, text, kept);
-    printed_length += kept;
-    return static_cast<ssize_t>(length);
-  }
-};
-#else
-struct CapturedStderr {
-  static void release() {}
-};
-#endif
-
 // Runs `call` with the guard set. No object with a destructor lives in a frame that the jump leaves on this side.
 template <typename Call>
 int run(Call call) {
@@ -149,13 +74,8 @@ int run(Call call) {
 extern "C" {
 
 int mujoco_sys_mj_loadXML(const char* filename, const mjVFS* vfs, char* error, int error_size, mjModel** result) {
-  const CapturedStderr captured;
-  const int status = run([=] { *result = mj_loadXML(filename, vfs, error, error_size); });
-  captured.release();
-  return status;
+  return run([=] { *result = mj_loadXML(filename, vfs, error, error_size); });
 }
-
-const char* mujoco_sys_printed(void) { return printed; }
 
 int mujoco_sys_xml_digits(void) {
   const bool adjustable = _mjPRIVATE__get_xml_precision && _mjPRIVATE__set_xml_precision;

@@ -72,11 +72,6 @@ unsafe extern "C" {
     /// The text of this thread's last caught error; valid until the next one.
     #[link_name = "mujoco_sys_message"]
     pub fn message() -> *const c_char;
-
-    /// The text that the last [`mj_load_xml`] of this thread would have printed on `stderr`, of at most 4095 bytes; valid until the
-    /// next one. Empty where the C library is not glibc: there the text is printed.
-    #[link_name = "mujoco_sys_printed"]
-    pub fn printed() -> *const c_char;
 }
 
 guarded! {

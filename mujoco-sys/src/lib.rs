@@ -1,7 +1,7 @@
 //! Raw bindings to the [MuJoCo](https://mujoco.org) physics engine, for `mujoco-safe`, and the C shim through which the
 //! engine's fatal errors come back as return codes ([`guard`]) and its callbacks may fail ([`callback`]).
 //!
-//! Everything here is `unsafe` or a plain C type; the safe crate is `mujoco-safe`. The bindings are bindgen's. Those of
+//! Everything here but [`stderr`] is `unsafe` or a plain C type; the safe crate is `mujoco-safe`. The bindings are bindgen's. Those of
 //! MuJoCo 2.2.2 (Debian's `libmujoco-dev`) are committed and compared with the installed headers by this crate's tests; the
 //! feature `bindgen` makes them anew for the headers that are found (`MUJOCO_DIR`, then the system).
 //!
@@ -12,6 +12,7 @@
 
 pub mod callback;
 pub mod guard;
+pub mod stderr;
 
 #[allow(
     missing_docs,

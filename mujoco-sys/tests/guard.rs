@@ -12,7 +12,7 @@ use std::sync::{Barrier, OnceLock};
 use std::thread;
 
 use mujoco_sys::guard::{self, ERROR, OK};
-use mujoco_sys::{mjData, mjModel};
+use mujoco_sys::{mjData, mjModel, stderr};
 
 /// A ball that lies on the floor (so that the solver has work) and a hinge with a motor. The engine's stack is smaller than the
 /// number of errors that a test makes it survive.
@@ -245,7 +245,7 @@ fn out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 #[test]
-fn a_load_prints_nothing_and_other_threads_print_as_before() {
+fn a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before() {
     const CHILD: &str = "MUJOCO_SYS_TEST_PRINTS";
     const LINES: usize = 20_000;
     // The convex hull library prints 28 lines about it.
@@ -253,7 +253,11 @@ fn a_load_prints_nothing_and_other_threads_print_as_before() {
         <worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>";
     if std::env::var_os(CHILD).is_none() {
         let output = Command::new(std::env::current_exe().expect("a test is a program"))
-            .args(["--exact", "--nocapture", "a_load_prints_nothing_and_other_threads_print_as_before"])
+            .args([
+                "--exact",
+                "--nocapture",
+                "a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before",
+            ])
             .env(CHILD, "1")
             .output()
             .expect("the program runs");
@@ -262,7 +266,8 @@ fn a_load_prints_nothing_and_other_threads_print_as_before() {
         return;
     }
     unsafe extern "C" {
-        static stderr: *mut std::ffi::c_void;
+        #[link_name = "stderr"]
+        static STDERR: *mut std::ffi::c_void;
         fn fputs(text: *const c_char, file: *mut std::ffi::c_void) -> c_int;
     }
     install();
@@ -271,7 +276,7 @@ fn a_load_prints_nothing_and_other_threads_print_as_before() {
         scope.spawn(|| {
             for _ in 0..LINES {
                 // SAFETY: a string that ends with NUL, and the stream that the C library's variable has at the moment.
-                unsafe { fputs(c"printed\n".as_ptr(), ptr::read_volatile(&raw const stderr)) };
+                unsafe { fputs(c"printed\n".as_ptr(), ptr::read_volatile(&raw const STDERR)) };
                 lines.fetch_add(1, Ordering::Relaxed);
             }
         });
@@ -279,9 +284,7 @@ fn a_load_prints_nothing_and_other_threads_print_as_before() {
             scope.spawn(|| {
                 let mut loads = 0;
                 while loads < 20 || lines.load(Ordering::Relaxed) < LINES as u32 {
-                    let told = load(FLAT).expect_err("a flat mesh has no convex hull");
-                    // SAFETY: the text belongs to this thread and is copied before its next load.
-                    let printed = unsafe { CStr::from_ptr(guard::printed()) }.to_string_lossy();
+                    let (told, printed) = stderr::captured(|| load(FLAT).expect_err("a flat mesh has no convex hull"));
                     assert!(
                         told.contains("qhull error") && printed.contains("Initial simplex is flat"),
                         "{told} {printed}"

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use mujoco_sys::guard;
+use mujoco_sys::{guard, stderr};
 
 use super::length_range::Simulation;
 use super::load_options::LoadOptions;
@@ -320,16 +320,17 @@ impl Model {
         let last = xml.last.take();
         let mut message = [0; MESSAGE];
         let mut loaded = ptr::null_mut();
-        let (status, mut warnings) = collecting_warnings(|| {
-            // SAFETY: a valid name and table, a buffer of the given size, a place for the result.
-            unsafe {
-                guard::mj_load_xml(name.as_ptr(), files.as_ptr(), message.as_mut_ptr(), MESSAGE as i32, &raw mut loaded)
-            }
+        let ((status, printed), mut warnings) = collecting_warnings(|| {
+            stderr::captured(|| {
+                // SAFETY: a valid name and table, a buffer of the given size, a place for the result.
+                unsafe {
+                    let (message, loaded) = (message.as_mut_ptr(), &raw mut loaded);
+                    guard::mj_load_xml(name.as_ptr(), files.as_ptr(), message, MESSAGE as i32, loaded)
+                }
+            })
         });
         xml.leave("mj_loadXML", status)?;
-        // SAFETY: the pointer is this thread's own buffer, NUL-terminated and unchanged until the thread's next load.
-        let printed = unsafe { ffi::text(guard::printed()) };
-        // The convex hull library prints its point first, and then pages of numbers.
+        // The convex hull library prints the reason first, and then pages of numbers.
         warnings.extend(printed.lines().map(str::trim).find(|line| !line.is_empty()).map(str::to_owned));
         // SAFETY: the engine ended the text in the buffer with NUL, or left it empty.
         let message = unsafe { ffi::text(message.as_ptr()) };

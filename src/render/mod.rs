@@ -50,11 +50,8 @@
 //!
 //! # Drivers
 //!
-//! Vulkan, Metal or Direct3D 12 draws; OpenGL is used only where none of them finds an adapter. This crate prints nothing, but a
-//! driver may: on Linux, Mesa's Vulkan layer that selects a device prints `error: XDG_RUNTIME_DIR is invalid or not set in the
-//! environment.` to standard error, twice for each [`Gpu`] that is opened, if the variable `XDG_RUNTIME_DIR` is not set, as in many
-//! containers. The layer looks for a Wayland session since wgpu enables the Vulkan extension for Wayland wherever it is available,
-//! and wgpu has no option against it. Set `XDG_RUNTIME_DIR`, or switch the layer off with the variable `NODEVICE_SELECT=1`.
+//! Vulkan, Metal or Direct3D 12 draws; OpenGL is used only if none of them finds an adapter. Lines that a driver prints to standard
+//! error while it is opened are logged at level `debug` (with glibc).
 //!
 //! | file | what is in it |
 //! |---|---|

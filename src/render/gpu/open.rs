@@ -75,16 +75,28 @@ impl Gpu {
     ///
     /// [`RenderError::NoAdapter`] if there is none, [`RenderError::Open`] if its driver refuses.
     pub fn with_options(options: &GpuOptions) -> Result<Self, RenderError> {
-        let mut found = Vec::new();
-        // OpenGL is asked only where there is nothing newer: to look for it takes a while.
-        for backends in [wgpu::Backends::PRIMARY, wgpu::Backends::GL] {
-            let instance = wgpu::Instance::new(descriptor(backends));
-            if let Some(adapter) = choose(&instance, options, None, &mut found) {
-                return open(instance, adapter);
+        quietly(|| {
+            let mut found = Vec::new();
+            // OpenGL is tried only if nothing newer is found, because its search takes a while.
+            for backends in [wgpu::Backends::PRIMARY, wgpu::Backends::GL] {
+                let instance = wgpu::Instance::new(descriptor(backends));
+                if let Some(adapter) = choose(&instance, options, None, &mut found) {
+                    return open(instance, adapter);
+                }
             }
-        }
-        Err(no_adapter(options, &found))
+            Err(no_adapter(options, &found))
+        })
     }
+}
+
+/// Logs lines that drivers print to standard error, instead of printing them. Mesa's Vulkan layer that selects a device, for
+/// example, searches for a Wayland session and complains if `XDG_RUNTIME_DIR` is not set.
+pub(super) fn quietly<T>(open: impl FnOnce() -> T) -> T {
+    let (result, printed) = mujoco_sys::stderr::captured(open);
+    for line in printed.lines() {
+        log::debug!("graphics driver: {line}");
+    }
+    result
 }
 
 pub(super) fn descriptor(backends: wgpu::Backends) -> wgpu::InstanceDescriptor {

@@ -2,7 +2,7 @@
 
 #![allow(clippy::trivially_copy_pass_by_ref, reason = "there will be more options")]
 
-use super::open::{choose, descriptor, no_adapter, open};
+use super::open::{choose, descriptor, no_adapter, open, quietly};
 use super::{Gpu, GpuOptions};
 use crate::render::RenderError;
 
@@ -16,15 +16,17 @@ impl Gpu {
     where
         W: Clone + Into<wgpu::SurfaceTarget<'static>>,
     {
-        let mut found = Vec::new();
-        for backends in [wgpu::Backends::PRIMARY, wgpu::Backends::GL] {
-            let instance = wgpu::Instance::new(descriptor(backends));
-            let Ok(surface) = instance.create_surface(window.clone()) else { continue };
-            if let Some(adapter) = choose(&instance, options, Some(&surface), &mut found) {
-                return Ok((open(instance, adapter)?, surface));
+        quietly(|| {
+            let mut found = Vec::new();
+            for backends in [wgpu::Backends::PRIMARY, wgpu::Backends::GL] {
+                let instance = wgpu::Instance::new(descriptor(backends));
+                let Ok(surface) = instance.create_surface(window.clone()) else { continue };
+                if let Some(adapter) = choose(&instance, options, Some(&surface), &mut found) {
+                    return Ok((open(instance, adapter)?, surface));
+                }
             }
-        }
-        Err(no_adapter(options, &found))
+            Err(no_adapter(options, &found))
+        })
     }
 
     /// The surface of another window, to be drawn to with this adapter.

@@ -1,0 +1,72 @@
+// Libraries below the engine and below the graphics API print to `stderr`, the C library's variable: the convex hull library of
+// the XML compiler, and the Wayland client of Mesa. During a capture the variable refers to a stream that keeps what the
+// capturing threads print, and passes on what other threads print meanwhile. File descriptor 2 stays as it is.
+//
+// Only glibc lets the variable be assigned and a stream have a function for its output. Elsewhere the text is printed.
+#define _GNU_SOURCE
+#include "stderr.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/types.h>
+
+static _Thread_local char text[4096];
+static _Thread_local size_t length;
+static _Thread_local unsigned depth;
+
+#if defined(__GLIBC__)
+static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+static unsigned captures;
+static FILE* original;
+// Never closed: a thread may still hold the pointer after the last capture.
+static FILE* stream;
+
+static ssize_t keep_or_pass_on(void* cookie, const char* bytes, size_t count) {
+  (void)cookie;
+  if (depth == 0) return (ssize_t)fwrite(bytes, 1, count, __atomic_load_n(&original, __ATOMIC_ACQUIRE));
+  const size_t room = sizeof(text) - 1 - length;
+  const size_t kept = count < room ? count : room;
+  memcpy(text + length, bytes, kept);
+  length += kept;
+  return (ssize_t)count;
+}
+
+static void replace_stream(void) {
+  pthread_mutex_lock(&mutex);
+  if (!stream) {
+    const cookie_io_functions_t functions = {.write = keep_or_pass_on};
+    stream = fopencookie(NULL, "w", functions);
+    if (stream) setvbuf(stream, NULL, _IONBF, 0);
+  }
+  if (captures++ == 0 && stream) {
+    __atomic_store_n(&original, stderr, __ATOMIC_RELEASE);
+    __atomic_store_n(&stderr, stream, __ATOMIC_RELEASE);
+  }
+  pthread_mutex_unlock(&mutex);
+}
+
+static void restore_stream(void) {
+  pthread_mutex_lock(&mutex);
+  if (--captures == 0 && stream) __atomic_store_n(&stderr, original, __ATOMIC_RELEASE);
+  pthread_mutex_unlock(&mutex);
+}
+#else
+static void replace_stream(void) {}
+static void restore_stream(void) {}
+#endif
+
+size_t mujoco_sys_capture_begin(void) {
+  if (depth == 0) length = 0;
+  replace_stream();
+  depth++;
+  return length;
+}
+
+const char* mujoco_sys_capture_end(size_t mark) {
+  depth--;
+  restore_stream();
+  text[length] = '\0';
+  length = mark;
+  return text + mark;
+}

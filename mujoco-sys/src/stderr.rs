@@ -1,0 +1,43 @@
+//! Capture of text that C libraries print to `stderr`.
+
+use std::ffi::{CStr, c_char};
+
+unsafe extern "C" {
+    fn mujoco_sys_capture_begin() -> usize;
+    fn mujoco_sys_capture_end(mark: usize) -> *const c_char;
+}
+
+/// Ends the capture if `call` panics, too.
+struct Capture(usize);
+
+impl Capture {
+    fn end(&self) -> String {
+        // SAFETY: the capture began in this thread and is ended once. The text is this thread's own buffer, ends with NUL, and is
+        // copied before the next capture ends.
+        unsafe { CStr::from_ptr(mujoco_sys_capture_end(self.0)) }.to_string_lossy().into_owned()
+    }
+}
+
+impl Drop for Capture {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Runs `call`, and returns with its result the first 4095 bytes that this thread printed meanwhile to the C library's `stderr`,
+/// instead of printing them. Other threads print as before, and so does Rust, whose `eprintln!` does not use the C library.
+///
+/// Captures with glibc only. With other C libraries the text is printed, and the returned text is empty.
+///
+/// ```
+/// let (sum, printed) = mujoco_sys::stderr::captured(|| 1 + 1);
+/// assert_eq!((sum, &*printed), (2, ""));
+/// ```
+pub fn captured<T>(call: impl FnOnce() -> T) -> (T, String) {
+    // SAFETY: no precondition.
+    let capture = Capture(unsafe { mujoco_sys_capture_begin() });
+    let result = call();
+    let text = capture.end();
+    std::mem::forget(capture);
+    (result, text)
+}
