@@ -54,6 +54,23 @@ fn crowded(size: &str) -> Data {
     Data::new(Model::from_xml_str(&xml).unwrap()).unwrap()
 }
 
+/// Loads meshes that the convex hull library cannot handle, about which it prints pages, and one that it prints a warning about.
+fn meshes_for_the_convex_hull_library() {
+    for (heights, loads) in
+        [(["0", "0", "0", "0"], false), (["1", "1", "1", "1"], false), (["0", "0", "0", "1e-7"], true)]
+    {
+        let [a, b, c, d] = heights;
+        let result = Model::from_xml_str(&format!(
+            "<mujoco><asset><mesh name='m' vertex='0 0 {a} 1 0 {b} 0 1 {c} 1 1 {d}'/></asset>
+             <worldbody><geom type='mesh' mesh='m' mass='1'/></worldbody></mujoco>"
+        ));
+        match result {
+            Ok(_) => assert!(loads),
+            Err(error) => assert!(!loads && error.to_string().contains("Initial simplex is flat"), "{error}"),
+        }
+    }
+}
+
 #[test]
 #[ignore = "the test below runs it, as a process of its own"]
 fn everything_that_the_engine_would_print() {
@@ -84,20 +101,7 @@ fn everything_that_the_engine_would_print() {
     );
     assert_eq!(LOGGED.lock().unwrap().len(), 0, "what is in an error is not logged as well");
 
-    // Meshes that the convex hull library cannot handle. It prints pages about them, and a warning about nearly flat ones.
-    for (heights, loads) in
-        [(["0", "0", "0", "0"], false), (["1", "1", "1", "1"], false), (["0", "0", "0", "1e-7"], true)]
-    {
-        let [a, b, c, d] = heights;
-        let result = Model::from_xml_str(&format!(
-            "<mujoco><asset><mesh name='m' vertex='0 0 {a} 1 0 {b} 0 1 {c} 1 1 {d}'/></asset>
-             <worldbody><geom type='mesh' mesh='m' mass='1'/></worldbody></mujoco>"
-        ));
-        match result {
-            Ok(_) => assert!(loads),
-            Err(error) => assert!(!loads && error.to_string().contains("Initial simplex is flat"), "{error}"),
-        }
-    }
+    meshes_for_the_convex_hull_library();
 
     // A warning of the compiler: kept on the model, and logged by a logger that loads models itself.
     let model = Model::from_xml_str(

@@ -246,6 +246,11 @@ fn out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 #[test]
 fn a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before() {
+    unsafe extern "C" {
+        #[link_name = "stderr"]
+        static STDERR: *mut std::ffi::c_void;
+        fn fputs(text: *const c_char, file: *mut std::ffi::c_void) -> c_int;
+    }
     const CHILD: &str = "MUJOCO_SYS_TEST_PRINTS";
     const LINES: usize = 20_000;
     // The convex hull library prints 28 lines about it.
@@ -264,11 +269,6 @@ fn a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before() {
         assert!(output.status.success(), "{output:?}");
         assert!(output.stderr == "printed\n".repeat(LINES).as_bytes(), "{}", String::from_utf8_lossy(&output.stderr));
         return;
-    }
-    unsafe extern "C" {
-        #[link_name = "stderr"]
-        static STDERR: *mut std::ffi::c_void;
-        fn fputs(text: *const c_char, file: *mut std::ffi::c_void) -> c_int;
     }
     install();
     let lines = AtomicU32::new(0);
