@@ -289,3 +289,21 @@ fn a_file_of_the_kernel_or_a_device_is_an_error_at_once_wherever_a_text_names_it
         }
     }
 }
+
+#[test]
+fn a_file_beyond_two_gibibytes_is_an_error_before_it_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("huge.xml");
+    // A hole: the file takes no room on the disk.
+    std::fs::File::create(&path).unwrap().set_len((1 << 31) + 1).unwrap();
+    for result in [Model::from_xml_path(&path), Model::from_binary_path(&path)] {
+        let error = result.unwrap_err();
+        assert!(matches!(error, Error::File { .. }) && error.to_string().contains("larger than 2 GiB"), "{error}");
+    }
+    for element in ["<include file='huge.xml'/>", "<asset><mesh name='m' file='huge.xml.stl'/></asset>"] {
+        std::fs::write(folder.path().join("model.xml"), format!("<mujoco>{element}</mujoco>")).unwrap();
+        let _ = std::fs::hard_link(&path, folder.path().join("huge.xml.stl"));
+        let error = Model::from_xml_path(folder.path().join("model.xml")).unwrap_err().to_string();
+        assert!(error.contains("is larger than 2 GiB"), "{element}: {error}");
+    }
+}
