@@ -6,16 +6,17 @@
 #define _GNU_SOURCE
 #include "stderr.h"
 
-#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/types.h>
 
 static _Thread_local char text[4096];
 static _Thread_local size_t length;
 static _Thread_local unsigned depth;
 
 #if defined(__GLIBC__)
+#include <pthread.h>
+#include <sys/types.h>
+
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static unsigned captures;
 static FILE* original;

@@ -6,9 +6,9 @@
 //! an index, a count, an address, an enum or a size of memory is checked here, and where it follows from the rest of the
 //! file (most of the kinematic tree does) it is computed again and compared.
 //!
-//! What the engine itself writes passes, except for settings that its compiler lets through and that no program wants: a time
-//! step that is not positive, negative iterations, pictures without pixels, and a fixed tendon with a joint twice, on which
-//! the engine writes out of bounds. A model that comes from XML can have the last one too, and deserves the same look.
+//! A model that the engine compiled from XML passes through the same check (`Model::validate`). It rejects settings that the
+//! compiler accepts and that no program wants: a time step that is not positive, more than a million iterations, a fixed tendon
+//! with the same joint twice, on which the engine writes out of bounds.
 //!
 //! Real numbers may have any value: the engine's use of them is free of memory errors, be they NaN. The exceptions are
 //! those that serve as something else (a side site in `wrap_prm`), those that decide how the engine steps through an array

@@ -88,7 +88,7 @@ impl Urdf {
             .collect();
         // Joints between a link and its root; `None` while the link is on the path that is being followed.
         let mut depths: HashMap<&[u8], Option<usize>> = HashMap::new();
-        for &start in joint_of.keys() {
+        for start in self.joints.iter().filter_map(|joint| joint.child.as_deref()) {
             let mut path = Vec::new();
             let mut link = start;
             let mut depth = loop {
