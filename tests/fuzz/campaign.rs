@@ -21,7 +21,7 @@ const MEMORY: u64 = 4 << 20;
 /// A child that does nothing but crash would go on for ever.
 const MOST_FINDINGS: usize = 1000;
 
-const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--urdf N] [--archives N] [--plain N] \
+const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--mjcf N] [--urdf N] [--archives N] [--plain N] \
                      [--first SEED] [--jobs N] [--progress]";
 
 /// What is to be done.
@@ -42,6 +42,7 @@ impl Campaign {
             (Target::Urdf, 600),
             (Target::Archives, 500),
             (Target::Plain, 500),
+            (Target::Mjcf, 600),
         ];
         Self { cases, first: 0, jobs: 2, progress: false }
     }

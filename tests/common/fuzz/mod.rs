@@ -14,6 +14,7 @@ mod archive;
 mod assets;
 mod binary;
 mod bytes;
+mod mjcf;
 mod models;
 mod plain;
 mod sequence;
@@ -52,10 +53,13 @@ pub enum Target {
     Archives,
     /// Damaged plain data (JSON, CSV), and simulations with those that are accepted.
     Plain,
+    /// Generated MJCF, saved and loaded again, and steps of those that are accepted.
+    Mjcf,
 }
 
 impl Target {
-    pub const ALL: [Self; 6] = [Self::Sequences, Self::Binaries, Self::Texts, Self::Urdf, Self::Archives, Self::Plain];
+    pub const ALL: [Self; 7] =
+        [Self::Sequences, Self::Binaries, Self::Texts, Self::Urdf, Self::Archives, Self::Plain, Self::Mjcf];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -65,6 +69,7 @@ impl Target {
             Self::Urdf => "urdf",
             Self::Archives => "archives",
             Self::Plain => "plain",
+            Self::Mjcf => "mjcf",
         }
     }
 
@@ -83,6 +88,7 @@ impl Target {
             Self::Urdf => urdf::generated_urdf(bytes, log),
             Self::Archives => archive::mutated_archive(bytes, log),
             Self::Plain => plain::mutated_plain(bytes, log),
+            Self::Mjcf => mjcf::generated_mjcf(bytes, log),
         }
     }
 }
