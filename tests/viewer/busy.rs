@@ -80,5 +80,11 @@ fn panels() {
         wait_until("the number sets it", || state().ctrl[0] == 0.25 && !state().editing);
         let now = state();
         assert_eq!((now.options, now.wanted), (before.options, before.wanted), "its keys are no commands");
+
+        // A drag from the picture to the slider belongs to the picture.
+        during_a_frame(hand, || hand.drag([60, rail[1]], [rail[0] - 60 + 20, 0], 1, &[]));
+        wait_until("the camera turns", || state().camera.azimuth != before.camera.azimuth);
+        settle(hand);
+        assert_eq!(state().ctrl[0], 0.25, "the slider stays");
     });
 }

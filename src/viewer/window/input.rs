@@ -26,7 +26,7 @@ impl Session {
         if self.overlay.needs_pass_before(event) {
             self.lay_out();
         }
-        self.overlay.hear(&self.window, event, self.modifiers, self.pointer);
+        self.overlay.hear(&self.window, event, self.modifiers);
         let changes = match event {
             WindowEvent::ModifiersChanged(modifiers) => {
                 self.modifiers = modifiers.state();

@@ -28,7 +28,7 @@ pub(super) struct Painted {
 enum Unseen {
     None,
     Moves,
-    /// A button was pressed or released, on a panel or by a drag that began on one.
+    /// A button was pressed or released.
     Button,
 }
 
@@ -88,9 +88,10 @@ impl Overlay {
         self.context.egui_is_using_pointer() || layer.is_some_and(|layer| layer.order != Order::Background)
     }
 
-    /// Whether a pass has to come before the next event. A pass knows the place of the pointer at its end only and whether a button
-    /// is held then: a press, a motion and a release in one pass would be no drag. And only a pass tells whether a click has begun
-    /// to edit a text, which the next key belongs to.
+    /// Returns `true` if the panels need a pass before the next event. A pass knows only the last position of the pointer and the
+    /// last state of a button: with a press, a motion and a release in one pass, a drag on a panel would be lost, and a drag from the
+    /// picture to a slider would count as a click on the slider. And only a pass shows whether a click has begun to edit a text, to
+    /// which the next key belongs.
     pub fn needs_pass_before(&self, event: &WindowEvent) -> bool {
         match self.unseen {
             Unseen::None => false,
@@ -105,10 +106,10 @@ impl Overlay {
         }
     }
 
-    /// Hands an event to the panels. `at` is the place of the pointer, in pixels.
-    pub fn hear(&mut self, window: &Window, event: &WindowEvent, modifiers: ModifiersState, at: [f64; 2]) {
+    /// Hands an event to the panels.
+    pub fn hear(&mut self, window: &Window, event: &WindowEvent, modifiers: ModifiersState) {
         match event {
-            WindowEvent::MouseInput { .. } if self.is_over(at) => self.unseen = Unseen::Button,
+            WindowEvent::MouseInput { .. } => self.unseen = Unseen::Button,
             WindowEvent::CursorMoved { .. } if self.unseen == Unseen::None => self.unseen = Unseen::Moves,
             _ => {}
         }

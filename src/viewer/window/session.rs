@@ -186,7 +186,7 @@ impl Session {
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
                 self.screen.resize();
                 self.mouse.resize(self.screen.size().map(f64::from));
-                self.overlay.hear(&self.window, event, self.modifiers, self.pointer);
+                self.overlay.hear(&self.window, event, self.modifiers);
                 self.pace.ask(Instant::now());
             }
             WindowEvent::Occluded(false) => self.pace.ask(Instant::now()),
