@@ -81,8 +81,14 @@ fn panels() {
         let now = state();
         assert_eq!((now.options, now.wanted), (before.options, before.wanted), "its keys are no commands");
 
-        // A drag from the picture to the slider belongs to the picture.
-        during_a_frame(hand, || hand.drag([60, rail[1]], [rail[0] - 60 + 20, 0], 1, &[]));
+        // A drag from the picture to the slider belongs to the picture, even if the pointer is over the slider before the panels
+        // hear of the press.
+        during_a_frame(hand, || {
+            hand.press([60, rail[1]], 1, &[]);
+            hand.pull([rail[0] - 60 + 20, 0]);
+        });
+        settle(hand);
+        hand.release(1, &[]);
         wait_until("the camera turns", || state().camera.azimuth != before.camera.azimuth);
         settle(hand);
         assert_eq!(state().ctrl[0], 0.25, "the slider stays");

@@ -89,8 +89,8 @@ impl Overlay {
     }
 
     /// Returns `true` if the panels need a pass before the next event. A pass knows only the last position of the pointer and the
-    /// last state of a button: with a press, a motion and a release in one pass, a drag on a panel would be lost, and a drag from the
-    /// picture to a slider would count as a click on the slider. And only a pass shows whether a click has begun to edit a text, to
+    /// last state of a button: with a press and a motion in one pass, a drag on a panel would be lost, and a drag from the picture
+    /// to a slider would begin on the slider. And only a pass shows whether a click has begun to edit a text, to
     /// which the next key belongs.
     pub fn needs_pass_before(&self, event: &WindowEvent) -> bool {
         match self.unseen {
