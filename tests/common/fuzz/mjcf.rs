@@ -53,7 +53,7 @@ const VISUALS: [&str; 6] = [
 const COMPILERS: [&str; 9] = [
     "",
     "angle='radian'",
-    "coordinate='local' autolimits='true'",
+    "coordinate='local' strippath='true'",
     "boundmass='.01' boundinertia='.001'",
     "settotalmass='3'",
     "balanceinertia='true' inertiafromgeom='true'",
@@ -70,7 +70,7 @@ const SIZES: [&str; 8] = [
     "nuser_body='2' nuser_jnt='1' nuser_geom='3' nuser_site='1'",
     "nuser_cam='1' nuser_tendon='2' nuser_actuator='1' nuser_sensor='2'",
     "nstack='100000'",
-    "memory='1M'",
+    "nuser_geom='0' nkey='0'",
 ];
 
 /// Names of what the grammar has made so far.
@@ -157,7 +157,7 @@ fn body(depth: usize, names: &mut Names, bytes: &mut Bytes<'_>) -> String {
     if bytes.once_in(4) {
         content += bytes.choose(&[
             "<camera mode='track'/>",
-            "<camera mode='targetbody' target='b1'/>",
+            "<camera mode='targetbodycom' target='world'/>",
             "<light mode='trackcom'/>",
             "<inertial pos='0 0 .1' mass='2' diaginertia='.1 .1 .1'/>",
             "<inertial pos='0 0 0' mass='1' fullinertia='.1 .1 .1 .01 0 0'/>",
@@ -219,10 +219,10 @@ fn tendons(names: &Names, bytes: &mut Bytes<'_>) -> String {
         content += "<spatial name='t1' width='.01'><site site='s0'/><site site='s1'/></spatial>";
     }
     let more = bytes.choose(&["", "range='0 2' limited='true'", "stiffness='3' damping='.1'", "frictionloss='.1'"]);
-    let last = names.sites;
+    let last = if names.sites == 1 { 0 } else { names.sites };
     let _ = write!(
         content,
-        "<spatial name='t2' {more}><site site='s0'/><pulley divisor='2'/><site site='s1'/><site site='s{last}'/></spatial>"
+        "<spatial name='t2' {more}><site site='s0'/><site site='s1'/><pulley divisor='2'/><site site='s1'/><site site='s{last}'/></spatial>"
     );
     format!("<tendon>{content}</tendon>")
 }
@@ -243,7 +243,7 @@ fn actuators(names: &Names, bytes: &mut Bytes<'_>) -> String {
         match bytes.below(8) {
             0 => stateless += &format!("<position {target} kp='3' {more}/>"),
             1 => stateless += &format!("<velocity {target} kv='.3' {more}/>"),
-            2 => stateless += &format!("<damper {target} kv='1' ctrlrange='0 1' ctrllimited='true'/>"),
+            2 => stateless += &format!("<damper {target} kv='1' ctrlrange='0 1'/>"),
             3 => stateful += &format!("<intvelocity {target} kp='2' actrange='-1 1' {more}/>"),
             4 => stateful += &format!("<cylinder {target} timeconst='.1' area='.2'/>"),
             5 => {
