@@ -240,20 +240,21 @@ fn actuators(names: &Names, bytes: &mut Bytes<'_>) -> String {
             _ => format!("site='s{site}' gear='0 0 1 0 0 0'"),
         };
         let more = bytes.choose(&["", "ctrlrange='-1 1' ctrllimited='true'", "forcerange='-2 2' forcelimited='true'"]);
-        match bytes.below(8) {
-            0 => stateless += &format!("<position {target} kp='3' {more}/>"),
-            1 => stateless += &format!("<velocity {target} kv='.3' {more}/>"),
-            2 => stateless += &format!("<damper {target} kv='1' ctrlrange='0 1'/>"),
-            3 => stateful += &format!("<intvelocity {target} kp='2' actrange='-1 1' {more}/>"),
-            4 => stateful += &format!("<cylinder {target} timeconst='.1' area='.2'/>"),
-            5 => {
-                stateful += &format!(
-                    "<general {target} dyntype='filter' dynprm='.1' gainprm='2' biastype='affine' biasprm='0 -1 -.1'/>"
-                )
-            }
-            6 => stateless += &format!("<general cranksite='s{site}' slidersite='s{other}' cranklength='.3'/>"),
-            _ => stateless += &format!("<motor {target} {more}/>"),
-        }
+        // The engine wants the actuators with a state last.
+        let (list, text) = match bytes.below(8) {
+            0 => (&mut stateless, format!("<position {target} kp='3' {more}/>")),
+            1 => (&mut stateless, format!("<velocity {target} kv='.3' {more}/>")),
+            2 => (&mut stateless, format!("<damper {target} kv='1' ctrlrange='0 1'/>")),
+            3 => (&mut stateful, format!("<intvelocity {target} kp='2' actrange='-1 1' {more}/>")),
+            4 => (&mut stateful, format!("<cylinder {target} timeconst='.1' area='.2'/>")),
+            5 => (
+                &mut stateful,
+                format!("<general {target} dyntype='filter' dynprm='.1' biastype='affine' biasprm='0 -1 -.1'/>"),
+            ),
+            6 => (&mut stateless, format!("<general cranksite='s{site}' slidersite='s{other}' cranklength='.3'/>")),
+            _ => (&mut stateless, format!("<motor {target} {more}/>")),
+        };
+        list.push_str(&text);
     }
     format!("<actuator>{stateless}{stateful}</actuator>")
 }
