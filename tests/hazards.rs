@@ -278,3 +278,36 @@ fn shapes_without_a_pose_are_an_error_where_the_engine_would_look_for_their_cont
     data.reset().unwrap();
     data.step().unwrap();
 }
+
+/// The box and its pose are those of a call sequence on which libccd searched without end.
+#[test]
+fn a_box_of_a_million_kilometres_on_a_height_field_is_an_error_and_no_endless_search() {
+    let model = Model::from_xml_str(
+        r#"<mujoco><asset><hfield name="field" nrow="3" ncol="3" size="1 1 .15 .1"/></asset>
+           <worldbody>
+             <geom type="hfield" hfield="field"/>
+             <body pos="0 .507 0"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+           </worldbody></mujoco>"#,
+    );
+    let mut data = Data::new(model.unwrap()).unwrap();
+    data.step().unwrap();
+    for size in [1e9, 1e300, f64::INFINITY] {
+        data.reset().unwrap();
+        data.edit_model(|model| model.geom_size_mut()[1][0] = size).unwrap();
+        data.kinematics().unwrap();
+        data.com_pos().unwrap();
+        data.geom_xmat_mut()[1] = [
+            0.529_291_306,
+            -0.444_831_229,
+            0.722_478_991,
+            -0.173_859_884,
+            0.776_602_487,
+            0.605_525_654,
+            -0.830_435_702,
+            -0.446_109_578,
+            0.333_710_639,
+        ];
+        let error = data.collision().unwrap_err();
+        assert!(matches!(&error, Error::Engine { message, .. } if message.contains("size of geom 1")), "{error}");
+    }
+}

@@ -26,7 +26,11 @@ static int is_iterated(int type1, int type2) {
          type2 == mjGEOM_CYLINDER || type2 == mjGEOM_MESH;
 }
 
-// That iteration need not end for a shape that is somewhere beyond all bounds, or whose axes are no axes.
+// The largest size of a shape in an iterated collision, in metres. libccd does not return for a box of 1e9 m on a height field of 1 m,
+// since rounding errors make its search for a portal go in circles.
+static const mjtNum largest_size = 1e6;
+
+// The iteration may not end for a shape whose pose is not a rotation and a bounded position, or whose size is not bounded.
 static void check_pose(const mjModel* m, const mjData* d, int geom) {
   const mjtNum* x = d->geom_xmat + 9 * geom;
   const mjtNum determinant = x[0] * (x[4] * x[8] - x[5] * x[7]) - x[1] * (x[3] * x[8] - x[5] * x[6]) +
@@ -40,8 +44,8 @@ static void check_pose(const mjModel* m, const mjData* d, int geom) {
     mju_error_i("the pose of geom %d is no rotation and finite position", geom);
   }
   for (int i = 0; i < 3; i++) {
-    if (!isfinite(m->geom_size[3 * geom + i])) {
-      mju_error_i("the size of geom %d is not finite", geom);
+    if (!(fabs(m->geom_size[3 * geom + i]) <= largest_size)) {
+      mju_error_i("the size of geom %d is not finite, or beyond 1e6 m", geom);
     }
   }
 }
@@ -58,8 +62,8 @@ int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int
   if (is_iterated(type1, type2)) {
     check_pose(m, d, g1);
     check_pose(m, d, g2);
-    if (!isfinite(margin)) {
-      mju_error_i("the contact margin of geom %d is not finite", g1);
+    if (!(fabs(margin) <= largest_size)) {
+      mju_error_i("the contact margin of geom %d is not finite, or beyond 1e6 m", g1);
     }
   }
   return function(m, d, con, g1, g2, margin);
