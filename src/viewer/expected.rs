@@ -37,7 +37,7 @@ impl Expected {
         }
     }
 
-    /// Whether a body is selected or may be.
+    /// Returns `true` if a body is selected or may be.
     pub fn is_selected(&self, snapshot: &Snapshot) -> bool {
         snapshot.selected.is_some() || self.selection > snapshot.executed
     }

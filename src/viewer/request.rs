@@ -112,17 +112,17 @@ pub(crate) enum Request {
 }
 
 impl Request {
-    /// Whether executing this request can pause a simulation that runs.
+    /// Returns `true` if executing this request can pause a simulation that runs.
     pub(super) fn pauses(&self) -> bool {
         matches!(self, Self::Pause(true) | Self::TogglePause | Self::Scrub(_))
     }
 
-    /// Whether executing this request can pause a program's simulation or let it go on.
+    /// Returns `true` if executing this request can pause a program's simulation or let it go on.
     pub(super) fn changes_pause(&self) -> bool {
         matches!(self, Self::Pause(_) | Self::TogglePause)
     }
 
-    /// Whether executing this request ends the pull of the selected body.
+    /// Returns `true` if executing this request ends the pull of the selected body.
     pub(super) fn ends_pull(&self) -> bool {
         matches!(
             self,
@@ -134,7 +134,7 @@ impl Request {
         )
     }
 
-    /// Whether the effect of this request depends on the poses that are computed from the state.
+    /// Returns `true` if the effect of this request depends on the poses that are computed from the state.
     pub(super) fn reads_poses(&self) -> bool {
         self.ends_pull()
             || matches!(self, Self::LookAt(_) | Self::Track(_) | Self::MovePerturbation(..) | Self::CopyCamera)

@@ -131,3 +131,18 @@ pub const URDF: &str = r#"<robot name="arm">
     <parent link="base"/><child link="link"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
   </joint>
 </robot>"#;
+
+/// A folder with every file of [`all`], [`MODEL`] and [`URDF`].
+pub fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content) in all() {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
+    }
+    std::fs::write(folder.path().join("model.xml"), MODEL).unwrap();
+    // A URDF looks for its meshes beside itself.
+    std::fs::write(folder.path().join("arm.urdf"), URDF).unwrap();
+    std::fs::write(folder.path().join("solid.stl"), stl()).unwrap();
+    folder
+}

@@ -9,23 +9,8 @@ mod urdf;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use assets::folder;
 use mujoco_safe::{LoadOptions, Model};
-use tempfile::TempDir;
-
-/// A folder with every file of [`assets::all`].
-fn folder() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, content) in assets::all() {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, content).unwrap();
-    }
-    std::fs::write(folder.path().join("model.xml"), assets::MODEL).unwrap();
-    // A URDF looks for its meshes beside itself.
-    std::fs::write(folder.path().join("arm.urdf"), assets::URDF).unwrap();
-    std::fs::write(folder.path().join("solid.stl"), assets::stl()).unwrap();
-    folder
-}
 
 /// Loads a text with files that are owned.
 fn from_memory(xml: &str, files: &[(&str, Vec<u8>)]) -> mujoco_safe::Result<Model> {

@@ -17,27 +17,13 @@ mod edits;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use assets::folder;
 use mujoco_safe::{LostEdit, Model, Result, SaveXmlOptions, XmlCheck};
-use tempfile::TempDir;
 
 /// Held while a test loads and saves.
 fn turn() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// A folder with every file of [`assets::all`].
-fn folder() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, content) in assets::all() {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, content).unwrap();
-    }
-    // A URDF looks for its meshes beside itself.
-    std::fs::write(folder.path().join("arm.urdf"), assets::URDF).unwrap();
-    std::fs::write(folder.path().join("solid.stl"), assets::stl()).unwrap();
-    folder
 }
 
 /// Loads a model and saves it.

@@ -47,7 +47,7 @@ pub(super) fn lost(model: &Model, reloaded: &Model) -> Result<Vec<LostEdit>> {
     Ok(lost)
 }
 
-/// Whether all sizes agree, and with them the shapes of all arrays.
+/// Returns `true` if all sizes agree, and with them the shapes of all arrays.
 pub(super) fn have_same_sizes(a: &Model, b: &Model) -> bool {
     sizes(a).eq(sizes(b))
 }
@@ -75,7 +75,7 @@ fn relative_tolerance(model: &Model, reloaded: &Model) -> f64 {
     if is_exact { RELATIVE } else { RELATIVE_OF_DERIVED }
 }
 
-/// Whether two rows of numbers agree.
+/// Returns `true` if two rows of numbers agree.
 fn agree(own: &[f64], other: &[f64], relative: f64, absolute: f64) -> bool {
     let finite = own.iter().chain(other).filter(|value| value.is_finite());
     let scale = finite.fold(0.0, |scale: f64, value| scale.max(value.abs()));
