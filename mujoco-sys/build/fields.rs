@@ -1,22 +1,24 @@
-//! The table of the engine's fields, from which the safe crate's accessors and the texts of `field_docs` are made.
+//! The table of the engine's fields, the source of the safe crate's accessors and of the texts of `field_docs`. Used by the build script, by the
+//! tests and by `xtask`.
 //!
-//! The engine describes most of its structs in `mjxmacro.h` (type, name, rows, columns), which the preprocessor expands for us
-//! through `fields.h`; what a field means stands in the comment behind its declaration. `mjVisual` and `mjStatistic` are not
-//! described there and are read from their declarations alone. A line of the table is
-//! `struct, kind, type, name, rows, columns, comment`, separated by tabs, in the order of the engine's buffers. The kind tells
-//! where the values are: a `size`, a `scalar` and a `vector` in the struct itself, an `array` behind a pointer.
+//! The engine describes most of its structs in `mjxmacro.h` (type, name, rows, columns), which the C preprocessor expands
+//! through `fields.h`; the comment behind a field's declaration describes its meaning. `mjVisual` and `mjStatistic` are missing from `mjxmacro.h` and
+//! are read from their declarations. A line of the table is `struct, kind, type, name, rows, columns, comment`, separated by tabs, in the order of
+//! the engine's buffers. The kind is `size`, `scalar` or `vector` for values inside the struct, and `array` for values behind a pointer.
 
 use std::path::Path;
+use std::process::Command;
 
-/// The table of the headers in `include`, expanded by the preprocessor of `compiler`.
-pub(crate) fn table(include: &Path, compiler: &mut cc::Build) -> Result<String, String> {
-    let expanded = compiler
-        .file(Path::new(env!("CARGO_MANIFEST_DIR")).join("build/fields.h"))
-        .include(include)
-        .flag("-P") // no line markers
-        .cargo_metadata(false)
-        .try_expand()
-        .map_err(|error| format!("the preprocessor could not expand the engine's mjxmacro.h: {error}"))?;
+/// Returns the table of the headers in `include`. `compiler` is a C compiler, which expands `fields_h` (the file `fields.h`).
+pub(crate) fn table(include: &Path, fields_h: &Path, mut compiler: Command) -> Result<String, String> {
+    // -P: no line markers.
+    let expanded = compiler.args(["-E", "-P", "-I"]).arg(include).arg(fields_h).output();
+    let expanded = expanded.map_err(|error| format!("the C compiler does not start: {error}"))?;
+    if !expanded.status.success() {
+        let errors = String::from_utf8_lossy(&expanded.stderr);
+        return Err(format!("the preprocessor could not expand the engine's mjxmacro.h: {errors}"));
+    }
+    let expanded = expanded.stdout;
     let expanded = String::from_utf8_lossy(&expanded);
     let (model_header, data_header) = (read(include, "mjmodel.h")?, read(include, "mjdata.h")?);
     let model = members(&model_header, "mjModel_");
@@ -27,10 +29,10 @@ pub(crate) fn table(include: &Path, compiler: &mut cc::Build) -> Result<String, 
     let mut line = |cells: [&str; 7]| table.extend([&cells.join("\t"), "\n"]);
     for record in expanded.split('@').skip(1) {
         let record = record.split(';').next().unwrap_or_default();
-        // A product such as `nuser*3` may stand between blanks or not.
+        // A product such as `nuser*3` has no blanks in it; the preprocessor may put blanks around it.
         let words: Vec<&str> = record.split_whitespace().collect();
         let [owner, kind, ctype, name, rows, columns] = words[..] else {
-            return Err(format!("mjxmacro.h has a record of an unknown form: {record}"));
+            return Err(format!("mjxmacro.h has a record of unknown form: {record}"));
         };
         let members = match owner {
             "Model" => &model,
@@ -60,20 +62,20 @@ fn read(include: &Path, header: &str) -> Result<String, String> {
 /// One declaration of a struct.
 struct Member {
     ctype: String,
-    /// With the names of the structs around it: `global.fovy`.
+    /// Qualified by the enclosing structs: `global.fovy`.
     name: String,
-    /// What stands in brackets behind it.
+    /// The array length in brackets.
     length: Option<String>,
     comment: String,
 }
 
-/// The members of a struct, each with the comment behind its declaration. A comment may go on over the next lines.
+/// Returns the members of a struct with their comments. A comment may continue on the following lines.
 fn members(header: &str, name: &str) -> Vec<Member> {
     let start = format!("struct {name} {{");
     let mut members: Vec<Member> = Vec::new();
-    // Where the unnamed struct that is open begins: what it is called stands at its end.
+    // First member of the current unnamed struct, whose name follows its closing brace.
     let mut group = 0;
-    let mut goes_on = false;
+    let mut continues = false;
     for line in
         header.lines().skip_while(|line| !line.starts_with(&start)).skip(1).take_while(|line| !line.starts_with('}'))
     {
@@ -81,7 +83,7 @@ fn members(header: &str, name: &str) -> Vec<Member> {
         let comment = comment.split_whitespace().collect::<Vec<_>>().join(" ");
         if code.trim_end().ends_with('{') {
             group = members.len();
-            goes_on = false;
+            continues = false;
         } else if let Some(declared) = code.trim().strip_suffix(';') {
             let (ctype, declared) = declared.rsplit_once([' ', '*']).unwrap_or_default();
             if ctype.trim() == "}" {
@@ -95,12 +97,12 @@ fn members(header: &str, name: &str) -> Vec<Member> {
                 None => (declared, None),
             };
             members.push(Member { ctype: ctype.trim().to_owned(), name: name.to_owned(), length, comment });
-            goes_on = true;
-        } else if goes_on && code.len() > 20 && code.trim().is_empty() && !comment.is_empty() {
+            continues = true;
+        } else if continues && code.len() > 20 && code.trim().is_empty() && !comment.is_empty() {
             let last = &mut members.last_mut().expect("a member came before").comment;
             *last = format!("{last} {comment}");
         } else {
-            goes_on = false;
+            continues = false;
         }
     }
     members

@@ -1,15 +1,11 @@
-//! Where is the engine, and which version is it?
+//! Finds the engine: headers, version and library.
 
 use std::env;
 use std::path::{Path, PathBuf};
 
-/// The variable that names an engine outside the system.
-pub(crate) const MUJOCO_DIR: &str = "MUJOCO_DIR";
+use crate::headers::{self, MUJOCO_DIR};
 
-/// Where a system keeps what was installed on it, in the order in which it is searched.
-const SYSTEM_ROOTS: [&str; 3] = ["/usr", "/usr/local", "/opt/mujoco"];
-
-/// An engine that can be compiled against and linked with.
+/// An engine to compile against and to link with.
 pub(crate) struct Engine {
     /// The directory that holds `mujoco/mujoco.h`.
     pub(crate) include: PathBuf,
@@ -19,39 +15,33 @@ pub(crate) struct Engine {
     pub(crate) library: String,
     /// `mjVERSION_HEADER`: 222 is 2.2.2.
     pub(crate) version: u32,
-    /// Whether the dynamic loader finds the library by itself.
+    /// True if the dynamic loader searches `library_dir` by default.
     pub(crate) on_loader_path: bool,
 }
 
-/// Why there is none: what was looked for, in order.
+/// A failed search.
 pub(crate) struct Missing {
     /// The value of `MUJOCO_DIR`, if it is set.
     pub(crate) requested: Option<PathBuf>,
-    /// Each place and what was wrong with it.
+    /// Each searched place and the reason why it does not serve, in search order.
     pub(crate) tried: Vec<String>,
 }
 
-/// Looks in `MUJOCO_DIR` alone if it is set, and otherwise on the system.
+/// Searches `MUJOCO_DIR` alone if it is set, and otherwise the system.
 pub(crate) fn engine() -> Result<Engine, Missing> {
     println!("cargo::rerun-if-env-changed={MUJOCO_DIR}");
-    let requested = env::var_os(MUJOCO_DIR).filter(|dir| !dir.is_empty()).map(PathBuf::from);
-    let roots = requested.clone().map_or_else(|| SYSTEM_ROOTS.map(PathBuf::from).to_vec(), |dir| vec![dir]);
     let mut tried = Vec::new();
-    for root in roots {
+    for root in headers::roots() {
         match probe(&root) {
             Ok(engine) => return Ok(engine),
             Err(why) => tried.push(why),
         }
     }
-    Err(Missing { requested, tried })
+    Err(Missing { requested: headers::requested(), tried })
 }
 
 fn probe(root: &Path) -> Result<Engine, String> {
-    let include = root.join("include");
-    let header = include.join("mujoco/mujoco.h");
-    let text = std::fs::read_to_string(&header).map_err(|error| format!("{}: {error}", header.display()))?;
-    let version = version_of(&text).ok_or_else(|| format!("{}: no mjVERSION_HEADER in it", header.display()))?;
-
+    let headers::Headers { include, version } = headers::probe(root)?;
     let triplet = triplet();
     let places = [root.join("lib").join(&triplet), root.join("lib64"), root.join("lib"), root.to_path_buf()];
     for dir in &places {
@@ -63,20 +53,16 @@ fn probe(root: &Path) -> Result<Engine, String> {
         }
     }
     let places = places.map(|dir| dir.display().to_string()).join(", ");
-    Err(format!("{}: found, but no libmujoco.so in {places}", header.display()))
+    Err(format!("{}: headers found, but no libmujoco.so in {places}", include.display()))
 }
 
-fn version_of(header: &str) -> Option<u32> {
-    header.lines().find_map(|line| line.strip_prefix("#define mjVERSION_HEADER")?.trim().parse().ok())
-}
-
-/// The directory name that Debian gives the target: `x86_64-linux-gnu` for `x86_64-unknown-linux-gnu`.
+/// Returns Debian's multiarch directory name of the target: `x86_64-linux-gnu` for `x86_64-unknown-linux-gnu`.
 fn triplet() -> String {
     let part = |name: &str| env::var(format!("CARGO_CFG_TARGET_{name}")).unwrap_or_default();
     format!("{}-{}-{}", part("ARCH"), part("OS"), part("ENV"))
 }
 
-/// `libmujoco.so` if it is there, else one with a version behind it.
+/// Returns `libmujoco.so` if the directory has it, else the first versioned name.
 fn shared_library(dir: &Path) -> Option<String> {
     let mut names: Vec<String> = std::fs::read_dir(dir)
         .ok()?

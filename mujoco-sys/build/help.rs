@@ -1,25 +1,26 @@
-//! What to tell whoever has no engine.
+//! Error messages of the build script.
 
-use crate::find::{MUJOCO_DIR, Missing};
+use crate::find::Missing;
+use crate::headers::MUJOCO_DIR;
 
-/// Ends the build with what was sought, what to install and what to set.
+/// Ends the build with the searched places, the package to install and the variable to set.
 pub(crate) fn fail(missing: &Missing) -> ! {
     let mut lines = vec!["The MuJoCo physics engine was not found.".to_owned()];
     if let Some(dir) = &missing.requested {
-        lines.push(format!("{MUJOCO_DIR} is set to {}, so only that place was searched:", dir.display()));
+        lines.push(format!("{MUJOCO_DIR} is set to {}, so only that directory was searched:", dir.display()));
     } else {
         lines.push("Searched:".to_owned());
     }
     lines.extend(missing.tried.iter().map(|tried| format!("  - {tried}")));
     lines.push("To install it on Debian or Ubuntu:  apt-get install libmujoco-dev".to_owned());
     lines.push(format!(
-        "To use one that is elsewhere:  set {MUJOCO_DIR} to the directory that holds include/mujoco/mujoco.h and the library"
+        "To use an engine elsewhere:  set {MUJOCO_DIR} to the directory that holds include/mujoco/mujoco.h and the library"
     ));
     lines.push("In a bug report, please paste this message and the output of `rustc -vV`.".to_owned());
     end(&lines)
 }
 
-/// Ends the build with these lines.
+/// Ends the build with an error of these lines.
 pub(crate) fn end(lines: &[String]) -> ! {
     for line in lines {
         println!("cargo::error={line}");

@@ -1,12 +1,13 @@
-//! Finds the engine, says how to link it, compiles the shim and chooses the bindings. One file answers one question:
-//! `find` (where is the engine, and which version?), `link` (how does a program come to it?), `bindings` (committed or
-//! generated?), `shim` (the C side of the guard), `fields` (the table of the engine's fields), `help` (what to tell whoever
-//! has no engine).
+//! Finds the engine, chooses its bindings, compiles the C shim and links the library. On failure it prints the places that it searched,
+//! the package to install and the variable to set.
 
+#[cfg(feature = "bindgen")]
+mod bindgen;
 mod bindings;
-#[cfg_attr(not(feature = "bindgen"), allow(dead_code))]
+#[cfg(feature = "bindgen")]
 mod fields;
 mod find;
+mod headers;
 mod help;
 mod link;
 mod shim;
@@ -24,7 +25,7 @@ fn main() {
             shim::compile(&engine);
             link::announce(&engine, &out);
         }
-        // A documentation build links nothing and needs no engine: the committed bindings are enough for it.
+        // A documentation build links nothing, so the committed bindings suffice.
         Err(_) if std::env::var_os("DOCS_RS").is_some() => bindings::choose_committed(&out),
         Err(missing) => help::fail(&missing),
     }

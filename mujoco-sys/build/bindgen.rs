@@ -1,0 +1,22 @@
+//! Generates bindings with bindgen. Used by the build script (feature `bindgen`) and by `xtask`.
+
+use std::path::Path;
+
+/// Returns the bindings of the headers in `include`.
+pub(crate) fn bindings(include: &Path) -> Result<String, String> {
+    bindgen::Builder::default()
+        .header_contents("engine.h", "#include <mujoco/mujoco.h>")
+        .clang_arg(format!("-I{}", include.display()))
+        // The headers use plain comments, not Doxygen's.
+        .clang_arg("-fparse-all-comments")
+        // The headers of an installed engine count as system headers.
+        .clang_arg("-fretain-comments-from-system-headers")
+        .allowlist_item("(_?mj|MJ).*")
+        // Enums become constants with the engine's names: a C int is never converted to a Rust enum without a check.
+        .default_enum_style(bindgen::EnumVariation::Consts)
+        .prepend_enum_name(false)
+        .use_core()
+        .generate()
+        .map(|bindings| bindings.to_string())
+        .map_err(|error| format!("bindgen could not read the engine's headers: {error}"))
+}
