@@ -82,7 +82,7 @@ pub(crate) fn ready() -> Result<()> {
 #[doc(alias = "mjcb_time")]
 pub fn enable_timers() {
     // SAFETY: the function that becomes the engine's clock looks at nothing but the system's.
-    unsafe { callback::keep_time() };
+    unsafe { callback::install_clock() };
 }
 
 thread_local! {

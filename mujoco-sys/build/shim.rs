@@ -1,4 +1,4 @@
-//! The C side of the guard and of the callbacks.
+//! Compiles the C and C++ shim.
 
 use crate::find::Engine;
 
@@ -11,11 +11,11 @@ pub(crate) fn compile(engine: &Engine) {
         .warnings(true)
         .extra_warnings(true)
         .std("c11")
-        // The engine is called without a jump on the way.
+        // Calls the engine without PLT indirection.
         .flag_if_supported("-fno-plt");
     c.compile("mujoco_sys_guard");
 
-    // The loaders are C++ inside and throw (out of memory, for one), which only C++ can catch.
+    // The engine's loaders throw C++ exceptions, such as std::bad_alloc, which only C++ can catch.
     let mut cpp = cc::Build::new();
     cpp.cpp(true).file("shim/load.cc").include(&engine.include).warnings(true).extra_warnings(true).std("c++17");
     cpp.compile("mujoco_sys_load");

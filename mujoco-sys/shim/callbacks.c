@@ -5,25 +5,25 @@
 
 static mujoco_sys_handler_fn handler;
 
-// Asks the handler. Its frames are gone when the error is raised, so the jump leaves nothing of it behind.
-static mjtNum ask(int what, const mjModel* m, const mjData* d, int first, int second, mjtNum value) {
-  // Only the handler of an actuator gets a constant data from the engine, and it is the same data as everywhere else.
-  const mujoco_sys_handler_fn answer = __atomic_load_n(&handler, __ATOMIC_ACQUIRE);
-  if (answer(what, m, (mjData*)d, first, second, &value)) {
+// Calls the handler, and raises an engine error if it fails. The handler has returned by then, so the jump skips none of its frames.
+static mjtNum call_handler(int callback, const mjModel* m, const mjData* d, int first, int second, mjtNum value) {
+  // The engine passes `const mjData*` to actuator callbacks only; it points to the same mutable data as in the other callbacks.
+  const mujoco_sys_handler_fn current = __atomic_load_n(&handler, __ATOMIC_ACQUIRE);
+  if (current(callback, m, (mjData*)d, first, second, &value)) {
     mju_error("a callback failed");
   }
   return value;
 }
 
-static void control(const mjModel* m, mjData* d) { ask(MUJOCO_SYS_CONTROL, m, d, 0, 0, 0); }
+static void control(const mjModel* m, mjData* d) { call_handler(MUJOCO_SYS_CONTROL, m, d, 0, 0, 0); }
 
-static void passive(const mjModel* m, mjData* d) { ask(MUJOCO_SYS_PASSIVE, m, d, 0, 0, 0); }
+static void passive(const mjModel* m, mjData* d) { call_handler(MUJOCO_SYS_PASSIVE, m, d, 0, 0, 0); }
 
-static void sensor(const mjModel* m, mjData* d, int stage) { ask(MUJOCO_SYS_SENSOR, m, d, stage, 0, 0); }
+static void sensor(const mjModel* m, mjData* d, int stage) { call_handler(MUJOCO_SYS_SENSOR, m, d, stage, 0, 0); }
 
-// The rule that the engine's callback replaces: the masks must agree, and neither may one geom's moving part be the other's nor
-// its parent, unless that parent is the world.
-static int left_out(const mjModel* m, int geom1, int geom2) {
+// The engine's default filter, which an installed callback replaces. Excludes geoms whose contype and conaffinity masks do not match, geoms
+// that are welded together, and geoms of a parent and its child, unless the parent is welded to the world.
+static int excluded(const mjModel* m, int geom1, int geom2) {
   if (!(m->geom_contype[geom1] & m->geom_conaffinity[geom2]) && !(m->geom_contype[geom2] & m->geom_conaffinity[geom1])) {
     return 1;
   }
@@ -39,23 +39,23 @@ static int left_out(const mjModel* m, int geom1, int geom2) {
 }
 
 static int contact_filter(const mjModel* m, mjData* d, int geom1, int geom2) {
-  return ask(MUJOCO_SYS_CONTACT_FILTER, m, d, geom1, geom2, left_out(m, geom1, geom2)) != 0;
+  return call_handler(MUJOCO_SYS_CONTACT_FILTER, m, d, geom1, geom2, excluded(m, geom1, geom2)) != 0;
 }
 
 static mjtNum dynamics(const mjModel* m, const mjData* d, int id) {
-  return ask(MUJOCO_SYS_ACTUATOR_DYNAMICS, m, d, id, 0, 0);
+  return call_handler(MUJOCO_SYS_ACTUATOR_DYNAMICS, m, d, id, 0, 0);
 }
 
-static mjtNum gain(const mjModel* m, const mjData* d, int id) { return ask(MUJOCO_SYS_ACTUATOR_GAIN, m, d, id, 0, 1); }
+static mjtNum gain(const mjModel* m, const mjData* d, int id) { return call_handler(MUJOCO_SYS_ACTUATOR_GAIN, m, d, id, 0, 1); }
 
-static mjtNum bias(const mjModel* m, const mjData* d, int id) { return ask(MUJOCO_SYS_ACTUATOR_BIAS, m, d, id, 0, 0); }
+static mjtNum bias(const mjModel* m, const mjData* d, int id) { return call_handler(MUJOCO_SYS_ACTUATOR_BIAS, m, d, id, 0, 0); }
 
-// Whole, since other threads may be simulating. What they read is NULL or the callback, and both are good.
+// Atomic, because other threads may be simulating: they read either NULL or the callback.
 #define PUBLISH(pointer, function) __atomic_store_n(&(pointer), (function), __ATOMIC_RELEASE)
 
-void mujoco_sys_answer(int what, mujoco_sys_handler_fn new_handler) {
+void mujoco_sys_install_callback(int callback, mujoco_sys_handler_fn new_handler) {
   PUBLISH(handler, new_handler);
-  switch (what) {
+  switch (callback) {
     case MUJOCO_SYS_CONTROL:
       PUBLISH(mjcb_control, control);
       break;
@@ -86,4 +86,4 @@ static mjtNum seconds(void) {
   return (mjtNum)now.tv_sec + 1e-9 * (mjtNum)now.tv_nsec;
 }
 
-void mujoco_sys_keep_time(void) { PUBLISH(mjcb_time, seconds); }
+void mujoco_sys_install_clock(void) { PUBLISH(mjcb_time, seconds); }

@@ -1,10 +1,11 @@
-// The engine's callbacks, which are function pointers of the whole process and may not fail: here each has a twin that may.
+// Fallible callbacks. The engine's callbacks are process-wide function pointers that cannot report a failure; these forward to one handler and turn
+// its failure into an engine error.
 #ifndef MUJOCO_SYS_CALLBACKS_H_
 #define MUJOCO_SYS_CALLBACKS_H_
 
 #include <mujoco/mujoco.h>
 
-// What the engine asks for. Not all are callbacks of their own in the engine.
+// Identifiers of the callbacks.
 enum {
   MUJOCO_SYS_CONTROL = 0,
   MUJOCO_SYS_PASSIVE = 1,
@@ -15,17 +16,17 @@ enum {
   MUJOCO_SYS_ACTUATOR_BIAS = 6,
 };
 
-// What answers. `first` and `second` are the stage of a sensor, the two geoms of a contact, the index of an actuator. `value`
-// comes with what the engine does without a callback (whether a pair of geoms is left out, or the number of an actuator) and
-// is to be overwritten where there is a better answer. A result other than zero is an error of the engine call that asked; by
-// then the handler must have returned, since that error jumps over every frame in between.
-typedef int (*mujoco_sys_handler_fn)(int what, const mjModel* m, mjData* d, int first, int second, mjtNum* value);
+// Handler of all callbacks. `first` and `second` are the stage of a sensor, the two geoms of a contact, or the index of an actuator. `value`
+// holds the engine's default on entry (for a contact 1 if the pair is excluded, for an actuator its number) and the handler's result on return. A
+// nonzero return value makes the calling engine function fail. The error is raised after the handler has returned, because it jumps over all
+// frames up to the guard.
+typedef int (*mujoco_sys_handler_fn)(int callback, const mjModel* m, mjData* d, int first, int second, mjtNum* value);
 
-// Makes `handler` answer what the engine asks for from now on, for the whole process. There is no way back: the engine reads
-// the pointer twice, so to take it away while another thread simulates would be a call of NULL.
-void mujoco_sys_answer(int what, mujoco_sys_handler_fn handler);
+// Installs `handler` for one callback, for the whole process. A callback cannot be uninstalled: the engine reads the pointer twice, so
+// clearing it while another thread simulates could call NULL.
+void mujoco_sys_install_callback(int callback, mujoco_sys_handler_fn handler);
 
-// Makes a monotonic clock, in seconds, the engine's, for the whole process.
-void mujoco_sys_keep_time(void);
+// Installs a monotonic clock, in seconds, as the engine's timer callback, for the whole process.
+void mujoco_sys_install_clock(void);
 
 #endif

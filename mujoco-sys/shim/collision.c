@@ -4,13 +4,13 @@
 
 static mjfCollision original[mjNGEOMTYPES][mjNGEOMTYPES];
 
-// Whether the engine looks for contacts of points, centres or ends, with a box.
+// True for the types whose contacts the engine computes from points (sphere centres, capsule ends) and a box.
 static int is_point_and_box(int type1, int type2) {
   return type2 == mjGEOM_BOX && (type1 == mjGEOM_SPHERE || type1 == mjGEOM_CAPSULE);
 }
 
-// The engine looks for the side that is nearest to a point inside of a box. Where the box has no inside it finds none, and
-// writes to an array at an index that nothing was assigned to.
+// For a point inside a box, the engine searches for the nearest face. In a box of zero, negative or NaN size it finds none and then
+// writes to an array at an uninitialised index.
 static void check_box(const mjModel* m, int box) {
   for (int i = 0; i < 3; i++) {
     const mjtNum size = m->geom_size[3 * box + i];
@@ -20,17 +20,17 @@ static void check_box(const mjModel* m, int box) {
   }
 }
 
-// Whether the engine looks for the contact of these types by iteration (with libccd, if it has to).
+// True for the types whose contacts the engine computes iteratively (with libccd).
 static int is_iterated(int type1, int type2) {
   return type1 == mjGEOM_HFIELD || type1 == mjGEOM_ELLIPSOID || type2 == mjGEOM_ELLIPSOID || type1 == mjGEOM_CYLINDER ||
          type2 == mjGEOM_CYLINDER || type2 == mjGEOM_MESH;
 }
 
-// The largest size of a shape in an iterated collision, in metres. libccd does not return for a box of 1e9 m on a height field of 1 m,
-// since rounding errors make its search for a portal go in circles.
+// Upper limit of the size of a shape in an iterative collision, in metres. For a box of 1e9 m on a height field of 1 m, rounding
+// errors make libccd's portal search cycle for ever.
 static const mjtNum largest_size = 1e6;
 
-// The iteration may not end for a shape whose pose is not a rotation and a bounded position, or whose size is not bounded.
+// Raises an engine error for a pose that is not a rotation and a bounded position, and for an unbounded size: the iteration may not end.
 static void check_pose(const mjModel* m, const mjData* d, int geom) {
   const mjtNum* x = d->geom_xmat + 9 * geom;
   const mjtNum determinant = x[0] * (x[4] * x[8] - x[5] * x[7]) - x[1] * (x[3] * x[8] - x[5] * x[6]) +
@@ -41,11 +41,11 @@ static void check_pose(const mjModel* m, const mjData* d, int geom) {
     good &= fabs(length - 1) < 1e-2 && fabs(d->geom_xpos[3 * geom + i]) <= mjMAXVAL;
   }
   if (!good) {
-    mju_error_i("the pose of geom %d is no rotation and finite position", geom);
+    mju_error_i("the pose of geom %d is not a rotation and a finite position", geom);
   }
   for (int i = 0; i < 3; i++) {
     if (!(fabs(m->geom_size[3 * geom + i]) <= largest_size)) {
-      mju_error_i("the size of geom %d is not finite, or beyond 1e6 m", geom);
+      mju_error_i("the size of geom %d is not finite or exceeds 1e6 m", geom);
     }
   }
 }
@@ -63,47 +63,47 @@ int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int
     check_pose(m, d, g1);
     check_pose(m, d, g2);
     if (!(fabs(margin) <= largest_size)) {
-      mju_error_i("the contact margin of geom %d is not finite, or beyond 1e6 m", g1);
+      mju_error_i("the contact margin of geom %d is not finite or exceeds 1e6 m", g1);
     }
   }
   return function(m, d, con, g1, g2, margin);
 }
 
-// Two geoms of one body, which a <pair> may name. Such a contact moves nothing, but in a sparse Jacobian the engine gives a row
-// of a simple body's all degrees of freedom twice, for which there is no room.
-static int is_twice_in_a_row(const mjModel* m, int g1, int g2) {
+// True for two geoms of one simple body, which a <pair> may name, with a sparse Jacobian. Such a contact has no effect on the motion, but the
+// engine writes each degree of freedom of the body twice into a row that has space for one entry.
+static int overflows_row(const mjModel* m, int g1, int g2) {
   const int body = m->geom_bodyid[g1];
   return body == m->geom_bodyid[g2] && m->body_simple[body] && m->body_dofnum[body] && mj_isSparse(m);
 }
 
-// Whether geoms of these types go to the engine's function as they are.
-static unsigned char needs_no_look[mjNGEOMTYPES][mjNGEOMTYPES];
+// True for the geom types whose collision function needs no check.
+static unsigned char unchecked_types[mjNGEOMTYPES][mjNGEOMTYPES];
 
-static __attribute__((noinline)) int looked_at(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2,
-                                               mjtNum margin) {
-  if (is_twice_in_a_row(m, g1, g2)) {
+static __attribute__((noinline)) int check_and_collide(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2,
+                                                       mjtNum margin) {
+  if (overflows_row(m, g1, g2)) {
     return 0;
   }
   return mujoco_sys_collide_as(m, d, con, m->geom_type[g1], m->geom_type[g2], g1, g2, margin);
 }
 
-// Called for each pair of geoms that are near each other, so what most of them need is a few instructions and a jump.
-static int checked(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin) {
+// Called for each pair of geoms that passes the broad phase, so the common case is a few instructions and a tail call.
+static int collide(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin) {
   const int type1 = m->geom_type[g1];
   const int type2 = m->geom_type[g2];
-  if (needs_no_look[type1][type2] && m->geom_bodyid[g1] != m->geom_bodyid[g2]) {
+  if (unchecked_types[type1][type2] && m->geom_bodyid[g1] != m->geom_bodyid[g2]) {
     return original[type1][type2](m, d, con, g1, g2, margin);
   }
-  return looked_at(m, d, con, g1, g2, margin);
+  return check_and_collide(m, d, con, g1, g2, margin);
 }
 
 void mujoco_sys_check_collisions(void) {
   for (int i = 0; i < mjNGEOMTYPES; i++) {
     for (int j = 0; j < mjNGEOMTYPES; j++) {
-      if (mjCOLLISIONFUNC[i][j] && mjCOLLISIONFUNC[i][j] != checked) {
+      if (mjCOLLISIONFUNC[i][j] && mjCOLLISIONFUNC[i][j] != collide) {
         original[i][j] = mjCOLLISIONFUNC[i][j];
-        needs_no_look[i][j] = !is_point_and_box(i, j) && !is_iterated(i, j);
-        mjCOLLISIONFUNC[i][j] = checked;
+        unchecked_types[i][j] = !is_point_and_box(i, j) && !is_iterated(i, j);
+        mjCOLLISIONFUNC[i][j] = collide;
       }
     }
   }

@@ -1,13 +1,13 @@
-// What the engine's collision functions trust in, and a model, or a change of it, may not give.
+// Checked replacements of the engine's collision functions, for preconditions that a valid model or an edited model may violate.
 #ifndef MUJOCO_SYS_COLLISION_H_
 #define MUJOCO_SYS_COLLISION_H_
 
 #include <mujoco/mujoco.h>
 
-// Puts a checked function in the place of each of the engine's, for the whole process. No other thread may be in the engine.
+// Replaces each of the engine's collision functions by a checked one, for the whole process. No other thread may use the engine meanwhile.
 void mujoco_sys_check_collisions(void);
 
-// The function that the engine has for two types, checked, called for two geoms; -1 where it has none.
+// Calls the engine's collision function of two geom types for two geoms, after the checks. Returns -1 if the engine has no such function.
 int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int type1, int type2, int g1, int g2,
                           mjtNum margin);
 

@@ -23,7 +23,7 @@ struct mujoco_sys_guard** mujoco_sys_innermost(void) { return &innermost; }
 
 static void on_error(const char* text) {
   if (!innermost) {
-    // Somebody called the engine past the guards. Returning would let the engine run on with a broken invariant.
+    // The engine was called without a guard. If this handler returned, the engine would continue with a broken invariant.
     fprintf(stderr, "MuJoCo error outside of any guard: %s\n", text);
     abort();
   }
@@ -32,7 +32,7 @@ static void on_error(const char* text) {
 }
 
 static void on_warning(const char* text) {
-  // The handler is only told the text.
+  // The handler receives only the text, so the warning is recognised by its beginning.
   static const char full[] = "Pre-allocated constraint buffer is full";
   if (full_constraints_are_fatal && innermost && strncmp(text, full, sizeof(full) - 1) == 0) {
     on_error(text);
@@ -57,8 +57,8 @@ int mujoco_sys_full_constraints_are_fatal(int fatal) {
   return before;
 }
 
-// The mark of the engine's own stack inside mjData. After an error it stays where the failing call had pushed it; the part
-// below belongs to the callers further out, so it is put back to where it was rather than to zero.
+// The top of the engine's stack inside mjData. A failing call leaves its frames on that stack. The frames below belong to outer
+// callers, so an error restores the top at entry instead of clearing the stack.
 struct stack_mark {
   size_t top;
   size_t base;
@@ -86,7 +86,7 @@ static void restore(mjData* d, struct stack_mark at) {
   }
 }
 
-// `guard` and `at` do not change between the mark and the jump to it.
+// `guard` and `at` do not change between setjmp and longjmp.
 #define GUARDED_RUN(data, statement)                        \
   struct mujoco_sys_guard guard;                            \
   const struct stack_mark at = mark(data);                  \
@@ -101,7 +101,7 @@ static void restore(mjData* d, struct stack_mark at) {
   innermost = guard.outer;                                  \
   return MUJOCO_SYS_OK;
 
-// The guarded twin of an engine function with no result, and of one with a result, which goes to `*result`.
+// Defines the guarded version of an engine function without a result, and with a result, which is written to `*result`.
 #define GUARDED(function, data, parameters, arguments) \
   int mujoco_sys_##function parameters { GUARDED_RUN(data, function arguments) }
 #define GUARDED_RESULT(function, data, parameters, arguments) \
@@ -109,10 +109,10 @@ static void restore(mjData* d, struct stack_mark at) {
 
 #define NO_DATA ((mjData*)NULL)
 
-// What a guard costs is measured on the cheapest function there is.
+// The cheapest engine function, for the benchmark of the guard's cost.
 GUARDED_RESULT(mj_version, NO_DATA, (int* result), ())
 
-// Life of a model and of a data.
+// Construction, copying and reset of models and data.
 GUARDED_RESULT(mj_copyModel, NO_DATA, (mjModel * dest, const mjModel* m, mjModel** result), (dest, m))
 GUARDED_RESULT(mj_makeEmptyFileVFS, NO_DATA, (mjVFS * vfs, const char* filename, int filesize, int* result),
                (vfs, filename, filesize))
@@ -127,7 +127,7 @@ GUARDED(mj_setConst, d, (mjModel * m, mjData* d), (m, d))
 
 // Simulation.
 GUARDED(mj_step, d, (const mjModel* m, mjData* d), (m, d))
-int mujoco_sys_step_from_good_state(const mjModel* m, mjData* d) { GUARDED_RUN(d, step_from_good_state(m, d)) }
+int mujoco_sys_step_prechecked(const mjModel* m, mjData* d) { GUARDED_RUN(d, step_prechecked(m, d)) }
 GUARDED(mj_step1, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_step2, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_forward, d, (const mjModel* m, mjData* d), (m, d))
@@ -169,7 +169,7 @@ GUARDED(mj_energyVel, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_Euler, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_RungeKutta, d, (const mjModel* m, mjData* d, int N), (m, d, N))
 
-// Functions of a computed state that use the engine's stack or check their arguments with mju_error.
+// Functions of a computed state that use the engine's stack or report invalid arguments by mju_error.
 GUARDED(mj_jacSubtreeCom, d, (const mjModel* m, mjData* d, mjtNum* jacp, int body), (m, d, jacp, body))
 GUARDED(mj_jacPointAxis, d,
         (const mjModel* m, mjData* d, mjtNum* jacp, mjtNum* jacr, const mjtNum* point, const mjtNum* axis, int body),
@@ -213,7 +213,7 @@ GUARDED(mjd_transitionFD, d,
         (const mjModel* m, mjData* d, mjtNum eps, int centered, mjtNum* A, mjtNum* B, mjtNum* C, mjtNum* D),
         (m, d, eps, centered, A, B, C, D))
 
-// The abstract visualisation.
+// Abstract visualisation.
 GUARDED(mjv_makeScene, NO_DATA, (const mjModel* m, mjvScene* scn, int maxgeom), (m, scn, maxgeom))
 GUARDED(mjv_updateScene, NO_DATA,
         (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, mjvCamera* cam, int catmask,

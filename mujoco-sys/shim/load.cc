@@ -1,7 +1,7 @@
-// The XML loader and saver. They are C++ inside: they throw (std::bad_alloc at least), they hold a lock while they parse, they
-// switch the thread's locale, and they install an error handler of their own that they forget when they throw. All of that is
-// put back here. An engine error that reaches the handler of the guard has jumped over the release of the parser's lock, so
-// after MUJOCO_SYS_ERROR the next load would wait for ever: the caller must refuse to make it.
+// Guards of the XML loader and saver, which are C++ inside: they throw (std::bad_alloc at least), hold a lock while parsing,
+// switch the thread's locale, and install an error handler that they do not remove when they throw. These guards catch the exceptions and
+// restore the locale and the handlers. An engine error that reaches the guard's handler skips the release of the parser's lock, so
+// after MUJOCO_SYS_ERROR the next load would deadlock: the caller must not make it.
 #include <clocale>
 #include <exception>
 #include <new>
@@ -13,20 +13,20 @@
 #include "guard.h"
 
 extern "C" {
-// Not in the headers, and gone in the newer engines: hence weak.
+// Private functions of the engine. Weak, because newer engines lack them.
 typedef void (*mujoco_sys_handler)(const char*);
 __attribute__((weak)) mujoco_sys_handler _mjPRIVATE__get_tls_error_fn(void);
 __attribute__((weak)) void _mjPRIVATE__set_tls_error_fn(mujoco_sys_handler);
 __attribute__((weak)) mujoco_sys_handler _mjPRIVATE__get_tls_warning_fn(void);
 __attribute__((weak)) void _mjPRIVATE__set_tls_warning_fn(mujoco_sys_handler);
-// The number of significant digits that the XML writer prints, per thread. 6 unless set.
+// Significant digits of numbers in written XML, per thread. The default is 6.
 __attribute__((weak)) int _mjPRIVATE__get_xml_precision(void);
 __attribute__((weak)) void _mjPRIVATE__set_xml_precision(int);
 }
 
 namespace {
 
-// What the loader may leave changed in the thread.
+// Thread-local state that the loader may leave changed.
 struct ThreadState {
   locale_t locale = uselocale(static_cast<locale_t>(0));
   mujoco_sys_guard* guard = *mujoco_sys_innermost();
@@ -41,7 +41,7 @@ struct ThreadState {
   }
 };
 
-// Runs `call` with the guard set. No object with a destructor lives in a frame that the jump leaves on this side.
+// Runs `call` behind a guard. The frames of this file that the jump skips hold no object with a destructor.
 template <typename Call>
 int run(Call call) {
   const ThreadState before;
@@ -62,7 +62,7 @@ int run(Call call) {
     mujoco_sys_set_message(exception.what());
     status = MUJOCO_SYS_EXCEPTION;
   } catch (...) {
-    mujoco_sys_set_message("an exception of an unknown type");
+    mujoco_sys_set_message("an exception of unknown type");
     status = MUJOCO_SYS_EXCEPTION;
   }
   before.restore();
@@ -82,7 +82,7 @@ int mujoco_sys_xml_digits(void) {
   return adjustable ? 17 : 6;
 }
 
-// Prints every digit that a double has, where the engine lets the precision be set.
+// Prints all digits of a double if the engine's precision is adjustable.
 int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* error, int error_size, int* result) {
   const bool adjustable = _mjPRIVATE__get_xml_precision && _mjPRIVATE__set_xml_precision;
   const int before = adjustable ? _mjPRIVATE__get_xml_precision() : 0;

@@ -1,8 +1,8 @@
-// Libraries below the engine and below the graphics API print to `stderr`, the C library's variable: the convex hull library of
-// the XML compiler, and the Wayland client of Mesa. During a capture the variable refers to a stream that keeps what the
-// capturing threads print, and passes on what other threads print meanwhile. File descriptor 2 stays as it is.
+// Two libraries print to the C library's `stderr`: the convex hull library of the engine's XML compiler, and the Wayland client of
+// Mesa. During a capture the variable `stderr` refers to a stream that stores the output of capturing threads and forwards the output of
+// other threads. File descriptor 2 does not change.
 //
-// Only glibc lets the variable be assigned and a stream have a function for its output. Elsewhere the text is printed.
+// Only glibc supports assigning `stderr` and streams with custom write functions. Other C libraries print the text.
 #define _GNU_SOURCE
 #include "stderr.h"
 
@@ -23,7 +23,7 @@ static FILE* original;
 // Never closed: a thread may still hold the pointer after the last capture.
 static FILE* stream;
 
-static ssize_t keep_or_pass_on(void* cookie, const char* bytes, size_t count) {
+static ssize_t store_or_forward(void* cookie, const char* bytes, size_t count) {
   (void)cookie;
   if (depth == 0) return (ssize_t)fwrite(bytes, 1, count, __atomic_load_n(&original, __ATOMIC_ACQUIRE));
   const size_t room = sizeof(text) - 1 - length;
@@ -36,7 +36,7 @@ static ssize_t keep_or_pass_on(void* cookie, const char* bytes, size_t count) {
 static void replace_stream(void) {
   pthread_mutex_lock(&mutex);
   if (!stream) {
-    const cookie_io_functions_t functions = {.write = keep_or_pass_on};
+    const cookie_io_functions_t functions = {.write = store_or_forward};
     stream = fopencookie(NULL, "w", functions);
     if (stream) setvbuf(stream, NULL, _IONBF, 0);
   }

@@ -1,18 +1,18 @@
-// The engine's step, for callers that have looked at the state themselves.
+// The engine's step for states that the caller has already checked.
 #ifndef MUJOCO_SYS_STEP_H_
 #define MUJOCO_SYS_STEP_H_
 
 #include <mujoco/mujoco.h>
 
-// Whether this header knows what a step of the engine consists of. Others' integrators are not for everyone to call.
+// True if this header reproduces the engine's step for this version and integrator. Other integrators are not exported.
 static inline int step_is_known(const mjModel* m) {
   return mjVERSION_HEADER == 222 && (m->opt.integrator == mjINT_EULER || m->opt.integrator == mjINT_RK4);
 }
 
 static inline mjtNum now(void) { return mjcb_time ? mjcb_time() : 0; }
 
-// Resets the data at a bad acceleration. The engine calls two functions of its library for each number; here it is entered only
-// to report one.
+// Resets the data if an acceleration is invalid. The engine's check calls two functions per number; here it runs only to report an
+// invalid one.
 static inline void check_accelerations(const mjModel* m, mjData* d) {
   int good = 1;
   for (int i = 0; i < m->nv; i++) {
@@ -23,8 +23,8 @@ static inline void check_accelerations(const mjModel* m, mjData* d) {
   }
 }
 
-// `mj_step` without its checks of positions and velocities: what those look for is known not to be there.
-static inline void step_from_good_state(const mjModel* m, mjData* d) {
+// `mj_step` without its checks of positions and velocities.
+static inline void step_prechecked(const mjModel* m, mjData* d) {
   if (!step_is_known(m)) {
     mj_step(m, d);
     return;

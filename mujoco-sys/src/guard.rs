@@ -1,21 +1,20 @@
-//! The engine's functions behind a guard: the C shim's `mujoco_sys_mj_step` is `mj_step`, except that an engine error
-//! (`mju_error`) comes back as a return code instead of ending the process.
+//! Guarded engine functions. The C shim's `mujoco_sys_mj_step` is `mj_step`, except that an engine error (`mju_error`) becomes a return
+//! code instead of ending the process.
 //!
-//! A guarded function returns [`OK`] or one of the other codes; after another code, [`message`] points at this thread's error
-//! text. On an error the stack mark inside the given `mjData` is put back; whatever else the call had changed stays changed.
-//! Guards nest, and each thread has its own.
+//! A guarded function returns [`OK`] or an error code. After an error, [`message`] returns this thread's error text. An error
+//! restores the stack top inside the given `mjData`; other changes made by the failed call remain. Guards nest, and each thread has its
+//! own chain.
 //!
-//! # Safety of every function here
+//! # Safety of all functions in this module
 //!
-//! [`install`] was called before in this process, and the arguments satisfy what the C function of the same name demands. No
-//! Rust frame with a destructor may lie between a guarded call and the `mju_error` that ends it, that is: callbacks must not
-//! raise an engine error from Rust code.
+//! [`install`] was called before in this process, and the arguments satisfy the requirements of the C function of the same name. An
+//! engine error must not jump over a Rust frame: callbacks must not raise an engine error from Rust code.
 
 use std::os::raw::{c_char, c_int, c_void};
 
 use crate::{mjContact, mjData, mjModel, mjVFS, mjtNum, mjvCamera, mjvGeom, mjvOption, mjvPerturb, mjvScene};
 
-/// The call went through.
+/// The call succeeded.
 pub const OK: c_int = 0;
 /// The engine raised an error; [`message`] has its text.
 pub const ERROR: c_int = 1;
@@ -41,35 +40,34 @@ macro_rules! guarded {
 pub type Part = unsafe extern "C" fn(m: *const mjModel, d: *mut mjData);
 
 unsafe extern "C" {
-    /// Calls parts of the pipeline one after the other, behind one guard: for those who call many short ones.
+    /// Calls parts of the pipeline in sequence behind one guard, which is cheaper than one guard for each.
     #[link_name = "mujoco_sys_parts"]
     pub fn parts(m: *const mjModel, d: *mut mjData, parts: *const Part, count: c_int) -> c_int;
 
-    /// `mj_step` for a state that the caller has just looked at: every number of `qpos` and `qvel` is within `mjMAXVAL`. The engine's
-    /// own look at them, a call of its library for each number, is left out; all else is as there, bit for bit.
-    #[link_name = "mujoco_sys_step_from_good_state"]
-    pub fn step_from_good_state(m: *const mjModel, d: *mut mjData) -> c_int;
+    /// `mj_step` without the engine's check of `qpos` and `qvel`, which calls a function for each number. The caller has checked that every
+    /// number is within `mjMAXVAL`. The results are those of `mj_step`, bit for bit.
+    #[link_name = "mujoco_sys_step_prechecked"]
+    pub fn step_prechecked(m: *const mjModel, d: *mut mjData) -> c_int;
 
-    /// Makes the guards' handlers the engine's `mju_user_error` and `mju_user_warning`, for the whole process. Warnings go to
-    /// `warn`, or to standard error if there is none. The engine's
-    /// collision functions are checked from then on: a box whose size is not positive and finite is an error where it may meet
-    /// a sphere or a capsule, and two geoms of one body make no contact where its row of a sparse Jacobian would be too long.
+    /// Installs the guards' handlers as `mju_user_error` and `mju_user_warning`, for the whole process. Warnings go to `warn`, or to
+    /// standard error without it. Also replaces the engine's collision functions by checked ones, which raise an engine error for
+    /// inputs on which the engine would access memory out of bounds or not return, and which skip contacts between two geoms of one body where
+    /// a row of the sparse Jacobian would overflow.
     #[link_name = "mujoco_sys_install"]
     pub fn install(warn: Option<unsafe extern "C" fn(*const c_char)>);
 
-    /// Whether a full constraint buffer is an error in this thread, instead of a warning. It has to be while a model with an
-    /// actuator of the adhesion kind (`mjTRN_BODY`) is simulated, and the engine only warns while
-    /// `warning[mjWARN_CNSTRFULL].number` is zero. Otherwise it writes out of bounds. Returns what was so before, to be put
-    /// back.
+    /// Makes a full constraint buffer an error in this thread instead of a warning. Required while a model with an adhesion
+    /// actuator (`mjTRN_BODY`) is simulated: the engine would write out of bounds. The engine warns only while
+    /// `warning[mjWARN_CNSTRFULL].number` is zero. Returns the previous setting, which the caller restores.
     #[link_name = "mujoco_sys_full_constraints_are_fatal"]
     pub fn full_constraints_are_fatal(fatal: c_int) -> c_int;
 
-    /// Returns the number of significant digits with which `mj_save_last_xml` prints a number: 17, which a double survives, or
+    /// Returns the number of significant digits that `mj_save_last_xml` prints: 17, enough for every double to be read back exactly, or
     /// 6 with an engine whose precision cannot be set.
     #[link_name = "mujoco_sys_xml_digits"]
     pub fn xml_digits() -> c_int;
 
-    /// The text of this thread's last caught error; valid until the next one.
+    /// Returns the text of this thread's last caught error. Valid until the next error.
     #[link_name = "mujoco_sys_message"]
     pub fn message() -> *const c_char;
 }
@@ -174,7 +172,7 @@ guarded! {
         with_static: u8, bodyexclude: c_int, geom: *mut c_int, result: *mut mjtNum,
     );
     mujoco_sys_mj_printData = mj_print_data(m: *const mjModel, d: *mut mjData, filename: *const c_char);
-    /// `mjCOLLISIONFUNC[type1][type2]` of two geoms. The number of contacts goes to `*result`; -1 where the table has no function.
+    /// Calls `mjCOLLISIONFUNC[type1][type2]` for two geoms. Writes the number of contacts to `*result`, or -1 if the table has no function.
     mujoco_sys_collide = collide(
         m: *const mjModel, d: *mut mjData, contacts: *mut mjContact, type1: c_int, type2: c_int, geom1: c_int,
         geom2: c_int, margin: mjtNum, result: *mut c_int,

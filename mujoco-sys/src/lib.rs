@@ -1,14 +1,14 @@
-//! Raw bindings to the [MuJoCo](https://mujoco.org) physics engine, for `mujoco-safe`, and the C shim through which the
-//! engine's fatal errors come back as return codes ([`guard`]) and its callbacks may fail ([`callback`]).
+//! Raw bindings to the [MuJoCo](https://mujoco.org) physics engine, and a C shim that returns the engine's fatal errors as
+//! codes ([`guard`]) and lets its callbacks fail ([`callback`]).
 //!
-//! Everything here but [`stderr`] is `unsafe` or a plain C type; the safe crate is `mujoco-safe`. The bindings are bindgen's. Those of
-//! MuJoCo 2.2.2 (Debian's `libmujoco-dev`) are committed and compared with the installed headers by this crate's tests; the
-//! feature `bindgen` makes them anew for the headers that are found (`MUJOCO_DIR`, then the system).
+//! Everything except [`stderr`] is `unsafe` or a plain C type; the safe crate is `mujoco-safe`. bindgen generates the bindings. Those of
+//! MuJoCo 2.2.2 (Debian's `libmujoco-dev`) are committed, and this crate's tests compare them with the installed headers. The
+//! feature `bindgen` generates bindings for the installed headers (in `MUJOCO_DIR`, else in the system directories).
 //!
-//! # What dependants see
+//! # Build script metadata
 //!
-//! A crate that depends directly on this one gets, in its build script, `DEP_MUJOCO_VERSION` (222 for 2.2.2),
-//! `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and, for an engine that the loader does not find by itself, `DEP_MUJOCO_RPATH`.
+//! The build script of a crate that depends directly on this one receives `DEP_MUJOCO_VERSION` (222 for 2.2.2),
+//! `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and, for an engine outside the loader's search path, `DEP_MUJOCO_RPATH`.
 
 pub mod callback;
 pub mod guard;
@@ -24,7 +24,7 @@ pub mod stderr;
     clippy::pedantic,
     clippy::undocumented_unsafe_blocks,
     rustdoc::all,
-    reason = "generated from the engine's headers, whose names and comments these are"
+    reason = "generated from the engine's headers, with their names and comments"
 )]
 mod bindings {
     include!(concat!(env!("OUT_DIR"), "/bindings.rs"));
@@ -32,7 +32,7 @@ mod bindings {
 
 pub use bindings::*;
 
-/// The fields of `mjModel`, `mjData`, `mjOption`, `mjVisual` and `mjStatistic` as the headers describe them: a line for each,
-/// under a line of headings, with struct (without `mj`), kind, C type, name, rows, columns and comment, separated by tabs. The
-/// kind is `size`, `scalar`, `vector` (an array within the struct) or `array` (one behind a pointer); `Visual` has dotted names.
+/// Table of the fields of `mjModel`, `mjData`, `mjOption`, `mjVisual` and `mjStatistic`, from the headers. Each line after the headings has
+/// the struct (without `mj`), kind, C type, name, rows, columns and comment, separated by tabs. The kind is
+/// `size`, `scalar`, `vector` (an array within the struct) or `array` (behind a pointer). Names in `Visual` are dotted.
 pub const FIELDS: &str = include_str!(concat!(env!("OUT_DIR"), "/fields.tsv"));

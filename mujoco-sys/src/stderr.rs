@@ -7,12 +7,12 @@ unsafe extern "C" {
     fn mujoco_sys_capture_end(mark: usize) -> *const c_char;
 }
 
-/// Ends the capture if `call` panics, too.
+/// Ends the capture on drop, so also if the captured closure panics.
 struct Capture(usize);
 
 impl Capture {
     fn end(&self) -> String {
-        // SAFETY: the capture began in this thread and is ended once. The text is this thread's own buffer, ends with NUL, and is
+        // SAFETY: the capture began in this thread and ends once. The text is this thread's buffer, is terminated by NUL, and is
         // copied before the next capture ends.
         unsafe { CStr::from_ptr(mujoco_sys_capture_end(self.0)) }.to_string_lossy().into_owned()
     }
@@ -24,10 +24,10 @@ impl Drop for Capture {
     }
 }
 
-/// Runs `call`, and returns with its result the first 4095 bytes that this thread printed meanwhile to the C library's `stderr`,
-/// instead of printing them. Other threads print as before, and so does Rust, whose `eprintln!` does not use the C library.
+/// Runs `call` and returns its result and the first 4095 bytes that this thread printed to the C library's `stderr` during the call. The
+/// captured text is not printed. Output of other threads, and of Rust's `eprintln!`, which does not use the C library, is not captured.
 ///
-/// Captures with glibc only. With other C libraries the text is printed, and the returned text is empty.
+/// Requires glibc. With other C libraries the text is printed and the returned text is empty.
 ///
 /// ```
 /// let (sum, printed) = mujoco_sys::stderr::captured(|| 1 + 1);

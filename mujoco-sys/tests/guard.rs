@@ -1,4 +1,4 @@
-//! The guard: an error of the engine comes back as a return code with its text, and the engine goes on working.
+//! Tests of the guard: an engine error becomes a return code with the error's text, and the engine remains usable.
 
 use std::cell::Cell;
 use std::ffi::{CStr, CString};
@@ -14,8 +14,8 @@ use std::thread;
 use mujoco_sys::guard::{self, ERROR, OK};
 use mujoco_sys::{mjData, mjModel, stderr};
 
-/// A ball that lies on the floor (so that the solver has work) and a hinge with a motor. The engine's stack is smaller than the
-/// number of errors that a test makes it survive.
+/// A ball on the floor, which gives the solver a contact, and a hinge with a motor. The engine's stack has fewer bytes than
+/// one test raises errors.
 const MODEL: &str = r#"
 <mujoco>
   <size nstack="5000"/>
@@ -27,10 +27,10 @@ const MODEL: &str = r#"
   <actuator><motor joint="hinge"/></actuator>
 </mujoco>"#;
 
-/// A number that no enum of the engine has.
+/// An invalid value of every enum of the engine.
 const UNKNOWN: c_int = 99;
 
-/// A compiled model and one data of it, for one thread.
+/// A compiled model and its data, used by one thread.
 struct Simulation {
     model: *mut mjModel,
     data: *mut mjData,
@@ -41,7 +41,7 @@ impl Simulation {
         install();
         let model = load(MODEL).expect("the model is valid");
         let mut data = ptr::null_mut();
-        // SAFETY: the model was loaded just now and the result goes to a local variable.
+        // SAFETY: the model is loaded, and the result is written to a local variable.
         let code = unsafe { guard::mj_make_data(model, &raw mut data) };
         assert_eq!(code, OK);
         assert!(!data.is_null());
@@ -49,7 +49,7 @@ impl Simulation {
     }
 
     fn step(&self) -> Result<(), String> {
-        // SAFETY: both live as long as `self`, the data was made for this model, and no other thread has them.
+        // SAFETY: both live as long as `self`, the data belongs to this model, and no other thread uses them.
         result(unsafe { guard::mj_step(self.model, self.data) })
     }
 
@@ -63,13 +63,13 @@ impl Simulation {
         unsafe { (*self.model).opt.solver = solver };
     }
 
-    /// Makes the computation of the motor's transmission fail, in the middle of work on the engine's stack.
+    /// Makes the computation of the motor's transmission fail while the engine's stack is in use.
     fn set_transmission(&self, transmission: c_int) {
         // SAFETY: the model lives as long as `self` and has one actuator.
         unsafe { *(*self.model).actuator_trntype = transmission };
     }
 
-    fn stack_mark(&self) -> usize {
+    fn stack_top(&self) -> usize {
         // SAFETY: the data lives as long as `self`.
         unsafe { (*self.data).pstack as usize }
     }
@@ -77,7 +77,7 @@ impl Simulation {
 
 impl Drop for Simulation {
     fn drop(&mut self) {
-        // SAFETY: both came from the engine and are freed once.
+        // SAFETY: the engine allocated both, and they are freed once.
         unsafe {
             mujoco_sys::mj_deleteData(self.data);
             mujoco_sys::mj_deleteModel(self.model);
@@ -85,11 +85,11 @@ impl Drop for Simulation {
     }
 }
 
-/// Installs the guards' handler and the callback of this file, once and before any engine is at work.
+/// Installs the guards' handler and this file's callback, once, before the first engine call.
 fn install() {
     static INSTALLED: OnceLock<()> = OnceLock::new();
     INSTALLED.get_or_init(|| {
-        // SAFETY: every test comes here before it lets the engine work, so that nobody reads the two global pointers now.
+        // SAFETY: every test calls this function before its first engine call, so no thread reads the two global pointers now.
         unsafe {
             guard::install(None);
             mujoco_sys::mjcb_control = Some(control);
@@ -103,26 +103,26 @@ fn load(xml: &str) -> Result<*mut mjModel, String> {
     let number = COUNT.fetch_add(1, Ordering::Relaxed);
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let file = directory.join(format!("guard-{}-{number}.xml", std::process::id()));
-    fs::write(&file, xml).expect("the directory for tests' files can be written to");
+    fs::write(&file, xml).expect("the test directory is writable");
     let name = CString::new(file.to_str().expect("a path of UTF-8")).expect("a path without NUL");
     let mut error = [0 as c_char; 300];
     let mut model = ptr::null_mut();
-    // SAFETY: the name and the buffer, whose length is given, outlive the call; without a virtual file system the engine reads
-    // the file.
+    // SAFETY: the name and the buffer of the given length outlive the call. A null virtual file system makes the engine read the
+    // file.
     let code = unsafe {
         guard::mj_load_xml(name.as_ptr(), ptr::null(), error.as_mut_ptr(), error.len() as c_int, &raw mut model)
     };
     fs::remove_file(&file).expect("the file was written above");
     result(code)?;
     if model.is_null() {
-        // SAFETY: the engine ends its text with NUL, within the length it was given.
+        // SAFETY: the engine terminates its text with NUL within the given length.
         let text = unsafe { CStr::from_ptr(error.as_ptr()) };
         return Err(text.to_string_lossy().into_owned());
     }
     Ok(model)
 }
 
-/// A guarded call's code, with the text of the error.
+/// Converts a return code into a result with the error's text.
 fn result(code: c_int) -> Result<(), String> {
     match code {
         OK => Ok(()),
@@ -132,7 +132,7 @@ fn result(code: c_int) -> Result<(), String> {
 }
 
 fn message() -> String {
-    // SAFETY: the text belongs to this thread and is copied before the next guarded call.
+    // SAFETY: the text belongs to this thread and is copied before this thread's next guarded call.
     unsafe { CStr::from_ptr(guard::message()) }.to_string_lossy().into_owned()
 }
 
@@ -141,18 +141,18 @@ fn error(text: &str) -> Result<(), String> {
 }
 
 thread_local! {
-    /// What the callback does in this thread, and what came of it.
+    /// Task of this thread's callback, and its outcome.
     static CALLBACK: Cell<Callback> = const { Cell::new(Callback::Idle) };
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Callback {
     Idle,
-    /// Step this simulation, whose model is broken.
+    /// Step this simulation, whose model is invalid.
     Step(*mut mjModel, *mut mjData),
-    /// Compute the forward dynamics of the data that the outer call works on, with this broken model.
+    /// Compute the forward dynamics of the outer call's data with this invalid model.
     ForwardOuterData(*mut mjModel),
-    /// The code of the inner call, and the outer data's stack mark before and after it.
+    /// Return code of the inner call, and the stack top of the outer data before and after it.
     Done {
         code: c_int,
         before: usize,
@@ -161,39 +161,39 @@ enum Callback {
 }
 
 unsafe extern "C" fn control(_: *const mjModel, data: *mut mjData) {
-    // The inner call comes here too, and then finds nothing to do.
+    // The inner call invokes this callback too, with nothing left to do.
     let task = CALLBACK.replace(Callback::Idle);
-    // SAFETY: the engine calls with the data it works on.
-    let mark = || unsafe { (*data).pstack as usize };
-    let before = mark();
+    // SAFETY: the engine passes the data of the current call.
+    let top = || unsafe { (*data).pstack as usize };
+    let before = top();
     let code = match task {
         Callback::Idle | Callback::Done { .. } => return,
-        // SAFETY: the test that set the task keeps model and data alive during its step.
+        // SAFETY: the test that set the task keeps model and data alive during the step.
         Callback::Step(model, inner) => unsafe { guard::mj_step(model, inner) },
-        // SAFETY: the model is that of the outer call or has its sizes, and lives during the step.
+        // SAFETY: the model has the sizes of the outer call's model and lives during the step.
         Callback::ForwardOuterData(model) => unsafe { guard::mj_forward(model, data) },
     };
-    CALLBACK.set(Callback::Done { code, before, after: mark() });
+    CALLBACK.set(Callback::Done { code, before, after: top() });
 }
 
 #[test]
-fn the_engine_that_runs_is_the_version_of_the_header() {
+fn the_loaded_engine_has_the_version_of_the_headers() {
     install();
     let mut version = 0;
-    // SAFETY: the result goes to a local variable.
+    // SAFETY: the result is written to a local variable.
     let code = unsafe { guard::mj_version(&raw mut version) };
     assert_eq!((code, version), (OK, mujoco_sys::mjVERSION_HEADER as c_int));
 }
 
 #[test]
-fn an_engine_error_comes_back_with_its_text() {
+fn an_engine_error_is_returned_with_its_text() {
     let simulation = Simulation::new();
     simulation.set_integrator(UNKNOWN);
     assert_eq!(simulation.step(), error("Invalid integrator"));
 }
 
 #[test]
-fn once_its_cause_is_gone_the_engine_works_again() {
+fn the_engine_works_again_after_the_cause_of_an_error_is_removed() {
     let simulation = Simulation::new();
     simulation.set_integrator(UNKNOWN);
     assert!(simulation.step().is_err());
@@ -202,18 +202,18 @@ fn once_its_cause_is_gone_the_engine_works_again() {
 }
 
 #[test]
-fn a_mistake_in_a_model_is_told_by_the_loader_and_is_no_engine_error() {
+fn an_invalid_model_is_a_loader_message_and_not_an_engine_error() {
     install();
-    let told = load("<mujoco><worldbody><body/><geom/></worldbody></mujoco>").expect_err("a geom without a size");
-    assert!(told.contains("size"), "{told}");
+    let message = load("<mujoco><worldbody><body/><geom/></worldbody></mujoco>").expect_err("a geom without a size");
+    assert!(message.contains("size"), "{message}");
 }
 
 #[test]
 fn an_engine_error_inside_the_loader_leaves_the_thread_able_to_load_and_to_step() {
     install();
-    // The stack is too small for the first forward computation, which the compiler makes.
-    let told = load(&MODEL.replace("5000", "1")).expect_err("too small a stack");
-    assert!(told.contains("Stack overflow"), "{told}");
+    // The stack is too small for the forward computation during compilation.
+    let message = load(&MODEL.replace("5000", "1")).expect_err("the stack is too small");
+    assert!(message.contains("Stack overflow"), "{message}");
     let simulation = Simulation::new();
     simulation.set_integrator(UNKNOWN);
     assert_eq!(simulation.step(), error("Invalid integrator"));
@@ -223,21 +223,21 @@ fn an_engine_error_inside_the_loader_leaves_the_thread_able_to_load_and_to_step(
 fn out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_to_step() {
     const LIMITED: &str = "MUJOCO_SYS_TEST_LIMITED";
     if std::env::var_os(LIMITED).is_none() {
-        // Without a limit of its own, the process would take all memory there is: this test alone, again, in a process with one.
+        // Runs this test again in a child process with a memory limit; without one, the test would exhaust the machine's memory.
         let output = Command::new("sh")
             .args(["-c", r#"ulimit -v 4000000 && exec "$0" --exact "$1""#])
             .arg(std::env::current_exe().expect("a test is a program"))
             .arg("out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_to_step")
             .env(LIMITED, "1")
             .output()
-            .expect("there is a shell");
-        let said = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success() && said.contains("1 passed"), "{output:?}");
+            .expect("the shell runs");
+        let stdout = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && stdout.contains("1 passed"), "{output:?}");
         return;
     }
     install();
-    let told = load(&MODEL.replace("<worldbody>", r#"<size nuser_body="2147483647"/><worldbody>"#));
-    assert_eq!(told, Err("code 2: out of memory".to_owned()));
+    let outcome = load(&MODEL.replace("<worldbody>", r#"<size nuser_body="2147483647"/><worldbody>"#));
+    assert_eq!(outcome, Err("code 2: out of memory".to_owned()));
     let simulation = Simulation::new();
     simulation.set_integrator(UNKNOWN);
     assert_eq!(simulation.step(), error("Invalid integrator"));
@@ -245,7 +245,7 @@ fn out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 #[test]
-fn a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before() {
+fn a_capture_stores_the_output_of_its_thread_and_forwards_that_of_others() {
     unsafe extern "C" {
         #[link_name = "stderr"]
         static STDERR: *mut std::ffi::c_void;
@@ -253,16 +253,12 @@ fn a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before() {
     }
     const CHILD: &str = "MUJOCO_SYS_TEST_PRINTS";
     const LINES: usize = 20_000;
-    // The convex hull library prints 28 lines about it.
+    // The convex hull library prints 28 lines about this mesh.
     const FLAT: &str = "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 1 1 0'/></asset>
         <worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>";
     if std::env::var_os(CHILD).is_none() {
         let output = Command::new(std::env::current_exe().expect("a test is a program"))
-            .args([
-                "--exact",
-                "--nocapture",
-                "a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before",
-            ])
+            .args(["--exact", "--nocapture", "a_capture_stores_the_output_of_its_thread_and_forwards_that_of_others"])
             .env(CHILD, "1")
             .output()
             .expect("the program runs");
@@ -275,7 +271,7 @@ fn a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before() {
     thread::scope(|scope| {
         scope.spawn(|| {
             for _ in 0..LINES {
-                // SAFETY: a string that ends with NUL, and the stream that the C library's variable has at the moment.
+                // SAFETY: the string is terminated by NUL, and the stream is the current value of the C library's variable.
                 unsafe { fputs(c"printed\n".as_ptr(), ptr::read_volatile(&raw const STDERR)) };
                 lines.fetch_add(1, Ordering::Relaxed);
             }
@@ -284,10 +280,11 @@ fn a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before() {
             scope.spawn(|| {
                 let mut loads = 0;
                 while loads < 20 || lines.load(Ordering::Relaxed) < LINES as u32 {
-                    let (told, printed) = stderr::captured(|| load(FLAT).expect_err("a flat mesh has no convex hull"));
+                    let (message, printed) =
+                        stderr::captured(|| load(FLAT).expect_err("a flat mesh has no convex hull"));
                     assert!(
-                        told.contains("qhull error") && printed.contains("Initial simplex is flat"),
-                        "{told} {printed}"
+                        message.contains("qhull error") && printed.contains("Initial simplex is flat"),
+                        "{message} {printed}"
                     );
                     assert!(!printed.contains("printed"));
                     loads += 1;
@@ -298,16 +295,15 @@ fn a_capture_keeps_what_its_thread_prints_and_other_threads_print_as_before() {
 }
 
 #[test]
-fn after_an_error_the_stack_mark_is_where_it_was() {
+fn an_error_restores_the_stack_top() {
     let simulation = Simulation::new();
     simulation.set_transmission(UNKNOWN);
-    let before = simulation.stack_mark();
+    let before = simulation.stack_top();
     assert!(simulation.step().is_err());
-    assert_eq!(simulation.stack_mark(), before);
+    assert_eq!(simulation.stack_top(), before);
 }
 
-/// Each of these errors is raised while the engine's stack holds something: with the mark left there, the stack would be full
-/// before the end.
+/// Each of these errors is raised while the engine's stack is in use. Without the restoration the stack would overflow.
 #[test]
 fn ten_thousand_errors_do_not_fill_the_engines_stack() {
     let simulation = Simulation::new();
@@ -320,12 +316,12 @@ fn ten_thousand_errors_do_not_fill_the_engines_stack() {
 }
 
 #[test]
-fn two_threads_that_fail_at_once_each_keep_their_own_text() {
+fn each_thread_keeps_its_own_error_text() {
     install();
     let start = Barrier::new(2);
-    let fail = |expected: &str, break_it: fn(&Simulation)| {
+    let fail = |expected: &str, invalidate: fn(&Simulation)| {
         let simulation = Simulation::new();
-        break_it(&simulation);
+        invalidate(&simulation);
         start.wait();
         for count in 0..1000 {
             assert_eq!(simulation.step(), error(expected), "error {count}");
@@ -345,19 +341,19 @@ fn an_error_inside_a_callback_ends_the_inner_call_and_not_the_outer_one() {
     assert_eq!(outer.step(), Ok(()));
     assert!(matches!(CALLBACK.get(), Callback::Done { code: ERROR, .. }), "{:?}", CALLBACK.get());
     assert_eq!(message(), "Invalid integrator");
-    // The outer guard is out of the chain again: the next error goes to its own call.
+    // The outer guard has left the chain: the next error returns from its own call.
     outer.set_integrator(UNKNOWN);
     assert_eq!(outer.step(), error("Invalid integrator"));
 }
 
 #[test]
-fn an_error_inside_a_callback_restores_the_mark_of_its_own_entry() {
-    let (outer, broken) = (Simulation::new(), Simulation::new());
-    broken.set_transmission(UNKNOWN);
-    CALLBACK.set(Callback::ForwardOuterData(broken.model));
-    // The outer call has work on the stack when it comes to the callback.
+fn an_error_inside_a_callback_restores_the_stack_top_at_its_own_entry() {
+    let (outer, invalid) = (Simulation::new(), Simulation::new());
+    invalid.set_transmission(UNKNOWN);
+    CALLBACK.set(Callback::ForwardOuterData(invalid.model));
+    // The outer call uses the stack when it reaches the callback.
     let none = ptr::null_mut();
-    // SAFETY: both live as long as `outer`, and matrices that are null are not asked for.
+    // SAFETY: both live as long as `outer`, and null matrices are not computed.
     let code = unsafe { guard::mjd_transition_fd(outer.model, outer.data, 1e-6, 0, none, none, none, none) };
     assert_eq!(result(code), Ok(()));
     let Callback::Done { code, before, after } = CALLBACK.get() else { panic!("the callback was not called") };
@@ -370,7 +366,7 @@ fn an_error_inside_a_callback_restores_the_mark_of_its_own_entry() {
 fn after_an_inner_error_an_error_of_the_outer_call_reaches_the_outer_guard() {
     let (outer, inner) = (Simulation::new(), Simulation::new());
     inner.set_transmission(UNKNOWN);
-    // The callback runs before the solver does.
+    // The callback runs before the solver.
     outer.set_solver(UNKNOWN);
     CALLBACK.set(Callback::Step(inner.model, inner.data));
     assert_eq!(outer.step(), error("Unknown solver type 99"));

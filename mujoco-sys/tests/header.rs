@@ -1,8 +1,8 @@
-//! The bindings against the headers of the engine that is installed, with nothing but a C compiler.
+//! Compares the bindings with the headers of the installed engine, using only a C compiler.
 //!
-//! Everything that the bindings declare is translated into C that compiles only if the headers declare the same: sizes,
-//! alignments, offsets and types of fields, values of constants, types of functions and of global variables. What the headers
-//! have beyond the bindings is looked for among the functions, and in the table of fields.
+//! The test translates all declarations of the bindings into C that compiles only if the headers declare the same: sizes,
+//! alignments, offsets and types of fields, values of constants, types of functions and of global variables. Further tests compare the
+//! list of functions and the field table in both directions.
 
 #[path = "header/c.rs"]
 mod c;
@@ -17,23 +17,23 @@ use std::path::Path;
 
 use rust::{Item, Type};
 
-/// The bindings that this crate was compiled with: the committed ones, unless the feature `bindgen` made others.
+/// The bindings of this build: the committed ones, or with the feature `bindgen` the generated ones.
 const BINDINGS: &str = include_str!(concat!(env!("OUT_DIR"), "/bindings.rs"));
 const COMMITTED: &str = include_str!("../src/bindings/v2_2_2.rs");
 const COMMITTED_VERSION: u32 = 222;
 const INCLUDE: &str = env!("MUJOCO_SYS_INCLUDE");
 
-/// The C compiler of the build script, which sets from the environment what a test has to say.
+/// The build script's C compiler. A build script gets target, host and optimisation level from the environment; a test must set them.
 fn compiler() -> cc::Build {
     let mut build = cc::Build::new();
     build.target(env!("MUJOCO_SYS_TARGET")).host(env!("MUJOCO_SYS_TARGET")).opt_level(0).cargo_metadata(false);
     build
 }
 
-/// What the C compiler says of this text: nothing, or its errors.
+/// Compiles C text, and returns the compiler's errors.
 fn compile(name: &str, text: &str) -> Result<(), String> {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).with_extension("c");
-    fs::write(&file, text).expect("the directory for tests' files can be written to");
+    fs::write(&file, text).expect("the test directory is writable");
     let output = compiler()
         .include(INCLUDE)
         .get_compiler()
@@ -46,9 +46,9 @@ fn compile(name: &str, text: &str) -> Result<(), String> {
 }
 
 #[test]
-fn everything_that_the_bindings_declare_is_what_the_header_declares() {
+fn every_declaration_of_the_bindings_matches_the_headers() {
     let (text, checked) = c::checks(&rust::items(BINDINGS));
-    // As many of each kind as the bindings have, counted in another way: no check was lost in translation.
+    // Counts the declarations of each kind independently, so that the translation cannot lose a check.
     let lines = |start: &str| BINDINGS.lines().filter(|line| line.trim_start().starts_with(start)).count();
     let expected = c::Checked {
         constants: lines("pub const "),
@@ -62,13 +62,13 @@ fn everything_that_the_bindings_declare_is_what_the_header_declares() {
     assert_eq!(checked, expected);
     assert!(checked.functions > 200 && checked.fields > 800, "{checked:?}");
     if let Err(errors) = compile("bindings", &text) {
-        panic!("the bindings are not those of the header in {INCLUDE}:\n{errors}");
+        panic!("the bindings differ from the headers in {INCLUDE}:\n{errors}");
     }
 }
 
-/// A difference of each kind, made by a change to the text of the bindings, is an error that names what differs.
+/// Changes the text of the bindings in each possible way and expects an error that names the difference.
 #[test]
-fn a_difference_of_any_kind_between_bindings_and_header_is_found() {
+fn a_difference_of_any_kind_between_bindings_and_headers_is_detected() {
     let changes = [
         ("constant", "mjMAXCONPAIR: u32 = ", "mjMAXCONPAIR: u32 = 1", "mjMAXCONPAIR"),
         ("real_constant", "mjMINVAL: f64 = 0.0", "mjMINVAL: f64 = 0.1", "mjMINVAL"),
@@ -92,7 +92,7 @@ fn a_difference_of_any_kind_between_bindings_and_header_is_found() {
         let (text, _) = c::checks(&rust::items(&changed));
         let outcome = compile(name, &text);
         if name == "function" {
-            // A declaration of what the headers do not have is no error in C: the comparison of the lists finds it.
+            // C accepts a declaration that the headers lack; the comparison of the lists detects it.
             assert_eq!(outcome, Ok(()));
             assert_ne!(bound_functions(&changed), declared_functions());
             continue;
@@ -103,11 +103,11 @@ fn a_difference_of_any_kind_between_bindings_and_header_is_found() {
 }
 
 #[test]
-fn the_bindings_have_exactly_the_functions_of_the_header() {
+fn the_bindings_have_exactly_the_functions_of_the_headers() {
     let (bound, declared) = (bound_functions(BINDINGS), declared_functions());
     let missing: Vec<_> = declared.difference(&bound).collect();
     let unknown: Vec<_> = bound.difference(&declared).collect();
-    assert!(missing.is_empty() && unknown.is_empty(), "not bound: {missing:?}; not in the header: {unknown:?}");
+    assert!(missing.is_empty() && unknown.is_empty(), "not bound: {missing:?}; not in the headers: {unknown:?}");
 }
 
 fn bound_functions(bindings: &str) -> BTreeSet<String> {
@@ -117,13 +117,13 @@ fn bound_functions(bindings: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// What stands between `MJAPI` and a parenthesis, in every header.
+/// Returns the names of all functions that the headers export: the names between `MJAPI` and a parenthesis.
 fn declared_functions() -> BTreeSet<String> {
-    let headers = fs::read_dir(Path::new(INCLUDE).join("mujoco")).expect("the headers were there for the build script");
+    let headers = fs::read_dir(Path::new(INCLUDE).join("mujoco")).expect("the build script found the headers");
     let mut functions = BTreeSet::new();
     for header in headers {
         let path = header.expect("a directory can be read").path();
-        // Debian's sources have Latin-1 in places.
+        // Some of Debian's headers contain Latin-1.
         let text = String::from_utf8_lossy(&fs::read(&path).expect("a header can be read")).into_owned();
         let code: String = text
             .lines()
@@ -143,8 +143,8 @@ fn declared_functions() -> BTreeSet<String> {
 }
 
 #[test]
-fn the_committed_table_of_fields_is_that_of_the_headers() {
-    // For another engine the build script makes the table, from the same headers.
+fn the_committed_field_table_is_that_of_the_headers() {
+    // For another engine the build script generates the table from the same headers.
     if mujoco_sys::mjVERSION_HEADER == COMMITTED_VERSION {
         let fields_h = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/build/fields.h"));
         let made = fields::table(Path::new(INCLUDE), fields_h, compiler().get_compiler().to_command())
@@ -154,13 +154,13 @@ fn the_committed_table_of_fields_is_that_of_the_headers() {
     }
 }
 
-/// Members that the table leaves out, and why.
+/// Members that the table omits, with the reason.
 const NOT_IN_THE_TABLE: [(&str, &str, &str); 6] = [
     ("Model", "opt", "its members are those of Option"),
     ("Model", "vis", "its members are those of Visual"),
     ("Model", "stat", "its members are those of Statistic"),
-    ("Model", "buffer", "the memory that all arrays of the model lie in"),
-    ("Data", "buffer", "the memory that all arrays of the data lie in"),
+    ("Model", "buffer", "the memory of all arrays of the model"),
+    ("Data", "buffer", "the memory of all arrays of the data"),
     ("Data", "stack", "the engine's scratch memory"),
 ];
 
@@ -174,7 +174,7 @@ fn the_table_has_every_member_of_the_structs_with_its_type_and_length() {
     for (owner, name, why) in NOT_IN_THE_TABLE {
         let count = declared.len();
         declared.retain(|member| !member.starts_with(&format!("{owner} {name} ")));
-        assert_eq!(declared.len() + 1, count, "{owner}.{name}, left out because it is {why}, is a member");
+        assert_eq!(declared.len() + 1, count, "{owner}.{name} ({why}) is not a member of the struct");
     }
     let lines: Vec<Vec<&str>> = mujoco_sys::FIELDS.lines().skip(1).map(|line| line.split('\t').collect()).collect();
     let table: BTreeSet<String> = lines
@@ -188,14 +188,14 @@ fn the_table_has_every_member_of_the_structs_with_its_type_and_length() {
             _ => panic!("not a line of the table: {line:?}"),
         })
         .collect();
-    assert_eq!(table.len(), lines.len(), "each is there once");
+    assert_eq!(table.len(), lines.len(), "no line occurs twice");
     let missing: Vec<_> = declared.difference(&table).collect();
     let unknown: Vec<_> = table.difference(&declared).collect();
     assert!(missing.is_empty() && unknown.is_empty(), "not in the table: {missing:?}; not in the structs: {unknown:?}");
-    assert!(lines.iter().all(|line| !line[6].is_empty()), "each has a comment");
+    assert!(lines.iter().all(|line| !line[6].is_empty()), "every field has a comment");
 }
 
-/// The members of the record `of`, as the table would have them: `Visual global.fovy float`.
+/// Adds the members of the record `of` in the table's format: `Visual global.fovy float`.
 fn add_members(items: &[Item], owner: &str, of: &str, before: &str, to: &mut BTreeSet<String>) {
     let fields = items.iter().find_map(|item| match item {
         Item::Record { name, fields, .. } if name == of => Some(fields),
@@ -231,7 +231,7 @@ fn c_name(rust: &str) -> &str {
     }
 }
 
-/// A number, or the constant of this name.
+/// Returns the value of a number or of a named constant.
 fn length(items: &[Item], length: &str) -> usize {
     let value = items.iter().find_map(|item| match item {
         Item::Constant { name, value } if name == length => Some(value.as_str()),
@@ -249,15 +249,15 @@ fn without_bindgen_the_bindings_are_the_committed_ones() {
 
 #[cfg(feature = "bindgen")]
 #[test]
-fn bindgen_makes_the_committed_bindings_from_the_header_of_their_version() {
+fn bindgen_generates_the_committed_bindings_from_the_headers_of_their_version() {
     if mujoco_sys::mjVERSION_HEADER == COMMITTED_VERSION {
-        // The first line names the version of bindgen.
+        // The first line contains the version of bindgen.
         let body = |text: &'static str| text.split_once('\n').expect("more than a line").1;
         assert_eq!(first_difference(body(COMMITTED), body(BINDINGS)), None);
     }
 }
 
-/// The first line in which two texts differ: its number, and what each has there.
+/// Returns the number of the first line that differs, and the line of each text.
 fn first_difference<'a>(a: &'a str, b: &'a str) -> Option<(usize, Option<&'a str>, Option<&'a str>)> {
     let (mut left, mut right) = (a.lines(), b.lines());
     let count = a.lines().count().max(b.lines().count());

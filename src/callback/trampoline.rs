@@ -73,7 +73,7 @@ pub(super) fn install(callbacks: &Callbacks<'_>) {
     ] {
         if wanted {
             // SAFETY: the handler looks at nothing but its own thread's simulation, catches every panic, and raises no error.
-            unsafe { asked::answer(what, handler) };
+            unsafe { asked::install_callback(what, handler) };
         }
     }
 }

@@ -25,7 +25,7 @@ impl Data {
         self.check_inputs()?;
         self.run("mj_step", Computed::AFTER_STEP, |m, d| {
             // SAFETY: `run` passes a model and a data that go together, and the state was found good above.
-            unsafe { guard::step_from_good_state(m, d) }
+            unsafe { guard::step_prechecked(m, d) }
         })
     }
 

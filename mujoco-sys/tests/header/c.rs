@@ -1,15 +1,15 @@
-//! Writes what the bindings say as C that compiles only if the engine's headers say the same.
+//! Translates the bindings into C that compiles only if the engine's headers declare the same.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use crate::rust::{Item, Layout, Signature, Type};
 
-/// What bindgen calls a field that has no name in the headers, and with it the type of that field.
+/// Prefixes of bindgen's names for unnamed fields and their types.
 const UNNAMED_FIELD: &str = "__bindgen_anon_";
 const UNNAMED_TYPE: &str = "__bindgen_ty_";
 
-/// How many declarations of each kind the C text checks.
+/// Number of declarations of each kind that the C text checks.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Checked {
     pub(crate) constants: usize,
@@ -21,12 +21,12 @@ pub(crate) struct Checked {
     pub(crate) layouts: usize,
 }
 
-/// The C text, and what it checks.
+/// Returns the C text and the number of its checks.
 pub(crate) fn checks(items: &[Item]) -> (String, Checked) {
     let names = Names::of(items);
     let mut c = String::from("#include <stddef.h>\n#include <stdint.h>\n#include <mujoco/mujoco.h>\n");
     let mut checked = Checked::default();
-    // The headers' unnamed structs get bindgen's name for them, so that all that follows can speak of them.
+    // Gives the headers' unnamed structs bindgen's names, for use in the declarations below.
     for (name, owner, field) in &names.unnamed {
         let owner = names.c(owner);
         writeln!(c, "typedef __typeof__((({owner}*)0)->{field}) {name};").expect("a String takes all");
@@ -47,7 +47,7 @@ pub(crate) fn checks(items: &[Item]) -> (String, Checked) {
             }
             Item::Record { name, fields, .. } => {
                 checked.records += 1;
-                // The fields of an unnamed union are its owner's, and checked as such.
+                // The fields of an unnamed union are checked as fields of its owner.
                 checked.fields += fields.iter().filter(|(field, _)| !field.starts_with(UNNAMED_FIELD)).count();
                 fields.iter().map(|(field, of)| names.field(name, field, of)).collect()
             }
@@ -69,19 +69,18 @@ pub(crate) fn checks(items: &[Item]) -> (String, Checked) {
     (c, checked)
 }
 
-/// A check of its own line, whose message names what is wrong.
+/// Returns a static assertion on its own line, with a message that names the difference.
 fn claim(condition: &str, what: &str) -> String {
     format!("_Static_assert({condition}, \"{what}\");\n")
 }
 
-/// What the bindings' names are called in C.
+/// C names of the bindings' types.
 struct Names<'a> {
-    /// `struct`, `union` or `enum`, for the tags.
+    /// `struct`, `union` or `enum` for each tag.
     tags: HashMap<&'a str, &'static str>,
-    /// bindgen's names of unnamed structs that are the type of a field, with the owner of the field and its name.
+    /// bindgen's names of the unnamed structs of fields, with the owner and the name of the field.
     unnamed: Vec<(&'a str, &'a str, &'a str)>,
-    /// Unnamed unions whose fields are, in C, fields of the struct around them, with the name of that struct and of the first
-    /// field.
+    /// Unnamed unions whose fields belong in C to the enclosing struct, with the names of that struct and of the first field.
     merged: HashMap<&'a str, (&'a str, &'a str)>,
 }
 
@@ -112,7 +111,7 @@ impl<'a> Names<'a> {
         names
     }
 
-    /// The C name of a type.
+    /// Returns the C name of a type.
     fn c(&self, name: &str) -> String {
         let c = match name {
             "c_void" => "void",
@@ -145,7 +144,7 @@ impl<'a> Names<'a> {
         c.to_owned()
     }
 
-    /// A C declaration of `inner` with this type: inside out, as C has it.
+    /// Returns the C declaration of `inner` with this type, inside out as C requires.
     fn declare(&self, of: &Type, inner: &str, constant: bool) -> String {
         let qualifier = if constant { "const " } else { "" };
         match of {
@@ -176,11 +175,11 @@ impl<'a> Names<'a> {
     fn alias(&self, name: &str, of: &Type) -> String {
         let int = matches!(of, Type::Named(of) if is_int(of));
         if int && self.tags.contains_key(name) {
-            // Which integer an enum is, is the compiler's choice: this one's sign and size have to be bindgen's.
+            // The compiler chooses the integer type of an enum: its signedness and size must match bindgen's.
             let condition = format!("__builtin_types_compatible_p(enum {name}, {})", self.declare(of, "", false));
             claim(&condition, &format!("integer type of {name}"))
         } else {
-            // C allows a typedef twice, if it is the same.
+            // C allows a repeated typedef if both are the same.
             format!("typedef {};\n", self.declare(of, name, false))
         }
     }
@@ -198,7 +197,7 @@ impl<'a> Names<'a> {
 
     fn layout(&self, layout: &Layout) -> String {
         match layout {
-            // What an unnamed union takes shows in the offset of what comes after it, and in its owner's size.
+            // The size of an unnamed union shows in the offset of the next field and in its owner's size.
             Layout::Size { of, .. } | Layout::Alignment { of, .. } if self.merged.contains_key(of.as_str()) => {
                 String::new()
             }
@@ -225,7 +224,7 @@ fn is_int(name: &str) -> bool {
     matches!(name, "c_int" | "c_uint")
 }
 
-/// A field whose name is a keyword of Rust has an underscore behind it.
+/// Removes the underscore that bindgen appends to a field whose name is a Rust keyword.
 fn c_field(field: &str) -> &str {
     if field == "type_" { "type" } else { field }
 }

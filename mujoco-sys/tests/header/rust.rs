@@ -1,9 +1,9 @@
-//! Reads the bindings: only the Rust that bindgen writes, and a panic at anything else, so that nothing goes unchecked.
+//! Parser of the bindings. It accepts only the Rust that bindgen writes and panics on anything else, so that every declaration is checked.
 
-/// A type as the bindings write it.
+/// Type in the bindings.
 #[derive(Clone, Debug)]
 pub(crate) enum Type {
-    /// The last segment of a path: `c_int`, `f64`, `mjModel`.
+    /// Last segment of a path: `c_int`, `f64`, `mjModel`.
     Named(String),
     /// `*const T` or `*mut T`.
     Pointer { constant: bool, to: Box<Type> },
@@ -13,7 +13,7 @@ pub(crate) enum Type {
     Function(Signature),
 }
 
-/// Parameters, and the result if it is not `void`.
+/// Parameters, and the result unless it is `void`.
 #[derive(Clone, Debug)]
 pub(crate) struct Signature {
     pub(crate) parameters: Vec<Type>,
@@ -21,14 +21,14 @@ pub(crate) struct Signature {
     pub(crate) result: Option<Box<Type>>,
 }
 
-/// One declaration of the bindings.
+/// Declaration in the bindings.
 #[derive(Debug)]
 pub(crate) enum Item {
     Constant {
         name: String,
         value: String,
     },
-    /// `pub type`, and `pub use self::a as b`.
+    /// `pub type`, or `pub use self::a as b`.
     Alias {
         name: String,
         of: Type,
@@ -49,7 +49,7 @@ pub(crate) enum Item {
     Layout(Layout),
 }
 
-/// One line of bindgen's layout assertions.
+/// Line of bindgen's layout assertions.
 #[derive(Debug)]
 pub(crate) enum Layout {
     Size { of: String, bytes: usize },
@@ -57,7 +57,7 @@ pub(crate) enum Layout {
     Offset { of: String, field: String, bytes: usize },
 }
 
-/// All declarations of the bindings, in order.
+/// Returns all declarations of the bindings, in order.
 pub(crate) fn items(text: &str) -> Vec<Item> {
     let mut tokens = Tokens { rest: text };
     let mut items = Vec::new();
@@ -130,7 +130,7 @@ fn fields(tokens: &mut Tokens<'_>) -> Vec<(String, Type)> {
     fields
 }
 
-/// Everything from `(` on.
+/// Parses a signature from `(` on.
 fn signature(tokens: &mut Tokens<'_>) -> Signature {
     tokens.expect(&["("]);
     let mut parameters = Vec::new();
@@ -204,7 +204,7 @@ fn number(token: &str) -> usize {
     token.trim_end_matches("usize").parse().unwrap_or_else(|_| panic!("{token} is no number"))
 }
 
-/// Cuts the text into words, strings and signs.
+/// Tokeniser: words, strings and punctuation.
 struct Tokens<'a> {
     rest: &'a str,
 }
@@ -254,7 +254,7 @@ impl<'a> Tokens<'a> {
         self.next().to_owned()
     }
 
-    /// Steps over `token` if it comes next.
+    /// Consumes `token` if it is next.
     fn take(&mut self, token: &str) -> bool {
         let before = self.rest;
         let taken = self.next_if_any() == Some(token);
@@ -271,7 +271,7 @@ impl<'a> Tokens<'a> {
         }
     }
 
-    /// The tokens before `end`, with a blank between them.
+    /// Returns the tokens before `end`, separated by blanks.
     fn until(&mut self, end: &str) -> String {
         let mut words = Vec::new();
         loop {
@@ -282,7 +282,7 @@ impl<'a> Tokens<'a> {
         }
     }
 
-    /// An attribute's brackets, which may hold others.
+    /// Skips an attribute's brackets, which may be nested.
     fn skip_brackets(&mut self) {
         let mut depth = 0_u32;
         loop {
