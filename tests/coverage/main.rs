@@ -3,8 +3,12 @@
 
 #![forbid(unsafe_code)]
 
+mod element_views;
+mod engine_calls;
+mod field_docs;
 mod fields;
 mod functions;
+mod generated;
 mod kinds;
 mod promises;
 
