@@ -9,7 +9,7 @@ use std::sync::Arc;
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
 use crate::robot::{NEWTONS, Robot};
-use crate::{attempt, cost, planner, simulate, swing_up};
+use crate::{attempt, planner, robot, swing_up};
 
 /// Swings a pole up, and checks that everything on the way is what it should be.
 fn swing_up(model: &Arc<Model>, seed: u64) {

@@ -4,10 +4,10 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use crate::mutate::{DAMAGES, Damage, Map};
+use crate::print_all::print_all;
 use mujoco_safe::scene::{Camera, Categories, FrameMode, LabelMode, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::{Data, Error, Model, sample};
-use mutate::{DAMAGES, Damage, Map};
-use print_all::print_all;
 
 /// What becomes of the bytes; whether they are still a model.
 fn try_it(bytes: &[u8]) -> bool {

@@ -8,6 +8,7 @@ use std::process::Command;
 use mujoco_safe::record::{Format, Recorder, RecorderOptions};
 
 use super::{HEIGHT, WIDTH, names, options, picture, record};
+use crate::child;
 
 #[cfg(unix)]
 mod stand_in {
