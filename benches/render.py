@@ -3,7 +3,7 @@
 
 Reads requests from standard input, one JSON object a line, and answers each with another:
 
-    {"open": NAME, "width": W, "height": H}   a scene of tests/pictures/scenes.json: {"first": seconds to the first picture}
+    {"open": NAME, "width": W, "height": H}   a scene of tests/render/pictures/scenes.json: {"first": seconds to the first picture}
     {"draw": N}                               {"cpu": seconds of all threads, "wall": seconds} for N pictures
 
 A picture is what the Rust side does for one too: update the abstract scene, draw it, read the pixels back.
@@ -17,7 +17,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests/pictures"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests/render/pictures"))
 import make  # noqa: E402
 
 

@@ -7,7 +7,7 @@
 //! `MUJOCO_PYTHON` names an interpreter with the official bindings of the engine's version (`mujoco==2.2.2`, `numpy<2`,
 //! `pyopengl`, `pillow`) for `render.py` beside this file, and Debian's `libosmesa6`; without it the engine's side is left out.
 //!
-//! Both draw the same scenes of `tests/pictures` with the same settings: samples and shadows as the model says, and the pixels
+//! Both draw the same scenes of `tests/render/pictures` with the same settings: samples and shadows as the model says, and the pixels
 //! are read back. They take turns of a few pictures each, and every two turns give a ratio. What is compared is processor time,
 //! of all threads: where a processor draws, as with Mesa's lavapipe and OSMesa, it is what a picture costs on a machine that
 //! does other things besides. On a graphics card it is only what the program itself does.
@@ -17,7 +17,7 @@
 //!
 //! Further arguments choose from `first`, `humanoid`, `crowd`, `hundred` and `prepare`. Processor time is read from Linux's `/proc`.
 
-#[path = "../tests/pictures/scenes.rs"]
+#[path = "../tests/render/pictures/scenes.rs"]
 mod scenes;
 
 use std::env;

@@ -23,7 +23,7 @@
 //! A getter of an array of `mjData` checks nothing. Its documentation names the call that computes the array, from the table in
 //! `computed_by.rs`, and the argument of [`Data::require`](crate::Data::require) that checks for it.
 //!
-//! The test `generated` compares the files with the output of the generator: `UPDATE_GENERATED=1 cargo test --test generated` writes
+//! The test `coverage` compares the files with the output of the generator: `UPDATE_GENERATED=1 cargo test --test coverage` writes
 //! them.
 
 #![allow(non_snake_case, reason = "qM, efc_J, nD: the engine's own spelling, which is what users search for")]

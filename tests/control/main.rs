@@ -1,10 +1,32 @@
 //! Control along trajectories: the Riccati recursion, the table of gains, and trajectories of least cost.
 #![forbid(unsafe_code)]
 
+#[allow(dead_code, reason = "the example it belongs to tells how long it took")]
+#[path = "../../examples/humanoid_predictive/attempt.rs"]
+mod attempt;
+#[path = "../../examples/humanoid_predictive/cost.rs"]
+mod cost;
+#[path = "../../examples/humanoid_predictive/planner.rs"]
+mod planner;
+#[path = "../../examples/humanoid_predictive/robot.rs"]
+mod robot;
+#[path = "../../examples/humanoid_lqr/set_point.rs"]
+mod set_point;
+#[path = "../../examples/humanoid_lqr/simulate.rs"]
+mod simulate;
+#[allow(dead_code, reason = "the example it belongs to tells how long it took")]
+#[path = "../../examples/cartpole_swing_up/swing_up.rs"]
+mod swing_up;
+#[path = "../../examples/humanoid_lqr/weights.rs"]
+mod weights;
+
+mod examples;
+mod extreme_numbers;
 mod gain_table;
-mod hostile;
+mod humanoid_balance;
 mod ilqr;
 mod recursion;
+mod riccati;
 mod sizes;
 
 use mujoco_safe::{Data, LqrWeights, Model, sample};

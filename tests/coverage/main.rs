@@ -3,6 +3,9 @@
 
 #![forbid(unsafe_code)]
 
+mod element_views;
+mod engine_calls;
+mod field_docs;
 mod fields;
 mod functions;
 mod kinds;

@@ -1,6 +1,9 @@
 //! The mathematics: each function against the engine's own where there is one, called directly, and against nalgebra, an
 //! identity or numbers of scipy's; and each size check with one wrong size at a time.
 
+#[path = "../common/arbitrary.rs"]
+mod arbitrary;
+
 mod band;
 mod box_qp;
 mod cholesky;
@@ -9,6 +12,7 @@ mod newer_engine;
 mod numbers;
 mod quaternion_derivatives;
 mod rotations;
+mod row_major;
 mod sizes;
 mod vectors;
 

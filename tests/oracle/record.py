@@ -1,4 +1,4 @@
-"""Records what the official Python bindings compute for the bundled models, for tests/against_python.rs to compare with.
+"""Records what the official Python bindings compute for the bundled models, for tests/engine/against_python.rs to compare with.
 
 The bindings bring their own build of the engine, so the numbers come from neither this library nor the engine that it is
 linked with. They are of version 2.2.2, whose wheels need Python 3.7 to 3.10 and numpy before 2:

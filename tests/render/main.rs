@@ -1,8 +1,13 @@
 //! Pictures.
 
+#[path = "../common/child.rs"]
+mod child;
+
 mod content;
-mod hostile;
+mod extreme_scenes;
 mod optics;
+mod pictures;
 mod quiet;
 mod rays;
+mod record;
 mod stage;

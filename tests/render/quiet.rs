@@ -2,16 +2,18 @@
 
 #![cfg(target_os = "linux")]
 
-use std::process::Command;
-
 use mujoco_safe::render::{Gpu, RenderError, Renderer, RendererOptions};
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
 use mujoco_safe::{Data, sample};
 
+use crate::child;
+
 /// Draws a picture, with a certain backend if one is named.
 #[test]
-#[ignore = "the tests below run it, as a process of its own"]
 fn a_picture_in_a_process_of_its_own() {
+    if !child::is_child() {
+        return;
+    }
     let gpu = match Gpu::new() {
         Ok(gpu) => gpu,
         Err(RenderError::NoAdapter { .. }) => return,
@@ -33,8 +35,7 @@ fn a_picture_in_a_process_of_its_own() {
 
 /// Runs the test above with these variables, and without those that name a session of the user.
 fn prints_nothing(variables: &[(&str, &str)]) {
-    let output = Command::new(std::env::current_exe().unwrap())
-        .args(["quiet::a_picture_in_a_process_of_its_own", "--exact", "--ignored", "--nocapture", "--test-threads=1"])
+    let output = child::command("quiet::a_picture_in_a_process_of_its_own")
         .env_remove("XDG_RUNTIME_DIR")
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("DISPLAY")
@@ -43,12 +44,7 @@ fn prints_nothing(variables: &[(&str, &str)]) {
         .unwrap();
     let [stdout, stderr] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
     assert!(output.status.success() && stdout.contains("1 passed"), "{stdout}{stderr}");
-    let printed = stdout.lines().filter(|line| {
-        let harness =
-            line.is_empty() || *line == "ok" || line.starts_with("running 1 test") || line.starts_with("test ");
-        !harness
-    });
-    assert_eq!(printed.collect::<Vec<_>>(), Vec::<&str>::new());
+    assert_eq!(child::printed(&stdout), Vec::<&str>::new());
     assert_eq!(stderr, "");
 }
 

@@ -8,7 +8,7 @@
 #[macro_use]
 mod fields;
 
-#[path = "../files/assets.rs"]
+#[path = "../common/assets.rs"]
 #[allow(dead_code, reason = "another program tests how they load")]
 mod assets;
 mod check;

@@ -2,13 +2,14 @@
 //! every model under all labels, frames and flags, `camera.rs` moves cameras and models, `perturbation.rs` pulls bodies,
 //! `select.rs` looks for what is seen at a place of the window and compares it with rays too.
 
-#[path = "../against_c/twins.rs"]
+#[path = "../common/twins.rs"]
 #[allow(dead_code, reason = "its other users need the rest")]
 mod twins;
 
+mod boundary;
 mod camera;
+mod extreme_numbers;
 mod geoms;
-mod hostile;
 mod perturbation;
 mod raw;
 mod select;

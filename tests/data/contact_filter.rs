@@ -1,0 +1,59 @@
+//! The argument of a contact filter is the decision of the engine's own rule.
+
+#![forbid(unsafe_code)]
+
+use mujoco_safe::{Callbacks, Data, DisableFlags, Model, sample};
+
+use crate::child;
+
+/// The geoms and the distance of each contact.
+type Contacts = Vec<([usize; 2], f64)>;
+
+fn contacts(data: &Data) -> Contacts {
+    data.contacts().map(|contact| (contact.geoms().map(|geom| geom.index()), contact.dist())).collect()
+}
+
+/// The engine's sample models, as far as they are installed, and our own.
+fn models() -> Vec<Model> {
+    let installed = sample::system_models().into_iter().filter_map(|path| Model::from_xml_path(path).ok());
+    let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
+    installed.chain([sample::humanoid(), Model::from_xml_path(every_element).unwrap()]).collect()
+}
+
+/// The state in which there are more contacts: the reference, or the first keyframe.
+fn dense(model: &Model) -> Data {
+    let mut data = Data::new(model.clone()).unwrap();
+    if model.nkey() > 0 {
+        data.reset_to_key(0).unwrap();
+    }
+    data
+}
+
+#[test]
+fn a_filter_that_passes_on_what_it_is_told_changes_nothing() {
+    // The engine applies its own rule only in a process that never had a filter.
+    if !child::is_child() {
+        return child::passes("contact_filter::a_filter_that_passes_on_what_it_is_told_changes_nothing");
+    }
+    let mut cases: Vec<(Data, Contacts)> = Vec::new();
+    for mut model in models() {
+        for disable in [DisableFlags::empty(), DisableFlags::FILTERPARENT] {
+            model.edit().options(|options| options.disable = disable).unwrap();
+            let before = dense(&model);
+            let mut data = before.clone();
+            if data.forward().is_ok() {
+                cases.push((before, contacts(&data)));
+            }
+        }
+    }
+    assert!(cases.iter().map(|(_, contacts)| contacts.len()).sum::<usize>() > 100);
+    for (mut data, expected) in cases {
+        let callbacks = Callbacks::new().contact_filter(|_, _, collide| collide);
+        data.with_callbacks(callbacks, |data| data.forward()).unwrap();
+        assert_eq!(contacts(&data), expected, "{:?}", data.model());
+        // And a simulation without a filter, in the process that had one.
+        let mut without = dense(data.model());
+        without.forward().unwrap();
+        assert_eq!(contacts(&without), expected, "{:?}", data.model());
+    }
+}

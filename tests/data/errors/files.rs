@@ -1,0 +1,115 @@
+//! Files that cannot be read, written, or understood.
+
+use std::path::PathBuf;
+
+use mujoco_safe::{LoadOptions, Model, Trajectory, sample};
+
+use super::text_of;
+
+/// A file of this process and test, that is removed at the end.
+struct File(PathBuf);
+
+impl File {
+    fn new(name: &str, content: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mujoco_safe_errors_{}_{name}", std::process::id()));
+        std::fs::write(&path, content).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for File {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+#[test]
+fn a_missing_file_is_named_with_the_systems_reason() {
+    text_of(Model::from_xml_path("no/such/model.xml"), &["no/such/model.xml", "No such file or directory"]);
+    text_of(Model::from_binary_path("no/such/model.mjb"), &["no/such/model.mjb", "No such file or directory"]);
+    text_of(Model::from_xml_path(""), &["No such file or directory"]);
+    text_of(Model::from_xml_path("nul\0byte.xml"), &["nul"]);
+    let model = sample::cartpole();
+    text_of(Trajectory::load_csv(&model, "no/such.csv"), &["no/such.csv", "No such file or directory"]);
+    text_of(
+        Trajectory::new(&model).save_csv("no/such/folder.csv"),
+        &["no/such/folder.csv", "No such file or directory"],
+    );
+    text_of(model.save_binary("no/such/folder.mjb"), &["no/such/folder.mjb", "No such file or directory"]);
+}
+
+#[test]
+fn a_directory_is_not_a_model() {
+    let directory = std::env::temp_dir();
+    let shown = directory.display().to_string();
+    text_of(Model::from_xml_path(&directory), &[&shown, "directory"]);
+    text_of(Model::from_binary_path(&directory), &[&shown, "directory"]);
+    text_of(Model::from_xml_path("/dev/null"), &["/dev/null", "not a regular file"]);
+}
+
+#[test]
+fn broken_xml_is_told_with_its_line() {
+    text_of(Model::from_xml_str("<mujoco>\n<worldbody>\n</mujoco>"), &["cannot load the XML given", "Line number=2"]);
+    text_of(
+        Model::from_xml_str("<mujoco>\n  <worldbod/>\n</mujoco>"),
+        &["unrecognized element", "'worldbod'", "line 2"],
+    );
+    text_of(Model::from_xml_str("<mujoco>\n\n<option timestep='soon'/></mujoco>"), &["'timestep'", "line 3"]);
+    text_of(Model::from_xml_str("<mujoco>\n<worldbody>\n<geom/></worldbody></mujoco>"), &["line = 3"]);
+    text_of(Model::from_xml_str(""), &["cannot load the XML given"]);
+    text_of(Model::from_xml_str("not XML at all"), &["cannot load the XML given"]);
+    text_of(Model::from_xml_str("<html/>"), &["html"]);
+    let file = File::new("broken.xml", "<mujoco>\n\n  <worldbod/></mujoco>");
+    text_of(Model::from_xml_path(&file.0), &["broken.xml", "'worldbod'", "line 3"]);
+    // The engine's own buffer for such a text has a hundred bytes in its examples.
+    let long = "n".repeat(300);
+    text_of(Model::from_xml_str(&format!("<mujoco><worldbody><body><{long}/></body></worldbody></mujoco>")), &[&long]);
+}
+
+#[test]
+fn a_file_with_a_bad_name_or_twice_or_empty_is_told() {
+    let load =
+        |files: &[(&str, &[u8])]| Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(files));
+    text_of(load(&[("", b"x")]), &["named with 0 bytes"]);
+    text_of(load(&[("a/", b"x")]), &["'a/'", "named with 0 bytes"]);
+    text_of(load(&[(&"n".repeat(1000), b"x")]), &["named with 1000 bytes"]);
+    text_of(load(&[("a.xml", b"")]), &["'a.xml'", "empty"]);
+    text_of(load(&[("a.xml", b"x"), ("other/A.xml", b"x")]), &["given twice"]);
+    text_of(load(&[("a\0.xml", b"x")]), &["NUL byte at position 1"]);
+    let many: Vec<String> = (0..2100).map(|file| format!("{file}.xml")).collect();
+    let many: Vec<(&str, &[u8])> = many.iter().map(|name| (name.as_str(), &b"x"[..])).collect();
+    text_of(load(&many), &["one too many"]);
+}
+
+#[test]
+fn a_damaged_trajectory_file_is_told_with_its_line() {
+    let model = sample::cartpole();
+    let load = |content: &str| {
+        let file = File::new("damaged.csv", content);
+        Trajectory::load_csv(&model, &file.0)
+    };
+    let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0\n";
+    assert_eq!(load(&format!("{header}0,1,2,3,4,5\n")).unwrap().len(), 1);
+    text_of(load(""), &["damaged.csv", "line 1"]);
+    text_of(Trajectory::load_csv(&model, "/dev/zero"), &["/dev/zero", "not a regular file"]);
+    text_of(load("time,x\n"), &["line 1 is not the header", "found 2"]);
+    text_of(load(&format!("{header}0,1,2,3,4,5\n0,1,2,3,4\n")), &["line 3 has 5 columns, not 6"]);
+    text_of(load(&format!("{header}0,1,two,3,4,5\n")), &["line 2: 'two' is not a number"]);
+}
+
+#[test]
+fn saving_where_nothing_can_be_saved_is_told() {
+    let model = sample::cartpole();
+    // Other tests load models at the same time, so the XML may be replaced at any moment: then that is the error.
+    let told = |path: &str, part: &str| {
+        let text = model.save_xml(path).unwrap_err().to_string();
+        assert!(text.contains(part) && text.contains(path) || text.contains("another one was loaded since"), "{text}");
+    };
+    told("no/such/folder/model.xml", "No such file or directory");
+    told("/tmp", "directory");
+    told("/dev/full", "No space left on device");
+    told("/proc/version", ": ");
+    sample::humanoid();
+    text_of(model.save_xml("unused.xml"), &["another one was loaded since", "save before loading the next"]);
+    assert!(!PathBuf::from("unused.xml").exists());
+}

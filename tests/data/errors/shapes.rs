@@ -1,0 +1,143 @@
+//! Vectors and matrices of wrong sizes.
+
+use mujoco_safe::{
+    Controller, Data, Differences, Error, Lqr, LqrWeights, Matrix, Model, PdController, Result, StateSpace, StateSpec,
+    Trajectory, TransitionOutputs, sample,
+};
+use nalgebra::DMatrix;
+
+use super::text_of;
+
+/// One good call, then each size of it wrong in turn.
+#[test]
+fn every_wrong_size_is_told_with_the_right_one() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let model = data.model().clone();
+    let (nq, nv, nu) = (model.nq(), model.nv(), model.nu());
+    let body = model.body("torso").unwrap().id();
+    let (geom, site_model) = (model.geom(0).unwrap().id(), sample::humanoid());
+    let numbers = |length: usize| vec![0.0; length];
+    let vectors = |wanted: usize| [0, wanted - 1, wanted + 1];
+    let shapes = |(rows, columns): (usize, usize)| [(rows, columns + 1), (rows + 1, columns), (columns, rows), (0, 0)];
+    let told = |result: Result<()>, wanted: &str| {
+        let error = result.unwrap_err();
+        assert!(matches!(error, Error::Shape { .. }), "{error}");
+        let text = error.to_string();
+        assert!(text.contains(&format!("must have {wanted}")), "{text}");
+    };
+    drop(site_model);
+
+    model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(nq), &numbers(nq)).unwrap();
+    model.integrate_pos(&mut numbers(nq), &numbers(nv), 1.0).unwrap();
+    for wrong in vectors(nv) {
+        told(model.differentiate_pos(&mut numbers(wrong), 1.0, &numbers(nq), &numbers(nq)), &format!("({nv})"));
+        told(model.integrate_pos(&mut numbers(nq), &numbers(wrong), 1.0), &format!("({nv})"));
+    }
+    for wrong in vectors(nq) {
+        told(model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(wrong), &numbers(nq)), &format!("({nq})"));
+        told(model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(nq), &numbers(wrong)), &format!("({nq})"));
+        told(model.integrate_pos(&mut numbers(wrong), &numbers(nv), 1.0), &format!("({nq})"));
+    }
+    for dt in [0.0, f64::NAN, f64::INFINITY] {
+        text_of(
+            model.differentiate_pos(&mut numbers(nv), dt, &numbers(nq), &numbers(nq)),
+            &["dt is", "finite and not zero"],
+        );
+    }
+    text_of(model.integrate_pos(&mut numbers(nq), &numbers(nv), f64::NAN), &["dt is NaN"]);
+
+    let full = |shape: (usize, usize)| Matrix::zeros(shape.0, shape.1);
+    data.full_m_into(&mut full((nv, nv))).unwrap();
+    data.mul_m(&mut numbers(nv), &numbers(nv)).unwrap();
+    data.solve_m(&mut numbers(nv), &numbers(nv)).unwrap();
+    data.solve_m(&mut numbers(3 * nv), &numbers(3 * nv)).unwrap();
+    for wrong in [(nv, nv + 1), (nv + 1, nv), (0, 0), (nv * nv, 1)] {
+        told(data.full_m_into(&mut full(wrong)), &format!("({nv}, {nv})"));
+    }
+    for wrong in vectors(nv) {
+        told(data.mul_m(&mut numbers(wrong), &numbers(nv)), &format!("({nv})"));
+        told(data.mul_m(&mut numbers(nv), &numbers(wrong)), &format!("({nv})"));
+        told(data.solve_m(&mut numbers(nv), &numbers(wrong)), "");
+        told(data.solve_m(&mut numbers(wrong), &numbers(nv)), &format!("({nv})"));
+    }
+    told(data.solve_m(&mut numbers(2 * nv), &numbers(nv)), &format!("({nv})"));
+    told(data.solve_m(&mut numbers(2 * nv), &numbers(2 * nv + 1)), "");
+
+    let wanted = (3, nv);
+    data.jac_into(body, [0.0; 3], Some(&mut full(wanted)), Some(&mut full(wanted))).unwrap();
+    for wrong in shapes(wanted) {
+        let text = format!("(3, {nv})");
+        told(data.jac_into(body, [0.0; 3], Some(&mut full(wrong)), None), &text);
+        told(data.jac_into(body, [0.0; 3], None, Some(&mut full(wrong))), &text);
+        told(data.jac_body_into(body, Some(&mut full(wrong)), None), &text);
+        told(data.jac_body_com_into(body, None, Some(&mut full(wrong))), &text);
+        told(data.jac_geom_into(geom, Some(&mut full(wanted)), Some(&mut full(wrong))), &text);
+        told(data.jac_subtree_com_into(body, &mut full(wrong)), &text);
+    }
+
+    for spec in [StateSpec::PHYSICS, StateSpec::INTEGRATION, StateSpec::empty()] {
+        let size = model.state_size(spec);
+        data.state_into(spec, &mut numbers(size)).unwrap();
+        for wrong in [size + 1, size.saturating_sub(1)].into_iter().filter(|&wrong| wrong != size) {
+            told(data.state_into(spec, &mut numbers(wrong)), &format!("({size})"));
+            told(data.set_state(spec, &numbers(wrong)), &format!("({size})"));
+        }
+    }
+    let size = nq + nv;
+    for wrong in vectors(size) {
+        told(data.physics_state_into(&mut numbers(wrong)), &format!("({size})"));
+        told(data.set_physics_state(&numbers(wrong)), &format!("({size})"));
+    }
+
+    told(Lqr::with_gain(&data, full((nu, 2 * nv + 1))).map(drop), &format!("({nu}, {})", 2 * nv));
+    told(Lqr::with_gain(&data, full((2 * nv, nu))).map(drop), &format!("({nu}, {})", 2 * nv));
+    let mut other = Data::new(sample::cartpole()).unwrap();
+    told(Lqr::with_gain(&data, full((nu, 2 * nv))).unwrap().control(&mut other), "");
+    told(PdController::new(&model, 1.0, 1.0).control(&mut other), "");
+    told(Trajectory::new(&model).push(&other), "");
+}
+
+#[test]
+fn every_wrong_shape_of_a_linearisation_is_told() {
+    let model = Model::from_xml_str(
+        r#"<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>
+           <actuator><motor joint="j"/><general joint="j" dyntype="filter"/></actuator>
+           <sensor><jointpos joint="j"/><jointvel joint="j"/><jointpos joint="j"/><jointpos joint="j"/></sensor></mujoco>"#,
+    )
+    .unwrap();
+    let mut data = Data::new(model).unwrap();
+    let good = data.transition_fd(1e-6, Differences::Central).unwrap();
+    assert_eq!([&good.a, &good.b, &good.c, &good.d].map(|matrix| matrix.shape()), [(3, 3), (3, 2), (4, 3), (4, 2)]);
+    let fields: [fn(&mut StateSpace) -> &mut Matrix; 4] =
+        [|it| &mut it.a, |it| &mut it.b, |it| &mut it.c, |it| &mut it.d];
+    for (field, name) in fields.into_iter().zip(["A of", "B of", "C of", "D of"]) {
+        let (rows, columns) = field(&mut good.clone()).shape();
+        for wrong in [(rows + 1, columns), (rows, columns + 1), (0, 0), (rows * columns, 1)] {
+            let mut system = good.clone();
+            *field(&mut system) = Matrix::zeros(wrong.0, wrong.1);
+            let result = data.transition_fd_into(1e-6, Differences::Central, &mut system);
+            text_of(result, &[name, "transition_fd", &format!("must have ({rows}, {columns})")]);
+        }
+    }
+    for eps in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
+        text_of(data.transition_fd(eps, Differences::Forward), &["eps", "between 1e-12 and 1"]);
+    }
+    data.transition_fd_into(1e-6, Differences::Forward, TransitionOutputs::default()).unwrap();
+}
+
+#[test]
+fn weights_of_wrong_shapes_and_no_regulator_are_told() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let good = || LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
+    Lqr::at_present_state(&mut data, &good()).unwrap();
+    for wrong in [
+        LqrWeights { q: DMatrix::identity(3, 3), ..good() },
+        LqrWeights { r: DMatrix::identity(2, 2), ..good() },
+        LqrWeights { s: Some(DMatrix::zeros(1, 4)), ..good() },
+        LqrWeights { r: -DMatrix::identity(1, 1), ..good() },
+        LqrWeights { q: DMatrix::from_element(4, 4, f64::NAN), ..good() },
+    ] {
+        text_of(Lqr::at_present_state(&mut data, &wrong), &["there is no regulator"]);
+    }
+}

@@ -1,0 +1,213 @@
+//! Simulations that go wrong: numbers that are none, stages left out, and errors of the engine.
+
+use std::sync::{Arc, Barrier};
+
+use mujoco_safe::{Data, Differences, Error, Integrator, Model, Quantity, Result, Stage, StateSpec, sample};
+
+use super::text_of;
+use crate::trouble;
+
+/// Lets a simulation run out of stack.
+fn overflow(data: &mut Data) -> Error {
+    (0..200).find_map(|_| data.step().err()).expect("a stack overflow")
+}
+
+#[test]
+fn a_control_that_is_no_number_is_told_and_nothing_has_changed() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    data.step().unwrap();
+    for value in [f64::NAN, f64::INFINITY, -1e11] {
+        data.ctrl_mut()[0] = value;
+        let before = data.state(StateSpec::FULL_PHYSICS);
+        for result in [
+            data.step(),
+            data.step1(),
+            data.forward(),
+            data.inverse(),
+            data.transition_fd(1e-6, Differences::Forward).map(drop),
+        ] {
+            text_of(
+                result,
+                &["the controls are not usable at time 0.01 s", "ctrl[0] of actuator 'slide'", &format!("{value}")],
+            );
+        }
+        assert_eq!(data.state(StateSpec::FULL_PHYSICS), before);
+        assert!(data.ctrl()[0].to_bits() == value.to_bits());
+    }
+    data.ctrl_mut()[0] = 0.0;
+    data.step().unwrap();
+}
+
+#[test]
+fn a_position_or_velocity_that_is_no_number_is_told_and_nothing_has_changed() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    for value in [f64::NAN, f64::NEG_INFINITY, 1e11] {
+        data.reset().unwrap();
+        data.qpos_mut()[3] = value;
+        text_of(
+            data.step(),
+            &["the simulation is unstable at time 0 s", "qpos[3] of joint 'root'", &value.to_string(), "1e10"],
+        );
+        let Err(Error::Unstable(found)) = data.step() else { panic!("still an error") };
+        assert_eq!((found.quantity, found.index, found.time), (Quantity::Position, 3, 0.0));
+        data.reset().unwrap();
+        let knee = data.model().joint("left_knee").unwrap().dofs().start;
+        data.qvel_mut()[knee] = value;
+        text_of(data.step(), &[&format!("qvel[{knee}] of joint 'left_knee'")]);
+        data.qvel_mut()[knee] = 0.0;
+        data.step().unwrap();
+    }
+}
+
+#[test]
+fn an_explosion_in_the_middle_of_a_step_is_told_and_only_a_reset_helps() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    for _ in 0..10 {
+        data.step().unwrap();
+    }
+    let time = data.time();
+    data.qfrc_applied_mut()[7] = 1e300;
+    let text = text_of(data.step(), &["the simulation is unstable", "qacc[", "of joint", "smaller timestep"]);
+    assert!(text.contains(&format!("at time {time} s")), "the time of the step, not of the reset: {text}");
+    text_of(data.step(), &["unusable since", "qacc[", "reset it first"]);
+    data.reset().unwrap();
+    data.step().unwrap();
+
+    data.xfrc_applied_mut()[1] = [f64::NAN; 6];
+    assert!(matches!(data.step(), Err(Error::Unstable(found)) if found.quantity == Quantity::Acceleration));
+    data.reset().unwrap();
+    assert_eq!(data.xfrc_applied()[1], [0.0; 6], "a reset clears what was applied");
+    data.step().unwrap();
+}
+
+#[test]
+fn a_stack_that_is_too_small_is_told_and_the_data_refuses_all_but_a_reset() {
+    // The compiler takes a step, too.
+    text_of(trouble::with_stack(10), &["cannot load the XML given", "Stack overflow"]);
+    let mut data = Data::new(trouble::overflowing()).unwrap();
+    let error = overflow(&mut data);
+    assert!(matches!(&error, Error::Engine { function: "mj_step", message } if message == "Stack overflow"), "{error}");
+    assert_eq!(error.to_string(), "the engine failed in mj_step: Stack overflow");
+
+    let body = data.model().body(1).unwrap().id();
+    let nv = data.model().nv();
+    let (mut result, vector) = (vec![0.0; nv], vec![0.0; nv]);
+    let refused: [Result<()>; 14] = [
+        data.step(),
+        data.step1(),
+        data.step2(),
+        data.forward(),
+        data.inverse(),
+        data.transition_fd(1e-6, Differences::Forward).map(drop),
+        data.jac_body(body).map(drop),
+        data.jac_body_com(body).map(drop),
+        data.jac(body, [0.0; 3]).map(drop),
+        data.jac_subtree_com(body).map(drop),
+        data.full_m().map(drop),
+        data.mul_m(&mut result, &vector),
+        data.solve_m(&mut result, &vector),
+        data.clone().step(),
+    ];
+    for result in refused {
+        assert!(matches!(result, Err(Error::Poisoned { .. })));
+        text_of(result, &["unusable since the engine failed in mj_step: Stack overflow", "reset it first"]);
+    }
+    assert!(data.contacts().all(|contact| matches!(contact.force(), Err(Error::Poisoned { .. }))));
+    let mut copy = Data::new(data.model().clone()).unwrap();
+    copy.copy_from(&data).unwrap();
+    assert!(matches!(copy.step(), Err(Error::Poisoned { .. })));
+    assert!(format!("{data:?}").contains("unusable since"));
+
+    // The engine's stack is as it was, however often it overflows.
+    for _ in 0..20 {
+        data.reset().unwrap();
+        data.step().unwrap();
+        assert!(matches!(overflow(&mut data), Error::Engine { .. }));
+    }
+    copy.reset().unwrap();
+    data.copy_from(&copy).unwrap();
+    data.step().unwrap();
+}
+
+#[test]
+fn what_was_not_computed_is_not_handed_out() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    let body = data.model().body("torso").unwrap().id();
+    let needs = ["position-dependent quantities", "call forward or step first"];
+    text_of(data.jac_body(body), &["jac_body needs", needs[0], needs[1]]);
+    text_of(data.jac_subtree_com(body), &["jac_subtree_com needs", needs[0]]);
+    text_of(data.full_m(), &["full_m needs", needs[0]]);
+    let nv = data.model().nv();
+    text_of(data.mul_m(&mut vec![0.0; nv], &vec![0.0; nv]), &["mul_m needs", needs[0]]);
+    text_of(data.solve_m(&mut vec![0.0; nv], &vec![0.0; nv]), &["solve_m needs", needs[0]]);
+    text_of(data.step2(), &["step2 needs velocity-dependent quantities", "call step1 first"]);
+
+    data.step().unwrap();
+    data.step1().unwrap();
+    assert_eq!(data.stage(), Stage::Velocity);
+    assert!(data.contacts().len() > 0);
+    for contact in data.contacts() {
+        text_of(contact.force(), &["contact force needs forces and accelerations", "call forward or step first"]);
+        text_of(contact.force_in_world(), &["contact force needs"]);
+    }
+    data.step2().unwrap();
+    assert!(data.contacts().all(|contact| contact.force().is_ok()));
+    data.edit_model(|model| model.options(|options| options.cone = mujoco_safe::Cone::Elliptic)).unwrap().unwrap();
+    assert!(data.contacts().all(|contact| contact.force().is_err()));
+}
+
+#[test]
+fn two_threads_that_fail_at_once_each_get_their_own_message() {
+    const ROUNDS: usize = 1000;
+    let stack = Arc::new(trouble::overflowing());
+    // Bodies without mass, whose inertia the implicit integrator cannot factorise.
+    let mut massless = sample::cartpole();
+    let mut edit = massless.edit();
+    edit.options(|options| options.integrator = Integrator::Implicit).unwrap();
+    edit.body_mass_mut().fill(0.0);
+    edit.body_inertia_mut().as_flattened_mut().fill(0.0);
+    edit.dof_armature_mut().fill(0.0);
+    edit.dof_damping_mut().fill(0.0);
+    let massless = Arc::new(massless);
+
+    // A panic between the barriers would leave the other threads waiting, so what is wrong is told at the end.
+    let barrier = Barrier::new(3);
+    let rounds = |wanted: &(dyn Fn(usize) -> String + Sync), mut fail: Box<dyn FnMut(usize) -> String + '_>| {
+        let mut wrong = Vec::new();
+        for round in 0..ROUNDS {
+            barrier.wait();
+            let text = fail(round);
+            if !text.contains(&wanted(round)) {
+                wrong.push(text);
+            }
+        }
+        wrong
+    };
+    let failing = |model: &Arc<Model>, steps: usize| {
+        let mut data = Data::new(model.clone()).unwrap();
+        move |_: usize| {
+            data.reset().unwrap();
+            (0..steps).find_map(|_| data.step().err()).map_or("no error".to_owned(), |error| error.to_string())
+        }
+    };
+    let (stack, massless) = (failing(&stack, 200), failing(&massless, 1));
+    let load = |round| {
+        let result = Model::from_xml_str(&format!("<mujoco><e{round}/></mujoco>"));
+        result.map_or_else(|error| error.to_string(), |_| "no error".to_owned())
+    };
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        [
+            scope.spawn(|| rounds(&|_| "the engine failed in mj_step: Stack overflow".to_owned(), Box::new(stack))),
+            scope.spawn(|| {
+                rounds(&|_| "the engine failed in mj_step: diagonal element too small".to_owned(), Box::new(massless))
+            }),
+            scope.spawn(|| rounds(&|round| format!("'e{round}'"), Box::new(load))),
+        ]
+        .into_iter()
+        .flat_map(|thread| thread.join().unwrap())
+        .collect()
+    });
+    assert_eq!(wrong.first(), None, "{} of them are wrong", wrong.len());
+}

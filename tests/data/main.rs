@@ -1,0 +1,23 @@
+//! Simulations: the pipeline, callbacks, errors, threads, and every kind of misuse.
+
+#[path = "../common/arbitrary.rs"]
+mod arbitrary;
+#[path = "../common/child.rs"]
+mod child;
+#[path = "../common/touch_all.rs"]
+mod touch_all;
+#[path = "../common/trouble.rs"]
+mod trouble;
+
+mod boundary;
+mod callbacks;
+mod contact_filter;
+mod errors;
+mod extreme_numbers;
+mod function_arguments;
+mod geometry;
+mod misuse;
+mod pipeline;
+mod soundness;
+mod state;
+mod threads;

@@ -1,0 +1,405 @@
+//! What a hostile or mistaken caller can try without `unsafe`, and what must become of it: an error or a panic with a sentence,
+//! never a crash, a hang or a wrong number.
+
+#![forbid(unsafe_code)]
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use mujoco_safe::{
+    Controller, Data, Differences, Error, Integrator, JacobianStorage, Lqr, Matrix, Model, PdController,
+    RandomController, Solver, StateSpec, Trajectory, TransitionOutputs, sample,
+};
+
+/// The text of the panic that `action` must end with.
+fn panic_text<T>(action: impl FnOnce() -> T) -> String {
+    let payload = catch_unwind(AssertUnwindSafe(action)).err().expect("no panic");
+    payload.downcast_ref::<String>().cloned().or_else(|| payload.downcast_ref::<&str>().map(|&s| s.to_owned())).unwrap()
+}
+
+fn squatting() -> Data {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    data
+}
+
+/// Everything that collides by the general algorithm, and a body that follows the mouse.
+const COLLIDERS: &str = include_str!("../models/colliders.xml");
+
+// The engine clears nq + nv + na numbers in a row of 2 nv + na when the last control can be moved to neither side.
+#[test]
+fn a_control_beyond_its_range_does_not_spoil_the_linearisation() {
+    let mut data = squatting();
+    let nu = data.model().nu();
+    for differences in [Differences::Forward, Differences::Central] {
+        data.reset_to_key("squat").unwrap();
+        data.qpos_mut()[0] = 0.5;
+        data.ctrl_mut()[nu - 1] = 1.0; // the limit, which acts as any control beyond it does
+        data.set_time(3.0);
+        let before = data.state(StateSpec::INTEGRATION);
+        let good = data.transition_fd(1e-6, Differences::Central).unwrap();
+
+        data.set_state(StateSpec::INTEGRATION, &before).unwrap();
+        data.ctrl_mut()[nu - 1] = 2.0;
+        let before = data.state(StateSpec::INTEGRATION);
+        let system = data.transition_fd(1e-6, differences).unwrap();
+        assert_eq!(data.state(StateSpec::FULL_PHYSICS), before[..data.state(StateSpec::FULL_PHYSICS).len()]);
+        assert_eq!(data.state(StateSpec::USER), {
+            data.set_state(StateSpec::INTEGRATION, &before).unwrap();
+            data.state(StateSpec::USER)
+        });
+        if differences == Differences::Central {
+            let worst = (0..system.a.nrows() * system.a.ncols())
+                .map(|at| (system.a.as_slice()[at] - good.a.as_slice()[at]).abs())
+                .fold(0.0, f64::max);
+            assert!(worst < 1e-5, "{worst}");
+        }
+        let last = |row: usize| system.b[(row, nu - 1)];
+        assert!((0..system.b.nrows()).all(|row| last(row) == 0.0), "a control that is clamped has no effect");
+    }
+}
+
+#[test]
+fn a_control_beyond_its_range_gives_the_matrices_that_each_alone_has() {
+    let mut model = Model::from_xml_str(COLLIDERS).unwrap();
+    model.edit().options(|options| options.tolerance = 0.0).unwrap();
+    let mut data = Data::new(model).unwrap();
+    data.ctrl_mut()[0] = 5.0;
+    let system = data.transition_fd(1e-6, Differences::Forward).unwrap();
+    let mut d = Matrix::zeros(system.d.nrows(), system.d.ncols());
+    let outputs = TransitionOutputs { d: Some(&mut d), ..Default::default() };
+    data.transition_fd_into(1e-6, Differences::Forward, outputs).unwrap();
+    assert_eq!(d, system.d);
+    let mut a = Matrix::zeros(system.a.nrows(), system.a.ncols());
+    let outputs = TransitionOutputs { a: Some(&mut a), ..Default::default() };
+    data.transition_fd_into(1e-6, Differences::Forward, outputs).unwrap();
+    assert_eq!(a, system.a);
+}
+
+#[test]
+fn linearising_leaves_the_time() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    data.set_time(1.5);
+    data.transition_fd(1e-6, Differences::Central).unwrap();
+    assert_eq!(data.time(), 1.5);
+}
+
+#[test]
+fn the_second_half_of_a_step_needs_a_first_half_of_its_own() {
+    for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
+        let mut model = sample::humanoid();
+        model.edit().options(|options| options.solver = solver).unwrap();
+        let mut data = Data::new(model).unwrap();
+        let refused = |data: &mut Data| {
+            let error = data.step2().unwrap_err();
+            assert!(matches!(error, Error::NotComputed { call: "step2", .. }), "{error}");
+            assert!(error.to_string().contains("call step1 first"), "{error}");
+        };
+        refused(&mut data);
+        data.reset_to_key("squat").unwrap();
+        refused(&mut data);
+        data.step().unwrap();
+        refused(&mut data);
+        data.inverse().unwrap();
+        refused(&mut data);
+        data.step1().unwrap();
+        data.step2().unwrap();
+        refused(&mut data);
+        data.forward().unwrap();
+        let mut copy = data.clone();
+        data.step2().unwrap();
+        refused(&mut data);
+        copy.step2().unwrap();
+        assert_eq!(copy.qpos(), data.qpos());
+        data.step1().unwrap();
+        data.edit_model(|_| ()).unwrap();
+        refused(&mut data);
+        data.step1().unwrap();
+        data.transition_fd(1e-6, Differences::Forward).unwrap();
+        refused(&mut data);
+    }
+}
+
+#[test]
+fn options_changed_between_the_halves_of_a_step_are_refused_until_the_first_half_is_made_again() {
+    let mut data = squatting();
+    let changes: [fn(&mut mujoco_safe::Options); 5] = [
+        |options| options.solver = Solver::Pgs,
+        |options| options.noslip_iterations = 5,
+        |options| options.jacobian = JacobianStorage::Sparse,
+        |options| options.cone = mujoco_safe::Cone::Elliptic,
+        |options| options.integrator = Integrator::Implicit,
+    ];
+    for change in changes {
+        data.step1().unwrap();
+        data.edit_model(|model| model.options(change)).unwrap().unwrap();
+        assert!(matches!(data.step2(), Err(Error::NotComputed { .. })));
+        assert!(matches!(data.jac_body(data.model().body("torso").unwrap().id()), Err(Error::NotComputed { .. })));
+        for contact in data.contacts() {
+            assert!(matches!(contact.force(), Err(Error::NotComputed { .. })));
+        }
+        data.step1().unwrap();
+        data.step2().unwrap();
+    }
+}
+
+#[test]
+fn every_combination_of_discrete_options_steps() {
+    let mut data = squatting();
+    for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
+        for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
+            for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
+                for cone in [mujoco_safe::Cone::Elliptic, mujoco_safe::Cone::Pyramidal] {
+                    for noslip in [0, 3] {
+                        data.edit_model(|model| {
+                            model.options(|options| {
+                                (options.solver, options.integrator, options.jacobian) = (solver, integrator, jacobian);
+                                (options.cone, options.noslip_iterations) = (cone, noslip);
+                            })
+                        })
+                        .unwrap()
+                        .unwrap();
+                        data.reset_to_key("squat").unwrap();
+                        for _ in 0..3 {
+                            data.step().unwrap();
+                            assert!(data.contacts().all(|contact| contact.force().is_ok()));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn matrices_whose_size_overflows_panic() {
+    let half = 1_usize << (usize::BITS / 2);
+    assert!(panic_text(|| Matrix::zeros(half, half)).contains("too large"));
+    assert!(panic_text(|| Matrix::from_row_major(half, half, Vec::new())).contains("too large"));
+    for shape in [(0, 5), (5, 0), (0, 0)] {
+        let mut empty = Matrix::zeros(shape.0, shape.1);
+        assert_eq!(empty.transposed().shape(), (shape.1, shape.0));
+        assert_eq!(empty.transposed_mut().shape(), (shape.1, shape.0));
+        assert_eq!(empty.to_nalgebra().shape(), shape);
+    }
+}
+
+#[test]
+fn a_record_whose_place_overflows_is_no_record() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let mut trajectory = Trajectory::new(data.model());
+    trajectory.push(&data).unwrap();
+    let wrapped = 1_usize << (usize::BITS - 2); // times 4 numbers a state: 0
+    assert!(panic_text(|| trajectory.state(wrapped).len()).contains("of a trajectory of 1"));
+    assert!(panic_text(|| trajectory.ctrl(1).len()).contains("of a trajectory of 1"));
+    assert!(panic_text(|| trajectory.apply(wrapped, &mut data)).contains("of a trajectory of 1"));
+
+    let mut other = Data::new(sample::humanoid()).unwrap();
+    assert!(matches!(trajectory.push(&other), Err(Error::Shape { .. })));
+    assert!(matches!(trajectory.apply(0, &mut other), Err(Error::Shape { .. })));
+}
+
+/// Two models whose vectors have equal lengths, made of other joints.
+fn lookalikes() -> (Model, Model) {
+    let model = |joints: &str, actuator: &str| {
+        Model::from_xml_str(&format!(
+            r#"<mujoco><worldbody><body>{joints}<geom size=".1"/></body></worldbody><actuator>{actuator}</actuator></mujoco>"#
+        ))
+        .unwrap()
+    };
+    let first = model(
+        r#"<joint type="ball" name="j"/>"#,
+        r#"<general joint="j" dyntype="filter"/><general joint="j" dyntype="filter"/>"#,
+    );
+    let second = model(
+        r#"<joint axis="1 0 0" name="j"/><joint axis="0 1 0"/><joint axis="0 0 1"/><joint type="slide"/>"#,
+        r#"<general joint="j"/><general joint="j"/>"#,
+    );
+    assert_eq!((first.nq(), second.nq()), (4, 4));
+    assert_eq!(2 * first.nv() + first.na(), 2 * second.nv() + second.na());
+    (first, second)
+}
+
+#[test]
+fn a_regulator_does_not_take_a_lookalike_for_its_model() {
+    let (first, second) = lookalikes();
+    let first = Data::new(first).unwrap();
+    let mut second = Data::new(second).unwrap();
+    let mut lqr = Lqr::with_gain(&first, Matrix::zeros(2, 8)).unwrap();
+    assert!(matches!(lqr.control(&mut second), Err(Error::Shape { .. })));
+    let mut trajectory = Trajectory::new(first.model());
+    assert!(trajectory.push(&second).is_err());
+}
+
+#[test]
+fn a_target_of_another_model_panics() {
+    let mut pd = PdController::new(&sample::cartpole(), 1.0, 1.0);
+    let other = sample::cartpole();
+    let text = panic_text(|| pd.set_target(other.actuator("slide").unwrap(), 1.0));
+    assert!(text.contains("another model"), "{text}");
+    assert!(matches!(pd.control(&mut Data::new(sample::humanoid()).unwrap()), Err(Error::Shape { .. })));
+}
+
+#[test]
+fn ids_of_another_model_panic_wherever_they_go() {
+    let other = sample::humanoid();
+    let (body, geom, joint) = (other.body(1).unwrap().id(), other.geom(0).unwrap().id(), other.joint(0).unwrap().id());
+    let mut data = squatting();
+    data.forward().unwrap();
+    for text in [
+        panic_text(|| data.jac_body(body)),
+        panic_text(|| data.jac_geom(geom)),
+        panic_text(|| data.jac(body, [0.0; 3])),
+        panic_text(|| data.jac_subtree_com(body)),
+        panic_text(|| data.joint(joint).qpos().len()),
+        panic_text(|| data.joint_mut(joint).qpos_mut().len()),
+        panic_text(|| data.model().name(joint).map(str::len)),
+        panic_text(|| data.edit_model(|model| model.joint_mut(joint).set_stiffness(1.0))),
+        panic_text(|| data.reset_to_key(other.keyframe(0).unwrap().id())),
+    ] {
+        assert!(text.contains("belongs to another model"), "{text}");
+    }
+    data.forward().unwrap();
+    data.step2().unwrap();
+}
+
+#[test]
+fn data_of_separately_loaded_models_are_not_copied_and_clones_are() {
+    let (mut a, b) = (squatting(), squatting());
+    assert!(matches!(a.copy_from(&b), Err(Error::OtherModel { .. })));
+    a.clone_from(&b);
+    assert!(Arc::ptr_eq(a.model(), b.model()));
+
+    // A clone whose options differ: the state comes over, what was computed does not count.
+    let mut edited = a.clone();
+    edited.edit_model(|model| model.options(|options| options.cone = mujoco_safe::Cone::Elliptic)).unwrap().unwrap();
+    edited.step().unwrap();
+    assert!(edited.contacts().len() > 0);
+    a.copy_from(&edited).unwrap();
+    assert!(a.contacts().all(|contact| matches!(contact.force(), Err(Error::NotComputed { .. }))));
+    assert!(matches!(a.step2(), Err(Error::NotComputed { .. })));
+    a.step().unwrap();
+    a.clone_from(&edited);
+    assert!(a.contacts().all(|contact| contact.force().is_ok()));
+}
+
+#[test]
+fn an_edit_that_panics_leaves_a_simulation_that_works() {
+    let mut data = squatting();
+    data.step().unwrap();
+    let weak = Arc::downgrade(data.model());
+    let shared = data.model().clone();
+    assert_eq!(
+        panic_text(|| data.edit_model(|model| {
+            model.body_mass_mut()[1] = 100.0;
+            panic!("in the closure");
+        })),
+        "in the closure"
+    );
+    assert!(!Arc::ptr_eq(&shared, data.model()), "what others share stays as it was");
+    assert!(shared.body_mass()[1] < 100.0);
+    assert_eq!(data.model().body_mass()[1], 100.0);
+    drop(shared);
+    assert!(weak.upgrade().is_none());
+    data.step().unwrap();
+
+    // A weak reference alone makes a copy, too: it could be upgraded later.
+    let weak = Arc::downgrade(data.model());
+    data.edit_model(|_| ()).unwrap();
+    assert!(weak.upgrade().is_none());
+    data.step().unwrap();
+}
+
+#[test]
+fn models_without_joints_or_without_anything_work_in_every_call() {
+    for xml in [
+        "<mujoco/>",
+        r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/><body mocap="true"><geom size=".1"/></body></worldbody></mujoco>"#,
+        r#"<mujoco><worldbody><body><freejoint/><geom size=".1"/></body></worldbody></mujoco>"#,
+        r#"<mujoco><size njmax="0" nconmax="0"/><worldbody><body><joint/><geom size=".1"/></body></worldbody></mujoco>"#,
+    ] {
+        let model = Model::from_xml_str(xml).unwrap();
+        let nv = model.nv();
+        let mut data = Data::new(model).unwrap();
+        data.step().unwrap();
+        data.step1().unwrap();
+        data.step2().unwrap();
+        data.forward().unwrap();
+        data.inverse().unwrap();
+        data.forward().unwrap();
+        let world = data.model().body(0).unwrap().id();
+        assert_eq!(data.jac_body_com(world).unwrap().translation.shape(), (3, nv));
+        assert_eq!(data.jac_subtree_com(world).unwrap().shape(), (3, nv));
+        assert_eq!(data.full_m().unwrap().shape(), (nv, nv));
+        let (mut result, vector) = (vec![0.0; nv], vec![1.0; nv]);
+        data.mul_m(&mut result, &vector).unwrap();
+        data.solve_m(&mut result, &vector).unwrap();
+        let system = data.transition_fd(1e-6, Differences::Central).unwrap();
+        assert_eq!(system.a.shape(), (2 * nv, 2 * nv));
+        assert_eq!(data.contacts().len(), data.ncon());
+        let state = data.state(StateSpec::INTEGRATION);
+        data.set_state(StateSpec::INTEGRATION, &state).unwrap();
+        let mut trajectory = Trajectory::new(data.model());
+        trajectory.record(&mut data, &mut RandomController::new(1), 3).unwrap();
+        PdController::new(data.model(), 1.0, 1.0).control(&mut data).unwrap();
+        Lqr::with_gain(&data, Matrix::zeros(0, 2 * nv)).unwrap().control(&mut data).unwrap();
+        data.edit_model(|model| model.update_constants()).unwrap().unwrap();
+        drop(data.clone());
+        data.reset().unwrap();
+    }
+}
+
+#[test]
+fn unknown_flags_are_refused_or_empty() {
+    let mut model = sample::cartpole();
+    let error = model.edit().options(|options| options.enable = mujoco_safe::EnableFlags::from_bits_retain(1 << 20));
+    assert!(error.unwrap_err().to_string().contains("unknown bits"));
+    let spec = StateSpec::from_bits_retain(u32::MAX);
+    let mut data = Data::new(model).unwrap();
+    let state = data.state(spec);
+    assert_eq!(state.len(), data.model().state_size(StateSpec::INTEGRATION));
+    data.set_state(spec, &state).unwrap();
+}
+
+#[test]
+fn trajectories_in_text_from_strangers_are_errors_or_can_be_replayed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("t.csv");
+    let model = sample::cartpole();
+    let mut data = Data::new(model.clone()).expect("there is memory");
+    let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0";
+    let numbers = "9,".repeat(1_000_000);
+    for (text, loads) in [
+        (String::new(), false),
+        ("\0".to_owned(), false),
+        (header.to_owned(), true),
+        (format!("{header}\n"), true),
+        (format!("{header}\r\n0,0,0,0,0,0\r\n"), true),
+        (format!("{header}\n\n"), false),
+        (format!("{header}\n0,0,0,0,0"), false),
+        (format!("{header}\n0,0,0,0,0,0,0"), false),
+        (format!("{header}\n0,0,0,0,0,x"), false),
+        (format!("{header}\n0,0,0,0,0,0x10"), false),
+        (format!("{header}\n{numbers}"), false),
+        (format!("{header},{numbers}\n0,0,0,0,0,0"), false),
+        (format!("{header}\n-1,0,0,0,0,0\n-1,0,0,0,0,0\n-2,0,0,0,0,0"), true),
+        (format!("{header}\nNaN,inf,-inf,1e400,-1e-400,5e-324\n1e308,0,0,0,0,0"), true),
+    ] {
+        std::fs::write(&path, &text).expect("a file");
+        let start = &text[..text.len().min(60)];
+        let read = Trajectory::load_csv(&model, &path);
+        assert_eq!(read.is_ok(), loads, "{start}");
+        let Ok(read) = read else { continue };
+        for record in 0..read.len() {
+            let _ = read.apply(record, &mut data);
+            let _ = data.step();
+            data.reset().expect("a reset");
+        }
+        read.save_csv(&path).expect("a file");
+        let again = Trajectory::load_csv(&model, &path).expect("what was saved is loaded");
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        assert_eq!((bits(again.times()), bits(again.states())), (bits(read.times()), bits(read.states())), "{start}");
+    }
+    std::fs::write(&path, b"time,\xff\xfe\n").expect("a file");
+    assert!(Trajectory::load_csv(&model, &path).is_err());
+}

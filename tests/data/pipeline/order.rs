@@ -1,0 +1,321 @@
+//! Every part after every other, and in long random sequences.
+
+use mujoco_safe::{
+    Cone, Data, EnableFlags, Error, Integrator, JacobianStorage, Model, Result, Solver, Stage, StateSpec, sample,
+};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+type Part = (&'static str, fn(&mut Data) -> Result<()>);
+
+macro_rules! parts {
+    ($($name:ident)*) => { [$((stringify!($name), Data::$name as fn(&mut Data) -> Result<()>)),*] };
+}
+
+/// In the order of the engine's forward dynamics.
+const IN_ORDER: [Part; 19] = parts! {
+    kinematics com_pos camlight compute_tendon compute_crb factor_m collision make_constraint transmission project_constraint
+    compute_ten_velocity compute_actuator_velocity com_vel passive reference_constraint compute_qfrc_bias
+    fwd_actuation fwd_acceleration fwd_constraint
+};
+
+const OTHERS: [Part; 22] = parts! {
+    subtree_vel fwd_position fwd_velocity inv_position inv_velocity inv_constraint compare_fwd_inv
+    sensor_pos sensor_vel sensor_acc energy_pos energy_vel rne_post_constraint euler runge_kutta
+    step step1 step2 forward inverse reset cost
+};
+
+/// What is a method of this file and not of the library.
+trait More {
+    fn cost(&mut self) -> Result<()>;
+}
+
+impl More for Data {
+    fn cost(&mut self) -> Result<()> {
+        let jar = vec![-0.1; self.nefc()];
+        self.constraint_update(&jar, true).map(drop)
+    }
+}
+
+/// Calls with arguments, and calls that read what the parts leave.
+fn more() -> Vec<Part> {
+    fn skip(data: &mut Data, stage: Stage, sensors: bool) -> Result<()> {
+        data.forward_skip(stage, sensors)
+    }
+    vec![
+        ("skip nothing", |data| skip(data, Stage::Nothing, true)),
+        ("skip positions", |data| skip(data, Stage::Position, false)),
+        ("skip velocities", |data| skip(data, Stage::Velocity, true)),
+        ("inverse, skip nothing", |data| data.inverse_skip(Stage::Nothing, true)),
+        ("inverse, skip positions", |data| data.inverse_skip(Stage::Position, false)),
+        ("inverse, skip velocities", |data| data.inverse_skip(Stage::Velocity, true)),
+        ("full_m", |data| data.full_m().map(drop)),
+        ("solve_m", |data| {
+            let vector = vec![1.0; data.model().nv()];
+            data.solve_m(&mut vec![0.0; vector.len()], &vector)
+        }),
+        ("mul_jac_vec", |data| {
+            let vector = vec![1.0; data.model().nv()];
+            data.mul_jac_vec(&mut vec![0.0; data.nefc()], &vector)
+        }),
+        ("mul_jac_t_vec", |data| {
+            let vector = vec![1.0; data.nefc()];
+            data.mul_jac_t_vec(&mut vec![0.0; data.model().nv()], &vector)
+        }),
+        ("contact forces", |data| data.contacts().try_for_each(|contact| contact.force().map(drop))),
+        ("another solver", |data| {
+            data.edit_model(|model| {
+                model.options(|options| {
+                    options.solver = if options.solver == Solver::Pgs { Solver::Newton } else { Solver::Pgs };
+                })
+            })?
+        }),
+        ("another storage", |data| {
+            data.edit_model(|model| {
+                model.options(|options| {
+                    options.jacobian = match options.jacobian {
+                        JacobianStorage::Sparse => JacobianStorage::Dense,
+                        _ => JacobianStorage::Sparse,
+                    };
+                })
+            })?
+        }),
+        ("another cone", |data| {
+            data.edit_model(|model| {
+                model.options(|options| {
+                    options.cone = if options.cone == Cone::Elliptic { Cone::Pyramidal } else { Cone::Elliptic };
+                })
+            })?
+        }),
+    ]
+}
+
+fn all() -> Vec<Part> {
+    IN_ORDER.into_iter().chain(OTHERS).chain(more()).collect()
+}
+
+/// The two models under all solvers, cones and storages, with and without the no-slip solver, and every optional computation.
+fn subjects() -> impl Iterator<Item = (String, Data)> {
+    let every = Model::from_xml_str(include_str!("../../models/every_element.xml")).unwrap();
+    let models = [("every element", every), ("humanoid", sample::humanoid()), ("adhesion", adhesion())];
+    models.into_iter().flat_map(|(name, model)| {
+        let mut cases = Vec::new();
+        for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
+            for cone in [Cone::Pyramidal, Cone::Elliptic] {
+                for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
+                    for noslip_iterations in [0, 3] {
+                        let mut model = model.clone();
+                        model
+                            .edit()
+                            .options(|options| {
+                                (options.solver, options.cone, options.jacobian) = (solver, cone, jacobian);
+                                options.noslip_iterations = noslip_iterations;
+                                options.enable |= EnableFlags::ENERGY;
+                                options.iterations = options.iterations.min(10);
+                            })
+                            .unwrap();
+                        let mut data = Data::new(model).unwrap();
+                        if name == "humanoid" {
+                            data.reset_to_key("squat").unwrap();
+                        }
+                        cases.push((format!("{name}, {solver:?}, {cone:?}, {jacobian:?}, {noslip_iterations}"), data));
+                    }
+                }
+            }
+        }
+        cases
+    })
+}
+
+/// Balls on a floor, one of which sticks.
+fn adhesion() -> Model {
+    Model::from_xml_str(
+        r#"<mujoco>
+             <size njmax="100" nconmax="20"/>
+             <worldbody>
+               <geom type="plane" size="1 1 .1"/>
+               <body pos="0 0 .099"><freejoint/><geom size=".1" condim="3"/></body>
+               <body name="sticky" pos=".3 0 .099"><freejoint/><geom size=".1" condim="4"/></body>
+             </worldbody>
+             <actuator><adhesion body="sticky" ctrlrange="0 1" gain="10"/></actuator>
+           </mujoco>"#,
+    )
+    .unwrap()
+}
+
+/// The parts in the order given; what is out of order must be refused, and nothing else.
+fn call(what: &str, data: &mut Data, parts: &[Part]) -> usize {
+    let mut done = 0;
+    for (name, part) in parts {
+        match part(data) {
+            Ok(()) => done += 1,
+            Err(Error::NotComputed { .. }) => {}
+            // An order that makes no sense may well make numbers that make none, which is then told.
+            Err(Error::Unstable(_)) => data.reset().unwrap(),
+            Err(error) => {
+                let names: Vec<_> = parts.iter().map(|(name, _)| name).collect();
+                panic!("{what}: {name} of {names:?}: {error}");
+            }
+        }
+    }
+    done
+}
+
+#[test]
+fn in_order_they_are_forward_dynamics() {
+    for (name, mut whole) in subjects() {
+        for _ in 0..30 {
+            whole.step().unwrap();
+        }
+        let mut parts = whole.clone();
+        parts.edit_model(|_| ()).unwrap(); // which forgets what was computed
+        assert_eq!(parts.stage(), Stage::Nothing);
+        let mut stepped = whole.clone();
+        whole.forward().unwrap();
+        for (part, compute) in IN_ORDER {
+            compute(&mut parts).unwrap_or_else(|error| panic!("{name}: {part}: {error}"));
+            match part {
+                "project_constraint" => {
+                    parts.sensor_pos().unwrap();
+                    parts.energy_pos().unwrap();
+                    assert_eq!(parts.stage(), Stage::Position);
+                }
+                "compute_qfrc_bias" => {
+                    parts.sensor_vel().unwrap();
+                    parts.energy_vel().unwrap();
+                    assert_eq!(parts.stage(), Stage::Velocity);
+                }
+                _ => {}
+            }
+        }
+        assert_eq!(parts.stage(), Stage::Acceleration);
+        parts.sensor_acc().unwrap();
+        assert_same(&name, &parts, &whole);
+        assert!(whole.nefc() > 0, "{name} has constraints");
+
+        // And with an integrator they are a step.
+        if whole.model().options().integrator == Integrator::Euler {
+            parts.euler().unwrap();
+            stepped.step().unwrap();
+            assert!(parts.state(StateSpec::INTEGRATION) == stepped.state(StateSpec::INTEGRATION), "{name}");
+        }
+    }
+}
+
+#[test]
+fn in_order_of_the_inverse_they_are_inverse_dynamics() {
+    for (name, mut whole) in subjects() {
+        for _ in 0..30 {
+            whole.step().unwrap();
+        }
+        whole.forward().unwrap();
+        let mut parts = whole.clone();
+        whole.inverse().unwrap();
+        parts.inv_position().unwrap();
+        parts.inv_velocity().unwrap();
+        parts.inverse_skip(Stage::Velocity, true).unwrap();
+        let nv = parts.model().nv();
+        let bits = |values: &[f64]| -> Vec<u64> { values.iter().map(|value| value.to_bits()).collect() };
+        assert_eq!(bits(parts.qfrc_inverse()), bits(whole.qfrc_inverse()), "{name}");
+        assert_eq!(parts.qfrc_inverse().len(), nv);
+        parts.inv_constraint().unwrap();
+        assert_eq!(bits(parts.qfrc_constraint()), bits(whole.qfrc_constraint()), "{name}");
+    }
+}
+
+#[test]
+fn a_runge_kutta_step_is_forward_dynamics_and_the_rest() {
+    for (name, mut data) in subjects() {
+        data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap().unwrap();
+        let mut whole = data.clone();
+        whole.step().unwrap();
+        data.forward().unwrap();
+        data.runge_kutta().unwrap();
+        assert!(data.state(StateSpec::INTEGRATION) == whole.state(StateSpec::INTEGRATION), "{name}");
+        assert!(matches!(data.runge_kutta(), Err(Error::NotComputed { call: "runge_kutta", .. })));
+    }
+}
+
+#[track_caller]
+fn assert_same(name: &str, ours: &Data, theirs: &Data) {
+    let same = |what: &str, ours: &[f64], theirs: &[f64]| {
+        let differs = ours.iter().zip(theirs).position(|(a, b)| a.to_bits() != b.to_bits());
+        assert!(ours.len() == theirs.len() && differs.is_none(), "{name}: {what} at {differs:?}");
+    };
+    same("qacc", ours.qacc(), theirs.qacc());
+    same("qfrc_bias", ours.qfrc_bias(), theirs.qfrc_bias());
+    same("qfrc_passive", ours.qfrc_passive(), theirs.qfrc_passive());
+    same("qfrc_constraint", ours.qfrc_constraint(), theirs.qfrc_constraint());
+    same("actuator_force", ours.actuator_force(), theirs.actuator_force());
+    same("actuator_velocity", ours.actuator_velocity(), theirs.actuator_velocity());
+    same("ten_velocity", ours.ten_velocity(), theirs.ten_velocity());
+    same("efc_force", ours.efc_force(), theirs.efc_force());
+    same("sensordata", ours.sensordata(), theirs.sensordata());
+    same("energy", &ours.energy(), &theirs.energy());
+    same("qacc_warmstart", ours.qacc_warmstart(), theirs.qacc_warmstart());
+    assert_eq!(ours.contacts().len(), theirs.contacts().len(), "{name}");
+}
+
+#[test]
+fn all_pairs_are_done_or_refused() {
+    let all = all();
+    for (name, data) in subjects() {
+        let mut scratch = data.clone();
+        for first in &all {
+            for second in &all {
+                scratch.clone_from(&data);
+                scratch.reset().unwrap();
+                call(&name, &mut scratch, &[*first, *second]);
+            }
+        }
+    }
+}
+
+#[test]
+fn triples_after_forward_are_done_or_refused() {
+    let all = all();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    for (name, mut data) in subjects() {
+        for _ in 0..5 {
+            data.step().unwrap();
+        }
+        data.forward().unwrap();
+        let mut scratch = data.clone();
+        for _ in 0..200 {
+            scratch.clone_from(&data);
+            let triple: Vec<Part> = (0..3).map(|_| all[random.random_range(0..all.len())]).collect();
+            call(&name, &mut scratch, &triple);
+        }
+    }
+}
+
+#[test]
+fn long_random_sequences_are_done_or_refused() {
+    let all = all();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
+    let mut done = 0;
+    for (name, mut data) in subjects() {
+        for _ in 0..20 {
+            let sequence: Vec<Part> = (0..20).map(|_| all[random.random_range(0..all.len())]).collect();
+            done += call(&name, &mut data, &sequence);
+            data.reset().unwrap();
+        }
+    }
+    assert!(done > 5000, "{done} calls were in order");
+}
+
+#[test]
+fn the_error_names_what_to_call_first() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let error = data.com_vel().unwrap_err().to_string();
+    assert!(error.contains("com_vel needs the results of kinematics, com_pos, which"), "{error}");
+    data.forward().unwrap();
+    data.kinematics().unwrap();
+    let error = data.fwd_constraint().unwrap_err().to_string();
+    assert!(error.contains("project_constraint, reference_constraint, fwd_acceleration"), "{error}");
+    assert!(error.contains("call these first, in this order, or forward"), "{error}");
+    data.forward().unwrap();
+    data.euler().unwrap();
+    let error = data.euler().unwrap_err().to_string();
+    assert!(error.contains("euler needs the results of kinematics"), "{error}");
+}

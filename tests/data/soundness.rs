@@ -1,0 +1,253 @@
+//! The ways in which programs bring the engine down, or get a wrong answer from it without a word: each is tried here from
+//! safe code, and is an error, a panic that says what was wrong, or a right answer. What does not even compile is in the
+//! documentation of `Data`, `ModelMut` and `Callbacks`; what needs more than a few lines has a file of its own, which the chapter
+//! `promises` of the documentation names.
+
+#![forbid(unsafe_code)]
+
+use mujoco_safe::{
+    Callbacks, Cone, Data, Error, Frame, Integrator, JacobianStorage, Model, Quantity, RayOptions, Solver, Stage,
+    sample,
+};
+
+use crate::trouble;
+
+/// The humanoid, squatting, with everything computed.
+fn squatting() -> Data {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    data.forward().unwrap();
+    assert!(data.ncon() > 0);
+    data
+}
+
+fn change(data: &mut Data, change: impl FnOnce(&mut mujoco_safe::Options)) {
+    data.edit_model(|model| model.options(change)).unwrap().unwrap();
+}
+
+fn is_not_computed<T: std::fmt::Debug>(result: &Result<T, Error>) {
+    assert!(matches!(result, Err(Error::NotComputed { .. })), "{result:?}");
+}
+
+mod memory {
+    use super::*;
+
+    #[test]
+    fn a_solver_or_a_layout_changed_between_the_halves_of_a_step() {
+        let changes: [fn(&mut mujoco_safe::Options); 5] = [
+            |options| options.solver = Solver::Pgs,
+            |options| options.noslip_iterations = 5,
+            |options| options.jacobian = JacobianStorage::Sparse,
+            |options| options.cone = Cone::Elliptic,
+            |options| options.integrator = Integrator::Implicit,
+        ];
+        for option in changes {
+            let mut data = squatting();
+            data.step1().unwrap();
+            change(&mut data, option);
+            is_not_computed(&data.step2());
+            data.step().unwrap();
+        }
+    }
+
+    #[test]
+    fn contact_forces_read_by_another_cone_than_they_were_computed_with() {
+        let mut data = squatting();
+        change(&mut data, |options| options.cone = Cone::Elliptic);
+        data.forward().unwrap();
+        let elliptic = data.contacts().next().unwrap().force().unwrap();
+        change(&mut data, |options| options.cone = Cone::Pyramidal);
+        is_not_computed(&data.contacts().next().unwrap().force());
+        data.forward().unwrap();
+        let pyramidal = data.contacts().next().unwrap().force().unwrap();
+        assert!(
+            (pyramidal.force[0] - elliptic.force[0]).abs() < 0.2 * elliptic.force[0],
+            "{pyramidal:?}, {elliptic:?}"
+        );
+    }
+
+    #[test]
+    fn a_part_of_the_pipeline_without_the_one_before() {
+        let mut data = squatting();
+        change(&mut data, |options| options.solver = Solver::Pgs);
+        data.forward().unwrap();
+        data.make_constraint().unwrap();
+        // The dual matrix is that of the constraints before.
+        is_not_computed(&data.fwd_constraint());
+        let mut fresh = Data::new(sample::humanoid()).unwrap();
+        is_not_computed(&fresh.make_constraint());
+        is_not_computed(&fresh.fwd_velocity());
+    }
+
+    #[test]
+    fn a_copy_between_simulations_with_other_options() {
+        let source = squatting();
+        let mut target = source.clone();
+        change(&mut target, |options| (options.cone, options.jacobian) = (Cone::Elliptic, JacobianStorage::Sparse));
+        target.copy_from(&source).unwrap();
+        is_not_computed(&target.step2());
+        is_not_computed(&target.contacts().next().unwrap().force());
+        target.step().unwrap();
+    }
+
+    #[test]
+    fn a_data_of_another_model() {
+        let mut data = squatting();
+        let other = Data::new(sample::cartpole()).unwrap();
+        assert!(matches!(data.copy_from(&other), Err(Error::OtherModel { .. })));
+        // The same text loaded again is another model, too: the engine's own signature would be the same.
+        let again = Data::new(sample::humanoid()).unwrap();
+        assert!(matches!(data.copy_from(&again), Err(Error::OtherModel { .. })));
+    }
+
+    #[test]
+    fn a_stack_that_is_too_small() {
+        let mut data = Data::new(trouble::overflowing()).unwrap();
+        let error = (0..200).find_map(|_| data.step().err()).unwrap();
+        assert!(matches!(&error, Error::Engine { message, .. } if message == "Stack overflow"), "{error}");
+        assert!(matches!(data.step(), Err(Error::Poisoned { .. })));
+        data.reset().unwrap();
+        data.step().unwrap();
+    }
+
+    #[test]
+    fn a_ray_on_a_geom_of_another_type() {
+        let data = squatting();
+        let floor = data.model().geom("floor").unwrap().id();
+        let down = [0.0, 0.0, -1.0];
+        assert!(matches!(data.ray_mesh(floor, [0.0, 0.0, 1.0], down), Err(Error::Invalid { .. })));
+        assert!(matches!(data.ray_hfield(floor, [0.0, 0.0, 1.0], down), Err(Error::Invalid { .. })));
+        assert!(matches!(data.ray([0.0, 0.0, 1.0], [0.0; 3], &RayOptions::default()), Err(Error::Invalid { .. })));
+    }
+
+    #[test]
+    #[should_panic(expected = "another model")]
+    fn an_id_of_another_model_whose_index_exists() {
+        let cart = sample::cartpole().body("cart").unwrap().id();
+        let _ = squatting().object_velocity(Frame::Body(cart), mujoco_safe::Axes::World);
+    }
+
+    #[test]
+    fn a_file_with_one_byte_changed() {
+        let good = sample::cartpole().to_binary().unwrap();
+        for position in (0..good.len()).step_by(17) {
+            let mut bytes = good.clone();
+            bytes[position] ^= 0x5a;
+            if let Ok(model) = Model::from_binary(&bytes) {
+                let mut data = Data::new(model).unwrap();
+                let _ = (0..3).try_for_each(|_| data.step());
+            }
+        }
+    }
+}
+
+mod the_end_of_the_process {
+    use super::*;
+
+    #[test]
+    fn flags_that_the_engine_does_not_know() {
+        let mut data = squatting();
+        let result = data.edit_model(|model| {
+            model.options(|options| options.enable = mujoco_safe::EnableFlags::from_bits_retain(1 << 30))
+        });
+        assert!(matches!(result.unwrap(), Err(Error::Invalid { .. })));
+    }
+
+    #[test]
+    fn a_directory_that_does_not_exist() {
+        let model = sample::cartpole();
+        assert!(matches!(model.save_binary("no/such/folder/model.mjb"), Err(Error::File { .. })));
+        assert!(matches!(
+            model.save_xml("no/such/folder/model.xml"),
+            Err(Error::Save { .. } | Error::File { .. } | Error::XmlReplaced)
+        ));
+    }
+
+    #[test]
+    fn a_panic_in_a_callback() {
+        let mut data = squatting();
+        let result =
+            data.with_callbacks(Callbacks::new().control(|_| panic!("at the worst moment")), |data| data.step());
+        assert!(matches!(result, Err(Error::Callback { message, .. }) if message == "at the worst moment"));
+        data.reset().unwrap();
+        data.step().unwrap();
+    }
+}
+
+mod wrong_answers_without_a_word {
+    use super::*;
+
+    #[test]
+    fn an_unstable_state_that_is_reset() {
+        let mut data = squatting();
+        data.set_time(3.0);
+        data.qvel_mut()[7] = f64::INFINITY;
+        match data.step() {
+            Err(Error::Unstable(instability)) => {
+                assert_eq!((instability.quantity, instability.index, instability.time), (Quantity::Velocity, 7, 3.0));
+            }
+            other => panic!("{other:?}"),
+        }
+        assert_eq!(data.time(), 3.0);
+    }
+
+    #[test]
+    fn a_keyframe_that_is_not_there() {
+        let mut data = squatting();
+        let before = data.qpos().to_vec();
+        assert!(matches!(data.reset_to_key(99), Err(Error::NoSuchIndex { index: 99, .. })));
+        assert!(matches!(data.reset_to_key("handstand"), Err(Error::NoSuchName { .. })));
+        assert_eq!(data.qpos(), before);
+    }
+
+    #[test]
+    fn forces_of_the_step_before() {
+        let mut data = squatting();
+        assert!(data.contacts().next().unwrap().force().is_ok());
+        data.step1().unwrap();
+        assert_eq!(data.stage(), Stage::Velocity);
+        is_not_computed(&data.contacts().next().unwrap().force());
+    }
+
+    #[test]
+    fn the_xml_of_the_model_that_was_loaded_last() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.xml");
+        let first = sample::cartpole();
+        let _second = sample::humanoid();
+        assert!(matches!(first.save_xml(&path), Err(Error::XmlReplaced)));
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_control_that_is_no_number() {
+        let mut data = squatting();
+        data.ctrl_mut()[3] = f64::NAN;
+        match data.step() {
+            Err(Error::Unstable(instability)) => {
+                assert_eq!((instability.quantity, instability.index), (Quantity::Control, 3));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_message_that_is_cut() {
+        let name = "n".repeat(200);
+        let text = format!(r#"<mujoco><worldbody><geom size="1" material="{name}"/></worldbody></mujoco>"#);
+        assert!(Model::from_xml_str(&text).unwrap_err().to_string().contains(&name));
+    }
+
+    #[test]
+    fn a_matrix_that_is_read_column_by_column() {
+        // Row 1 of M is that of the second degree of freedom, and M is symmetric; a Jacobian is not.
+        let data = squatting();
+        let jacobian = data.jac_body_com(data.model().body("foot_left").unwrap()).unwrap().translation;
+        let point = data.xipos()[data.model().body("foot_left").unwrap().index()];
+        for (row, transposed) in jacobian.rows().zip(jacobian.transposed().column_iter()) {
+            assert!(row.iter().eq(transposed.iter()));
+        }
+        // A shift of the root along z moves the point along z only.
+        assert_eq!([0, 1, 2].map(|axis| jacobian[(axis, 2)]), [0.0, 0.0, 1.0], "{point:?}");
+    }
+}

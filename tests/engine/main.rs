@@ -1,0 +1,8 @@
+//! Numbers against independent sources: the engine called from C, the official Python bindings, and published figures.
+
+#[path = "../common/twins.rs"]
+mod twins;
+
+mod against_c;
+mod against_python;
+mod reference_numbers;

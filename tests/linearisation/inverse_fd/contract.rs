@@ -1,0 +1,150 @@
+//! What stays as it was, what may be left out, and what is refused.
+#![forbid(unsafe_code)]
+
+use mujoco_safe::{Data, Error, InverseJacobians, InverseOutputs, Matrix, Model, Stage, StateSpec, sample};
+
+use super::{EPS, subjects};
+
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn the_state_the_accelerations_and_all_inputs_are_as_before() {
+    for mut data in subjects() {
+        // Quaternions that are not of length 1, which the engine would bring to it.
+        data.qpos_mut().iter_mut().for_each(|value| *value *= 1.01);
+        data.mocap_quat_mut().as_flattened_mut().iter_mut().for_each(|value| *value *= 0.9);
+        let state = StateSpec::all();
+        let (before, qacc) = (data.state(state), data.qacc().to_vec());
+        data.inverse_fd(EPS, true).unwrap();
+        assert_eq!(bits(&data.state(state)), bits(&before));
+        assert_eq!(bits(data.qacc()), bits(&qacc));
+    }
+}
+
+#[test]
+fn everything_else_is_as_after_inverse() {
+    for mut data in subjects() {
+        let mut other = data.clone();
+        data.inverse_fd(EPS, false).unwrap();
+        other.inverse().unwrap();
+        assert_eq!(data.stage(), Stage::Acceleration);
+        for (ours, theirs) in [
+            (data.qfrc_inverse(), other.qfrc_inverse()),
+            (data.sensordata(), other.sensordata()),
+            (data.qM(), other.qM()),
+            (data.qfrc_bias(), other.qfrc_bias()),
+            (data.efc_force(), other.efc_force()),
+        ] {
+            assert_eq!(bits(ours), bits(theirs));
+        }
+        // And the next step is the same: nothing of the engine's stack is lost, and nothing of the state.
+        data.step().unwrap();
+        other.step().unwrap();
+        assert_eq!(bits(&data.physics_state()), bits(&other.physics_state()));
+    }
+}
+
+#[test]
+fn it_may_be_called_for_ever() {
+    // Each call gives back what it takes of the engine's stack.
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    for _ in 0..2000 {
+        data.inverse_fd(EPS, true).unwrap();
+    }
+}
+
+#[test]
+fn each_output_alone_is_the_same_as_with_the_others() {
+    for mut data in subjects() {
+        for flg_actuation in [false, true] {
+            let all = data.inverse_fd(EPS, flg_actuation).unwrap();
+            let mut alone = InverseJacobians::zeros(data.model());
+            let none = InverseOutputs::default;
+            for outputs in [
+                InverseOutputs { df_dq: Some(&mut alone.df_dq), ..none() },
+                InverseOutputs { df_dv: Some(&mut alone.df_dv), ..none() },
+                InverseOutputs { df_da: Some(&mut alone.df_da), ..none() },
+                InverseOutputs { ds_dq: Some(&mut alone.ds_dq), ..none() },
+                InverseOutputs { ds_dv: Some(&mut alone.ds_dv), ..none() },
+                InverseOutputs { ds_da: Some(&mut alone.ds_da), ..none() },
+                InverseOutputs { dm_dq: Some(&mut alone.dm_dq), ..none() },
+                none(),
+            ] {
+                data.inverse_fd_into(EPS, flg_actuation, outputs).unwrap();
+            }
+            assert_eq!(alone, all);
+        }
+    }
+}
+
+#[test]
+fn a_wrong_shape_is_refused_before_anything_is_computed() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let before = data.stage();
+    // Each output in turn, a row or a column too many, and the other way round.
+    for output in 0..7 {
+        for (rows, columns) in [(1, 0), (0, 1)] {
+            let mut jacobians = InverseJacobians::zeros(data.model());
+            let InverseJacobians { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = &mut jacobians;
+            let matrix = [df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq].into_iter().nth(output).unwrap();
+            *matrix = Matrix::zeros(matrix.nrows() + rows, matrix.ncols() + columns);
+            let error = data.inverse_fd_into(EPS, false, &mut jacobians).unwrap_err();
+            assert!(matches!(error, Error::Shape { .. }), "{error}");
+        }
+    }
+    assert_eq!(data.stage(), before);
+}
+
+#[test]
+fn steps_that_are_no_steps_are_refused() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    for eps in [0.0, -1e-6, 1e-13, 1.5, f64::NAN, f64::INFINITY] {
+        let error = data.inverse_fd(eps, false).unwrap_err();
+        assert!(matches!(&error, Error::Invalid { what, .. } if what == "eps of inverse_fd"), "{error}");
+    }
+    data.qpos_mut()[0] = f64::NAN;
+    assert!(matches!(data.inverse_fd(EPS, false), Err(Error::Unstable(_))));
+}
+
+/// The model with another `nstack`: room for so many numbers on the engine's stack.
+fn with_stack(model: &Model, nstack: i32) -> Model {
+    let mut bytes = model.to_binary().unwrap();
+    // Four integers of header, and then the sizes, in the order of the engine's own list.
+    let table = include_str!("../../../mujoco-sys/fields/v2_2_2.tsv");
+    let mut sizes = table.lines().filter_map(|line| line.strip_prefix("Model\tsize\tint\t")?.split('\t').next());
+    let at = 4 * (4 + sizes.position(|size| size == "nstack").unwrap());
+    assert_eq!(bytes[at..at + 4], (model.nstack() as i32).to_ne_bytes());
+    bytes[at..at + 4].copy_from_slice(&nstack.to_ne_bytes());
+    Model::from_binary(&bytes).unwrap()
+}
+
+#[test]
+fn a_stack_without_room_is_an_error_and_leaves_the_state() {
+    let model = sample::humanoid();
+    let kept = model.nq() + 3 * model.nv() + 4 * model.nmocap();
+    // Too little for the saved state, too little for the engine besides, and enough for both.
+    for (nstack, enough) in [(kept - 1, false), (kept, false), (1_000_000, true)] {
+        let mut data = Data::new(with_stack(&model, nstack as i32)).unwrap();
+        data.qpos_mut().iter_mut().for_each(|value| *value *= 1.01);
+        let before = bits(&data.state(StateSpec::all()));
+        let found = data.inverse_fd(EPS, false);
+        assert_eq!(found.is_ok(), enough);
+        if let Err(error) = found {
+            assert!(matches!(error, Error::Engine { .. }), "{error}");
+        }
+        assert_eq!(bits(&data.state(StateSpec::all())), before);
+        assert_eq!(matches!(data.inverse(), Err(Error::Poisoned { .. })), !enough);
+        // Nothing of the stack is lost: the same happens again.
+        data.reset().unwrap();
+        assert_eq!(data.inverse_fd(EPS, false).is_ok(), enough);
+    }
+}
+
+#[test]
+fn models_without_anything_that_moves_or_measures() {
+    let mut data = Data::new(Model::from_xml_str("<mujoco/>").unwrap()).unwrap();
+    let jacobians = data.inverse_fd(EPS, true).unwrap();
+    assert_eq!((jacobians.df_dq.shape(), jacobians.dm_dq.shape()), ((0, 0), (0, 0)));
+}

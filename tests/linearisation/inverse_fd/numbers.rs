@@ -1,0 +1,185 @@
+//! The numbers.
+
+use mujoco_safe::sys;
+use mujoco_safe::{Data, DisableFlags, InverseJacobians, Matrix, Model, StateSpec, sample};
+
+use super::{EPS, assert_near, subjects};
+
+/// A copy, in which one number is changed, with what the engine's inverse dynamics makes of it: forces, sensors, inertia.
+fn changed(data: &Data, change: impl FnOnce(&mut Data)) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let mut copy = data.clone();
+    copy.set_state(StateSpec::INTEGRATION, &data.state(StateSpec::INTEGRATION)).unwrap();
+    change(&mut copy);
+    let model = copy.model().clone();
+    // SAFETY: a model and a data that go together.
+    unsafe { sys::mj_inverse(model.as_ptr(), copy.as_mut_ptr()) };
+    (copy.qfrc_inverse().to_vec(), copy.sensordata().to_vec(), copy.qM().to_vec())
+}
+
+/// `(after − before) / eps`, bit for bit as it is done with the engine's numbers.
+fn difference(after: &[f64], before: &[f64]) -> Vec<f64> {
+    after.iter().zip(before).map(|(after, before)| (after - before) / EPS).collect()
+}
+
+#[test]
+fn rows_are_differences_of_the_engines_inverse_dynamics() {
+    for mut data in subjects() {
+        let original = data.clone();
+        let InverseJacobians { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = data.inverse_fd(EPS, false).unwrap();
+        let (force, sensors, inertia) = changed(&original, |_| {});
+        let model = original.model().clone();
+        for dof in 0..model.nv() {
+            let mut direction = vec![0.0; model.nv()];
+            direction[dof] = 1.0;
+            let (f, s, m) = changed(&original, |data| {
+                // SAFETY: arrays of the model's sizes.
+                unsafe { sys::mj_integratePos(model.as_ptr(), data.qpos_mut().as_mut_ptr(), direction.as_ptr(), EPS) };
+            });
+            // The same operations, so the same numbers.
+            assert_near("DfDq", df_dq.row(dof), &difference(&f, &force), 1e-12);
+            assert_near("DsDq", ds_dq.row(dof), &difference(&s, &sensors), 1e-12);
+            assert_near("DmDq", dm_dq.row(dof), &difference(&m, &inertia), 1e-12);
+            let (f, s, _) = changed(&original, |data| data.qvel_mut()[dof] += EPS);
+            assert_near("DfDv", df_dv.row(dof), &difference(&f, &force), 1e-12);
+            assert_near("DsDv", ds_dv.row(dof), &difference(&s, &sensors), 1e-12);
+            let (f, s, _) = changed(&original, |data| data.qacc_mut()[dof] += EPS);
+            assert_near("DfDa", df_da.row(dof), &difference(&f, &force), 1e-12);
+            assert_near("DsDa", ds_da.row(dof), &difference(&s, &sensors), 1e-12);
+        }
+    }
+}
+
+#[test]
+fn without_constraints_forces_by_accelerations_are_the_inertia_matrix() {
+    for mut data in subjects() {
+        let disable = DisableFlags::CONSTRAINT;
+        data.edit_model(|model| model.options(|options| options.disable = disable)).unwrap().unwrap();
+        let found = data.inverse_fd(1e-3, false).unwrap().df_da;
+        assert_near("DfDa", found.as_slice(), data.full_m().unwrap().as_slice(), 1e-7);
+    }
+}
+
+#[test]
+fn what_changes_with_the_inertia_matrix_is_its_change() {
+    for mut data in subjects() {
+        let dm_dq = data.inverse_fd(EPS, false).unwrap().dm_dq;
+        let (model, nv) = (data.model().clone(), data.model().nv());
+        for dof in 0..nv {
+            // The full matrix on both sides, the other way round in sparse form.
+            let mut full = Matrix::zeros(nv, nv);
+            // SAFETY: arrays of the model's sizes.
+            unsafe {
+                sys::mj_fullM(model.as_ptr(), full.as_mut_slice().as_mut_ptr(), dm_dq.row(dof).as_ptr());
+            }
+            let at = |sign: f64| {
+                let mut copy = data.clone();
+                let mut direction = vec![0.0; nv];
+                direction[dof] = sign;
+                model.integrate_pos(copy.qpos_mut(), &direction, EPS).unwrap();
+                copy.forward().unwrap();
+                copy.full_m().unwrap()
+            };
+            let (plus, minus) = (at(1.0), at(-1.0));
+            let central: Vec<f64> = plus
+                .as_slice()
+                .iter()
+                .zip(minus.as_slice())
+                .map(|(plus, minus)| (plus - minus) / (2.0 * EPS))
+                .collect();
+            assert_near("M", full.as_slice(), &central, 1e-4);
+        }
+    }
+}
+
+#[test]
+fn of_a_pendulum_they_are_those_of_the_formula() {
+    // A point of 2 kg at the end of a rod of 0.5 m, in a damped hinge with a spring and a position servo.
+    let model = Model::from_xml_str(
+        r#"<mujoco>
+             <option gravity="0 0 -10"/>
+             <worldbody>
+               <body>
+                 <joint name="hinge" axis="0 1 0" damping=".3" stiffness="1.5"/>
+                 <inertial pos="0 0 -.5" mass="2" diaginertia="1e-9 1e-9 1e-9"/>
+               </body>
+             </worldbody>
+             <actuator>
+               <general joint="hinge" gainprm="5" biastype="affine" biasprm="0 -5 -.2"/>
+             </actuator>
+             <sensor><jointpos joint="hinge"/><jointvel joint="hinge"/></sensor>
+           </mujoco>"#,
+    )
+    .unwrap();
+    let mut data = Data::new(model).unwrap();
+    let (angle, inertia) = (0.7_f64, 2.0 * 0.25);
+    data.qpos_mut()[0] = angle;
+    data.qvel_mut()[0] = -0.4;
+    data.qacc_mut()[0] = 2.0;
+    data.ctrl_mut()[0] = 0.1;
+    let gravity = 2.0 * 10.0 * 0.5 * angle.cos();
+    for (flg_actuation, servo) in [(false, [0.0, 0.0]), (true, [5.0, 0.2])] {
+        let found = data.inverse_fd(EPS, flg_actuation).unwrap();
+        assert_near("DfDq", found.df_dq.as_slice(), &[gravity + 1.5 + servo[0]], 1e-5);
+        assert_near("DfDv", found.df_dv.as_slice(), &[0.3 + servo[1]], 1e-7);
+        assert_near("DfDa", found.df_da.as_slice(), &[inertia], 1e-7);
+        assert_near("DsDq", found.ds_dq.as_slice(), &[1.0, 0.0], 1e-8);
+        assert_near("DsDv", found.ds_dv.as_slice(), &[0.0, 1.0], 1e-8);
+        assert_near("DsDa", found.ds_da.as_slice(), &[0.0, 0.0], 0.0);
+        assert_near("DmDq", found.dm_dq.as_slice(), &[0.0], 1e-8);
+    }
+    // The data itself has the forces of inverse dynamics, whoever exerts them.
+    let expected = inertia * 2.0 + 2.0 * 10.0 * 0.5 * angle.sin() + 1.5 * angle + 0.3 * -0.4;
+    assert_near("force", data.qfrc_inverse(), &[expected], 1e-8);
+}
+
+#[test]
+fn a_row_belongs_to_what_is_changed() {
+    // Coriolis forces are not symmetric: the arm that turns is not pushed by the one that slides along it as it pushes that.
+    let model = Model::from_xml_str(
+        r#"<mujoco>
+             <option gravity="0 0 0"/>
+             <worldbody>
+               <body>
+                 <joint axis="0 0 1"/>
+                 <inertial pos="0 0 0" mass="1" diaginertia=".1 .1 .1"/>
+                 <body>
+                   <joint type="slide" axis="1 0 0"/>
+                   <inertial pos=".5 0 0" mass="2" diaginertia="1e-9 1e-9 1e-9"/>
+                 </body>
+               </body>
+             </worldbody>
+           </mujoco>"#,
+    )
+    .unwrap();
+    let mut data = Data::new(model).unwrap();
+    data.qvel_mut().copy_from_slice(&[3.0, 0.7]);
+    // With r = 0.5: moment 2 m r ω ṙ, force −m r ω².
+    let found = data.inverse_fd(EPS, false).unwrap().df_dv;
+    let by_turning = [2.0 * 2.0 * 0.5 * 0.7, -2.0 * 2.0 * 0.5 * 3.0];
+    let by_sliding = [2.0 * 2.0 * 0.5 * 3.0, 0.0];
+    assert_near("by ω", found.row(0), &by_turning, 1e-5);
+    assert_near("by ṙ", found.row(1), &by_sliding, 1e-5);
+}
+
+#[test]
+fn of_the_cart_pole_they_are_those_of_a_newer_engine() {
+    // Recorded from mjd_inverseFD of the Python module of MuJoCo 3.1.6.
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    data.qpos_mut().copy_from_slice(&[0.2, 0.7]);
+    data.qvel_mut().copy_from_slice(&[0.5, -1.5]);
+    data.qacc_mut().copy_from_slice(&[1.0, 2.0]);
+    data.ctrl_mut()[0] = 0.3;
+    let found = data.inverse_fd(EPS, true).unwrap();
+    assert_near("DfDq", found.df_dq.as_slice(), &[0.0, 0.0, -0.451_399_550_627_229_5, -1.222_097_515_407_583], 1e-8);
+    assert_near("DfDv", found.df_dv.as_slice(), &[0.050_000_000_58, 0.0, 0.289_897_862_16, 0.049_999_999_918], 1e-8);
+    let inertia = [2.000_000_000_28, 0.114_726_328_215_297_71, 0.114_726_327_993_253_11, 0.063_454_431_709_075_72];
+    assert_near("DfDa", found.df_da.as_slice(), &inertia, 1e-8);
+    // The order of the numbers of the inertia matrix is another one there: the full matrices are compared.
+    let mut full = Matrix::zeros(2, 2);
+    // SAFETY: arrays of the model's sizes.
+    unsafe {
+        let row = found.dm_dq.row(1).as_ptr();
+        sys::mj_fullM(data.model().as_ptr(), full.as_mut_slice().as_mut_ptr(), row);
+    }
+    assert_near("DmDq", full.as_slice(), &[0.0, -0.096_632_710_430_699_65, -0.096_632_710_430_699_65, 0.0], 1e-8);
+}

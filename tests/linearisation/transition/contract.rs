@@ -1,0 +1,350 @@
+//! What every method promises.
+
+use std::sync::Arc;
+
+use mujoco_safe::rayon::ThreadPoolBuilder;
+use mujoco_safe::{
+    Callbacks, Data, Differences, Error, Fallback, Integrator, Matrix, Model, ModelMut, Options, StateSpace, StateSpec,
+    Transition, TransitionMethod, TransitionOptions, TransitionOutputs, sample,
+};
+
+use super::{assert_near, deviation, oracle, standing};
+
+const METHODS: [TransitionMethod; 3] = [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse];
+
+fn workspace(data: &Data, options: TransitionOptions) -> Transition {
+    Transition::new(data.model().clone(), options).expect("there is memory")
+}
+
+fn by(data: &mut Data, method: TransitionMethod, threads: usize) -> StateSpace {
+    workspace(data, TransitionOptions { method, threads, ..Default::default() }).linear_system(data).expect("stable").0
+}
+
+fn cartpole() -> Data {
+    let mut data = Data::new(sample::cartpole()).expect("there is memory");
+    data.qpos_mut()[1] = 0.4;
+    data.qvel_mut().copy_from_slice(&[0.3, -0.7]);
+    data.ctrl_mut()[0] = 0.2;
+    data
+}
+
+/// Every kind of element, in motion.
+fn zoo() -> Data {
+    let model = Model::from_xml_str(include_str!("../../models/zoo.xml")).expect("the zoo loads");
+    let mut data = Data::new(model).expect("there is memory");
+    data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.1 - 0.03 * i as f64);
+    (0..20).for_each(|_| data.step().expect("stable"));
+    data
+}
+
+fn with_options(mut data: Data, change: impl FnOnce(&mut Options)) -> Data {
+    data.edit_model(|model: &mut ModelMut<'_>| model.options(change)).expect("a copy").expect("good options");
+    data
+}
+
+#[test]
+fn columns_are_those_of_the_engine_to_the_last_bit() {
+    // With the integrator Implicit the engine takes a factor from the step before, which does not belong to the control.
+    for mut data in [cartpole(), standing(), with_options(zoo(), |options| options.integrator = Integrator::Euler)] {
+        for differences in [Differences::Central, Differences::Forward] {
+            let options =
+                TransitionOptions { differences, method: TransitionMethod::Columns, threads: 2, ..Default::default() };
+            let (system, used) = workspace(&data, options).linear_system(&mut data).expect("stable");
+            assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, None));
+            let engine = data.clone().transition_fd(1e-6, differences).expect("stable");
+            assert!(system == engine, "{differences:?} of {data:?}");
+        }
+    }
+}
+
+#[test]
+fn with_the_implicit_integrator_columns_are_nearer_to_the_truth_than_the_engine() {
+    let mut data = zoo();
+    let truth = oracle::linear_system(&data);
+    let [columns, engine] =
+        [TransitionMethod::Columns, TransitionMethod::Engine].map(|method| by(&mut data, method, 1));
+    // What changes an activation changes the derivative of its muscle's force by velocity.
+    let muscle = (6, 26);
+    let error = |system: &StateSpace| (system.a[muscle] - truth.a[muscle]).abs();
+    assert!(error(&columns) < 1e-3 * error(&engine), "{:e}, {:e}", error(&columns), error(&engine));
+}
+
+#[test]
+fn a_control_at_the_end_of_its_range_is_moved_to_one_side_by_all_methods() {
+    let mut data = standing();
+    let [low, high] = data.model().actuator_ctrlrange()[0];
+    data.ctrl_mut()[0] = high;
+    data.ctrl_mut()[1] = low;
+    data.ctrl_mut()[2] = high + 1.0;
+    let engine = by(&mut data, TransitionMethod::Engine, 1);
+    assert!((0..engine.b.nrows()).all(|row| engine.b[(row, 2)] == 0.0));
+    assert_eq!(by(&mut data, TransitionMethod::Columns, 1), engine);
+    assert_near("inverse", &by(&mut data, TransitionMethod::Inverse, 1), &engine, 1e-5);
+}
+
+#[test]
+fn through_inverse_dynamics_is_near_the_engine_and_nearer_to_the_truth() {
+    for mut data in [standing(), cartpole()] {
+        let truth = oracle::linear_system(&data);
+        let inverse = by(&mut data, TransitionMethod::Inverse, 1);
+        let engine = by(&mut data, TransitionMethod::Engine, 1);
+        assert_near("engine", &inverse, &engine, 1e-5);
+        assert_near("truth", &inverse, &truth, 3e-7);
+        assert!(deviation(&inverse.a, &truth.a) <= deviation(&engine.a, &truth.a).max(1e-8));
+        assert!(deviation(&inverse.b, &truth.b) <= deviation(&engine.b, &truth.b).max(1e-8));
+    }
+}
+
+#[test]
+fn forward_differences_are_near_central_ones() {
+    let mut data = standing();
+    let central = by(&mut data, TransitionMethod::Inverse, 1);
+    let options = TransitionOptions { differences: Differences::Forward, ..Default::default() };
+    let (forward, _) = workspace(&data, options).linear_system(&mut data).expect("stable");
+    assert!(forward != central);
+    assert_near("forward", &forward, &central, 1e-3);
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    for mut data in [cartpole(), standing(), zoo()] {
+        for method in METHODS {
+            let one = by(&mut data, method, 1);
+            for threads in [2, 3, 100] {
+                assert_eq!(by(&mut data, method, threads), one, "{method:?} in {threads}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_pool_that_the_call_is_made_in_changes_no_bit() {
+    // Called from within a pool, with fewer threads than asked for, or with none to spare.
+    for mut data in [standing(), zoo()] {
+        for method in METHODS {
+            let one = by(&mut data, method, 1);
+            for threads in [1, 2, 5] {
+                let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
+                assert_eq!(pool.install(|| by(&mut data, method, 3)), one, "{method:?} in {threads}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_workspace_that_has_failed_linearises_the_next_state_as_a_new_one() {
+    let mut data = standing();
+    for method in METHODS {
+        let options = TransitionOptions { method, threads: 2, ..Default::default() };
+        let (mut used, mut system) = (workspace(&data, options), StateSpace::zeros(data.model()));
+        let one = by(&mut data, method, 1);
+        let mut lost = data.clone();
+        lost.qfrc_applied_mut().fill(1e300);
+        assert!(used.linear_system_into(&mut lost, &mut system).is_err(), "{method:?}");
+        used.linear_system_into(&mut data, &mut system).expect("stable");
+        assert_eq!(system, one, "{method:?}");
+    }
+}
+
+#[test]
+fn outputs_that_are_left_out_change_nothing_of_the_others() {
+    let mut data = standing();
+    for method in METHODS {
+        for threads in [1, 2] {
+            let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
+            let whole = transition.linear_system(&mut data).expect("stable").0;
+            let mut part = StateSpace::zeros(data.model());
+            let outputs = TransitionOutputs { a: Some(&mut part.a), ..Default::default() };
+            transition.linear_system_into(&mut data, outputs).expect("stable");
+            let outputs = TransitionOutputs { b: Some(&mut part.b), d: Some(&mut part.d), ..Default::default() };
+            transition.linear_system_into(&mut data, outputs).expect("stable");
+            let outputs = TransitionOutputs { c: Some(&mut part.c), ..Default::default() };
+            transition.linear_system_into(&mut data, outputs).expect("stable");
+            assert_near(&format!("{method:?}"), &part, &whole, 1e-9);
+            transition.linear_system_into(&mut data, TransitionOutputs::default()).expect("nothing to do");
+        }
+    }
+}
+
+/// All that a simulation holds, as text.
+fn everything(data: &Data) -> (Vec<f64>, Vec<f64>, String) {
+    (
+        data.state(StateSpec::INTEGRATION),
+        [data.qacc(), data.qfrc_constraint(), data.xpos().as_flattened()].concat(),
+        format!("{data:?}, {:?}", data.stage()),
+    )
+}
+
+#[test]
+fn the_simulation_is_as_before_to_the_last_bit() {
+    for mut data in [cartpole(), standing(), zoo()] {
+        for method in METHODS {
+            for threads in [1, 2] {
+                let before = everything(&data);
+                let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
+                transition.linear_system(&mut data).expect("stable");
+                assert_eq!(everything(&data), before);
+
+                // Accelerations beyond all bounds are an error of the step.
+                let mut wild = data.clone();
+                wild.qfrc_applied_mut().fill(1e300);
+                let before = everything(&wild);
+                assert!(matches!(transition.linear_system(&mut wild), Err(Error::Unstable(_))), "{method:?}");
+                assert_eq!(everything(&wild), before);
+                // And none for the next one.
+                transition.linear_system(&mut data).expect("stable");
+            }
+        }
+    }
+}
+
+#[test]
+fn where_the_theorem_does_not_hold_differences_take_its_place_and_say_so() {
+    for (data, fallback) in [
+        (with_options(cartpole(), |options| options.integrator = Integrator::Rk4), Fallback::RungeKutta),
+        (with_options(standing(), |options| options.integrator = Integrator::Implicit), Fallback::ImplicitIntegrator),
+        (with_options(standing(), |options| options.noslip_iterations = 3), Fallback::NoSlip),
+    ] {
+        let mut data = data;
+        let truth = oracle::linear_system(&data);
+        for threads in [1, 2] {
+            let options = TransitionOptions { threads, ..Default::default() };
+            let (system, used) = workspace(&data, options).linear_system(&mut data).expect("stable");
+            assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(fallback)));
+            assert_near(&fallback.to_string(), &system, &truth, 1e-4);
+        }
+    }
+    let mut data = with_options(standing(), |options| {
+        options.iterations = 1;
+        options.solver = mujoco_safe::Solver::Pgs;
+    });
+    for threads in [1, 2] {
+        let options = TransitionOptions { threads, ..Default::default() };
+        let (system, used) = workspace(&data, options).linear_system(&mut data).expect("stable");
+        assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(Fallback::NotConverged)));
+        assert_eq!(system, data.clone().transition_fd(1e-6, Differences::Central).expect("stable"));
+    }
+}
+
+#[test]
+fn the_engine_does_not_differentiate_runge_kutta_and_columns_do() {
+    let mut data = with_options(cartpole(), |options| options.integrator = Integrator::Rk4);
+    let options = TransitionOptions { method: TransitionMethod::Engine, ..Default::default() };
+    let (system, used) = workspace(&data, options).linear_system(&mut data).expect("stable");
+    assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(Fallback::RungeKutta)));
+    assert_near("Runge–Kutta", &system, &oracle::linear_system(&data), 1e-7);
+}
+
+#[test]
+fn callbacks_are_part_of_what_is_linearised() {
+    let mut data = cartpole();
+    data.ctrl_mut()[0] = -0.5 * data.qpos()[1];
+    let before = data.state(StateSpec::INTEGRATION);
+    let feedback = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = -0.5 * moment.qpos()[1]);
+    let mut transition = workspace(&data, TransitionOptions::default());
+    let (system, used) = data.with_callbacks(feedback, |data| transition.linear_system(data)).expect("stable");
+    assert_eq!((used.method, used.fallback), (TransitionMethod::Engine, Some(Fallback::Callbacks)));
+    assert_eq!(data.state(StateSpec::INTEGRATION), before);
+    let free = transition.linear_system(&mut data).expect("stable").0;
+    let gain = (system.a[(2, 1)] - free.a[(2, 1)]) / free.b[(2, 0)];
+    assert!((gain + 0.5).abs() < 1e-3, "{gain}");
+}
+
+#[test]
+fn a_model_that_was_changed_is_followed() {
+    let mut data = cartpole();
+    for method in METHODS {
+        let mut transition = workspace(&data, TransitionOptions { method, ..Default::default() });
+        let before = transition.linear_system(&mut data).expect("stable").0;
+        let mut changed = with_options(data.clone(), |options| options.gravity = [0.0; 3]);
+        let after = transition.linear_system(&mut changed).expect("stable").0;
+        assert!(after != before);
+        assert_eq!(after, by(&mut changed, method, 1));
+    }
+}
+
+#[test]
+fn along_a_trajectory_each_row_is_as_if_alone() {
+    let mut data = standing();
+    let (mut states, mut controls) = (Vec::new(), Vec::new());
+    for knot in 0..5 {
+        data.ctrl_mut()[3] = 0.1 * f64::from(knot);
+        states.extend_from_slice(&data.physics_state());
+        controls.extend_from_slice(data.ctrl());
+        data.step().expect("stable");
+    }
+    let states = Matrix::from_row_major(5, states.len() / 5, states);
+    let controls = Matrix::from_row_major(5, controls.len() / 5, controls);
+    for method in METHODS {
+        for threads in [1, 2, 9] {
+            let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
+            let systems = transition.along(&data, &states, &controls).expect("stable");
+            for (knot, (system, used)) in systems.iter().enumerate() {
+                let mut alone = data.clone();
+                alone.set_physics_state(states.row(knot)).expect("the right length");
+                alone.ctrl_mut().copy_from_slice(controls.row(knot));
+                let (expected, how) = transition.linear_system(&mut alone).expect("stable");
+                assert_eq!((system, *used), (&expected, how), "{method:?} in {threads}, row {knot}");
+            }
+        }
+    }
+    let mut bad = states.clone();
+    bad[(3, 0)] = f64::NAN;
+    let mut transition = workspace(&data, TransitionOptions { threads: 2, ..Default::default() });
+    assert!(matches!(transition.along(&data, &bad, &controls), Err(Error::Unstable(_))));
+    assert!(
+        transition
+            .along(&data, &Matrix::zeros(0, states.ncols()), &Matrix::zeros(0, controls.ncols()))
+            .expect("none")
+            .is_empty()
+    );
+}
+
+#[test]
+fn wrong_shapes_options_and_models_are_errors() {
+    let mut data = cartpole();
+    let model: Arc<Model> = data.model().clone();
+    for eps in [0.0, 2.0, f64::NAN] {
+        let options = TransitionOptions { eps: Some(eps), ..Default::default() };
+        assert!(matches!(Transition::new(model.clone(), options), Err(Error::Invalid { .. })));
+    }
+    for threads in [0, 1025, usize::MAX] {
+        let options = TransitionOptions { threads, ..Default::default() };
+        assert!(matches!(Transition::new(model.clone(), options), Err(Error::Invalid { .. })));
+    }
+
+    let mut transition = workspace(&data, TransitionOptions::default());
+    for wrong in 0..4 {
+        let mut system = StateSpace::zeros(&model);
+        let matrix = [&mut system.a, &mut system.b, &mut system.c, &mut system.d].into_iter().nth(wrong).expect("four");
+        *matrix = Matrix::zeros(matrix.nrows() + 1, matrix.ncols());
+        assert!(matches!(transition.linear_system_into(&mut data, &mut system), Err(Error::Shape { .. })));
+        let mut systems = transition.along(&data, &Matrix::zeros(1, 4), &Matrix::zeros(1, 1)).expect("stable");
+        systems[0].0 = system;
+        let result = transition.along_into(&data, &Matrix::zeros(1, 4), &Matrix::zeros(1, 1), &mut systems);
+        assert!(matches!(result, Err(Error::Shape { .. })));
+    }
+    for (states, controls) in [((2, 5), (2, 1)), ((2, 4), (2, 2)), ((2, 4), (3, 1))] {
+        let [states, controls] = [states, controls].map(|(rows, columns)| Matrix::zeros(rows, columns));
+        assert!(matches!(transition.along(&data, &states, &controls), Err(Error::Shape { .. })));
+    }
+    let result = transition.along_into(&data, &Matrix::zeros(2, 4), &Matrix::zeros(2, 1), &mut []);
+    assert!(matches!(result, Err(Error::Shape { .. })));
+
+    let mut other = Data::new(sample::cartpole()).expect("there is memory");
+    assert!(matches!(transition.linear_system(&mut other), Err(Error::OtherModel { .. })));
+    data.qvel_mut()[0] = f64::NAN;
+    assert!(matches!(transition.linear_system(&mut data), Err(Error::Unstable(_))));
+}
+
+#[test]
+fn models_without_joints_or_actuators_have_empty_systems() {
+    for xml in ["<mujoco/>", r#"<mujoco><worldbody><body><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#] {
+        let mut data = Data::new(Model::from_xml_str(xml).expect("it loads")).expect("there is memory");
+        let engine = by(&mut data, TransitionMethod::Engine, 1);
+        for threads in [1, 2] {
+            assert_eq!(by(&mut data, TransitionMethod::Columns, threads), engine);
+            assert_near(xml, &by(&mut data, TransitionMethod::Inverse, threads), &engine, 1e-7);
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Loading, saving and editing models, and the guards in front of the engine's compiler.
+
+#[path = "../common/assets.rs"]
+mod assets;
+#[path = "../common/mutate.rs"]
+mod mutate;
+#[path = "../common/print_all.rs"]
+mod print_all;
+
+mod edits;
+mod engine_limits;
+mod load;
+mod mutated_binaries;
+mod rejected_files;
+mod rejected_texts;
+mod save;
+#[cfg(feature = "serde")]
+mod serde;
+mod urdf;
+
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use assets::folder;
+use mujoco_safe::{LoadOptions, Model};
+
+/// Loads a text with files that are owned.
+fn from_memory(xml: &str, files: &[(&str, Vec<u8>)]) -> mujoco_safe::Result<Model> {
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (*name, content.as_slice())).collect();
+    Model::from_xml_str_with(xml, &LoadOptions::default().with_files(&files))
+}
+
+/// The whole model, every array of it, as the engine writes it.
+fn bytes(model: &Model) -> Vec<u8> {
+    model.to_binary().unwrap()
+}
+
+/// Held while a model is loaded past the library, which replaces the XML tree that the engine keeps for saving.
+static RAW_LOADS: Mutex<()> = Mutex::new(());
+
+/// What the engine itself loads from a path, as bytes.
+fn bytes_in_c(path: &Path) -> Vec<u8> {
+    bytes_in_c_with_files(path, &[])
+}
+
+/// The same, with files in its own virtual file system.
+fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
+    use std::ffi::CString;
+    use std::ptr;
+
+    use mujoco_safe::sys::{self, guard};
+
+    let _raw = RAW_LOADS.lock().unwrap_or_else(PoisonError::into_inner);
+    let name = CString::new(path.to_str().unwrap()).unwrap();
+    let (mut model, mut message) = (ptr::null_mut(), [0; 1000]);
+    let mut table = Box::<sys::mjVFS>::new_uninit();
+    // SAFETY: the engine makes an empty table of it, in which the files are of the sizes that are given, and filled.
+    let mut table = unsafe {
+        sys::mj_defaultVFS(table.as_mut_ptr());
+        let mut table = table.assume_init();
+        for (index, (name, content)) in files.iter().enumerate() {
+            let name = CString::new(*name).unwrap();
+            assert_eq!(sys::mj_makeEmptyFileVFS(&raw mut *table, name.as_ptr(), content.len() as i32), 0);
+            ptr::copy_nonoverlapping(content.as_ptr(), table.filedata[index].cast::<u8>(), content.len());
+        }
+        table
+    };
+    // SAFETY: the handlers are in place since a model was loaded through the library; the name and the table are valid, and the
+    // buffer has the length that is given.
+    let status =
+        unsafe { guard::mj_load_xml(name.as_ptr(), &raw const *table, message.as_mut_ptr(), 1000, &raw mut model) };
+    assert!(status == guard::OK && !model.is_null(), "the engine cannot load {}", path.display());
+    // SAFETY: a valid model, a buffer of the size that the engine asks for, and the table and the model are freed once.
+    unsafe {
+        sys::mj_deleteVFS(&raw mut *table);
+        let size = sys::mj_sizeModel(model);
+        let mut bytes = vec![0_u8; size as usize];
+        assert_eq!(guard::mj_save_model(model, ptr::null(), bytes.as_mut_ptr().cast(), size), guard::OK);
+        sys::mj_deleteModel(model);
+        bytes
+    }
+}

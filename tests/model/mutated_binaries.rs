@@ -1,0 +1,106 @@
+//! Damaged binary models are errors, or models that work: nothing in between.
+
+#![forbid(unsafe_code)]
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::mutate::{DAMAGES, Damage, Map};
+use crate::print_all::print_all;
+use mujoco_safe::scene::{Camera, Categories, FrameMode, LabelMode, Scene, SceneOptions, VisualFlags};
+use mujoco_safe::{Data, Error, Model, sample};
+
+/// What becomes of the bytes; whether they are still a model.
+fn try_it(bytes: &[u8]) -> bool {
+    let model = match Model::from_binary(bytes) {
+        Ok(model) => model,
+        Err(error) => {
+            assert!(matches!(error, Error::InvalidBinary { .. } | Error::Unsupported(_)), "{error}");
+            return false;
+        }
+    };
+    // Numbers may have become anything, so a step may fail, as long as it comes back.
+    let mut data = match Data::new(model.clone()) {
+        Ok(data) => data,
+        // A stack of gigabytes is possible, but not on every machine.
+        Err(Error::Engine { .. } | Error::OutOfMemory { .. }) => return true,
+        Err(error) => panic!("a model that was accepted has no simulation: {error}"),
+    };
+    assert!(print_all(&model, &data) > 0);
+    for _ in 0..10 {
+        if data.step().is_err() {
+            data.reset().unwrap();
+        }
+    }
+    assert!(print_all(&model, &data) > 0);
+    show(&mut data);
+    let _ = data.model().options();
+    drop(data.clone());
+    drop(model.clone());
+    assert!(model.to_binary().is_ok());
+    true
+}
+
+/// Shows all that there is, and looks for something in it.
+fn show(data: &mut Data) {
+    let model = data.model().clone();
+    let mut scene = Scene::new(&model, 5000).unwrap();
+    let (all, mut camera) = ([true; 6], Camera::default());
+    for (label, frame) in [(LabelMode::Body, FrameMode::Geom), (LabelMode::ContactForce, FrameMode::Contact)] {
+        let (flags, geomgroup, sitegroup, jointgroup) = (VisualFlags::all(), all, all, all);
+        let (tendongroup, actuatorgroup, skingroup) = (all, all, all);
+        let options = SceneOptions {
+            label,
+            frame,
+            flags,
+            geomgroup,
+            sitegroup,
+            jointgroup,
+            tendongroup,
+            actuatorgroup,
+            skingroup,
+        };
+        match scene.update(data, &options, None, &mut camera, Categories::all()) {
+            Ok(()) => assert!(scene.geoms().all(|geom| geom.label().len() < 100)),
+            Err(Error::SceneFull { .. } | Error::NotComputed { .. } | Error::Poisoned { .. }) => (),
+            Err(error) => panic!("a model that was accepted cannot be shown: {error}"),
+        }
+        // The ray may be one that is none.
+        let _ = scene.select(data, &options, 1.0, [0.5; 2]);
+    }
+}
+
+fn mutations(model: &Model, seeds: std::ops::Range<u64>) {
+    let good = model.to_binary().unwrap();
+    assert!(try_it(&good), "the model itself");
+    let map = Map::new(&good);
+    let mut accepted = 0;
+    for damage in DAMAGES {
+        for seed in seeds.clone() {
+            let mutant = map.mutant(&good, damage, seed);
+            let outcome = catch_unwind(AssertUnwindSafe(|| try_it(&mutant)));
+            let is_model = outcome.unwrap_or_else(|_| panic!("{damage:?}, seed {seed}"));
+            assert!(!(is_model && matches!(damage, Damage::Truncation | Damage::Extension)), "{damage:?}, seed {seed}");
+            accepted += usize::from(is_model);
+        }
+    }
+    println!("{accepted} mutations were still models");
+}
+
+#[test]
+fn mutated_models_are_errors_or_work() {
+    // Nine kinds of damage: more than 500 mutations.
+    mutations(&sample::cartpole(), 0..20);
+    mutations(&sample::humanoid(), 0..20);
+    let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
+    mutations(&Model::from_xml_path(every_element).unwrap(), 0..20);
+}
+
+#[test]
+fn every_short_beginning_of_a_file_is_an_error() {
+    let good = sample::cartpole().to_binary().unwrap();
+    for length in (0..1000).chain((1000..good.len()).step_by(997)) {
+        assert!(!try_it(&good[..length]), "the first {length} bytes");
+    }
+    let long = [&good[..], b"x"].concat();
+    assert!(!try_it(&long), "a byte too many");
+}

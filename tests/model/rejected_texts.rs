@@ -1,0 +1,405 @@
+//! Texts on which the engine's own compiler crashes, hangs, or reads what it should not: each is an error.
+
+#![forbid(unsafe_code)]
+
+use mujoco_safe::{Data, Error, LoadOptions, Model};
+
+#[test]
+fn files_that_include_each_other_without_end_are_refused() {
+    let load = |names: usize, body: &str, end: &str| {
+        let texts: Vec<(String, String)> = (0..names)
+            .map(|file| {
+                let next = format!(r#"<include file="f{}.xml"/>"#, file + 1);
+                let inner = if file + 1 < names { next } else { r#"<geom size=".1"/>"#.to_owned() };
+                (format!("f{file}.xml"), format!("<mujoco>{body}{inner}{end}</mujoco>"))
+            })
+            .collect();
+        let files: Vec<(&str, &[u8])> = texts.iter().map(|(name, text)| (name.as_str(), text.as_bytes())).collect();
+        let first = r#"<mujoco><worldbody><include file="f0.xml"/></worldbody></mujoco>"#;
+        Model::from_xml_str_with(first, &LoadOptions::default().with_files(&files))
+    };
+    assert_eq!(load(40, "", "").unwrap().ngeom(), 1);
+    assert!(load(1900, "", "").unwrap_err().to_string().contains("include each other"));
+    assert_eq!(load(4, &"<body>".repeat(80), &"</body>".repeat(80)).unwrap().nbody(), 321);
+    let deep = load(40, &"<body>".repeat(80), &"</body>".repeat(80)).unwrap_err();
+    assert!(deep.to_string().contains("nested more than 400 deep"), "{deep}");
+}
+
+#[test]
+fn a_bad_file_name_in_an_included_file_does_not_lock_the_loader() {
+    let dir = std::env::temp_dir().join(format!("mujoco_safe_include_{}", std::process::id()));
+    std::fs::create_dir_all(&dir).unwrap();
+    let part = dir.join("part.xml");
+    std::fs::write(&part, r#"<mujoco><include file=""/></mujoco>"#).unwrap();
+    let xml = format!(r#"<mujoco><include file="{}"/></mujoco>"#, part.display());
+    for _ in 0..2 {
+        let error = Model::from_xml_str(&xml).unwrap_err();
+        assert!(error.to_string().contains("nothing behind its last slash"), "{error}");
+    }
+    let main = dir.join("main.xml");
+    std::fs::write(&main, r#"<mujoco><include file="part.xml"/></mujoco>"#).unwrap();
+    assert!(matches!(Model::from_xml_path(&main), Err(Error::Load { .. })));
+    std::fs::write(&part, "<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>").unwrap();
+    assert_eq!(Model::from_xml_path(&main).unwrap().ngeom(), 1);
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn texts_on_which_the_compiler_crashes_are_refused() {
+    for (xml, expected) in [
+        ("<mujoco>\0</mujoco>", "NUL byte"),
+        (
+            "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 1 -99000000 0 2 1'/></asset></mujoco>",
+            "0 to 3",
+        ),
+        ("<mujoco><asset><hfield name='h' nrow='50000' ncol='50000' size='1 1 1 1'/></asset></mujoco>", "too large"),
+        (
+            "<mujoco><asset><texture name='t' type='cube' builtin='flat' width='40000' height='40000'/></asset></mujoco>",
+            "too large",
+        ),
+        (
+            "<mujoco><option jacobian='sparse'/><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody>
+             <tendon><fixed><joint joint='j' coef='1'/><joint joint='j' coef='1'/></fixed></tendon></mujoco>",
+            "same joint twice",
+        ),
+        (
+            "<mujoco><option jacobian='sparse'/><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody>
+             <tendon><fixed><joint joint='j' coef='1'/><joint joint='&#106;' coef='1'/></fixed></tendon></mujoco>",
+            "same joint twice",
+        ),
+        (
+            "<mujoco><size njmax='5'/><worldbody><geom type='plane' size='1 1 1'/>
+             <body name='b'><freejoint/><geom size='.1'/></body></worldbody>
+             <actuator><adhesion body='b' ctrlrange='0 1'/></actuator></mujoco>",
+            "adhesion needs room",
+        ),
+        ("<mujoco><include file='/dev/zero'/></mujoco>", "regular file"),
+        ("<mujoco><include file='/dev/stdin'/></mujoco>", ""),
+    ] {
+        let error = Model::from_xml_str(xml).unwrap_err();
+        assert!(error.to_string().contains(expected), "{error}");
+    }
+    Model::from_xml_str("<mujoco/>").unwrap();
+}
+
+/// The compiler's own step writes to the wrong place then, which must not be seen in the model.
+#[test]
+fn adhesion_on_more_contacts_than_there_is_room_for_compiles_the_same_model_and_fails_in_a_step() {
+    let ball = |x: usize| format!("<body pos='{x} 0 .09'><freejoint/><geom size='.1' condim='6'/></body>");
+    let balls: String = (0..40).map(ball).collect();
+    let model = |room: usize, jacobian: &str| {
+        let text = format!(
+            "<mujoco><size njmax='{room}' nstack='3000000'/><option jacobian='{jacobian}'/>
+             <worldbody><geom type='plane' size='99 9 1'/><body name='b' pos='0 1 .09'><freejoint/><geom size='.1'/></body>{balls}
+             <body name='c' pos='1 1 .09'><freejoint/><geom size='.1'/></body></worldbody>
+             <actuator><adhesion body='b' ctrlrange='0 1'/><adhesion body='c' ctrlrange='0 1'/></actuator></mujoco>"
+        );
+        Model::from_xml_str(&text).unwrap()
+    };
+    for jacobian in ["dense", "sparse"] {
+        let (little, enough) = (model(100, jacobian), model(600, jacobian));
+        assert_eq!(little.statistics(), enough.statistics());
+        assert_eq!(little.body_invweight0(), enough.body_invweight0());
+        assert_eq!(little.dof_M0(), enough.dof_M0());
+        assert_eq!(little.actuator_length0(), enough.actuator_length0());
+        assert_eq!(little.actuator_acc0(), enough.actuator_acc0());
+        assert!(matches!(Data::new(little).unwrap().step(), Err(Error::Engine { .. })));
+        let mut data = Data::new(enough).unwrap();
+        data.step().unwrap();
+        assert!(data.nefc() > 100);
+    }
+}
+
+#[test]
+fn names_may_be_anything() {
+    let long = "n".repeat(5000);
+    let xml = format!(
+        r#"<mujoco><worldbody><body name="{long}"><joint name="Gelenk äöü &#x2713;"/><geom size=".1"/><geom size=".1" name=""/></body></worldbody></mujoco>"#
+    );
+    let model = Model::from_xml_str(&xml).unwrap();
+    assert_eq!(model.body(&long).unwrap().name(), Some(&long[..]));
+    assert_eq!(model.joint("Gelenk äöü ✓").unwrap().index(), 0);
+    for name in ["", "\0", "no\0such", "\u{FFFD}", &"x".repeat(1 << 20)] {
+        assert!(matches!(model.geom(name), Err(Error::NoSuchName { .. })));
+    }
+    assert!(matches!(model.joint(usize::MAX), Err(Error::NoSuchIndex { .. })));
+    assert!(matches!(model.joint(1 << 32), Err(Error::NoSuchIndex { .. })));
+
+    // Latin 1, which is no UTF-8: the element is there, its name is not.
+    let path = std::env::temp_dir().join(format!("mujoco_safe_latin_{}.xml", std::process::id()));
+    std::fs::write(&path, b"<mujoco><worldbody><geom name='\xe4' size='.1'/></worldbody></mujoco>").unwrap();
+    let model = Model::from_xml_path(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(model.geom(0).unwrap().name(), None);
+    assert!(format!("{}", model.geom(0).unwrap()).contains("(none)"));
+}
+
+#[test]
+fn sizes_without_measure_are_errors() {
+    for size in [
+        "njmax='1000000000'",
+        "njmax='46341' nstack='1000000'",
+        "nconmax='1000000000'",
+        "nuserdata='2000000000'",
+        "nuserdata='-7'",
+        "nuser_body='-5'",
+        "nuser_geom='200000000'",
+        "nstack='10'",
+    ] {
+        let xml = format!(
+            "<mujoco><size {size}/><worldbody><body><freejoint/><geom size='.1'/><geom size='.1'/></body></worldbody></mujoco>"
+        );
+        assert!(matches!(Model::from_xml_str(&xml), Err(Error::Load { .. } | Error::OutOfMemory { .. })), "{size}");
+    }
+    for size in ["njmax='-5'", "nconmax='-5'", "nstack='-5'", "nkey='-3'", "njmax='0' nconmax='0' nstack='0'"] {
+        let xml = format!(
+            "<mujoco><size {size}/><worldbody><geom type='plane' size='1 1 1'/><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>"
+        );
+        let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
+        data.step().unwrap();
+        drop(data.clone());
+    }
+}
+
+fn integers(values: &[i32]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_ne_bytes()).collect()
+}
+
+fn reals(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_ne_bytes()).collect()
+}
+
+const TETRAHEDRON: [f32; 12] = [0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.3];
+const FACES: [i32; 12] = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
+
+fn msh(header: [i32; 4], vertices: &[f32], faces: &[i32]) -> Vec<u8> {
+    [integers(&header), reals(vertices), integers(faces)].concat()
+}
+
+/// A skin of one bone, the world.
+fn skin(header: [i32; 4], faces: &[i32], vertices_of_bone: i32) -> Vec<u8> {
+    let mut name = *b"world                                   ";
+    name[5..].fill(0);
+    let pose = reals(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+    let bone = [integers(&[vertices_of_bone, 0, 1, 2, 3]), reals(&[1.0; 4])].concat();
+    [integers(&header), reals(&TETRAHEDRON), integers(faces), name.to_vec(), pose, bone].concat()
+}
+
+fn png(width: u32, height: u32) -> Vec<u8> {
+    let mut file = include_bytes!("../models/grey.png").to_vec();
+    file[16..20].copy_from_slice(&width.to_be_bytes());
+    file[20..24].copy_from_slice(&height.to_be_bytes());
+    file
+}
+
+/// A text with an asset, and with a geom that uses it.
+fn with_asset(asset: &str) -> String {
+    let kind = asset[1..].split(' ').next().unwrap();
+    let geom = match kind {
+        "mesh" => "<body><freejoint/><geom type='mesh' mesh='a'/></body>",
+        "hfield" => "<geom type='hfield' hfield='a'/>",
+        _ => "",
+    };
+    format!("<mujoco><compiler meshdir='parts'/><asset>{asset}</asset><worldbody>{geom}</worldbody></mujoco>")
+}
+
+#[test]
+fn damaged_files_on_which_the_compiler_reads_or_writes_outside_of_its_memory_are_refused() {
+    let obj = |text: &str| format!("v 0 0 0\nv .3 0 0\nv 0 .3 0\nv 0 0 .3\n{text}\n").into_bytes();
+    let faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4";
+    let tetrahedron = |texts: &str| obj(&format!("{faces}\n{texts}"));
+    let mut not_finite = TETRAHEDRON;
+    not_finite[7] = f32::NAN;
+    let mut outside = FACES;
+    outside[5] = 4;
+    let mut negative = FACES;
+    negative[11] = -1_000_000;
+    let mesh = ("a.msh", "<mesh name='a' file='a.msh'/>");
+    let object = ("a.obj", "<mesh name='a' file='sub/a.OBJ'/>");
+    let skinned = ("a.skn", "<skin name='a' file='a.skn'/>");
+    let field = ("a.raw", "<hfield name='a' file='a.raw' size='1 1 1 1'/>");
+    let texture = ("a.raw", "<texture name='a' type='2d' file='a.raw'/>");
+    let cube = ("a.png", "<texture name='a' type='cube' fileup='a.png'/>");
+    let picture = ("a.png", "<hfield name='a' file='a.png' size='1 1 1 1'/>");
+    let good = "";
+    for ((name, asset), content, expected) in [
+        (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &FACES), good),
+        (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &outside), "has a face of a vertex"),
+        (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &negative), "has a face of a vertex"),
+        (mesh, msh([4, 0, 0, 4], &not_finite, &FACES), "not finite"),
+        // 3 × 4 × 1431655766 is 8 in 32 bits.
+        (mesh, msh([1_431_655_766, 0, 0, 0], &TETRAHEDRON[..2], &[]), "another size than its header says"),
+        (object, tetrahedron(""), good),
+        (object, obj("f -4 -2 -3\nf 1 2 4\nf 1 4 3\nf 2 3 4"), good),
+        (object, tetrahedron("f 1 2 5"), "has a face of a vertex"),
+        (object, tetrahedron("f 1 2 -5"), "has a face of a vertex"),
+        (object, tetrahedron("f 1 2"), "three or more vertices"),
+        (object, tetrahedron("f 1 2 x"), "three or more vertices"),
+        (object, tetrahedron("vn 0 0 1"), "without a normal"),
+        (object, tetrahedron("f 1//1 2//1 3//1"), "a normal or texture coordinate that it does not have"),
+        (object, obj("vn 0 0 1"), "without a normal"),
+        (object, tetrahedron("v nan 0 0"), "not finite"),
+        (object, b"v 0 0 0\nv .3 0 0\nv 0 .3 0".to_vec(), "fewer than the four vertices"),
+        (skinned, skin([4, 0, 4, 1], &FACES, 4), good),
+        (skinned, skin([4, 0, 4, 1], &outside, 4), "has a face of a vertex"),
+        (skinned, skin([4, 0, 4, 1], &FACES, 1 << 30), "another size"),
+        (skinned, skin([357_913_942, 0, 4, 1], &FACES, 4), "another size"),
+        (skinned, skin([4, 0, 4, 2], &FACES, 4), "another size"),
+        (field, [integers(&[2, 3]), reals(&[0.0, 0.1, 0.2, 0.3, 0.4, 0.5])].concat(), good),
+        (field, [integers(&[65_536, 65_537]), vec![1; 4 * 65_536]].concat(), "another size"),
+        (texture, [integers(&[2, 2]), vec![1; 12]].concat(), good),
+        (texture, vec![1], "another size"),
+        (texture, integers(&[2]), "another size"),
+        (field, vec![1; 7], "another size"),
+        (mesh, vec![1; 15], "another size"),
+        (skinned, vec![1; 12], "another size"),
+        (texture, [integers(&[0x4000_0001, 4]), vec![1; 12]].concat(), "another size"),
+        (cube, png(6, 6), good),
+        (cube, png(20_000, 20_000), "too many pixels"),
+        (cube, png(11_000, 11_000), "too many pixels"),
+        (picture, png(6, 6), good),
+        (picture, png(u32::MAX, u32::MAX), "too many pixels"),
+    ] {
+        match Model::from_xml_str_with(&with_asset(asset), &LoadOptions::default().with_files(&[(name, &content)])) {
+            Ok(_) => assert_eq!(expected, good, "{asset}, {name}"),
+            Err(error) => {
+                assert!(expected != good && error.to_string().contains(expected), "{asset}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_damaged_file_is_found_wherever_the_compiler_would_look_for_it() {
+    let dir = std::env::temp_dir().join(format!("mujoco_safe_assets_{}", std::process::id()));
+    std::fs::create_dir_all(dir.join("meshes")).unwrap();
+    let path = dir.join("model.xml");
+    let damaged = msh([4, 0, 0, 1], &TETRAHEDRON, &[0, 1, 4]);
+    let good = msh([4, 0, 0, 4], &TETRAHEDRON, &FACES);
+    let mesh = dir.join("meshes/a.msh");
+    for (compiler, file) in [
+        ("meshdir='meshes'", "a.msh"),
+        ("meshdir='meshes/'", "a&#46;msh"),
+        ("", "meshes/a.msh"),
+        ("meshdir='&#x6d;eshes' strippath='true'", "no/such/a.msh"),
+        (&format!("meshdir='{}'", dir.join("meshes").display()), "a.msh"),
+        ("meshdir='no such'", &mesh.display().to_string()),
+    ] {
+        let mesh_text = format!("<asset><mesh name='a' file='{file}'/></asset>");
+        let geom = "<worldbody><geom type='mesh' mesh='a'/></worldbody>";
+        // The directory may be named behind the mesh.
+        let text = format!("<mujoco>{mesh_text}{geom}<compiler {compiler}/></mujoco>");
+        std::fs::write(&path, text).unwrap();
+        std::fs::write(&mesh, &damaged).unwrap();
+        let error = Model::from_xml_path(&path).unwrap_err();
+        assert!(error.to_string().contains("has a face of a vertex"), "{compiler}, {file}: {error}");
+        std::fs::write(&mesh, &good).unwrap();
+        assert_eq!(Model::from_xml_path(&path).unwrap().nmesh(), 1, "{compiler}, {file}");
+    }
+    // The reader opens the files of materials that a mesh names.
+    let object = "mtllib /dev/zero\nv 0 0 0\nv .3 0 0\nv 0 .3 0\nv 0 0 .3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    std::fs::write(dir.join("a.obj"), object).unwrap();
+    std::fs::write(&path, "<mujoco><asset><mesh name='a' file='a.obj'/></asset></mujoco>").unwrap();
+    assert!(Model::from_xml_path(&path).unwrap_err().to_string().contains("file of materials"));
+
+    let robot = dir.join("robot.urdf");
+    let link = "<link name='l'><visual><geometry><mesh filename='package://meshes/a.msh'/></geometry></visual></link>";
+    let collision = link.replace("visual", "collision");
+    std::fs::write(&robot, format!("<robot name='r'><mujoco><compiler meshdir='meshes'/></mujoco>{collision}</robot>"))
+        .unwrap();
+    assert_eq!(Model::from_xml_path(&robot).unwrap().nmesh(), 1);
+    std::fs::write(&mesh, &damaged).unwrap();
+    assert!(Model::from_xml_path(&robot).unwrap_err().to_string().contains("has a face of a vertex"));
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn counts_beyond_what_the_compiler_has_room_for_are_refused() {
+    let numbers = "1 ".repeat(501);
+    let mesh = "vertex='0 0 0 1 0 0 0 1 0 0 0 1'";
+    for (xml, expected) in [
+        ("<size nkey='10000000'/>".to_owned(), "nkey must be"),
+        ("<size nkey='1e9'/>".to_owned(), "nkey must be"),
+        ("<size nuser_site='2000000000'/>".to_owned(), "nuser_site must be"),
+        (format!("<custom><numeric name='n' size='1000' data='{numbers}'/></custom>"), "custom numeric"),
+        (format!("<custom><numeric name='n' data='{numbers}'/></custom>"), "custom numeric"),
+        (
+            "<worldbody><body><composite type='cloth' count='3 3 1' spacing='.1'><skin subgrid='100000'/><geom size='.02'/>
+             </composite></body></worldbody>"
+                .to_owned(),
+            "skin of a composite",
+        ),
+        ("<asset><texture name='t' type='cube' file='x.png' gridsize='65536 65536'/></asset>".to_owned(), "gridsize"),
+        (format!("<asset><mesh name='m' file='x.msh' {mesh}/></asset>"), "both a file and"),
+        ("<asset><mesh name='m' file='x.msh' face='0 1 99'/></asset>".to_owned(), "both a file and"),
+        ("<asset><mesh name='m' vertex='0 0 nan 1 0 0 0 1 0 0 0 1'/></asset>".to_owned(), "not finite"),
+        (
+            "<asset><skin name='s' vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'><bone body='world' bindpos='0 0 0' bindquat='1 0 0 0'
+             vertid='0 1 2' vertweight='1 1 1'/></skin></asset>"
+                .to_owned(),
+            "skin_face[2] is 3; it must be from 0 to 2",
+        ),
+        ("<asset><texture name='t' type='cube' fileleft='/dev/zero'/></asset>".to_owned(), "regular file"),
+        ("<asset><mesh name='m' file='../../../../../../../../dev/zero'/></asset>".to_owned(), "regular file"),
+    ] {
+        let error = Model::from_xml_str(&format!("<mujoco>{xml}</mujoco>")).unwrap_err();
+        assert!(error.to_string().contains(expected), "{xml:.60}: {error}");
+    }
+}
+
+/// A hinge and a muscle on it, whose length range the compiler finds by a simulation.
+fn with_muscle(lengthrange: &str) -> String {
+    format!(
+        "<mujoco><compiler angle='radian'><lengthrange {lengthrange}/></compiler>
+         <worldbody><body><joint name='j' limited='true' range='-1 1'/><geom size='.1' pos='.2 0 0'/></body></worldbody>
+         <actuator><muscle joint='j'/></actuator></mujoco>"
+    )
+}
+
+#[test]
+fn a_length_range_that_never_settles_is_refused_and_one_that_does_is_found() {
+    for (settings, expected) in [
+        ("accel='1e12'", "unstable"),
+        ("accel='1e300'", "unstable"),
+        ("accel='nan'", "unstable"),
+        ("inttotal='1e300'", "steps"),
+        ("inttotal='inf'", "steps"),
+        ("timestep='1e-9'", "steps"),
+    ] {
+        let error = Model::from_xml_str(&with_muscle(settings)).unwrap_err();
+        assert!(error.to_string().contains(expected), "{settings}: {error}");
+    }
+    let model = Model::from_xml_str(&with_muscle("mode='muscle'")).unwrap();
+    let [low, high] = model.actuator_lengthrange()[0];
+    assert!((low + 1.0).abs() < 0.1 && (high - 1.0).abs() < 0.1, "{low} {high}");
+    // Where the range is known there is no simulation, whatever its settings.
+    let known = with_muscle("inttotal='inf'").replace("<muscle joint='j'/>", "<muscle joint='j' lengthrange='-1 2'/>");
+    assert_eq!(Model::from_xml_str(&known).unwrap().actuator_lengthrange(), [[-1.0, 2.0]]);
+    assert!(Model::from_xml_str(&with_muscle("uselimit='true' inttotal='inf'")).is_ok());
+    assert!(Model::from_xml_str(&with_muscle("mode='none' inttotal='inf'")).is_ok());
+
+    let path = std::env::temp_dir().join(format!("mujoco_safe_muscle_{}.xml", std::process::id()));
+    std::fs::write(&path, with_muscle("accel='1e12'")).unwrap();
+    let error = Model::from_xml_path(&path).unwrap_err();
+    std::fs::write(&path, with_muscle("")).unwrap();
+    assert_eq!(Model::from_xml_path(&path).unwrap().actuator_lengthrange(), model.actuator_lengthrange());
+    std::fs::remove_file(&path).unwrap();
+    assert!(error.to_string().contains("unstable"), "{error}");
+}
+
+/// The kept inputs: see `tests/regressions/README.md`.
+#[test]
+fn texts_on_which_the_compiler_once_failed_are_refused() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/regressions");
+    let mut tried = 0;
+    for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.extension().is_some_and(|extension| extension == "xml") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let expected = text.strip_prefix("<!-- refused: ").unwrap().split(" -->").next().unwrap();
+            let error = Model::from_xml_path(&path).unwrap_err();
+            assert!(matches!(error, Error::Load { .. }) && error.to_string().contains(expected), "{path:?}: {error}");
+            tried += 1;
+        }
+    }
+    assert!(tried >= 6);
+}

@@ -1,0 +1,125 @@
+//! The scenes that pictures are compared on and that drawing is timed on: models of the engine's package, and how they are
+//! looked at.
+
+#![allow(dead_code, reason = "each user needs its part")]
+
+use std::fs;
+use std::path::PathBuf;
+
+use mujoco_safe::scene::{Camera, CameraView, Categories, Scene, SceneOptions, VisualFlags};
+use mujoco_safe::{Data, Model, sample};
+use serde_json::Value;
+
+/// A scene of `scenes.json`.
+pub struct Setting {
+    pub name: String,
+    pub model: PathBuf,
+    /// From reset, without control.
+    pub steps: usize,
+    pub lookat: [f64; 3],
+    /// m.
+    pub distance: f64,
+    /// Degrees.
+    pub azimuth: f64,
+    /// Degrees.
+    pub elevation: f64,
+    /// What is shown besides.
+    pub visual: VisualFlags,
+}
+
+/// Where this file's neighbours are.
+pub fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/render/pictures")
+}
+
+/// All of them.
+pub fn all() -> Vec<Setting> {
+    read("scenes.json").as_array().expect("a list of scenes").iter().map(Setting::of).collect()
+}
+
+/// The one of this name.
+pub fn named(name: &str) -> Setting {
+    all().into_iter().find(|setting| setting.name == name).unwrap_or_else(|| panic!("a scene named {name}"))
+}
+
+impl Setting {
+    fn of(row: &Value) -> Self {
+        let text = |key: &str| row[key].as_str().unwrap_or_else(|| panic!("{key} is a text")).to_owned();
+        Self {
+            name: text("name"),
+            model: PathBuf::from(sample::SYSTEM_MODELS).join(text("model")),
+            steps: number(&row["steps"]) as usize,
+            lookat: numbers(&row["lookat"]).try_into().expect("three coordinates"),
+            distance: number(&row["distance"]),
+            azimuth: number(&row["azimuth"]),
+            elevation: number(&row["elevation"]),
+            visual: row["visual"].as_array().expect("flags").iter().map(flag).collect(),
+        }
+    }
+
+    /// The model.
+    pub fn model(&self) -> Model {
+        Model::from_xml_path(&self.model).unwrap_or_else(|error| panic!("{}: {error}", self.name))
+    }
+
+    /// In the state in which the engine's renderer has drawn it.
+    pub fn as_drawn(&self) -> Data {
+        let mut data = Data::new(self.model()).expect("a simulation");
+        let state = &read("engine/states.json")[&self.name];
+        data.qpos_mut().copy_from_slice(&numbers(&state["qpos"]));
+        data.qvel_mut().copy_from_slice(&numbers(&state["qvel"]));
+        data.act_mut().copy_from_slice(&numbers(&state["act"]));
+        data.forward().expect("a state that can be computed");
+        data
+    }
+
+    /// In the state after its steps, by this engine.
+    pub fn after_steps(&self) -> Data {
+        let mut data = Data::new(self.model()).expect("a simulation");
+        for _ in 0..self.steps {
+            data.step().expect("a stable simulation");
+        }
+        data.forward().expect("a state that can be computed");
+        data
+    }
+
+    /// What is to be drawn of it.
+    pub fn scene(&self, data: &mut Data) -> Scene {
+        let mut scene = Scene::new(data.model(), 20_000).expect("room for the scene");
+        scene
+            .update(data, &self.options(), None, &mut self.camera(), Categories::all())
+            .unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        scene
+    }
+
+    /// What is shown of it.
+    pub fn options(&self) -> SceneOptions {
+        let mut options = SceneOptions::default();
+        options.flags |= self.visual;
+        options
+    }
+
+    /// Where it is seen from.
+    pub fn camera(&self) -> Camera {
+        let &Self { lookat, distance, azimuth, elevation, .. } = self;
+        Camera { view: CameraView::Free, lookat, distance, azimuth, elevation }
+    }
+}
+
+fn flag(name: &Value) -> VisualFlags {
+    name.as_str().and_then(VisualFlags::from_name).unwrap_or_else(|| panic!("{name} is what can be shown"))
+}
+
+fn read(name: &str) -> Value {
+    let path = folder().join(name);
+    let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("numbers").iter().map(number).collect()
+}

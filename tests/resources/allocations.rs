@@ -1,0 +1,487 @@
+//! Nothing allocates in a control loop: neither this crate nor, once it is warm, the engine.
+//!
+//! The functions below take the place of the C library's in this program, so that they count what Rust, C and C++ allocate
+//! alike.
+#![cfg(all(target_os = "linux", target_env = "gnu"))]
+
+use std::cell::Cell;
+use std::ffi::{c_int, c_void};
+use std::sync::Arc;
+
+use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
+use mujoco_safe::rollout::{Batch, Rollout, RolloutBuffers, Workers};
+use mujoco_safe::scene::{
+    Camera, Categories, MouseAction, NewGeom, Perturbation, PerturbationFlags, Scene, SceneOptions, VisualFlags,
+};
+use mujoco_safe::{
+    Controller, Data, Differences, InverseJacobians, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
+    StateSpace, StateSpec, TimeVaryingLqr, Timer, Trajectory, Transition, TransitionMethod, TransitionOptions,
+    ZeroController, sample,
+};
+use nalgebra::DMatrix;
+
+use crate::turn;
+
+thread_local! {
+    /// What this thread has allocated so far. Without a destructor, so that it needs no allocation itself.
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+}
+
+unsafe extern "C" {
+    fn __libc_malloc(size: usize) -> *mut c_void;
+    fn __libc_calloc(count: usize, size: usize) -> *mut c_void;
+    fn __libc_realloc(block: *mut c_void, size: usize) -> *mut c_void;
+    fn __libc_memalign(alignment: usize, size: usize) -> *mut c_void;
+}
+
+/// The C library's, counted.
+#[unsafe(no_mangle)]
+extern "C" fn malloc(size: usize) -> *mut c_void {
+    count();
+    // SAFETY: the C library's own, under the name that it keeps for this.
+    unsafe { __libc_malloc(size) }
+}
+
+/// The C library's, counted.
+#[unsafe(no_mangle)]
+extern "C" fn calloc(number: usize, size: usize) -> *mut c_void {
+    count();
+    // SAFETY: as above.
+    unsafe { __libc_calloc(number, size) }
+}
+
+/// The C library's, counted.
+///
+/// # Safety
+///
+/// `block` is NULL or was allocated.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn realloc(block: *mut c_void, size: usize) -> *mut c_void {
+    count();
+    // SAFETY: the caller's promise.
+    unsafe { __libc_realloc(block, size) }
+}
+
+/// The C library's, counted.
+#[unsafe(no_mangle)]
+extern "C" fn aligned_alloc(alignment: usize, size: usize) -> *mut c_void {
+    count();
+    // SAFETY: as for `malloc`.
+    unsafe { __libc_memalign(alignment, size) }
+}
+
+/// The C library's, counted.
+///
+/// # Safety
+///
+/// `block` can be written to.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn posix_memalign(block: *mut *mut c_void, alignment: usize, size: usize) -> c_int {
+    const OUT_OF_MEMORY: c_int = 12;
+    count();
+    // SAFETY: as for `malloc`, and the caller's promise.
+    unsafe {
+        *block = __libc_memalign(alignment, size);
+        if (*block).is_null() { OUT_OF_MEMORY } else { 0 }
+    }
+}
+
+/// How many allocations `action` makes on this thread.
+fn allocations<T>(action: impl FnOnce() -> T) -> (usize, T) {
+    let before = COUNT.get();
+    let result = action();
+    (COUNT.get() - before, result)
+}
+
+/// Calls `action` once to warm up, and then demands that it allocates nothing.
+#[track_caller]
+fn allocates_nothing(what: &str, mut action: impl FnMut()) {
+    action();
+    let (number, ()) = allocations(|| (0..5).for_each(|_| action()));
+    assert_eq!(number, 0, "allocations in five calls of {what}");
+}
+
+fn squatting() -> Data {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    data.forward().unwrap();
+    data
+}
+
+#[test]
+fn the_counter_counts_what_rust_and_the_engine_allocate() {
+    let _turn = turn();
+    assert!(allocations(|| std::hint::black_box(vec![1_u8; 100])).0 >= 1);
+    let model = Arc::new(sample::cartpole());
+    // The structure, its buffer and its stack.
+    assert!(allocations(|| Data::new(model.clone()).unwrap()).0 >= 3);
+    assert!(allocations(|| Model::from_xml_str("<mujoco/>").unwrap()).0 > 100);
+}
+
+#[test]
+fn the_pipeline() {
+    let _turn = turn();
+    let mut data = squatting();
+    allocates_nothing("step", || data.step().unwrap());
+    allocates_nothing("step1 and step2", || {
+        data.step1().unwrap();
+        data.step2().unwrap();
+    });
+    allocates_nothing("forward", || data.forward().unwrap());
+    allocates_nothing("inverse", || data.inverse().unwrap());
+    allocates_nothing("reset", || data.reset().unwrap());
+    allocates_nothing("reset_to_key", || data.reset_to_key(1).unwrap());
+    let mut random = RandomController::new(1);
+    let (number, ()) = allocations(|| {
+        for _ in 0..500 {
+            random.control(&mut data).unwrap();
+            data.step().unwrap();
+        }
+    });
+    assert_eq!(number, 0, "a humanoid that tumbles");
+}
+
+#[test]
+fn every_solver_and_integrator() {
+    use mujoco_safe::{Cone, Integrator, JacobianStorage, Solver};
+    let _turn = turn();
+    let mut data = squatting();
+    for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
+        for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
+            for (jacobian, cone) in
+                [(JacobianStorage::Dense, Cone::Elliptic), (JacobianStorage::Sparse, Cone::Pyramidal)]
+            {
+                data.edit_model(|model| {
+                    model.options(|options| {
+                        (options.solver, options.integrator) = (solver, integrator);
+                        (options.jacobian, options.cone) = (jacobian, cone);
+                    })
+                })
+                .unwrap()
+                .unwrap();
+                allocates_nothing("step", || data.step().unwrap());
+            }
+        }
+    }
+}
+
+#[test]
+fn reading_and_writing() {
+    let _turn = turn();
+    let mut data = squatting();
+    let model = data.model().clone();
+    let (knee, torso) = (model.joint("left_knee").unwrap().id(), model.body("torso").unwrap().id());
+    let mut sum = 0.0;
+    allocates_nothing("arrays", || {
+        sum +=
+            data.qpos()[0] + data.xpos()[1][2] + data.actuator_moment()[(0, 0)] + data.efc_force().iter().sum::<f64>();
+        sum += model.body_mass()[1] + model.nq() as f64 + data.time() + data.energy()[0];
+        data.ctrl_mut().fill(0.1);
+        data.xfrc_applied_mut()[1] = [0.0; 6];
+    });
+    allocates_nothing("views", || {
+        let joint = data.joint(knee);
+        sum += joint.qpos()[0] + joint.qvel()[0] + model.joint(knee).range()[1] + data.body(torso).xpos()[2];
+        sum += data.geoms().map(|geom| geom.xpos()[2]).sum::<f64>();
+        data.joint_mut(knee).qvel_mut()[0] = 0.0;
+        data.joint_mut(knee).qfrc_applied_mut()[0] = 0.0;
+    });
+    allocates_nothing("names", || {
+        sum += data.joint(knee).name().map_or(0.0, |name| name.len() as f64);
+    });
+    assert!(sum.is_finite());
+}
+
+#[test]
+fn views_of_every_kind() {
+    let _turn = turn();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
+    let mut data = Data::new(Model::from_xml_path(path).unwrap()).unwrap();
+    data.forward().unwrap();
+    let model = data.model().clone();
+    let mut row = vec![0.0; model.nv()];
+    let mut count = 0;
+    allocates_nothing("assets", || {
+        count += model.meshes().map(|mesh| mesh.vert().len() + mesh.graph().map_or(0, <[i32]>::len)).sum::<usize>();
+        count += model.skins().flat_map(|skin| skin.bones()).map(|bone| bone.vertid.len()).sum::<usize>();
+        count += model.textures().map(|texture| texture.rgb().len()).sum::<usize>();
+        count += model.height_fields().map(|field| field.matrix().ncols()).sum::<usize>();
+        count += model.geoms().filter(|geom| geom.material().is_some() || geom.mesh().is_some()).count();
+    });
+    allocates_nothing("custom fields", || {
+        count += model.tuples().flat_map(|tuple| tuple.objects()).map(|object| object.index()).sum::<usize>();
+        count += model.texts().map(|text| text.data().len()).sum::<usize>();
+        count += model.numerics().map(|numeric| numeric.data().len()).sum::<usize>();
+    });
+    allocates_nothing("tendons, actuators and sensors", || {
+        for tendon in data.tendons() {
+            tendon.J().unwrap().write_into(&mut row).unwrap();
+            count += tendon.wrap_points().len() + tendon.in_model().path().count();
+        }
+        count += data.actuators().filter(|actuator| actuator.act().is_some()).count();
+        count += model.sensors().filter(|sensor| sensor.reference().is_some()).count();
+    });
+    assert!(count > 0);
+}
+
+#[test]
+fn contacts_and_their_forces() {
+    let _turn = turn();
+    let mut data = squatting();
+    data.step().unwrap();
+    assert!(data.contacts().len() > 0);
+    let mut sum = 0.0;
+    allocates_nothing("contacts", || {
+        for contact in data.contacts() {
+            sum += contact.force().unwrap().force[0] + contact.force_in_world().unwrap()[2] + contact.dist();
+            sum += contact.geoms()[0].index() as f64 + contact.normal()[2];
+        }
+    });
+    assert!(sum.is_finite());
+}
+
+#[test]
+fn jacobians_and_inertia() {
+    let _turn = turn();
+    let mut data = squatting();
+    let model = data.model().clone();
+    let (torso, geom) = (model.body("torso").unwrap().id(), model.geom(1).unwrap().id());
+    let nv = model.nv();
+    let (mut first, mut second) = (Matrix::zeros(3, nv), Matrix::zeros(3, nv));
+    allocates_nothing("Jacobians", || {
+        data.jac_into(torso, [0.0; 3], Some(&mut first), Some(&mut second)).unwrap();
+        data.jac_body_into(torso, Some(&mut first), Some(&mut second)).unwrap();
+        data.jac_body_com_into(torso, Some(&mut first), None).unwrap();
+        data.jac_geom_into(geom, None, Some(&mut second)).unwrap();
+        data.jac_subtree_com_into(torso, &mut first).unwrap();
+    });
+    let (mut full, mut result, vector) = (Matrix::zeros(nv, nv), vec![0.0; nv], vec![1.0; nv]);
+    allocates_nothing("inertia", || {
+        data.full_m_into(&mut full).unwrap();
+        data.mul_m(&mut result, &vector).unwrap();
+        data.solve_m(&mut result, &vector).unwrap();
+    });
+    let (from, mut to) = (model.qpos0().to_vec(), model.qpos0().to_vec());
+    allocates_nothing("positions", || {
+        model.integrate_pos(&mut to, &vector, 0.1).unwrap();
+        model.differentiate_pos(&mut result, 0.1, &from, &to).unwrap();
+    });
+}
+
+#[test]
+fn scenes() {
+    let _turn = turn();
+    let mut data = squatting();
+    let model = data.model().clone();
+    let mut scene = Scene::new(&model, 5000).unwrap();
+    let mut camera = Camera::free(&model);
+    let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
+    let mut perturbation = Perturbation::default();
+    perturbation.select = Some(model.body("torso").unwrap().id());
+    perturbation.active = PerturbationFlags::all();
+    allocates_nothing("a scene and what is done in it", || {
+        perturbation.apply_force(&mut data).unwrap();
+        data.step().unwrap();
+        scene.update(&mut data, &options, Some(&perturbation), &mut camera, Categories::all()).unwrap();
+        scene.add(&mut data, &options, None, Categories::DYNAMIC).unwrap();
+        scene.push(&NewGeom::text("here").unwrap()).unwrap();
+        camera.move_by(&model, &scene, MouseAction::RotateV, [0.1, 0.0]).unwrap();
+        perturbation.init(&data, &scene).unwrap();
+        perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1, 0.0]).unwrap();
+        scene.select(&data, &options, 1.0, [0.5; 2]).unwrap();
+        assert!(scene.geoms().filter(|geom| geom.object().is_some()).count() > 10);
+        assert!(scene.lights().len() > 0 && scene.skins().len() == 0);
+    });
+}
+
+#[test]
+fn linearising() {
+    let _turn = turn();
+    let mut data = squatting();
+    let mut system = StateSpace::zeros(data.model());
+    allocates_nothing("transition_fd_into", || {
+        data.transition_fd_into(1e-6, Differences::Central, &mut system).unwrap();
+    });
+    let last = data.model().nu() - 1;
+    data.ctrl_mut()[last] = 5.0;
+    allocates_nothing("transition_fd_into with a control beyond its range", || {
+        data.transition_fd_into(1e-6, Differences::Forward, &mut system).unwrap();
+    });
+}
+
+#[test]
+fn linearising_in_a_workspace() {
+    let _turn = turn();
+    let mut data = squatting();
+    let mut system = StateSpace::zeros(data.model());
+    for method in [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse] {
+        let options = TransitionOptions { method, ..Default::default() };
+        let mut transition = Transition::new(data.model().clone(), options).unwrap();
+        allocates_nothing(&format!("a workspace by {method:?}"), || {
+            transition.linear_system_into(&mut data, &mut system).unwrap();
+        });
+        let states = Matrix::from_row_major(1, data.physics_state().len(), data.physics_state());
+        let controls = Matrix::zeros(1, data.model().nu());
+        let mut systems = transition.along(&data, &states, &controls).unwrap();
+        allocates_nothing(&format!("along a trajectory by {method:?}"), || {
+            transition.along_into(&data, &states, &controls, &mut systems).unwrap();
+        });
+    }
+}
+
+#[test]
+fn controllers() {
+    let _turn = turn();
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let weights = LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
+    let mut lqr = Lqr::at_present_state(&mut data, &weights).unwrap();
+    let (mut pd, mut random) = (PdController::new(data.model(), 1.0, 0.1), RandomController::new(1));
+    let gains = vec![Matrix::zeros(1, 4); 3];
+    let mut table = TimeVaryingLqr::with_gains(&data, Matrix::zeros(4, 4), Matrix::zeros(3, 1), gains).unwrap();
+    allocates_nothing("the controllers", || {
+        lqr.control(&mut data).unwrap();
+        table.control(&mut data).unwrap();
+        data.step().unwrap();
+        pd.control(&mut data).unwrap();
+        random.control(&mut data).unwrap();
+        ZeroController.control(&mut data).unwrap();
+    });
+}
+
+#[test]
+fn states_and_trajectories() {
+    let _turn = turn();
+    let mut data = squatting();
+    let mut state = vec![0.0; data.model().state_size(StateSpec::INTEGRATION)];
+    allocates_nothing("states", || {
+        data.state_into(StateSpec::INTEGRATION, &mut state).unwrap();
+        data.set_state(StateSpec::INTEGRATION, &state).unwrap();
+    });
+    let mut trajectory = Trajectory::with_capacity(data.model(), 100);
+    allocates_nothing("push", || trajectory.push(&data).unwrap());
+    let mut random = RandomController::new(1);
+    let (number, result) = allocations(|| trajectory.record(&mut data, &mut random, 94));
+    result.unwrap();
+    assert_eq!((number, trajectory.len()), (0, 100), "record within the capacity");
+    allocates_nothing("apply", || trajectory.apply(3, &mut data).unwrap());
+}
+
+#[test]
+fn copies_into_what_is_there() {
+    let _turn = turn();
+    let source = squatting();
+    let mut copy = source.clone();
+    allocates_nothing("copy_from", || copy.copy_from(&source).unwrap());
+    allocates_nothing("clone_from", || copy.clone_from(&source));
+    // The first edit copies the model that is shared, the next ones write to the copy.
+    allocates_nothing("edit_model", || {
+        copy.edit_model(|model| {
+            model.set_timestep(0.002).unwrap();
+            model.body_mass_mut()[1] = 1.0;
+        })
+        .unwrap();
+    });
+}
+
+#[test]
+fn settings_and_statistics() {
+    let _turn = turn();
+    let mut model = sample::humanoid();
+    allocates_nothing("settings", || {
+        model.edit().options(|options| options.gravity[0] += 0.1).unwrap();
+        model.edit().visual(|visual| visual.global.azimuth += 1.0).unwrap();
+        model.edit().statistics(|statistics| statistics.center[0] += 0.1).unwrap();
+        std::hint::black_box((model.options(), model.visual(), model.statistics()));
+    });
+    let data = squatting();
+    allocates_nothing("timers and iterations", || {
+        for timer in Timer::ALL {
+            std::hint::black_box(data.timer(timer));
+        }
+        for iteration in data.solver() {
+            std::hint::black_box(iteration);
+        }
+    });
+}
+
+#[test]
+fn inverse_dynamics_differentiated() {
+    let _turn = turn();
+    let mut data = squatting();
+    let mut jacobians = InverseJacobians::zeros(data.model());
+    allocates_nothing("inverse_fd_into", || data.inverse_fd_into(1e-6, true, &mut jacobians).unwrap());
+}
+
+#[test]
+fn mathematics() {
+    let _turn = turn();
+    let data = squatting();
+    let mass = data.full_m().unwrap();
+    let nv = mass.nrows();
+    let (mut factor, mut product) = (mass.clone(), Matrix::zeros(nv, nv));
+    let (mut x, mut res, bound) = (vec![0.5; nv], vec![0.0; nv], vec![0.1; nv]);
+    allocates_nothing("products and factors", || {
+        factor.as_mut_slice().copy_from_slice(mass.as_slice());
+        math::chol_factor(&mut factor, 1e-15).unwrap();
+        math::chol_solve(&mut res, &factor, data.qfrc_bias()).unwrap();
+        math::mul_mat_mat(&mut product, &mass, &factor).unwrap();
+        math::sqr_mat_td(&mut product, &mass, Some(&x)).unwrap();
+    });
+    let mut solver = BoxQp::new(nv);
+    allocates_nothing("BoxQp::solve", || {
+        x.fill(0.0);
+        let solution = solver.solve(&mut x, &mass, data.qfrc_bias(), None, Some(&bound)).unwrap();
+        assert_eq!(solution.status, BoxQpStatus::Solved);
+    });
+    let shape = BandShape::new(nv, 3, 2).unwrap();
+    let mut band = vec![0.0; shape.len()];
+    allocates_nothing("band matrices", || {
+        math::dense2band(&mut band, &mass, shape).unwrap();
+        math::chol_factor_band(&mut band, shape, 100.0, 0.0).unwrap().unwrap();
+        math::chol_solve_band_in_place(&band, &mut res, shape).unwrap();
+    });
+}
+
+/// The allocations of ten rollouts of so many steps, in this thread, in a simulation that is there already.
+fn allocations_of_rollouts(workers: &Workers, steps: usize) -> usize {
+    let controls = vec![0.1; steps * workers.model().nu()];
+    let (mut states, mut outputs) = (vec![0.0; 10 * (steps + 1) * 55], vec![0.0; 10 * steps]);
+    let rollouts = [
+        Rollout::on(workers, 10, steps).shared_controls(&controls),
+        Rollout::on(workers, 10, steps).controllers(|index| RandomController::new(index as u64)),
+        Rollout::on(workers, 10, steps).edit_model(|_, model| model.set_total_mass(50.0)),
+    ];
+    rollouts
+        .into_iter()
+        .map(|rollout| {
+            let rollout = rollout.chunk(10).outputs(1, |data, row| row[0] = data.time());
+            let buffers = RolloutBuffers { states: Some(&mut states), sensordata: None, outputs: Some(&mut outputs) };
+            let (number, outcomes) = allocations(|| rollout.run_into(buffers));
+            assert!(outcomes.unwrap().iter().all(Result::is_ok));
+            number
+        })
+        .sum()
+}
+
+#[test]
+fn the_steps_of_rollouts() {
+    let _turn = turn();
+    let workers = Workers::new(sample::humanoid());
+    allocations_of_rollouts(&workers, 1);
+    let (few, many) = (allocations_of_rollouts(&workers, 1), allocations_of_rollouts(&workers, 100));
+    assert_eq!(few, many, "allocations depend on the number of steps");
+}
+
+#[test]
+fn the_steps_of_a_batch() {
+    let _turn = turn();
+    let mut batch = Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
+    allocates_nothing("Batch::step", || {
+        batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
+    });
+    allocates_nothing("Batch::reset_where", || batch.reset_where(|index| index > 0, |_, _| ()).unwrap());
+}

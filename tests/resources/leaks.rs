@@ -1,0 +1,198 @@
+//! Memory and files are given back: what is done over and over again needs no more room than at first.
+//!
+//! `cargo test` does a few hundred rounds of each with small models. The long form does 10 000 with the humanoid:
+//! `cargo test --release --test resources -- --ignored`.
+#![forbid(unsafe_code)]
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::path::Path;
+
+use mujoco_safe::{Callbacks, Data, Error, Integrator, LoadOptions, Model, RandomController, Trajectory, sample};
+
+use crate::{trouble, turn};
+
+/// Bytes of this process in memory.
+fn resident() -> usize {
+    let pages = fs::read_to_string("/proc/self/statm").unwrap();
+    // The page's size is 4096 on all that the engine's package is for, and a larger one only makes the test stricter.
+    pages.split_whitespace().nth(1).unwrap().parse::<usize>().unwrap() * 4096
+}
+
+/// Files that this process has open.
+fn open_files() -> usize {
+    fs::read_dir("/proc/self/fd").unwrap().count()
+}
+
+/// Does something `rounds` times after a warm-up, in which allocators and caches may grow. What they keep does not depend on
+/// the rounds; from then on nothing may be lost. What grows with the rounds does so every time, unlike the threads that the
+/// test harness starts meanwhile.
+fn stays_flat(what: &str, rounds: usize, mut round: impl FnMut()) {
+    const SLACK: usize = 256 << 10;
+    const ATTEMPTS: usize = 3;
+    (0..=rounds / 4).for_each(|_| round());
+    let files = open_files();
+    let mut grown = usize::MAX;
+    for _ in 0..ATTEMPTS {
+        let memory = resident();
+        (0..rounds).for_each(|_| round());
+        grown = grown.min(resident().saturating_sub(memory));
+        assert_eq!(files, open_files(), "{what}: open files");
+        if grown <= SLACK {
+            break;
+        }
+    }
+    println!("{what}: {grown} bytes in {rounds} rounds");
+    assert!(grown <= SLACK, "{what}: {grown} bytes more after {rounds} rounds, {} each", grown / rounds);
+}
+
+#[test]
+#[should_panic(expected = "bytes more after 1000 rounds")]
+fn a_kilobyte_that_is_lost_in_each_round_is_noticed() {
+    let _turn = turn();
+    stays_flat("a leak", 1000, || std::mem::forget(vec![1_u8; 1024]));
+}
+
+#[test]
+#[should_panic(expected = "open files")]
+fn a_file_that_is_left_open_is_noticed() {
+    let _turn = turn();
+    stays_flat("a file", 10, || std::mem::forget(fs::File::open("/dev/null").unwrap()));
+}
+
+fn loading(xml: &str, rounds: usize) {
+    let path = tempfile::Builder::new().suffix(".xml").tempfile().unwrap().into_temp_path();
+    fs::write(&path, xml).unwrap();
+    let bytes = Model::from_xml_str(xml).unwrap().to_binary().unwrap();
+    stays_flat("a model from a text", rounds, || drop(Model::from_xml_str(xml).unwrap()));
+    stays_flat("a model from a path", rounds, || drop(Model::from_xml_path(&path).unwrap()));
+    stays_flat("a binary model", rounds, || drop(Model::from_binary(&bytes).unwrap()));
+}
+
+fn simulating(model: Model, rounds: usize) {
+    let mut data = Data::new(model).unwrap();
+    let model = data.model().clone();
+    stays_flat("a model's clone", rounds, || drop(Model::clone(&model)));
+    stays_flat("a data", rounds, || Data::new(model.clone()).unwrap().step().unwrap());
+    stays_flat("a data's clone", rounds, || data.clone().step().unwrap());
+    stays_flat("a reset", rounds, || {
+        data.step().unwrap();
+        data.reset().unwrap();
+    });
+    stays_flat("an edited model", rounds, || data.edit_model(|model| model.body_mass_mut()[1] += 1e-6).unwrap());
+}
+
+#[test]
+fn loading_a_model_again_and_again_needs_no_more_room() {
+    let _turn = turn();
+    loading(sample::CARTPOLE_XML, 1000);
+}
+
+#[test]
+fn simulations_give_their_memory_back() {
+    let _turn = turn();
+    simulating(sample::cartpole(), 1000);
+}
+
+#[test]
+fn a_load_that_fails_gives_back_what_it_took() {
+    let _turn = turn();
+    let bytes = sample::cartpole().to_binary().unwrap();
+    let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+    fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    stays_flat("half a binary model", 1000, || assert!(Model::from_binary(&bytes[..bytes.len() / 2]).is_err()));
+    stays_flat("half a file", 1000, || assert!(Model::from_binary_path(&path).is_err()));
+    stays_flat("no file", 1000, || assert!(Model::from_xml_path("no/such/file.xml").is_err()));
+    stays_flat("no text", 1000, || assert!(Model::from_xml_str("").is_err()));
+    stays_flat("no XML", 1000, || assert!(Model::from_xml_str("<mujoco").is_err()));
+    stays_flat("two files of one name", 200, || {
+        let file = ("a.xml", &b"<mujoco/>"[..]);
+        assert!(Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(&[file, file])).is_err());
+    });
+}
+
+#[test]
+fn a_text_that_the_compiler_refuses_costs_nothing() {
+    let _turn = turn();
+    for (what, xml) in [
+        ("an unknown element", "<mujoco><worldbod/></mujoco>"),
+        ("no size", "<mujoco><worldbody><geom/></worldbody></mujoco>"),
+        ("no texture", "<mujoco><asset><texture file='aaaa.png' type='2d'/></asset></mujoco>"),
+        ("no mesh", "<mujoco><asset><mesh file='aaaa.stl'/></asset></mujoco>"),
+        ("no mesh of text", "<mujoco><asset><mesh file='aaaa.obj'/></asset></mujoco>"),
+        ("no extension of a mesh", "<mujoco><asset><mesh file='a'/></asset></mujoco>"),
+        ("no extension of a texture", "<mujoco><asset><texture file='a' type='2d'/></asset></mujoco>"),
+        ("no included file", "<mujoco><include file='aaaa.obj'/></mujoco>"),
+        (
+            "a stack overflow in the compiler",
+            "<mujoco><size nstack='10'/><worldbody><geom type='plane' size='1 1 1'/><body pos='0 0 .2'><freejoint/><geom size='.1'/></body></worldbody></mujoco>",
+        ),
+        ("an unknown name", "<mujoco><actuator><motor joint='j'/></actuator></mujoco>"),
+    ] {
+        stays_flat(what, 1000, || assert!(Model::from_xml_str(xml).is_err()));
+    }
+}
+
+#[test]
+fn a_step_that_fails_loses_nothing() {
+    let _turn = turn();
+    let mut data = Data::new(trouble::overflowing()).unwrap();
+    stays_flat("an engine's error", 200, || {
+        assert!((0..200).find_map(|_| data.step().err()).is_some());
+        drop(data.clone());
+        data.reset().unwrap();
+    });
+    stays_flat("a number that is none", 1000, || {
+        data.qvel_mut()[0] = f64::NAN;
+        assert!(matches!(data.step(), Err(Error::Unstable(_))));
+        data.reset().unwrap();
+    });
+    let mut data = Data::new(trouble::crowded()).unwrap();
+    stays_flat("a warning", 1000, || {
+        data.step().unwrap();
+        data.reset().unwrap();
+    });
+}
+
+#[test]
+fn what_is_saved_and_read_is_closed_again() {
+    let _turn = turn();
+    let folder = tempfile::tempdir().unwrap();
+    let in_folder = |name: &str| folder.path().join(name);
+    let nowhere = Path::new("/no/such/folder");
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let model = data.model().clone();
+    let mut trajectory = Trajectory::new(&model);
+    trajectory.record(&mut data, &mut RandomController::new(1), 10).unwrap();
+    stays_flat("files", 200, || {
+        model.save_binary(in_folder("m.mjb")).unwrap();
+        Model::from_binary_path(in_folder("m.mjb")).unwrap();
+        trajectory.save_csv(in_folder("t.csv")).unwrap();
+        Trajectory::load_csv(&model, in_folder("t.csv")).unwrap();
+        assert!(trajectory.save_csv(nowhere.join("t.csv")).is_err());
+        assert!(model.save_binary(nowhere.join("m.mjb")).is_err());
+    });
+    let model = sample::cartpole();
+    stays_flat("an XML", 200, || {
+        model.save_xml(in_folder("m.xml")).unwrap();
+        assert!(model.save_xml(nowhere.join("m.xml")).is_err());
+    });
+}
+
+#[test]
+#[ignore = "minutes; for a release"]
+fn ten_thousand_rounds_with_the_humanoid() {
+    let _turn = turn();
+    loading(sample::HUMANOID_XML, 10_000);
+    simulating(sample::humanoid(), 10_000);
+}
+
+#[test]
+fn copies_in_the_middle_of_a_step_are_given_back() {
+    let _turn = turn();
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    // Whose stages use the engine's stack.
+    data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap().unwrap();
+    let clones = Callbacks::new().control(|moment| drop(moment.try_clone().unwrap()));
+    data.with_callbacks(clones, |data| stays_flat("a copy", 200, || data.step().unwrap()));
+}

@@ -1,0 +1,222 @@
+//! The engine's habits (printing, `MUJOCO_LOG.TXT`, waiting for Enter) do not show: this test runs itself again as a process in
+//! an empty folder, with a pipe for its standard input that nobody writes to, and looks at what it leaves behind.
+
+#![forbid(unsafe_code)]
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::process::Stdio;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
+use mujoco_safe::{Data, Error, Model, Warning, sample};
+
+use crate::{child, turn};
+
+/// What was logged under the target `mujoco`.
+static LOGGED: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// A logger that keeps what it is told, and does what a careless one might: it calls the library back, and it panics.
+struct Careless;
+
+impl log::Log for Careless {
+    fn enabled(&self, _: &log::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        let text = record.args().to_string();
+        if record.target() == "mujoco" {
+            LOGGED.lock().unwrap().push(text.clone());
+        }
+        if text.contains("NaN") {
+            // In the middle of a load.
+            let mut data = Data::new(sample::cartpole()).unwrap();
+            data.step().unwrap();
+            assert!(Model::from_xml_str("<mujoco><no/></mujoco>").is_err());
+        }
+        assert!(!text.contains("mixed solref"), "a panic inside of the engine");
+        assert!(!text.contains("contacts that nconmax allows"), "a panic outside of the engine");
+    }
+
+    fn flush(&self) {}
+}
+
+fn logged(part: &str) -> usize {
+    LOGGED.lock().unwrap().iter().filter(|text| text.contains(part)).count()
+}
+
+/// Six balls on the floor, with room for fewer contacts and constraints.
+fn crowded(size: &str) -> Data {
+    let balls =
+        [0, 1, 2, 3, 4, 5].map(|x| format!(r#"<body pos="{x} 0 .09"><freejoint/><geom size=".1"/></body>"#)).concat();
+    let xml =
+        format!(r#"<mujoco><size {size}/><worldbody><geom type="plane" size="9 9 1"/>{balls}</worldbody></mujoco>"#);
+    Data::new(Model::from_xml_str(&xml).unwrap()).unwrap()
+}
+
+/// Loads meshes that the convex hull library cannot handle, about which it prints pages, and one that it prints a warning about.
+fn meshes_for_the_convex_hull_library() {
+    for (heights, loads) in
+        [(["0", "0", "0", "0"], false), (["1", "1", "1", "1"], false), (["0", "0", "0", "1e-7"], true)]
+    {
+        let [a, b, c, d] = heights;
+        let result = Model::from_xml_str(&format!(
+            "<mujoco><asset><mesh name='m' vertex='0 0 {a} 1 0 {b} 0 1 {c} 1 1 {d}'/></asset>
+             <worldbody><geom type='mesh' mesh='m' mass='1'/></worldbody></mujoco>"
+        ));
+        match result {
+            Ok(_) => assert!(loads),
+            Err(error) => assert!(!loads && error.to_string().contains("Initial simplex is flat"), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn everything_that_the_engine_would_print() {
+    if !child::is_child() {
+        return;
+    }
+    let print_panic = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        // Not the panics of the logger.
+        if panic.payload_as_str().is_none_or(|text| !text.contains("of the engine")) {
+            print_panic(panic);
+        }
+    }));
+    log::set_logger(&Careless).unwrap();
+    log::set_max_level(log::LevelFilter::Trace);
+
+    // Loads that fail, each in a way that 2.2.2 prints about.
+    for xml in ["", "<mujoco", "<mujoco><no/></mujoco>", "<mujoco><include file=''/></mujoco>"] {
+        assert!(Model::from_xml_str(xml).is_err());
+    }
+    assert!(Model::from_xml_path("missing.xml").is_err());
+    assert!(Model::from_binary(b"not a model").is_err());
+    assert!(Model::from_binary_path("missing.mjb").is_err());
+    let stl = "<mujoco><asset><mesh name='m' file='missing.stl'/></asset></mujoco>";
+    assert!(Model::from_xml_str(stl).is_err());
+    assert!(
+        Model::from_xml_str(
+            "<mujoco><size nstack='10'/><worldbody><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>"
+        )
+        .is_err()
+    );
+    assert_eq!(LOGGED.lock().unwrap().len(), 0, "what is in an error is not logged as well");
+
+    meshes_for_the_convex_hull_library();
+
+    // A warning of the compiler: kept on the model, and logged by a logger that loads models itself.
+    let model = Model::from_xml_str(
+        "<mujoco><worldbody><body><joint/><geom size='.1' user='nan'/></body></worldbody></mujoco>",
+    )
+    .unwrap();
+    assert!(model.compile_warnings()[0].contains("XML contains a 'NaN'"), "{:?}", model.compile_warnings());
+    assert_eq!(logged("XML contains a 'NaN'"), 1);
+    assert_eq!(model.clone().compile_warnings(), model.compile_warnings());
+    assert!(sample::humanoid().compile_warnings().is_empty());
+
+    // Warnings of a step: counted each time, logged the first time, by a logger that panics at one of them.
+    let mut data = crowded("nconmax='100' njmax='10'");
+    for _ in 0..3 {
+        data.step().unwrap();
+    }
+    assert_eq!(data.warning(Warning::ConstraintFull).number, 3);
+    assert_eq!(data.warning(Warning::ConstraintFull).last_info, 10);
+    assert_eq!(logged("constraints that njmax allows"), 1);
+    let copy = data.clone();
+    assert_eq!(copy.warning(Warning::ConstraintFull), data.warning(Warning::ConstraintFull));
+    data.reset().unwrap();
+    assert_eq!(data.warning(Warning::ConstraintFull).number, 0);
+    data.forward().unwrap();
+    assert_eq!(data.warning(Warning::ConstraintFull).number, 1);
+    assert_eq!(logged("constraints that njmax allows"), 2);
+
+    let mut data = crowded("nconmax='2' njmax='100'");
+    let panic = catch_unwind(AssertUnwindSafe(|| data.step())).unwrap_err();
+    assert!(panic.downcast_ref::<&str>().is_some_and(|text| text.contains("outside of the engine")));
+    let counted = data.warning(Warning::ContactFull);
+    assert!(counted.number >= 1 && counted.last_info == 2, "{counted:?}");
+    data.step().unwrap();
+    assert_eq!(data.warning(Warning::ContactFull).number, 2 * counted.number);
+
+    // A warning that the engine raises past its counters, in the middle of a step.
+    let mut data = crowded("nconmax='100' njmax='100'");
+    data.edit_model(|model| model.geom_solref_mut().as_flattened_mut().fill(-1.0)).unwrap();
+    data.edit_model(|model| model.geom_solref_mut().iter_mut().for_each(|solref| *solref = [-1.0, 1.0])).unwrap();
+    data.step().unwrap();
+    assert!(logged("mixed solref") > 0);
+
+    // A scene without room for everything, which is in the error.
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 3).unwrap();
+    let mut camera = Camera::free(data.model());
+    for _ in 0..2 {
+        let updated = scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all());
+        assert!(matches!(updated, Err(Error::SceneFull { .. })));
+    }
+    assert!(data.warning(Warning::VisualGeomFull).number >= 2);
+    assert_eq!(logged("room for"), 0);
+
+    // Instability, which the engine answers with a reset and a line on standard output, and engine errors.
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.qpos_mut()[0] = f64::NAN;
+    assert!(matches!(data.step(), Err(Error::Unstable(_))));
+    data.reset().unwrap();
+    data.step().unwrap();
+    data.qfrc_applied_mut()[0] = 1e300;
+    assert!(matches!(data.step(), Err(Error::Unstable(_))));
+    assert_eq!(data.warning(Warning::BadQacc).number, 1);
+    assert!(matches!(data.step(), Err(Error::Poisoned { .. })));
+    data.edit_model(|model| {
+        model.body_mass_mut().fill(0.0);
+        model.body_inertia_mut().as_flattened_mut().fill(0.0);
+        model.dof_armature_mut().fill(0.0);
+        model.dof_damping_mut().fill(0.0);
+        let _ = model.update_constants();
+        model.options(|options| options.integrator = mujoco_safe::Integrator::Implicit).unwrap();
+    })
+    .unwrap();
+    data.reset().unwrap();
+    assert!(data.step().is_err());
+
+    assert!(sample::cartpole().save_xml("no/such/folder.xml").is_err());
+    assert!(Path::new(".").read_dir().unwrap().next().is_none(), "a file was written");
+    eprintln!("to its end");
+}
+
+#[test]
+fn nothing_is_printed_written_or_waited_for() {
+    let folder = std::env::temp_dir().join(format!("mujoco_safe_quiet_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let _turn = turn();
+    let mut child = child::command("quiet::everything_that_the_engine_would_print")
+        .current_dir(&folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Held open: who waits for a line waits until the time is up.
+    let stdin = child.stdin.take();
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > Duration::from_secs(60) {
+            child.kill().unwrap();
+            panic!("the process waits");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let output = child.wait_with_output().unwrap();
+    drop(stdin);
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{stdout}{stderr}");
+
+    assert_eq!(child::printed(&stdout), Vec::<&str>::new());
+    assert_eq!(stderr, "to its end\n");
+    let files: Vec<_> = folder.read_dir().unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(files, Vec::<std::ffi::OsString>::new());
+    std::fs::remove_dir(&folder).unwrap();
+}

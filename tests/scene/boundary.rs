@@ -1,0 +1,500 @@
+//! What a program can get wrong with a scene is an error or a panic that says what, and never reads other memory: this test is run
+//! under memcheck too.
+
+#![forbid(unsafe_code)]
+
+use std::hint::black_box;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use mujoco_safe::scene::{
+    Camera, CameraView, Categories, Connector, FrameMode, LabelMode, MouseAction, NewGeom, Perturbation,
+    PerturbationFlags, RenderFlags, Scene, SceneOptions, Selection, Transform, Viewpoint, VisualFlags,
+};
+use mujoco_safe::{Cone, Data, Error, Model, sample};
+
+const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
+
+fn every_element() -> Model {
+    Model::from_xml_str(EVERY_ELEMENT).expect("the model with every element loads")
+}
+
+fn everything(label: LabelMode, frame: FrameMode) -> SceneOptions {
+    let all = [true; 6];
+    SceneOptions {
+        label,
+        frame,
+        geomgroup: all,
+        sitegroup: all,
+        jointgroup: all,
+        tendongroup: all,
+        actuatorgroup: all,
+        skingroup: all,
+        flags: VisualFlags::all(),
+    }
+}
+
+/// A jump that depends on the value, which is what memcheck looks at.
+#[inline(never)]
+#[allow(clippy::bool_to_int_with_if, reason = "a conversion is no jump, and memcheck would say nothing")]
+fn look(value: impl PartialEq + Default) -> usize {
+    if black_box(value) == Default::default() { 0 } else { 1 }
+}
+
+/// Looks at every number of a scene.
+fn touch(scene: &Scene) -> usize {
+    let geoms: usize = scene
+        .geoms()
+        .map(|geom| {
+            let reals = geom.size().into_iter().chain(geom.pos()).chain(geom.mat()).chain(geom.rgba());
+            let others = [geom.emission(), geom.specular(), geom.shininess(), geom.reflectance(), geom.modelrbound()];
+            let reals = reals.chain(others).chain(geom.texrepeat()).chain([geom.camdist()]);
+            let label = geom.label().bytes().map(look).sum::<usize>();
+            let flags = [geom.texuniform(), geom.texcoord(), geom.transparent()];
+            let data =
+                [geom.plane(), geom.mesh().map(|(mesh, _)| mesh.index()), geom.height_field().map(|id| id.index())];
+            let ids = usize::from(geom.object().is_some()) + usize::from(geom.texture().is_some()) + geom.segid();
+            reals.map(look).sum::<usize>() + flags.map(look)[0] + data.map(look)[0] + ids + label
+        })
+        .sum();
+    let skins = scene.skins().flat_map(|skin| [skin.vertices, skin.normals]).flatten().flatten();
+    let eyes = scene.viewpoints().map(|eye| look(eye.pos[0]) + look(eye.frustum_far) + look(eye.up[2]));
+    let lights = scene.lights().map(|light| look(light.pos[0]) + look(light.cutoff) + look(light.castshadow));
+    geoms + skins.map(|&number| look(number)).sum::<usize>() + eyes.iter().sum::<usize>() + lights.sum::<usize>()
+}
+
+/// Whether it worked; if not, because something was not computed.
+fn worked<T>(result: Result<T, Error>) -> bool {
+    match result {
+        Ok(_) => true,
+        Err(Error::NotComputed { .. }) => false,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Tries everything that reads a simulation: what shows no contacts, what shows them, what takes velocities.
+fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
+    let model = data.model().clone();
+    let body = model.body("free_ball").expect("it is there").id();
+    let mut camera = Camera::tracking(&model, body);
+    let mut perturbation = Perturbation::default();
+    perturbation.select = Some(body);
+    perturbation.skinselect = model.skins().last().map(|skin| skin.id());
+    perturbation.active = PerturbationFlags::all();
+    let plain = SceneOptions::default();
+    let positions = [
+        worked(scene.update_camera(data, &mut camera)),
+        worked(scene.update(data, &plain, Some(&perturbation), &mut camera, Categories::all())),
+        worked(scene.update_lights(data)),
+        worked(scene.add(data, &plain, Some(&perturbation), Categories::all())),
+        worked(perturbation.init(data, scene)),
+        worked(perturbation.move_by(data, scene, MouseAction::RotateV, [0.1, 0.2])),
+        worked(perturbation.move_by(data, scene, MouseAction::MoveH, [0.1, 0.2])),
+        worked(perturbation.apply_pose(data, true)),
+        worked(perturbation.select(data, &Selection { body, geom: None, skin: None, point: [0.0; 3] })),
+        worked(scene.select(data, &plain, 1.0, [0.5, 0.5])),
+    ];
+    assert!(positions.iter().all(|&worked| worked == positions[0]), "{positions:?}");
+    black_box(touch(scene));
+    let contacts = [
+        everything(LabelMode::ContactForce, FrameMode::Contact),
+        SceneOptions { frame: FrameMode::Contact, ..plain.clone() },
+        SceneOptions { flags: VisualFlags::CONTACTPOINT, ..plain.clone() },
+        SceneOptions { flags: VisualFlags::CONTACTFORCE, ..plain.clone() },
+        SceneOptions { flags: VisualFlags::CONSTRAINT, ..plain },
+    ]
+    .map(|options| worked(scene.update(data, &options, Some(&perturbation), &mut camera, Categories::all())));
+    assert!(contacts.iter().all(|&worked| worked == contacts[0]), "{contacts:?}");
+    black_box(touch(scene));
+    perturbation.active = PerturbationFlags::all();
+    let forces = [worked(perturbation.force(data)), worked(perturbation.apply_force(data))];
+    assert_eq!(forces[0], forces[1]);
+    perturbation.remove_force(data);
+    [positions[0], contacts[0], forces[0]]
+}
+
+#[test]
+fn what_was_not_computed_is_not_shown() {
+    let mut data = Data::new(every_element()).unwrap();
+    let mut scene = Scene::new(data.model(), 20_000).unwrap();
+    let mut tried = |data: &mut Data, expected: [bool; 3], when: &str| {
+        assert_eq!(try_all(&mut scene, data), expected, "{when}");
+    };
+    tried(&mut data, [false; 3], "at first");
+    data.kinematics().unwrap();
+    tried(&mut data, [false; 3], "after a part of the positions");
+    data.fwd_position().unwrap();
+    tried(&mut data, [true, false, false], "after positions");
+    data.fwd_velocity().unwrap();
+    tried(&mut data, [true, false, true], "after velocities");
+    data.forward().unwrap();
+    tried(&mut data, [true; 3], "after everything");
+    for _ in 0..200 {
+        data.step().unwrap();
+    }
+    tried(&mut data, [true; 3], "after a step");
+    data.step1().unwrap();
+    tried(&mut data, [true, false, true], "with rows that have no forces yet");
+    data.inverse().unwrap();
+    tried(&mut data, [true; 3], "after inverse dynamics");
+    data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic)).unwrap().unwrap();
+    tried(&mut data, [false; 3], "with contacts of another layout");
+    data.forward().unwrap();
+    tried(&mut data, [true; 3], "after everything");
+    data.reset().unwrap();
+    tried(&mut data, [false; 3], "after a reset");
+}
+
+#[test]
+fn a_scene_that_was_never_updated_has_no_view() {
+    let mut data = Data::new(every_element()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 100).unwrap();
+    assert_eq!(touch(&scene), 0);
+    let options = SceneOptions::default();
+    let mut camera = Camera::free(data.model());
+    let mut perturbation = Perturbation::default();
+    perturbation.select = Some(data.model().body("free_ball").unwrap().id());
+    scene.set_transform(Some(Transform { translate: [0.0; 3], rotate: [1.0, 0.0, 0.0, 0.0], scale: 1.0 })).unwrap();
+    let model = data.model().clone();
+    for error in [
+        scene.select(&data, &options, 1.0, [0.5, 0.5]).unwrap_err(),
+        scene.frustum_height().unwrap_err(),
+        scene.camera_in_model().unwrap_err(),
+        scene.camera_in_room().unwrap_err(),
+        scene.move_model(&model, MouseAction::RotateV, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
+        camera.move_by(&model, &scene, MouseAction::MoveH, [0.1; 2]).unwrap_err(),
+        perturbation.init(&data, &scene).unwrap_err(),
+        perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
+    ] {
+        assert!(matches!(&error, Error::Engine { message, .. } if message.contains("frustum_near")), "{error}");
+    }
+    // An error of a scene is none of the simulation's.
+    data.step().unwrap();
+}
+
+#[test]
+fn what_belongs_to_another_model_is_refused() {
+    let mut data = Data::new(every_element()).unwrap();
+    data.forward().unwrap();
+    let mut other = Data::new(every_element()).unwrap();
+    other.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 20_000).unwrap();
+    let options = SceneOptions::default();
+    let mut camera = Camera::free(data.model());
+    scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();
+    // A clone is not another model.
+    scene.update(&mut data.clone(), &options, None, &mut camera, Categories::all()).unwrap();
+
+    let model = other.model().clone();
+    let mut perturbation = Perturbation::default();
+    for error in [
+        scene.update(&mut other, &options, None, &mut camera, Categories::all()).unwrap_err(),
+        scene.add(&mut other, &options, None, Categories::all()).unwrap_err(),
+        scene.update_lights(&other).unwrap_err(),
+        scene.update_camera(&other, &mut camera).unwrap_err(),
+        scene.select(&other, &options, 1.0, [0.5; 2]).unwrap_err(),
+        scene.move_model(&model, MouseAction::Zoom, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
+        camera.move_by(&model, &scene, MouseAction::Zoom, [0.1; 2]).unwrap_err(),
+        perturbation.init(&other, &scene).unwrap_err(),
+        perturbation.move_by(&other, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
+    ] {
+        assert!(matches!(error, Error::OtherModel { .. }), "{error}");
+    }
+
+    let (body, fixed) = (model.body(1).unwrap().id(), model.camera(0).unwrap().id());
+    let (mesh, field) = (model.mesh(0).unwrap().id(), model.height_field(0).unwrap().id());
+    let (texture, skin) = (model.texture(0).unwrap().id(), model.skin(0).unwrap().id());
+    let mut panics = |what: &str, action: &mut dyn FnMut(&mut Scene, &mut Data)| {
+        let caught = catch_unwind(AssertUnwindSafe(|| action(&mut scene, &mut data)));
+        let message = caught.expect_err(what).downcast::<String>().map(|text| *text).unwrap_or_default();
+        let message = if message.is_empty() { "belongs to another model".to_owned() } else { message };
+        assert!(message.contains("to another model"), "{what}: {message}");
+    };
+    for view in [CameraView::Tracking(body), CameraView::Fixed(fixed)] {
+        let mut camera = Camera { view, ..Camera::default() };
+        panics("a camera", &mut |scene, data| {
+            let _ = scene.update(data, &options, None, &mut camera, Categories::all());
+        });
+        panics("a camera by itself", &mut |scene, data| {
+            let _ = scene.update_camera(data, &mut camera);
+        });
+        panics("a camera that moves", &mut |scene, data| {
+            let model = data.model().clone();
+            let _ = camera.move_by(&model, scene, MouseAction::Zoom, [0.1; 2]);
+        });
+    }
+    for (select, skinselect) in [(Some(body), None), (None, Some(skin))] {
+        let mut perturbation = Perturbation::default();
+        (perturbation.select, perturbation.skinselect) = (select, skinselect);
+        perturbation.active = PerturbationFlags::all();
+        panics("a perturbation that is shown", &mut |scene, data| {
+            let _ = scene.add(data, &options, Some(&perturbation), Categories::all());
+        });
+        panics("a perturbation", &mut |_, data| {
+            let _ = perturbation.force(data);
+        });
+        panics("a perturbation of a pose", &mut |_, data| {
+            let _ = perturbation.apply_pose(data, true);
+        });
+    }
+    panics("a selection", &mut |_, data| {
+        let selection = Selection { body, geom: None, skin: None, point: [0.0; 3] };
+        let _ = Perturbation::default().select(data, &selection);
+    });
+    for geom in [
+        NewGeom::mesh(mesh),
+        NewGeom::convex_hull(mesh),
+        NewGeom::height_field(field),
+        NewGeom::sphere(1.0).texture(texture, [1.0; 2], false),
+    ] {
+        panics("a new geom", &mut |scene, _| {
+            let _ = scene.push(&geom);
+        });
+    }
+    // A force that was applied to the one is not taken from the other.
+    let mut perturbation = Perturbation::default();
+    perturbation.select = Some(data.model().body("free_ball").unwrap().id());
+    perturbation.active = PerturbationFlags::TRANSLATE;
+    perturbation.apply_force(&mut data).unwrap();
+    other.xfrc_applied_mut().clone_from_slice(data.xfrc_applied());
+    perturbation.remove_force(&mut other);
+    assert_eq!(other.xfrc_applied(), data.xfrc_applied());
+}
+
+#[test]
+fn numbers_that_are_none_are_refused() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let model = data.model().clone();
+    let mut scene = Scene::new(&model, 1000).unwrap();
+    let options = SceneOptions::default();
+    scene.update(&mut data, &options, None, &mut Camera::free(&model), Categories::all()).unwrap();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let free = Camera::free(&model);
+        for mut camera in [
+            Camera { lookat: [0.0, bad, 0.0], ..free },
+            Camera { distance: bad, ..free },
+            Camera { azimuth: bad, ..free },
+            Camera { elevation: bad, ..free },
+            Camera { distance: 1e300, ..free },
+        ] {
+            let updated = scene.update(&mut data, &options, None, &mut camera, Categories::all());
+            assert!(matches!(updated, Err(Error::Invalid { .. })));
+            assert!(matches!(scene.update_camera(&data, &mut camera), Err(Error::Invalid { .. })));
+        }
+        let (mut camera, mut perturbation) = (free, Perturbation::default());
+        perturbation.select = Some(model.body("torso").unwrap().id());
+        for motion in [[bad, 0.0], [0.0, bad]] {
+            let moved = camera.move_by(&model, &scene, MouseAction::RotateV, motion);
+            assert!(matches!(moved, Err(Error::Invalid { .. })));
+            let moved = perturbation.move_by(&data, &scene, MouseAction::MoveV, motion);
+            assert!(matches!(moved, Err(Error::Invalid { .. })));
+            let moved = scene.move_model(&model, MouseAction::MoveV, motion, [0.0, 0.0, 1.0]);
+            assert!(matches!(moved, Err(Error::Invalid { .. })));
+            assert!(matches!(scene.select(&data, &options, 1.0, motion), Err(Error::Invalid { .. })));
+        }
+        assert_eq!(camera, free);
+        assert!(matches!(scene.select(&data, &options, bad, [0.5; 2]), Err(Error::Invalid { .. })));
+        perturbation.active = PerturbationFlags::all();
+        for set in [
+            |perturbation: &mut Perturbation, bad| perturbation.refpos[1] = bad,
+            |perturbation: &mut Perturbation, bad| perturbation.refquat[3] = bad,
+            |perturbation: &mut Perturbation, bad| perturbation.localpos[0] = bad,
+            |perturbation: &mut Perturbation, bad| perturbation.scale = bad,
+        ] {
+            let mut perturbation = perturbation.clone();
+            set(&mut perturbation, bad);
+            assert!(matches!(perturbation.force(&mut data), Err(Error::Invalid { .. })));
+            assert!(matches!(perturbation.apply_force(&mut data), Err(Error::Invalid { .. })));
+            assert!(matches!(perturbation.apply_pose(&mut data, true), Err(Error::Invalid { .. })));
+            let updated = scene.update(&mut data, &options, Some(&perturbation), &mut camera, Categories::all());
+            assert!(matches!(updated, Err(Error::Invalid { .. })));
+        }
+        let single = bad as f32;
+        for geom in [
+            NewGeom::sphere(bad),
+            NewGeom::sphere(1e300),
+            NewGeom::sphere(-1.0),
+            NewGeom::cuboid([1.0, bad, 1.0]),
+            NewGeom::plane([1.0, bad]),
+            NewGeom::sphere(1.0).pos([bad, 0.0, 0.0]),
+            NewGeom::sphere(1.0).mat([bad; 9]),
+            NewGeom::sphere(1.0).rgba([single, 0.0, 0.0, 1.0]),
+            NewGeom::sphere(1.0).surface(0.0, single, 0.0, 0.0),
+            NewGeom::connector(Connector::Arrow, bad, [0.0; 3], [1.0; 3]),
+            NewGeom::connector(Connector::Line, 1.0, [bad; 3], [1.0; 3]),
+            NewGeom::connector(Connector::Capsule, 1.0, [0.0; 3], [bad; 3]),
+        ] {
+            assert!(matches!(scene.push(&geom), Err(Error::Invalid { .. })), "{geom:?}");
+        }
+        let eye = scene.viewpoint();
+        for eye in [
+            Viewpoint { pos: [single; 3], ..eye },
+            Viewpoint { frustum_near: 0.0, ..eye },
+            Viewpoint { frustum_far: eye.frustum_near, ..eye },
+            Viewpoint { frustum_top: eye.frustum_bottom, ..eye },
+        ] {
+            assert!(matches!(scene.set_viewpoints([eye; 2]), Err(Error::Invalid { .. })));
+        }
+        let whole = Transform { translate: [0.0; 3], rotate: [1.0, 0.0, 0.0, 0.0], scale: 1.0 };
+        for transform in [
+            Transform { translate: [0.0, single, 0.0], ..whole },
+            Transform { rotate: [0.0; 4], ..whole },
+            Transform { rotate: [single, 0.0, 0.0, 0.0], ..whole },
+            Transform { scale: single, ..whole },
+            Transform { scale: 0.0, ..whole },
+        ] {
+            assert!(matches!(scene.set_transform(Some(transform)), Err(Error::Invalid { .. })));
+        }
+        assert_eq!(scene.transform(), None);
+    }
+    // From such a distance a zoom leads to a number that is none.
+    let far_behind = Camera { distance: -1e6, ..Camera::free(&model) };
+    let mut camera = far_behind;
+    assert!(matches!(camera.move_by(&model, &scene, MouseAction::Zoom, [0.0, 0.1]), Err(Error::Invalid { .. })));
+    assert_eq!(camera, far_behind);
+}
+
+/// The engine looks skins' groups up without a check when it shows them, so loading must keep such models out.
+#[test]
+fn a_skin_of_a_group_that_there_is_not_does_not_load() {
+    for group in [-1, 6, 1_000_000] {
+        for skin in [r#"<skin name="sheet""#, r#"<skin inflate="0.005""#] {
+            assert!(EVERY_ELEMENT.contains(skin));
+            let with_group = skin.replace("<skin", &format!(r#"<skin group="{group}""#));
+            let xml = EVERY_ELEMENT.replace(r#" group="2""#, "").replace(skin, &with_group);
+            let error = Model::from_xml_str(&xml).unwrap_err();
+            assert!(error.to_string().contains("skin group"), "{error}");
+        }
+    }
+}
+
+#[test]
+fn selecting_among_heights_that_the_engine_misreads_is_refused() {
+    let xml = r#"<mujoco><asset><hfield name="h" nrow="9" ncol="3" size="1 1 1 1"/></asset>
+        <worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>"#;
+    let mut data = Data::new(Model::from_xml_str(xml).unwrap()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 10).unwrap();
+    let options = SceneOptions::default();
+    let mut camera = Camera::free(data.model());
+    scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();
+    assert!(matches!(scene.select(&data, &options, 1.0, [0.5; 2]), Err(Error::Unsupported(_))));
+}
+
+#[test]
+fn a_room_that_there_is_no_memory_for_is_refused() {
+    let model = sample::cartpole();
+    assert!(matches!(Scene::new(&model, usize::MAX), Err(Error::Invalid { .. })));
+    assert!(matches!(Scene::new(&model, i32::MAX as usize + 1), Err(Error::Invalid { .. })));
+    let mut none = Scene::new(&model, 0).unwrap();
+    assert!(matches!(none.push(&NewGeom::sphere(1.0)), Err(Error::SceneFull { what: "geoms", room: 0 })));
+    // A large one costs what is used of it.
+    let mut large = Scene::new(&model, 1_000_000).unwrap();
+    large.push(&NewGeom::sphere(1.0)).unwrap();
+    assert_eq!(large.ngeom(), 1);
+}
+
+#[test]
+fn labels_are_kept_whole() {
+    let mut scene = Scene::new(&sample::cartpole(), 10).unwrap();
+    for text in ["", "goal", &"x".repeat(99), &"é".repeat(49)] {
+        let index = scene.push(&NewGeom::text(text).unwrap()).unwrap();
+        assert_eq!(scene.geom(index).label(), text);
+    }
+    for text in ["x".repeat(100), "é".repeat(50), "a\0b".to_owned()] {
+        assert!(matches!(NewGeom::text(&text), Err(Error::Invalid { .. })), "{text:?}");
+        let mut geoms = scene.geoms_mut();
+        assert!(matches!(geoms.next().unwrap().set_label(&text), Err(Error::Invalid { .. })));
+    }
+    assert_eq!(scene.geom(0).label(), "");
+}
+
+#[test]
+fn names_longer_than_a_label_are_cut_at_a_character() {
+    for (name, label) in [("b".repeat(300), "b".repeat(99)), ("é".repeat(300), "é".repeat(49))] {
+        let xml = format!(r#"<mujoco><worldbody><geom name="{name}" size="1"/></worldbody></mujoco>"#);
+        let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
+        data.forward().unwrap();
+        let mut scene = Scene::new(data.model(), 10).unwrap();
+        // What was in the label before must not come after it.
+        for _ in 0..10 {
+            scene.push(&NewGeom::text(&"z".repeat(99)).unwrap()).unwrap();
+        }
+        let options = SceneOptions { label: LabelMode::Geom, ..SceneOptions::default() };
+        let mut camera = Camera::free(data.model());
+        scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();
+        assert_eq!(scene.geom(0).label(), label);
+    }
+}
+
+#[test]
+fn geoms_of_the_user_stay_until_the_next_update() {
+    let mut data = Data::new(every_element()).unwrap();
+    data.forward().unwrap();
+    let model = data.model().clone();
+    let mut scene = Scene::new(&model, 20_000).unwrap();
+    let mut camera = Camera::free(&model);
+    let options = SceneOptions::default();
+    scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();
+    let shown = scene.ngeom();
+    let texture = model.texture("checks").unwrap().id();
+    for (index, geom) in [
+        NewGeom::plane([1.0, 2.0]),
+        NewGeom::capsule(0.1, 0.2),
+        NewGeom::ellipsoid([0.1, 0.2, 0.3]),
+        NewGeom::cylinder(0.1, 0.2).category(Categories::DYNAMIC),
+        NewGeom::cuboid([0.1, 0.2, 0.3]).texture(texture, [2.0, 3.0], true),
+        NewGeom::mesh(model.mesh("tetra").unwrap().id()),
+        NewGeom::height_field(model.height_field("second").unwrap().id()),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert_eq!(scene.push(&geom).unwrap(), shown + index);
+        assert_eq!((scene.geom(shown + index).object(), scene.geom(shown + index).segid()), (None, shown + index));
+    }
+    let added = |index: usize| scene.geom(shown + index);
+    assert_eq!(added(0).size(), [1.0, 2.0, 0.0]);
+    assert_eq!(added(1).size(), [0.1, 0.1, 0.2]);
+    assert_eq!(added(2).size(), [0.1, 0.2, 0.3]);
+    assert_eq!((added(3).size(), added(3).category()), ([0.1, 0.1, 0.2], Categories::DYNAMIC));
+    assert_eq!((added(4).texture(), added(4).texrepeat(), added(4).texuniform()), (Some(texture), [2.0, 3.0], true));
+    assert_eq!(added(5).mesh(), Some((model.mesh("tetra").unwrap().id(), false)));
+    assert_eq!(added(6).height_field(), Some(model.height_field("second").unwrap().id()));
+    // A hull where there is one.
+    for mesh in model.meshes() {
+        let index = scene.push(&NewGeom::convex_hull(mesh.id())).unwrap();
+        let has_hull = model.mesh_graphadr()[mesh.index()] >= 0;
+        assert_eq!(scene.geom(index).mesh(), Some((mesh.id(), has_hull)));
+    }
+    black_box(touch(&scene));
+    scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();
+    assert_eq!(scene.ngeom(), shown);
+    scene.clear();
+    assert_eq!(scene.ngeom(), 0);
+}
+
+#[test]
+fn eyes_and_effects_of_the_users_stay() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 1000).unwrap();
+    let mut camera = Camera { view: CameraView::User, ..Camera::default() };
+    let eye = Viewpoint {
+        pos: [0.0, -3.0, 1.0],
+        forward: [0.0, 1.0, 0.0],
+        up: [0.0, 0.0, 1.0],
+        frustum_center: 0.0,
+        frustum_bottom: -0.01,
+        frustum_top: 0.01,
+        frustum_near: 0.02,
+        frustum_far: 50.0,
+    };
+    scene.set_viewpoints([eye; 2]).unwrap();
+    scene.set_render_flags(RenderFlags::WIREFRAME | RenderFlags::CULL_FACE);
+    scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
+    assert_eq!(scene.viewpoints(), [eye; 2]);
+    assert_eq!(scene.render_flags(), RenderFlags::WIREFRAME | RenderFlags::CULL_FACE);
+    assert_eq!(scene.frustum_height().unwrap(), f64::from(0.02_f32) / f64::from(0.02_f32));
+}

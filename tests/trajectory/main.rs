@@ -1,0 +1,10 @@
+//! Trajectories: recording, replaying, and files.
+
+#[path = "../common/arbitrary.rs"]
+mod arbitrary;
+
+#[cfg(feature = "npz")]
+mod npz;
+mod recording;
+#[cfg(feature = "serde")]
+mod serde;
