@@ -38,7 +38,7 @@ pub use self::distance::GeomDistance;
 pub use self::jacobian::Jacobian;
 pub use self::needs::Needs;
 pub use self::new_contact::NewContact;
-pub use self::object::{Axes, Frame, Motion};
+pub use self::object::{Axes, Frame, SpatialVector};
 pub use self::ray::{RayHit, RayOptions};
 pub use self::stability::{Instability, Quantity};
 pub use self::stage::Stage;
