@@ -1,8 +1,8 @@
-//! Whole programs for what comes up in every project, each of which runs as a test.
+//! Complete programs for common tasks. Each runs as a test.
 //!
-//! # A body that is moved by hand, and a grasp
+//! # A mocap body as a gripper
 //!
-//! A mocap body goes where the program puts it. A weld that is switched on and off makes it a gripper.
+//! The program sets the pose of a mocap body. A weld constraint that is activated and deactivated turns it into a gripper.
 //!
 //! ```
 //! use mujoco_safe::{Data, Model};
@@ -31,11 +31,11 @@
 //! # Inverse kinematics with a Jacobian
 //!
 //! Damped least squares: `dq = Jᵀ (J Jᵀ + λ² I)⁻¹ e` (Buss, *Introduction to inverse kinematics with Jacobian transpose,
-//! pseudoinverse and damped least squares methods*, 2009). A [`Matrix`](crate::Matrix) lends nalgebra its transpose without a
-//! copy.
+//! pseudoinverse and damped least squares methods*, 2009). [`Matrix::transposed`](crate::Matrix::transposed) is a nalgebra view of
+//! the transpose without a copy.
 //!
 //! ```
-//! use mujoco_safe::{Data, Model, nalgebra::{Matrix3, Vector3}};
+//! use mujoco_safe::{Data, Model, nalgebra, nalgebra::Vector3};
 //!
 //! let model = Model::from_xml_str(
 //!     r#"<mujoco>
@@ -58,8 +58,7 @@
 //!     let jacobian = data.jac_site(tip)?.translation;
 //!     let j = jacobian.transposed(); // (nv, 3): a view
 //!     let damped = j.tr_mul(&j) + 1e-4 * nalgebra::DMatrix::<f64>::identity(3, 3);
-//!     # use mujoco_safe::nalgebra;
-//!     let dq = &j * damped.lu().solve(&error).expect("it is damped");
+//!     let dq = &j * damped.lu().solve(&error).expect("a positive definite matrix");
 //!     let model = data.model().clone();
 //!     model.integrate_pos(data.qpos_mut(), dq.as_slice(), 1.0)?;
 //! }
@@ -70,7 +69,7 @@
 //!
 //! # Gravity compensation
 //!
-//! What holds a robot where it is: the bias force at rest, through whatever actuators there are.
+//! The bias force at rest, applied through the actuators, holds a robot in place.
 //!
 //! ```
 //! use mujoco_safe::{Data, Model};
@@ -85,7 +84,7 @@
 //! )?;
 //! let mut data = Data::new(model)?;
 //! for _ in 0..1000 {
-//!     data.step1()?; // what depends on positions and velocities
+//!     data.step1()?; // position- and velocity-dependent quantities
 //!     let force = data.qfrc_bias()[0];
 //!     data.ctrl_mut()[0] = force;
 //!     data.step2()?;
@@ -94,7 +93,7 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! # A push, and the contact forces that hold against it
+//! # Applied force and contact forces
 //!
 //! ```
 //! use mujoco_safe::{Data, Model};
@@ -108,7 +107,7 @@
 //!        </mujoco>"#,
 //! )?;
 //! let mut data = Data::new(model)?;
-//! data.body_mut("box")?.xfrc_applied_mut()[0] = 5.0; // N, along x; stays until it is changed
+//! data.body_mut("box")?.xfrc_applied_mut()[0] = 5.0; // N, along x; persists until changed
 //! for _ in 0..500 {
 //!     data.step()?;
 //! }
@@ -122,7 +121,7 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! # A lidar
+//! # Lidar with rays
 //!
 //! ```
 //! use mujoco_safe::{Data, Model, RayOptions};
@@ -162,10 +161,10 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! # Many variations of one model
+//! # Variations of a model
 //!
-//! The ids of a model are valid for its clones. `scale_mass` scales mass and inertia together, as another density does, and
-//! [`update_constants`](crate::ModelMut::update_constants) computes what is derived from them.
+//! The ids of a model are valid for its clones. `scale_mass` scales mass and inertia together, like a change of density, and
+//! [`update_constants`](crate::ModelMut::update_constants) updates the derived quantities.
 //!
 //! ```
 //! use mujoco_safe::{Data, sample};
@@ -173,7 +172,7 @@
 //! let model = sample::cartpole();
 //! let pole = model.body("pole")?.id();
 //! let hinge = model.joint("hinge")?.id();
-//! let mut leaning = Vec::new();
+//! let mut angles = Vec::new();
 //! for scale in [0.8, 1.0, 1.2] {
 //!     let mut variation = model.clone();
 //!     let mut edit = variation.edit();
@@ -183,31 +182,31 @@
 //!     let mut data = Data::new(variation)?;
 //!     data.joint_mut(hinge).qpos_mut()[0] = 0.1;
 //!     (0..20).try_for_each(|_| data.step())?;
-//!     leaning.push(data.joint(hinge).qpos()[0]);
+//!     angles.push(data.joint(hinge).qpos()[0]);
 //! }
-//! assert!(leaning.iter().all(|angle| *angle > 0.1));
+//! assert!(angles.iter().all(|angle| *angle > 0.1));
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! # Back to where it was, bit for bit
+//! # Saving and restoring a state, bit for bit
 //!
 //! ```
 //! use mujoco_safe::{Data, StateSpec, sample};
 //!
 //! let mut data = Data::new(sample::humanoid())?;
-//! let mut saved = data.state(StateSpec::INTEGRATION); // all that the next step depends on
+//! let mut saved = data.state(StateSpec::INTEGRATION); // all inputs of the next step
 //! (0..10).try_for_each(|_| data.step())?;
 //! let first = data.qpos().to_vec();
 //! data.set_state(StateSpec::INTEGRATION, &saved)?;
 //! (0..10).try_for_each(|_| data.step())?;
 //! assert_eq!(data.qpos(), first);
-//! data.state_into(StateSpec::INTEGRATION, &mut saved)?; // into the same vector
+//! data.state_into(StateSpec::INTEGRATION, &mut saved)?; // reuses the vector
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! # Several simulations at once
+//! # Parallel simulations
 //!
-//! A model is shared, each thread has a simulation of its own.
+//! Threads share a model, and each thread has its own simulation.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -228,11 +227,11 @@
 //!         .collect();
 //!     threads.into_iter().map(|thread| thread.join().expect("no panic")).collect::<Result<Vec<_>, _>>()
 //! })?;
-//! assert!(angles.windows(2).all(|pair| pair[1].abs() > pair[0].abs())); // the more push, the more lean
+//! assert!(angles.windows(2).all(|pair| pair[1].abs() > pair[0].abs())); // a larger control gives a larger angle
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! # Numbers and texts of one's own in a model
+//! # Custom numbers and texts in a model
 //!
 //! ```
 //! use mujoco_safe::Model;

@@ -159,7 +159,7 @@ engine_enum! {
     }
 }
 engine_enum! {
-    /// What an element of a tendon's path is: see [`Wrap`](crate::element::Wrap).
+    /// Type of an element of a tendon's path: see `element::Wrap`.
     WrapType {
         /// A joint of a fixed tendon.
         Joint = mjWRAP_JOINT,
@@ -174,7 +174,7 @@ engine_enum! {
     }
 }
 engine_enum! {
-    /// What an actuator acts on: see [`Transmission`](crate::element::Transmission).
+    /// Type of element that an actuator acts on: see `element::Transmission`.
     TransmissionType {
         /// A joint.
         Joint = mjTRN_JOINT,

@@ -1,5 +1,5 @@
-//! What the engine says of its own fields: [`Model::field_docs`], [`Model::fields`] and their like. The text is that of the
-//! headers, in the engine's spelling.
+//! Documentation of the engine's fields at run time: [`Model::field_docs`], [`Model::fields`] and the same functions of the other
+//! structs. The texts are those of the engine's headers, in the engine's spelling.
 
 use std::fmt;
 
@@ -9,39 +9,41 @@ use crate::data::Data;
 use crate::error::{Error, Result, near_names};
 use crate::model::{Model, Options, Statistics, Visual};
 
-/// A field of one of the engine's structs. Printed, it is name and documentation: `nv: number of degrees of freedom = dim(qvel)`.
+/// Field of one of the engine's structs. `Display` writes its name and documentation: `nv: number of degrees of freedom =
+/// dim(qvel)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Field {
-    /// Its name in the engine. Those of [`Visual`] are dotted: `global.fovy`.
+    /// Name in the engine. Names in [`Visual`] are dotted: `global.fovy`.
     pub name: &'static str,
-    /// The C type of one of its values.
+    /// C type of one value.
     pub ctype: &'static str,
-    /// How many rows it has: a number, or a size of the model such as `nbody`.
+    /// Number of rows: a number, or a size of the model such as `nbody`.
     pub rows: &'static str,
-    /// How many columns, likewise.
+    /// Number of columns, likewise.
     pub columns: &'static str,
-    /// What the engine's header says of it.
+    /// Comment of the engine's header.
     pub docs: &'static str,
-    /// Whether there can be more than one value.
+    /// `true` for an array or a vector.
     pub is_array: bool,
 }
 
 impl Field {
-    /// The fields of a struct, in the engine's order.
+    /// Returns the fields of a struct, in the engine's order.
     fn all(structure: &'static str) -> impl Iterator<Item = Self> {
         FIELDS.lines().skip(1).filter_map(move |line| {
             let mut cells = line.split('\t');
             if cells.next() != Some(structure) {
                 return None;
             }
-            let mut cell = || cells.next().expect("Bug: a line of the table of fields is too short");
+            let mut cell = || cells.next().expect("Bug: a line of the field table is too short");
             let (kind, ctype, name) = (cell(), cell(), cell());
             let is_array = matches!(kind, "array" | "vector");
             Some(Self { name, ctype, rows: cell(), columns: cell(), docs: cell(), is_array })
         })
     }
 
+    /// Returns the name and documentation of a field.
     fn docs_of(structure: &'static str, name: &str) -> Result<String> {
         Self::all(structure).find(|field| field.name == name).map(|field| field.to_string()).ok_or_else(|| {
             Error::NoSuchField {
@@ -52,7 +54,7 @@ impl Field {
         })
     }
 
-    /// The shape as rows and columns: `(nbody, 3)`, or `(nq)` for one column. Empty for a single value.
+    /// Returns the shape as rows and columns: `(nbody, 3)`, or `(nq)` for one column. Empty for a single value.
     ///
     /// ```
     /// use mujoco_safe::Data;
@@ -75,15 +77,15 @@ impl fmt::Display for Field {
     }
 }
 
-/// The two functions for a struct, with an example of each.
+/// Declares both functions of a struct, each with an example.
 macro_rules! field_docs {
     ($type:ident, $structure:literal, $name:literal, $docs:literal, $count:literal) => {
         impl $type {
-            #[doc = concat!("What the engine's header says of a field of `mj", $structure, "`, by the field's name in the engine.")]
+            #[doc = concat!("Returns the engine's documentation of a field of `mj", $structure, "`, by the field's name in the engine.")]
             ///
             /// # Errors
             ///
-            /// [`Error::NoSuchField`] with the names that are near.
+            /// [`Error::NoSuchField`] with similar names.
             ///
             /// ```
             #[doc = concat!("use mujoco_safe::{Error, ", stringify!($type), "};")]
@@ -99,7 +101,7 @@ macro_rules! field_docs {
                 Field::docs_of($structure, name)
             }
 
-            #[doc = concat!("The fields of `mj", $structure, "`, with what the engine's header says of each.")]
+            #[doc = concat!("Returns the fields of `mj", $structure, "`, each with the engine's documentation.")]
             ///
             /// ```
             #[doc = concat!("let fields = mujoco_safe::", stringify!($type), "::fields();")]

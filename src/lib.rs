@@ -115,8 +115,8 @@ pub use mujoco_sys as sys;
 pub use crate::callback::Callbacks;
 pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, TimeVaryingLqr, ZeroController};
 pub use crate::data::{
-    Axes, Contact, ContactForce, Data, Frame, GeomDistance, Instability, Jacobian, Motion, Needs, NewContact, Quantity,
-    RayHit, RayOptions, SolverIteration, Stage, StateSpec, Timer, TimerCount, Warning, WarningCount,
+    Axes, Contact, ContactForce, Data, Frame, GeomDistance, Instability, Jacobian, Needs, NewContact, Quantity, RayHit,
+    RayOptions, SolverIteration, SpatialVector, Stage, StateSpec, Timer, TimerCount, Warning, WarningCount,
 };
 pub use crate::derivative::{
     Differences, Fallback, InverseJacobians, InverseOutputs, StateSpace, Transition, TransitionMethod,

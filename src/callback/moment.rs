@@ -3,9 +3,8 @@
 use std::ops::Deref;
 
 use crate::data::{Data, Stage};
-use crate::element::Key;
 use crate::ffi;
-use crate::id::kind;
+use crate::id::{Key, kind};
 
 /// Declares a moment: all of the simulation to be read, and the arrays that may be written to.
 macro_rules! moment {
@@ -92,7 +91,7 @@ impl SensorMoment<'_> {
     ///
     /// If the id is of another model.
     pub fn data_mut<Q: Key<kind::Sensor>>(&mut self, sensor: Q) -> Q::Found<&mut [f64]> {
-        let id = sensor.id(self.data.model());
+        let id = sensor.id(self.data.model().as_ref());
         Q::found(id, |id| {
             let range = self.data.model().sensor(id).data_range();
             &mut self.sensordata_mut()[range]

@@ -1,9 +1,8 @@
 //! The state as a keyframe of the model.
 
 use super::{Data, StateSpec};
-use crate::element::Key;
 use crate::error::Result;
-use crate::id::{Id, kind};
+use crate::id::{Id, Key, kind};
 
 impl Data {
     /// Writes the present time, positions, velocities, activations, mocap poses and controls to a keyframe of this simulation's
@@ -30,7 +29,7 @@ impl Data {
     /// ```
     #[doc(alias = "mj_setKeyframe")]
     pub fn set_keyframe(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
-        let key: Id<kind::Keyframe> = key.id(self.model())?;
+        let key: Id<kind::Keyframe> = key.id(self.model().as_ref())?;
         let key = key.index();
         let part = |spec| self.state(spec);
         let (time, qpos, qvel, act) = (self.time(), part(StateSpec::QPOS), part(StateSpec::QVEL), part(StateSpec::ACT));

@@ -38,7 +38,7 @@ pub use self::distance::GeomDistance;
 pub use self::jacobian::Jacobian;
 pub use self::needs::Needs;
 pub use self::new_contact::NewContact;
-pub use self::object::{Axes, Frame, Motion};
+pub use self::object::{Axes, Frame, SpatialVector};
 pub use self::ray::{RayHit, RayOptions};
 pub use self::stability::{Instability, Quantity};
 pub use self::stage::Stage;
@@ -46,10 +46,9 @@ pub use self::state::StateSpec;
 pub use self::statistics::{SolverIteration, Timer, TimerCount};
 pub use self::warning::{Warning, WarningCount};
 use crate::callback::Slot;
-use crate::element::Key;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{Id, kind};
+use crate::id::{Id, Key, kind};
 use crate::model::{Model, ModelMut};
 
 /// A simulation: its state, its inputs, and what was computed from them. It holds its model in an [`Arc`], so the two cannot
@@ -281,7 +280,7 @@ impl Data {
     #[doc(alias = "mj_resetDataKeyframe")]
     #[doc(alias = "resetkey")]
     pub fn reset_to_key(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
-        let key: Id<kind::Keyframe> = key.id(&self.model)?;
+        let key: Id<kind::Keyframe> = key.id(self.model.as_ref())?;
         self.reset_by("mj_resetDataKeyframe", |m, d| {
             // SAFETY: a model and a data that go together, and a keyframe of the model.
             unsafe { guard::mj_reset_data_keyframe(m, d, key.index() as c_int) }

@@ -39,13 +39,13 @@ pub enum Axes {
     Local,
 }
 
-/// A velocity or an acceleration of a frame.
+/// Velocity or acceleration of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Motion {
-    /// rad/s or rad/s².
-    pub rotation: [f64; 3],
-    /// m/s or m/s².
-    pub translation: [f64; 3],
+pub struct SpatialVector {
+    /// Angular part, rad/s or rad/s².
+    pub angular: [f64; 3],
+    /// Linear part, m/s or m/s².
+    pub linear: [f64; 3],
 }
 
 impl Data {
@@ -66,11 +66,11 @@ impl Data {
     /// data.qvel_mut()[0] = 2.0;
     /// data.forward()?;
     /// let cart = Frame::Body(data.model().body("cart")?.id());
-    /// assert_eq!(data.object_velocity(cart, Axes::World)?.translation, [2.0, 0.0, 0.0]);
+    /// assert_eq!(data.object_velocity(cart, Axes::World)?.linear, [2.0, 0.0, 0.0]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_objectVelocity")]
-    pub fn object_velocity(&self, object: Frame, axes: Axes) -> Result<Motion> {
+    pub fn object_velocity(&self, object: Frame, axes: Axes) -> Result<SpatialVector> {
         let (object_type, index) = self.object(object);
         self.check_computed("object_velocity", Stage::Velocity)?;
         self.motion("mj_objectVelocity", |m, d, result| {
@@ -98,11 +98,11 @@ impl Data {
     /// data.rne_post_constraint()?;
     /// let torso = Frame::BodyInertia(data.model().body("torso")?.id());
     /// let acceleration = data.object_acceleration(torso, Axes::World)?;
-    /// assert!(acceleration.translation[2].abs() < 9.81);
+    /// assert!(acceleration.linear[2].abs() < 9.81);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_objectAcceleration")]
-    pub fn object_acceleration(&self, object: Frame, axes: Axes) -> Result<Motion> {
+    pub fn object_acceleration(&self, object: Frame, axes: Axes) -> Result<SpatialVector> {
         let (object_type, index) = self.object(object);
         self.check_parts("object_acceleration", Computed::POST_CONSTRAINT)?;
         self.motion("mj_objectAcceleration", |m, d, result| {
@@ -116,10 +116,10 @@ impl Data {
         &self,
         function: &'static str,
         call: impl FnOnce(*const mjModel, *const mjData, *mut f64) -> c_int,
-    ) -> Result<Motion> {
+    ) -> Result<SpatialVector> {
         let mut result = [0.0; 6];
         self.call(function, |m, d| call(m, d, result.as_mut_ptr()))?;
-        Ok(Motion::from_engine(result))
+        Ok(SpatialVector::from_engine(result))
     }
 
     /// Adds to `qfrc_target` (nv) the generalised force of a force in N and a torque in N·m, world frame, on a body at a point in
@@ -234,9 +234,9 @@ impl crate::model::Model {
     }
 }
 
-impl Motion {
-    /// The engine puts rotation first.
+impl SpatialVector {
+    /// Converts the engine's six numbers: angular, then linear.
     fn from_engine([rx, ry, rz, tx, ty, tz]: [f64; 6]) -> Self {
-        Self { rotation: [rx, ry, rz], translation: [tx, ty, tz] }
+        Self { angular: [rx, ry, rz], linear: [tx, ty, tz] }
     }
 }

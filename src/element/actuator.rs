@@ -8,7 +8,7 @@ use crate::id::{BodyId, Id, JointId, SiteId, TendonId, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Actuator on Model {
-    /// What it acts on.
+    /// Transmission: the element that the actuator acts on.
     #[doc(alias = "trntype")]
     #[doc(alias = "trnid")]
     transmission: {Transmission} = |actuator| {
@@ -26,38 +26,38 @@ fields!(Actuator on Model {
             TransmissionType::Body => Transmission::Body(Id::new(end, lineage)),
         }
     };
-    /// How its activation follows its control.
+    /// Type of the activation dynamics.
     #[doc(alias = "dyntype")]
     dynamics: {ActuatorDynamics} = |actuator| ActuatorDynamics::of_field(actuator.owner.actuator_dyntype()[actuator.index()]);
-    /// What its control or activation is multiplied by.
+    /// Type of the gain, which multiplies the control or the activation.
     #[doc(alias = "gaintype")]
     gain: {ActuatorGain} = |actuator| ActuatorGain::of_field(actuator.owner.actuator_gaintype()[actuator.index()]);
-    /// What is added to its force.
+    /// Type of the bias, which is added to the force.
     #[doc(alias = "biastype")]
     bias: {ActuatorBias} = |actuator| ActuatorBias::of_field(actuator.owner.actuator_biastype()[actuator.index()]);
-    /// The group, for display.
+    /// Visualisation group.
     group: i32 = actuator_group, set_group;
-    /// Whether the control is clamped to [`ctrlrange`](Self::ctrlrange).
+    /// Returns `true` if the control is clamped to [`ctrlrange`](Self::ctrlrange).
     ctrllimited: bool = actuator_ctrllimited, set_ctrllimited;
-    /// Whether the force is clamped to [`forcerange`](Self::forcerange).
+    /// Returns `true` if the force is clamped to [`forcerange`](Self::forcerange).
     forcelimited: bool = actuator_forcelimited, set_forcelimited;
-    /// Whether the activation is clamped to [`actrange`](Self::actrange).
+    /// Returns `true` if the activation is clamped to [`actrange`](Self::actrange).
     actlimited: bool = actuator_actlimited, set_actlimited;
-    /// Where its activation is in `act`, if it has one: the last `na` actuators do.
+    /// Index of the activation in `act`; `None` without activation. The last `na` actuators have one.
     activation: {Option<usize>} = |actuator| actuator.index().checked_sub(actuator.owner.nu() - actuator.owner.na());
-    /// Parameters of its dynamics.
+    /// Parameters of the activation dynamics.
     dynprm: [f64; 10] = actuator_dynprm, dynprm_mut in actuator_dynprm_mut;
-    /// Parameters of its gain.
+    /// Parameters of the gain.
     gainprm: [f64; 10] = actuator_gainprm, gainprm_mut in actuator_gainprm_mut;
-    /// Parameters of its bias.
+    /// Parameters of the bias.
     biasprm: [f64; 10] = actuator_biasprm, biasprm_mut in actuator_biasprm_mut;
-    /// Limits of its control.
+    /// Limits of the control.
     ctrlrange: [f64; 2] = actuator_ctrlrange, ctrlrange_mut in actuator_ctrlrange_mut;
-    /// Limits of its force, N or N·m.
+    /// Limits of the force, N or N·m.
     forcerange: [f64; 2] = actuator_forcerange, forcerange_mut in actuator_forcerange_mut;
-    /// Limits of its activation.
+    /// Limits of the activation.
     actrange: [f64; 2] = actuator_actrange, actrange_mut in actuator_actrange_mut;
-    /// Scale of its length, along each axis of its transmission.
+    /// Gear: scale of the length along each axis of the transmission.
     gear: [f64; 6] = actuator_gear, gear_mut in actuator_gear_mut;
     /// Length of the crank of a slider-crank, m.
     cranklength: f64 = actuator_cranklength, set_cranklength in actuator_cranklength_mut;
@@ -65,9 +65,9 @@ fields!(Actuator on Model {
     acc0: f64 = actuator_acc0;
     /// Length in the reference configuration.
     length0: f64 = actuator_length0;
-    /// Range of its length.
+    /// Range of the length.
     lengthrange: [f64; 2] = actuator_lengthrange, lengthrange_mut in actuator_lengthrange_mut;
-    /// The user's own numbers.
+    /// User data.
     user: [f64] = actuator_user, user_mut in actuator_user_mut;
 });
 
@@ -78,25 +78,25 @@ fields!(Actuator on Data {
     length: f64 = actuator_length;
     /// Velocity.
     velocity: f64 = actuator_velocity;
-    /// Force, N or N·m, in the space of the actuator.
+    /// Force in actuator space, N or N·m.
     force: f64 = actuator_force;
-    /// Derivative of its length by each degree of freedom.
+    /// Moment arms: derivative of the length with respect to each degree of freedom.
     moment: [f64] = actuator_moment;
-    /// Activation: a part of the state. `None` if it has none.
+    /// Activation, a part of the state. `None` without activation.
     act: {Option<f64>} = |actuator| Some(actuator.owner.act()[actuator.in_model().activation()?]);
-    /// Time derivative of its activation. `None` if it has none.
+    /// Time derivative of the activation. `None` without activation.
     act_dot: {Option<f64>} = |actuator| Some(actuator.owner.act_dot()[actuator.in_model().activation()?]);
 });
 
 impl ViewMut<'_, Data, kind::Actuator> {
-    /// `act`, to be written to.
+    /// Returns a mutable reference to `act`.
     pub fn act_mut(&mut self) -> Option<&mut f64> {
         let activation = self.as_view().in_model().activation()?;
         Some(&mut self.owner.act_mut()[activation])
     }
 }
 
-/// What an actuator acts on.
+/// Transmission of an actuator: the element that it acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[doc(alias = "mjtTrn")]
@@ -105,11 +105,11 @@ pub enum Transmission {
     Joint(JointId),
     /// A ball or free joint, in the frame of the parent body.
     JointInParent(JointId),
-    /// A slider that a rod connects to a crank.
+    /// A slider-crank: a slider that a rod connects to a crank.
     SliderCrank {
-        /// The site at the end of the crank.
+        /// Site at the end of the crank.
         crank: SiteId,
-        /// The site on the slider, whose z axis is the slider's.
+        /// Site on the slider. Its z axis is the axis of the slider.
         slider: SiteId,
     },
     /// A tendon: a force along it.

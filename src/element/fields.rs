@@ -1,19 +1,19 @@
-//! The fields of a view, a line each.
+//! Declaration of the fields of a view.
 //!
-//! `stiffness: f64 = jnt_stiffness, set_stiffness in jnt_stiffness_mut;` is a method that reads the element's place in the
-//! array `jnt_stiffness`, a line in the display of the view, and a setter on its writable form.
+//! `stiffness: f64 = jnt_stiffness, set_stiffness in jnt_stiffness_mut;` declares a method that reads the element's entry of the
+//! array `jnt_stiffness`, a line in the `Display` output of the view, and a setter on the mutable view.
 
-/// Declares the fields of a kind on a model or on a simulation.
+/// Declares the fields of a kind in a model or a simulation.
 ///
-/// - `name: bool = array;` a byte that is 0 or 1, with `, set_name` also a setter;
-/// - `name: i32 = array, set_name;` an integer of which every value is sound;
-/// - `name: i32 = array, set_name if [values];` an integer of which only those are;
-/// - `name: f64 = array;` one value, with `, set_name in array_mut` also a setter;
-/// - `name: [f64; 3] = array;` a row of fixed length, with `, name_mut in array_mut` also to be written to;
-/// - `name: [f64; 3] = array after PART;` the same in a simulation, an error unless that part of the pipeline has been computed;
+/// - `name: bool = array;` a byte that is 0 or 1; `, set_name` adds a setter;
+/// - `name: i32 = array, set_name;` an integer with a setter that accepts every value;
+/// - `name: i32 = array, set_name if [values];` an integer with a setter that accepts only these values;
+/// - `name: f64 = array;` a number; `, set_name in array_mut` adds a setter;
+/// - `name: [f64; 3] = array;` a row of fixed length; `, name_mut in array_mut` adds a mutable accessor;
+/// - `name: [f64; 3] = array after PART;` the same in a simulation, an error unless this part of the pipeline has been computed;
 /// - `name: [f64] = array;` a row of a matrix, likewise;
 /// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view on the model, likewise;
-/// - `name: {type} = |view| expression;` anything else.
+/// - `name: {type} = |view| expression;` any other field.
 macro_rules! fields {
     ($kind:ident on Model { $($body:tt)* }) => {
         fields!(@each $kind, Model, {ModelMut<'_>}, [] $($body)*);
@@ -45,7 +45,7 @@ macro_rules! fields {
         fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
     };
 
-    // An integer of which every value is sound.
+    // An integer with an unchecked setter.
     (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
         $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident; $($rest:tt)*
     ) => {
@@ -58,7 +58,7 @@ macro_rules! fields {
         fields!(@each $kind, $owner, {$writer}, [$($seen)*] $(#[$doc])* $name: i32 = $array; $($rest)*);
     };
 
-    // An integer of which some values are.
+    // An integer with a checked setter.
     (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
         $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident if [$($allowed:literal),+]; $($rest:tt)*
     ) => {
@@ -67,7 +67,7 @@ macro_rules! fields {
             ///
             /// # Errors
             ///
-            #[doc = concat!("[`Error::Invalid`](crate::Error::Invalid) unless it is one of `", stringify!($($allowed),+), "`.")]
+            #[doc = concat!("[`Error::Invalid`](crate::Error::Invalid) unless the value is one of `", stringify!($($allowed),+), "`.")]
             pub fn $set(&mut self, value: i32) -> $crate::Result<()> {
                 if ![$($allowed),+].contains(&value) {
                     return Err($crate::Error::invalid(
@@ -83,7 +83,7 @@ macro_rules! fields {
         fields!(@each $kind, $owner, {$writer}, [$($seen)*] $(#[$doc])* $name: i32 = $array; $($rest)*);
     };
 
-    // The generated accessors hand no integers out to be written to, since most are addresses and ids.
+    // Writes an integer. The generated accessors give no mutable access to integers, because most are addresses and ids.
     (@write $self:ident, $array:ident, $value:expr) => {
         let (index, length) = ($self.id.index(), $self.owner.$array().len());
         let array = $self.owner.raw_mut().$array;
@@ -92,7 +92,7 @@ macro_rules! fields {
         array[index] = $value;
     };
 
-    // One value.
+    // A number.
     (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
         $(#[$doc:meta])* $name:ident: $type:ident = $array:ident $(, $set:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
@@ -130,7 +130,7 @@ macro_rules! fields {
         }
         $(
             impl ViewMut<'_, $writer, kind::$kind> {
-                #[doc = concat!("`", stringify!($name), "`, to be written to.")]
+                #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
                 #[inline]
                 pub fn $name_mut(&mut self) -> &mut [$type; $columns] {
                     let index = self.id.index();
@@ -141,7 +141,7 @@ macro_rules! fields {
         fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
     };
 
-    // A row of fixed length that only a part of the pipeline outside of forward dynamics computes.
+    // A row of fixed length, computed by a part of the pipeline outside forward dynamics.
     (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
         $(#[$doc:meta])* $name:ident: [$type:ident; $columns:literal] = $array:ident after $part:ident; $($rest:tt)*
     ) => {
@@ -175,7 +175,7 @@ macro_rules! fields {
         }
         $(
             impl ViewMut<'_, $writer, kind::$kind> {
-                #[doc = concat!("`", stringify!($name), "`, to be written to.")]
+                #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
                 #[inline]
                 pub fn $name_mut(&mut self) -> &mut [$type] {
                     let index = self.id.index();
@@ -186,7 +186,7 @@ macro_rules! fields {
         fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
     };
 
-    // A range of an array of values, such as a joint's part of qpos.
+    // A range of an array, such as a joint's range of qpos.
     (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
         $(#[$doc:meta])* $name:ident: [$type:ty] = $array:ident at $range:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
@@ -200,7 +200,7 @@ macro_rules! fields {
         }
         $(
             impl ViewMut<'_, $writer, kind::$kind> {
-                #[doc = concat!("`", stringify!($name), "`, to be written to.")]
+                #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
                 #[inline]
                 pub fn $name_mut(&mut self) -> &mut [$type] {
                     let range = self.as_view().in_model().$range();
@@ -211,7 +211,7 @@ macro_rules! fields {
         fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
     };
 
-    // Anything else.
+    // Any other field.
     (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
         $(#[$doc:meta])* $name:ident: {$type:ty} = |$view:ident| $value:expr; $($rest:tt)*
     ) => {
@@ -226,10 +226,10 @@ macro_rules! fields {
         fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
     };
 
-    // All seen: the display.
+    // End of the fields: `Display`.
     (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]) => {
         impl std::fmt::Display for View<'_, $owner, kind::$kind> {
-            /// The fields and their values, one a line.
+            /// Writes one line per field.
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 let fields: &[(&str, &dyn std::fmt::Debug)] = &[$((stringify!($seen), &self.$seen())),*];
                 $crate::element::display::listing(f, stringify!($kind), self.index(), self.name(), fields)

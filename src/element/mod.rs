@@ -1,8 +1,8 @@
-//! Named access: one element of a model, by its name, its index or its id.
+//! Named access to the elements of a model by name, index or id.
 //!
-//! `model.joint("left_knee")?` looks a name up once and gives a [`Joint`]: an id and a borrow of the model. It and its
-//! [`id`](View::id) are keys themselves, and with them nothing can fail any more: `data.joint(knee)` is the same joint in a
-//! simulation, and reading a field through it costs little more than indexing a slice (`cargo bench --bench view`).
+//! `model.joint("left_knee")?` looks a name up once and returns a [`Joint`]: an id and a borrow of the model. The view and its
+//! [`id`](View::id) are keys too, and lookups with them are infallible: `data.joint(knee)` is the same joint in a simulation.
+//! Reading a field through it costs little more than indexing a slice (`cargo bench --bench view`).
 //!
 //! ```
 //! use std::sync::Arc;
@@ -13,19 +13,19 @@
 //!
 //! let knee = model.joint("left_knee")?;              // a name may be unknown: Result
 //! println!("{} of {:?}", knee.range()[1], knee.name());
-//! data.joint_mut(knee).qvel_mut()[0] = 1.0;          // a joint of this model is there: no Result
+//! data.joint_mut(knee).qvel_mut()[0] = 1.0;          // a joint of this model exists: no Result
 //! assert_eq!(data.joint(knee).qvel(), &data.qvel()[knee.dofs()]);
 //!
 //! let left: Vec<_> = model.joints().filter(|joint| joint.name().is_some_and(|name| name.contains("left"))).collect();
 //! assert_eq!(left.len(), 9);
 //!
-//! let error = data.joint("left_kne").unwrap_err();   // lists the names there are
+//! let error = data.joint("left_kne").unwrap_err();   // lists the known names
 //! assert!(error.to_string().contains("left_knee"));
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! A kind has up to four views, all of them the same two types underneath: [`View`] and [`ViewMut`], of a [`Model`] or of a
-//! [`Data`]. A key of another model panics:
+//! Each kind has up to four views, which are aliases of two types: [`View`] and [`ViewMut`], on a [`Model`] or on a [`Data`].
+//! A key of another model panics:
 //!
 //! ```should_panic
 //! use mujoco_safe::{Data, sample};
@@ -35,24 +35,24 @@
 //! data.joint(cartpole.joint("hinge").unwrap());
 //! ```
 //!
-//! Printing a view with `{}` lists its fields.
+//! Formatting a view with `{}` lists its fields.
 //!
 //! # Computed fields
 //!
-//! Fields that [`Data::forward`] and [`Data::step`] compute, such as [`xpos`](BodyData::xpos), are references into the engine's
-//! arrays, without a check: call [`Data::require`] once where the order of calls is not obvious. Fields that are easily read too
-//! early are a `Result`, with [`Error::NotComputed`](crate::Error::NotComputed): the [`data`](SensorData::data) of a sensor, and
-//! those of a body that a step does not compute, such as [`cfrc_ext`](BodyData::cfrc_ext).
+//! Fields that [`Data::forward`] and [`Data::step`] compute, such as [`xpos`](BodyData::xpos), are unchecked references into the
+//! engine's arrays. If the order of calls is not obvious, call [`Data::require`] once. Fields that are easily read before their
+//! computation return [`Error::NotComputed`](crate::Error::NotComputed): the [`data`](SensorData::data) of a sensor, and the
+//! fields of a body that a step does not compute, such as [`cfrc_ext`](BodyData::cfrc_ext).
 //!
 //! # Kinds
 //!
-//! Each has a lookup and an iterator on [`Model`], the kinds in the first table on [`Data`] too, where their views have what
-//! changes with time. A search of this documentation finds them by the engine's short words as well.
+//! Each kind has a lookup method and an iterator on [`Model`]. The kinds in the first table also have both on [`Data`], for their
+//! time-dependent fields. The search of this documentation also finds them by the engine's abbreviations.
 //!
-//! | lookup | iterator | id | engine's word |
+//! | lookup | iterator | id | engine's abbreviation |
 //! |---|---|---|---|
 //! | [`body`](Model::body) | [`bodies`](Model::bodies) | [`BodyId`](crate::BodyId) | body, xbody |
-//! | [`joint`](Model::joint) | [`joints`](Model::joints) | [`JointId`](crate::JointId) | jnt; its degrees of freedom: dof |
+//! | [`joint`](Model::joint) | [`joints`](Model::joints) | [`JointId`](crate::JointId) | jnt; dof for its degrees of freedom |
 //! | [`geom`](Model::geom) | [`geoms`](Model::geoms) | [`GeomId`](crate::GeomId) | geom |
 //! | [`site`](Model::site) | [`sites`](Model::sites) | [`SiteId`](crate::SiteId) | site |
 //! | [`camera`](Model::camera) | [`cameras`](Model::cameras) | [`CameraId`](crate::CameraId) | cam |
@@ -61,9 +61,9 @@
 //! | [`actuator`](Model::actuator) | [`actuators`](Model::actuators) | [`ActuatorId`](crate::ActuatorId) | actuator |
 //! | [`sensor`](Model::sensor) | [`sensors`](Model::sensors) | [`SensorId`](crate::SensorId) | sensor |
 //!
-//! What does not change with time:
+//! Kinds without time-dependent fields:
 //!
-//! | lookup | iterator | id | engine's word |
+//! | lookup | iterator | id | engine's abbreviation |
 //! |---|---|---|---|
 //! | [`mesh`](Model::mesh) | [`meshes`](Model::meshes) | [`MeshId`](crate::MeshId) | mesh |
 //! | [`skin`](Model::skin) | [`skins`](Model::skins) | [`SkinId`](crate::SkinId) | skin |
@@ -80,8 +80,8 @@
 //!
 //! # Writing to a model
 //!
-//! Real numbers, switches (`set_limited`, `set_active`) and masks (`set_contype`) can be written to through the views of a
-//! [`ModelMut`]. What decides where the engine reads (types, ids, addresses, sizes) cannot.
+//! The views of a [`ModelMut`] give write access to floating-point numbers, flags (`set_limited`, `set_active`) and bit masks
+//! (`set_contype`). Fields that determine the engine's memory accesses (types, ids, addresses, sizes) are read-only.
 //!
 //! ```
 //! use mujoco_safe::{Error, sample};
@@ -97,56 +97,41 @@
 
 #[macro_use]
 mod fields;
-mod display;
-mod key;
-
 mod actuator;
-mod body;
-mod camera;
-mod equality;
-mod exclude;
-mod frame;
-mod geom;
-mod height_field;
-mod joint;
-mod keyframe;
-mod light;
-mod material;
-mod mesh;
-mod numeric;
-mod object;
-mod pair;
-mod path;
+mod asset;
+mod attachment;
+mod constraint;
+mod custom;
+mod display;
+mod kinematics;
 mod sensor;
-mod site;
-mod skin;
 mod tendon;
-mod text;
-mod texture;
-mod tuple;
+mod tendon_path;
 
 use std::fmt;
 
 pub use self::actuator::Transmission;
-pub use self::equality::EqualityObjects;
-pub use self::frame::SameFrame;
-pub use self::key::Key;
-pub use self::object::{Object, Objects};
-pub use self::path::{Wrap, WrapPoint, WrapPoints, Wraps};
-pub use self::skin::{Bone, Bones};
+pub use self::asset::{Bone, Bones};
+pub use self::attachment::SameFrame;
+pub use self::constraint::EqualityObjects;
+pub use self::custom::{Object, Objects};
 pub use self::tendon::JacobianRow;
+pub use self::tendon_path::{Wrap, WrapPoint, WrapPoints, Wraps};
 use crate::data::Data;
+use crate::error::Result;
 use crate::ffi;
-use crate::id::{ElementKind, Id, Ids, kind};
+pub use crate::id::Key;
+use crate::id::sealed::Sealed;
+use crate::id::{ElementKind, Id, Ids, Lookup, kind};
 use crate::model::{Model, ModelMut};
 
-/// One element, as a model or a simulation has it: an id and a borrow. Cheap to copy; the fields of each kind are methods.
+/// View of one element of a model or a simulation: an id and a borrow. Cheap to copy; the fields of each kind are methods.
 pub struct View<'a, Owner, K> {
     owner: &'a Owner,
     id: Id<K>,
 }
 
-/// One element, to be written to.
+/// Mutable view of one element.
 pub struct ViewMut<'a, Owner, K> {
     owner: &'a mut Owner,
     id: Id<K>,
@@ -160,7 +145,7 @@ impl<Owner, K> Clone for View<'_, Owner, K> {
 
 impl<Owner, K> Copy for View<'_, Owner, K> {}
 
-/// What has elements: a model, or a simulation of one.
+/// Owner of elements: a model or a simulation.
 pub(crate) trait Owner {
     fn model_of(&self) -> &Model;
 }
@@ -186,64 +171,64 @@ impl Owner for Data {
     }
 }
 
-#[allow(private_bounds, reason = "there are only the two owners")]
+#[allow(private_bounds, reason = "only a model and a simulation own elements")]
 impl<'a, O: Owner, K: ElementKind> View<'a, O, K> {
     #[inline]
     fn new(owner: &'a O, id: Id<K>) -> Self {
         Self { owner, id }
     }
 
-    /// The id, which can be kept and used with every simulation of the model.
+    /// Returns the id, which is valid for every simulation of the model.
     #[inline]
     pub fn id(&self) -> Id<K> {
         self.id
     }
 
-    /// The engine's index, counted from 0.
+    /// Returns the engine's index, counted from 0.
     #[inline]
     pub fn index(&self) -> usize {
         self.id.index()
     }
 
-    /// The name; `None` if it has none.
+    /// Returns the name; `None` for an unnamed element.
     pub fn name(&self) -> Option<&'a str> {
         self.owner.model_of().name(self.id)
     }
 
-    /// The same element, as the model describes it.
+    /// Returns the view of the same element in the model.
     #[inline]
     pub fn in_model(&self) -> View<'a, Model, K> {
         View::new(self.owner.model_of(), self.id)
     }
 
-    /// The id that an array has for this element.
+    /// Returns this element's entry of an array of ids.
     #[inline]
     fn id_in<L>(&self, ids: &[i32]) -> Id<L> {
         Id::new(ffi::size(ids[self.index()]), self.owner.model_of().lineage())
     }
 
-    /// The id that an array has for this element, where -1 is none.
+    /// Returns this element's entry of an array of ids; `None` for -1.
     #[inline]
     fn optional_id_in<L>(&self, ids: &[i32]) -> Option<Id<L>> {
         let index = usize::try_from(ids[self.index()]).ok()?;
         Some(Id::new(index, self.owner.model_of().lineage()))
     }
 
-    /// The elements of another kind that belong to this one.
+    /// Returns the ids of the elements of another kind that belong to this element.
     #[inline]
     fn ids_in<L>(&self, addresses: &[i32], counts: &[i32]) -> Ids<L> {
         Ids::new(range(addresses, counts, self.index()), self.owner.model_of().lineage())
     }
 }
 
-#[allow(private_bounds, reason = "there are only the two owners")]
+#[allow(private_bounds, reason = "only a model and a simulation own elements")]
 impl<'a, O: Owner, K: ElementKind> ViewMut<'a, O, K> {
     #[inline]
     fn new(owner: &'a mut O, id: Id<K>) -> Self {
         Self { owner, id }
     }
 
-    /// The same element, to be read.
+    /// Returns an immutable view of the same element.
     #[inline]
     pub fn as_view(&self) -> View<'_, O, K> {
         View::new(self.owner, self.id)
@@ -271,26 +256,44 @@ impl<O, K> From<View<'_, O, K>> for Id<K> {
     }
 }
 
-/// The types and lookups of a kind of element. With fields in a simulation: `Kind`, `KindMut`, `KindData`, `KindDataMut`.
+impl<O, K> Sealed for View<'_, O, K> {}
+
+impl<O, K: ElementKind> Key<K> for View<'_, O, K> {
+    type Found<T> = T;
+
+    #[inline]
+    #[track_caller]
+    fn id(self, model: &impl Lookup) -> Result<Id<K>> {
+        self.id.id(model)
+    }
+
+    #[inline]
+    fn found<T>(id: Result<Id<K>>, make: impl FnOnce(Id<K>) -> T) -> T {
+        Id::found(id, make)
+    }
+}
+
+/// Declares the types and lookup methods of a kind: `Kind` and `KindMut`, and with time-dependent fields `KindData` and
+/// `KindDataMut`.
 macro_rules! kind {
     (
         $one:ident, $one_mut:ident, $many:ident, $short:literal => $kind:ident, $model_mut:ident
         $(, $data:ident, $data_mut:ident)?
     ) => {
-        #[doc = concat!("One ", stringify!($one), ", as the model describes it.")]
+        #[doc = concat!("View of one ", stringify!($one), " in a model.")]
         pub type $kind<'m> = View<'m, Model, kind::$kind>;
-        #[doc = concat!("One ", stringify!($one), " of a model that may be changed.")]
+        #[doc = concat!("Mutable view of one ", stringify!($one), " in a model.")]
         pub type $model_mut<'m, 'e> = ViewMut<'e, ModelMut<'m>, kind::$kind>;
 
         impl Model {
-            #[doc = concat!("The ", stringify!($one), " behind a key: see [`element`](crate::element).")]
+            #[doc = concat!("Returns the ", stringify!($one), " for a key: see [`element`](crate::element).")]
             #[doc(alias = $short)]
             #[inline]
             pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$kind<'_>> {
                 key.find(self, |id| View::new(self, id))
             }
 
-            #[doc = concat!("All of kind ", stringify!($one), ", in the engine's order.")]
+            #[doc = concat!("Returns an iterator over all elements of kind ", stringify!($one), ", in the engine's order.")]
             pub fn $many(&self) -> impl ExactSizeIterator<Item = $kind<'_>> + DoubleEndedIterator {
                 let lineage = self.lineage();
                 (0..self.count(<kind::$kind as ElementKind>::KIND)).map(move |index| View::new(self, Id::new(index, lineage)))
@@ -298,36 +301,36 @@ macro_rules! kind {
         }
 
         impl<'m> ModelMut<'m> {
-            #[doc = concat!("The ", stringify!($one), " behind a key, to be written to.")]
+            #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
             #[inline]
             pub fn $one_mut<'e, Q: Key<kind::$kind>>(&'e mut self, key: Q) -> Q::Found<$model_mut<'m, 'e>> {
-                let id = key.id(self);
+                let id = key.id(&**self);
                 Q::found(id, |id| ViewMut::new(self, id))
             }
         }
 
         $(
-            #[doc = concat!("One ", stringify!($one), " in a simulation.")]
+            #[doc = concat!("View of one ", stringify!($one), " in a simulation.")]
             pub type $data<'d> = View<'d, Data, kind::$kind>;
-            #[doc = concat!("One ", stringify!($one), " in a simulation, to be written to.")]
+            #[doc = concat!("Mutable view of one ", stringify!($one), " in a simulation.")]
             pub type $data_mut<'d> = ViewMut<'d, Data, kind::$kind>;
 
             impl Data {
-                #[doc = concat!("The ", stringify!($one), " behind a key: see [`element`](crate::element).")]
+                #[doc = concat!("Returns the ", stringify!($one), " for a key: see [`element`](crate::element).")]
                 #[doc(alias = $short)]
                 #[inline]
                 pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$data<'_>> {
-                    key.find(self.model(), |id| View::new(self, id))
+                    key.find(self.model().as_ref(), |id| View::new(self, id))
                 }
 
-                #[doc = concat!("The ", stringify!($one), " behind a key, to be written to.")]
+                #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
                 #[inline]
                 pub fn $one_mut<Q: Key<kind::$kind>>(&mut self, key: Q) -> Q::Found<$data_mut<'_>> {
-                    let id = key.id(self.model());
+                    let id = key.id(self.model().as_ref());
                     Q::found(id, |id| ViewMut::new(self, id))
                 }
 
-                #[doc = concat!("All of kind ", stringify!($one), ", in the engine's order.")]
+                #[doc = concat!("Returns an iterator over all elements of kind ", stringify!($one), ", in the engine's order.")]
                 pub fn $many(&self) -> impl ExactSizeIterator<Item = $data<'_>> + DoubleEndedIterator {
                     let model = self.model();
                     (0..model.count(<kind::$kind as ElementKind>::KIND)).map(move |index| View::new(self, Id::new(index, model.lineage())))
@@ -359,7 +362,7 @@ kind!(numeric, numeric_mut, numerics, "mjOBJ_NUMERIC" => Numeric, NumericMut);
 kind!(text, text_mut, texts, "mjOBJ_TEXT" => Text, TextMut);
 kind!(tuple, tuple_mut, tuples, "mjOBJ_TUPLE" => Tuple, TupleMut);
 
-/// The range that starts at an element's address; empty where the element has none (the address is -1 then).
+/// Returns the range that starts at an element's address; empty for an element without entries, whose address is -1.
 #[inline]
 fn range(addresses: &[i32], counts: &[i32], index: usize) -> std::ops::Range<usize> {
     let start = usize::try_from(addresses[index]).unwrap_or(0);

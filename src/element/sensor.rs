@@ -1,4 +1,4 @@
-//! Sensors.
+//! Sensors and their readings.
 
 use std::ops::Range;
 
@@ -13,11 +13,11 @@ use crate::id::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Sensor on Model {
-    /// What it measures.
+    /// Type of the sensor.
     sensor_type: {SensorType} = |sensor| SensorType::of_field(sensor.owner.sensor_type()[sensor.index()]);
-    /// What its numbers are.
+    /// Data type of a reading.
     datatype: {SensorDataType} = |sensor| SensorDataType::of_field(sensor.owner.sensor_datatype()[sensor.index()]);
-    /// Up to which stage the pipeline must be computed for it.
+    /// Stage of the pipeline that the reading requires.
     needstage: {Stage} = |sensor| match sensor.owner.sensor_needstage()[sensor.index()] as u32 {
         sys::mjSTAGE_NONE => Stage::Nothing,
         sys::mjSTAGE_POS => Stage::Position,
@@ -25,36 +25,36 @@ fields!(Sensor on Model {
         sys::mjSTAGE_ACC => Stage::Acceleration,
         other => panic!("Bug: a model with needstage {other}"),
     };
-    /// What it measures it on; `None` for a clock.
+    /// Object that the sensor is attached to; `None` for a clock.
     #[doc(alias = "objtype")]
     #[doc(alias = "objid")]
     object: {Option<Object>} = |sensor| {
         let (object_type, id) = (sensor.owner.sensor_objtype(), sensor.owner.sensor_objid());
         Object::from_raw(object_type[sensor.index()], id[sensor.index()], sensor.owner.lineage())
     };
-    /// In whose frame it measures it; `None` for that of the world, or its usual one.
+    /// Object whose frame is the reference frame; `None` for the world frame, or the default frame of the sensor type.
     #[doc(alias = "reftype")]
     #[doc(alias = "refid")]
     reference: {Option<Object>} = |sensor| {
         let (object_type, id) = (sensor.owner.sensor_reftype(), sensor.owner.sensor_refid());
         Object::from_raw(object_type[sensor.index()], id[sensor.index()], sensor.owner.lineage())
     };
-    /// How many numbers a reading has.
+    /// Dimension of a reading.
     dim: {usize} = |sensor| ffi::size(sensor.owner.sensor_dim()[sensor.index()]);
-    /// Where a reading is in `sensordata`.
+    /// Range of a reading in `sensordata`.
     #[doc(alias = "adr")]
     data_range: {Range<usize>} = |sensor| range(sensor.owner.sensor_adr(), sensor.owner.sensor_dim(), sensor.index());
-    /// At which value readings are clamped; 0 for none.
+    /// Value at which readings are clamped; 0 for none.
     cutoff: f64 = sensor_cutoff, set_cutoff in sensor_cutoff_mut;
-    /// Standard deviation of its noise, where [`EnableFlags::SENSORNOISE`](crate::EnableFlags::SENSORNOISE) is set.
+    /// Standard deviation of the noise, applied if [`EnableFlags::SENSORNOISE`](crate::EnableFlags::SENSORNOISE) is set.
     noise: f64 = sensor_noise, set_noise in sensor_noise_mut;
-    /// The user's own numbers.
+    /// User data.
     user: [f64] = sensor_user, user_mut in sensor_user_mut;
 });
 
 fields!(Sensor on Data {
-    /// Reading of the sensor: its part of [`sensordata`](Data::sensordata), which is the slice to read in a loop that cannot
-    /// fail. After [`step`](Data::step) it belongs to the state before the step.
+    /// Reading of the sensor: its range of [`sensordata`](Data::sensordata), the infallible alternative for a control loop.
+    /// After [`step`](Data::step) the reading belongs to the state before the step.
     ///
     /// Engine array `sensordata`.
     ///
@@ -75,7 +75,7 @@ fields!(Sensor on Data {
     /// assert!(matches!(data.sensor("imu")?.data(), Err(Error::NotComputed { .. })));
     /// data.step()?;
     /// assert_eq!(data.sensor("imu")?.data()?.len(), 3);
-    /// // The first half of a step leaves the acceleration of the step before.
+    /// // The first half of a step does not compute accelerations: the array holds those of the previous step.
     /// data.step1()?;
     /// assert!(matches!(data.sensor("imu")?.data(), Err(Error::NotComputed { .. })));
     /// # Ok::<(), Error>(())
@@ -86,7 +86,7 @@ fields!(Sensor on Data {
             sys::mjSTAGE_POS => Computed::SENSOR_POS,
             sys::mjSTAGE_VEL => Computed::SENSOR_VEL,
             sys::mjSTAGE_ACC => Computed::SENSOR_ACC,
-            // The engine reads no sensor of another stage, and the compiler makes none.
+            // The engine evaluates no sensor of another stage, and the compiler creates none.
             _ => Computed::empty(),
         };
         data.check_parts("the reading of a sensor", needs)?;
@@ -98,7 +98,7 @@ fields!(Sensor on Data {
 });
 
 impl ViewMut<'_, Data, kind::Sensor> {
-    /// Returns the sensor's part of [`sensordata`](Data::sensordata), to be written to.
+    /// Returns a mutable reference to the sensor's range of [`sensordata`](Data::sensordata).
     #[inline]
     pub fn data_mut(&mut self) -> &mut [f64] {
         let range = self.as_view().in_model().data_range();

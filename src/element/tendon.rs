@@ -1,4 +1,4 @@
-//! Tendons.
+//! Tendons and rows of their Jacobian.
 
 #![allow(non_snake_case, reason = "J: the engine's own spelling")]
 
@@ -15,48 +15,49 @@ use crate::id::{MaterialId, kind};
 use crate::model::{Model, ModelMut};
 
 fields!(Tendon on Model {
-    /// The elements of its path: sites, geoms and pulleys of a spatial tendon, joints of a fixed one.
+    /// Elements of the path: sites, geoms and pulleys of a spatial tendon, joints of a fixed tendon.
     #[doc(alias = "adr")]
     #[doc(alias = "num")]
     path: {Wraps<'a>} = |tendon| {
         Wraps::new(tendon.owner, range(tendon.owner.tendon_adr(), tendon.owner.tendon_num(), tendon.index()))
     };
-    /// Its material, if it has one.
+    /// Material, if any.
     #[doc(alias = "matid")]
     material: {Option<MaterialId>} = |tendon| tendon.optional_id_in(tendon.owner.tendon_matid());
-    /// The group, for display.
+    /// Visualisation group.
     group: i32 = tendon_group, set_group;
-    /// Whether [`range`](Self::range) is enforced. A limit that was not compiled in has the range `[0, 0]` unless one is set.
+    /// Returns `true` if [`range`](Self::range) is enforced. A tendon compiled without a limit has the range `[0, 0]` until one
+    /// is set.
     limited: bool = tendon_limited, set_limited;
-    /// Width, m, for display.
+    /// Width for visualisation, m.
     width: f64 = tendon_width, set_width in tendon_width_mut;
-    /// Limits of its length, m.
+    /// Limits of the length, m.
     range: [f64; 2] = tendon_range, range_mut in tendon_range_mut;
-    /// At which distance from a limit the limit becomes active.
+    /// Distance from a limit at which the limit constraint becomes active.
     margin: f64 = tendon_margin, set_margin in tendon_margin_mut;
-    /// Stiffness of its spring, N/m.
+    /// Stiffness of the spring, N/m.
     stiffness: f64 = tendon_stiffness, set_stiffness in tendon_stiffness_mut;
     /// Damping, N·s/m.
     damping: f64 = tendon_damping, set_damping in tendon_damping_mut;
     /// Dry friction, N.
     frictionloss: f64 = tendon_frictionloss, set_frictionloss in tendon_frictionloss_mut;
-    /// Length at which its spring is at rest, m.
+    /// Rest length of the spring, m.
     lengthspring: f64 = tendon_lengthspring, set_lengthspring in tendon_lengthspring_mut;
     /// Length in the reference configuration, m.
     length0: f64 = tendon_length0;
     /// Inverse inertia in the reference configuration.
     invweight0: f64 = tendon_invweight0;
-    /// Time constant and damping ratio of its limit.
+    /// Solver reference parameters of the limit: time constant and damping ratio.
     solref_lim: [f64; 2] = tendon_solref_lim, solref_lim_mut in tendon_solref_lim_mut;
-    /// Impedance of its limit.
+    /// Solver impedance parameters of the limit.
     solimp_lim: [f64; 5] = tendon_solimp_lim, solimp_lim_mut in tendon_solimp_lim_mut;
-    /// Time constant and damping ratio of its dry friction.
+    /// Solver reference parameters of the dry friction: time constant and damping ratio.
     solref_fri: [f64; 2] = tendon_solref_fri, solref_fri_mut in tendon_solref_fri_mut;
-    /// Impedance of its dry friction.
+    /// Solver impedance parameters of the dry friction.
     solimp_fri: [f64; 5] = tendon_solimp_fri, solimp_fri_mut in tendon_solimp_fri_mut;
-    /// Red, green, blue and opacity, where no material gives them.
+    /// Red, green, blue and opacity, used without a material.
     rgba: [f32; 4] = tendon_rgba, rgba_mut in tendon_rgba_mut;
-    /// The user's own numbers.
+    /// User data.
     user: [f64] = tendon_user, user_mut in tendon_user_mut;
 });
 
@@ -65,13 +66,13 @@ fields!(Tendon on Data {
     length: f64 = ten_length;
     /// Velocity, m/s.
     velocity: f64 = ten_velocity;
-    /// Derivative of its length by each degree of freedom. `None` where it has not been computed for the present model.
+    /// Derivative of the length with respect to each degree of freedom. `None` unless computed for the present model.
     J: {Option<JacobianRow<'a>>} = |tendon| tendon.jacobian_row();
-    /// Where its path is among the points of all paths.
+    /// Range of its path in the points of all paths.
     #[doc(alias = "wrapadr")]
     #[doc(alias = "wrapnum")]
     wrap_range: {Range<usize>} = |tendon| range(tendon.owner.ten_wrapadr(), tendon.owner.ten_wrapnum(), tendon.index());
-    /// Its path as it lies in space; empty for a fixed tendon.
+    /// Points of the path in space; empty for a fixed tendon.
     #[doc(alias = "wrap_obj")]
     #[doc(alias = "wrap_xpos")]
     wrap_points: {WrapPoints<'a>} = |tendon| {
@@ -84,12 +85,12 @@ fields!(Tendon on Data {
 
 impl<'a> View<'a, Data, kind::Tendon> {
     fn jacobian_row(&self) -> Option<JacobianRow<'a>> {
-        // Which layout the engine has written follows from the options, so that these must still be what they were then.
+        // The options determine the layout that the engine has written, so they must not have changed since.
         if self.owner.stage() == Stage::Nothing {
             return None;
         }
         let (data, index, dofs) = (self.owner, self.index(), self.owner.model().nv());
-        // SAFETY: a valid model, of which the engine reads the options and sizes.
+        // SAFETY: the model is valid; the engine reads its options and sizes.
         if unsafe { sys::mj_isSparse(data.model().as_ptr()) } == 0 {
             return Some(JacobianRow { values: data.ten_J().row(index), columns: None, dofs });
         }
@@ -99,7 +100,7 @@ impl<'a> View<'a, Data, kind::Tendon> {
     }
 }
 
-/// A row of a Jacobian, as the engine keeps it: dense, or only the elements that are not zero.
+/// Row of a Jacobian in the engine's layout: dense, or sparse.
 #[derive(Clone, Copy)]
 pub struct JacobianRow<'a> {
     values: &'a [f64],
@@ -108,38 +109,34 @@ pub struct JacobianRow<'a> {
 }
 
 impl<'a> JacobianRow<'a> {
-    /// The elements that the engine keeps, each with its degree of freedom.
+    /// Returns an iterator over the stored elements, each with its degree of freedom.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (usize, f64)> + 'a {
         let Self { values, columns, .. } = *self;
         (0..values.len()).map(move |at| (columns.map_or(at, |columns| ffi::size(columns[at])), values[at]))
     }
 
-    /// Writes the whole row, zeros included. `(nv)`
+    /// Writes the dense row, including zeros. `(nv)`
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the slice has another length.
+    /// [`Error::Shape`] if the length of the slice is not `nv`.
     pub fn write_into(&self, row: &mut [f64]) -> Result<()> {
         Error::check_length("the row of the Jacobian", row.len(), self.dofs)?;
         row.fill(0.0);
-        for (dof, value) in self.iter() {
-            row[dof] = value;
-        }
+        self.iter().for_each(|(dof, value)| row[dof] = value);
         Ok(())
     }
 
-    /// The whole row, zeros included. `(nv)`
+    /// Returns the dense row, including zeros. `(nv)`
     pub fn to_vec(&self) -> Vec<f64> {
         let mut row = vec![0.0; self.dofs];
-        for (dof, value) in self.iter() {
-            row[dof] = value;
-        }
+        self.iter().for_each(|(dof, value)| row[dof] = value);
         row
     }
 }
 
 impl fmt::Debug for JacobianRow<'_> {
-    /// The degrees of freedom that it depends on, each with its element.
+    /// Formats the non-zero elements, each with its degree of freedom.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_map().entries(self.iter().filter(|(_, value)| *value != 0.0)).finish()
     }

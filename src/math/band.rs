@@ -1,12 +1,12 @@
-//! Symmetric matrices whose numbers lie in a band along the diagonal, except for the last rows, which are dense. Such is the
-//! Hessian of a problem over time with some parameters that hold for all of it.
+//! Symmetric band matrices whose last rows are dense. The Hessian of a trajectory optimisation problem with some global
+//! parameters has this structure.
 //!
-//! With `ntotal` rows, of which the last `ndense` are dense, only what is left of the diagonal is kept, and the diagonal: of each
-//! of the first rows the `nband` numbers that end with the diagonal, then the dense rows in full length. Places before the first
-//! column and, in dense rows, behind the diagonal are there but not used.
+//! A matrix has `ntotal` rows, and the last `ndense` of them are dense. Only the lower triangle is stored: of each band row the
+//! `nband` values up to and including the diagonal, then the dense rows in full length. Storage before the first column and, in
+//! dense rows, after the diagonal is allocated but unused.
 //!
 //! ```text
-//!  ntotal = 5, nband = 2, ndense = 1            kept as
+//!  ntotal = 5, nband = 2, ndense = 1            stored as
 //!   a                                            · a
 //!   b c              (symmetric)                 b c
 //!     d e                                        d e
@@ -14,14 +14,14 @@
 //!   h i j k l                                    h i j k l
 //! ```
 //!
-//! The engine has these functions from version 2.3.6 on, and they are its functions; here they are written in Rust.
+//! The engine provides these functions since version 2.3.6. This module implements them in Rust.
 
 use mujoco_sys::mjMINVAL;
 
 use crate::error::{Error, Result};
 use crate::matrix::{MatrixView, MatrixViewMut};
 
-/// The shape of a band matrix.
+/// Shape of a band matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BandShape {
     ntotal: usize,
@@ -30,12 +30,13 @@ pub struct BandShape {
 }
 
 impl BandShape {
-    /// `ntotal` rows, the last `ndense` of them dense, the others with `nband` numbers up to and with the diagonal.
+    /// Creates a shape of `ntotal` rows: the last `ndense` rows are dense, the others have `nband` values up to and including the
+    /// diagonal.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if there are more dense rows than rows, if the band has no room for the diagonal, or if the size is
-    /// beyond what can be counted.
+    /// [`Error::Invalid`] if `ndense` exceeds `ntotal`, if the band does not contain the diagonal, or if the size overflows
+    /// `usize`.
     pub fn new(ntotal: usize, nband: usize, ndense: usize) -> Result<Self> {
         let invalid = |what: &str, value: usize, expected: String| {
             Err(Error::Invalid { what: format!("{what} of a band matrix"), value: value.to_string(), expected })
@@ -50,46 +51,46 @@ impl BandShape {
         let band = nsparse.checked_mul(nband);
         let dense = ndense.checked_mul(ntotal);
         if band.zip(dense).and_then(|(band, dense)| band.checked_add(dense)).is_none() {
-            return invalid("ntotal", ntotal, "less, for its numbers to be counted".to_owned());
+            return invalid("ntotal", ntotal, "small enough for the number of values to fit into usize".to_owned());
         }
         Ok(Self { ntotal, nband, ndense })
     }
 
-    /// The number of rows.
+    /// Returns the number of rows.
     #[inline]
     pub fn ntotal(&self) -> usize {
         self.ntotal
     }
 
-    /// How many numbers a row has that is not dense, the diagonal included.
+    /// Returns the number of values of a band row, including the diagonal.
     #[inline]
     pub fn nband(&self) -> usize {
         self.nband
     }
 
-    /// How many rows are dense.
+    /// Returns the number of dense rows.
     #[inline]
     pub fn ndense(&self) -> usize {
         self.ndense
     }
 
-    /// How many numbers are kept: `(ntotal − ndense) nband + ndense ntotal`.
+    /// Returns the number of stored values: `(ntotal − ndense) nband + ndense ntotal`.
     #[inline]
     pub fn len(&self) -> usize {
         self.nsparse() * self.nband + self.ndense * self.ntotal
     }
 
-    /// Whether there are no numbers.
+    /// Returns `true` if the matrix has no values.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Where the number on the diagonal of row `i` is.
+    /// Returns the index of the diagonal value of row `i`.
     ///
     /// # Panics
     ///
-    /// If there is no such row.
+    /// If the row is out of bounds.
     #[doc(alias = "mju_bandDiag")]
     #[inline]
     pub fn band_diag(&self, i: usize) -> usize {
@@ -103,7 +104,7 @@ impl BandShape {
         self.ntotal - self.ndense
     }
 
-    /// The first column of a row that is kept, and where its number is. Up to the diagonal the others follow.
+    /// Returns the first stored column of a row and the index of its value. The values up to the diagonal follow.
     #[inline]
     fn row(&self, i: usize) -> (usize, usize) {
         match i.checked_sub(self.nsparse()) {
@@ -124,13 +125,13 @@ fn dot(vec1: &[f64], vec2: &[f64]) -> f64 {
     vec1.iter().zip(vec2).map(|(a, b)| a * b).sum::<f64>()
 }
 
-/// Cholesky's factorisation in place of `A + diagadd I + diagmul diag(A)`. Returns the smallest pivot (the square of a number on
-/// the factor's diagonal), or `None` if the matrix is not positive definite: a pivot was below `1e-15` or not a number. Then
-/// `mat` is half factorised. (The engine returns 0 for it. Version 4 returns the root of the pivot.)
+/// Computes the Cholesky factor of `A + diagadd I + diagmul diag(A)` in place. Returns the smallest pivot (the square of a
+/// diagonal value of the factor), or `None` if the matrix is not positive definite: a pivot is below `1e-15` or NaN. In that case
+/// `mat` is partially factorised. (The engine returns 0 instead of `None`. Version 4 returns the square root of the pivot.)
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `mat` has the numbers of the shape.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape.
 ///
 /// ```
 /// use mujoco_safe::math::{self, BandShape};
@@ -152,7 +153,7 @@ pub fn chol_factor_band(mat: &mut [f64], shape: BandShape, diagadd: f64, diagmul
         let (first_i, start_i) = shape.row(i);
         let (above, below) = mat.split_at_mut(start_i);
         let row_i = &mut below[..=i - first_i];
-        // Row i of L Lᵀ = A, from left to right: each number by those before it, and by the rows above.
+        // Row i of L Lᵀ = A, from left to right. Each value follows from the previous ones and the rows above.
         for j in first_i..i {
             let (first_j, start_j) = shape.row(j);
             let row_j = &above[start_j..=start_j + j - first_j];
@@ -171,11 +172,11 @@ pub fn chol_factor_band(mat: &mut [f64], shape: BandShape, diagadd: f64, diagmul
     Ok(Some(smallest))
 }
 
-/// Solves `L Lᵀ res = vec`, with the factor that [`chol_factor_band`] made.
+/// Solves `L Lᵀ res = vec` with the factor from [`chol_factor_band`].
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `mat` has the numbers of the shape, and both vectors `ntotal`.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of both vectors is `ntotal`.
 #[doc(alias = "mju_cholSolveBand")]
 pub fn chol_solve_band(res: &mut [f64], mat: &[f64], vec: &[f64], shape: BandShape) -> Result<()> {
     Error::check_length("the result of chol_solve_band", res.len(), shape.ntotal)?;
@@ -185,11 +186,11 @@ pub fn chol_solve_band(res: &mut [f64], mat: &[f64], vec: &[f64], shape: BandSha
     chol_solve_band_in_place(mat, res, shape)
 }
 
-/// As [`chol_solve_band`], with the solution in the place of `vec`.
+/// Solves like [`chol_solve_band`], and overwrites `vec` with the solution.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `mat` has the numbers of the shape, and `vec` has `ntotal`.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of `vec` is `ntotal`.
 #[doc(alias = "mju_cholSolveBand")]
 pub fn chol_solve_band_in_place(mat: &[f64], vec: &mut [f64], shape: BandShape) -> Result<()> {
     shape.check_matrix("mat of chol_solve_band_in_place", mat)?;
@@ -208,12 +209,12 @@ pub fn chol_solve_band_in_place(mat: &[f64], vec: &mut [f64], shape: BandShape) 
     Ok(())
 }
 
-/// `res = mat`, as a dense matrix `(ntotal, ntotal)`: symmetric where `flg_sym` is true, and otherwise with zeros above the
-/// diagonal, as is right for a factor.
+/// Converts to a dense matrix `(ntotal, ntotal)`: symmetric if `flg_sym` is true, otherwise lower triangular, which is correct for
+/// a factor.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `mat` has the numbers of the shape, and `res` is of the shape `(ntotal, ntotal)`.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape, and `res` has the shape `(ntotal, ntotal)`.
 #[doc(alias = "mju_band2Dense")]
 pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: BandShape, flg_sym: bool) -> Result<()> {
     let mut res = res.into();
@@ -234,12 +235,12 @@ pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: Ban
     Ok(())
 }
 
-/// `res = mat`, from the lower triangle of a dense matrix `(ntotal, ntotal)`. What is outside of the band is left out, and the
-/// places of `res` that are not used stay as they are.
+/// Converts from the lower triangle of a dense matrix `(ntotal, ntotal)`. Values outside the band are ignored, and the unused
+/// storage of `res` does not change.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `res` has the numbers of the shape, and `mat` is of the shape `(ntotal, ntotal)`.
+/// [`Error::Shape`] unless the length of `res` is that of the shape, and `mat` has the shape `(ntotal, ntotal)`.
 #[doc(alias = "mju_dense2Band")]
 pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: BandShape) -> Result<()> {
     let mat = mat.into();
@@ -252,13 +253,12 @@ pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: Ba
     Ok(())
 }
 
-/// Multiplies vectors by a band matrix, symmetric where `flg_sym` is true, and otherwise lower triangular: each row of `res` is
-/// the matrix times that row of `vec`. Both are of the shape `(nvec, ntotal)`, one vector behind another as in the engine.
+/// Multiplies a band matrix by vectors: each row of `res` is the matrix times the same row of `vec`. The matrix is symmetric if
+/// `flg_sym` is true, otherwise lower triangular. `res` and `vec` have the shape `(nvec, ntotal)`, one vector per row.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless `mat` has the numbers of the shape, the rows of `vec` have `ntotal`, and `res` is of the shape of
-/// `vec`.
+/// [`Error::Shape`] unless the length of `mat` is that of the shape, `vec` has `ntotal` columns, and `res` has the shape of `vec`.
 #[doc(alias = "mju_bandMulMatVec")]
 pub fn band_mul_mat_vec<'a, 'b>(
     res: impl Into<MatrixViewMut<'a>>,
@@ -271,7 +271,7 @@ pub fn band_mul_mat_vec<'a, 'b>(
     shape.check_matrix("mat of band_mul_mat_vec", mat)?;
     Error::check_shape("vec of band_mul_mat_vec", vec.shape(), (vec.nrows(), shape.ntotal))?;
     Error::check_shape("the result of band_mul_mat_vec", res.shape(), vec.shape())?;
-    // Without columns there is nothing to compute, and a slice cannot be cut into rows of no length.
+    // `chunks_exact_mut` panics for a chunk size of 0; a matrix without columns has no values.
     for (res, vec) in res.as_mut_slice().chunks_exact_mut(shape.ntotal.max(1)).zip(vec.rows()) {
         for i in 0..shape.ntotal {
             let (first, start) = shape.row(i);

@@ -1,67 +1,67 @@
-//! Quadratic programmes in a box: `½ xᵀH x + gᵀx → min`, `lower ≤ x ≤ upper`.
+//! Box-constrained quadratic programmes: `½ xᵀH x + gᵀx → min`, `lower ≤ x ≤ upper`.
 //!
 //! The method is the projected Newton iteration of Y. Tassa, N. Mansard, E. Todorov, "Control-limited differential dynamic
-//! programming", ICRA 2014, section III: coordinates that lie on a bound and are pushed against it are held, a Newton step is
-//! taken in the others and cut off at the bounds, and its length is found by Armijo's rule.
+//! programming", ICRA 2014, section III. Coordinates on a bound whose gradient points outwards are clamped. The free coordinates
+//! take a Newton step that is projected onto the box, with an Armijo line search.
 
 use mujoco_sys::mjMINVAL;
 
-use super::cholesky::{chol_factor, chol_solve_in_place};
-use super::matrix::check_square;
+use super::matrix::{check_square, chol_factor, chol_solve_in_place};
 use super::vector::dot_of_equals;
 use crate::error::{Error, Result};
 use crate::matrix::{MatrixView, MatrixViewMut};
 
-const MOST_ITERATIONS: u32 = 100;
-/// The gradient is zero where what is left is this part of the terms that it is the sum of.
-const ROUNDING: f64 = 1e-13;
-/// Or where its length is below this.
-const SHORTEST_GRADIENT: f64 = 1e-8;
-/// How much of what the gradient promises a step has to gain.
+const MAX_ITERATIONS: u32 = 100;
+/// Relative tolerance of the gradient, with respect to the terms of its sum.
+const GRADIENT_TOLERANCE: f64 = 1e-13;
+/// Absolute tolerance of the norm of the gradient.
+const MIN_GRADIENT: f64 = 1e-8;
+/// Armijo constant: required decrease as a fraction of the decrease predicted by the gradient.
 const ARMIJO: f64 = 0.1;
+/// Reduction factor of the step length in the line search.
 const BACKTRACK: f64 = 0.5;
-const SHORTEST_STEP: f64 = 1e-22;
+const MIN_STEP: f64 = 1e-22;
 
-/// How the search for the minimum has ended.
+/// Termination status of the solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BoxQpStatus {
-    /// At the minimum.
+    /// Converged to the minimum.
     Solved,
-    /// No step gains anything any more, though the gradient is not quite zero: at the minimum up to rounding.
+    /// The line search found no decrease although the gradient is above the tolerance: at the minimum up to rounding.
     Stalled,
-    /// Not at the minimum after 100 iterations.
+    /// Did not converge within 100 iterations.
     IterationLimit,
-    /// The part of H for the free coordinates is not positive definite; there may be no minimum. `x` is where that was found.
+    /// The block of H for the free coordinates is not positive definite, so a minimum may not exist. `x` is the last iterate.
     NotPositiveDefinite,
 }
 
-/// What is known at the minimum besides `x`.
+/// Result of the solver besides `x`.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxQpSolution<'a> {
-    /// How the search has ended.
+    /// Termination status.
     pub status: BoxQpStatus,
-    /// After how many iterations.
+    /// Number of iterations.
     pub iterations: u32,
-    /// The coordinates that are held by no bound, in increasing order: `nfree` of them.
+    /// The `nfree` free coordinates, which no bound clamps, in increasing order.
     pub index: &'a [usize],
-    /// Cholesky's factor of the rows and columns of H that `index` names, `(nfree, nfree)`, in the lower triangle. Of no use
-    /// after [`BoxQpStatus::NotPositiveDefinite`].
+    /// Cholesky factor of the block of H for the free coordinates, `(nfree, nfree)`, in the lower triangle. Invalid after
+    /// [`BoxQpStatus::NotPositiveDefinite`].
     pub factor: MatrixView<'a>,
 }
 
-/// The solver, with room for problems of one size. Solving allocates nothing.
+/// Solver with a preallocated workspace for problems of one size. Solving does not allocate.
 ///
 /// ```
 /// use mujoco_safe::Matrix;
 /// use mujoco_safe::math::{BoxQp, BoxQpStatus};
 ///
-/// // The point of the box that is nearest to (2, 0.5).
+/// // The point of the box nearest to (2, 0.5).
 /// let mut x = [0.0, 0.0];
 /// let mut solver = BoxQp::new(2);
 /// let h = Matrix::from_rows(&[[1.0, 0.0], [0.0, 1.0]]);
 /// let solution = solver.solve(&mut x, &h, &[-2.0, -0.5], Some(&[-1.0, -1.0]), Some(&[1.0, 1.0]))?;
 /// assert_eq!(solution.status, BoxQpStatus::Solved);
-/// assert_eq!(solution.index, [1]); // the first is held by its bound
+/// assert_eq!(solution.index, [1]); // a bound clamps the first coordinate
 /// assert_eq!(x, [1.0, 0.5]);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
@@ -70,21 +70,21 @@ pub struct BoxQp {
     n: usize,
     factor: Vec<f64>,
     index: Vec<usize>,
-    held: Vec<bool>,
+    clamped: Vec<bool>,
     gradient: Vec<f64>,
-    /// The Newton step: of all coordinates, and of the free ones, one behind another.
+    /// Newton step of all coordinates, and the packed step of the free coordinates.
     step: Vec<f64>,
     free_step: Vec<f64>,
-    /// What is left of the step within the bounds.
-    way: Vec<f64>,
+    /// Scaled step projected onto the box.
+    projected: Vec<f64>,
 }
 
 impl BoxQp {
-    /// A solver for problems with `n` unknowns.
+    /// Creates a solver for problems with `n` unknowns.
     ///
     /// # Panics
     ///
-    /// If there is no room for a matrix of that size.
+    /// If the number of values of an `(n, n)` matrix overflows `usize`.
     #[doc(alias = "mju_boxQPmalloc")]
     pub fn new(n: usize) -> Self {
         let entries = n.checked_mul(n).unwrap_or_else(|| panic!("a matrix of {n} rows and columns is too large"));
@@ -92,26 +92,26 @@ impl BoxQp {
             n,
             factor: vec![0.0; entries],
             index: Vec::with_capacity(n),
-            held: vec![false; n],
+            clamped: vec![false; n],
             gradient: vec![0.0; n],
             step: vec![0.0; n],
             free_step: vec![0.0; n],
-            way: vec![0.0; n],
+            projected: vec![0.0; n],
         }
     }
 
-    /// The number of unknowns.
+    /// Returns the number of unknowns.
     pub fn n(&self) -> usize {
         self.n
     }
 
-    /// Finds `x` from where it is, which may be anywhere; the nearer to the solution, the quicker. `h` is `(n, n)` and
-    /// symmetric, the others have `n` numbers; a bound that is left out, or is infinite, does not bound.
+    /// Solves for `x`, starting from its present value. The start may be infeasible; a start close to the solution converges
+    /// faster. `h` is symmetric with the shape `(n, n)`; all vectors have the length `n`. `None` or an infinite value means no bound.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong shape, [`Error::Invalid`] if `x` or `g` are not finite, or a lower bound is not at most the
-    /// upper one.
+    /// [`Error::Shape`] for a wrong shape, [`Error::Invalid`] if `x` or `g` is not finite, or a lower bound exceeds the upper
+    /// bound.
     #[doc(alias = "mju_boxQP")]
     pub fn solve<'a>(
         &mut self,
@@ -141,6 +141,7 @@ impl BoxQp {
         Ok(BoxQpSolution { status, iterations, index: &self.index, factor })
     }
 
+    /// Runs the projected Newton iteration.
     fn iterate(
         &mut self,
         x: &mut [f64],
@@ -148,12 +149,12 @@ impl BoxQp {
         g: &[f64],
         bounds: Bounds<'_>,
     ) -> Result<(BoxQpStatus, u32)> {
-        for iteration in 0..MOST_ITERATIONS {
+        for iteration in 0..MAX_ITERATIONS {
             for (i, row) in h.rows().enumerate() {
                 self.gradient[i] = g[i] + dot_of_equals(row, x);
             }
-            let same = self.find_free(x, bounds) && iteration > 0;
-            if !same && !self.factorise(h)? {
+            let unchanged = self.find_free(x, bounds) && iteration > 0;
+            if !unchanged && !self.factorise(h)? {
                 return Ok((BoxQpStatus::NotPositiveDefinite, iteration));
             }
             if self.is_stationary(x, h, g) {
@@ -164,19 +165,20 @@ impl BoxQp {
                 return Ok((BoxQpStatus::Stalled, iteration));
             }
         }
-        Ok((BoxQpStatus::IterationLimit, MOST_ITERATIONS))
+        Ok((BoxQpStatus::IterationLimit, MAX_ITERATIONS))
     }
 
-    /// Goes along the step, bent at the bounds, for a length of Armijo's rule. False if no length gains anything.
+    /// Advances `x` along the projected step by an Armijo line search. Returns `false` if no step length decreases the objective.
     fn advance(&mut self, x: &mut [f64], h: MatrixView<'_>, bounds: Bounds<'_>) -> bool {
         let mut length = 1.0;
-        while length >= SHORTEST_STEP {
-            for (i, way) in self.way.iter_mut().enumerate() {
-                *way = bounds.clamp(i, x[i] + length * self.step[i]) - x[i];
+        while length >= MIN_STEP {
+            for (i, projected) in self.projected.iter_mut().enumerate() {
+                *projected = bounds.clamp(i, x[i] + length * self.step[i]) - x[i];
             }
-            // The difference of the values, without taking the difference of two values.
-            let slope = dot_of_equals(&self.gradient, &self.way);
-            let curvature: f64 = h.rows().zip(&self.way).map(|(row, way)| way * dot_of_equals(row, &self.way)).sum();
+            // Change of the objective, computed without the cancellation of a difference of two objectives.
+            let slope = dot_of_equals(&self.gradient, &self.projected);
+            let curvature: f64 =
+                h.rows().zip(&self.projected).map(|(row, step)| step * dot_of_equals(row, &self.projected)).sum();
             let change = slope + 0.5 * curvature;
             if change < 0.0 && change <= ARMIJO * slope {
                 x.iter_mut().enumerate().for_each(|(i, x)| *x = bounds.clamp(i, *x + length * self.step[i]));
@@ -187,47 +189,47 @@ impl BoxQp {
         false
     }
 
-    /// Notes which coordinates are free, and tells whether they are the same as before.
+    /// Finds the free coordinates. Returns `true` if the set has not changed.
     fn find_free(&mut self, x: &[f64], bounds: Bounds<'_>) -> bool {
-        let mut same = true;
+        let mut unchanged = true;
         self.index.clear();
         for (i, &x) in x.iter().enumerate() {
-            let push = -self.gradient[i];
-            let held = (x <= bounds.lower(i) && push < 0.0) || (x >= bounds.upper(i) && push > 0.0);
-            same &= held == self.held[i];
-            self.held[i] = held;
-            if !held {
+            let descent = -self.gradient[i];
+            let clamped = (x <= bounds.lower(i) && descent < 0.0) || (x >= bounds.upper(i) && descent > 0.0);
+            unchanged &= clamped == self.clamped[i];
+            self.clamped[i] = clamped;
+            if !clamped {
                 self.index.push(i);
             }
         }
-        same
+        unchanged
     }
 
-    /// Factorises the free part of H; false if it is not positive definite.
+    /// Factorises the block of H for the free coordinates. Returns `false` if it is not positive definite.
     fn factorise(&mut self, h: MatrixView<'_>) -> Result<bool> {
         let nfree = self.index.len();
         let factor = &mut self.factor[..nfree * nfree];
-        // In rows of no length there is nothing to copy.
+        // `chunks_exact_mut` panics for a chunk size of 0; without free coordinates there are no rows.
         for (&i, target) in self.index.iter().zip(factor.chunks_exact_mut(nfree.max(1))) {
             let row = h.row(i);
             target.iter_mut().zip(&self.index).for_each(|(target, &j)| *target = row[j]);
         }
         let rank = chol_factor(MatrixViewMut::from_row_major(nfree, nfree, factor), mjMINVAL)?;
-        // A NaN passes for a pivot that is large enough, and then is in the last one too.
+        // The rank counts a NaN as a sufficient pivot. A NaN propagates to the last pivot.
         Ok(rank == nfree && factor.last().is_none_or(|last| last.is_finite()))
     }
 
-    /// Whether the gradient of the free coordinates is zero, up to the rounding of the terms that it is the sum of.
+    /// Returns `true` if the gradient of the free coordinates is zero, up to the rounding errors of its terms.
     fn is_stationary(&self, x: &[f64], h: MatrixView<'_>, g: &[f64]) -> bool {
         let squares: f64 = self.index.iter().map(|&i| self.gradient[i] * self.gradient[i]).sum();
-        squares.sqrt() < SHORTEST_GRADIENT
+        squares.sqrt() < MIN_GRADIENT
             || self.index.iter().all(|&i| {
                 let terms: f64 = h.row(i).iter().zip(x).map(|(h, x)| (h * x).abs()).sum();
-                self.gradient[i].abs() <= ROUNDING * (g[i].abs() + terms)
+                self.gradient[i].abs() <= GRADIENT_TOLERANCE * (g[i].abs() + terms)
             })
     }
 
-    /// The Newton step of the free coordinates, and zeros for the others.
+    /// Computes the Newton step of the free coordinates; the step of clamped coordinates is zero.
     fn find_step(&mut self) -> Result<()> {
         let nfree = self.index.len();
         let free = &mut self.free_step[..nfree];
@@ -242,7 +244,7 @@ impl BoxQp {
     }
 }
 
-/// The box.
+/// Bounds of the box.
 #[derive(Clone, Copy)]
 struct Bounds<'a> {
     lower: Option<&'a [f64]>,
@@ -262,7 +264,7 @@ impl Bounds<'_> {
 
     #[inline]
     fn clamp(&self, i: usize, x: f64) -> f64 {
-        // Not `f64::clamp`, which would panic for bounds that were not checked.
+        // `f64::clamp` would panic for unchecked bounds.
         x.max(self.lower(i)).min(self.upper(i))
     }
 
@@ -273,7 +275,7 @@ impl Bounds<'_> {
                 return Err(Error::invalid(
                     format!("the interval {i} of the box"),
                     format!("[{lower}, {upper}]"),
-                    "of a lower bound that is not above the upper one",
+                    "of a lower bound that does not exceed the upper bound",
                 ));
             }
         }

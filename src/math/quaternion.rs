@@ -1,22 +1,33 @@
-//! Quaternions `[w, x, y, z]`, and the rotations that those of length 1 stand for. A quaternion and its negative stand for the
-//! same rotation. Of another length they are taken as they are, unless it says otherwise.
+//! Quaternions `[w, x, y, z]` and rotations. A unit quaternion and its negative represent the same rotation. Functions do not
+//! normalise their arguments unless stated otherwise.
 //!
-//! Rotation matrices are nine numbers, row by row, as a row of `data.xmat()` has them.
+//! Rotation matrices are row-major arrays of nine numbers, like a row of `data.xmat()`.
+//!
+//! The derivatives of [`sub_quat`] and [`quat_integrate`] use rotation vectors in the quaternion's own frame as tangent vectors: a
+//! perturbation δ maps `q` to `q quat(δ)`. They follow from the right Jacobian of the exponential map of rotations,
+//!
+//! ```text
+//! exp(φ + δ) ≈ exp(φ) exp(Jr(φ) δ),      Jr(φ)  = I − (1 − cos θ)/θ² [φ]× + (θ − sin θ)/θ³ [φ]×²,
+//!                                        Jr⁻¹(φ) = I + ½ [φ]× + (1 − ½θ cot ½θ)/θ² [φ]×²,      θ = |φ|
+//! ```
+//!
+//! (J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics", 2018, equations 143 and 144.) The
+//! engine provides these derivatives since version 2.3.7. This module implements them in Rust.
 
 use mujoco_sys as sys;
 
-use super::array;
+use super::{array, rot_vec_mat_t};
 use crate::error::{Error, Result};
 
-/// Divides `quat` by its length, and returns the length that it had. One that is shorter than `1e-15` becomes `[1, 0, 0, 0]`.
+/// Normalises `quat` and returns its original norm. A quaternion with a norm below `1e-15` becomes `[1, 0, 0, 0]`.
 #[doc(alias = "mju_normalize4")]
 #[inline]
 pub fn normalize4(quat: &mut [f64; 4]) -> f64 {
-    // SAFETY: four numbers.
+    // SAFETY: the engine reads and writes four numbers.
     unsafe { sys::mju_normalize4(quat.as_mut_ptr()) }
 }
 
-/// `vec`, rotated by `quat`.
+/// Rotates `vec` by `quat`.
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -28,88 +39,88 @@ pub fn normalize4(quat: &mut [f64; 4]) -> f64 {
 #[doc(alias = "mju_rotVecQuat")]
 #[inline]
 pub fn rot_vec_quat(vec: &[f64; 3], quat: &[f64; 4]) -> [f64; 3] {
-    // SAFETY: three numbers to write, three and four to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_rotVecQuat(res, vec.as_ptr(), quat.as_ptr()) })
 }
 
-/// The conjugate `[w, −x, −y, −z]`: the opposite rotation.
+/// Returns the conjugate `[w, −x, −y, −z]`: the inverse rotation.
 #[doc(alias = "mju_negQuat")]
 #[inline]
 pub fn neg_quat(quat: &[f64; 4]) -> [f64; 4] {
-    // SAFETY: four numbers to write, four to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_negQuat(res, quat.as_ptr()) })
 }
 
-/// The product `quat1 quat2`: first the rotation `quat2`, then `quat1`.
+/// Returns the product `quat1 quat2`: the rotation `quat2` followed by `quat1`.
 #[doc(alias = "mju_mulQuat")]
 #[inline]
 pub fn mul_quat(quat1: &[f64; 4], quat2: &[f64; 4]) -> [f64; 4] {
-    // SAFETY: four numbers to write, twice four to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_mulQuat(res, quat1.as_ptr(), quat2.as_ptr()) })
 }
 
-/// The product `quat [0, axis]`.
+/// Returns the product `quat [0, axis]`.
 #[doc(alias = "mju_mulQuatAxis")]
 #[inline]
 pub fn mul_quat_axis(quat: &[f64; 4], axis: &[f64; 3]) -> [f64; 4] {
-    // SAFETY: four numbers to write, four and three to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_mulQuatAxis(res, quat.as_ptr(), axis.as_ptr()) })
 }
 
-/// The rotation by `angle` (rad) about `axis`, which must be of length 1.
+/// Returns the rotation by `angle` (rad) about `axis`, which must be a unit vector.
 #[doc(alias = "mju_axisAngle2Quat")]
 #[inline]
 pub fn axis_angle2quat(axis: &[f64; 3], angle: f64) -> [f64; 4] {
-    // SAFETY: four numbers to write, three to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_axisAngle2Quat(res, axis.as_ptr(), angle) })
 }
 
-/// The constant angular velocity (rad/s, in the frame that is rotated) that makes the rotation `quat` in the time `dt` (s), the
-/// shorter way round. With `dt` of 1 it is the rotation vector.
+/// Returns the constant angular velocity (rad/s, in the rotated frame) that produces the rotation `quat` within the time `dt` (s),
+/// along the shorter arc. With `dt` of 1 it is the rotation vector.
 #[doc(alias = "mju_quat2Vel")]
 #[inline]
 pub fn quat2vel(quat: &[f64; 4], dt: f64) -> [f64; 3] {
-    // SAFETY: three numbers to write, four to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_quat2Vel(res, quat.as_ptr(), dt) })
 }
 
-/// The rotation vector (rad, in the frame of `qb`) that leads from `qb` to `qa`: `qb quat(res) = qa`, the shorter way round.
+/// Returns the rotation vector (rad, in the frame of `qb`) from `qb` to `qa`: `qb quat(res) = qa`, along the shorter arc.
 ///
-/// Its derivatives are [`sub_quat_derivative`](super::sub_quat_derivative).
+/// [`sub_quat_derivative`] computes its derivatives.
 #[doc(alias = "mju_subQuat")]
 #[inline]
 pub fn sub_quat(qa: &[f64; 4], qb: &[f64; 4]) -> [f64; 3] {
-    // SAFETY: three numbers to write, twice four to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_subQuat(res, qa.as_ptr(), qb.as_ptr()) })
 }
 
-/// The rotation matrix of a quaternion of length 1.
+/// Converts a unit quaternion to a rotation matrix.
 #[doc(alias = "mju_quat2Mat")]
 #[inline]
 pub fn quat2mat(quat: &[f64; 4]) -> [f64; 9] {
-    // SAFETY: nine numbers to write, four to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_quat2Mat(res, quat.as_ptr()) })
 }
 
-/// The quaternion of a rotation matrix.
+/// Converts a rotation matrix to a quaternion.
 #[doc(alias = "mju_mat2Quat")]
 #[inline]
 pub fn mat2quat(mat: &[f64; 9]) -> [f64; 4] {
-    // SAFETY: four numbers to write, nine to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_mat2Quat(res, mat.as_ptr()) })
 }
 
-/// The change of `quat` per second at the angular velocity `vel` (rad/s, world frame).
+/// Returns the time derivative (1/s) of `quat` for the angular velocity `vel` (rad/s, world frame).
 #[doc(alias = "mju_derivQuat")]
 #[inline]
 pub fn deriv_quat(quat: &[f64; 4], vel: &[f64; 3]) -> [f64; 4] {
-    // SAFETY: four numbers to write, four and three to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_derivQuat(res, quat.as_ptr(), vel.as_ptr()) })
 }
 
-/// Turns `quat` with the angular velocity `vel` (rad/s, in its own frame) for the time `scale` (s), and makes its length 1.
+/// Integrates `quat` with the angular velocity `vel` (rad/s, in the rotated frame) over the time `scale` (s), and normalises it.
 ///
-/// Its derivatives are [`quat_integrate_derivative`](super::quat_integrate_derivative).
+/// [`quat_integrate_derivative`] computes its derivatives.
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -123,25 +134,25 @@ pub fn deriv_quat(quat: &[f64; 4], vel: &[f64; 3]) -> [f64; 4] {
 #[doc(alias = "mju_quatIntegrate")]
 #[inline]
 pub fn quat_integrate(quat: &mut [f64; 4], vel: &[f64; 3], scale: f64) {
-    // SAFETY: four numbers to read and write, three to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     unsafe { sys::mju_quatIntegrate(quat.as_mut_ptr(), vel.as_ptr(), scale) };
 }
 
-/// The shortest rotation that leads from the z axis to the direction of `vec`. None for a `vec` of no length.
+/// Returns the shortest rotation from the z axis to the direction of `vec`; the identity for a zero `vec`.
 #[doc(alias = "mju_quatZ2Vec")]
 #[inline]
 pub fn quat_z2vec(vec: &[f64; 3]) -> [f64; 4] {
-    // SAFETY: four numbers to write, three to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|quat| unsafe { sys::mju_quatZ2Vec(quat, vec.as_ptr()) })
 }
 
-/// The rotation of three Euler angles (rad), about the axes that `seq` names one after another: `x`, `y`, `z` are the axes of
-/// the frame as it is by then (intrinsic), `X`, `Y`, `Z` those that stay (extrinsic). The default of MJCF is `"xyz"`. (Newer
-/// engines have it in C.)
+/// Converts Euler angles (rad) to a quaternion. `seq` names the axes of the successive rotations: `x`, `y`, `z` are axes of the
+/// rotated frame (intrinsic), `X`, `Y`, `Z` are fixed axes (extrinsic). The default of MJCF is `"xyz"`. (Newer engines provide it
+/// in C.)
 ///
 /// # Errors
 ///
-/// [`Error::Invalid`] unless `seq` has three of these letters.
+/// [`Error::Invalid`] unless `seq` consists of three of these letters.
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -167,4 +178,94 @@ pub fn euler2quat(euler: &[f64; 3], seq: &str) -> Result<[f64; 4]> {
         quat = if letter.is_ascii_lowercase() { mul_quat(&quat, &rotation) } else { mul_quat(&rotation, &quat) };
     }
     Ok(quat)
+}
+
+/// Angle below which the coefficients are computed by their Taylor series. The truncated terms are of fourth order in the angle.
+const SMALL_ANGLE: f64 = 1e-3;
+
+/// Derivatives of [`sub_quat`]: row-major `(3, 3)` matrices. The element in row `i` and column `j` is the derivative of `res[i]`
+/// with respect to a rotation of the argument about axis `j` of its own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SubQuatDerivative {
+    /// Derivative with respect to `qa`.
+    #[doc(alias = "Da")]
+    pub da: [f64; 9],
+    /// Derivative with respect to `qb`: `−daᵀ`.
+    #[doc(alias = "Db")]
+    pub db: [f64; 9],
+}
+
+/// Computes the derivatives of [`sub_quat`]`(qa, qb)`. The function is not differentiable if the arguments are half a turn apart,
+/// because the shorter arc changes. The result is then the derivative along the chosen arc.
+///
+/// ```
+/// use mujoco_safe::math;
+///
+/// let q = math::axis_angle2quat(&[0.0, 1.0, 0.0], 0.7);
+/// let derivative = math::sub_quat_derivative(&q, &q);
+/// assert_eq!(derivative.da, [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+/// ```
+#[doc(alias = "mjd_subQuat")]
+pub fn sub_quat_derivative(qa: &[f64; 4], qb: &[f64; 4]) -> SubQuatDerivative {
+    let phi = sub_quat(qa, qb);
+    let angle = length(&phi);
+    let second = if angle < SMALL_ANGLE {
+        1.0 / 12.0 + angle * angle / 720.0
+    } else {
+        let half = 0.5 * angle;
+        (1.0 - half / half.tan()) / (angle * angle)
+    };
+    let da = combination(&phi, 0.5, second);
+    SubQuatDerivative { da, db: transposed(&da).map(|value| -value) }
+}
+
+/// Derivatives of [`quat_integrate`], as rotation vectors in the frame of the result. The matrices are row-major `(3, 3)`: the
+/// element in row `i` and column `j` is the derivative of component `i` with respect to component `j` of the argument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuatIntegrateDerivative {
+    /// Derivative with respect to a rotation of `quat` in its own frame.
+    #[doc(alias = "Dquat")]
+    pub dquat: [f64; 9],
+    /// Derivative with respect to `scale · vel`, as in the engine. The derivative with respect to `vel` is `scale · dvel`.
+    #[doc(alias = "Dvel")]
+    pub dvel: [f64; 9],
+    /// Derivative with respect to `scale`.
+    #[doc(alias = "Dscale")]
+    pub dscale: [f64; 3],
+}
+
+/// Computes the derivatives of [`quat_integrate`]`(quat, vel, scale)`. They do not depend on `quat`.
+#[doc(alias = "mjd_quatIntegrate")]
+pub fn quat_integrate_derivative(vel: &[f64; 3], scale: f64) -> QuatIntegrateDerivative {
+    let phi = vel.map(|value| scale * value);
+    let angle = length(&phi);
+    let (first, second, sinc) = if angle < SMALL_ANGLE {
+        let square = angle * angle;
+        (0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0, 1.0 - square / 6.0)
+    } else {
+        let (sin, cos) = angle.sin_cos();
+        ((1.0 - cos) / (angle * angle), (angle - sin) / (angle * angle * angle), sin / angle)
+    };
+    QuatIntegrateDerivative {
+        // exp(δ) exp(φ) = exp(φ) exp(Rᵀ δ), with the rotation matrix R of φ (Rodrigues' formula).
+        dquat: combination(&phi, -sinc, first),
+        dvel: combination(&phi, -first, second),
+        // Rotations about the same axis commute.
+        dscale: rot_vec_mat_t(vel, &combination(&phi, sinc, first)),
+    }
+}
+
+fn length(vec: &[f64; 3]) -> f64 {
+    vec.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
+/// Returns `I + first [φ]× + second [φ]×²`.
+fn combination(&[x, y, z]: &[f64; 3], first: f64, second: f64) -> [f64; 9] {
+    let cross = [0.0, -z, y, z, 0.0, -x, -y, x, 0.0];
+    let square = [-y * y - z * z, x * y, x * z, x * y, -x * x - z * z, y * z, x * z, y * z, -x * x - y * y];
+    std::array::from_fn(|at| f64::from(u8::from(at % 4 == 0)) + first * cross[at] + second * square[at])
+}
+
+fn transposed(mat: &[f64; 9]) -> [f64; 9] {
+    std::array::from_fn(|at| mat[at % 3 * 3 + at / 3])
 }

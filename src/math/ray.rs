@@ -1,7 +1,7 @@
-//! Where a ray meets a shape that stands by itself, outside of any simulation.
+//! Intersections of rays with single shapes, without a simulation.
 //!
-//! A ray starts at `pnt` and goes along `vec`, both in metres and in the world frame. The distance is in units of the length of
-//! `vec`: the point is `pnt + distance · vec`.
+//! A ray starts at `pnt` in the direction `vec`, both in metres in the world frame. Distances are multiples of the length of `vec`:
+//! the intersection is `pnt + distance · vec`.
 
 use std::ffi::c_int;
 
@@ -11,13 +11,13 @@ use super::count;
 use crate::enums::GeomType;
 use crate::error::{Error, Result};
 
-/// How far away a ray meets a geom at the position `pos` with the rotation matrix `mat` and the engine's three sizes, if at all.
-/// Planes are met from their front only.
+/// Returns the distance along a ray to a geom at the position `pos` with the rotation matrix `mat` and the engine's three sizes;
+/// `None` without an intersection. Planes are one-sided: rays intersect them only from the front.
 ///
 /// # Errors
 ///
-/// [`Error::Invalid`] for a mesh and a height field, which are more than a size, for a direction that is zero, and for a number
-/// that is none.
+/// [`Error::Invalid`] for a mesh or a height field, whose size does not define the shape, for a zero direction, and for a ray that
+/// is not finite.
 ///
 /// ```
 /// use mujoco_safe::{GeomType, math};
@@ -53,28 +53,28 @@ pub fn ray_geom(
             ));
         }
     };
-    // SAFETY: three, nine, three, three and three numbers to read, and a type for which the engine raises no error.
+    // SAFETY: the arrays have the lengths that the engine reads, and it accepts all of these types.
     let distance = unsafe {
         sys::mju_rayGeom(pos.as_ptr(), mat.as_ptr(), size.as_ptr(), pnt.as_ptr(), vec.as_ptr(), number as c_int)
     };
     Ok((distance >= 0.0).then_some(distance))
 }
 
-/// Where a ray has met a skin.
+/// Intersection of a ray with a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinHit {
-    /// How far away, in units of the length of `vec`.
+    /// Distance, as a multiple of the length of `vec`.
     pub distance: f64,
-    /// The vertex that is nearest to the point.
+    /// Index of the vertex nearest to the intersection.
     pub vertex: usize,
 }
 
-/// Where a ray first meets one of the triangles `face`, each of three indices into `vert` (m, world frame), if at all.
+/// Returns the first intersection of a ray with the triangles `face`, each of three indices into `vert` (m, world frame), if any.
 ///
 /// # Errors
 ///
-/// [`Error::Invalid`] for an index of no vertex, for a direction that is zero, and for a number that is none,
-/// [`Error::Unsupported`] for more of either than a C int counts.
+/// [`Error::Invalid`] for an index out of bounds, for a zero direction, and for a ray that is not finite,
+/// [`Error::Unsupported`] for more faces or vertices than a C `int` counts.
 #[doc(alias = "mju_raySkin")]
 pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64; 3]) -> Result<Option<SkinHit>> {
     check_ray(pnt, vec)?;
@@ -85,11 +85,11 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
         return Err(Error::invalid(
             "an index in face of ray_skin",
             wrong,
-            format!("that of one of {} vertices", vert.len()),
+            format!("the index of one of {} vertices", vert.len()),
         ));
     }
     let mut vertex = -1;
-    // SAFETY: the triangles and vertices are as many as said, and every index is that of a vertex.
+    // SAFETY: the counts are those of the slices, and every index is in bounds.
     let distance = unsafe {
         sys::mju_raySkin(
             face.len() as c_int,
@@ -104,7 +104,7 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
     Ok(usize::try_from(vertex).ok().filter(|_| distance >= 0.0).map(|vertex| SkinHit { distance, vertex }))
 }
 
-/// Refuses a ray without a direction, for which the engine divides by zero or ends the process.
+/// Rejects a ray with a zero direction, for which the engine divides by zero or ends the process, and a ray that is not finite.
 pub(crate) fn check_ray(pnt: &[f64; 3], vec: &[f64; 3]) -> Result<()> {
     let invalid =
         |what: &str, value: &[f64; 3], expected: &str| Err(Error::invalid(what, format!("{value:?}"), expected));

@@ -1,43 +1,49 @@
-//! Vectors and matrices of space, and spatial vectors of six numbers: rotation, then translation.
+//! Vectors in space, spatial vectors, poses and contact forces.
 //!
-//! Matrices `(3, 3)` are nine numbers, row by row, as a row of `data.xmat()` has them.
+//! Spatial vectors have six components: angular, then linear. `(3, 3)` matrices are row-major arrays of nine numbers, like a row of
+//! `data.xmat()`.
+//!
+//! A contact of dimension `dim` has one normal force and `dim − 1` friction components, each with a coefficient `mu`. Its friction
+//! pyramid has two edges per friction component, `normal ± mu[i] tangent[i]`, and the force is a sum of the edges with non-negative
+//! coefficients. A frictionless contact (`dim` of 1) has a single number in both representations.
 
 use mujoco_sys as sys;
 
-use super::array;
+use super::{array, count};
+use crate::error::{Error, Result};
 
-/// The vector product `a × b`.
+/// Returns the cross product `a × b`.
 #[doc(alias = "mju_cross")]
 #[inline]
 pub fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    // SAFETY: three numbers to write, twice three to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_cross(res, a.as_ptr(), b.as_ptr()) })
 }
 
-/// `mat vec`: from the frame to the one that the matrix belongs to, such as from a body to the world.
+/// Returns `mat vec`: transforms from the local frame of the rotation matrix, for instance from a body to the world.
 #[doc(alias = "mju_rotVecMat")]
 #[inline]
 pub fn rot_vec_mat(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
-    // SAFETY: three numbers to write, three and nine to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_rotVecMat(res, vec.as_ptr(), mat.as_ptr()) })
 }
 
-/// `matᵀ vec`: the opposite rotation, such as from the world to a body.
+/// Returns `matᵀ vec`: the inverse rotation, for instance from the world to a body.
 #[doc(alias = "mju_rotVecMatT")]
 #[inline]
 pub fn rot_vec_mat_t(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
-    // SAFETY: three numbers to write, three and nine to read.
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_rotVecMatT(res, vec.as_ptr(), mat.as_ptr()) })
 }
 
-/// A spatial velocity `[ω; v]`, or a spatial force `[moment; force]` where `flg_force` is true, taken at another point and in
-/// another frame: from `oldpos` to `newpos`, both in the old frame, and turned by the transpose of `rotnew2old`, the rotation
-/// matrix of the new frame in the old one. Without a matrix it is not turned.
+/// Transforms a spatial velocity `[ω; v]`, or a spatial force `[torque; force]` if `flg_force` is true, to another reference point
+/// and another frame: from `oldpos` to `newpos`, both in the old frame, then by the transpose of `rotnew2old`, the rotation matrix
+/// from the new frame to the old. `None` means no rotation.
 ///
 /// ```
 /// use mujoco_safe::math;
 ///
-/// // A force of 2 N along x that acts at the origin has a moment about a point above it.
+/// // A force of 2 N along x at the origin has a torque about a point above it.
 /// let force = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
 /// let there = math::transform_spatial(&force, true, &[0.0, 0.0, 3.0], &[0.0; 3], None);
 /// assert_eq!(there, [0.0, -6.0, 0.0, 2.0, 0.0, 0.0]);
@@ -58,22 +64,22 @@ pub fn transform_spatial(
     })
 }
 
-/// The eigenvalues of a symmetric matrix `(3, 3)`.
+/// Eigendecomposition of a symmetric `(3, 3)` matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eig3 {
-    /// The eigenvalues, in decreasing order.
+    /// Eigenvalues, in decreasing order.
     pub eigval: [f64; 3],
-    /// The eigenvectors, each of length 1: column `i` is that of `eigval[i]`. It is a rotation matrix.
+    /// Unit eigenvectors: column `i` belongs to `eigval[i]`. The matrix is a rotation.
     pub eigvec: [f64; 9],
-    /// That rotation as a quaternion.
+    /// The same rotation as a quaternion.
     pub quat: [f64; 4],
-    /// After how many rotations of Jacobi's method; 500 where it has not converged, as with numbers that are none.
+    /// Number of Jacobi rotations; 500 without convergence, for instance with NaN.
     pub iterations: u32,
 }
 
-/// The eigenvalues and eigenvectors of a symmetric matrix, by Jacobi's method. It ends where what is
-/// left off the diagonal is below `1e-12`, so scale matrices that are as small; or where the next rotation would be below 1.5 ·
-/// 10⁻⁶ rad, so the eigenvectors are no more accurate than that. The eigenvalues are, to the square of it.
+/// Computes the eigenvalues and eigenvectors of a symmetric matrix by Jacobi's method. The iteration stops when the off-diagonal
+/// elements are below `1e-12`, so scale matrices of this magnitude. It also stops when the next rotation would be below
+/// 1.5 · 10⁻⁶ rad, which limits the accuracy of the eigenvectors. The error of the eigenvalues is of second order in this angle.
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -89,4 +95,124 @@ pub fn eig3(mat: &[f64; 9]) -> Eig3 {
         unsafe { sys::mju_eig3(res.eigval.as_mut_ptr(), res.eigvec.as_mut_ptr(), res.quat.as_mut_ptr(), mat.as_ptr()) };
     res.iterations = iterations.unsigned_abs();
     res
+}
+
+/// Pose: position and orientation of one frame in another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Position of the origin, m.
+    pub pos: [f64; 3],
+    /// Orientation: a unit quaternion `[w, x, y, z]`.
+    pub quat: [f64; 4],
+}
+
+impl Default for Pose {
+    /// Returns the identity.
+    fn default() -> Self {
+        Self { pos: [0.0; 3], quat: [1.0, 0.0, 0.0, 0.0] }
+    }
+}
+
+/// Composes two poses: `pose2` followed by `pose1`. If `pose2` is given in the frame with the pose `pose1`, the result is the same
+/// pose in the outer frame. Its quaternion is normalised.
+///
+/// ```
+/// use mujoco_safe::math::{self, Pose};
+///
+/// let hand = Pose { pos: [0.0, 0.0, 1.0], quat: math::axis_angle2quat(&[1.0, 0.0, 0.0], 0.5) };
+/// let found = math::mul_pose(&hand, &math::neg_pose(&hand));
+/// assert!(found.pos.iter().all(|value| value.abs() < 1e-15));
+/// assert!((found.quat[0] - 1.0).abs() < 1e-15);
+/// ```
+#[doc(alias = "mju_mulPose")]
+pub fn mul_pose(pose1: &Pose, pose2: &Pose) -> Pose {
+    let mut res = Pose::default();
+    // SAFETY: each position has three numbers, each quaternion four, and the result is in neither of the others.
+    unsafe {
+        sys::mju_mulPose(
+            res.pos.as_mut_ptr(),
+            res.quat.as_mut_ptr(),
+            pose1.pos.as_ptr(),
+            pose1.quat.as_ptr(),
+            pose2.pos.as_ptr(),
+            pose2.quat.as_ptr(),
+        );
+    }
+    res
+}
+
+/// Returns the inverse pose: that of the outer frame in the inner frame.
+#[doc(alias = "mju_negPose")]
+pub fn neg_pose(pose: &Pose) -> Pose {
+    let mut res = Pose::default();
+    // SAFETY: as in `mul_pose`.
+    unsafe {
+        sys::mju_negPose(res.pos.as_mut_ptr(), res.quat.as_mut_ptr(), pose.pos.as_ptr(), pose.quat.as_ptr());
+    }
+    res
+}
+
+/// Transforms the point `vec` from the inner frame to the outer frame: rotation, then translation.
+#[doc(alias = "mju_trnVecPose")]
+pub fn trn_vec_pose(pose: &Pose, vec: &[f64; 3]) -> [f64; 3] {
+    // SAFETY: the arrays have the lengths that the engine reads and writes.
+    array(|res| unsafe { sys::mju_trnVecPose(res, pose.pos.as_ptr(), pose.quat.as_ptr(), vec.as_ptr()) })
+}
+
+/// Converts a contact force of length `dim` (normal, then tangential) to the coefficients of the pyramid edges, of length
+/// `2 (dim − 1)` or 1. Friction outside the pyramid is truncated on one side, so [`decode_pyramid`] recovers only forces inside.
+///
+/// # Errors
+///
+/// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of `pyramid` twice that of `mu` (one if
+/// `mu` is empty).
+///
+/// ```
+/// use mujoco_safe::math;
+///
+/// let (mu, force) = ([0.5, 0.5], [10.0, 1.0, -2.0]);
+/// let mut pyramid = [0.0; 4];
+/// math::encode_pyramid(&mut pyramid, &force, &mu)?;
+/// let mut again = [0.0; 3];
+/// math::decode_pyramid(&mut again, &pyramid, &mu)?;
+/// assert_eq!(again, force);
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+#[doc(alias = "mju_encodePyramid")]
+pub fn encode_pyramid(pyramid: &mut [f64], force: &[f64], mu: &[f64]) -> Result<()> {
+    Error::check_length("the pyramid of encode_pyramid", pyramid.len(), edges(mu))?;
+    Error::check_length("the force of encode_pyramid", force.len(), mu.len().saturating_add(1))?;
+    let dim = count("encode_pyramid", force.len())?;
+    count("encode_pyramid", pyramid.len())?;
+    if mu.is_empty() {
+        pyramid.copy_from_slice(force);
+        return Ok(());
+    }
+    // SAFETY: 2 (dim − 1) numbers to write, dim and dim − 1 to read.
+    unsafe { sys::mju_encodePyramid(pyramid.as_mut_ptr(), force.as_ptr(), mu.as_ptr(), dim) };
+    Ok(())
+}
+
+/// Converts the coefficients of the pyramid edges, of length `2 (dim − 1)` or 1, to a contact force of length `dim`: normal, then
+/// tangential.
+///
+/// # Errors
+///
+/// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of `pyramid` twice that of `mu` (one if
+/// `mu` is empty).
+#[doc(alias = "mju_decodePyramid")]
+pub fn decode_pyramid(force: &mut [f64], pyramid: &[f64], mu: &[f64]) -> Result<()> {
+    Error::check_length("the pyramid of decode_pyramid", pyramid.len(), edges(mu))?;
+    Error::check_length("the force of decode_pyramid", force.len(), mu.len().saturating_add(1))?;
+    let dim = count("decode_pyramid", force.len())?;
+    count("decode_pyramid", pyramid.len())?;
+    // SAFETY: dim numbers to write, 2 (dim − 1) and dim − 1 to read; with dim of 1 the engine reads one number of the pyramid,
+    // which has at least one.
+    unsafe { sys::mju_decodePyramid(force.as_mut_ptr(), pyramid.as_ptr(), mu.as_ptr(), dim) };
+    Ok(())
+}
+
+/// Returns the number of edges of the friction pyramid.
+fn edges(mu: &[f64]) -> usize {
+    if mu.is_empty() { 1 } else { mu.len().saturating_mul(2) }
 }

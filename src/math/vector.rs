@@ -1,65 +1,66 @@
-//! Vectors of any length.
+//! Vectors of any length, and insertion sort.
 //!
-//! The engine counts with a C int. A longer vector, of 16 GiB and more, goes to it in pieces.
+//! The engine counts with a C `int`. Longer vectors, of 16 GiB and more, are passed to it in chunks.
 
 use std::ffi::c_int;
 
 use mujoco_sys::{self as sys, mjMINVAL};
 
+use super::count;
 use crate::error::{Error, Result};
 
-/// The longest piece that the engine is given.
-const PIECE: usize = 1 << 30;
+/// Maximum number of values per call of the engine.
+const CHUNK: usize = 1 << 30;
 
-/// A number from one vector, the sum of the numbers from its pieces.
+/// Sums the results of an engine function over the chunks of a vector.
 #[inline]
-fn sum_of_pieces(vec: &[f64], of_piece: unsafe extern "C" fn(*const f64, c_int) -> f64) -> f64 {
-    vec.chunks(PIECE).fold(0.0, |sum, piece| {
-        // SAFETY: the functions given here read as many numbers as they are told to, which the piece has.
-        sum + unsafe { of_piece(piece.as_ptr(), piece.len() as c_int) }
+fn sum_over_chunks(vec: &[f64], function: unsafe extern "C" fn(*const f64, c_int) -> f64) -> f64 {
+    vec.chunks(CHUNK).fold(0.0, |sum, chunk| {
+        // SAFETY: the functions passed here read the given number of values, the length of the chunk.
+        sum + unsafe { function(chunk.as_ptr(), chunk.len() as c_int) }
     })
 }
 
-/// `call(res, vec, n)` for each pair of pieces.
+/// Calls `call(res, vec, n)` for each pair of chunks.
 #[inline]
-fn for_pieces(res: &mut [f64], vec: &[f64], call: impl Fn(*mut f64, *const f64, c_int)) {
-    for (res, vec) in res.chunks_mut(PIECE).zip(vec.chunks(PIECE)) {
+fn for_chunks(res: &mut [f64], vec: &[f64], call: impl Fn(*mut f64, *const f64, c_int)) {
+    for (res, vec) in res.chunks_mut(CHUNK).zip(vec.chunks(CHUNK)) {
         call(res.as_mut_ptr(), vec.as_ptr(), res.len() as c_int);
     }
 }
 
-/// `call(res, vec1, vec2, n)` for each three pieces.
+/// Calls `call(res, vec1, vec2, n)` for each triple of chunks.
 #[inline]
-fn for_pieces_of_two(
+fn for_chunks_of_two(
     res: &mut [f64],
     vec1: &[f64],
     vec2: &[f64],
     call: impl Fn(*mut f64, *const f64, *const f64, c_int),
 ) {
-    for ((res, vec1), vec2) in res.chunks_mut(PIECE).zip(vec1.chunks(PIECE)).zip(vec2.chunks(PIECE)) {
+    for ((res, vec1), vec2) in res.chunks_mut(CHUNK).zip(vec1.chunks(CHUNK)).zip(vec2.chunks(CHUNK)) {
         call(res.as_mut_ptr(), vec1.as_ptr(), vec2.as_ptr(), res.len() as c_int);
     }
 }
 
-/// `res = 0`.
+/// Sets `res = 0`.
 #[doc(alias = "mju_zero")]
 #[inline]
 pub fn zero(res: &mut [f64]) {
     res.fill(0.0);
 }
 
-/// `res = val`, in each place. (Newer engines have it in C.)
+/// Sets every value: `res = val`. (Newer engines provide it in C.)
 #[doc(alias = "mju_fill")]
 #[inline]
 pub fn fill(res: &mut [f64], val: f64) {
     res.fill(val);
 }
 
-/// `res = data`. The engine's number is `f64`, so this is `mju_d2n` and `mju_n2d` too.
+/// Copies `res = data`. The engine's number type is `f64`, so this covers `mju_d2n` and `mju_n2d` too.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless both have the same length.
+/// [`Error::Shape`] unless both lengths are equal.
 #[doc(alias = "mju_copy")]
 #[doc(alias = "mju_d2n")]
 #[doc(alias = "mju_n2d")]
@@ -70,11 +71,11 @@ pub fn copy(res: &mut [f64], data: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// `res = vec`, from single precision.
+/// Converts from single precision: `res = vec`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless both have the same length.
+/// [`Error::Shape`] unless both lengths are equal.
 #[doc(alias = "mju_f2n")]
 pub fn f2n(res: &mut [f64], vec: &[f32]) -> Result<()> {
     Error::check_length("the result of f2n", res.len(), vec.len())?;
@@ -82,11 +83,11 @@ pub fn f2n(res: &mut [f64], vec: &[f32]) -> Result<()> {
     Ok(())
 }
 
-/// `res = vec`, to single precision, rounded to the nearest.
+/// Converts to single precision, rounding to nearest: `res = vec`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless both have the same length.
+/// [`Error::Shape`] unless both lengths are equal.
 #[doc(alias = "mju_n2f")]
 pub fn n2f(res: &mut [f32], vec: &[f64]) -> Result<()> {
     Error::check_length("the result of n2f", res.len(), vec.len())?;
@@ -94,21 +95,21 @@ pub fn n2f(res: &mut [f32], vec: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// The sum of all numbers.
+/// Returns the sum of all values.
 #[doc(alias = "mju_sum")]
 #[inline]
 pub fn sum(vec: &[f64]) -> f64 {
-    sum_of_pieces(vec, sys::mju_sum)
+    sum_over_chunks(vec, sys::mju_sum)
 }
 
-/// The L₁ norm: the sum of all absolute values.
+/// Returns the L₁ norm: the sum of all absolute values.
 #[doc(alias = "mju_L1")]
 #[inline]
 pub fn l1(vec: &[f64]) -> f64 {
-    sum_of_pieces(vec, sys::mju_L1)
+    sum_over_chunks(vec, sys::mju_L1)
 }
 
-/// The Euclidean length `√(vec · vec)`. It overflows where the squares do.
+/// Returns the Euclidean norm `√(vec · vec)`. It overflows if the squares do.
 #[doc(alias = "mju_norm")]
 #[doc(alias = "mju_norm3")]
 #[inline]
@@ -116,11 +117,11 @@ pub fn norm(vec: &[f64]) -> f64 {
     dot_of_equals(vec, vec).sqrt()
 }
 
-/// The scalar product `vec1 · vec2`.
+/// Returns the dot product `vec1 · vec2`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless both have the same length.
+/// [`Error::Shape`] unless both lengths are equal.
 ///
 /// ```
 /// use mujoco_safe::math;
@@ -138,17 +139,18 @@ pub fn dot(vec1: &[f64], vec2: &[f64]) -> Result<f64> {
     Ok(dot_of_equals(vec1, vec2))
 }
 
+/// Returns the dot product of two vectors of equal length.
 #[inline]
 pub(super) fn dot_of_equals(vec1: &[f64], vec2: &[f64]) -> f64 {
-    vec1.chunks(PIECE).zip(vec2.chunks(PIECE)).fold(0.0, |sum, (vec1, vec2)| {
+    vec1.chunks(CHUNK).zip(vec2.chunks(CHUNK)).fold(0.0, |sum, (vec1, vec2)| {
         let n = vec1.len().min(vec2.len()) as c_int;
-        // SAFETY: both have n numbers.
+        // SAFETY: both chunks have n values.
         sum + unsafe { sys::mju_dot(vec1.as_ptr(), vec2.as_ptr(), n) }
     })
 }
 
-/// Divides `vec` by its Euclidean length, and returns the length that it had. A vector that is shorter than `1e-15` becomes
-/// `(1, 0, 0, …)`. (An empty one stays empty; the engine would write beyond it.)
+/// Divides `vec` by its Euclidean norm and returns the original norm. A vector with a norm below `1e-15` becomes `(1, 0, 0, …)`.
+/// (An empty vector stays empty; the engine would write out of bounds.)
 #[doc(alias = "mju_normalize")]
 #[doc(alias = "mju_normalize3")]
 pub fn normalize(vec: &mut [f64]) -> f64 {
@@ -165,21 +167,21 @@ pub fn normalize(vec: &mut [f64]) -> f64 {
     length
 }
 
-/// `res = vec · scl`.
+/// Scales a vector: `res = vec · scl`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless both have the same length.
+/// [`Error::Shape`] unless both lengths are equal.
 #[doc(alias = "mju_scl")]
 #[inline]
 pub fn scl(res: &mut [f64], vec: &[f64], scl: f64) -> Result<()> {
     Error::check_length("the result of scl", res.len(), vec.len())?;
-    // SAFETY: both pieces have n numbers.
-    for_pieces(res, vec, |res, vec, n| unsafe { sys::mju_scl(res, vec, scl, n) });
+    // SAFETY: both chunks have n values.
+    for_chunks(res, vec, |res, vec, n| unsafe { sys::mju_scl(res, vec, scl, n) });
     Ok(())
 }
 
-/// `res = res · scl`.
+/// Scales a vector in place: `res = res · scl`.
 #[doc(alias = "mju_scl")]
 #[inline]
 pub fn scl_in_place(res: &mut [f64], scl: f64) {
@@ -188,103 +190,139 @@ pub fn scl_in_place(res: &mut [f64], scl: f64) {
     }
 }
 
-/// `res = vec1 + vec2`.
+/// Adds two vectors: `res = vec1 + vec2`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless all have the same length.
+/// [`Error::Shape`] unless all lengths are equal.
 #[doc(alias = "mju_add")]
 #[inline]
 pub fn add(res: &mut [f64], vec1: &[f64], vec2: &[f64]) -> Result<()> {
     Error::check_length("vec1 of add", vec1.len(), res.len())?;
     Error::check_length("vec2 of add", vec2.len(), res.len())?;
-    // SAFETY: all three pieces have n numbers.
-    for_pieces_of_two(res, vec1, vec2, |res, vec1, vec2, n| unsafe { sys::mju_add(res, vec1, vec2, n) });
+    // SAFETY: all three chunks have n values.
+    for_chunks_of_two(res, vec1, vec2, |res, vec1, vec2, n| unsafe { sys::mju_add(res, vec1, vec2, n) });
     Ok(())
 }
 
-/// `res = vec1 − vec2`.
+/// Subtracts two vectors: `res = vec1 − vec2`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless all have the same length.
+/// [`Error::Shape`] unless all lengths are equal.
 #[doc(alias = "mju_sub")]
 #[inline]
 pub fn sub(res: &mut [f64], vec1: &[f64], vec2: &[f64]) -> Result<()> {
     Error::check_length("vec1 of sub", vec1.len(), res.len())?;
     Error::check_length("vec2 of sub", vec2.len(), res.len())?;
-    // SAFETY: all three pieces have n numbers.
-    for_pieces_of_two(res, vec1, vec2, |res, vec1, vec2, n| unsafe { sys::mju_sub(res, vec1, vec2, n) });
+    // SAFETY: all three chunks have n values.
+    for_chunks_of_two(res, vec1, vec2, |res, vec1, vec2, n| unsafe { sys::mju_sub(res, vec1, vec2, n) });
     Ok(())
 }
 
-/// `res = res + vec`.
+/// Adds in place: `res = res + vec`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless both have the same length.
+/// [`Error::Shape`] unless both lengths are equal.
 #[doc(alias = "mju_addTo")]
 #[inline]
 pub fn add_to(res: &mut [f64], vec: &[f64]) -> Result<()> {
     Error::check_length("vec of add_to", vec.len(), res.len())?;
-    // SAFETY: both pieces have n numbers.
-    for_pieces(res, vec, |res, vec, n| unsafe { sys::mju_addTo(res, vec, n) });
+    // SAFETY: both chunks have n values.
+    for_chunks(res, vec, |res, vec, n| unsafe { sys::mju_addTo(res, vec, n) });
     Ok(())
 }
 
-/// `res = res − vec`.
+/// Subtracts in place: `res = res − vec`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless both have the same length.
+/// [`Error::Shape`] unless both lengths are equal.
 #[doc(alias = "mju_subFrom")]
 #[inline]
 pub fn sub_from(res: &mut [f64], vec: &[f64]) -> Result<()> {
     Error::check_length("vec of sub_from", vec.len(), res.len())?;
-    // SAFETY: both pieces have n numbers.
-    for_pieces(res, vec, |res, vec, n| unsafe { sys::mju_subFrom(res, vec, n) });
+    // SAFETY: both chunks have n values.
+    for_chunks(res, vec, |res, vec, n| unsafe { sys::mju_subFrom(res, vec, n) });
     Ok(())
 }
 
-/// `res = res + vec · scl`.
+/// Adds a scaled vector in place: `res = res + vec · scl`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless both have the same length.
+/// [`Error::Shape`] unless both lengths are equal.
 #[doc(alias = "mju_addToScl")]
 #[inline]
 pub fn add_to_scl(res: &mut [f64], vec: &[f64], scl: f64) -> Result<()> {
     Error::check_length("vec of add_to_scl", vec.len(), res.len())?;
-    // SAFETY: both pieces have n numbers.
-    for_pieces(res, vec, |res, vec, n| unsafe { sys::mju_addToScl(res, vec, scl, n) });
+    // SAFETY: both chunks have n values.
+    for_chunks(res, vec, |res, vec, n| unsafe { sys::mju_addToScl(res, vec, scl, n) });
     Ok(())
 }
 
-/// `res = vec1 + vec2 · scl`.
+/// Adds a scaled vector: `res = vec1 + vec2 · scl`.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] unless all have the same length.
+/// [`Error::Shape`] unless all lengths are equal.
 #[doc(alias = "mju_addScl")]
 #[inline]
 pub fn add_scl(res: &mut [f64], vec1: &[f64], vec2: &[f64], scl: f64) -> Result<()> {
     Error::check_length("vec1 of add_scl", vec1.len(), res.len())?;
     Error::check_length("vec2 of add_scl", vec2.len(), res.len())?;
-    // SAFETY: all three pieces have n numbers.
-    for_pieces_of_two(res, vec1, vec2, |res, vec1, vec2, n| unsafe { sys::mju_addScl(res, vec1, vec2, scl, n) });
+    // SAFETY: all three chunks have n values.
+    for_chunks_of_two(res, vec1, vec2, |res, vec1, vec2, n| unsafe { sys::mju_addScl(res, vec1, vec2, scl, n) });
     Ok(())
 }
 
-/// Whether all numbers are zero, of either sign. A vector without numbers is.
+/// Returns `true` if all values are zero, of either sign. An empty vector is zero.
 #[doc(alias = "mju_isZero")]
 #[inline]
 pub fn is_zero(vec: &[f64]) -> bool {
     vec.iter().all(|&value| value == 0.0)
 }
 
-/// Whether the engine takes a number for a bad one: not a number, or beyond ±10¹⁰.
+/// Returns `true` if the engine treats a value as bad: NaN, or beyond ±10¹⁰.
 #[doc(alias = "mju_isBad")]
 #[inline]
 pub fn is_bad(x: f64) -> bool {
     x.is_nan() || x.abs() > sys::mjMAXVAL
+}
+
+/// Sorts in increasing order by insertion. The sort is stable. With a NaN among the values, the order is unspecified.
+///
+/// Insertion sort is fast for nearly sorted lists and O(n²) otherwise. For longer lists, or lists that may contain NaN, use
+/// `sort_by(f64::total_cmp)`.
+///
+/// # Errors
+///
+/// [`Error::Unsupported`] for more values than a C `int` counts.
+///
+/// ```
+/// let mut list = [3.0, -1.0, 2.0];
+/// mujoco_safe::math::insertion_sort(&mut list)?;
+/// assert_eq!(list, [-1.0, 2.0, 3.0]);
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+#[doc(alias = "mju_insertionSort")]
+pub fn insertion_sort(list: &mut [f64]) -> Result<()> {
+    let n = count("insertion_sort", list.len())?;
+    // SAFETY: the list has n values. A false comparison, as with NaN, only ends the search for the insertion point.
+    unsafe { sys::mju_insertionSort(list.as_mut_ptr(), n) };
+    Ok(())
+}
+
+/// Sorts integers in increasing order by insertion.
+///
+/// # Errors
+///
+/// [`Error::Unsupported`] for more values than a C `int` counts.
+#[doc(alias = "mju_insertionSortInt")]
+pub fn insertion_sort_int(list: &mut [c_int]) -> Result<()> {
+    let n = count("insertion_sort_int", list.len())?;
+    // SAFETY: the list has n values.
+    unsafe { sys::mju_insertionSortInt(list.as_mut_ptr(), n) };
+    Ok(())
 }

@@ -7,7 +7,8 @@ use mujoco_sys as sys;
 use super::Model;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{ElementKind, Id, Kind};
+use crate::id::sealed::Sealed;
+use crate::id::{ElementKind, Id, Kind, Lookup};
 
 impl Model {
     /// How many elements of a kind there are.
@@ -118,5 +119,23 @@ impl Model {
             id.lineage() == self.lineage && id.index() < self.count(K::KIND),
             "{id:?} belongs to another model: ids are valid for the model that they came from and for its clones"
         );
+    }
+}
+
+impl Sealed for Model {}
+
+impl Lookup for Model {
+    fn id_of_name<K: ElementKind>(&self, name: &str) -> Result<Id<K>> {
+        self.id(name)
+    }
+
+    fn id_of_index<K: ElementKind>(&self, index: usize) -> Result<Id<K>> {
+        self.id_at(index)
+    }
+
+    #[inline]
+    #[track_caller]
+    fn check_id<K: ElementKind>(&self, id: Id<K>) {
+        Model::check_id(self, id);
     }
 }

@@ -1,12 +1,10 @@
-//! Makes `model.rs`, `model_mut.rs`, `restore.rs` and `data.rs` of this folder from the engine's field table, and the lists by which the tests
-//! call every accessor. Part of no build: the test `generated` includes this file, compares its output with what is committed,
-//! and writes it when it is told to.
+//! Generates the accessors in `src/generated/` from the engine's field table, and the lists with which the tests call every accessor.
 
 use std::fmt::Write as _;
 
 use crate::computed_by;
 
-/// A line of the field table.
+/// Line of the field table.
 #[derive(Clone, Copy)]
 struct Field<'t> {
     owner: &'t str,
@@ -18,18 +16,18 @@ struct Field<'t> {
     comment: &'t str,
 }
 
-/// Arrays that have an accessor of their own, written by hand: `Model::name`, `Model::text_data`, `Data::contacts`,
+/// Arrays with a hand-written accessor: `Model::name`, `Model::text_data`, `Data::contacts`,
 /// `Data::warning`, `Data::timer`, `Data::solver`, `Data::solver_fwdinv`, `Data::energy`.
 const BY_HAND: [&str; 8] = ["names", "text_data", "contact", "warning", "timer", "solver", "solver_fwdinv", "energy"];
 
-/// Reals that decide where the engine reads: `wrap_prm` holds the id of a site, as a double; `hfield_size` divides positions to
-/// give rows and columns; the convex hull of a mesh was computed from its vertices, and collision with vertices that it does
-/// not fit need not end.
+/// Floating-point arrays that determine the engine's memory accesses or termination. `wrap_prm` contains the id of a site as a
+/// double. `hfield_size` divides positions to give rows and columns. The convex hull of a mesh was computed from its vertices, and
+/// collision detection with other vertices may not terminate.
 const READ_ONLY: [&str; 3] = ["wrap_prm", "hfield_size", "mesh_vert"];
 
-/// Reals about which the compiler has noted what lets the engine take a shortcut, and the method that takes the note back before
-/// they are lent to be written to.
-const NOTED: [(&str, &str); 11] = [
+/// Floating-point arrays from which the compiler has derived flags that let the engine skip computations, and the method that clears
+/// the flags before mutable access.
+const FLAGGED: [(&str, &str); 11] = [
     ("geom_pos", "forget_geom_frames"),
     ("geom_quat", "forget_geom_frames"),
     ("site_pos", "forget_site_frames"),
@@ -43,52 +41,55 @@ const NOTED: [(&str, &str); 11] = [
     ("dof_armature", "forget_simple_bodies"),
 ];
 
-/// Arrays of any length that nothing can change in a compiled model. All others are put back where a model is, the short ones
-/// that are constant too: they cost less than a list that has to be kept.
+/// Long arrays that cannot change in a compiled model. All other arrays are restored, including short constant ones, whose copy is
+/// cheaper than the maintenance of a list.
 const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];
 
-/// What the header's one-line comment leaves open, for the fields that a program uses most.
+/// Additions to the header's one-line comments, for the most common fields.
 const NOTES: [(&str, &str); 22] = [
     (
         "qpos",
-        "Metres for slides, radians for hinges; a ball joint has a unit quaternion `[w, x, y, z]`, a free joint a position in the world frame and then such a quaternion. `nq` is `nv` only if there is neither ball nor free joint.",
+        "In metres for slide joints and radians for hinge joints. A ball joint has a unit quaternion `[w, x, y, z]`, a free joint a position in the world frame followed by such a quaternion. `nq` equals `nv` only without ball and free joints.",
     ),
     (
         "qvel",
-        "In `m/s` and `rad/s`. A free joint's linear velocity is in the world frame, its angular velocity, like a ball joint's, in the frame of the body.",
+        "In m/s and rad/s. The linear velocity of a free joint is in the world frame. The angular velocity of a free or ball joint is in the body frame.",
     ),
-    ("qacc", "In `m/s²` and `rad/s²`, in the frames of `qvel`. The result of `forward`, the input of `inverse`."),
-    ("act", "The state of the actuators that have one: the last `na` of them."),
+    ("qacc", "In m/s² and rad/s², in the frames of `qvel`. Output of `forward`, input of `inverse`."),
+    ("act", "State of the last `na` actuators; the others have no activation."),
     (
         "ctrl",
-        "In the units of each actuator: for a motor, torque or force divided by its gear. Clamped to `actuator_ctrlrange` where that is limited.",
+        "In the units of each actuator: for a motor, torque or force divided by the gear. Clamped to `actuator_ctrlrange` for actuators with limited control.",
     ),
-    ("qfrc_applied", "In N and N·m, one for each degree of freedom. Stays until it is changed."),
+    (
+        "qfrc_applied",
+        "In N and N·m, one value per degree of freedom. The values persist until the program changes them.",
+    ),
     (
         "xfrc_applied",
-        "For each body a force in N and then a torque in N·m, in the world frame, at the body's centre of mass. Stays until it is changed.",
+        "Per body a force in N, then a torque in N·m, in the world frame, at the centre of mass of the body. The values persist until the program changes them.",
     ),
     ("mocap_pos", "In metres, in the world frame."),
     ("mocap_quat", "Unit quaternions `[w, x, y, z]`."),
     ("xpos", "In metres, in the world frame."),
-    ("xquat", "Unit quaternions `[w, x, y, z]`, from the body frame to the world."),
-    ("xmat", "Row-major 3 × 3 rotations from the body frame to the world."),
+    ("xquat", "Unit quaternions `[w, x, y, z]`, from the body frame to the world frame."),
+    ("xmat", "Row-major 3 × 3 rotation matrices from the body frame to the world frame."),
     ("xipos", "In metres, in the world frame."),
     ("subtree_com", "In metres, in the world frame."),
     ("geom_xpos", "In metres, in the world frame."),
     ("site_xpos", "In metres, in the world frame."),
-    ("sensordata", "The readings of all sensors, each at its own address."),
-    ("qfrc_inverse", "In N and N·m. The result of `inverse`."),
+    ("sensordata", "Readings of all sensors, each at the address of its sensor."),
+    ("qfrc_inverse", "In N and N·m. Output of `inverse`."),
     (
         "actuator_moment",
-        "Row `i` is the derivative of the length of actuator `i` by each degree of freedom, its gear included: `moment' · force` is `qfrc_actuator`.",
+        "Row `i` is the derivative of the length of actuator `i` with respect to each degree of freedom, including the gear: `moment' · force` is `qfrc_actuator`.",
     ),
     ("qfrc_actuator", "In N and N·m."),
     ("body_mass", "In kilograms."),
     ("body_inertia", "In kg·m², about the centre of mass, along the axes of the inertial frame."),
 ];
 
-/// The generated files, by their paths in the repository.
+/// Returns the paths of the generated files in the repository, and their contents.
 pub(crate) fn generate(table: &str) -> [(&'static str, String); 5] {
     let fields: Vec<Field<'_>> = table.lines().skip(1).map(parse).collect();
     let of = |owner: &'static str| {
@@ -157,15 +158,15 @@ pub(crate) fn generate(table: &str) -> [(&'static str, String); 5] {
     ]
 }
 
-const RESTORE_HEAD: &str = "    /// Takes over every array of the other model that an edit can have changed; what none can, such as the vertices and faces
-    /// of meshes, is not copied. The two have the same structure.
-    #[allow(clippy::too_many_lines, reason = \"a line for each array\")]
+const RESTORE_HEAD: &str = "    /// Copies every array that an edit can change from another model of the same structure. Constant arrays, such as the
+    /// vertices and faces of meshes, are not copied.
+    #[allow(clippy::too_many_lines, reason = \"one line per array\")]
     pub(crate) fn restore_arrays(&mut self, pristine: &Model) {
-        assert!(self.is_same_structure(pristine), \"Bug: a model restored from another one\");
+        assert!(self.is_same_structure(pristine), \"Bug: a model restored from a model of another structure\");
         macro_rules! restore {
             ($($array:ident: $length:expr;)*) => { $(
                 let (length, from, to) = ($length, pristine.raw().$array, self.raw_mut().$array);
-                // SAFETY: both models have the array in this shape; the one is borrowed, the other borrowed exclusively.
+                // SAFETY: both models have the array in this shape; `pristine` is borrowed, `self` is borrowed exclusively.
                 unsafe { ffi::array_mut(to, length).copy_from_slice(ffi::array(from, length)) };
             )* };
         }
@@ -173,29 +174,30 @@ const RESTORE_HEAD: &str = "    /// Takes over every array of the other model th
 ";
 
 const CLEAR_HEAD: &str = "impl Data {
-    /// Sets every array to zero, save those of constraints and contacts, of which only the rows in use are ever read. They are most
-    /// of a simulation's memory.
-    #[allow(clippy::too_many_lines, reason = \"a line for each array\")]
+    /// Sets every array to zero except those of constraints and contacts, which are most of a simulation's memory. Only their rows
+    /// in use are ever read.
+    #[allow(clippy::too_many_lines, reason = \"one line per array\")]
     pub(crate) fn clear_arrays(&mut self) {
         macro_rules! clear {
             ($($array:ident: $length:expr;)*) => { $(
                 let (length, array) = ($length, self.raw_mut().$array);
-                // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively. Zero is a value.
+                // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively. Zero is
+                // valid for every element type.
                 unsafe { ffi::array_mut(array, length).fill(Default::default()) };
             )* };
         }
         clear! {
 ";
 
-const LISTS_HEAD: &str = "// Generated by `cargo xtask generate` from the engine's field table: not edited by hand.
+const LISTS_HEAD: &str = "// Generated by `cargo xtask generate` from the engine's field table. Do not edit.
 
-//! The accessors that are made from the table of fields, and the fields of the smaller structs: lists that are handed to a
-//! macro. `model_readers! { then this }` is `then! { this nq nv … }`. A writer comes with its field: `qpos_mut(qpos)`.
+//! Lists of the generated accessors and of the fields of the smaller structs, as callback macros: `model_readers! { then this }`
+//! expands to `then! { this nq nv … }`. A writer is paired with its field: `qpos_mut(qpos)`.
 
-#![allow(unused_macros, reason = \"each test has its own use for some of them\")]
+#![allow(unused_macros, reason = \"each test uses only some of the lists\")]
 ";
 
-/// A macro that hands a list on to another.
+/// Writes a macro that passes a list to another macro.
 fn list(text: &mut String, name: &str, entries: impl Iterator<Item = String>) {
     let _ = writeln!(text, "\nmacro_rules! {name} {{\n    ($then:ident $($before:tt)*) => {{ $then! {{ $($before)*");
     let mut line = String::from("       ");
@@ -209,6 +211,7 @@ fn list(text: &mut String, name: &str, entries: impl Iterator<Item = String>) {
     let _ = writeln!(text, "{line}\n    }} }};\n}}");
 }
 
+/// Parses a line of the field table.
 fn parse(line: &str) -> Field<'_> {
     let cells: Vec<&str> = line.split('\t').collect();
     let [owner, kind, ctype, name, rows, columns, comment] = cells[..] else {
@@ -217,25 +220,27 @@ fn parse(line: &str) -> Field<'_> {
     Field { owner, kind, ctype, name, rows, columns, comment }
 }
 
+/// Returns the start of a generated file.
 fn head(owner: &str, imports: &str) -> String {
     format!(
-        "// Generated by `cargo xtask generate` from the engine's field table: not edited by hand.\n\n{imports}\nimpl {owner}{} {{\n",
+        "// Generated by `cargo xtask generate` from the engine's field table. Do not edit.\n\n{imports}\nimpl {owner}{} {{\n",
         if owner == "ModelMut" { "<'_>" } else { "" }
     )
 }
 
-/// How an array is handed out.
+/// Rust type of an array.
 enum Form {
-    /// One number a row.
+    /// One value per row.
     Slice,
-    /// A fixed number of columns.
+    /// Fixed number of columns.
     Rows(usize),
-    /// As many columns as the model says.
+    /// Number of columns determined by the model.
     Matrix,
-    /// An array of several rows whose layout depends on whether the constraint Jacobian is sparse.
+    /// Flat array whose layout depends on the storage of the constraint Jacobian, dense or sparse.
     Packed,
 }
 
+/// Returns the Rust type of an array.
 fn form(field: Field<'_>) -> Form {
     let fixed = match field.columns {
         "mjNREF" => Some(2),
@@ -253,7 +258,8 @@ fn form(field: Field<'_>) -> Form {
     }
 }
 
-/// A size as a Rust expression: `nq`, `nuser_body`, `nwrap*2`. Of the constraint arrays only the rows in use are handed out.
+/// Converts a size such as `nq`, `nuser_body` or `nwrap*2` to a Rust expression. Accessors of constraint arrays return only the rows
+/// in use.
 fn size(field: Field<'_>, expression: &str) -> String {
     let model = if field.owner == "Model" { "self" } else { "self.model()" };
     expression
@@ -267,6 +273,7 @@ fn size(field: Field<'_>, expression: &str) -> String {
         .join(" * ")
 }
 
+/// Writes the documentation of a reader.
 fn documentation(text: &mut String, field: Field<'_>) {
     let (meaning, shape) =
         field.comment.rsplit_once('(').filter(|(_, shape)| shape.contains('x')).unwrap_or((field.comment, ""));
@@ -286,7 +293,7 @@ fn documentation(text: &mut String, field: Field<'_>) {
     if matches!(form(field), Form::Packed) {
         let _ = writeln!(
             text,
-            "    ///\n    /// Flat: dense rows, or packed by `*_rownnz`, `*_rowadr` and `*_colind` where the constraint Jacobian is sparse."
+            "    ///\n    /// Flat: dense rows, or sparse rows described by `*_rownnz`, `*_rowadr` and `*_colind` if the constraint Jacobian is sparse."
         );
     }
     if field.owner == "Data" {
@@ -295,6 +302,7 @@ fn documentation(text: &mut String, field: Field<'_>) {
     let _ = writeln!(text, "    ///\n    /// Engine field `mj{}.{}`.", field.owner, field.name);
 }
 
+/// Returns the Rust type of an element of an array.
 fn element(field: Field<'_>) -> &'static str {
     match field.ctype {
         "mjtNum" => "f64",
@@ -305,6 +313,7 @@ fn element(field: Field<'_>) -> &'static str {
     }
 }
 
+/// Writes the accessor of a field.
 fn reader(text: &mut String, field: Field<'_>) {
     documentation(text, field);
     let name = field.name;
@@ -333,6 +342,7 @@ fn reader(text: &mut String, field: Field<'_>) {
     );
 }
 
+/// Writes the line of an array in the macro calls of `restore.rs`.
 fn restorer(text: &mut String, field: Field<'_>) {
     let name = field.name;
     let mut length = size(field, field.rows);
@@ -346,6 +356,7 @@ fn restorer(text: &mut String, field: Field<'_>) {
     let _ = writeln!(text, "            {name}: {length};");
 }
 
+/// Writes the mutable accessor of an array.
 fn writer(text: &mut String, field: Field<'_>) {
     let name = field.name;
     let rust = element(field);
@@ -362,11 +373,11 @@ fn writer(text: &mut String, field: Field<'_>) {
     } else {
         String::new()
     };
-    let noted = NOTED.iter().find(|(noted, _)| field.owner == "Model" && *noted == name);
-    let forget = noted.map(|(_, forget)| format!("        self.{forget}();\n")).unwrap_or_default();
+    let flagged = FLAGGED.iter().find(|(array, _)| field.owner == "Model" && *array == name);
+    let forget = flagged.map(|(_, forget)| format!("        self.{forget}();\n")).unwrap_or_default();
     let _ = writeln!(
         text,
-        "    /// [`{name}`](crate::{}::{name}), to be written to.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{forget}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
+        "    /// Returns [`{name}`](crate::{}::{name}) for writing.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{forget}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
         field.owner,
     );
 }

@@ -1,7 +1,7 @@
 //! Table of the calls that compute the fields of `mjData`, for the documentation of their getters.
 
-/// Returns the lines of documentation that say what a plain getter of `Data` guarantees: the call that computes the numbers, and
-/// the lack of a check. Empty for what programs set.
+/// Returns the documentation of the guarantee of a plain getter of `Data`: the call that computes the values, and the lack of a
+/// check. Empty for arrays that programs set.
 pub(super) fn guarantee(name: &str, kind: &str) -> String {
     let fits = |fields: &[&str]| {
         fields.iter().any(|field| match field.strip_suffix('*') {
@@ -32,7 +32,7 @@ pub(super) fn guarantee(name: &str, kind: &str) -> String {
         (format!("{step} with {integrator}"), String::new())
     } else {
         let is_computed = kind == "array" && !SET_BY_PROGRAMS.contains(&name);
-        assert!(!is_computed, "the table does not say which call computes {name}");
+        assert!(!is_computed, "no call that computes {name} in the table");
         return String::new();
     };
     format!(
@@ -41,7 +41,7 @@ pub(super) fn guarantee(name: &str, kind: &str) -> String {
     )
 }
 
-/// State, inputs and the user's numbers: the arrays of a simulation that a program sets.
+/// Arrays of a simulation that a program sets: state, inputs and user data.
 const SET_BY_PROGRAMS: [&str; 10] = [
     "qpos",
     "qvel",
@@ -55,18 +55,18 @@ const SET_BY_PROGRAMS: [&str; 10] = [
     "userdata",
 ];
 
-/// Quantities of a simulation that some methods compute.
+/// Part of the pipeline: methods and the quantities that they compute.
 struct Part {
     methods: &'static [&'static str],
-    /// Whether `forward` and `step` make the same computation.
+    /// `true` if `forward` and `step` perform the same computation.
     in_forward: bool,
-    /// The argument of `Data::require` that checks for the quantities.
+    /// Argument of `Data::require` that checks for the quantities.
     needs: &'static str,
-    /// The fields. A name that ends with `*` stands for all fields that begin with it.
+    /// Fields. A name that ends with `*` matches all fields with this prefix.
     fields: &'static [&'static str],
 }
 
-/// The parts of the pipeline. The first one that fits a field counts.
+/// Parts of the pipeline. The first part that matches a field applies.
 const PARTS: [Part; 23] = [
     part(
         &["kinematics"],
@@ -120,7 +120,7 @@ const POSITION: &str = "Stage::Position";
 const VELOCITY: &str = "Stage::Velocity";
 const ACCELERATION: &str = "Stage::Acceleration";
 
-/// A part of forward dynamics.
+/// Returns a part of forward dynamics.
 const fn part(methods: &'static [&'static str], needs: &'static str, fields: &'static [&'static str]) -> Part {
     Part { methods, in_forward: true, needs, fields }
 }

@@ -68,7 +68,7 @@ fn readings(data: &Data) -> Vec<f64> {
     let hit = data.ray([5.0, 5.0, 3.0], [0.0, 0.0, -1.0], &RayOptions::default()).unwrap();
     let copy = data.try_clone().unwrap();
     let force = data.contacts().next().unwrap().force().unwrap();
-    [&product, jacobian.translation.as_slice(), &velocity.translation, &acceleration.translation, &force.force]
+    [&product, jacobian.translation.as_slice(), &velocity.linear, &acceleration.linear, &force.force]
         .concat()
         .into_iter()
         .chain([hit.unwrap().distance])

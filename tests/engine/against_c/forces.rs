@@ -1,6 +1,6 @@
 //! Constraints, forces, velocities and accelerations of objects, square roots of the inertia matrix.
 
-use mujoco_safe::{Axes, Frame, Motion, Stage};
+use mujoco_safe::{Axes, Frame, SpatialVector, Stage};
 
 use crate::twins::{Twins, assert_same, c, small_subjects, usual_subjects};
 
@@ -113,9 +113,9 @@ fn velocities_and_accelerations_of_objects_are_the_engines() {
             .chain(model.cameras().map(|camera| (Frame::Camera(camera.id()), 7, camera.index())));
         for (object, objtype, index) in objects {
             for (axes, local) in [(Axes::World, 0), (Axes::Local, 1)] {
-                let same = |what: &str, ours: Motion, theirs: [f64; 6]| {
-                    assert_same(&format!("{what} of {object:?}"), &ours.rotation, &theirs[..3]);
-                    assert_same(&format!("{what} of {object:?}"), &ours.translation, &theirs[3..]);
+                let same = |what: &str, ours: SpatialVector, theirs: [f64; 6]| {
+                    assert_same(&format!("{what} of {object:?}"), &ours.angular, &theirs[..3]);
+                    assert_same(&format!("{what} of {object:?}"), &ours.linear, &theirs[3..]);
                 };
                 let mut result = [0.0; 6];
                 let (m, d, id) = (twins.raw.m(), twins.raw.d, index as i32);

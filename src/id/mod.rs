@@ -1,4 +1,6 @@
-//! Ids: which element, of which kind, of which model.
+//! Typed ids of elements, and the keys by which elements are looked up.
+
+mod key;
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -7,33 +9,36 @@ use std::ops::Range;
 
 use mujoco_sys as sys;
 
-/// A kind of element as a type, so that the id of a joint cannot be used for a body. Implemented by the types in [`kind`].
+pub use self::key::{Key, Lookup};
+
+/// Kind of element as a type, which prevents the use of a joint's id for a body. Implemented by the types in [`kind`].
 pub trait ElementKind: sealed::Sealed + 'static {
     /// The kind as a value.
     const KIND: Kind;
 }
 
-mod sealed {
+/// Restricts the implementation of the traits of this module to this crate.
+pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
-/// The kinds, a line each: the variant of [`Kind`] and the type in [`kind`], what a person calls it, the engine's `mjtObj`, and
-/// the type of its ids.
+/// Declares the kinds, one per line: the variant of [`Kind`] and the type in [`kind`], the name in messages, the engine's `mjtObj`,
+/// and the type of the ids.
 macro_rules! kinds {
     ($($name:ident, $text:literal, $object:ident, $id:ident;)*) => {
-        /// The kinds of element that a model has names for.
+        /// Kind of a named element.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[non_exhaustive]
-        #[allow(missing_docs, reason = "the engine's kinds, by their names")]
+        #[allow(missing_docs, reason = "the variants are the engine's kinds")]
         pub enum Kind {
             $($name,)*
         }
 
         impl Kind {
-            /// Every kind, in the engine's order.
+            /// All kinds, in the engine's order.
             pub const ALL: &'static [Self] = &[$(Self::$name),*];
 
-            /// The engine's `mjtObj`.
+            /// Returns the engine's `mjtObj`.
             pub(crate) fn object_type(self) -> i32 {
                 (match self {
                     $(Self::$name => sys::$object,)*
@@ -49,7 +54,7 @@ macro_rules! kinds {
             }
         }
 
-        /// One empty type for each kind of element.
+        /// The kinds as types: one empty enum per kind.
         pub mod kind {
             use super::{ElementKind, Kind, sealed::Sealed};
 
@@ -65,7 +70,7 @@ macro_rules! kinds {
         }
 
         $(
-            #[doc = concat!("The id of one ", $text, ".")]
+            #[doc = concat!("Id of a ", $text, ".")]
             pub type $id = Id<kind::$name>;
         )*
     };
@@ -95,12 +100,12 @@ kinds! {
     Keyframe, "keyframe", mjOBJ_KEY, KeyframeId;
 }
 
-/// Which element, of which kind, of which model. Small and `Copy`: look a name up once and keep the id.
+/// Id of one element of one model, typed by the kind of element. Small and `Copy`: look a name up once and keep the id.
 ///
-/// An id belongs to the model it came from, to its clones and to every [`Data`](crate::Data) made from them. Using it with a
-/// model that was loaded separately panics, even where the index happens to exist there.
+/// An id is valid for its model, for the clones of that model and for every [`Data`](crate::Data) created from them. Its use with
+/// a separately loaded model panics, even if the index exists there.
 ///
-/// A joint's id is not the index of its first degree of freedom: see [`Joint::dofs`](crate::element::Joint::dofs).
+/// A joint's id is not the index of its first degree of freedom: see `Joint::dofs`.
 pub struct Id<K> {
     index: u32,
     lineage: Lineage,
@@ -112,7 +117,7 @@ impl<K> Id<K> {
         Self { index: index as u32, lineage, kind: PhantomData }
     }
 
-    /// The engine's index of the element, counted from 0.
+    /// Returns the engine's index of the element, counted from 0.
     #[inline]
     pub fn index(self) -> usize {
         self.index as usize
@@ -124,7 +129,7 @@ impl<K> Id<K> {
     }
 }
 
-// By hand, because a derive would ask the same of `K`.
+// Not derived, because a derive would require the same traits of `K`.
 impl<K> Clone for Id<K> {
     fn clone(&self) -> Self {
         *self
@@ -153,7 +158,7 @@ impl<K: ElementKind> fmt::Debug for Id<K> {
     }
 }
 
-/// The ids of consecutive elements, such as the joints of a body. An iterator over them.
+/// Iterator over the ids of consecutive elements, such as the joints of a body.
 pub struct Ids<K> {
     range: Range<usize>,
     lineage: Lineage,
@@ -165,7 +170,7 @@ impl<K> Ids<K> {
         Self { range, lineage, kind: PhantomData }
     }
 
-    /// The engine's indices of the elements that are still to come.
+    /// Returns the engine's indices of the remaining elements.
     #[inline]
     pub fn indices(&self) -> Range<usize> {
         self.range.clone()
@@ -205,13 +210,13 @@ impl<K: ElementKind> fmt::Debug for Ids<K> {
     }
 }
 
-/// Which loading a model comes from. A clone has the lineage of its original: nothing in this crate changes what elements a
-/// model has or how they are laid out, so ids and data of one fit the other.
+/// Origin of a model: one load or compilation. A clone has the lineage of its original. No function of this crate changes the set
+/// of elements of a model or their layout, so ids and data of one are valid for the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Lineage(u32);
 
 impl Lineage {
-    /// One that no model has yet.
+    /// Returns a new unique lineage.
     pub(crate) fn new() -> Self {
         use std::sync::atomic::{AtomicU32, Ordering};
         static NEXT: AtomicU32 = AtomicU32::new(0);

@@ -1,4 +1,4 @@
-//! The paths of tendons: as the model describes them, and as they lie in space.
+//! Paths of tendons: the waypoints in the model, and the points in space.
 
 use std::fmt;
 use std::ops::Range;
@@ -8,42 +8,42 @@ use crate::ffi;
 use crate::id::{GeomId, Id, JointId, Lineage, SiteId};
 use crate::model::Model;
 
-/// One element of a tendon's path.
+/// Element of a tendon's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[doc(alias = "mjtWrap")]
 pub enum Wrap {
-    /// Fixed tendons: a joint, whose position counts with a coefficient.
+    /// Joint of a fixed tendon.
     Joint {
-        /// The joint.
+        /// Joint.
         joint: JointId,
-        /// By what its position is multiplied.
+        /// Coefficient that multiplies the joint position.
         coefficient: f64,
     },
-    /// Here a branch ends and another begins, whose length counts less.
+    /// Pulley: the end of one branch and the start of the next.
     Pulley {
-        /// By what the length of the branch is divided.
+        /// Divisor of the length of the following branch.
         divisor: f64,
     },
-    /// A site that it passes through.
+    /// Site that the tendon passes through.
     Site(SiteId),
-    /// A sphere that it goes around.
+    /// Sphere that the tendon wraps around.
     Sphere {
-        /// The sphere.
+        /// Sphere.
         geom: GeomId,
-        /// The site on whose side it passes, if that is given.
+        /// Site that selects the side on which the tendon passes, if any.
         side: Option<SiteId>,
     },
-    /// A cylinder, without ends, that it goes around.
+    /// Infinite cylinder that the tendon wraps around.
     Cylinder {
-        /// The cylinder.
+        /// Cylinder.
         geom: GeomId,
-        /// The site on whose side it passes, if that is given.
+        /// Site that selects the side on which the tendon passes, if any.
         side: Option<SiteId>,
     },
 }
 
-/// The path of a tendon as the model describes it: an iterator over its elements.
+/// Iterator over the elements of a tendon's path in the model.
 #[derive(Clone)]
 pub struct Wraps<'a> {
     model: &'a Model,
@@ -64,7 +64,7 @@ impl Iterator for Wraps<'_> {
         let (object, parameter) = (self.model.wrap_objid()[at], self.model.wrap_prm()[at]);
         let lineage = self.model.lineage();
         let geom = || Id::new(ffi::size(object), lineage);
-        // The id of a site, as a real number; -1 is none.
+        // The engine stores the id of the side site as a double; -1 means none.
         let side = || (parameter >= 0.0).then(|| Id::new(parameter as usize, lineage));
         Some(match WrapType::of_field(self.model.wrap_type()[at]) {
             WrapType::Joint => Wrap::Joint { joint: Id::new(ffi::size(object), lineage), coefficient: parameter },
@@ -88,27 +88,27 @@ impl fmt::Debug for Wraps<'_> {
     }
 }
 
-/// One point of a tendon's path in space.
+/// Point of a tendon's path in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum WrapPoint {
-    /// At a site.
+    /// Point at a site.
     Site {
-        /// Where, m, world frame.
+        /// Position, m, world frame.
         xpos: [f64; 3],
     },
-    /// Where it touches or leaves a geom.
+    /// Tangent point on a geom.
     Geom {
-        /// The geom.
+        /// Geom.
         geom: GeomId,
-        /// Where, m, world frame.
+        /// Position, m, world frame.
         xpos: [f64; 3],
     },
-    /// Between two branches: no point.
+    /// Separator between two branches, without a position.
     Pulley,
 }
 
-/// The path of a tendon as it lies in space: an iterator over its points.
+/// Iterator over the points of a tendon's path in space.
 #[derive(Clone)]
 pub struct WrapPoints<'a> {
     objects: &'a [i32],

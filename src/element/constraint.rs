@@ -1,0 +1,80 @@
+//! Equality constraints, and explicit contact pairs and exclusions.
+
+use super::{View, ViewMut};
+use crate::enums::EqualityType;
+use crate::id::{BodyId, GeomId, Id, JointId, TendonId, kind};
+use crate::model::{Model, ModelMut};
+
+fields!(Equality on Model {
+    /// Type of the constraint.
+    equality_type: {EqualityType} = |equality| EqualityType::of_field(equality.owner.eq_type()[equality.index()]);
+    /// Elements that the constraint couples.
+    #[doc(alias = "obj1id")]
+    #[doc(alias = "obj2id")]
+    objects: {EqualityObjects} = |equality| {
+        let (one, other) = (equality.owner.eq_obj1id(), equality.owner.eq_obj2id());
+        match equality.equality_type() {
+            EqualityType::Connect | EqualityType::Weld => {
+                EqualityObjects::Bodies(equality.id_in(one), equality.id_in(other))
+            }
+            EqualityType::Joint => EqualityObjects::Joints(equality.id_in(one), equality.optional_id_in(other)),
+            EqualityType::Tendon => EqualityObjects::Tendons(equality.id_in(one), equality.optional_id_in(other)),
+        }
+    };
+    /// Returns `true` if the constraint is enforced.
+    #[doc(alias = "active0")]
+    active: bool = eq_active, set_active;
+    /// Solver reference parameters: time constant and damping ratio.
+    solref: [f64; 2] = eq_solref, solref_mut in eq_solref_mut;
+    /// Solver impedance parameters.
+    solimp: [f64; 5] = eq_solimp, solimp_mut in eq_solimp_mut;
+    /// Parameters, which depend on the type. Connect: the anchor in the frame of the first body, then in that of the second, m.
+    /// Weld: the anchor in the frame of the second body, then in that of the first, the relative orientation as a unit quaternion
+    /// `[w, x, y, z]`, and the scale of torques. Joint and tendon: the five coefficients of the polynomial.
+    data: [f64; 11] = eq_data, data_mut in eq_data_mut;
+});
+
+/// Elements that an equality constraint couples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum EqualityObjects {
+    /// Two bodies; the second may be the world.
+    Bodies(BodyId, BodyId),
+    /// A joint and a second joint, or a constant if `None`.
+    Joints(JointId, Option<JointId>),
+    /// A tendon and a second tendon, or a constant if `None`.
+    Tendons(TendonId, Option<TendonId>),
+}
+
+// Explicit contact pairs: tested for contact irrespective of the contact masks, with separate parameters.
+fields!(Pair on Model {
+    /// Dimension of the contacts: 1, 3, 4 or 6.
+    #[doc(alias = "condim")]
+    dim: i32 = pair_dim, set_dim if [1, 3, 4, 6];
+    /// First geom.
+    geom1: {GeomId} = |pair| pair.id_in(pair.owner.pair_geom1());
+    /// Second geom.
+    geom2: {GeomId} = |pair| pair.id_in(pair.owner.pair_geom2());
+    /// Indices of both bodies packed into one integer, the engine's sort key of the pairs.
+    signature: i32 = pair_signature;
+    /// Solver reference parameters of the contacts: time constant and damping ratio.
+    solref: [f64; 2] = pair_solref, solref_mut in pair_solref_mut;
+    /// Solver impedance parameters of the contacts.
+    solimp: [f64; 5] = pair_solimp, solimp_mut in pair_solimp_mut;
+    /// Distance at which contacts are detected, m.
+    margin: f64 = pair_margin, set_margin in pair_margin_mut;
+    /// Contact gap, m. A contact becomes active at the distance `margin - gap`.
+    gap: f64 = pair_gap, set_gap in pair_gap_mut;
+    /// Friction coefficients: sliding along both tangents, torsional, rolling about both tangents.
+    friction: [f64; 5] = pair_friction, friction_mut in pair_friction_mut;
+});
+
+// Pairs of bodies whose geoms do not collide.
+fields!(Exclude on Model {
+    /// Indices of both bodies packed into one integer, the engine's search key.
+    signature: i32 = exclude_signature;
+    /// First body.
+    body1: {BodyId} = |exclude| Id::new((exclude.signature().cast_unsigned() >> 16) as usize - 1, exclude.owner.lineage());
+    /// Second body.
+    body2: {BodyId} = |exclude| Id::new((exclude.signature().cast_unsigned() & 0xFFFF) as usize - 1, exclude.owner.lineage());
+});
