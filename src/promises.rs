@@ -1,3 +1,3 @@
-//! What this crate promises.
+//! Guarantees of this crate, their limits, and the tests that check them.
 //!
 #![doc = include_str!("../docs/promises.md")]

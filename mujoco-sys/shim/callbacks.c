@@ -86,4 +86,4 @@ static mjtNum seconds(void) {
   return (mjtNum)now.tv_sec + 1e-9 * (mjtNum)now.tv_nsec;
 }
 
-void mujoco_sys_keep_time(void) { PUBLISH(mjcb_time, seconds); }
+void mujoco_sys_install_clock(void) { PUBLISH(mjcb_time, seconds); }

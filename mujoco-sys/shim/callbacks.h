@@ -26,6 +26,6 @@ typedef int (*mujoco_sys_handler_fn)(int what, const mjModel* m, mjData* d, int 
 void mujoco_sys_answer(int what, mujoco_sys_handler_fn handler);
 
 // Makes a monotonic clock, in seconds, the engine's, for the whole process.
-void mujoco_sys_keep_time(void);
+void mujoco_sys_install_clock(void);
 
 #endif

@@ -127,7 +127,7 @@ GUARDED(mj_setConst, d, (mjModel * m, mjData* d), (m, d))
 
 // Simulation.
 GUARDED(mj_step, d, (const mjModel* m, mjData* d), (m, d))
-int mujoco_sys_step_from_good_state(const mjModel* m, mjData* d) { GUARDED_RUN(d, step_from_good_state(m, d)) }
+int mujoco_sys_step_prechecked(const mjModel* m, mjData* d) { GUARDED_RUN(d, step_prechecked(m, d)) }
 GUARDED(mj_step1, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_step2, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_forward, d, (const mjModel* m, mjData* d), (m, d))

@@ -24,7 +24,7 @@ static inline void check_accelerations(const mjModel* m, mjData* d) {
 }
 
 // `mj_step` without its checks of positions and velocities: what those look for is known not to be there.
-static inline void step_from_good_state(const mjModel* m, mjData* d) {
+static inline void step_prechecked(const mjModel* m, mjData* d) {
   if (!step_is_known(m)) {
     mj_step(m, d);
     return;

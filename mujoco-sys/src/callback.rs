@@ -42,6 +42,6 @@ unsafe extern "C" {
     /// # Safety
     ///
     /// [`crate::guard::install`] asks for no more.
-    #[link_name = "mujoco_sys_keep_time"]
-    pub fn keep_time();
+    #[link_name = "mujoco_sys_install_clock"]
+    pub fn install_clock();
 }

@@ -47,8 +47,8 @@ unsafe extern "C" {
 
     /// `mj_step` for a state that the caller has just looked at: every number of `qpos` and `qvel` is within `mjMAXVAL`. The engine's
     /// own look at them, a call of its library for each number, is left out; all else is as there, bit for bit.
-    #[link_name = "mujoco_sys_step_from_good_state"]
-    pub fn step_from_good_state(m: *const mjModel, d: *mut mjData) -> c_int;
+    #[link_name = "mujoco_sys_step_prechecked"]
+    pub fn step_prechecked(m: *const mjModel, d: *mut mjData) -> c_int;
 
     /// Makes the guards' handlers the engine's `mju_user_error` and `mju_user_warning`, for the whole process. Warnings go to
     /// `warn`, or to standard error if there is none. The engine's
