@@ -1,19 +1,18 @@
-//! The engine itself: its version, and the handlers that must be in place before it is first called.
+//! Version of the engine, and the process-wide handlers that must be installed before the first call.
 
 use std::cell::RefCell;
 use std::ffi::c_char;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 
 use mujoco_sys::{callback, guard, mj_version, mjVERSION_HEADER};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, catch_panic};
 use crate::ffi;
 
-/// The target under which the engine's messages are logged.
+/// Log target of the engine's messages.
 pub(crate) const LOG_TARGET: &str = "mujoco";
 
-/// A version of the engine.
+/// Version of the engine.
 ///
 /// ```
 /// let version = mujoco_safe::engine_version();
@@ -22,16 +21,17 @@ pub(crate) const LOG_TARGET: &str = "mujoco";
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Version {
-    /// The 2 of 2.2.1.
+    /// Major version: the 2 of 2.1.0.
     pub major: u32,
-    /// The first 2 behind the point.
+    /// Minor version: the 1 of 2.1.0.
     pub minor: u32,
-    /// The last number.
+    /// Patch version: the 0 of 2.1.0.
     pub patch: u32,
 }
 
 impl Version {
-    /// From the number that the engine uses: one digit each up to 3.4 (`222`), and three digits each from 3.5 (`3005000`).
+    /// Decodes the version number of the engine: one digit for each part up to 3.4 (`222`), three digits for each minor and patch
+    /// version from 3.5 (`3005000`).
     const fn from_number(number: u32) -> Self {
         let base = if number < 1_000_000 { 10 } else { 1000 };
         Self { major: number / (base * base), minor: number / base % base, patch: number % base }
@@ -44,70 +44,70 @@ impl std::fmt::Display for Version {
     }
 }
 
-/// The version of the library that is running.
+/// Returns the version of the engine library that is loaded at run time.
 #[doc(alias = "mj_version")]
 #[doc(alias = "mj_versionString")]
 pub fn engine_version() -> Version {
-    // SAFETY: takes nothing and returns a constant.
+    // SAFETY: takes no arguments and returns a constant.
     Version::from_number(unsafe { mj_version() } as u32)
 }
 
-/// The version of the headers that this crate was built against.
+/// Returns the version of the headers that this crate was built against.
 #[doc(alias = "mjVERSION_HEADER")]
 pub const fn built_against() -> Version {
     Version::from_number(mjVERSION_HEADER)
 }
 
-/// Installs the handlers, once, and refuses an engine of another version, whose structs have another layout. Whatever makes
-/// a model calls it first, so no other engine call can come before it.
+/// Installs the handlers once, and rejects an engine of another version, because its structs have another layout. Every function
+/// that creates a model calls this first, so no engine call can precede it.
 pub(crate) fn ready() -> Result<()> {
     static SAME_VERSION: OnceLock<bool> = OnceLock::new();
     let same = SAME_VERSION.get_or_init(|| {
-        // SAFETY: the engine has not been called yet by this crate, so no other thread reads the handlers at this moment.
+        // SAFETY: this crate has not called the engine yet, so no other thread reads the handlers at this time.
         unsafe { guard::install(Some(on_warning)) };
         engine_version() == built_against()
     });
     if *same { Ok(()) } else { Err(Error::EngineVersion { built: built_against(), running: engine_version() }) }
 }
 
-/// Gives the engine a clock, for the whole process: from then on each simulation sums up how long the parts of its steps take.
-/// Without it the engine's timers count calls only. Reading the clock takes a step about 20 times 25 ns.
+/// Installs a clock in the engine for the whole process. From then on each simulation accumulates the duration of the parts of its
+/// steps; see [`Data::timer`](crate::Data::timer). Without a clock the timers only count calls. A step reads the clock about 20
+/// times, at about 25 ns each.
 ///
-/// Call it before anything is simulated: a step that is under way in another thread would take the whole time since the
-/// machine was started for its duration.
+/// Call this before the first step of any simulation: a step that is in progress in another thread would record the uptime of the
+/// machine as its duration.
 ///
 /// ```
 /// mujoco_safe::enable_timers();
 /// ```
 #[doc(alias = "mjcb_time")]
 pub fn enable_timers() {
-    // SAFETY: the function that becomes the engine's clock looks at nothing but the system's.
+    // SAFETY: the installed clock function only reads the system clock.
     unsafe { callback::install_clock() };
 }
 
 thread_local! {
-    /// The warnings of the load that this thread is in, if it is in one.
-    static COLLECTED: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+    /// Warnings of the model load in progress in this thread, `None` outside of a load.
+    static LOAD_WARNINGS: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
 }
 
-/// Runs `load` and keeps the warnings that the engine raises in it, instead of logging them.
+/// Runs `load` and returns its warnings instead of logging them.
 pub(crate) fn collecting_warnings<T>(load: impl FnOnce() -> T) -> (T, Vec<String>) {
-    // A thread that is ending may still load a model, though it has no thread-locals any more: then the warnings are logged.
-    let outer = COLLECTED.try_with(|collected| collected.replace(Some(Vec::new())));
+    // A destructor of a thread-local may load a model after this thread-local was destroyed. The warnings are logged then.
+    let outer = LOAD_WARNINGS.try_with(|collected| collected.replace(Some(Vec::new())));
     let result = load();
-    let warnings = outer.and_then(|outer| COLLECTED.try_with(|collected| collected.replace(outer)));
+    let warnings = outer.and_then(|outer| LOAD_WARNINGS.try_with(|collected| collected.replace(outer)));
     (result, warnings.ok().flatten().unwrap_or_default())
 }
 
-/// The engine's warning handler. Replacing the default one is what keeps the engine from printing and from writing
-/// `MUJOCO_LOG.TXT` to the working directory.
+/// Handles a warning of the engine. The default handler would print it and write `MUJOCO_LOG.TXT` to the working directory.
 unsafe extern "C" fn on_warning(message: *const c_char) {
-    // A logger is the user's code: its panic must not cross the engine.
-    let caught = catch_unwind(AssertUnwindSafe(|| {
+    // The logger is code of the application. Its panic must not unwind through C frames, so it ends here.
+    let _ = catch_panic(|| {
         // SAFETY: the engine passes a NUL-terminated string.
         let message = unsafe { ffi::text(message) };
-        // Neither access can fail for a reason but a thread that is ending.
-        let kept = COLLECTED
+        // The access fails only in a thread that is ending.
+        let kept = LOAD_WARNINGS
             .try_with(|collected| match collected.try_borrow_mut().as_deref_mut() {
                 Ok(Some(warnings)) => {
                     warnings.push(message.clone());
@@ -119,11 +119,7 @@ unsafe extern "C" fn on_warning(message: *const c_char) {
         if !kept {
             log::warn!(target: LOG_TARGET, "{message}");
         }
-    }));
-    // What was thrown is the user's type too, and dropping it may panic again.
-    if let Err(payload) = caught {
-        std::mem::forget(payload);
-    }
+    });
 }
 
 #[cfg(test)]
@@ -131,7 +127,7 @@ mod tests {
     use super::Version;
 
     #[test]
-    fn version_numbers_of_both_encodings_are_read() {
+    fn both_encodings_of_version_numbers_are_decoded() {
         assert_eq!(Version::from_number(222).to_string(), "2.2.2");
         assert_eq!(Version::from_number(337).to_string(), "3.3.7");
         assert_eq!(Version::from_number(3_017_000).to_string(), "3.17.0");

@@ -99,6 +99,7 @@ pub mod sample;
 pub mod scene;
 #[cfg(feature = "serde")]
 mod serialise;
+mod stage;
 mod trajectory;
 #[cfg(feature = "viewer")]
 pub mod viewer;
@@ -115,8 +116,9 @@ pub use mujoco_sys as sys;
 pub use crate::callback::Callbacks;
 pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, TimeVaryingLqr, ZeroController};
 pub use crate::data::{
-    Axes, Contact, ContactForce, Data, Frame, GeomDistance, Instability, Jacobian, Needs, NewContact, Quantity, RayHit,
-    RayOptions, SolverIteration, SpatialVector, Stage, StateSpec, Timer, TimerCount, Warning, WarningCount,
+    Axes, Contact, ContactForce, Data, FrameId, GeomDistance, Instability, Jacobian, MissingResults, NewContact,
+    RayHit, RayOptions, SolverIteration, SpatialVector, Stage, StateSpec, Timer, TimerCount, UnstableField, Warning,
+    WarningCount,
 };
 pub use crate::derivative::{
     Differences, Fallback, InverseJacobians, InverseOutputs, StateSpace, Transition, TransitionMethod,

@@ -1,4 +1,4 @@
-//! Closures that the engine calls in the middle of a step: controls, forces, readings and filters of one's own.
+//! Closures that the engine calls during a step: controls, forces, sensor readings and collision filters.
 //!
 //! ```
 //! use mujoco_safe::{Callbacks, Data, sample};
@@ -15,34 +15,31 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! | closure | called | reads what is computed from | sets |
+//! | closure | called | valid results | sets |
 //! |---|---|---|---|
 //! | [`control`](Callbacks::control) | before actuator forces are computed | positions, velocities | controls, applied forces |
 //! | [`passive`](Callbacks::passive) | after passive forces were computed | positions | passive forces |
-//! | [`sensor`](Callbacks::sensor) | after the sensors of a stage were read, if some of them are `user` sensors | the stage | readings |
-//! | [`contact_filter`](Callbacks::contact_filter) | for each pair of geoms that may be near | positions (frames only) | whether they collide |
-//! | [`actuator_dynamics`](Callbacks::actuator_dynamics), [`actuator_gain`](Callbacks::actuator_gain), [`actuator_bias`](Callbacks::actuator_bias) | for each actuator whose `dyntype`, `gaintype` or `biastype` is `user` | positions, velocities | a number |
+//! | [`sensor`](Callbacks::sensor) | after the evaluation of the sensors of a stage, if `user` sensors are among them | the stage | readings |
+//! | [`contact_filter`](Callbacks::contact_filter) | for each pair of geoms in the broad phase | positions (frames only) | collision of the pair |
+//! | [`actuator_dynamics`](Callbacks::actuator_dynamics), [`actuator_gain`](Callbacks::actuator_gain), [`actuator_bias`](Callbacks::actuator_bias) | for each actuator whose `dyntype`, `gaintype` or `biastype` is `user` | positions, velocities | the derivative, gain or bias |
 //!
-//! # How it is kept safe
+//! # Safety and cost
 //!
-//! To the engine a callback is one function pointer for the whole process. Here it is a closure for one simulation, in one
-//! scope ([`Data::with_callbacks`]): another simulation, a clone of this one, or a model that is being compiled, in this thread
-//! or another, is not called for. A closure sees the simulation as it is at that moment, so what is not computed yet is
-//! [`Error::NotComputed`](crate::Error::NotComputed), and it can change only what the engine reads afterwards. If it panics,
-//! the call that ran it returns [`Error::Callback`](crate::Error::Callback), and the simulation is to be reset.
+//! In the engine a callback is one function pointer for the whole process. Here a callback is a closure for one simulation in one
+//! scope ([`Data::with_callbacks`]): it is not called for other simulations, clones, or the compilation of models, in this thread
+//! or another. A closure reads the simulation during the step, so results that are not computed yet are
+//! [`Error::NotComputed`](crate::Error::NotComputed), and it can change only fields that the engine reads afterwards. If it panics,
+//! the call that ran it returns [`Error::Callback`](crate::Error::Callback), and the simulation must be reset.
 //!
-//! In a process that never uses a kind of callback, the engine has none of that kind: a step costs nothing more. Once a kind
-//! was used, the engine keeps a pointer to a function that finds out, in a few nanoseconds, that there is nothing to do.
+//! The function pointer of a kind of callback is installed at its first use in the process. Before that, a step has no additional
+//! cost. Afterwards, each step of a simulation without callbacks spends a few nanoseconds in a function that returns at once.
 
 mod moment;
-mod scope;
 mod trampoline;
 
 use std::fmt;
 
 pub use self::moment::{ControlMoment, PassiveMoment, SensorMoment};
-pub(crate) use self::scope::Slot;
-pub(crate) use self::trampoline::computing;
 use crate::data::Data;
 use crate::id::{ActuatorId, GeomId};
 
@@ -52,7 +49,7 @@ type Sensor<'c> = Box<dyn FnMut(&mut SensorMoment<'_>) + Send + 'c>;
 type ContactFilter<'c> = Box<dyn FnMut(&Data, [GeomId; 2], bool) -> bool + Send + 'c>;
 type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 
-/// Closures for [`Data::with_callbacks`]. They may borrow what outlives that call.
+/// Closures for [`Data::with_callbacks`]. They may borrow values that outlive that call.
 ///
 /// ```compile_fail,E0597
 /// # use mujoco_safe::{Callbacks, Data, sample};
@@ -64,7 +61,7 @@ type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 /// data.with_callbacks(callbacks, |data| data.step()).unwrap();
 /// ```
 ///
-/// A simulation may be stepped in any thread, so they must be able to go there:
+/// They must be `Send`, because a simulation may be stepped in any thread:
 ///
 /// ```compile_fail,E0277
 /// # use mujoco_safe::Callbacks;
@@ -84,22 +81,22 @@ pub struct Callbacks<'c> {
 }
 
 impl<'c> Callbacks<'c> {
-    /// None.
+    /// Creates an empty set of callbacks.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Sets controls and applied forces in the middle of a step, from the results of the position and velocity stages, readings of
-    /// their sensors included. With the Runge–Kutta integrator it is called at each of the four substeps, with the readings of the
-    /// first; in [`Data::transition_fd`] at each perturbed state, so that a feedback law is part of the linearisation. Controls
-    /// that are not finite or are huge are [`Error::Unstable`](crate::Error::Unstable) of the step, and poison the data.
+    /// Sets controls and applied forces during a step, from the results of the position and velocity stages, readings of
+    /// their sensors included. The Runge–Kutta integrator calls the closure in each of its four substeps, with the readings of the
+    /// first; [`Data::transition_fd`] calls it at each perturbed state, so that a feedback law is part of the linearisation. Controls
+    /// that are NaN or beyond ±10¹⁰ are [`Error::Unstable`](crate::Error::Unstable) of the step, and poison the data.
     #[doc(alias = "mjcb_control")]
     pub fn control(mut self, control: impl FnMut(&mut ControlMoment<'_>) + Send + 'c) -> Self {
         self.control = Some(Box::new(control));
         self
     }
 
-    /// Adds to the passive forces, those of springs, dampers and the medium.
+    /// Adds to the passive forces, which are those of springs, dampers and the medium.
     #[doc(alias = "mjcb_passive")]
     pub fn passive(mut self, passive: impl FnMut(&mut PassiveMoment<'_>) + Send + 'c) -> Self {
         self.passive = Some(Box::new(passive));
@@ -134,9 +131,9 @@ impl<'c> Callbacks<'c> {
         self
     }
 
-    /// Decides whether two geoms may collide. The last argument is what the engine's own rule says (masks, and no collisions
-    /// within a body or between parent and child), which the answer replaces. It is not asked about pairs that the model
-    /// names, nor about pairs that are far apart.
+    /// Selects the pairs of geoms that may collide. The last argument is the result of the engine's rule (masks, and no collisions
+    /// within a body or between parent and child), which the returned value replaces. The closure is not called for pairs that the
+    /// model lists explicitly, nor for pairs that the broad phase excludes.
     ///
     /// ```
     /// use mujoco_safe::{Callbacks, Data, sample};
@@ -155,14 +152,14 @@ impl<'c> Callbacks<'c> {
         self
     }
 
-    /// Gives the time derivative of the activation of an actuator whose `dyntype` is `user`. Without it that is 0.
+    /// Computes the time derivative of the activation of an actuator whose `dyntype` is `user`. The default is 0.
     #[doc(alias = "mjcb_act_dyn")]
     pub fn actuator_dynamics(mut self, derivative: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_dynamics = Some(Box::new(derivative));
         self
     }
 
-    /// Gives the gain of an actuator whose `gaintype` is `user`: force for each unit of control or activation. Without it that
+    /// Computes the gain of an actuator whose `gaintype` is `user`: the force for each unit of control or activation. The default
     /// is 1.
     #[doc(alias = "mjcb_act_gain")]
     pub fn actuator_gain(mut self, gain: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
@@ -170,11 +167,50 @@ impl<'c> Callbacks<'c> {
         self
     }
 
-    /// Gives the bias of an actuator whose `biastype` is `user`: the force that it adds. Without it that is 0.
+    /// Computes the bias of an actuator whose `biastype` is `user`: an additional force. The default is 0.
     #[doc(alias = "mjcb_act_bias")]
     pub fn actuator_bias(mut self, bias: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_bias = Some(Box::new(bias));
         self
+    }
+}
+
+impl Data {
+    /// Runs `run` with these closures active. Every call in it that computes results of this simulation, in any thread, calls
+    /// them at the points that [`callback`](crate::callback) describes. Clones do not have them. A nested scope has only its own
+    /// closures.
+    ///
+    /// ```
+    /// use mujoco_safe::{Callbacks, Data, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// data.qpos_mut()[1] = 0.1;
+    /// let mut pushes = Vec::new();
+    /// let balance = Callbacks::new().control(|moment| {
+    ///     let push = 30.0 * moment.qpos()[1] + 5.0 * moment.qvel()[1];
+    ///     moment.ctrl_mut()[0] = push;
+    ///     pushes.push(push);
+    /// });
+    /// data.with_callbacks(balance, |data| (0..200).try_for_each(|_| data.step()))?;
+    /// assert_eq!(pushes.len(), 200);
+    /// assert!(data.qpos()[1].abs() < 0.1);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    ///
+    /// A closure cannot keep its argument:
+    ///
+    /// ```compile_fail,E0521
+    /// # use mujoco_safe::{Callbacks, Data, sample};
+    /// let mut data = Data::new(sample::cartpole()).unwrap();
+    /// let mut kept = None;
+    /// let callbacks = Callbacks::new().control(|moment| kept = Some(moment.ctrl_mut())); // borrowed data escapes
+    /// data.with_callbacks(callbacks, |data| data.step()).unwrap();
+    /// ```
+    #[doc(alias = "mjcb_control")]
+    #[doc(alias = "mjcb_passive")]
+    pub fn with_callbacks<R>(&mut self, callbacks: Callbacks<'_>, run: impl FnOnce(&mut Self) -> R) -> R {
+        trampoline::install(&callbacks);
+        self.scope_callbacks(Box::new(callbacks), run)
     }
 }
 

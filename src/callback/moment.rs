@@ -1,4 +1,4 @@
-//! What a closure sees and may change: the simulation at one moment of a step.
+//! Arguments of the closures: the simulation during a step, with the fields that a closure may change.
 
 use std::ops::Deref;
 
@@ -6,7 +6,7 @@ use crate::data::{Data, Stage};
 use crate::ffi;
 use crate::id::{Key, kind};
 
-/// Declares a moment: all of the simulation to be read, and the arrays that may be written to.
+/// Defines the argument of a closure, which reads like [`Data`] and has methods for the writable arrays.
 macro_rules! moment {
     (
         $(#[$doc:meta])*
@@ -15,7 +15,7 @@ macro_rules! moment {
         $(#[$doc])*
         #[derive(Debug)]
         pub struct $name<'d> {
-            // Private, and lent for no longer than the moment itself is borrowed: so nothing is read while it is written to.
+            // Private, and borrowed from `self` by all methods, so that no array is read while it is written.
             data: &'d Data,
         }
 
@@ -28,8 +28,8 @@ macro_rules! moment {
                 $(#[$array_doc])*
                 pub fn $array_mut(&mut self) -> &mut $type {
                     let $data = self.data;
-                    // SAFETY: the engine allocated the array with this shape. It waits for the closure, the closure has no
-                    // other way to the simulation, and `self` is borrowed exclusively.
+                    // SAFETY: the engine allocated the array with this shape. The engine waits for the closure, the closure has
+                    // no other access to the simulation, and `self` is borrowed exclusively.
                     unsafe { $values }
                 }
             )*
@@ -46,46 +46,47 @@ macro_rules! moment {
 }
 
 moment! {
-    /// The moment before actuator forces are computed: what depends on positions and velocities is there.
+    /// Simulation before actuator forces are computed. Quantities that depend on positions and velocities are valid.
     ControlMoment {
-        /// [`ctrl`](Data::ctrl), to be written to.
+        /// Returns [`ctrl`](Data::ctrl) for writing.
         ctrl_mut -> [f64] = |data| ffi::array_mut(data.raw().ctrl, data.model().nu());
-        /// [`qfrc_applied`](Data::qfrc_applied), to be written to.
+        /// Returns [`qfrc_applied`](Data::qfrc_applied) for writing.
         qfrc_applied_mut -> [f64] = |data| ffi::array_mut(data.raw().qfrc_applied, data.model().nv());
-        /// [`xfrc_applied`](Data::xfrc_applied), to be written to.
+        /// Returns [`xfrc_applied`](Data::xfrc_applied) for writing.
         xfrc_applied_mut -> [[f64; 6]] = |data| ffi::rows_mut(data.raw().xfrc_applied, data.model().nbody());
-        /// [`userdata`](Data::userdata), to be written to.
+        /// Returns [`userdata`](Data::userdata) for writing.
         userdata_mut -> [f64] = |data| ffi::array_mut(data.raw().userdata, data.model().nuserdata());
     }
 }
 
 moment! {
-    /// The moment after passive forces were computed.
+    /// Simulation after passive forces were computed.
     PassiveMoment {
-        /// [`qfrc_passive`](Data::qfrc_passive), to be added to: the engine's own passive forces are in it.
+        /// Returns [`qfrc_passive`](Data::qfrc_passive), which contains the engine's passive forces, for adding other forces.
         qfrc_passive_mut -> [f64] = |data| ffi::array_mut(data.raw().qfrc_passive, data.model().nv());
-        /// [`userdata`](Data::userdata), to be written to.
+        /// Returns [`userdata`](Data::userdata) for writing.
         userdata_mut -> [f64] = |data| ffi::array_mut(data.raw().userdata, data.model().nuserdata());
     }
 }
 
 moment! {
-    /// The moment after the sensors of a stage were read.
+    /// Simulation after the evaluation of the sensors of a stage.
     SensorMoment {
-        /// [`sensordata`](Data::sensordata), to be written to.
+        /// Returns [`sensordata`](Data::sensordata) for writing.
         sensordata_mut -> [f64] = |data| ffi::array_mut(data.raw().sensordata, data.model().nsensordata());
-        /// [`userdata`](Data::userdata), to be written to.
+        /// Returns [`userdata`](Data::userdata) for writing.
         userdata_mut -> [f64] = |data| ffi::array_mut(data.raw().userdata, data.model().nuserdata());
     }
 }
 
 impl SensorMoment<'_> {
-    /// The stage whose sensors were read; those of the later ones are still to come.
+    /// Returns the stage whose sensors were evaluated. Readings of later stages are not valid yet.
     pub fn stage(&self) -> Stage {
         self.data.stage()
     }
 
-    /// The reading of a sensor, to be written to. By an id as it is, by a name or an index as a [`Result`](crate::Result).
+    /// Returns the reading of a sensor for writing. For an id the slice itself, for a name or an index a
+    /// [`Result`](crate::Result).
     ///
     /// # Panics
     ///

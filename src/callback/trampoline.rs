@@ -1,202 +1,189 @@
-//! What the engine calls, and how it finds the closure: a thread-local says which simulation the thread is computing.
+//! The function that the engine calls. It finds the closure through a thread-local that refers to the simulation in progress.
 
-use std::any::Any;
 use std::cell::{Cell, RefCell};
 use std::ffi::c_int;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 
-use mujoco_sys::{callback as asked, mjData, mjModel, mjSTAGE_POS, mjSTAGE_VEL, mjtNum};
+use mujoco_sys::{callback, mjData, mjModel, mjSTAGE_POS, mjSTAGE_VEL, mjtNum};
 
-use super::scope::Slot;
 use super::{Callbacks, ControlMoment, PassiveMoment, SensorMoment};
-use crate::data::{Computed, Data};
-use crate::error::Error;
+use crate::data::{Data, EngineCallbacks, PipelineFlags};
+use crate::error::{Error, Result, catch_panic};
 use crate::ffi;
 use crate::id::Id;
 
-/// Why a closure has ended the call that ran it.
-pub(crate) type Failure = Error;
-
-/// The simulation that this thread is computing, while that has callbacks.
-struct Present {
+/// Engine call of this thread on a simulation with callbacks.
+struct ActiveCall {
     data: *mut Data,
     raw: *const mjData,
-    /// What the call computes, from what there was before it.
-    reaches: Computed,
+    /// Results that the call computes.
+    reaches: PipelineFlags,
     callbacks: *mut Callbacks<'static>,
-    failure: RefCell<Option<Failure>>,
+    /// Error of the closure that ended the call.
+    failure: RefCell<Option<Error>>,
 }
 
 thread_local! {
-    static PRESENT: Cell<*const Present> = const { Cell::new(ptr::null()) };
+    static ACTIVE: Cell<*const ActiveCall> = const { Cell::new(ptr::null()) };
 }
 
-/// Puts the outer simulation back: a closure of one may run another.
-struct Restore(*const Present);
+/// Restores the outer call when dropped. Calls nest when a closure steps another simulation.
+struct RestoreOuter(*const ActiveCall);
 
-impl Drop for Restore {
+impl Drop for RestoreOuter {
     fn drop(&mut self) {
-        PRESENT.set(self.0);
+        ACTIVE.set(self.0);
     }
 }
 
-/// Makes `call`, an engine call for `data`, with the closures in `slot`. Also returns why one of them has ended it, if so. The
-/// caller borrows `data` exclusively and does not use that borrow until this returns.
-pub(crate) fn computing(
-    data: *mut Data,
-    raw: *const mjData,
-    reaches: Computed,
-    slot: &Slot,
-    call: impl FnOnce() -> c_int,
-) -> (c_int, Option<Failure>) {
-    let mut callbacks = slot.innermost();
-    let Some(callbacks) = callbacks.as_mut().and_then(|callbacks| callbacks.as_mut()) else { return (call(), None) };
-    let present = Present { data, raw, reaches, callbacks: ptr::from_mut(callbacks), failure: RefCell::new(None) };
-    let status = {
-        let _restore = Restore(PRESENT.replace(&raw const present));
-        call()
-    };
-    (status, present.failure.into_inner())
+impl EngineCallbacks for Callbacks<'_> {
+    unsafe fn run(
+        &mut self,
+        data: *mut Data,
+        raw: *const mjData,
+        reaches: PipelineFlags,
+        call: &mut dyn FnMut() -> c_int,
+    ) -> (c_int, Option<Error>) {
+        // The pointer is used only until this returns, so the lifetime of the borrows does not matter.
+        let callbacks = ptr::from_mut(self).cast::<Callbacks<'static>>();
+        let active = ActiveCall { data, raw, reaches, callbacks, failure: RefCell::new(None) };
+        let status = {
+            let _restore = RestoreOuter(ACTIVE.replace(&raw const active));
+            call()
+        };
+        (status, active.failure.into_inner())
+    }
 }
 
-/// Has the engine ask for what these closures answer.
+/// Installs the engine callbacks that these closures need.
 pub(super) fn install(callbacks: &Callbacks<'_>) {
-    for (what, wanted) in [
-        (asked::CONTROL, callbacks.control.is_some()),
-        (asked::PASSIVE, callbacks.passive.is_some()),
-        (asked::SENSOR, callbacks.sensor.is_some()),
-        (asked::CONTACT_FILTER, callbacks.contact_filter.is_some()),
-        (asked::ACTUATOR_DYNAMICS, callbacks.actuator_dynamics.is_some()),
-        (asked::ACTUATOR_GAIN, callbacks.actuator_gain.is_some()),
-        (asked::ACTUATOR_BIAS, callbacks.actuator_bias.is_some()),
+    for (kind, is_set) in [
+        (callback::CONTROL, callbacks.control.is_some()),
+        (callback::PASSIVE, callbacks.passive.is_some()),
+        (callback::SENSOR, callbacks.sensor.is_some()),
+        (callback::CONTACT_FILTER, callbacks.contact_filter.is_some()),
+        (callback::ACTUATOR_DYNAMICS, callbacks.actuator_dynamics.is_some()),
+        (callback::ACTUATOR_GAIN, callbacks.actuator_gain.is_some()),
+        (callback::ACTUATOR_BIAS, callbacks.actuator_bias.is_some()),
     ] {
-        if wanted {
-            // SAFETY: the handler looks at nothing but its own thread's simulation, catches every panic, and raises no error.
-            unsafe { asked::install_callback(what, handler) };
+        if is_set {
+            // SAFETY: the handler accesses only the simulation of its own thread, catches every panic, and raises no engine error.
+            unsafe { callback::install_callback(kind, handler) };
         }
     }
 }
 
-/// Answers for the simulation that the thread is computing, and for no other: those keep the value that the engine brings.
+/// Calls the closure of the simulation that this thread is computing. For other simulations `value` is unchanged, which is the
+/// engine's behaviour without a callback.
 unsafe extern "C" fn handler(
-    what: c_int,
+    kind: c_int,
     _: *const mjModel,
     raw: *mut mjData,
     first: c_int,
     second: c_int,
     value: *mut mjtNum,
 ) -> c_int {
-    // A thread that is ending has no thread-locals, and no simulation that it computes.
-    let present = PRESENT.try_with(Cell::get).unwrap_or(ptr::null());
-    // SAFETY: not NULL only while `computing` is in this thread, above this frame; it keeps `present` alive.
-    let Some(present) = (unsafe { present.as_ref() }) else { return 0 };
-    if !ptr::eq(present.raw, raw) {
+    // The thread-local is destroyed in a thread that is ending, but then no call is active.
+    let active = ACTIVE.try_with(Cell::get).unwrap_or(ptr::null());
+    // SAFETY: not NULL only while `EngineCallbacks::run` is on the stack of this thread, and `run` owns the value.
+    let Some(active) = (unsafe { active.as_ref() }) else { return 0 };
+    if !ptr::eq(active.raw, raw) {
         return 0;
     }
-    // SAFETY: `computing` holds the lock of the slot, and a closure cannot run its own simulation, so there is no other borrow.
-    let callbacks = unsafe { &mut *present.callbacks };
-    // SAFETY: the simulation is borrowed exclusively by the call above this frame, which waits for the engine and derived the
-    // pointer from that borrow.
-    let data = unsafe { &mut *present.data };
-    // SAFETY: the shim passes a place of its own.
+    // SAFETY: `run` borrows the callbacks exclusively under the lock of their slot, and a closure cannot step its own simulation,
+    // so no other reference exists.
+    let callbacks = unsafe { &mut *active.callbacks };
+    // SAFETY: the caller of `run` borrows the simulation exclusively, derived the pointer from that borrow, and does not use it
+    // before the engine returns.
+    let data = unsafe { &mut *active.data };
+    // SAFETY: the shim passes a valid pointer to a local variable.
     let value = unsafe { &mut *value };
-    let question = Question { what, first: ffi::size(first), second: ffi::size(second) };
-    let answer = catch_unwind(AssertUnwindSafe(|| {
-        data.is_at(question.moment() & present.reaches);
-        question.put(callbacks, data, value)
-    }));
-    let failure = match answer {
+    let request = Request { kind, first: ffi::size(first), second: ffi::size(second) };
+    let result = catch_panic(|| {
+        data.set_computed(request.valid_results() & active.reaches);
+        request.call_closure(callbacks, data, value)
+    });
+    let failure = match result {
         Ok(Ok(())) => return 0,
         Ok(Err(failure)) => failure,
-        Err(payload) => Error::Callback { callback: question.name(), message: message_of(payload) },
+        Err(message) => Error::Callback { callback: request.name(), message },
     };
-    *present.failure.borrow_mut() = Some(failure);
+    *active.failure.borrow_mut() = Some(failure);
     1
 }
 
-/// What the engine asks for.
-struct Question {
-    what: c_int,
+/// Call from the engine.
+struct Request {
+    kind: c_int,
+    /// Stage, geom or actuator.
     first: usize,
+    /// Second geom.
     second: usize,
 }
 
-impl Question {
-    fn put(&self, callbacks: &mut Callbacks<'static>, data: &Data, value: &mut f64) -> Result<(), Failure> {
+impl Request {
+    fn call_closure(&self, callbacks: &mut Callbacks<'_>, data: &Data, value: &mut f64) -> Result<()> {
         let lineage = data.model().lineage();
-        match self.what {
-            asked::CONTROL => {
+        match self.kind {
+            callback::CONTROL => {
                 if let Some(control) = &mut callbacks.control {
                     control(&mut ControlMoment::new(data));
-                    // The engine would set all of them to zero.
+                    // The engine would set all controls to zero.
                     data.check_inputs()?;
                 }
             }
-            asked::PASSIVE => {
+            callback::PASSIVE => {
                 if let Some(passive) = &mut callbacks.passive {
                     passive(&mut PassiveMoment::new(data));
                 }
             }
-            asked::SENSOR => {
+            callback::SENSOR => {
                 if let Some(sensor) = &mut callbacks.sensor {
                     sensor(&mut SensorMoment::new(data));
                 }
             }
-            asked::CONTACT_FILTER => {
+            callback::CONTACT_FILTER => {
                 if let Some(filter) = &mut callbacks.contact_filter {
                     let geoms = [self.first, self.second].map(|geom| Id::new(geom, lineage));
                     *value = f64::from(u8::from(!filter(data, geoms, *value == 0.0)));
                 }
             }
             _ => {
-                let answer = match self.what {
-                    asked::ACTUATOR_DYNAMICS => &mut callbacks.actuator_dynamics,
-                    asked::ACTUATOR_GAIN => &mut callbacks.actuator_gain,
+                let closure = match self.kind {
+                    callback::ACTUATOR_DYNAMICS => &mut callbacks.actuator_dynamics,
+                    callback::ACTUATOR_GAIN => &mut callbacks.actuator_gain,
                     _ => &mut callbacks.actuator_bias,
                 };
-                if let Some(answer) = answer {
-                    *value = answer(data, Id::new(self.first, lineage));
+                if let Some(closure) = closure {
+                    *value = closure(data, Id::new(self.first, lineage));
                 }
             }
         }
         Ok(())
     }
 
-    /// Results that exist at the time of the question, if the call runs the whole pipeline.
-    fn moment(&self) -> Computed {
+    /// Returns the results that are valid at this point if the engine call runs the whole pipeline.
+    fn valid_results(&self) -> PipelineFlags {
         const POSITION: usize = mjSTAGE_POS as usize;
         const VELOCITY: usize = mjSTAGE_VEL as usize;
-        match (self.what, self.first) {
-            (asked::CONTACT_FILTER, _) => Computed::KINEMATICS,
-            (asked::SENSOR, POSITION) => Computed::POSITION | Computed::SENSOR_POS,
-            (asked::PASSIVE, _) => Computed::BEFORE_PASSIVE,
-            (asked::SENSOR, stage) if stage != VELOCITY => Computed::FORCES | Computed::SENSORS,
-            _ => Computed::VELOCITY | Computed::SENSOR_POS | Computed::SENSOR_VEL,
+        match (self.kind, self.first) {
+            (callback::CONTACT_FILTER, _) => PipelineFlags::KINEMATICS,
+            (callback::SENSOR, POSITION) => PipelineFlags::POSITION | PipelineFlags::SENSOR_POS,
+            (callback::PASSIVE, _) => PipelineFlags::BEFORE_PASSIVE,
+            (callback::SENSOR, stage) if stage != VELOCITY => PipelineFlags::FORCES | PipelineFlags::SENSORS,
+            _ => PipelineFlags::VELOCITY | PipelineFlags::SENSOR_POS | PipelineFlags::SENSOR_VEL,
         }
     }
 
     fn name(&self) -> &'static str {
-        match self.what {
-            asked::CONTROL => "control",
-            asked::PASSIVE => "passive",
-            asked::SENSOR => "sensor",
-            asked::CONTACT_FILTER => "contact_filter",
-            asked::ACTUATOR_DYNAMICS => "actuator_dynamics",
-            asked::ACTUATOR_GAIN => "actuator_gain",
+        match self.kind {
+            callback::CONTROL => "control",
+            callback::PASSIVE => "passive",
+            callback::SENSOR => "sensor",
+            callback::CONTACT_FILTER => "contact_filter",
+            callback::ACTUATOR_DYNAMICS => "actuator_dynamics",
+            callback::ACTUATOR_GAIN => "actuator_gain",
             _ => "actuator_bias",
         }
     }
-}
-
-/// What a panic says.
-fn message_of(payload: Box<dyn Any + Send>) -> String {
-    let message = payload
-        .downcast_ref::<&str>()
-        .map(|text| (*text).to_owned())
-        .or_else(|| payload.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "a panic without a text".to_owned());
-    // It is the user's type, and dropping it may panic again.
-    std::mem::forget(payload);
-    message
 }

@@ -1,32 +1,32 @@
-//! Calls of the engine on a simulation, and the effect of an engine error on it.
+//! Calls of the engine on a simulation: the effect of an engine error, and the scopes of callbacks.
 //!
 //! Every call that can raise an engine error on a [`Data`] goes through one of three methods, which differ in the pointer that
-//! they lend:
+//! they pass:
 //!
-//! | method | lends | for | after an engine error |
+//! | method | passes | for | after an engine error |
 //! |---|---|---|---|
 //! | [`Data::run`] | `*mut mjData` | parts of the pipeline, which warn, reset and call closures | poisoned |
 //! | [`Data::call_mut`] | `*mut mjData` | every other function that writes to the data or to its stack | poisoned |
 //! | [`Data::call`] | `*const mjData` | functions that only read | unchanged |
 //!
-//! Calls without a simulation go through [`ffi::check_without_data`]. The lint `disallowed_methods` (`clippy.toml`) keeps
-//! [`ffi::check`], which all of these use, out of the other files.
+//! Calls without a simulation go through [`ffi::check_without_data`]. The lint `disallowed_methods` (`clippy.toml`) forbids
+//! [`ffi::check`], which all of these use, in the other files.
 
-#![allow(clippy::disallowed_methods, reason = "the gates that the lint points to")]
+#![allow(clippy::disallowed_methods, reason = "the methods that the lint recommends")]
 
 use std::ffi::c_int;
 use std::ptr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use mujoco_sys::{guard, mjData, mjModel, mjWARN_CNSTRFULL};
+use mujoco_sys::{guard, mjData, mjModel};
 
-use super::warning::{Counted, Lifted};
-use super::{Computed, Data};
-use crate::callback;
+use super::warning::{self, CounterChange, SavedCounters};
+use super::{Data, PipelineFlags};
 use crate::error::{Error, Result};
 use crate::ffi;
 
 impl Data {
-    /// Makes a guarded call that only reads the data. An engine error leaves the data usable: the call could not change it.
+    /// Makes a guarded call that only reads the data. An engine error leaves the data usable, because the call cannot change it.
     #[inline]
     pub(crate) fn call(
         &self,
@@ -36,8 +36,8 @@ impl Data {
         ffi::check(function, call(self.model().as_ptr(), self.as_ptr()))
     }
 
-    /// Makes a guarded call that writes to the data or to its stack, but neither warns nor computes what [`Computed`] tracks. An
-    /// engine error poisons the data.
+    /// Makes a guarded call that writes to the data or to its stack, but neither warns nor computes results that
+    /// [`PipelineFlags`] records. An engine error poisons the data.
     #[inline]
     pub(crate) fn call_mut(
         &mut self,
@@ -48,81 +48,87 @@ impl Data {
         ffi::check(function, status).map_err(|error| self.poison(error))
     }
 
-    /// Makes a guarded call of a part of the pipeline, which may warn, reset the data and call closures, and records what is
-    /// computed afterwards. An engine error, a failed closure and a reset by the engine poison the data.
+    /// Makes a guarded call of a part of the pipeline, which may warn, reset the data and call closures, and records `computes` as
+    /// the valid results. An engine error, a failed closure and a reset by the engine poison the data.
     #[inline]
     pub(crate) fn run(
         &mut self,
         function: &'static str,
-        computes: Computed,
+        computes: PipelineFlags,
         call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
     ) -> Result<()> {
         let time = self.time();
-        let warnings = Lifted::lift(self.raw_mut());
+        let counters = SavedCounters::replace(self.raw_mut());
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
         let adhesive = self.model().has_adhesion();
         if adhesive || self.callbacks.is_some() {
-            return self.run_specially(function, computes, time, &warnings, call);
+            return self.run_with_callbacks(function, computes, time, &counters, call);
         }
         let status = call(model, data);
-        let counted = warnings.lower(self.raw_mut());
-        if status == guard::OK && counted == Counted::Nothing {
+        let change = counters.restore(self.raw_mut());
+        if status == guard::OK && change == CounterChange::None {
             self.computed = computes;
             return Ok(());
         }
-        self.settle(function, computes, time, &warnings, status, counted, None)
+        self.finish(function, computes, time, &counters, status, change, None)
     }
 
-    /// The rest of [`run`](Self::run) for a simulation with callbacks, or with an adhesion actuator.
-    fn run_specially(
+    /// Continues [`run`](Self::run) for a simulation with callbacks or with an adhesion actuator.
+    fn run_with_callbacks(
         &mut self,
         function: &'static str,
-        computes: Computed,
+        computes: PipelineFlags,
         time: f64,
-        warnings: &Lifted,
+        counters: &SavedCounters,
         call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
     ) -> Result<()> {
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
         let adhesive = self.model().has_adhesion();
-        let all = || if adhesive { run_with_adhesion(model, data, call) } else { call(model, data) };
+        let mut call = Some(call);
+        let mut call = || {
+            let call = call.take().expect("Bug: an engine call is made twice");
+            if adhesive { warning::with_fatal_full_constraints(model, data, call) } else { call(model, data) }
+        };
         let (status, failure) = match self.callbacks.clone() {
-            None => (all(), None),
+            None => (call(), None),
             Some(slot) => {
-                // Calls that leave nothing computed, such as finite differences, still run the whole pipeline.
-                let reaches = if computes.is_empty() { Computed::AFTER_FORWARD } else { computes };
-                callback::computing(ptr::from_mut(self), data, reaches, &slot, all)
+                // Calls that leave no valid results, such as finite differences, still run the whole pipeline.
+                let reaches = if computes.is_empty() { PipelineFlags::AFTER_FORWARD } else { computes };
+                // SAFETY: `self` is borrowed exclusively, and not used until `run` returns.
+                unsafe { slot.run(ptr::from_mut(self), data, reaches, &mut call) }
             }
         };
-        let counted = warnings.lower(self.raw_mut());
-        if status == guard::OK && counted == Counted::Nothing {
+        let change = counters.restore(self.raw_mut());
+        if status == guard::OK && change == CounterChange::None {
             self.computed = computes;
             return Ok(());
         }
-        self.settle(function, computes, time, warnings, status, counted, failure)
+        self.finish(function, computes, time, counters, status, change, failure)
     }
 
+    /// Logs the new warnings of a call, or poisons the data if the call failed.
     #[cold]
     #[allow(clippy::too_many_arguments, reason = "the whole state of a call, in a cold function")]
-    fn settle(
+    fn finish(
         &mut self,
         function: &'static str,
-        computes: Computed,
+        computes: PipelineFlags,
         time: f64,
-        warnings: &Lifted,
+        counters: &SavedCounters,
         status: c_int,
-        counted: Counted,
+        change: CounterChange,
         failure: Option<Error>,
     ) -> Result<()> {
-        let failed = match ffi::check(function, status) {
-            // The engine only knows that a closure has failed.
+        let error = match ffi::check(function, status) {
+            // The engine only reports that a closure has failed; `failure` has the cause.
             Err(error) => Some(failure.unwrap_or(error)),
-            Ok(()) if counted == Counted::Reset => Some(Error::Unstable(self.reset_by_engine(time))),
+            Ok(()) if change == CounterChange::Reset => Some(Error::Unstable(self.instability_after_reset(time))),
             Ok(()) => None,
         };
-        match failed {
+        match error {
             None => {
                 self.computed = computes;
-                self.log_new_warnings(warnings);
+                self.log_new_warnings(counters);
                 Ok(())
             }
             Some(error) => Err(self.poison(error)),
@@ -132,32 +138,110 @@ impl Data {
     /// Makes the data unusable until a reset.
     #[cold]
     fn poison(&mut self, error: Error) -> Error {
-        self.computed = Computed::empty();
+        self.computed = PipelineFlags::empty();
         self.failure = Some(error.to_string().into());
         error
     }
+
+    /// Runs `run` with these callbacks active for all engine calls on this simulation.
+    pub(crate) fn scope_callbacks<R>(
+        &mut self,
+        callbacks: Box<dyn EngineCallbacks + '_>,
+        run: impl FnOnce(&mut Self) -> R,
+    ) -> R {
+        /// Empties the slot at the end of the scope, also during unwinding.
+        struct End(Arc<CallbackSlot>);
+
+        impl Drop for End {
+            fn drop(&mut self) {
+                // Waits for a call in another thread that is using the callbacks.
+                let callbacks = self.0.lock().take();
+                drop(callbacks);
+            }
+        }
+
+        // SAFETY: only the lifetime changes. `end` takes the callbacks out of the slot before this function returns or unwinds, so
+        // before their borrows end, and they are called only through the slot, under its lock.
+        let callbacks = unsafe {
+            std::mem::transmute::<Box<dyn EngineCallbacks + '_>, Box<dyn EngineCallbacks + 'static>>(callbacks)
+        };
+        let outer = CallbackSlot::active(self.callbacks.take());
+        let slot = Arc::new(CallbackSlot { callbacks: Mutex::new(Some(callbacks)), outer });
+        let end = End(slot.clone());
+        self.callbacks = Some(slot.clone());
+        let result = run(self);
+        // `run` may have replaced this simulation by another one, which has other callbacks.
+        if self.callbacks.as_ref().is_some_and(|present| Arc::ptr_eq(present, &slot)) {
+            self.callbacks.clone_from(&slot.outer);
+        }
+        drop(end);
+        result
+    }
 }
 
-/// Makes a call on a model with an adhesion actuator, for which a full constraint buffer has to be an error.
-#[cold]
-fn run_with_adhesion(
-    model: *const mjModel,
-    data: *mut mjData,
-    call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
-) -> c_int {
-    const COUNTER: usize = mjWARN_CNSTRFULL as usize;
-    // SAFETY: `run` passes its own data, and nothing refers to the counter. The engine speaks of it only while it is zero.
-    let lifted = std::mem::take(unsafe { &mut (*data).warning[COUNTER].number });
-    // SAFETY: sets a flag of this thread, which is put back before this returns.
-    let outer = unsafe { guard::full_constraints_are_fatal(1) };
-    let status = call(model, data);
-    // SAFETY: as above.
-    unsafe { guard::full_constraints_are_fatal(outer) };
-    // SAFETY: as above.
-    let counter = unsafe { &mut (*data).warning[COUNTER].number };
-    *counter = counter.saturating_add(lifted);
-    status
+/// Closures that the engine calls during a call on a simulation. Implemented by [`Callbacks`](crate::Callbacks).
+pub(crate) trait EngineCallbacks: Send {
+    /// Makes an engine call with these closures registered for the current thread. `reaches` are the results that the call
+    /// computes. Returns the status of the call, and the error if a closure failed.
+    ///
+    /// # Safety
+    ///
+    /// `data` is derived from an exclusive borrow that the caller does not use until this returns, and `raw` is its pointer to
+    /// the engine's data.
+    unsafe fn run(
+        &mut self,
+        data: *mut Data,
+        raw: *const mjData,
+        reaches: PipelineFlags,
+        call: &mut dyn FnMut() -> c_int,
+    ) -> (c_int, Option<Error>);
 }
 
-#[cfg(test)]
-mod tests;
+/// Callbacks of one scope. Empty after the scope has ended.
+///
+/// A simulation holds a slot instead of the callbacks, because safe code may swap two simulations. A simulation that leaves the
+/// scope in this way finds the slot empty, and continues with the callbacks of the enclosing scope.
+pub(crate) struct CallbackSlot {
+    callbacks: Mutex<Option<Box<dyn EngineCallbacks>>>,
+    outer: Option<Arc<Self>>,
+}
+
+impl CallbackSlot {
+    fn lock(&self) -> MutexGuard<'_, Option<Box<dyn EngineCallbacks>>> {
+        self.callbacks.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the innermost slot whose scope has not ended, from this one outwards.
+    fn active(mut slot: Option<Arc<Self>>) -> Option<Arc<Self>> {
+        while let Some(ended) = slot.take_if(|slot| slot.lock().is_none()) {
+            slot.clone_from(&ended.outer);
+        }
+        slot
+    }
+
+    /// Makes an engine call with the callbacks of the innermost scope that has not ended.
+    ///
+    /// # Safety
+    ///
+    /// As for [`EngineCallbacks::run`].
+    unsafe fn run(
+        &self,
+        data: *mut Data,
+        raw: *const mjData,
+        reaches: PipelineFlags,
+        call: &mut dyn FnMut() -> c_int,
+    ) -> (c_int, Option<Error>) {
+        let mut slot = self;
+        loop {
+            // The lock keeps the scope from ending during the call.
+            if let Some(callbacks) = slot.lock().as_mut() {
+                // SAFETY: the caller's guarantee.
+                return unsafe { callbacks.run(data, raw, reaches, call) };
+            }
+            match &slot.outer {
+                Some(outer) => slot = outer,
+                None => return (call(), None),
+            }
+        }
+    }
+}

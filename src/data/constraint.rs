@@ -1,29 +1,29 @@
-//! Constraints: how they are stored, products with their Jacobian, their cost.
+//! Constraints: storage formats, products with the Jacobian, and cost.
 
 use std::ptr;
 
 use mujoco_sys::{self as sys, guard};
 
-use super::{Computed, Data};
+use super::{Data, PipelineFlags};
 use crate::error::{Error, Result};
 use crate::model::Model;
 
 impl Model {
-    /// Whether friction cones are pyramids.
+    /// Returns true if friction cones are pyramids.
     #[doc(alias = "mj_isPyramidal")]
     pub fn is_pyramidal(&self) -> bool {
         // SAFETY: reads the options of a valid model.
         unsafe { sys::mj_isPyramidal(self.as_ptr()) != 0 }
     }
 
-    /// Whether the Jacobians of constraints and tendons are stored sparse.
+    /// Returns true if the Jacobians of constraints and tendons are sparse matrices.
     #[doc(alias = "mj_isSparse")]
     pub fn is_sparse(&self) -> bool {
         // SAFETY: as above.
         unsafe { sys::mj_isSparse(self.as_ptr()) != 0 }
     }
 
-    /// Whether a solver works on the dual problem: PGS, or the no-slip solver after any other.
+    /// Returns true if a solver uses the dual problem: PGS, or the no-slip solver after any other solver.
     #[doc(alias = "mj_isDual")]
     pub fn is_dual(&self) -> bool {
         // SAFETY: as above.
@@ -32,11 +32,11 @@ impl Model {
 }
 
 impl Data {
-    /// `result = J vector`, with the Jacobian of the constraints: `result` of length nefc, `vector` of length nv.
+    /// Computes `result = J vector` with the Jacobian J of the constraints: `result` of length nefc, `vector` of length nv.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before the constraints were made, [`Error::Shape`] for a wrong length.
+    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a wrong length.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -54,19 +54,19 @@ impl Data {
         self.check_constraint("mul_jac_vec")?;
         Error::check_length("the result of mul_jac_vec", result.len(), self.nefc())?;
         Error::check_length("the vector of mul_jac_vec", vector.len(), self.model().nv())?;
-        // SAFETY: nefc and nv numbers, and the rows were made for this model. The function only reads the data.
+        // SAFETY: nefc and nv elements, and the rows were computed for this model. The function only reads the data.
         unsafe {
             sys::mj_mulJacVec(self.model().as_ptr(), self.as_ptr().cast_mut(), result.as_mut_ptr(), vector.as_ptr());
         };
         Ok(())
     }
 
-    /// `result = Jᵀ vector`, with the Jacobian of the constraints: `result` of length nv, `vector` of length nefc. Zeros where
-    /// there are no constraints. (The engine leaves the result as it was then.)
+    /// Computes `result = Jᵀ vector` with the Jacobian J of the constraints: `result` of length nv, `vector` of length nefc. Without
+    /// constraints the result is zero. (The engine would not write to it.)
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before the constraints were made, [`Error::Shape`] for a wrong length.
+    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a wrong length.
     #[doc(alias = "mj_mulJacTVec")]
     pub fn mul_jac_t_vec(&self, result: &mut [f64], vector: &[f64]) -> Result<()> {
         self.check_constraint("mul_jac_t_vec")?;
@@ -76,22 +76,22 @@ impl Data {
             result.fill(0.0);
             return Ok(());
         }
-        // SAFETY: nv and nefc numbers, and the rows were made for this model. The function only reads the data.
+        // SAFETY: nv and nefc elements, and the rows were computed for this model. The function only reads the data.
         unsafe {
             sys::mj_mulJacTVec(self.model().as_ptr(), self.as_ptr().cast_mut(), result.as_mut_ptr(), vector.as_ptr());
         };
         Ok(())
     }
 
-    /// The constraint forces `efc_force`, their states `efc_state` and `qfrc_constraint`, from `jar = J qacc − aref` of length
-    /// nefc. Returns the cost of the constraints, which the primal solvers minimise (Todorov, Convex and analytically-invertible
-    /// dynamics with contacts and constraints, ICRA 2014).
+    /// Computes the constraint forces `efc_force`, the constraint states `efc_state` and `qfrc_constraint` from
+    /// `jar = J qacc − aref` of length nefc. Returns the cost of the constraints, which the primal solvers minimise (Todorov, Convex
+    /// and analytically-invertible dynamics with contacts and constraints, ICRA 2014).
     ///
-    /// With `with_cone_hessian` the engine also keeps the Hessians of elliptic cones in its contacts.
+    /// With `with_cone_hessian` the engine also stores the Hessians of elliptic cones in its contacts.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before the constraints were made, [`Error::Shape`] for a wrong length.
+    /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a wrong length.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -99,7 +99,7 @@ impl Data {
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.reset_to_key("squat")?;
     /// data.forward()?;
-    /// // No force where every constraint is satisfied from the start.
+    /// // Inequality constraints with positive residuals exert no force.
     /// let cost = data.constraint_update(&vec![1.0; data.nefc()], false)?;
     /// assert_eq!(cost, 0.0);
     /// assert!(data.qfrc_constraint().iter().all(|&force| force == 0.0));
@@ -110,8 +110,8 @@ impl Data {
         self.check_constraint("constraint_update")?;
         Error::check_length("jar of constraint_update", jar.len(), self.nefc())?;
         let mut cost = 0.0;
-        self.run("mj_constraintUpdate", self.after(Computed::FORCE), |m, d| {
-            // SAFETY: nefc numbers, a place for the cost, and rows that were made for this model.
+        self.run("mj_constraintUpdate", self.after(PipelineFlags::FORCE), |m, d| {
+            // SAFETY: nefc elements, a valid pointer for the cost, and rows that were computed for this model.
             unsafe {
                 guard::mj_constraint_update(m, d, jar.as_ptr(), ptr::from_mut(&mut cost), with_cone_hessian.into())
             }
@@ -120,6 +120,6 @@ impl Data {
     }
 
     fn check_constraint(&self, call: &'static str) -> Result<()> {
-        self.check_parts(call, Computed::CONSTRAINT)
+        self.check_parts(call, PipelineFlags::CONSTRAINT)
     }
 }

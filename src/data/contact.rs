@@ -1,15 +1,18 @@
-//! Contacts and their forces.
+//! Contacts, their forces, and contacts that the user adds.
 
+use std::ffi::c_int;
 use std::fmt;
 
-use mujoco_sys::{self as sys, mjContact};
+use mujoco_sys::{self as sys, guard, mjContact, mjMINMU};
 
-use super::{Data, Stage};
-use crate::error::Result;
+use super::{Data, PipelineFlags, Stage};
+use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{GeomId, Id};
+use crate::math::cross;
+use crate::model::DisableFlags;
 
-/// A contact that collision detection found.
+/// Contact of the last collision detection.
 #[derive(Clone, Copy)]
 #[doc(alias = "mjContact")]
 pub struct Contact<'d> {
@@ -18,17 +21,17 @@ pub struct Contact<'d> {
     raw: &'d mjContact,
 }
 
-/// What a contact does to the second of its geoms, in the contact frame; the first receives the opposite.
+/// Force and torque of a contact on its second geom, contact frame. The first geom receives the opposite.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct ContactForce {
-    /// Force, N: along the normal, then along the two tangents.
+    /// Force, N, along the normal and the two tangents.
     pub force: [f64; 3],
-    /// Torque, N·m: about the normal, then about the two tangents.
+    /// Torque, N·m, about the normal and the two tangents.
     pub torque: [f64; 3],
 }
 
 impl Data {
-    /// The contacts of the last collision detection.
+    /// Returns the contacts of the last collision detection.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -44,74 +47,74 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     pub fn contacts(&self) -> impl ExactSizeIterator<Item = Contact<'_>> {
-        // SAFETY: the engine keeps `ncon` contacts there, and nothing writes to them while `self` is borrowed.
+        // SAFETY: the array has `ncon` contacts, and they are not modified while `self` is borrowed.
         let contacts: &[mjContact] = unsafe { ffi::array(self.raw().contact, self.ncon()) };
         contacts.iter().enumerate().map(|(index, raw)| Contact { data: self, index, raw })
     }
 }
 
 impl<'d> Contact<'d> {
-    /// Its index among the contacts.
+    /// Returns the index among the contacts.
     pub fn index(&self) -> usize {
         self.index
     }
 
-    /// Distance between the nearest points, m; negative where the geoms penetrate.
+    /// Returns the distance between the nearest points, m. Negative for penetration.
     pub fn dist(&self) -> f64 {
         self.raw.dist
     }
 
-    /// Midpoint between the nearest points, m, world frame.
+    /// Returns the midpoint between the nearest points, m, world frame.
     pub fn pos(&self) -> &'d [f64; 3] {
         &self.raw.pos
     }
 
-    /// The axes of the contact frame as rows, in the world frame: the normal, which points from the first geom to the second,
+    /// Returns the axes of the contact frame as rows, world frame: the normal, which points from the first geom to the second,
     /// and two tangents.
     pub fn frame(&self) -> &'d [[f64; 3]; 3] {
         self.raw.frame.as_chunks().0.try_into().expect("Bug: nine numbers are not three rows")
     }
 
-    /// The normal, which points from the first geom to the second.
+    /// Returns the unit normal, which points from the first geom to the second, world frame.
     pub fn normal(&self) -> &'d [f64; 3] {
         &self.frame()[0]
     }
 
-    /// The two geoms.
+    /// Returns the two geoms.
     #[doc(alias = "geom1")]
     #[doc(alias = "geom2")]
     pub fn geoms(&self) -> [GeomId; 2] {
         [self.raw.geom1, self.raw.geom2].map(|geom| Id::new(ffi::size(geom), self.data.model().lineage()))
     }
 
-    /// Friction coefficients: two of sliding, one of spinning, two of rolling.
+    /// Returns the friction coefficients: two of sliding, one of spinning, two of rolling.
     pub fn friction(&self) -> &'d [f64; 5] {
         &self.raw.friction
     }
 
-    /// The dimension of the contact space: 1 without friction, 3, 4 or 6.
+    /// Returns the dimension of the contact space: 1 without friction, 3, 4 or 6.
     pub fn dim(&self) -> usize {
         ffi::size(self.raw.dim)
     }
 
-    /// Whether the solver takes the contact into account; one within its gap, for instance, is only reported.
+    /// Returns true if the contact has constraint rows. A contact within its gap, for example, has none.
     #[doc(alias = "exclude")]
     #[doc(alias = "efc_address")]
     pub fn is_active(&self) -> bool {
         self.raw.efc_address >= 0
     }
 
-    /// The contact's force and torque, in the contact frame. Zero for a contact that is not active.
+    /// Computes the force and torque of the contact, contact frame. Zero for a contact that is not active.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`](crate::Error::NotComputed) before forces were computed, as between
-    /// [`step1`](Data::step1) and [`step2`](Data::step2): what the engine would return is of another state.
+    /// [`Error::NotComputed`] before forces were computed, for example between [`step1`](Data::step1) and
+    /// [`step2`](Data::step2), when the engine would return forces of another state.
     #[doc(alias = "mj_contactForce")]
     pub fn force(&self) -> Result<ContactForce> {
         self.data.check_computed("contact force", Stage::Acceleration)?;
         let mut result = [0.0; 6];
-        // SAFETY: the index is below `ncon`, and the forces were computed with the layout that the model's options give.
+        // SAFETY: the index is below `ncon`, and the forces were computed with the layout of the model's present options.
         unsafe {
             sys::mj_contactForce(
                 self.data.model().as_ptr(),
@@ -124,7 +127,7 @@ impl<'d> Contact<'d> {
         Ok(ContactForce { force: [fx, fy, fz], torque: [tx, ty, tz] })
     }
 
-    /// The contact's force, N, in the world frame.
+    /// Computes the force of the contact, N, world frame.
     ///
     /// # Errors
     ///
@@ -145,4 +148,167 @@ impl fmt::Debug for Contact<'_> {
             .field("normal", self.normal())
             .finish_non_exhaustive()
     }
+}
+
+/// Contact to add with [`Data::add_contact`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(alias = "mjContact")]
+pub struct NewContact {
+    /// The two geoms. The contact acts on their bodies.
+    pub geoms: [GeomId; 2],
+    /// Distance between the nearest points, m. Negative for penetration.
+    pub dist: f64,
+    /// Midpoint between the nearest points, m, world frame.
+    pub pos: [f64; 3],
+    /// Normal from the first geom to the second, world frame. Any length except zero.
+    pub normal: [f64; 3],
+    /// Distance below which the contact exerts forces, m.
+    pub includemargin: f64,
+    /// Friction coefficients: two of sliding, one of spinning, two of rolling.
+    pub friction: [f64; 5],
+    /// Time constant (s) and damping ratio of the constraint, or its negated stiffness and damping.
+    pub solref: [f64; 2],
+    /// Impedance of the constraint.
+    pub solimp: [f64; 5],
+    /// Dimension of the contact space: 1 without friction, 3, 4 or 6.
+    pub dim: usize,
+}
+
+impl NewContact {
+    /// Creates a contact of dimension 3, with the default values of the engine's compiler for geoms.
+    pub fn new(geoms: [GeomId; 2], dist: f64, pos: [f64; 3], normal: [f64; 3]) -> Self {
+        Self {
+            geoms,
+            dist,
+            pos,
+            normal,
+            includemargin: 0.0,
+            friction: [1.0, 1.0, 0.005, 0.0001, 0.0001],
+            solref: [0.02, 1.0],
+            solimp: [0.9, 0.95, 0.001, 0.5, 2.0],
+            dim: 3,
+        }
+    }
+
+    /// Checks that the values describe a contact.
+    fn check(&self) -> Result<()> {
+        let numbers = [self.dist, self.includemargin];
+        let numbers = numbers.iter().chain(&self.pos).chain(&self.normal).chain(&self.friction);
+        let finite = numbers.chain(&self.solref).chain(&self.solimp).all(|value| value.is_finite());
+        let length = norm(self.normal);
+        let (field, value, expected) = if !matches!(self.dim, 1 | 3 | 4 | 6) {
+            ("dim", self.dim.to_string(), "1, 3, 4 or 6")
+        } else if !finite {
+            ("a number", format!("{self:?}"), "finite")
+        } else if !(length.is_finite() && length > 0.0) {
+            ("normal", format!("{:?}", self.normal), "finite and not zero")
+        } else if self.friction.iter().any(|&value| value < 0.0) {
+            ("friction", format!("{:?}", self.friction), "not negative")
+        } else {
+            return Ok(());
+        };
+        Err(Error::Invalid { what: format!("{field} of a new contact"), value, expected: expected.to_owned() })
+    }
+
+    /// Computes the contact frame: the normal and two tangents.
+    fn frame(&self) -> [f64; 9] {
+        let unit = |vector: [f64; 3]| {
+            let length = norm(vector);
+            vector.map(|value| value / length)
+        };
+        let normal = unit(self.normal);
+        // Derive the first tangent from a coordinate axis that is not close to the normal.
+        let axis = if normal[1].abs() < 0.5 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
+        let along: f64 = (0..3).map(|i| axis[i] * normal[i]).sum();
+        let first = unit(std::array::from_fn(|i| axis[i] - along * normal[i]));
+        let second = cross(&normal, &first);
+        std::array::from_fn(|i| [normal, first, second][i / 3][i % 3])
+    }
+}
+
+impl Data {
+    /// Adds a contact to those of the last [`collision`](Self::collision). The constraint rows count as not computed
+    /// afterwards: continue with [`make_constraint`](Self::make_constraint). The next collision detection, for example of a step,
+    /// removes the contact.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before a collision detection, [`Error::Invalid`] for values that do not describe a contact or for
+    /// two geoms of the same body, [`Error::Unsupported`] if the number of contacts has reached `nconmax` or contacts are disabled.
+    ///
+    /// # Panics
+    ///
+    /// If an id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, NewContact, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?; // in the air
+    /// data.fwd_position()?;
+    /// let [floor, foot] = ["floor", "foot_left_inner"].map(|name| data.model().geom(name).map(|geom| geom.id()));
+    /// let (floor, foot) = (floor?, foot?);
+    /// let below = data.geom_xpos()[foot.index()];
+    /// data.add_contact(&NewContact::new([floor, foot], -0.01, below, [0.0, 0.0, 1.0]))?;
+    /// data.make_constraint()?;
+    /// data.project_constraint()?;
+    /// data.fwd_velocity()?;
+    /// data.fwd_actuation()?;
+    /// data.fwd_acceleration()?;
+    /// data.fwd_constraint()?;
+    /// let contact = data.contacts().last().expect("it was added");
+    /// assert!(contact.force()?.force[0] > 0.0);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_addContact")]
+    pub fn add_contact(&mut self, contact: &NewContact) -> Result<()> {
+        for geom in contact.geoms {
+            self.model().check_id(geom);
+        }
+        self.check_parts("add_contact", PipelineFlags::COLLISION)?;
+        contact.check()?;
+        let model = self.model();
+        let [one, other] = contact.geoms.map(|geom| model.geom(geom).body());
+        if one == other {
+            // The rows that the engine creates for it would be longer than the space that it reserves.
+            return Err(Error::invalid("the geoms of a new contact", format!("both of {one:?}"), "of two bodies"));
+        }
+        // The engine would create no rows for it, and some of its functions assume that every contact has rows.
+        if model.options().disable.intersects(DisableFlags::CONTACT | DisableFlags::CONSTRAINT) {
+            return Err(Error::Unsupported("add_contact to a model whose contacts are disabled".to_owned()));
+        }
+        if self.ncon() >= model.nconmax() {
+            return Err(Error::Unsupported(format!(
+                "more than the {} contacts that nconmax allows; increase it",
+                model.nconmax()
+            )));
+        }
+        let [geom1, geom2] = contact.geoms.map(|geom| geom.index() as c_int);
+        let raw = mjContact {
+            dist: contact.dist,
+            pos: contact.pos,
+            frame: contact.frame(),
+            includemargin: contact.includemargin,
+            friction: contact.friction.map(|value| value.max(mjMINMU)),
+            solref: contact.solref,
+            solimp: contact.solimp,
+            mu: 0.0,
+            H: [0.0; 36],
+            dim: contact.dim as c_int,
+            geom1,
+            geom2,
+            exclude: 0,
+            efc_address: -1,
+        };
+        let mut full = 0;
+        self.run("mj_addContact", self.after(PipelineFlags::COLLISION), |m, d| {
+            // SAFETY: geoms of this model, a valid dimension, no rows yet, a valid pointer for the result.
+            unsafe { guard::mj_add_contact(m, d, &raw const raw, &raw mut full) }
+        })?;
+        debug_assert_eq!(full, 0, "the number of contacts was checked");
+        Ok(())
+    }
+}
+
+fn norm(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|value| value * value).sum::<f64>().sqrt()
 }

@@ -1,4 +1,4 @@
-//! The distance of two geoms.
+//! Distance between two geoms.
 
 use std::mem::MaybeUninit;
 
@@ -7,46 +7,46 @@ use mujoco_sys::{
     mjMAXCONPAIR,
 };
 
-use super::{Computed, Data};
+use super::{Data, PipelineFlags};
 use crate::error::{Error, Result};
 use crate::id::GeomId;
 
-/// How far two geoms are from each other.
+/// Distance between two geoms, and the nearest points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeomDistance {
-    /// The distance, m; negative where they penetrate.
+    /// Distance, m. Negative for penetration.
     pub distance: f64,
-    /// The nearest points, m, world frame: of the first geom, of the second.
+    /// Nearest points of the first and the second geom, m, world frame.
     pub fromto: [[f64; 3]; 2],
 }
 
-/// The contact of two geoms that is nearest or deepest.
+/// Contact with the smallest distance.
 #[derive(Clone, Copy)]
 struct Nearest {
     distance: f64,
     midpoint: [f64; 3],
-    /// From the geom of the smaller type to the other.
+    /// Points from the geom with the smaller type number to the other.
     normal: [f64; 3],
 }
 
-/// The positive distance of a pair for which the engine searches is bracketed until it is known to this, m.
+/// Width, m, to which the bracket of a positive distance is reduced.
 const RESOLUTION: f64 = 1e-9;
 
 impl Data {
-    /// The smallest signed distance of two geoms; `None` if it is larger than `distmax` in m. The meaning is that of
-    /// `mj_geomDistance` in the newer engines, which 2.2.2 does not have; here it comes from the collision functions.
+    /// Computes the smallest signed distance between two geoms, or `None` if it is larger than `distmax` in m. This is
+    /// `mj_geomDistance` of newer engines, which 2.2.2 does not have; here it is computed with the collision functions.
     ///
-    /// Planes, spheres and capsules among each other, and spheres with boxes, have formulas. All other pairs are convex shapes,
-    /// for which the engine searches (Minkowski portal refinement of libccd, to the precision `mpr_tolerance`): a positive
-    /// distance is bracketed by growing the shapes until they touch; a penetration is a depth along which they come apart, and
-    /// may not be the smallest one. A mesh is its convex hull.
+    /// Pairs of planes, spheres and capsules, and spheres with boxes, have closed-form solutions. For all other pairs of convex
+    /// shapes the engine iterates (Minkowski portal refinement of libccd, to the precision `mpr_tolerance`): a positive
+    /// distance is found by bisection of the collision margin; a penetration depth separates the shapes, but may not be the
+    /// smallest one. Meshes are replaced by their convex hulls.
     ///
     /// # Errors
     ///
     /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a `distmax` that is negative or not finite,
-    /// [`Error::Unsupported`] for a pair that the engine has no function for, such as two planes, or for a geom whose pose is not
+    /// [`Error::Unsupported`] for a pair without a collision function, such as two planes, or for a geom whose pose is not
     /// finite, [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size is not positive. The
-    /// latter poisons the data, because the engine moves geoms during the call.
+    /// last one poisons the data, because the engine moves geoms during the call.
     ///
     /// # Panics
     ///
@@ -79,7 +79,7 @@ impl Data {
         for geom in geoms {
             self.model().check_id(geom);
         }
-        self.check_parts("geom_distance", Computed::KINEMATICS)?;
+        self.check_parts("geom_distance", PipelineFlags::KINEMATICS)?;
         if !(distmax.is_finite() && distmax >= 0.0) {
             return Err(Error::invalid("distmax of geom_distance", distmax, "finite and not negative"));
         }
@@ -90,54 +90,57 @@ impl Data {
                 return Err(Error::Unsupported(format!("the distance of geom {geom}, whose pose is not finite")));
             }
         }
-        // The engine's table has a function for the smaller type first.
+        // The collision functions expect the geom with the smaller type number first.
         let types = geoms.map(|geom| self.model().geom_type()[geom] as u32);
-        let turned = types[0] > types[1];
-        let pair = if turned { [geoms[1], geoms[0]] } else { geoms };
-        let nearest =
-            if self.exact(pair) { self.nearest(pair, Search::Table, distmax)? } else { self.searched(pair, distmax)? };
+        let swapped = types[0] > types[1];
+        let pair = if swapped { [geoms[1], geoms[0]] } else { geoms };
+        let nearest = if self.has_closed_form(pair) {
+            self.nearest(pair, CollisionFunction::Table, distmax)?
+        } else {
+            self.nearest_by_bisection(pair, distmax)?
+        };
         Ok(nearest.filter(|nearest| nearest.distance <= distmax).map(|Nearest { distance, midpoint, normal }| {
             let at = |side: f64| std::array::from_fn(|i| midpoint[i] + side * distance * normal[i]);
-            let fromto = if turned { [at(0.5), at(-0.5)] } else { [at(-0.5), at(0.5)] };
+            let fromto = if swapped { [at(0.5), at(-0.5)] } else { [at(-0.5), at(0.5)] };
             GeomDistance { distance, fromto }
         }))
     }
 
-    /// Whether the engine has a formula for the distance of a pair, in order of types.
-    fn exact(&self, pair: [usize; 2]) -> bool {
+    /// Returns true if the engine has a closed-form solution for a pair, which is sorted by type.
+    fn has_closed_form(&self, pair: [usize; 2]) -> bool {
         let [first, second] = pair.map(|geom| self.model().geom_type()[geom] as u32);
         let round = |geom_type| [mjGEOM_SPHERE, mjGEOM_CAPSULE].contains(&geom_type);
         first == mjGEOM_PLANE || (round(first) && round(second)) || (first == mjGEOM_SPHERE && second == mjGEOM_BOX)
     }
 
-    /// The nearest contact of a pair that the engine searches for.
-    fn searched(&mut self, pair: [usize; 2], distmax: f64) -> Result<Option<Nearest>> {
+    /// Returns the nearest contact of a pair without a closed-form solution.
+    fn nearest_by_bisection(&mut self, pair: [usize; 2], distmax: f64) -> Result<Option<Nearest>> {
         let types = pair.map(|geom| self.model().geom_type()[geom] as u32);
-        // Of boxes the engine's own functions tell contacts, not distances.
-        let search = if types == [mjGEOM_BOX; 2] || types == [mjGEOM_CAPSULE, mjGEOM_BOX] {
-            Search::Convex
+        // The special functions for boxes compute contacts only, and no distances.
+        let function = if types == [mjGEOM_BOX; 2] || types == [mjGEOM_CAPSULE, mjGEOM_BOX] {
+            CollisionFunction::Convex
         } else {
-            Search::Table
+            CollisionFunction::Table
         };
-        if let Some(nearest) = self.nearest(pair, search, 0.0)? {
+        if let Some(nearest) = self.nearest(pair, function, 0.0)? {
             return Ok(Some(nearest));
         }
-        // Convex shapes are not farther from each other than their centres. A height field is not convex.
+        // The distance of convex shapes is at most that of their centres. A height field is not convex.
         let [a, b] = pair.map(|geom| self.geom_xpos()[geom]);
         let mut farthest = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt() * (1.0 + 1e-9);
         if types[0] == mjGEOM_HFIELD {
             farthest += pair.iter().map(|&geom| self.model().geom_rbound()[geom].abs()).sum::<f64>();
         }
         let mut upper = distmax.min(farthest);
-        let Some(mut nearest) = self.nearest(pair, search, upper)? else { return Ok(None) };
-        // Grown by less than the distance, the shapes do not meet.
+        let Some(mut nearest) = self.nearest(pair, function, upper)? else { return Ok(None) };
+        // With a margin below the distance, the shapes do not collide.
         let mut lower: f64 = 0.0;
         while upper - lower > RESOLUTION.max(1e-12 * upper) {
             let middle = lower + 0.5 * (upper - lower);
             if middle <= lower || middle >= upper {
                 break;
             }
-            match self.nearest(pair, search, middle)? {
+            match self.nearest(pair, function, middle)? {
                 Some(found) => (upper, nearest) = (middle, found),
                 None => lower = middle,
             }
@@ -145,23 +148,28 @@ impl Data {
         Ok(Some(Nearest { distance: upper, ..nearest }))
     }
 
-    /// The nearest of the contacts that a collision function finds within a margin.
-    fn nearest(&mut self, [first, second]: [usize; 2], search: Search, margin: f64) -> Result<Option<Nearest>> {
+    /// Returns the nearest of the contacts that a collision function finds within a margin.
+    fn nearest(
+        &mut self,
+        [first, second]: [usize; 2],
+        function: CollisionFunction,
+        margin: f64,
+    ) -> Result<Option<Nearest>> {
         #[allow(
             clippy::large_stack_arrays,
-            reason = "as large as the engine's own, of 26 kB, on its way to the same function"
+            reason = "26 kB, as large as the array on the stack of the engine's caller of this function"
         )]
         let mut contacts = [const { MaybeUninit::<mjContact>::uninit() }; mjMAXCONPAIR as usize];
-        let types = match search {
-            Search::Table => [first, second].map(|geom| self.model().geom_type()[geom]),
-            Search::Convex => [mjGEOM_ELLIPSOID as i32; 2],
+        let types = match function {
+            CollisionFunction::Table => [first, second].map(|geom| self.model().geom_type()[geom]),
+            CollisionFunction::Convex => [mjGEOM_ELLIPSOID as i32; 2],
         };
         let mut count = 0;
         let (found, place) = (contacts.as_mut_ptr().cast(), &raw mut count);
         self.call_mut("mjCOLLISIONFUNC", |m, d| {
             // SAFETY: two geoms of this model, whose poses were computed, and the function for their types or the one for any two
-            // convex shapes; room for the largest number of contacts that a function may find. It moves the geoms and puts them
-            // back, for which `call_mut` borrows the data exclusively.
+            // convex shapes; an array for the largest number of contacts that a function may find. The function moves the geoms and
+            // restores them, for which `call_mut` borrows the data exclusively.
             unsafe { guard::collide(m, d, found, types[0], types[1], first as i32, second as i32, margin, place) }
         })?;
         let Ok(count) = usize::try_from(count) else {
@@ -170,9 +178,9 @@ impl Data {
             )));
         };
         let nearest = contacts[..count].iter().map(|contact| {
-            // The functions leave what is not theirs uninitialised, so there is no reference to the whole.
+            // The collision functions leave some fields uninitialised, so a reference to the whole struct would be invalid.
             let contact = contact.as_ptr();
-            // SAFETY: what every collision function sets of each contact that it counts.
+            // SAFETY: every collision function sets these fields of each contact that it counts.
             let (distance, midpoint, frame) = unsafe { ((*contact).dist, (*contact).pos, (*contact).frame) };
             Nearest { distance, midpoint, normal: [frame[0], frame[1], frame[2]] }
         });
@@ -180,11 +188,11 @@ impl Data {
     }
 }
 
-/// Which function finds the contacts.
+/// Selection of the collision function.
 #[derive(Clone, Copy)]
-enum Search {
-    /// That of the engine's table.
+enum CollisionFunction {
+    /// Function of the engine's table for the types of the pair.
     Table,
-    /// That for any two convex shapes.
+    /// Function for any two convex shapes.
     Convex,
 }

@@ -1,4 +1,4 @@
-//! The inertia matrix: full, products, solutions.
+//! Inertia matrix: conversion, products, linear solves, sums, and recursive Newton–Euler.
 
 use std::ptr;
 
@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
 impl Data {
-    /// The inertia matrix M `(nv, nv)` in full.
+    /// Returns the inertia matrix M as a full matrix `(nv, nv)`.
     ///
     /// # Errors
     ///
@@ -22,7 +22,7 @@ impl Data {
         Ok(full)
     }
 
-    /// Writes the inertia matrix to a matrix of the shape `(nv, nv)`.
+    /// Writes the inertia matrix M to a full matrix of the shape `(nv, nv)`.
     ///
     /// # Errors
     ///
@@ -32,12 +32,12 @@ impl Data {
         self.check_computed("full_m", Stage::Position)?;
         let nv = self.model().nv();
         Error::check_shape("the output of full_m", full.shape(), (nv, nv))?;
-        // SAFETY: the output has nv × nv values, and `qM` is this data's own.
+        // SAFETY: the output has nv × nv elements, and `qM` is an array of this data.
         unsafe { sys::mj_fullM(self.model().as_ptr(), full.as_mut_ptr(), self.raw().qM) };
         Ok(())
     }
 
-    /// `result = M vector`, both of length nv.
+    /// Computes `result = M vector`. Both have length nv.
     ///
     /// # Errors
     ///
@@ -48,13 +48,13 @@ impl Data {
         let nv = self.model().nv();
         Error::check_length("the result of mul_m", result.len(), nv)?;
         Error::check_length("the vector of mul_m", vector.len(), nv)?;
-        // SAFETY: both have nv values.
+        // SAFETY: both have nv elements.
         unsafe { sys::mj_mulM(self.model().as_ptr(), self.as_ptr(), result.as_mut_ptr(), vector.as_ptr()) };
         Ok(())
     }
 
-    /// Solves `M result = vector`, both of length nv, by the factorisation that the pipeline made. `n` vectors one behind
-    /// another are solved at once.
+    /// Solves `M result = vector` with the factorisation that the pipeline computed. Both have length nv, or n·nv for n
+    /// concatenated vectors.
     ///
     /// # Errors
     ///
@@ -76,23 +76,17 @@ impl Data {
     #[doc(alias = "mj_solveM")]
     pub fn solve_m(&mut self, result: &mut [f64], vector: &[f64]) -> Result<()> {
         self.check_computed("solve_m", Stage::Position)?;
-        let nv = self.model().nv();
-        let n = vector.len().checked_div(nv).unwrap_or(0);
-        Error::check_length("the vector of solve_m", vector.len(), n.max(1) * nv)?;
-        Error::check_length("the result of solve_m", result.len(), vector.len())?;
-        // The engine counts all their numbers with a C int.
-        let n = i32::try_from(vector.len())
-            .map(|_| n as i32)
-            .map_err(|_| Error::Unsupported(format!("solve_m of {n} vectors of length {nv} at once")))?;
+        let names = ["the vector of solve_m", "the result of solve_m"];
+        let n = self.vector_count("solve_m", names, vector.len(), result.len())?;
         self.call_mut("mj_solveM", |m, d| {
-            // SAFETY: both vectors have n × nv values, and the factor was computed for this model.
+            // SAFETY: both vectors have n × nv elements, and the factor was computed for this model.
             unsafe { guard::mj_solve_m(m, d, result.as_mut_ptr(), vector.as_ptr(), n) }
         })
     }
 
-    /// `result = M^½ vector`, both of length nv: the square root that belongs to the factorisation, `D^½ L`, so that the squared
-    /// length of the result is `vectorᵀ M vector`. (Computed here, because the engine's function does not scale what is beside the
-    /// diagonal of `L` in 2.2.2, so that it is no square root.)
+    /// Computes `result = M^½ vector` with the square root of the factorisation, `D^½ L`, so that the squared length of the result
+    /// is `vectorᵀ M vector`. Both have length nv. (The function of 2.2.2 is not used: it does not scale the off-diagonal elements of
+    /// `L`, so its matrix is not a square root.)
     ///
     /// # Errors
     ///
@@ -120,7 +114,7 @@ impl Data {
         let model = self.model();
         for (dof, result) in result.iter_mut().enumerate() {
             let mut sum = vector[dof];
-            // L has ones on its diagonal, and beside it what the ancestors of a degree of freedom have.
+            // L has ones on its diagonal, and off-diagonal elements for the ancestors of a degree of freedom.
             let mut address = model.dof_Madr()[dof] as usize;
             let mut ancestor = model.dof_parentid()[dof];
             while model.dof_simplenum()[dof] == 0 && ancestor >= 0 {
@@ -133,8 +127,8 @@ impl Data {
         Ok(())
     }
 
-    /// Half of a solution: `result = D^-½ L⁻ᵀ vector`, both of length nv, so that the squared length of the result is
-    /// `vectorᵀ M⁻¹ vector`. `n` vectors one behind another are solved at once.
+    /// Computes `result = D^-½ L⁻ᵀ vector`, the first half of a solve, so that the squared length of the result is
+    /// `vectorᵀ M⁻¹ vector`. Both have length nv, or n·nv for n concatenated vectors.
     ///
     /// # Errors
     ///
@@ -142,23 +136,29 @@ impl Data {
     #[doc(alias = "mj_solveM2")]
     pub fn solve_m2(&mut self, result: &mut [f64], vector: &[f64]) -> Result<()> {
         self.check_computed("solve_m2", Stage::Position)?;
-        let nv = self.model().nv();
-        let n = vector.len().checked_div(nv).unwrap_or(0);
-        Error::check_length("the vector of solve_m2", vector.len(), n.max(1) * nv)?;
-        Error::check_length("the result of solve_m2", result.len(), vector.len())?;
-        // The engine counts all their numbers with a C int.
-        let n = i32::try_from(vector.len())
-            .map(|_| n as i32)
-            .map_err(|_| Error::Unsupported(format!("solve_m2 of {n} vectors of length {nv} at once")))?;
+        let names = ["the vector of solve_m2", "the result of solve_m2"];
+        let n = self.vector_count("solve_m2", names, vector.len(), result.len())?;
         self.call_mut("mj_solveM2", |m, d| {
             // SAFETY: as in `solve_m`.
             unsafe { guard::mj_solve_m2(m, d, result.as_mut_ptr(), vector.as_ptr(), n) }
         })
     }
 
-    /// Inverse dynamics without constraints and passive forces, by the recursive Newton–Euler algorithm (Featherstone, Rigid
-    /// Body Dynamics Algorithms, chapter 5): `result = M qacc + bias` of length nv, without the armature; without accelerations
-    /// the bias forces alone.
+    /// Checks that `vector` and `result` are the same multiple n of nv, and returns n.
+    fn vector_count(&self, call: &str, names: [&'static str; 2], vector: usize, result: usize) -> Result<i32> {
+        let nv = self.model().nv();
+        let n = vector.checked_div(nv).unwrap_or(0);
+        Error::check_length(names[0], vector, n.max(1) * nv)?;
+        Error::check_length(names[1], result, vector)?;
+        // The engine counts all elements with a C int.
+        i32::try_from(vector)
+            .map(|_| n as i32)
+            .map_err(|_| Error::Unsupported(format!("{call} of {n} vectors of length {nv} at once")))
+    }
+
+    /// Computes inverse dynamics without constraints and passive forces, by the recursive Newton–Euler algorithm (Featherstone,
+    /// Rigid Body Dynamics Algorithms, chapter 5): `result = M qacc + bias` of length nv, without the armature. Without
+    /// accelerations the result is the bias forces.
     ///
     /// # Errors
     ///
@@ -180,7 +180,7 @@ impl Data {
         self.check_computed("rne", Stage::Velocity)?;
         Error::check_length("the result of rne", result.len(), self.model().nv())?;
         self.call_mut("mj_rne", |m, d| {
-            // SAFETY: the result has nv values.
+            // SAFETY: the result has nv elements.
             unsafe { guard::mj_rne(m, d, with_acceleration.into(), result.as_mut_ptr()) }
         })
     }
@@ -208,19 +208,19 @@ impl Data {
         Error::check_shape("the sum of add_m", sum.shape(), (nv, nv))?;
         let null = ptr::null_mut;
         self.call_mut("mj_addM", |m, d| {
-            // SAFETY: without index arrays the engine reads the sum as a full matrix, which it is.
+            // SAFETY: without index arrays the engine treats the sum as a full matrix, and it has nv × nv elements.
             unsafe { guard::mj_add_m(m, d, sum.as_mut_ptr(), null(), null(), null()) }
         })
     }
 
-    /// Adds the inertia matrix to a sparse matrix of nv rows. Row `r` has `rownnz[r]` numbers from `values[rowadr[r]]` on, and
-    /// their columns, ascending, from `colind[rowadr[r]]` on; the call adds to them, puts the columns that it misses between them,
-    /// and updates `rownnz`. Each row must have room for that before the next one begins.
+    /// Adds the inertia matrix to a sparse matrix of nv rows. Row `r` has `rownnz[r]` elements, which start at `values[rowadr[r]]`;
+    /// their column indices, in ascending order, start at `colind[rowadr[r]]`. The call adds to existing elements, inserts missing
+    /// columns, and updates `rownnz`. Each row needs enough space for the insertions before the start of the next row.
     ///
     /// # Errors
     ///
     /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless `rownnz` and `rowadr` have length nv and
-    /// `colind` has that of `values`, [`Error::Invalid`] for a row that is none, or has no room, [`Error::Engine`] if the
+    /// `colind` has that of `values`, [`Error::Invalid`] for an invalid row or one with too little space, [`Error::Engine`] if the
     /// engine's stack is too small.
     ///
     /// ```
@@ -228,7 +228,7 @@ impl Data {
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.forward()?;
-    /// // Empty rows with room for a full one each.
+    /// // Empty rows with space for nv elements each.
     /// let nv = data.model().nv();
     /// let mut rownnz = vec![0; nv];
     /// let rowadr: Vec<i32> = (0..nv).map(|row| (row * nv) as i32).collect();
@@ -258,27 +258,27 @@ impl Data {
         let (values, rownnz, colind) = (values.as_mut_ptr(), rownnz.as_mut_ptr(), colind.as_mut_ptr());
         let rowadr = rowadr.as_ptr().cast_mut();
         self.call_mut("mj_addM", |m, d| {
-            // SAFETY: `check_sparse_row` found the rows in order within the arrays, with ascending columns of the matrix and room
-            // for the added values. The engine only reads the addresses.
+            // SAFETY: `check_sparse_row` has checked that the rows are in order and within the arrays, that the columns are ascending
+            // and below nv, and that each row has space for the insertions. The engine only reads the addresses.
             unsafe { guard::mj_add_m(m, d, values, rownnz, rowadr, colind) }
         })
     }
 
-    /// Refuses a row that the engine would leave its arrays with.
+    /// Returns an error for a row with which the engine would access memory outside of the arrays.
     fn check_sparse_row(&self, row: usize, nnz: i32, adr: i32, end: usize, colind: &[i32]) -> Result<()> {
         let model = self.model();
         let invalid = |value: String, expected: String| {
             Err(Error::Invalid { what: format!("row {row} of add_m_sparse"), value, expected })
         };
         let (Ok(count), Ok(start)) = (usize::try_from(nnz), usize::try_from(adr)) else {
-            return invalid(format!("{nnz} numbers from {adr} on"), "within the arrays".to_owned());
+            return invalid(format!("{nnz} elements from {adr} on"), "within the arrays".to_owned());
         };
         let Some(columns) =
             start.checked_add(count).filter(|&last| last <= end).and_then(|last| colind.get(start..last))
         else {
             return invalid(
-                format!("{count} numbers from {start} on"),
-                format!("before {end}, where the next row begins"),
+                format!("{count} elements from {start} on"),
+                format!("before the next row, which starts at {end}"),
             );
         };
         let ascending = columns.windows(2).all(|pair| pair[0] < pair[1]);
@@ -293,12 +293,12 @@ impl Data {
             return invalid("without its diagonal".to_owned(), "empty, or with its diagonal".to_owned());
         }
         if start + count + missing > end {
-            return invalid(format!("{} numbers", end - start), format!("with room for {}", count + missing));
+            return invalid(format!("{} elements long", end - start), format!("at least {}", count + missing));
         }
         Ok(())
     }
 
-    /// Whether the inertia matrix has an entry for two degrees of freedom, the first of which is the later one.
+    /// Returns true if the inertia matrix stores an element for two degrees of freedom, of which `later` has the larger index.
     fn is_in_m(&self, later: usize, earlier: usize) -> bool {
         let model = self.model();
         if model.dof_simplenum()[later] > 0 {

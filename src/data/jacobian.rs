@@ -1,7 +1,7 @@
-//! Jacobians: how points on bodies move with the degrees of freedom.
+//! Jacobians of frames, points and centres of mass, and the matrix of the angular momentum of a subtree.
 //!
-//! Each has two forms: one that returns new matrices, and one, ending in `_into`, that writes to the caller's and allocates
-//! nothing. All need positions to be computed.
+//! Each function has two forms: one returns new matrices; the other, whose name ends in `_into`, writes to existing matrices and
+//! does not allocate. All need the results of [`Stage::Position`].
 
 use std::ffi::c_int;
 use std::ptr;
@@ -11,20 +11,21 @@ use mujoco_sys::{self as sys, guard};
 use super::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::id::{BodyId, ElementKind, GeomId, Id, SiteId};
+use crate::math::cross;
 use crate::matrix::Matrix;
 
-/// The two Jacobians of a frame, each `(3, nv)`, world frame.
+/// Jacobians of a frame, each `(3, nv)`, world frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jacobian {
-    /// How its origin moves: m/s for each unit of velocity.
+    /// Derivative of the linear velocity of the origin, m/s, with respect to `qvel`.
     pub translation: Matrix,
-    /// How it turns: rad/s for each unit of velocity.
+    /// Derivative of the angular velocity, rad/s, with respect to `qvel`.
     pub rotation: Matrix,
 }
 
-/// A matrix that the engine may leave out, and the size that it must have.
+/// Returns the pointer to an output of shape `(3, nv)`, or NULL if the caller does not need the output.
 #[inline]
-fn output(what: &'static str, matrix: Option<&mut Matrix>, nv: usize) -> Result<*mut f64> {
+fn output_pointer(what: &'static str, matrix: Option<&mut Matrix>, nv: usize) -> Result<*mut f64> {
     match matrix {
         None => Ok(ptr::null_mut()),
         Some(matrix) => {
@@ -34,7 +35,7 @@ fn output(what: &'static str, matrix: Option<&mut Matrix>, nv: usize) -> Result<
     }
 }
 
-/// The pair of methods for one of the engine's functions.
+/// Defines both forms of the method for an engine function.
 macro_rules! jacobian_of {
     ($(#[$doc:meta])* $name:ident, $into:ident, $id:ty, $function:ident, $alias:literal) => {
         $(#[$doc])*
@@ -48,12 +49,12 @@ macro_rules! jacobian_of {
         /// If the id is of another model.
         #[doc(alias = $alias)]
         pub fn $name(&self, id: impl Into<$id>) -> Result<Jacobian> {
-            let mut jacobian = self.empty_jacobian();
+            let mut jacobian = self.zero_jacobian();
             self.$into(id, Some(&mut jacobian.translation), Some(&mut jacobian.rotation))?;
             Ok(jacobian)
         }
 
-        #[doc = concat!("As [`", stringify!($name), "`](Self::", stringify!($name), "), into matrices of the shape `(3, nv)`, each of which may be left out.")]
+        #[doc = concat!("Writes the Jacobians of [`", stringify!($name), "`](Self::", stringify!($name), ") to matrices of the shape `(3, nv)`. Matrices that are `None` are not computed.")]
         ///
         /// # Errors
         ///
@@ -66,8 +67,8 @@ macro_rules! jacobian_of {
         #[inline]
         pub fn $into(&self, id: impl Into<$id>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
             let index = self.index_for(stringify!($name), id.into())?;
-            let (jacp, jacr) = self.outputs(translation, rotation)?;
-            // SAFETY: the id is one of this model's; the outputs are NULL or have 3 × nv values, and the engine writes only there.
+            let (jacp, jacr) = self.output_pointers(translation, rotation)?;
+            // SAFETY: the id is of this model; the outputs are NULL or have 3 × nv elements, and the engine writes only there.
             unsafe { sys::$function(self.model().as_ptr(), self.as_ptr(), jacp, jacr, index) };
             Ok(())
         }
@@ -76,11 +77,11 @@ macro_rules! jacobian_of {
 
 impl Data {
     jacobian_of! {
-        /// The Jacobian of a body's frame.
+        /// Computes the Jacobian of the frame of a body.
         jac_body, jac_body_into, BodyId, mj_jacBody, "mj_jacBody"
     }
     jacobian_of! {
-        /// The Jacobian of a body's centre of mass.
+        /// Computes the Jacobian of the centre of mass of a body.
         ///
         /// ```
         /// use mujoco_safe::{Data, sample};
@@ -91,22 +92,22 @@ impl Data {
         /// data.forward()?;
         /// let jacobian = data.jac_body_com(foot)?;
         /// assert_eq!(jacobian.translation.shape(), (3, model.nv()));
-        /// // Moving the root along z by 1 m/s moves the foot by 1 m/s.
+        /// // The foot has the velocity of the root along z.
         /// assert_eq!(jacobian.translation[(2, 2)], 1.0);
         /// # Ok::<(), mujoco_safe::Error>(())
         /// ```
         jac_body_com, jac_body_com_into, BodyId, mj_jacBodyCom, "mj_jacBodyCom"
     }
     jacobian_of! {
-        /// The Jacobian of a geom's frame.
+        /// Computes the Jacobian of the frame of a geom.
         jac_geom, jac_geom_into, GeomId, mj_jacGeom, "mj_jacGeom"
     }
     jacobian_of! {
-        /// The Jacobian of a site's frame.
+        /// Computes the Jacobian of the frame of a site.
         jac_site, jac_site_into, SiteId, mj_jacSite, "mj_jacSite"
     }
 
-    /// The Jacobian of a point, in metres in the world frame, that moves with a body.
+    /// Computes the Jacobian of a point that is attached to a body. The point is in metres, world frame.
     ///
     /// # Errors
     ///
@@ -117,12 +118,12 @@ impl Data {
     /// If the id is of another model.
     #[doc(alias = "mj_jac")]
     pub fn jac(&self, body: impl Into<BodyId>, point: [f64; 3]) -> Result<Jacobian> {
-        let mut jacobian = self.empty_jacobian();
+        let mut jacobian = self.zero_jacobian();
         self.jac_into(body, point, Some(&mut jacobian.translation), Some(&mut jacobian.rotation))?;
         Ok(jacobian)
     }
 
-    /// As [`jac`](Self::jac), into matrices of the shape `(3, nv)`, each of which may be left out.
+    /// Writes the Jacobians of [`jac`](Self::jac) to matrices of the shape `(3, nv)`. Matrices that are `None` are not computed.
     ///
     /// # Errors
     ///
@@ -140,13 +141,13 @@ impl Data {
         rotation: Option<&mut Matrix>,
     ) -> Result<()> {
         let index = self.index_for("jac", body.into())?;
-        let (jacp, jacr) = self.outputs(translation, rotation)?;
-        // SAFETY: as for the others, and the point has three coordinates.
+        let (jacp, jacr) = self.output_pointers(translation, rotation)?;
+        // SAFETY: as for the other Jacobians, and the point has three coordinates.
         unsafe { sys::mj_jac(self.model().as_ptr(), self.as_ptr(), jacp, jacr, point.as_ptr(), index) };
         Ok(())
     }
 
-    /// The Jacobian `(3, nv)` of the centre of mass of a body and everything below it, world frame.
+    /// Computes the Jacobian `(3, nv)` of the centre of mass of the subtree of a body, world frame.
     ///
     /// # Errors
     ///
@@ -162,7 +163,7 @@ impl Data {
         Ok(jacobian)
     }
 
-    /// As [`jac_subtree_com`](Self::jac_subtree_com), into a matrix of the shape `(3, nv)`.
+    /// Writes the Jacobian of [`jac_subtree_com`](Self::jac_subtree_com) to a matrix of the shape `(3, nv)`.
     ///
     /// # Errors
     ///
@@ -175,15 +176,15 @@ impl Data {
     #[doc(alias = "mj_jacSubtreeCom")]
     pub fn jac_subtree_com_into(&mut self, body: impl Into<BodyId>, jacobian: &mut Matrix) -> Result<()> {
         let index = self.index_for("jac_subtree_com", body.into())?;
-        let jacp = output("jacobian", Some(jacobian), self.model().nv())?;
+        let jacp = output_pointer("jacobian", Some(jacobian), self.model().nv())?;
         self.call_mut("mj_jacSubtreeCom", |m, d| {
-            // SAFETY: the index is that of a body of this model, and the output has 3 × nv values.
+            // SAFETY: a body of this model, and an output of 3 × nv elements.
             unsafe { guard::mj_jac_subtree_com(m, d, jacp, index) }
         })
     }
 
-    /// How a point on a body, in m, world frame, and an axis of the body, world frame, move: the Jacobians `(3, nv)` of the point
-    /// and of the axis.
+    /// Computes the Jacobians `(3, nv)` of a point and of an axis that are attached to a body. Both are in the world frame, the
+    /// point in metres.
     ///
     /// # Errors
     ///
@@ -200,8 +201,8 @@ impl Data {
     /// data.forward()?;
     /// let pole = data.model().body("pole")?.id();
     /// let [point, axis] = data.jac_point_axis(pole, [0.0; 3], [0.0, 0.0, 1.0])?;
-    /// assert_eq!(point[(0, 0)], 1.0); // the cart takes the point along,
-    /// assert_eq!(axis[(0, 0)], 0.0); // and turns nothing
+    /// assert_eq!(point[(0, 0)], 1.0); // the cart translates the point,
+    /// assert_eq!(axis[(0, 0)], 0.0); // and does not rotate the axis
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_jacPointAxis")]
@@ -213,7 +214,8 @@ impl Data {
         Ok(jacobians)
     }
 
-    /// As [`jac_point_axis`](Self::jac_point_axis), into matrices of the shape `(3, nv)`, each of which may be left out.
+    /// Writes the Jacobians of [`jac_point_axis`](Self::jac_point_axis) to matrices of the shape `(3, nv)`. Matrices that are
+    /// `None` are not computed.
     ///
     /// # Errors
     ///
@@ -234,22 +236,109 @@ impl Data {
     ) -> Result<()> {
         let index = self.index_for("jac_point_axis", body.into())?;
         let nv = self.model().nv();
-        let (jac_point, jac_axis) = (output("jac_point", jac_point, nv)?, output("jac_axis", jac_axis, nv)?);
+        let (jac_point, jac_axis) =
+            (output_pointer("jac_point", jac_point, nv)?, output_pointer("jac_axis", jac_axis, nv)?);
         self.call_mut("mj_jacPointAxis", |m, d| {
-            // SAFETY: a body of this model, outputs that are NULL or have 3 × nv values, and two vectors of three numbers.
+            // SAFETY: a body of this model, outputs that are NULL or have 3 × nv elements, and two vectors of three elements.
             unsafe { guard::mj_jac_point_axis(m, d, jac_point, jac_axis, point.as_ptr(), axis.as_ptr(), index) }
         })
     }
 
-    fn empty_jacobian(&self) -> Jacobian {
+    /// Computes the matrix `(3, nv)` that maps `qvel` to the angular momentum, kg·m²/s, of the subtree of a body about its
+    /// centre of mass, world frame (Orin and Goswami, Centroidal momentum matrix of a humanoid robot, IROS 2008). This is
+    /// `mj_angmomMat` of newer engines, which 2.2.2 does not have; [`subtree_vel`](Self::subtree_vel) computes the momenta.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.qvel_mut().fill(0.3);
+    /// data.forward()?;
+    /// data.subtree_vel()?;
+    /// let torso = data.model().body("torso")?.id();
+    /// let matrix = data.angmom_mat(torso)?;
+    /// for (row, momentum) in matrix.rows().zip(data.subtree_angmom()[torso.index()]) {
+    ///     let product: f64 = row.iter().zip(data.qvel()).map(|(entry, velocity)| entry * velocity).sum();
+    ///     assert!((product - momentum).abs() < 1e-9);
+    /// }
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_angmomMat")]
+    pub fn angmom_mat(&self, body: impl Into<BodyId>) -> Result<Matrix> {
+        let mut matrix = Matrix::zeros(3, self.model().nv());
+        self.angmom_mat_into(body, &mut matrix)?;
+        Ok(matrix)
+    }
+
+    /// Writes the matrix of [`angmom_mat`](Self::angmom_mat) to a matrix of the shape `(3, nv)`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    #[doc(alias = "mj_angmomMat")]
+    pub fn angmom_mat_into(&self, body: impl Into<BodyId>, matrix: &mut Matrix) -> Result<()> {
+        let root = body.into();
+        let model = self.model();
+        model.check_id(root);
+        self.check_computed("angmom_mat", Stage::Position)?;
+        Error::check_shape("the matrix of angmom_mat", matrix.shape(), (3, model.nv()))?;
+        matrix.as_mut_slice().fill(0.0);
+        let (root, parents) = (root.index(), model.body_parentid());
+        let centre = self.subtree_com()[root];
+        // The bodies of a subtree are consecutive.
+        let subtree = (root..model.nbody()).take_while(|&body| body == root || parents[body] as usize >= root);
+        for body in subtree {
+            let Some(last) = self.last_dof(body) else { continue };
+            let (mass, inertia) = (model.body_mass()[body], model.body_inertia()[body]);
+            let (position, axes) = (self.xipos()[body], self.ximat()[body]);
+            let origin = self.subtree_com()[model.body_rootid()[body] as usize];
+            let arm: [f64; 3] = std::array::from_fn(|i| position[i] - centre[i]);
+            let offset: [f64; 3] = std::array::from_fn(|i| position[i] - origin[i]);
+            let mut dof = Some(last);
+            while let Some(index) = dof {
+                let [rx, ry, rz, tx, ty, tz] = self.cdof()[index];
+                let rotation = [rx, ry, rz];
+                let swing = cross(&rotation, &offset);
+                let orbital = cross(&arm, &[tx + swing[0], ty + swing[1], tz + swing[2]]);
+                let spin: [f64; 3] = std::array::from_fn(|axis| {
+                    let along: f64 = (0..3).map(|i| axes[3 * i + axis] * rotation[i]).sum();
+                    inertia[axis] * along
+                });
+                for (i, orbital) in orbital.iter().enumerate() {
+                    let spin: f64 = (0..3).map(|axis| axes[3 * i + axis] * spin[axis]).sum();
+                    matrix[(i, index)] += mass * orbital + spin;
+                }
+                dof = usize::try_from(model.dof_parentid()[index]).ok();
+            }
+        }
+        Ok(())
+    }
+
+    fn zero_jacobian(&self) -> Jacobian {
         let nv = self.model().nv();
         Jacobian { translation: Matrix::zeros(3, nv), rotation: Matrix::zeros(3, nv) }
     }
 
     #[inline]
-    fn outputs(&self, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<(*mut f64, *mut f64)> {
+    fn output_pointers(
+        &self,
+        translation: Option<&mut Matrix>,
+        rotation: Option<&mut Matrix>,
+    ) -> Result<(*mut f64, *mut f64)> {
         let nv = self.model().nv();
-        Ok((output("translation", translation, nv)?, output("rotation", rotation, nv)?))
+        Ok((output_pointer("translation", translation, nv)?, output_pointer("rotation", rotation, nv)?))
     }
 
     #[inline]
@@ -257,5 +346,18 @@ impl Data {
         self.model().check_id(id);
         self.check_computed(call, Stage::Position)?;
         Ok(id.index() as c_int)
+    }
+
+    /// Returns the last degree of freedom that moves a body. The others are its ancestors.
+    fn last_dof(&self, mut body: usize) -> Option<usize> {
+        let model = self.model();
+        while body > 0 {
+            let count = model.body_dofnum()[body];
+            if count > 0 {
+                return Some((model.body_dofadr()[body] + count - 1) as usize);
+            }
+            body = model.body_parentid()[body] as usize;
+        }
+        None
     }
 }

@@ -1,58 +1,52 @@
-//! The state of a simulation, and everything that is computed from it.
+//! Simulations: the state, the inputs, and all quantities that are computed from them.
 //!
-//! `call.rs` holds the gates through which every call of the engine on a simulation goes, and `computed.rs` the record of what has
-//! been computed; the other files are themes of [`Data`]'s methods.
+//! [`Data`] owns the engine's `mjData`. `call` makes the engine calls: it converts engine errors, poisons the data after a failure,
+//! runs callbacks, and records which results are valid. The other modules add methods to [`Data`] by theme: the state (`state`,
+//! `reset`), the pipeline and its steps (`step`, [`pipeline`]), kinematics and Jacobians (`frame`, `jacobian`), dynamics and
+//! inertia (`inertia`), contacts and constraints (`contact`, `constraint`), queries (`ray`, `distance`), and diagnostics
+//! (`warning`, `diagnostics`).
 
 mod call;
-mod computed;
 mod constraint;
 mod contact;
+mod diagnostics;
 mod distance;
+mod frame;
 mod inertia;
 mod jacobian;
-mod keyframe;
-mod momentum;
-mod needs;
-mod new_contact;
-mod object;
 pub mod pipeline;
-mod print;
 mod ray;
-mod stability;
-mod stage;
+mod reset;
 mod state;
-mod statistics;
 mod step;
 mod warning;
 
-use std::ffi::c_int;
 use std::fmt;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
-use mujoco_sys::{self as sys, guard, mjData, mjModel};
+use mujoco_sys::{self as sys, guard, mjData};
 
-pub(crate) use self::computed::Computed;
-pub use self::contact::{Contact, ContactForce};
+use self::call::CallbackSlot;
+pub(crate) use self::call::EngineCallbacks;
+pub use self::contact::{Contact, ContactForce, NewContact};
+pub use self::diagnostics::{SolverIteration, Timer, TimerCount};
 pub use self::distance::GeomDistance;
+pub use self::frame::{Axes, FrameId, SpatialVector};
 pub use self::jacobian::Jacobian;
-pub use self::needs::Needs;
-pub use self::new_contact::NewContact;
-pub use self::object::{Axes, Frame, SpatialVector};
 pub use self::ray::{RayHit, RayOptions};
-pub use self::stability::{Instability, Quantity};
-pub use self::stage::Stage;
 pub use self::state::StateSpec;
-pub use self::statistics::{SolverIteration, Timer, TimerCount};
+pub(crate) use self::warning::silence as silence_warnings;
 pub use self::warning::{Warning, WarningCount};
-use crate::callback::Slot;
 use crate::error::{Error, Result};
+pub use crate::error::{Instability, UnstableField};
 use crate::ffi;
-use crate::id::{Id, Key, kind};
 use crate::model::{Model, ModelMut};
+pub(crate) use crate::stage::PipelineFlags;
+pub use crate::stage::{MissingResults, Stage};
 
-/// A simulation: its state, its inputs, and what was computed from them. It holds its model in an [`Arc`], so the two cannot
-/// come apart, and any number of simulations share one model.
+/// Simulation: its state, its inputs, and the quantities that are computed from them. It holds its model in an [`Arc`], so the
+/// model lives as long as the simulation, and any number of simulations share one model.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -70,19 +64,19 @@ use crate::model::{Model, ModelMut};
 ///
 /// # Errors of the engine
 ///
-/// Where the engine itself would print, wait for a key and end the process, the call returns [`Error::Engine`]. The receiver of
-/// the call decides about the data:
+/// In place of printing a message, waiting for a key and ending the process, as the engine does in C, the call returns
+/// [`Error::Engine`]. The effect on the data depends on the receiver of the call:
 ///
 /// - After a call with `&mut Data`, such as [`step`](Self::step), [`rne`](Self::rne) or
 ///   [`Scene::update`](crate::Scene::update), the data may be half computed. It is poisoned: every call that computes
 ///   from it returns [`Error::Poisoned`] until a [`reset`](Self::reset). The arrays can still be read. The `# Errors` sections
 ///   mention this error only for calls that can cause it.
-/// - A call with `&Data`, such as [`ray`](Self::ray) or [`Scene::select`](crate::Scene::select), only reads. The data stays as
-///   it was and usable.
+/// - A call with `&Data`, such as [`ray`](Self::ray) or [`Scene::select`](crate::Scene::select), only reads. The data is
+///   unchanged and usable.
 ///
-/// # What does not compile
+/// # Uses that the compiler rejects
 ///
-/// A view, a slice or a contact borrows the simulation, so it cannot outlive it,
+/// A view, a slice or a contact borrows the simulation, so it cannot outlive the simulation:
 ///
 /// ```compile_fail,E0597
 /// # use mujoco_safe::{Data, sample};
@@ -93,7 +87,7 @@ use crate::model::{Model, ModelMut};
 /// println!("{:?}", knee.qpos());
 /// ```
 ///
-/// and a step cannot change what it shows:
+/// A step cannot change the arrays that it refers to:
 ///
 /// ```compile_fail,E0502
 /// # use mujoco_safe::{Data, sample};
@@ -111,7 +105,7 @@ use crate::model::{Model, ModelMut};
 /// println!("{:?}", contacts[0].force());
 /// ```
 ///
-/// The model of a simulation is shared, and changes through [`edit_model`](Self::edit_model) only:
+/// The model of a simulation is shared, and can only be changed through [`edit_model`](Self::edit_model):
 ///
 /// ```compile_fail,E0596
 /// # use mujoco_safe::{Data, sample};
@@ -120,7 +114,7 @@ use crate::model::{Model, ModelMut};
 /// model.edit(); // cannot borrow data in an `Arc` as mutable
 /// ```
 ///
-/// Any number of threads may read a simulation, or one may step it, but not both at once:
+/// Any number of threads may read a simulation, or one thread may step it, but not both at the same time:
 ///
 /// ```compile_fail,E0502
 /// # use mujoco_safe::{Data, sample};
@@ -144,24 +138,24 @@ use crate::model::{Model, ModelMut};
 pub struct Data {
     raw: NonNull<mjData>,
     model: Arc<Model>,
-    /// Results that have been computed for the present model.
-    computed: Computed,
-    /// Why the data is unusable, if it is.
+    /// Valid results for the present model.
+    computed: PipelineFlags,
+    /// Text of the error that poisoned the data.
     failure: Option<Box<str>>,
-    /// The closures that the engine calls, within the scope of [`with_callbacks`](Self::with_callbacks).
-    pub(crate) callbacks: Option<Arc<Slot>>,
+    /// Callbacks of the innermost [`with_callbacks`](Self::with_callbacks).
+    pub(crate) callbacks: Option<Arc<CallbackSlot>>,
 }
 
-// SAFETY: the engine's data has no thread affinity, and it is ours alone.
+// SAFETY: the engine's data has no thread affinity, and this is its only owner.
 unsafe impl Send for Data {}
-// SAFETY: whatever takes `&Data` reads fields, or calls an engine function that takes `const mjData*`: mj_jac, mj_jacBody,
+// SAFETY: all methods with `&Data` read fields, or call an engine function that takes `const mjData*`: mj_jac, mj_jacBody,
 // mj_jacBodyCom, mj_jacGeom, mj_jacSite, mj_mulM, mj_contactForce, mj_objectVelocity, mj_objectAcceleration, mj_ray,
-// mj_rayMesh, mj_rayHfield, mj_copyData (its source), or one whose `mjData*` is not const but which only reads it: mj_mulJacVec,
-// mj_mulJacTVec, mj_local2Global. Those write to nothing but their output arguments.
+// mj_rayMesh, mj_rayHfield, mj_copyData (its source), or a function whose `mjData*` is not const but which only reads it:
+// mj_mulJacVec, mj_mulJacTVec, mj_local2Global. These functions write only to their output arguments.
 unsafe impl Sync for Data {}
 
 impl Data {
-    /// A simulation of this model, in its reference position and at rest. Takes a [`Model`] or an `Arc<Model>`.
+    /// Creates a simulation of a [`Model`] or an `Arc<Model>`, in the reference position and at rest.
     ///
     /// # Errors
     ///
@@ -171,7 +165,7 @@ impl Data {
     pub fn new(model: impl Into<Arc<Model>>) -> Result<Self> {
         let model = model.into();
         let mut made = ptr::null_mut();
-        // SAFETY: a valid model, a place for the result.
+        // SAFETY: a valid model, and a valid pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
         // SAFETY: the engine made it for this model.
         unsafe { Self::from_raw(made, model) }
@@ -179,26 +173,26 @@ impl Data {
 
     /// # Safety
     ///
-    /// `raw` is NULL or a data that the engine made for a model of the same structure as `model`, and nobody else's.
+    /// `raw` is NULL, or a data that the engine made for a model of the same structure as `model` and that has no other owner.
     unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
         let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
-        Ok(Self { raw, model, computed: Computed::empty(), failure: None, callbacks: None })
+        Ok(Self { raw, model, computed: PipelineFlags::empty(), failure: None, callbacks: None })
     }
 
-    /// The model.
+    /// Returns the model.
     #[inline]
     pub fn model(&self) -> &Arc<Model> {
         &self.model
     }
 
-    /// Changes the model of this simulation. A model that others share is copied first, so theirs stays as it is.
+    /// Changes the model of this simulation. A shared model is copied first, so that other simulations keep theirs unchanged.
     ///
-    /// What has been computed so far was computed for the model as it was, so it counts as not computed afterwards.
+    /// All results were computed for the old model, so they count as not computed afterwards.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated. Nothing is changed then, and the
-    /// data is not poisoned.
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated. The model is unchanged then, and
+    /// the data is not poisoned.
     ///
     /// ```
     /// use mujoco_safe::{Cone, Data, sample};
@@ -209,7 +203,7 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     ///
-    /// The model cannot be replaced by another one in this way:
+    /// The closure cannot replace the model by another one:
     ///
     /// ```compile_fail,E0521
     /// use mujoco_safe::{Data, sample};
@@ -224,10 +218,10 @@ impl Data {
     ///
     /// let mut data = Data::new(sample::humanoid()).unwrap();
     /// let mut other = sample::cartpole();
-    /// data.edit_model(|model| std::mem::swap(model, &mut other)); // a `ModelMut` is no `Model`
+    /// data.edit_model(|model| std::mem::swap(model, &mut other)); // a `ModelMut` is not a `Model`
     /// ```
     ///
-    /// nor can anything of it be kept:
+    /// It cannot keep a borrow of the model either:
     ///
     /// ```compile_fail,E0521
     /// use mujoco_safe::{Data, sample};
@@ -242,112 +236,8 @@ impl Data {
             self.model = Arc::new(self.model.try_clone()?);
         }
         let model = Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared");
-        self.computed = Computed::empty();
+        self.computed = PipelineFlags::empty();
         Ok(edit(&mut model.edit()))
-    }
-
-    /// Resets to the reference position, at rest, with no controls and no applied forces. Makes a poisoned data usable again.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Engine`] if the engine fails. It fails for no model that was loaded.
-    #[doc(alias = "mj_resetData")]
-    pub fn reset(&mut self) -> Result<()> {
-        self.reset_by("mj_resetData", |m, d| {
-            // SAFETY: a model and a data that go together.
-            unsafe { guard::mj_reset_data(m, d) }
-        })
-    }
-
-    /// Resets, and then sets time, positions, velocities, activations, mocap poses and controls from a keyframe, given by its
-    /// name, its index or its id.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] if there is no such keyframe; the data is unchanged then. (The engine would
-    /// make a plain reset.) [`Error::Engine`] as for [`reset`](Self::reset).
-    ///
-    /// ```
-    /// use mujoco_safe::{Data, Error, sample};
-    ///
-    /// let mut data = Data::new(sample::humanoid())?;
-    /// data.reset_to_key("squat")?;
-    /// data.reset_to_key(1)?;
-    /// assert!(matches!(data.reset_to_key("handstand"), Err(Error::NoSuchName { .. })));
-    /// assert!(matches!(data.reset_to_key(99), Err(Error::NoSuchIndex { .. })));
-    /// # Ok::<(), Error>(())
-    /// ```
-    #[doc(alias = "mj_resetDataKeyframe")]
-    #[doc(alias = "resetkey")]
-    pub fn reset_to_key(&mut self, key: impl Key<kind::Keyframe>) -> Result<()> {
-        let key: Id<kind::Keyframe> = key.id(self.model.as_ref())?;
-        self.reset_by("mj_resetDataKeyframe", |m, d| {
-            // SAFETY: a model and a data that go together, and a keyframe of the model.
-            unsafe { guard::mj_reset_data_keyframe(m, d, key.index() as c_int) }
-        })
-    }
-
-    fn reset_by(
-        &mut self,
-        function: &'static str,
-        reset: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
-    ) -> Result<()> {
-        self.computed = Computed::empty();
-        self.failure = None;
-        self.call_mut(function, reset)
-    }
-
-    /// Returns a copy, or an error if there is no memory for it. [`Clone`] panics in that case. The copy of a poisoned data is
-    /// poisoned.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
-    #[doc(alias = "mj_copyData")]
-    pub fn try_clone(&self) -> Result<Self> {
-        let mut copy = ptr::null_mut();
-        self.call("mj_copyData", |m, _| {
-            // SAFETY: with NULL as its destination the engine allocates a new data; the source is valid and made for the model.
-            self.with_unused_stack(|source| unsafe { guard::mj_copy_data(ptr::null_mut(), m, source, &raw mut copy) })
-        })?;
-        // SAFETY: made for this model, and ours alone.
-        let mut copy = unsafe { Self::from_raw(copy, self.model.clone()) }?;
-        copy.computed = self.computed;
-        copy.failure.clone_from(&self.failure);
-        warning::lower_copied(copy.raw_mut());
-        Ok(copy)
-    }
-
-    /// Copies everything from another simulation, without allocating. The models must have the same structure; this
-    /// simulation keeps its own. It is poisoned afterwards exactly if the other one is.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::OtherModel`] if the other simulation is of a model that was loaded separately. [`Error::Engine`] if the engine
-    /// fails. It fails for no two models of the same structure.
-    pub fn copy_from(&mut self, other: &Self) -> Result<()> {
-        if !self.model.is_same_structure(&other.model) {
-            return Err(Error::OtherModel { what: "the data to copy from" });
-        }
-        let mut copied = ptr::null_mut();
-        self.call_mut("mj_copyData", |m, d| {
-            // SAFETY: two data of models with the same structure, so of the same sizes.
-            other.with_unused_stack(|source| unsafe { guard::mj_copy_data(d, m, source, &raw mut copied) })
-        })?;
-        // What was computed under other options is laid out otherwise.
-        self.computed = if Arc::ptr_eq(&self.model, &other.model) { other.computed } else { Computed::empty() };
-        self.failure.clone_from(&other.failure);
-        warning::lower_copied(self.raw_mut());
-        Ok(())
-    }
-
-    /// This data as the engine copies it. What is on its stack in the middle of a step is of no use to a copy, and the engine
-    /// refuses to copy it: after it has allocated the copy, which then is lost.
-    fn with_unused_stack<R>(&self, copy: impl FnOnce(*const mjData) -> R) -> R {
-        if self.raw().pstack == 0 {
-            return copy(self.as_ptr());
-        }
-        copy(&raw const *Box::new(mjData { pstack: 0, ..*self.raw() }))
     }
 
     /// Sets the simulated time, s.
@@ -356,28 +246,28 @@ impl Data {
         self.raw_mut().time = time;
     }
 
-    /// Potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and [`inverse`](Self::inverse) compute them
-    /// while [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set. Without the flag they are zero after a reset, but a program
-    /// that clears the flag later reads old numbers.
+    /// Returns the potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and
+    /// [`inverse`](Self::inverse) compute them while [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set. Without the flag
+    /// they are zero after a reset, but a program that clears the flag later reads old numbers.
     pub fn energy(&self) -> [f64; 2] {
         self.raw().energy
     }
 
-    /// Returns how far the present quantities have been computed.
+    /// Returns the last stage whose results are all valid.
     #[inline]
     pub fn stage(&self) -> Stage {
         self.computed.stage()
     }
 
-    /// Returns an error unless these results have been computed for the present model: a [`Stage`], or one of the constants of
-    /// [`Needs`].
+    /// Returns an error unless these results have been computed for the present model: those of a [`Stage`], or of a constant of
+    /// [`MissingResults`].
     ///
-    /// Plain arrays such as [`xpos`](Self::xpos) and [`sensordata`](Self::sensordata) are slices of the engine's memory and check
-    /// nothing. Before the first [`forward`](Self::forward) they are zero, and after a change of the model they hold old numbers. Call
-    /// this before a loop that reads them, or in it: the cost is a comparison of two integers.
+    /// The getters of plain arrays such as [`xpos`](Self::xpos) and [`sensordata`](Self::sensordata) return slices of the engine's
+    /// memory without a check. Before the first [`forward`](Self::forward) these arrays are zero, and after a change of the model they
+    /// hold old numbers. Call this method before a loop that reads them, or inside: it costs a comparison of two integers.
     ///
     /// Results count as computed until a reset, a change of the model, or a new computation of the quantities that they depend on.
-    /// After [`step`](Self::step) they belong to the state before the step. Numbers that a program writes, such as
+    /// After [`step`](Self::step) they belong to the state before the step. Writes of a program, such as those to
     /// [`qpos_mut`](Self::qpos_mut), are not tracked: call `forward` after them.
     ///
     /// # Errors
@@ -385,42 +275,42 @@ impl Data {
     /// [`Error::NotComputed`] with the call that computes the results, [`Error::Poisoned`] after an engine error.
     ///
     /// ```
-    /// use mujoco_safe::{Data, Error, Needs, Stage, sample};
+    /// use mujoco_safe::{Data, Error, MissingResults, Stage, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// assert!(matches!(data.require(Stage::Position), Err(Error::NotComputed { .. })));
     /// data.step()?;
     /// data.require(Stage::Acceleration)?;
-    /// data.require(Needs::SENSORS)?;
+    /// data.require(MissingResults::SENSORS)?;
     /// // A step does not compute the forces on bodies.
-    /// assert!(data.require(Needs::BODY_FORCES).is_err());
+    /// assert!(data.require(MissingResults::BODY_FORCES).is_err());
     /// data.rne_post_constraint()?;
-    /// data.require(Needs::BODY_FORCES)?;
+    /// data.require(MissingResults::BODY_FORCES)?;
     /// println!("{:?}", data.cfrc_ext());
     /// # Ok::<(), Error>(())
     /// ```
     #[inline]
-    pub fn require(&self, needs: impl Into<Needs>) -> Result<()> {
+    pub fn require(&self, needs: impl Into<MissingResults>) -> Result<()> {
         self.check_usable()?;
-        match needs.into().missing(self.computed) {
+        match needs.into().not_in(self.computed) {
             None => Ok(()),
             Some(needs) => Err(Error::NotComputed { call: "Data::require", needs }),
         }
     }
 
-    /// Notes how far the engine has come, for a closure that it calls in the middle of its work.
-    pub(crate) fn is_at(&mut self, computed: Computed) {
+    /// Replaces the record of valid results.
+    pub(crate) fn set_computed(&mut self, computed: PipelineFlags) {
         self.computed = computed;
     }
 
-    /// The engine's structure, for calls past this crate.
+    /// Returns a pointer to the engine's struct, for direct calls of the engine.
     #[inline]
     pub fn as_ptr(&self) -> *const mjData {
         self.raw.as_ptr()
     }
 
-    /// The engine's structure, for calls past this crate. Those must leave it as an engine call would: its sizes, addresses
-    /// and pointers are trusted.
+    /// Returns a mutable pointer to the engine's struct, for direct calls of the engine. These must leave the struct in a state in
+    /// which an engine call could leave it, because this crate trusts its sizes, addresses and pointers.
     #[inline]
     pub fn as_mut_ptr(&mut self) -> *mut mjData {
         self.raw.as_ptr()
@@ -428,7 +318,7 @@ impl Data {
 
     #[inline]
     pub(crate) fn raw(&self) -> &mjData {
-        // SAFETY: valid until `self` is dropped, and only written to through `&mut self`.
+        // SAFETY: valid until `self` is dropped, and written only through `&mut self`.
         unsafe { self.raw.as_ref() }
     }
 
@@ -438,7 +328,7 @@ impl Data {
         unsafe { self.raw.as_mut() }
     }
 
-    /// Refuses a data that an earlier error has left half computed.
+    /// Returns an error if an earlier error has poisoned the data.
     #[inline]
     pub(crate) fn check_usable(&self) -> Result<()> {
         match &self.failure {
@@ -447,7 +337,7 @@ impl Data {
         }
     }
 
-    /// Rejects a call that needs a stage that has not been computed.
+    /// Returns an error if a stage that `call` needs has not been computed.
     #[inline]
     pub(crate) fn check_computed(&self, call: &'static str, needs: Stage) -> Result<()> {
         self.check_usable()?;
@@ -459,28 +349,9 @@ impl Data {
     }
 }
 
-impl Clone for Data {
-    /// # Panics
-    ///
-    /// If there is no memory; see [`try_clone`](Self::try_clone).
-    fn clone(&self) -> Self {
-        self.try_clone().unwrap_or_else(|error| panic!("cannot clone a data: {error}"))
-    }
-
-    /// Reuses the memory where the models have the same structure.
-    fn clone_from(&mut self, source: &Self) {
-        if self.copy_from(source).is_ok() {
-            self.model = source.model.clone();
-            self.computed = source.computed;
-        } else {
-            *self = source.clone();
-        }
-    }
-}
-
 impl Drop for Data {
     fn drop(&mut self) {
-        // SAFETY: ours, and nobody else holds the pointer. The function only frees memory and cannot raise an error.
+        // SAFETY: `self` is the only owner. The function only frees memory and cannot raise an error.
         unsafe { sys::mj_deleteData(self.raw.as_ptr()) }
     }
 }

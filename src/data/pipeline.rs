@@ -1,14 +1,14 @@
-//! The parts of the pipeline, called one by one.
+//! Separate calls of the parts of the pipeline.
 //!
-//! [`Data::forward`] calls all of them in a valid order. A part that is called alone returns [`Error::NotComputed`] unless its
-//! inputs have been computed for the present model. All results that depend on its own count as not computed afterwards.
+//! [`Data::forward`] calls all parts in a valid order. A part that is called separately returns [`Error::NotComputed`] unless its
+//! inputs have been computed for the present model. All results that depend on the new results count as not computed afterwards.
 //!
-//! The crate tracks the order of the calls. It does not track numbers that a program writes, such as `qpos`: start again with
+//! The crate tracks the order of the calls. It does not track writes of a program, such as those to `qpos`: start again with
 //! [`kinematics`](Data::kinematics) after a change of positions.
 //!
-//! A method has the prefix `compute_` if a field or an element has its plain name.
+//! A method has the prefix `compute_` if its plain name would be that of a field or an element.
 //!
-//! | part | engine | computes | reads the results of |
+//! | part | engine | computes | inputs |
 //! |---|---|---|---|
 //! | [`kinematics`](Data::kinematics) | `mj_kinematics` | poses | |
 //! | [`com_pos`](Data::com_pos) | `mj_comPos` | centres of mass, `cinert`, `cdof` | `kinematics` |
@@ -18,7 +18,7 @@
 //! | [`factor_m`](Data::factor_m) | `mj_factorM` | its factorisation | `compute_crb` |
 //! | [`collision`](Data::collision) | `mj_collision` | contacts | `kinematics` |
 //! | [`make_constraint`](Data::make_constraint) | `mj_makeConstraint` | the rows of the constraints | `compute_tendon`, `collision` |
-//! | [`transmission`](Data::transmission) | `mj_transmission` | lengths and moments of actuators | `compute_tendon`; `make_constraint` where an actuator is of adhesion |
+//! | [`transmission`](Data::transmission) | `mj_transmission` | lengths and moments of actuators | `compute_tendon`; `make_constraint` in models with an adhesion actuator |
 //! | [`project_constraint`](Data::project_constraint) | `mj_projectConstraint` | `efc_AR`, for PGS and the no-slip solver | `factor_m`, `make_constraint` |
 //! | [`compute_ten_velocity`](Data::compute_ten_velocity) | | `ten_velocity` | `compute_tendon` |
 //! | [`compute_actuator_velocity`](Data::compute_actuator_velocity) | | `actuator_velocity` | `transmission` |
@@ -29,27 +29,27 @@
 //! | [`fwd_actuation`](Data::fwd_actuation) | `mj_fwdActuation` | actuator forces, `act_dot` | `compute_actuator_velocity` |
 //! | [`fwd_acceleration`](Data::fwd_acceleration) | `mj_fwdAcceleration` | `qacc_smooth` | `factor_m`, `passive`, `compute_qfrc_bias`, `fwd_actuation` |
 //! | [`fwd_constraint`](Data::fwd_constraint) | `mj_fwdConstraint` | constraint forces, `qacc` | `project_constraint`, `reference_constraint`, `fwd_acceleration` |
-//! | [`sensor_pos`](Data::sensor_pos), [`sensor_vel`](Data::sensor_vel), [`sensor_acc`](Data::sensor_acc) | `mj_sensorPos`, … | readings of the sensors of a stage | all of the stage |
+//! | [`sensor_pos`](Data::sensor_pos), [`sensor_vel`](Data::sensor_vel), [`sensor_acc`](Data::sensor_acc) | `mj_sensorPos`, … | readings of the sensors of a stage | all parts of the stage |
 //!
 //! Not part of `forward`:
 //!
-//! | part | engine | computes | reads the results of |
+//! | part | engine | computes | inputs |
 //! |---|---|---|---|
 //! | [`subtree_vel`](Data::subtree_vel) | `mj_subtreeVel` | `subtree_linvel`, `subtree_angmom` | `com_vel` |
 //! | [`rne_post_constraint`](Data::rne_post_constraint) | `mj_rnePostConstraint` | `cacc`, `cfrc_int`, `cfrc_ext` | `com_vel`, `fwd_constraint` |
 //!
-//! Positions in one call are [`fwd_position`](Data::fwd_position), velocities [`fwd_velocity`](Data::fwd_velocity).
+//! [`fwd_position`](Data::fwd_position) and [`fwd_velocity`](Data::fwd_velocity) compute all parts of their stages in one call.
 
 use std::ffi::c_int;
 
 use mujoco_sys::{self as sys, guard, mjSTAGE_NONE, mjSTAGE_POS, mjSTAGE_VEL};
 
-use super::{Computed, Data, Needs, Stage};
+use super::{Data, MissingResults, PipelineFlags, Stage};
 use crate::error::{Error, Result};
 
-type C = Computed;
+type C = PipelineFlags;
 
-/// Methods that are one call of the engine: what it reads, and what it computes.
+/// Defines methods that make one engine call each, from the inputs and the results of the call.
 macro_rules! parts {
     ($($(#[$doc:meta])* $method:ident = $function:ident($alias:literal) reads $reads:expr, computes $gives:expr;)*) => {
         impl Data {$(
@@ -57,18 +57,18 @@ macro_rules! parts {
             ///
             /// # Errors
             ///
-            /// [`Error::NotComputed`] if what it reads has not been computed, [`Error::Unstable`] if a position, velocity or
-            /// control is not a number or huge, [`Error::Engine`] if the engine fails, [`Error::Poisoned`] after such a failure.
+            /// [`Error::NotComputed`] if the inputs have not been computed, [`Error::Unstable`] if a position, velocity or control
+            /// is NaN or beyond ±10¹⁰, [`Error::Engine`] if the engine fails, [`Error::Poisoned`] after such a failure.
             #[doc(alias = $alias)]
             pub fn $method(&mut self) -> Result<()> {
-                const READS: Computed = $reads;
-                const GIVES: Computed = $gives;
+                const READS: PipelineFlags = $reads;
+                const GIVES: PipelineFlags = $gives;
                 self.check_parts(stringify!($method), READS)?;
                 self.check_inputs()?;
-                self.prepare(GIVES);
+                self.clear_stale_inputs(GIVES);
                 self.run($alias, self.after(GIVES), |m, d| {
-                    // SAFETY: `run` passes a model and a data that go together, and what the function reads of what others
-                    // compute has been computed for this model, so that its counts and addresses are those of its arrays.
+                    // SAFETY: `run` passes a model and a data of this model. The inputs of the function have been computed for
+                    // this model, so their counts and addresses match the arrays.
                     unsafe { guard::$function(m, d) }
                 })
             }
@@ -77,70 +77,71 @@ macro_rules! parts {
 }
 
 parts! {
-    /// Poses of bodies, joints, geoms and sites, from `qpos` and the poses of mocap bodies. Normalises the quaternions in
+    /// Computes poses of bodies, joints, geoms and sites, from `qpos` and the poses of mocap bodies. Normalises the quaternions in
     /// `qpos`.
     kinematics = mj_kinematics("mj_kinematics")
         reads C::empty(), computes C::KINEMATICS.union(C::CURRENT);
-    /// Centres of mass of subtrees, inertias `cinert` about them, motion axes `cdof`.
+    /// Computes centres of mass of subtrees, inertias `cinert` about them, and motion axes `cdof`.
     com_pos = mj_com_pos("mj_comPos")
         reads C::KINEMATICS, computes C::COM_POS;
-    /// Poses of cameras and lights.
+    /// Computes poses of cameras and lights.
     camlight = mj_camlight("mj_camlight")
         reads C::COM_POS, computes C::CAMLIGHT;
-    /// Paths, lengths and Jacobians of tendons.
+    /// Computes paths, lengths and Jacobians of tendons.
     compute_tendon = mj_tendon("mj_tendon")
         reads C::COM_POS, computes C::TENDON;
-    /// The inertia matrix `qM`, by the composite rigid body algorithm (Featherstone, Rigid Body Dynamics Algorithms, chapter 6).
+    /// Computes the inertia matrix `qM` by the composite rigid body algorithm (Featherstone, Rigid Body Dynamics Algorithms, chapter 6).
     compute_crb = mj_crb("mj_crb")
         reads C::COM_POS, computes C::CRB;
-    /// The factorisation `LᵀDL` of the inertia matrix (Featherstone, chapter 8.5).
+    /// Computes the factorisation `LᵀDL` of the inertia matrix (Featherstone, chapter 8.5).
     factor_m = mj_factor_m("mj_factorM")
         reads C::CRB, computes C::FACTOR_M;
-    /// Finds the contacts. The rows of the contacts before count as not computed.
+    /// Detects collisions and creates the contacts. The constraint rows of earlier contacts count as not computed.
     collision = mj_collision("mj_collision")
         reads C::KINEMATICS, computes C::COLLISION;
-    /// The rows of all active constraints: equalities, friction, limits, contacts.
+    /// Creates the rows of all active constraints: equalities, friction, limits, contacts.
     make_constraint = mj_make_constraint("mj_makeConstraint")
         reads C::TENDON.union(C::COLLISION), computes C::CONSTRAINT;
-    /// The matrix `efc_AR`, which PGS and the no-slip solver work on; nothing with the other solvers.
+    /// Computes the matrix `efc_AR` of the dual problem, for PGS and the no-slip solver. Does nothing for the other solvers.
     project_constraint = mj_project_constraint("mj_projectConstraint")
         reads C::FACTOR_M.union(C::CONSTRAINT), computes C::PROJECTION;
-    /// Velocities `cvel` of bodies, and how the motion axes change, `cdof_dot`.
+    /// Computes velocities `cvel` of bodies, and time derivatives `cdof_dot` of the motion axes.
     com_vel = mj_com_vel("mj_comVel")
         reads C::COM_POS.union(C::CURRENT), computes C::COM_VEL;
-    /// Forces of springs, dampers and the medium, `qfrc_passive`.
+    /// Computes the forces of springs, dampers and the medium, `qfrc_passive`.
     passive = mj_passive("mj_passive")
         reads C::COM_VEL.union(C::TENDON_VELOCITY).union(C::CURRENT), computes C::PASSIVE;
-    /// Velocities `efc_vel` and reference accelerations `efc_aref` of the constraints.
+    /// Computes velocities `efc_vel` and reference accelerations `efc_aref` of the constraints.
     reference_constraint = mj_reference_constraint("mj_referenceConstraint")
         reads C::CONSTRAINT.union(C::CURRENT), computes C::REFERENCE;
-    /// Linear velocities and angular momenta of subtrees, `subtree_linvel` and `subtree_angmom`.
+    /// Computes linear velocities and angular momenta of subtrees, `subtree_linvel` and `subtree_angmom`.
     subtree_vel = mj_subtree_vel("mj_subtreeVel")
         reads C::COM_VEL, computes C::SUBTREE_VEL;
 
-    /// Everything that depends on positions.
+    /// Computes all quantities that depend on positions.
     fwd_position = mj_fwd_position("mj_fwdPosition")
         reads C::empty(), computes C::POSITION.union(C::PROJECTION).union(C::CURRENT);
-    /// Everything that depends on velocities.
+    /// Computes all quantities that depend on velocities.
     fwd_velocity = mj_fwd_velocity("mj_fwdVelocity")
         reads C::TRANSMISSION.union(C::CONSTRAINT).union(C::CURRENT), computes C::VELOCITY.difference(C::POSITION);
-    /// Actuator forces, and the time derivatives of activations, from `ctrl` and `act`.
+    /// Computes actuator forces, and the time derivatives of activations, from `ctrl` and `act`.
     fwd_actuation = mj_fwd_actuation("mj_fwdActuation")
         reads C::ACTUATOR_VELOCITY.union(C::CURRENT), computes C::ACTUATION;
-    /// Sums all forces but those of constraints, and divides them by the inertia matrix: `qfrc_smooth`, `qacc_smooth`.
+    /// Sums all forces except those of constraints in `qfrc_smooth`, and solves for the accelerations `qacc_smooth` with the
+    /// factorised inertia matrix.
     fwd_acceleration = mj_fwd_acceleration("mj_fwdAcceleration")
         reads C::FACTOR_M.union(C::PASSIVE).union(C::BIAS).union(C::ACTUATION), computes C::ACCELERATION;
     /// Solves for the constraint forces: `efc_force`, `qfrc_constraint`, `qacc`.
     fwd_constraint = mj_fwd_constraint("mj_fwdConstraint")
         reads C::PROJECTION.union(C::REFERENCE).union(C::ACCELERATION), computes C::FORCE;
 
-    /// Everything that inverse dynamics needs of positions: [`fwd_position`](Self::fwd_position) without the projection.
+    /// Computes the position-dependent inputs of inverse dynamics: [`fwd_position`](Self::fwd_position) without the projection.
     inv_position = mj_inv_position("mj_invPosition")
         reads C::empty(), computes C::POSITION.union(C::CURRENT);
-    /// Everything that inverse dynamics needs of velocities.
+    /// Computes the velocity-dependent inputs of inverse dynamics.
     inv_velocity = mj_inv_velocity("mj_invVelocity")
         reads C::TRANSMISSION.union(C::CONSTRAINT).union(C::CURRENT), computes C::VELOCITY.difference(C::POSITION);
-    /// The constraint forces that belong to the accelerations in `qacc`.
+    /// Computes the constraint forces for the accelerations in `qacc`.
     inv_constraint = mj_inv_constraint("mj_invConstraint")
         reads C::REFERENCE, computes C::FORCE;
     /// Compares forward with inverse dynamics: norms of the differences, of constraint forces and of applied forces, in
@@ -148,28 +149,28 @@ parts! {
     compare_fwd_inv = mj_compare_fwd_inv("mj_compareFwdInv")
         reads C::FORCES.union(C::ACTUATION), computes C::empty();
 
-    /// The sensors of positions.
+    /// Evaluates the sensors of the position stage.
     sensor_pos = mj_sensor_pos("mj_sensorPos")
         reads C::POSITION.union(C::CURRENT), computes C::SENSOR_POS;
-    /// The sensors of velocities.
+    /// Evaluates the sensors of the velocity stage.
     sensor_vel = mj_sensor_vel("mj_sensorVel")
         reads C::VELOCITY.union(C::CURRENT), computes C::SENSOR_VEL;
-    /// The sensors of accelerations and forces.
+    /// Evaluates the sensors of the acceleration stage.
     sensor_acc = mj_sensor_acc("mj_sensorAcc")
         reads C::FORCES, computes C::SENSOR_ACC;
-    /// The potential energy. Zero unless [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set.
+    /// Computes the potential energy. Sets it to zero unless [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set.
     energy_pos = mj_energy_pos("mj_energyPos")
         reads C::TENDON.union(C::CURRENT), computes C::empty();
-    /// The kinetic energy. Not touched unless [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set.
+    /// Computes the kinetic energy. Leaves it unchanged unless [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set.
     energy_vel = mj_energy_vel("mj_energyVel")
         reads C::CRB.union(C::CURRENT), computes C::empty();
-    /// Accelerations `cacc` of bodies, and the forces on them, `cfrc_int` and `cfrc_ext`, constraints included.
+    /// Computes accelerations `cacc` of bodies and the forces on them, `cfrc_int` and `cfrc_ext`, constraints included.
     rne_post_constraint = mj_rne_post_constraint("mj_rnePostConstraint")
         reads C::COM_VEL.union(C::FORCE), computes C::POST_CONSTRAINT;
 }
 
 impl Data {
-    /// Lengths and moments of actuators.
+    /// Computes lengths and moments of actuators.
     ///
     /// # Errors
     ///
@@ -186,8 +187,8 @@ impl Data {
         })
     }
 
-    /// Velocities of tendons, `ten_velocity`. The engine has no function for it alone; it is in
-    /// [`fwd_velocity`](Self::fwd_velocity).
+    /// Computes velocities of tendons, `ten_velocity`. The engine has no separate function; its
+    /// [`fwd_velocity`](Self::fwd_velocity) includes this part.
     ///
     /// # Errors
     ///
@@ -208,7 +209,7 @@ impl Data {
                     .map(|(value, &dof)| value * self.qvel()[dof as usize]);
                 products.fold(0.0, |sum, product| sum + product)
             } else {
-                // SAFETY: the row and the velocity have nv numbers each.
+                // SAFETY: the row and the velocity have nv elements each.
                 unsafe { sys::mju_dot(self.ten_J().row(tendon).as_ptr(), self.qvel().as_ptr(), nv as c_int) }
             };
             self.ten_velocity_mut()[tendon] = velocity;
@@ -217,8 +218,8 @@ impl Data {
         Ok(())
     }
 
-    /// Velocities of actuators, `actuator_velocity`. The engine has no function for it alone; it is in
-    /// [`fwd_velocity`](Self::fwd_velocity).
+    /// Computes velocities of actuators, `actuator_velocity`. The engine has no separate function; its
+    /// [`fwd_velocity`](Self::fwd_velocity) includes this part.
     ///
     /// # Errors
     ///
@@ -228,13 +229,14 @@ impl Data {
         self.check_inputs()?;
         let (nu, nv) = (self.model().nu() as c_int, self.model().nv() as c_int);
         let raw = self.raw();
-        // SAFETY: the engine's own arrays: nu numbers, nu × nv, nv.
+        // SAFETY: arrays of this data with nu, nu × nv and nv elements.
         unsafe { sys::mju_mulMatVec(raw.actuator_velocity, raw.actuator_moment, raw.qvel, nu, nv) };
         self.computed = self.after(C::ACTUATOR_VELOCITY);
         Ok(())
     }
 
-    /// Forces of Coriolis, centrifuge and gravity, `qfrc_bias`: the recursive Newton–Euler algorithm without accelerations.
+    /// Computes Coriolis, centrifugal and gravitational forces, `qfrc_bias`, by the recursive Newton–Euler algorithm without
+    /// accelerations.
     ///
     /// # Errors
     ///
@@ -244,18 +246,17 @@ impl Data {
         self.check_parts("compute_qfrc_bias", C::COM_VEL | C::CURRENT)?;
         self.check_inputs()?;
         self.run("mj_rne", self.after(C::BIAS), |m, d| {
-            // SAFETY: as for the other parts; the result is the engine's own array of nv numbers.
+            // SAFETY: as for the other parts; the result is an array of this data with nv elements.
             unsafe { guard::mj_rne(m, d, 0, (*d).qfrc_bias) }
         })
     }
 
-    /// As [`forward`](Self::forward), but takes what depends on positions
-    /// ([`Stage::Position`]), or on velocities too ([`Stage::Velocity`]), from the calls before. [`Stage::Acceleration`] skips as
-    /// much as [`Stage::Velocity`].
+    /// Computes forward dynamics like [`forward`](Self::forward), except for the stages up to `skip`, whose results of earlier
+    /// calls are used. [`Stage::Acceleration`] has the effect of [`Stage::Velocity`].
     ///
     /// # Errors
     ///
-    /// As for [`forward`](Self::forward), and [`Error::NotComputed`] if what is skipped has not been computed.
+    /// As for [`forward`](Self::forward), and [`Error::NotComputed`] if the skipped stages have not been computed.
     #[doc(alias = "mj_forwardSkip")]
     pub fn forward_skip(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
         let (stage, needs) = match skip {
@@ -272,12 +273,12 @@ impl Data {
         })
     }
 
-    /// As [`inverse`](Self::inverse), but takes what depends on positions ([`Stage::Position`]), or on velocities too
-    /// ([`Stage::Velocity`]), from the calls before. [`Stage::Acceleration`] skips as much as [`Stage::Velocity`].
+    /// Computes inverse dynamics like [`inverse`](Self::inverse), except for the stages up to `skip`, whose results of earlier
+    /// calls are used. [`Stage::Acceleration`] has the effect of [`Stage::Velocity`].
     ///
     /// # Errors
     ///
-    /// As for [`inverse`](Self::inverse), and [`Error::NotComputed`] if what is skipped has not been computed.
+    /// As for [`inverse`](Self::inverse), and [`Error::NotComputed`] if the skipped stages have not been computed.
     #[doc(alias = "mj_inverseSkip")]
     pub fn inverse_skip(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
         let (stage, needs, gives) = match skip {
@@ -287,7 +288,7 @@ impl Data {
         };
         self.check_parts("inverse_skip", needs)?;
         self.check_inputs()?;
-        self.prepare(gives);
+        self.clear_stale_inputs(gives);
         let computes = (self.after(gives) - C::SENSORS) | self.computed.sensors_after(skip, skip_sensors);
         self.run("mj_inverseSkip", computes, |m, d| {
             // SAFETY: as for the other parts.
@@ -295,11 +296,12 @@ impl Data {
         })
     }
 
-    /// Advances state and time by an Euler step, semi-implicit in velocity, along the accelerations that were computed.
+    /// Advances state and time by an Euler step, semi-implicit in velocity, with the computed accelerations.
     ///
     /// # Errors
     ///
-    /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have been advanced since.
+    /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have been advanced since the
+    /// accelerations were computed.
     #[doc(alias = "mj_Euler")]
     pub fn euler(&mut self) -> Result<()> {
         self.check_parts("euler", C::CRB | C::ACTUATION | C::ACCELERATION | C::FORCE | C::CURRENT)?;
@@ -310,55 +312,48 @@ impl Data {
         })
     }
 
-    /// Advances state and time by a Runge–Kutta step of the fourth order, of which [`forward`](Self::forward) was the first
-    /// evaluation. (The engine has no other order.)
+    /// Advances state and time by a Runge–Kutta step of fourth order, whose first evaluation is a preceding
+    /// [`forward`](Self::forward). (The engine has no other order.)
     ///
     /// # Errors
     ///
-    /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have been advanced since.
+    /// As for the other parts, such as [`kinematics`](Self::kinematics). The state must not have been advanced since `forward`.
     #[doc(alias = "mj_RungeKutta")]
     pub fn runge_kutta(&mut self) -> Result<()> {
         self.check_parts("runge_kutta", C::FORWARD)?;
         self.check_inputs()?;
-        // It reads no sensors.
+        // The step does not evaluate sensors.
         let computes = (C::FORWARD - C::CURRENT) | (self.computed & C::SENSORS);
         self.run("mj_RungeKutta", computes, |m, d| {
-            // SAFETY: as for the other parts, and the order is the one that there is.
+            // SAFETY: as for the other parts, and the engine has a step of order 4.
             unsafe { guard::mj_runge_kutta(m, d, 4) }
         })
     }
 
-    /// Refuses positions, velocities and controls that the engine would reset or replace.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Unstable`] if one is not a number or beyond ±10¹⁰.
-    #[doc(alias = "mj_checkPos")]
-    #[doc(alias = "mj_checkVel")]
-    pub fn check_state(&self) -> Result<()> {
-        self.check_inputs()
-    }
-
-    /// Rejects a call that needs results that have not been computed.
+    /// Returns an error if parts of the pipeline that `call` needs have not been computed.
     #[inline]
-    pub(crate) fn check_parts(&self, call: &'static str, needs: Computed) -> Result<()> {
+    pub(crate) fn check_parts(&self, call: &'static str, needs: PipelineFlags) -> Result<()> {
         self.check_usable()?;
         let missing = needs - self.computed;
-        if missing.is_empty() { Ok(()) } else { Err(Error::NotComputed { call, needs: Needs::parts(missing) }) }
+        if missing.is_empty() {
+            Ok(())
+        } else {
+            Err(Error::NotComputed { call, needs: MissingResults::parts(missing) })
+        }
     }
 
-    /// What is computed after a call that computes `gives`.
-    pub(super) fn after(&self, gives: Computed) -> Computed {
+    /// Returns the valid results after a call that computes `gives`.
+    pub(super) fn after(&self, gives: PipelineFlags) -> PipelineFlags {
         self.computed.after(gives, self.model().has_adhesion())
     }
 
-    /// Clears what the engine would take over from an earlier call.
-    fn prepare(&mut self, gives: Computed) {
+    /// Clears contacts and rows of earlier calls that the computation of `gives` would read.
+    fn clear_stale_inputs(&mut self, gives: PipelineFlags) {
         if gives.contains(C::POSITION) && !gives.contains(C::PROJECTION) {
-            self.forget_old_contacts();
+            self.clear_stale_contacts();
         }
         if gives == C::CONSTRAINT {
-            self.forget_old_rows();
+            self.clear_contact_rows();
         }
     }
 }

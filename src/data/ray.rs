@@ -1,14 +1,15 @@
-//! Rays: where a half-line meets a surface.
+//! Ray casting.
 //!
-//! A ray starts at a point and goes along a direction of any length; distances are in units of that length, so in metres for a
-//! direction of length 1. A direction that is zero, or a number that is none, is an error here; the engine would end the process.
+//! A ray starts at a point and has a direction of any length. Distances are in units of that length, so in metres for a
+//! direction of length 1. A direction of length zero and numbers that are not finite are errors here; the engine would end the
+//! process.
 
 use std::ffi::c_int;
 use std::ptr;
 
 use mujoco_sys::{self as sys, guard, mjGEOM_HFIELD, mjGEOM_MESH};
 
-use super::{Computed, Data};
+use super::{Data, PipelineFlags};
 use crate::enums::GeomType;
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -16,42 +17,42 @@ use crate::id::{BodyId, GeomId, Id};
 use crate::math::check_ray;
 use crate::model::Model;
 
-/// Which geoms a ray can meet. Invisible ones it never meets.
+/// Filter of the geoms that a ray can hit. Invisible geoms are never hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayOptions {
-    /// For each group of geoms whether its geoms are met; all are if there is none. Planes and height fields always are.
+    /// Selected groups of geoms; `None` selects all. Planes and height fields are always selected.
     pub geomgroup: Option<[bool; 6]>,
-    /// Whether the geoms of the world itself are met.
+    /// Includes the geoms of the world body.
     #[doc(alias = "flg_static")]
     pub with_static: bool,
-    /// A body whose geoms are not met.
+    /// Body whose geoms are excluded.
     pub bodyexclude: Option<BodyId>,
 }
 
 impl Default for RayOptions {
-    /// All visible geoms.
+    /// Selects all visible geoms.
     fn default() -> Self {
         Self { geomgroup: None, with_static: true, bodyexclude: None }
     }
 }
 
-/// What a ray meets first.
+/// Nearest intersection of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// How far from the ray's point, in units of its direction's length.
+    /// Distance from the start of the ray, in units of the length of its direction.
     pub distance: f64,
-    /// The geom.
+    /// The geom that is hit.
     pub geom: GeomId,
 }
 
 impl Data {
-    /// What a ray meets first.
+    /// Returns the nearest intersection of a ray with the geoms.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a direction that is zero or a number that is
-    /// none, [`Error::Unsupported`] if the model has a geom of a height field with more rows than columns, of which 2.2.2 reads
-    /// other numbers than it should, or of one whose sizes or orientation are out of all bounds.
+    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a direction of length zero or a number that is not
+    /// finite, [`Error::Unsupported`] if the model has a height field with more rows than columns, which 2.2.2 reads out of bounds,
+    /// or one whose sizes or orientation are beyond the limits of the engine.
     ///
     /// # Panics
     ///
@@ -70,10 +71,10 @@ impl Data {
     /// ```
     #[doc(alias = "mj_ray")]
     pub fn ray(&self, point: [f64; 3], direction: [f64; 3], options: &RayOptions) -> Result<Option<RayHit>> {
-        self.check_parts("ray", Computed::KINEMATICS)?;
+        self.check_parts("ray", PipelineFlags::KINEMATICS)?;
         check_ray(&point, &direction)?;
         if let Some(geom) = self.model().misread_height_field() {
-            return Err(misread(self.model(), geom));
+            return Err(out_of_bounds_field(self.model(), geom));
         }
         if self.model().nhfield() > 0 {
             self.check_field_poses()?;
@@ -81,14 +82,13 @@ impl Data {
         self.ray_unchecked(point, direction, options)
     }
 
-    /// As [`ray`](Self::ray), for several directions from one point; what each meets first goes to `hits`. What is farther than
-    /// `cutoff`, in units of each direction's length, is not met. Here each ray is one call of the engine's; newer engines have
-    /// `mj_multiRay`.
+    /// Writes the nearest intersections of several rays from one point to `hits`. Intersections beyond `cutoff`, in units of the
+    /// length of each direction, are ignored. Each ray is a separate call of the engine; newer engines have `mj_multiRay`.
     ///
     /// # Errors
     ///
-    /// As for [`ray`](Self::ray), [`Error::Shape`] unless there are as many hits as directions, and [`Error::Invalid`] for a
-    /// cutoff that is not a number.
+    /// As for [`ray`](Self::ray), [`Error::Shape`] unless `hits` and `directions` have the same length, and [`Error::Invalid`] for
+    /// a cutoff that is NaN.
     ///
     /// # Panics
     ///
@@ -124,11 +124,11 @@ impl Data {
         Ok(())
     }
 
-    /// Where a ray meets the mesh of a geom, in units of the direction's length.
+    /// Returns the distance at which a ray hits the mesh of a geom, in units of the length of the direction.
     ///
     /// # Errors
     ///
-    /// As for [`ray`](Self::ray), and [`Error::Invalid`] if the geom is no mesh.
+    /// As for [`ray`](Self::ray), and [`Error::Invalid`] if the geom is not a mesh.
     ///
     /// # Panics
     ///
@@ -137,18 +137,18 @@ impl Data {
     pub fn ray_mesh(&self, geom: impl Into<GeomId>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_mesh", geom.into(), mjGEOM_MESH, "a mesh")?;
         check_ray(&point, &direction)?;
-        // SAFETY: a geom of this model that is a mesh, whose pose was computed, and three numbers each.
+        // SAFETY: a geom of this model that is a mesh, whose pose was computed, and two vectors of three elements.
         let distance = unsafe {
             sys::mj_rayMesh(self.model().as_ptr(), self.as_ptr(), index as c_int, point.as_ptr(), direction.as_ptr())
         };
-        Ok(met(distance))
+        Ok(hit_distance(distance))
     }
 
-    /// Where a ray meets the height field of a geom, in units of the direction's length.
+    /// Returns the distance at which a ray hits the height field of a geom, in units of the length of the direction.
     ///
     /// # Errors
     ///
-    /// As for [`ray`](Self::ray), and [`Error::Invalid`] if the geom is no height field.
+    /// As for [`ray`](Self::ray), and [`Error::Invalid`] if the geom is not a height field.
     ///
     /// # Panics
     ///
@@ -158,15 +158,15 @@ impl Data {
         let index = self.geom_of_type("ray_hfield", geom.into(), mjGEOM_HFIELD, "a height field")?;
         check_ray(&point, &direction)?;
         if self.model().is_misread(index) {
-            return Err(misread(self.model(), index));
+            return Err(out_of_bounds_field(self.model(), index));
         }
         self.check_field_poses()?;
-        // SAFETY: a geom of this model that is a height field of which the engine stays within the numbers, whose pose was
-        // computed, and three numbers each.
+        // SAFETY: a geom of this model that is a height field which the engine reads within bounds, whose pose was computed, and two
+        // vectors of three elements.
         let distance = unsafe {
             sys::mj_rayHfield(self.model().as_ptr(), self.as_ptr(), index as c_int, point.as_ptr(), direction.as_ptr())
         };
-        Ok(met(distance))
+        Ok(hit_distance(distance))
     }
 
     fn ray_unchecked(&self, point: [f64; 3], direction: [f64; 3], options: &RayOptions) -> Result<Option<RayHit>> {
@@ -180,23 +180,24 @@ impl Data {
         let groups = groups.as_ref().map_or(ptr::null(), |groups| groups.as_ptr());
         let (with_static, hit) = (options.with_static.into(), (&raw mut geom, &raw mut distance));
         self.call("mj_ray", |m, d| {
-            // SAFETY: two vectors of three numbers, six groups or NULL, two places for the results; the poses were computed.
+            // SAFETY: two vectors of three elements, six groups or NULL, two valid pointers for the results; the poses were computed.
             unsafe { guard::mj_ray(m, d, point, direction, groups, with_static, exclude, hit.0, hit.1) }
         })?;
         let geom = usize::try_from(geom).ok();
         Ok(geom.map(|geom| RayHit { distance, geom: Id::new(geom, self.model().lineage()) }))
     }
 
-    /// Refuses height fields whose orientation, as it is or as the model has it, is so far from a rotation that a point in their
-    /// frame overflows. The engine makes an index of its coordinates. (One that is not a number never comes so far.)
+    /// Returns an error for a height field whose orientation, in the data or in the model, is so far from a rotation that the
+    /// coordinates of a point in its frame overflow. The engine converts these coordinates to indices. (NaN does not reach that
+    /// conversion.)
     #[cold]
     pub(crate) fn check_field_poses(&self) -> Result<()> {
-        /// No rotation has numbers that are anywhere near, nor has the square of one that has.
+        /// Far above the elements of rotations and their squares.
         const LARGEST: f64 = 1e20;
         let model = self.model();
         let is_field = |&geom: &usize| model.geom_type()[geom] == mjGEOM_HFIELD as i32;
         let far = |values: &[f64]| values.iter().any(|value| value.abs() > LARGEST);
-        // The pose as it is, which can be written to, and what the next one is made of.
+        // The present pose, which a program can write to, and the model's quaternions, from which the next pose is computed.
         let is_far = |&geom: &usize| {
             let body = ffi::size(model.geom_bodyid()[geom]);
             far(&self.geom_xmat()[geom]) || far(&model.geom_quat()[geom]) || far(&model.body_iquat()[body])
@@ -204,14 +205,14 @@ impl Data {
         match (0..model.ngeom()).filter(is_field).find(is_far) {
             None => Ok(()),
             Some(geom) => Err(Error::Unsupported(format!(
-                "rays on the height field of geom {geom}, whose orientation has numbers beyond {LARGEST:e}"
+                "rays on the height field of geom {geom}, whose orientation has elements beyond {LARGEST:e}"
             ))),
         }
     }
 
     fn geom_of_type(&self, call: &'static str, geom: GeomId, geom_type: u32, expected: &str) -> Result<usize> {
         self.model().check_id(geom);
-        self.check_parts(call, Computed::KINEMATICS)?;
+        self.check_parts(call, PipelineFlags::KINEMATICS)?;
         let found = self.model().geom_type()[geom.index()];
         if found == geom_type as i32 {
             Ok(geom.index())
@@ -222,17 +223,17 @@ impl Data {
     }
 }
 
-/// The engine's -1 is nothing.
-fn met(distance: f64) -> Option<f64> {
+/// Converts the engine's distance, which is -1 for no intersection.
+fn hit_distance(distance: f64) -> Option<f64> {
     Some(distance).filter(|&distance| distance >= 0.0)
 }
 
 #[cold]
-fn misread(model: &Model, geom: usize) -> Error {
+fn out_of_bounds_field(model: &Model, geom: usize) -> Error {
     let field = ffi::size(model.geom_dataid()[geom]);
     let (rows, columns) = (model.hfield_nrow()[field], model.hfield_ncol()[field]);
     Error::Unsupported(format!(
-        "rays on the height field {field} of {rows} rows and {columns} columns: MuJoCo 2.2.2 reads beyond one with more rows \
-         than columns, with less than two of either, or with sizes that are not between 1e-100 and 1e100; turn the field by 90°"
+        "rays on the height field {field} of {rows} rows and {columns} columns: MuJoCo 2.2.2 reads out of bounds in a field \
+         with more rows than columns, with less than two of either, or with sizes that are not between 1e-100 and 1e100; turn the field by 90°"
     ))
 }

@@ -1,4 +1,4 @@
-//! The state as one vector.
+//! State vectors.
 
 use bitflags::bitflags;
 
@@ -7,9 +7,9 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 
 bitflags! {
-    /// Which parts of a simulation a state vector has, one behind another in the order of the flags. The meaning, the order
-    /// and the numbers are those of `mjtState` in the newer engines; what 2.2.2 keeps in the model (equality switches) or does
-    /// not have (plugins) is not among them.
+    /// Parts of a simulation that a state vector contains, concatenated in the order of the flags. Meaning, order and values are
+    /// those of `mjtState` in newer engines, except for parts that 2.2.2 keeps in the model (active equality constraints) or does
+    /// not have (plugins).
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     #[doc(alias = "mjtState")]
     pub struct StateSpec: u32 {
@@ -36,20 +36,20 @@ bitflags! {
         /// `userdata` (nuserdata)
         const USERDATA = 1 << 11;
 
-        /// Positions, velocities and activations: what the physics state of most control is.
+        /// Positions, velocities and activations: the state of most control problems.
         const PHYSICS = Self::QPOS.bits() | Self::QVEL.bits() | Self::ACT.bits();
         /// The physics state and time.
         const FULL_PHYSICS = Self::PHYSICS.bits() | Self::TIME.bits();
-        /// What the user sets.
+        /// Inputs of the user: controls, applied forces, mocap poses and user data.
         const USER = Self::CTRL.bits() | Self::QFRC_APPLIED.bits() | Self::XFRC_APPLIED.bits()
             | Self::MOCAP_POS.bits() | Self::MOCAP_QUAT.bits() | Self::USERDATA.bits();
-        /// Everything that the next step depends on: a simulation that is set to it goes on bit for bit.
+        /// All inputs of the next step: a simulation that is set to this state continues bit for bit.
         const INTEGRATION = Self::FULL_PHYSICS.bits() | Self::USER.bits() | Self::WARMSTART.bits();
     }
 }
 
 impl Model {
-    /// The length of a state vector.
+    /// Returns the length of a state vector.
     ///
     /// ```
     /// use mujoco_safe::{StateSpec, sample};
@@ -73,14 +73,14 @@ impl Model {
             StateSpec::MOCAP_POS => 3 * self.nmocap(),
             StateSpec::MOCAP_QUAT => 4 * self.nmocap(),
             StateSpec::USERDATA => self.nuserdata(),
-            // Bits without a meaning, which `from_bits_retain` can make.
+            // Undefined bits, which `from_bits_retain` can set.
             _ => 0,
         }
     }
 }
 
 impl Data {
-    /// Positions, velocities and activations, `[qpos; qvel; act]`.
+    /// Returns positions, velocities and activations, `[qpos; qvel; act]`.
     #[doc(alias = "get_physics_state")]
     pub fn physics_state(&self) -> Vec<f64> {
         self.state(StateSpec::PHYSICS)
@@ -95,8 +95,8 @@ impl Data {
         self.state_into(StateSpec::PHYSICS, state)
     }
 
-    /// Sets positions, velocities and activations from `[qpos; qvel; act]`. Call [`forward`](Self::forward) to bring what
-    /// depends on them up to date; [`step`](Self::step) needs no such call.
+    /// Sets positions, velocities and activations from `[qpos; qvel; act]`. Call [`forward`](Self::forward) to update the
+    /// quantities that depend on them; [`step`](Self::step) needs no such call.
     ///
     /// # Errors
     ///
@@ -105,7 +105,7 @@ impl Data {
         self.set_state(StateSpec::PHYSICS, state)
     }
 
-    /// The parts of the state that `spec` names, one behind another.
+    /// Returns the parts of the state that are set in `spec`, concatenated.
     ///
     /// ```
     /// use mujoco_safe::{Data, StateSpec, sample};
@@ -126,7 +126,7 @@ impl Data {
         state
     }
 
-    /// Writes the parts of the state that `spec` names to `state`.
+    /// Writes the parts of the state that are set in `spec` to `state`.
     ///
     /// # Errors
     ///
@@ -137,11 +137,11 @@ impl Data {
         Ok(())
     }
 
-    /// Sets the parts of the state that `spec` names.
+    /// Sets the parts of the state that are set in `spec`.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong length. Numbers that are out of range are an error of the step that meets them.
+    /// [`Error::Shape`] for a wrong length. Numbers that are out of range are an error of the next step.
     #[doc(alias = "mj_setState")]
     pub fn set_state(&mut self, spec: StateSpec, state: &[f64]) -> Result<()> {
         Error::check_length("state", state.len(), self.model().state_size(spec))?;

@@ -1,36 +1,37 @@
-//! The pipeline: step, forward, inverse.
+//! Steps, forward and inverse dynamics, and the checks of their inputs.
 
-use mujoco_sys::guard;
+use mujoco_sys::{guard, mjMAXVAL};
 
-use super::{Computed, Data, Needs};
-use crate::error::{Error, Result};
+use super::{Data, MissingResults, PipelineFlags};
+use crate::error::{Error, Instability, Result, UnstableField};
 use crate::ffi;
+use crate::id::Kind;
 
 impl Data {
-    /// Advances the simulation by one time step: computes everything from the present state and inputs, then integrates.
+    /// Advances the simulation by one time step: computes all quantities from the present state and inputs, then integrates.
     ///
-    /// Afterwards `qpos`, `qvel`, `act` and `time` are those of the new state; everything else is still of the old one. Call
-    /// [`forward`](Self::forward) to bring it up to date.
+    /// Afterwards `qpos`, `qvel`, `act` and `time` are those of the new state; all other quantities belong to the old state. Call
+    /// [`forward`](Self::forward) to update them.
     ///
     /// # Errors
     ///
-    /// [`Error::Unstable`] if a position, velocity, control or acceleration is not a number or huge; [`Error::Callback`] if a
+    /// [`Error::Unstable`] if a position, velocity, control or acceleration is NaN or beyond ±10¹⁰; [`Error::Callback`] if a
     /// closure panics; [`Error::Engine`] if the engine fails; [`Error::Poisoned`] after one of these, until a reset. A position,
-    /// velocity or control that is out of range is found before the engine is called and does not poison the data.
+    /// velocity or control that is out of range is detected before the engine is called and does not poison the data.
     #[doc(alias = "mj_step")]
     #[doc(alias = "mj_checkAcc")]
     #[inline]
     pub fn step(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        self.run("mj_step", Computed::AFTER_STEP, |m, d| {
-            // SAFETY: `run` passes a model and a data that go together, and the state was found good above.
+        self.run("mj_step", PipelineFlags::AFTER_STEP, |m, d| {
+            // SAFETY: `run` passes a model and a data of this model, and the state was checked above.
             unsafe { guard::step_prechecked(m, d) }
         })
     }
 
-    /// The first half of a step: what depends on position and velocity. Set controls and forces from it, then call
-    /// [`step2`](Self::step2).
+    /// Computes the first half of a step: all quantities that depend on positions and velocities. Set controls and forces from
+    /// them, then call [`step2`](Self::step2).
     ///
     /// # Errors
     ///
@@ -40,55 +41,55 @@ impl Data {
     pub fn step1(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        self.run("mj_step1", Computed::AFTER_STEP1, |m, d| {
+        self.run("mj_step1", PipelineFlags::AFTER_STEP1, |m, d| {
             // SAFETY: as in `step`.
             unsafe { guard::mj_step1(m, d) }
         })
     }
 
-    /// The second half of a step: actuation, accelerations, integration. With the integrator
-    /// [`Rk4`](crate::Integrator::Rk4), which cannot be halved, it takes an Euler step.
+    /// Computes the second half of a step: actuation, accelerations, integration. The integrator
+    /// [`Rk4`](crate::Integrator::Rk4) cannot be split; this method takes an Euler step instead.
     ///
     /// # Errors
     ///
-    /// As for [`step`](Self::step), and [`Error::NotComputed`] without a [`step1`](Self::step1) or
-    /// [`forward`](Self::forward) before it, or if the state was advanced or the model changed in between. (The engine would
-    /// go on with what it has: after a step with quantities of the state before it, after [`inverse`](Self::inverse) without
-    /// the matrices that the dual solvers need.)
+    /// As for [`step`](Self::step), and [`Error::NotComputed`] without a preceding [`step1`](Self::step1) or
+    /// [`forward`](Self::forward), or if the state was advanced or the model changed in between. (The engine would
+    /// continue with stale results: after a step those of the previous state, and after [`inverse`](Self::inverse) without the
+    /// matrices that the dual solvers need.)
     #[doc(alias = "mj_step2")]
     #[inline]
     pub fn step2(&mut self) -> Result<()> {
         self.check_usable()?;
-        if !self.computed.contains(Computed::FIRST_HALF) {
-            return Err(Error::NotComputed { call: "step2", needs: Needs::FIRST_HALF });
+        if !self.computed.contains(PipelineFlags::FIRST_HALF) {
+            return Err(Error::NotComputed { call: "step2", needs: MissingResults::FIRST_HALF });
         }
         self.check_inputs()?;
-        // The second half reads the sensors of its own stage only.
-        let sensors = (self.computed & Computed::SENSORS) | Computed::SENSOR_ACC;
-        self.run("mj_step2", (Computed::AFTER_STEP - Computed::SENSORS) | sensors, |m, d| {
-            // SAFETY: as in `step`, and the stages before this one were computed for this model.
+        // The second half evaluates the sensors of the acceleration stage only.
+        let sensors = (self.computed & PipelineFlags::SENSORS) | PipelineFlags::SENSOR_ACC;
+        self.run("mj_step2", (PipelineFlags::AFTER_STEP - PipelineFlags::SENSORS) | sensors, |m, d| {
+            // SAFETY: as in `step`, and the earlier stages were computed for this model.
             unsafe { guard::mj_step2(m, d) }
         })
     }
 
-    /// Forward dynamics: computes everything from the present state and inputs, accelerations included, without advancing in
+    /// Computes forward dynamics: all quantities from the present state and inputs, accelerations included, without advancing the
     /// time.
     ///
     /// # Errors
     ///
-    /// As for [`step`](Self::step), except that accelerations are not judged.
+    /// As for [`step`](Self::step), except that accelerations are not checked.
     #[doc(alias = "mj_forward")]
     #[inline]
     pub fn forward(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        self.run("mj_forward", Computed::AFTER_FORWARD, |m, d| {
+        self.run("mj_forward", PipelineFlags::AFTER_FORWARD, |m, d| {
             // SAFETY: as in `step`.
             unsafe { guard::mj_forward(m, d) }
         })
     }
 
-    /// Inverse dynamics: from positions, velocities and the accelerations in `qacc` to the forces that cause them, in
+    /// Computes inverse dynamics: from positions, velocities and the accelerations in `qacc`, the forces that cause them, in
     /// `qfrc_inverse`.
     ///
     /// # Errors
@@ -98,7 +99,7 @@ impl Data {
     /// ```
     /// use mujoco_safe::{Data, sample};
     ///
-    /// // What must hold the cart-pole with its pole at 0.1 rad?
+    /// // The moment that holds the pole at 0.1 rad.
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.qpos_mut()[1] = 0.1;
     /// data.qacc_mut().fill(0.0);
@@ -112,35 +113,131 @@ impl Data {
     pub fn inverse(&mut self) -> Result<()> {
         self.check_usable()?;
         self.check_inputs()?;
-        self.forget_old_contacts();
-        self.run("mj_inverse", Computed::AFTER_INVERSE, |m, d| {
+        self.clear_stale_contacts();
+        self.run("mj_inverse", PipelineFlags::AFTER_INVERSE, |m, d| {
             // SAFETY: as in `step`.
             unsafe { guard::mj_inverse(m, d) }
         })
     }
 
-    /// The engine's inverse dynamics computes what an adhesion actuator acts on from the contacts and constraints of the call
-    /// before. Those of another model, or that do not belong together, would lead it out of bounds, so there are none then.
+    /// Clears contacts and constraints that the engine would read out of bounds. Its inverse dynamics computes the transmission of an
+    /// adhesion actuator from the contacts and constraints of the call before, which may belong to another model or not match
+    /// each other.
     #[inline]
-    pub(super) fn forget_old_contacts(&mut self) {
-        if self.model().has_adhesion() && !self.computed.contains(Computed::CONSTRAINT) {
+    pub(super) fn clear_stale_contacts(&mut self) {
+        if self.model().has_adhesion() && !self.computed.contains(PipelineFlags::CONSTRAINT) {
             let raw = self.raw_mut();
             (raw.ncon, raw.ne, raw.nf, raw.nefc) = (0, 0, 0, 0);
         }
     }
 
-    /// The engine makes rows for the contacts that there is room for, and leaves the others as collision detection left them. When
-    /// it makes them a second time, those must not keep the rows of the first.
-    pub(super) fn forget_old_rows(&mut self) {
-        /// The contact has no degrees of freedom, which the engine finds anew.
+    /// Clears the constraint rows of all contacts. The engine assigns rows only while the constraint buffer has space, and does not
+    /// modify the other contacts, which would keep the rows of an earlier call.
+    pub(super) fn clear_contact_rows(&mut self) {
+        /// Value of `exclude` for a contact without degrees of freedom. The engine sets it again.
         const EXCLUDED_WITHOUT_DOFS: i32 = 4;
         let (contacts, ncon) = (self.raw().contact, self.ncon());
-        // SAFETY: the engine keeps `ncon` contacts there, and `self` is borrowed exclusively.
+        // SAFETY: the array has `ncon` contacts, and `self` is borrowed exclusively.
         for contact in unsafe { ffi::array_mut(contacts, ncon) } {
             contact.efc_address = -1;
             if contact.exclude == EXCLUDED_WITHOUT_DOFS {
                 contact.exclude = 0;
             }
         }
+    }
+
+    /// Checks positions, velocities and controls for values that the engine would reset or replace.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Unstable`] if a value is NaN or beyond ±10¹⁰.
+    #[doc(alias = "mj_checkPos")]
+    #[doc(alias = "mj_checkVel")]
+    pub fn check_state(&self) -> Result<()> {
+        self.check_inputs()
+    }
+
+    /// Checks positions, velocities and controls before the engine is called. The engine would reset them.
+    #[inline]
+    pub(crate) fn check_inputs(&self) -> Result<()> {
+        let (raw, model) = (self.raw(), self.model());
+        // SAFETY: the engine allocated each array with this length, and `self` is borrowed.
+        let valid = unsafe {
+            ffi::all(raw.qpos, model.nq(), is_in_range)
+                && ffi::all(raw.qvel, model.nv(), is_in_range)
+                && ffi::all(raw.ctrl, model.nu(), is_in_range)
+        };
+        if !valid {
+            return Err(self.input_out_of_range());
+        }
+        if self.model().has_ranged_fields() { self.check_field_poses() } else { Ok(()) }
+    }
+
+    #[cold]
+    fn input_out_of_range(&self) -> Error {
+        let (position, velocity, control) = (UnstableField::Position, UnstableField::Velocity, UnstableField::Control);
+        [(position, self.qpos()), (velocity, self.qvel()), (control, self.ctrl())]
+            .into_iter()
+            .find_map(|(field, values)| {
+                let index = values.iter().position(|&value| !is_in_range(value))?;
+                Some(self.instability(field, index, Some(values[index]), self.time()).into())
+            })
+            .expect("Bug: all inputs are in range")
+    }
+
+    /// Returns the description of a value that is out of range.
+    pub(super) fn instability(&self, field: UnstableField, index: usize, value: Option<f64>, time: f64) -> Instability {
+        let model = self.model();
+        // The last joint that starts at or before the index.
+        let joint = |starts: &[i32]| {
+            starts
+                .iter()
+                .rposition(|&start| ffi::size(start) <= index)
+                .and_then(|joint| model.name_at(Kind::Joint, joint))
+        };
+        let name = match field {
+            UnstableField::Position => joint(model.jnt_qposadr()),
+            UnstableField::Velocity | UnstableField::Acceleration => joint(model.jnt_dofadr()),
+            UnstableField::Control => model.name_at(Kind::Actuator, index),
+        };
+        Instability { quantity: field, index, name: name.map(str::to_owned), value, time }
+    }
+}
+
+/// Returns true if the engine accepts this value: one within ±10¹⁰.
+#[inline]
+fn is_in_range(value: f64) -> bool {
+    // Without their signs, floating-point numbers have the order of their bit patterns, and NaNs follow all other values.
+    value.to_bits() << 1 <= mjMAXVAL.to_bits() << 1
+}
+
+#[cfg(test)]
+mod tests {
+    use mujoco_sys::mjMAXVAL;
+
+    use crate::{Data, sample};
+
+    #[test]
+    fn only_values_beyond_the_limit_are_rejected() {
+        let mut data = Data::new(sample::humanoid()).unwrap();
+        data.ctrl_mut().fill(-mjMAXVAL);
+        assert!(data.check_inputs().is_ok());
+        for bad in [mjMAXVAL.next_up(), -mjMAXVAL.next_up(), f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -f64::NAN] {
+            for index in [0, 7, data.ctrl().len() - 1] {
+                data.ctrl_mut().fill(0.0);
+                data.ctrl_mut()[index] = bad;
+                assert!(data.check_inputs().is_err(), "{bad} at {index}");
+            }
+            data.ctrl_mut().fill(0.0);
+            let last = data.qvel().len() - 1;
+            data.qvel_mut()[last] = bad;
+            assert!(data.check_inputs().is_err(), "{bad} in qvel");
+            data.qvel_mut()[last] = 0.0;
+            let last = data.qpos().len() - 1;
+            let before = std::mem::replace(&mut data.qpos_mut()[last], bad);
+            assert!(data.check_inputs().is_err(), "{bad} in qpos");
+            data.qpos_mut()[last] = before;
+        }
+        assert!(data.check_inputs().is_ok());
     }
 }

@@ -1,33 +1,35 @@
-//! The engine's warnings, counted and logged.
+//! Counters of the engine's warnings, and their log messages.
 //!
 //! `mj_warning` prints the first warning of each type through a text buffer that all threads of the process share, which is a
-//! data race in 2.2.2 as soon as two simulations warn at once. It prints only while the counter is zero. So the counters are
-//! lifted for the time of a call, the engine counts in silence, and what it counted is read off and logged afterwards. A
-//! counter that came back below the lift tells that the engine has reset the data.
+//! data race in 2.2.2 when two simulations warn at the same time. It prints only while the counter of the type is zero. During a
+//! call the counters therefore start at [`BASE`] instead: the engine counts without printing, and the new warnings are read from the
+//! counters and logged afterwards. A counter below `BASE` after the call shows that the engine has reset the data.
 
 use std::cmp::Ordering;
+use std::ffi::c_int;
 use std::fmt;
 
-use mujoco_sys::{self as sys, mjData, mjWarningStat};
+use mujoco_sys::{self as sys, guard, mjData, mjModel, mjWarningStat};
 
 use super::Data;
 use crate::engine::LOG_TARGET;
+use crate::error::{Instability, Result, UnstableField};
 use crate::id::Kind;
 
 const COUNT: usize = sys::mjNWARNING as usize;
 
-/// What the engine warns about while it simulates.
+/// Type of warning that the engine raises during a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[doc(alias = "mjtWarning")]
 pub enum Warning {
     /// The inertia matrix is singular, or nearly so, at a degree of freedom.
     Inertia,
-    /// There are more contacts than `nconmax`; the rest is ignored.
+    /// The number of contacts exceeds `nconmax`; the engine ignores the rest.
     ContactFull,
-    /// There are more constraints than `njmax`; the rest is ignored.
+    /// The number of constraints exceeds `njmax`; the engine ignores the rest.
     ConstraintFull,
-    /// The scene has more geoms than it has room for.
+    /// The number of geoms exceeds the capacity of the scene.
     VisualGeomFull,
     /// A number in `qpos` is out of range.
     BadQpos,
@@ -40,7 +42,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// All of them, in the engine's order.
+    /// All types, in the engine's order.
     pub(crate) const ALL: [Self; COUNT] = [
         Self::Inertia,
         Self::ContactFull,
@@ -52,7 +54,7 @@ impl Warning {
         Self::BadCtrl,
     ];
 
-    /// What the number that comes with a warning means.
+    /// Returns the log message for a warning and the number that the engine stores with it.
     pub(crate) fn message(self, info: i32, data: &Data) -> String {
         let time = data.time();
         match self {
@@ -65,12 +67,12 @@ impl Warning {
             Self::ConstraintFull => {
                 format!("more than the {info} constraints that njmax allows; increase it (time {time} s)")
             }
-            Self::VisualGeomFull => format!("more than the {info} geoms that the scene has room for"),
-            Self::BadQpos => format!("qpos[{info}] is not a number or huge (time {time} s)"),
-            Self::BadQvel => format!("qvel[{info}] is not a number or huge (time {time} s)"),
-            Self::BadQacc => format!("qacc[{info}] is not a number or huge (time {time} s)"),
+            Self::VisualGeomFull => format!("more than the {info} geoms that fit in the scene"),
+            Self::BadQpos => format!("qpos[{info}] is NaN or beyond ±1e10 (time {time} s)"),
+            Self::BadQvel => format!("qvel[{info}] is NaN or beyond ±1e10 (time {time} s)"),
+            Self::BadQacc => format!("qacc[{info}] is NaN or beyond ±1e10 (time {time} s)"),
             Self::BadCtrl => format!(
-                "ctrl[{info}]{} is not a number or huge (time {time} s)",
+                "ctrl[{info}]{} is NaN or beyond ±1e10 (time {time} s)",
                 usize::try_from(info)
                     .ok()
                     .and_then(|index| data.model().name_at(Kind::Actuator, index))
@@ -87,18 +89,111 @@ impl fmt::Display for Warning {
     }
 }
 
-/// How often a warning was raised since the last reset.
+/// Number of warnings of one type since the last reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct WarningCount {
-    /// How often.
+    /// Number of warnings.
     pub number: usize,
-    /// What the last one was about: the index, or the limit that was reached.
+    /// Value of the last warning: an index, or the limit that was reached.
     pub last_info: i32,
 }
 
+/// Start value of the counters during a call. No call counts up to it, or down from it to zero.
+const BASE: i32 = 1 << 30;
+
+/// Counters of a data while the engine uses counters that start at [`BASE`].
+pub(super) struct SavedCounters {
+    before: [mjWarningStat; COUNT],
+}
+
+/// Change of the counters during a call.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum CounterChange {
+    /// No warning.
+    None,
+    /// At least one warning.
+    Warned,
+    /// The engine has reset the data.
+    Reset,
+}
+
+impl SavedCounters {
+    /// Saves the counters, and sets those of the engine to [`BASE`].
+    #[inline]
+    pub(super) fn replace(data: &mut mjData) -> Self {
+        // Replaces the whole array, which takes a few vector instructions.
+        Self { before: std::mem::replace(&mut data.warning, [mjWarningStat { lastinfo: 0, number: BASE }; COUNT]) }
+    }
+
+    /// Restores the counters, increased by the warnings of the call.
+    #[inline]
+    pub(super) fn restore(&self, data: &mut mjData) -> CounterChange {
+        // A warning sets a bit below BASE, and a reset clears all counters at once. So no counter has changed if the union of all
+        // bits is BASE.
+        if data.warning.iter().fold(0, |bits, stat| bits | stat.number) == BASE {
+            data.warning = self.before;
+            CounterChange::None
+        } else {
+            self.restore_changed(data)
+        }
+    }
+
+    #[cold]
+    fn restore_changed(&self, data: &mut mjData) -> CounterChange {
+        let changes = self.before.iter().zip(&mut data.warning).map(|(before, stat)| match stat.number.cmp(&BASE) {
+            Ordering::Equal => {
+                *stat = *before;
+                CounterChange::None
+            }
+            Ordering::Greater => {
+                stat.number = before.number.saturating_add(stat.number - BASE);
+                CounterChange::Warned
+            }
+            Ordering::Less => CounterChange::Reset,
+        });
+        changes.max().unwrap_or(CounterChange::None)
+    }
+}
+
+/// Restores the counters of a copy, which start at [`BASE`] if the copy was made during a call.
+pub(super) fn restore_copied(data: &mut mjData) {
+    for stat in &mut data.warning {
+        stat.number %= BASE;
+    }
+}
+
+/// Keeps the engine from printing warnings about a data, whose counters lose their meaning.
+pub(crate) fn silence(data: &mut mjData) {
+    for stat in &mut data.warning {
+        stat.number = 1;
+    }
+}
+
+/// Makes a call on a model with an adhesion actuator, for which a full constraint buffer must be an error.
+#[cold]
+pub(super) fn with_fatal_full_constraints(
+    model: *const mjModel,
+    data: *mut mjData,
+    call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
+) -> c_int {
+    const COUNTER: usize = Warning::ConstraintFull as usize;
+    // SAFETY: `run` passes its own data, and nothing else refers to the counter. The engine calls the warning handler only while the
+    // counter is zero.
+    let before = std::mem::take(unsafe { &mut (*data).warning[COUNTER].number });
+    // SAFETY: sets a flag of this thread, which is restored below.
+    let outer = unsafe { guard::full_constraints_are_fatal(1) };
+    let status = call(model, data);
+    // SAFETY: as above.
+    unsafe { guard::full_constraints_are_fatal(outer) };
+    // SAFETY: as above.
+    let counter = unsafe { &mut (*data).warning[COUNTER].number };
+    *counter = counter.saturating_add(before);
+    status
+}
+
 impl Data {
-    /// How often a warning was raised since the last reset. The first of each kind is logged, under the target `mujoco`. Within
-    /// a callback the count is that of the call so far.
+    /// Returns the number of warnings of a type since the last reset. The first warning of each type is logged under the target
+    /// `mujoco`. Within a callback only the warnings of the present call are counted.
     ///
     /// ```
     /// use mujoco_safe::{Data, Warning, sample};
@@ -111,81 +206,55 @@ impl Data {
     #[doc(alias = "mjWarningStat")]
     pub fn warning(&self, warning: Warning) -> WarningCount {
         let stat = &self.raw().warning[warning as usize];
-        WarningCount { number: usize::try_from(stat.number % LIFT).unwrap_or(0), last_info: stat.lastinfo }
+        WarningCount { number: usize::try_from(stat.number % BASE).unwrap_or(0), last_info: stat.lastinfo }
     }
 
-    /// Logs the warnings whose counters were zero before.
+    /// Logs the warnings whose counters were zero before the call.
     #[cold]
-    pub(super) fn log_new_warnings(&self, before: &Lifted) {
-        for (warning, old) in Warning::ALL.into_iter().zip(before.before) {
+    pub(super) fn log_new_warnings(&self, counters: &SavedCounters) {
+        for (warning, old) in Warning::ALL.into_iter().zip(counters.before) {
             let now = self.warning(warning);
             if old.number == 0 && now.number > 0 {
                 log::warn!(target: LOG_TARGET, "{}", warning.message(now.last_info, self));
             }
         }
     }
-}
 
-/// By how much the counters are lifted: beyond what a call can count down or up to.
-const LIFT: i32 = 1 << 30;
-
-/// Puts down the counters of a copy, which was made in the middle of a call if they are lifted.
-pub(super) fn lower_copied(data: &mut mjData) {
-    for stat in &mut data.warning {
-        stat.number %= LIFT;
-    }
-}
-
-/// The counters of a data whose engine counters are lifted.
-pub(super) struct Lifted {
-    before: [mjWarningStat; COUNT],
-}
-
-/// What the engine did to the counters.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Counted {
-    /// No warning.
-    Nothing,
-    /// At least one.
-    Warned,
-    /// The engine has reset the data.
-    Reset,
-}
-
-impl Lifted {
-    #[inline]
-    pub(super) fn lift(data: &mut mjData) -> Self {
-        // Whole, because that is a handful of vector instructions.
-        Self { before: std::mem::replace(&mut data.warning, [mjWarningStat { lastinfo: 0, number: LIFT }; COUNT]) }
-    }
-
-    /// Puts the counters back, with what was counted meanwhile.
-    #[inline]
-    pub(super) fn lower(&self, data: &mut mjData) -> Counted {
-        // A warning sets a bit below the lift, and a reset zeroes all of the counters at once, so no other bit than that of the lift
-        // means that none has changed.
-        if data.warning.iter().fold(0, |bits, stat| bits | stat.number) == LIFT {
-            data.warning = self.before;
-            Counted::Nothing
+    /// Makes a call like [`call_mut`](Self::call_mut) that may raise `warning`. Returns true if it did.
+    pub(crate) fn call_mut_with_warning(
+        &mut self,
+        warning: Warning,
+        function: &'static str,
+        call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
+    ) -> Result<bool> {
+        let counter = warning as usize;
+        // The engine does not print a warning whose counter is not zero.
+        let during = mjWarningStat { lastinfo: 0, number: 1 };
+        let before = std::mem::replace(&mut self.raw_mut().warning[counter], during);
+        let result = self.call_mut(function, call);
+        let stat = &mut self.raw_mut().warning[counter];
+        let raised = stat.number - 1;
+        *stat = if raised == 0 {
+            before
         } else {
-            self.lower_changed(data)
-        }
+            mjWarningStat { lastinfo: stat.lastinfo, number: before.number.saturating_add(raised) }
+        };
+        result.map(|()| raised > 0)
     }
 
+    /// Returns the cause of a reset by the engine, from the warnings that the reset left.
     #[cold]
-    fn lower_changed(&self, data: &mut mjData) -> Counted {
-        let lowered = self.before.iter().zip(&mut data.warning).map(|(before, stat)| match stat.number.cmp(&LIFT) {
-            Ordering::Equal => {
-                *stat = *before;
-                Counted::Nothing
-            }
-            Ordering::Greater => {
-                stat.number = before.number.saturating_add(stat.number - LIFT);
-                Counted::Warned
-            }
-            Ordering::Less => Counted::Reset,
-        });
-        lowered.max().unwrap_or(Counted::Nothing)
+    pub(super) fn instability_after_reset(&self, time: f64) -> Instability {
+        let (field, warning) = [
+            (UnstableField::Acceleration, Warning::BadQacc),
+            (UnstableField::Velocity, Warning::BadQvel),
+            (UnstableField::Position, Warning::BadQpos),
+        ]
+        .into_iter()
+        .find(|&(_, warning)| self.warning(warning).number > 0)
+        .unwrap_or((UnstableField::Acceleration, Warning::BadQacc));
+        let index = usize::try_from(self.warning(warning).last_info).unwrap_or(0);
+        self.instability(field, index, None, time)
     }
 }
 
@@ -193,42 +262,42 @@ impl Lifted {
 mod tests {
     use mujoco_sys::mjWarningStat;
 
-    use super::{Counted, Lifted};
+    use super::{CounterChange, SavedCounters};
     use crate::{Data, sample};
 
-    /// Lifts counters of 3, has the engine's part done by `engine`, and lowers them again.
-    fn lowered(engine: impl FnOnce(&mut [mjWarningStat])) -> (Counted, Vec<(i32, i32)>) {
+    /// Replaces counters of 3, changes them like the engine with `engine`, and restores them.
+    fn restored(engine: impl FnOnce(&mut [mjWarningStat])) -> (CounterChange, Vec<(i32, i32)>) {
         let mut data = Data::new(sample::cartpole()).unwrap();
         data.raw_mut().warning.fill(mjWarningStat { lastinfo: 7, number: 3 });
-        let lifted = Lifted::lift(data.raw_mut());
+        let counters = SavedCounters::replace(data.raw_mut());
         engine(&mut data.raw_mut().warning);
-        let counted = lifted.lower(data.raw_mut());
-        (counted, data.raw().warning.iter().map(|stat| (stat.number, stat.lastinfo)).collect())
+        let change = counters.restore(data.raw_mut());
+        (change, data.raw().warning.iter().map(|stat| (stat.number, stat.lastinfo)).collect())
     }
 
     #[test]
-    fn counters_that_nothing_was_counted_on_are_as_before() {
-        let (counted, stats) = lowered(|_| ());
-        assert!(counted == Counted::Nothing && stats == [(3, 7); 8]);
+    fn counters_without_warnings_are_unchanged() {
+        let (change, stats) = restored(|_| ());
+        assert!(change == CounterChange::None && stats == [(3, 7); 8]);
     }
 
     #[test]
-    fn a_warning_adds_to_its_counter_only() {
-        let (counted, stats) = lowered(|warning| {
+    fn a_warning_changes_only_its_counter() {
+        let (change, stats) = restored(|warning| {
             warning[1].number += 2;
             warning[1].lastinfo = 5;
         });
-        assert!(counted == Counted::Warned);
+        assert!(change == CounterChange::Warned);
         assert_eq!((stats[0], stats[1], stats[2]), ((3, 7), (5, 5), (3, 7)));
     }
 
     #[test]
-    fn a_reset_by_the_engine_is_told_from_a_warning() {
-        let (counted, stats) = lowered(|warning| {
+    fn a_reset_by_the_engine_is_distinguished_from_a_warning() {
+        let (change, stats) = restored(|warning| {
             warning.fill(mjWarningStat { lastinfo: 0, number: 0 });
             warning[6] = mjWarningStat { lastinfo: 1, number: 1 };
         });
-        assert!(counted == Counted::Reset);
+        assert!(change == CounterChange::Reset);
         assert_eq!((stats[0], stats[6]), ((0, 0), (1, 1)));
     }
 }

@@ -5,7 +5,7 @@ use std::ffi::c_int;
 use mujoco_sys::{self as sys, guard};
 
 use super::worker::{Input, Wanted, Worker};
-use crate::data::Computed;
+use crate::data::PipelineFlags;
 use crate::error::Result;
 use crate::id::{Id, kind};
 
@@ -39,7 +39,7 @@ impl Worker {
             return data.inv_constraint();
         }
         // Without what nothing of this reads: cameras, the factor of the inertia matrix, the bias without acceleration.
-        self.data.run("mj_inverse", Computed::empty(), |model, data| {
+        self.data.run("mj_inverse", PipelineFlags::empty(), |model, data| {
             // SAFETY: `run` passes a model and a data that go together.
             let (tendons, nu, nv) = unsafe { ((*model).ntendon, (*model).nu, (*model).nv) };
             let positions: &[guard::Part] = if moved { &POSITIONS } else { &[] };

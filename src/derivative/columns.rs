@@ -8,7 +8,7 @@
 use super::method::Step;
 use super::worker::{Input, Wanted, Worker, sides};
 
-use crate::data::{Computed, Stage};
+use crate::data::{PipelineFlags, Stage};
 use crate::enums::Integrator;
 use crate::error::Result;
 use crate::model::Model;
@@ -82,7 +82,7 @@ impl Worker {
             data.fwd_position()?;
         } else {
             // The state was put back to the one that the positions and velocities of the step before belong to.
-            data.is_at(Computed::FIRST_HALF);
+            data.set_computed(PipelineFlags::FIRST_HALF);
         }
         if skip != Stage::Velocity {
             data.fwd_velocity()?;

@@ -7,7 +7,7 @@ use mujoco_sys::{guard, mjSENS_CLOCK};
 use super::method::Step;
 use super::worker::{Input, sides};
 use super::{Differences, check_eps};
-use crate::data::{Computed, Data};
+use crate::data::{Data, PipelineFlags};
 use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
@@ -140,7 +140,7 @@ impl Data {
             }
         };
         let mut call = |a, b, c, d| {
-            let result = self.run("mjd_transitionFD", Computed::empty(), |model, data| {
+            let result = self.run("mjd_transitionFD", PipelineFlags::empty(), |model, data| {
                 // SAFETY: a model and a data that go together, and outputs that are NULL or have the shapes that the engine
                 // writes.
                 unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }

@@ -154,7 +154,7 @@ macro_rules! fields {
             /// [`Error::NotComputed`](crate::Error::NotComputed) with the call that computes it.
             #[inline]
             pub fn $name(&self) -> $crate::Result<&'a [$type; $columns]> {
-                self.owner.check_parts(stringify!($name), $crate::data::Computed::$part)?;
+                self.owner.check_parts(stringify!($name), $crate::data::PipelineFlags::$part)?;
                 Ok(&self.owner.$array()[self.id.index()])
             }
         }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use mujoco_sys as sys;
 
 use super::{Object, View, ViewMut, range};
-use crate::data::{Computed, Data, Stage};
+use crate::data::{Data, PipelineFlags, Stage};
 use crate::enums::{SensorDataType, SensorType};
 use crate::error::{Error, Result};
 use crate::ffi;
@@ -83,11 +83,11 @@ fields!(Sensor on Data {
     data: {Result<&'a [f64]>} = |sensor| {
         let data = sensor.owner;
         let needs = match data.model().sensor_needstage()[sensor.index()] as u32 {
-            sys::mjSTAGE_POS => Computed::SENSOR_POS,
-            sys::mjSTAGE_VEL => Computed::SENSOR_VEL,
-            sys::mjSTAGE_ACC => Computed::SENSOR_ACC,
+            sys::mjSTAGE_POS => PipelineFlags::SENSOR_POS,
+            sys::mjSTAGE_VEL => PipelineFlags::SENSOR_VEL,
+            sys::mjSTAGE_ACC => PipelineFlags::SENSOR_ACC,
             // The engine evaluates no sensor of another stage, and the compiler creates none.
-            _ => Computed::empty(),
+            _ => PipelineFlags::empty(),
         };
         data.check_parts("the reading of a sensor", needs)?;
         if data.model().raw().opt.disableflags & sys::mjDSBL_SENSOR as i32 != 0 {

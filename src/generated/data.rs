@@ -247,7 +247,7 @@ impl Data {
     ///
     /// Readings of all sensors, each at the address of its sensor.
     ///
-    /// Result of the last [`sensor_pos`](crate::Data::sensor_pos), [`sensor_vel`](crate::Data::sensor_vel) and [`sensor_acc`](crate::Data::sensor_acc), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::SENSORS)`](crate::Data::require) checks that it has been computed.
+    /// Result of the last [`sensor_pos`](crate::Data::sensor_pos), [`sensor_vel`](crate::Data::sensor_vel) and [`sensor_acc`](crate::Data::sensor_acc), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(MissingResults::SENSORS)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.sensordata`.
     #[inline]
@@ -1431,7 +1431,7 @@ impl Data {
 
     /// Linear velocity of subtree com. `(nbody, 3)`
     ///
-    /// Result of the last [`subtree_vel`](crate::Data::subtree_vel), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::SUBTREE_VELOCITIES)`](crate::Data::require) checks that it has been computed.
+    /// Result of the last [`subtree_vel`](crate::Data::subtree_vel), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(MissingResults::SUBTREE_VELOCITIES)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.subtree_linvel`.
     #[inline]
@@ -1451,7 +1451,7 @@ impl Data {
 
     /// Angular momentum about subtree com. `(nbody, 3)`
     ///
-    /// Result of the last [`subtree_vel`](crate::Data::subtree_vel), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::SUBTREE_VELOCITIES)`](crate::Data::require) checks that it has been computed.
+    /// Result of the last [`subtree_vel`](crate::Data::subtree_vel), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(MissingResults::SUBTREE_VELOCITIES)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.subtree_angmom`.
     #[inline]
@@ -1759,7 +1759,7 @@ impl Data {
 
     /// Com-based acceleration. `(nbody, 6)`
     ///
-    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
+    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(MissingResults::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.cacc`.
     #[inline]
@@ -1779,7 +1779,7 @@ impl Data {
 
     /// Com-based interaction force with parent. `(nbody, 6)`
     ///
-    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
+    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(MissingResults::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.cfrc_int`.
     #[inline]
@@ -1799,7 +1799,7 @@ impl Data {
 
     /// Com-based external force on body. `(nbody, 6)`
     ///
-    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(Needs::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
+    /// Result of the last [`rne_post_constraint`](crate::Data::rne_post_constraint), which [`forward`](crate::Data::forward) and [`step`](crate::Data::step) call only if a sensor or an option needs it. It is zero before the first such call, and changes of the state or the model do not update it. [`require(MissingResults::BODY_FORCES)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.cfrc_ext`.
     #[inline]

@@ -6,6 +6,7 @@ use std::ptr;
 use mujoco_sys::{self as sys, guard, mjMINVAL, mjModel};
 
 use super::{Model, Options};
+use crate::data::silence_warnings;
 use crate::error::Result;
 use crate::ffi;
 use crate::id::Kind;
@@ -153,9 +154,7 @@ impl<'m> ModelMut<'m> {
         }
         // SAFETY: just made, and ours. A counter that is not zero keeps the engine from printing a warning through a buffer that
         // all threads share. Every step with the model repeats the warning, such as that of a singular inertia matrix.
-        for warning in unsafe { &mut (*scratch).warning } {
-            warning.number = 1;
-        }
+        silence_warnings(unsafe { &mut *scratch });
         self.note_shortcuts();
         self.widen_bounds();
         let modes = (self.cam_mode().to_vec(), self.light_mode().to_vec());

@@ -5,7 +5,7 @@
 //! constraints and contacts. Nobody reads a row of them that was not written since: the accessors end where the rows in use do,
 //! and a step that did would depend on the one before it.
 
-use crate::data::{Computed, Data};
+use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
 
 /// Makes a simulation what a reset makes it.
@@ -14,7 +14,7 @@ pub(super) fn restart(data: &mut Data) -> Result<()> {
         return data.reset();
     }
     data.clear_arrays();
-    data.is_at(Computed::empty());
+    data.set_computed(PipelineFlags::empty());
 
     let raw = data.raw_mut();
     // SAFETY: counters, times and costs: plain numbers, for which all zeros are a value.

@@ -64,7 +64,7 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::ptr;
 
-use mujoco_sys::{self as sys, guard, mjData, mjMAXLIGHT, mjModel, mjWARN_VGEOMFULL, mjWarningStat, mjvGeom, mjvScene};
+use mujoco_sys::{self as sys, guard, mjData, mjMAXLIGHT, mjModel, mjvGeom, mjvScene};
 
 use self::buffer::Buffer;
 pub use self::camera::{Camera, CameraView, MouseAction};
@@ -76,7 +76,7 @@ pub use self::perturbation::{Perturbation, PerturbationFlags};
 pub use self::select::Selection;
 pub use self::skin::SceneSkin;
 pub use self::viewpoint::{Head, Transform, Viewpoint, align_to_camera};
-use crate::data::{Data, Stage};
+use crate::data::{Data, Stage, Warning};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::Lineage;
@@ -339,17 +339,7 @@ fn counting(
     function: &'static str,
     call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
 ) -> Result<bool> {
-    const COUNTER: usize = mjWARN_VGEOMFULL as usize;
-    let before = std::mem::replace(&mut data.raw_mut().warning[COUNTER], mjWarningStat { lastinfo: 0, number: 1 });
-    let result = data.call_mut(function, call);
-    let stat = &mut data.raw_mut().warning[COUNTER];
-    let missing = stat.number - 1;
-    *stat = if missing == 0 {
-        before
-    } else {
-        mjWarningStat { lastinfo: stat.lastinfo, number: before.number.saturating_add(missing) }
-    };
-    result.map(|()| missing > 0)
+    data.call_mut_with_warning(Warning::VisualGeomFull, function, call)
 }
 
 impl Drop for Scene {

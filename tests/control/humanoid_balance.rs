@@ -254,7 +254,7 @@ fn the_program_balances_the_engines_own_sample_humanoid() {
 fn the_program_says_what_is_wrong_with_its_arguments() {
     for (arguments, expected) in [
         (&["--foot", "foot_lft"][..], "did you mean 'foot_left'"),
-        (&["--keyframe", "crane"], "there are: squat, stand_on_left_leg, stand"),
+        (&["--keyframe", "crane"], "known names: squat, stand_on_left_leg, stand"),
         (&["--model", "no/such/model.xml"], "no/such/model.xml: No such file"),
         (&["--seconds", "long"], "--seconds long"),
         (&["--push", "1"], "--push 20,0"),

@@ -4,7 +4,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use mujoco_safe::{Callbacks, Data, Differences, Error, Integrator, Model, Quantity, Stage, StateSpec, sample};
+use mujoco_safe::{Callbacks, Data, Differences, Error, Integrator, Model, Stage, StateSpec, UnstableField, sample};
 
 /// A motor, and a user actuator of each kind, on a mass that slides.
 const SLIDER: &str = r#"<mujoco>
@@ -184,7 +184,7 @@ fn a_control_that_is_not_a_number_is_an_error_and_not_a_step_without_control() {
     let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[1] = f64::NAN);
     match data.with_callbacks(callbacks, |data| data.step()) {
         Err(Error::Unstable(instability)) => {
-            assert_eq!((instability.quantity, instability.index), (Quantity::Control, 1));
+            assert_eq!((instability.quantity, instability.index), (UnstableField::Control, 1));
             assert_eq!(instability.name.as_deref(), Some("gain"));
         }
         other => panic!("{other:?}"),

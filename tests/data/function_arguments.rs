@@ -3,7 +3,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use mujoco_safe::{Axes, Data, Error, Frame, LengthRangeMode, LengthRangeOptions, Matrix, Model, Result, sample};
+use mujoco_safe::{Axes, Data, Error, FrameId, LengthRangeMode, LengthRangeOptions, Matrix, Model, Result, sample};
 
 fn in_contact() -> Data {
     let mut data = Data::new(sample::humanoid()).unwrap();
@@ -150,7 +150,7 @@ fn sparse_rows_that_the_engine_would_leave_are_errors() {
 #[test]
 fn accelerations_of_objects_are_not_those_of_an_earlier_state() {
     let mut data = in_contact();
-    let torso = Frame::Body(data.model().body("torso").unwrap().id());
+    let torso = FrameId::Body(data.model().body("torso").unwrap().id());
     let told = |data: &Data| data.object_acceleration(torso, Axes::World);
     let error = told(&data).unwrap_err();
     assert!(error.to_string().contains("object_acceleration needs the results of rne_post_constraint"), "{error}");
@@ -170,13 +170,13 @@ fn ids_of_another_model_panic() {
     let other = sample::humanoid();
     let body = other.bodies().last().unwrap().id();
     let site = Model::from_xml_str("<mujoco><worldbody><site/></worldbody></mujoco>").unwrap();
-    let site = Frame::Site(site.sites().next().unwrap().id());
+    let site = FrameId::Site(site.sites().next().unwrap().id());
     let mut matrix = Matrix::zeros(3, data.model().nv());
     let mut dofs = vec![0.0; data.model().nv()];
     let mut calls: Vec<(&str, Call)> = vec![
         ("angmom_mat", Box::new(move |data| drop(data.angmom_mat_into(body, &mut matrix)))),
         ("jac_point_axis", Box::new(move |data| drop(data.jac_point_axis(body, [0.0; 3], [0.0; 3])))),
-        ("object_velocity", Box::new(move |data| drop(data.object_velocity(Frame::Body(body), Axes::World)))),
+        ("object_velocity", Box::new(move |data| drop(data.object_velocity(FrameId::Body(body), Axes::World)))),
         ("object_velocity", Box::new(move |data| drop(data.object_velocity(site, Axes::World)))),
         ("object_acceleration", Box::new(move |data| drop(data.object_acceleration(site, Axes::Local)))),
         ("apply_ft", Box::new(move |data| drop(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], body, &mut dofs)))),
@@ -299,7 +299,7 @@ fn models_without_degrees_of_freedom_work_in_every_call() {
                 part(&mut data).unwrap();
             }
         }
-        data.object_acceleration(Frame::BodyInertia(world), Axes::World).unwrap();
+        data.object_acceleration(FrameId::BodyInertia(world), Axes::World).unwrap();
         data.mul_m2(&mut [], &[]).unwrap();
         data.solve_m2(&mut [], &[]).unwrap();
         data.rne(true, &mut []).unwrap();
@@ -311,7 +311,7 @@ fn models_without_degrees_of_freedom_work_in_every_call() {
         assert_eq!(data.angmom_mat(world).unwrap().shape(), (3, 0));
         assert_eq!(data.jac_point_axis(world, [0.0; 3], [1.0; 3]).unwrap()[0].shape(), (3, 0));
         data.apply_ft([1.0; 3], [1.0; 3], [0.0; 3], world, &mut []).unwrap();
-        data.object_velocity(Frame::Body(world), Axes::Local).unwrap();
+        data.object_velocity(FrameId::Body(world), Axes::Local).unwrap();
         data.local_to_global(world, [1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
         data.ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0], &mujoco_safe::RayOptions::default()).unwrap();
         data.euler().unwrap();

@@ -6,8 +6,8 @@
 #![forbid(unsafe_code)]
 
 use mujoco_safe::{
-    Callbacks, Cone, Data, Error, Frame, Integrator, JacobianStorage, Model, Quantity, RayOptions, Solver, Stage,
-    sample,
+    Callbacks, Cone, Data, Error, FrameId, Integrator, JacobianStorage, Model, RayOptions, Solver, Stage,
+    UnstableField, sample,
 };
 
 use crate::trouble;
@@ -124,7 +124,7 @@ mod memory {
     #[should_panic(expected = "another model")]
     fn an_id_of_another_model_whose_index_exists() {
         let cart = sample::cartpole().body("cart").unwrap().id();
-        let _ = squatting().object_velocity(Frame::Body(cart), mujoco_safe::Axes::World);
+        let _ = squatting().object_velocity(FrameId::Body(cart), mujoco_safe::Axes::World);
     }
 
     #[test]
@@ -184,7 +184,10 @@ mod wrong_answers_without_a_word {
         data.qvel_mut()[7] = f64::INFINITY;
         match data.step() {
             Err(Error::Unstable(instability)) => {
-                assert_eq!((instability.quantity, instability.index, instability.time), (Quantity::Velocity, 7, 3.0));
+                assert_eq!(
+                    (instability.quantity, instability.index, instability.time),
+                    (UnstableField::Velocity, 7, 3.0)
+                );
             }
             other => panic!("{other:?}"),
         }
@@ -225,7 +228,7 @@ mod wrong_answers_without_a_word {
         data.ctrl_mut()[3] = f64::NAN;
         match data.step() {
             Err(Error::Unstable(instability)) => {
-                assert_eq!((instability.quantity, instability.index), (Quantity::Control, 3));
+                assert_eq!((instability.quantity, instability.index), (UnstableField::Control, 3));
             }
             other => panic!("{other:?}"),
         }

@@ -9,7 +9,7 @@ fn the_error_proposes_the_nearest_name_and_lists_all() {
     let text = unknown(zoo().joint("elbwo"));
     assert_eq!(
         text,
-        "there is no joint named 'elbwo', did you mean 'elbow'? (there are: crate, rail, shoulder, elbow)"
+        "there is no joint named 'elbwo', did you mean 'elbow'? (known names: crate, rail, shoulder, elbow)"
     );
     let text = unknown(zoo().actuator("no such thing"));
     assert!(!text.contains("did you mean"), "{text}");

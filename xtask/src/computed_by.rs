@@ -98,19 +98,19 @@ const PARTS: [Part; 23] = [
     Part {
         methods: &["sensor_pos", "sensor_vel", "sensor_acc"],
         in_forward: true,
-        needs: "Needs::SENSORS",
+        needs: "MissingResults::SENSORS",
         fields: &["sensordata"],
     },
     Part {
         methods: &["subtree_vel"],
         in_forward: false,
-        needs: "Needs::SUBTREE_VELOCITIES",
+        needs: "MissingResults::SUBTREE_VELOCITIES",
         fields: &["subtree_linvel", "subtree_angmom"],
     },
     Part {
         methods: &["rne_post_constraint"],
         in_forward: false,
-        needs: "Needs::BODY_FORCES",
+        needs: "MissingResults::BODY_FORCES",
         fields: &["cacc", "cfrc_int", "cfrc_ext"],
     },
     Part { methods: &["inverse"], in_forward: false, needs: "", fields: &["qfrc_inverse"] },

@@ -1,9 +1,10 @@
 //! Whatever goes wrong is an error with a text that helps, and the process goes on.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod arguments;
 mod files;
+mod poisoning;
 mod shapes;
 mod simulation;
 

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Barrier};
 
-use mujoco_safe::{Data, Differences, Error, Integrator, Model, Quantity, Result, Stage, StateSpec, sample};
+use mujoco_safe::{Data, Differences, Error, Integrator, Model, Result, Stage, StateSpec, UnstableField, sample};
 
 use super::text_of;
 use crate::trouble;
@@ -28,7 +28,7 @@ fn a_control_that_is_no_number_is_told_and_nothing_has_changed() {
         ] {
             text_of(
                 result,
-                &["the controls are not usable at time 0.01 s", "ctrl[0] of actuator 'slide'", &format!("{value}")],
+                &["a control is out of range at time 0.01 s", "ctrl[0] of actuator 'slide'", &format!("{value}")],
             );
         }
         assert_eq!(data.state(StateSpec::FULL_PHYSICS), before);
@@ -49,7 +49,7 @@ fn a_position_or_velocity_that_is_no_number_is_told_and_nothing_has_changed() {
             &["the simulation is unstable at time 0 s", "qpos[3] of joint 'root'", &value.to_string(), "1e10"],
         );
         let Err(Error::Unstable(found)) = data.step() else { panic!("still an error") };
-        assert_eq!((found.quantity, found.index, found.time), (Quantity::Position, 3, 0.0));
+        assert_eq!((found.quantity, found.index, found.time), (UnstableField::Position, 3, 0.0));
         data.reset().unwrap();
         let knee = data.model().joint("left_knee").unwrap().dofs().start;
         data.qvel_mut()[knee] = value;
@@ -75,7 +75,7 @@ fn an_explosion_in_the_middle_of_a_step_is_told_and_only_a_reset_helps() {
     data.step().unwrap();
 
     data.xfrc_applied_mut()[1] = [f64::NAN; 6];
-    assert!(matches!(data.step(), Err(Error::Unstable(found)) if found.quantity == Quantity::Acceleration));
+    assert!(matches!(data.step(), Err(Error::Unstable(found)) if found.quantity == UnstableField::Acceleration));
     data.reset().unwrap();
     assert_eq!(data.xfrc_applied()[1], [0.0; 6], "a reset clears what was applied");
     data.step().unwrap();

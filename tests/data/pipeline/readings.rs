@@ -1,6 +1,6 @@
 //! Readings of sensors and forces on bodies through named access: right, or an error that names the missing call.
 
-use mujoco_safe::{Callbacks, Data, DisableFlags, Error, Integrator, Model, Needs, Result, Stage};
+use mujoco_safe::{Callbacks, Data, DisableFlags, Error, Integrator, MissingResults, Model, Result, Stage};
 use proptest::prelude::*;
 
 /// A ball on a tendon that swings and lands, with a sensor of each stage, and one of each that the engine computes by a part of
@@ -96,9 +96,9 @@ fn forces_on_bodies_are_an_error_until_they_have_been_computed() {
     }
     let error = data.body("arm").unwrap().cfrc_ext().unwrap_err().to_string();
     assert!(error.contains("rne_post_constraint") && error.contains("after forward or step"), "{error}");
-    assert!(is_not_computed(&data.require(Needs::BODY_FORCES)));
+    assert!(is_not_computed(&data.require(MissingResults::BODY_FORCES)));
     data.rne_post_constraint().unwrap();
-    data.require(Needs::BODY_FORCES).unwrap();
+    data.require(MissingResults::BODY_FORCES).unwrap();
     assert_eq!(*data.body("arm").unwrap().cfrc_int().unwrap(), data.cfrc_int()[1]);
     assert!(data.cfrc_int()[1].iter().any(|&force| force != 0.0));
     data.subtree_vel().unwrap();
@@ -118,10 +118,10 @@ fn a_requirement_is_met_exactly_by_what_has_been_computed() {
     assert_eq!(met(&data), [true, true, false, false]);
     data.step1().unwrap();
     assert_eq!(met(&data), [true, true, true, false]);
-    assert!(is_not_computed(&data.require(Needs::SENSORS)));
+    assert!(is_not_computed(&data.require(MissingResults::SENSORS)));
     data.step().unwrap();
     assert_eq!(met(&data), [true; 4]);
-    data.require(Needs::SENSORS).unwrap();
+    data.require(MissingResults::SENSORS).unwrap();
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Constraints, forces, velocities and accelerations of objects, square roots of the inertia matrix.
 
-use mujoco_safe::{Axes, Frame, SpatialVector, Stage};
+use mujoco_safe::{Axes, FrameId, SpatialVector, Stage};
 
 use crate::twins::{Twins, assert_same, c, small_subjects, usual_subjects};
 
@@ -107,10 +107,10 @@ fn velocities_and_accelerations_of_objects_are_the_engines() {
         let model = twins.model.clone();
         let bodies = model.bodies().map(|body| body.id());
         let objects = bodies
-            .flat_map(|id| [(Frame::BodyInertia(id), 1, id.index()), (Frame::Body(id), 2, id.index())])
-            .chain(model.geoms().map(|geom| (Frame::Geom(geom.id()), 5, geom.index())))
-            .chain(model.sites().map(|site| (Frame::Site(site.id()), 6, site.index())))
-            .chain(model.cameras().map(|camera| (Frame::Camera(camera.id()), 7, camera.index())));
+            .flat_map(|id| [(FrameId::BodyInertia(id), 1, id.index()), (FrameId::Body(id), 2, id.index())])
+            .chain(model.geoms().map(|geom| (FrameId::Geom(geom.id()), 5, geom.index())))
+            .chain(model.sites().map(|site| (FrameId::Site(site.id()), 6, site.index())))
+            .chain(model.cameras().map(|camera| (FrameId::Camera(camera.id()), 7, camera.index())));
         for (object, objtype, index) in objects {
             for (axes, local) in [(Axes::World, 0), (Axes::Local, 1)] {
                 let same = |what: &str, ours: SpatialVector, theirs: [f64; 6]| {

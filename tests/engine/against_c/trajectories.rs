@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::{Cone, EnableFlags, Error, Integrator, Model, Quantity, Solver, Warning, sample, sys};
+use mujoco_safe::{Cone, EnableFlags, Error, Integrator, Model, Solver, UnstableField, Warning, sample, sys};
 
 use crate::twins::{Subject, Twins, c, read, subjects, usual_subjects};
 
@@ -117,7 +117,7 @@ fn an_acceleration_out_of_range_is_found_where_the_engine_finds_it() {
         assert!(warning.number == 1, "the engine has reset the simulation");
         match twins.ours.step() {
             Err(Error::Unstable(found)) => {
-                assert_eq!((found.quantity, found.index as i32), (Quantity::Acceleration, warning.lastinfo));
+                assert_eq!((found.quantity, found.index as i32), (UnstableField::Acceleration, warning.lastinfo));
             }
             other => panic!("{other:?}"),
         }

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use mujoco_safe::{
-    Axes, BodyId, Data, Frame, GeomId, Matrix, RayOptions, Result, StateSpec, Timer, Trajectory, Warning,
+    Axes, BodyId, Data, FrameId, GeomId, Matrix, RayOptions, Result, StateSpec, Timer, Trajectory, Warning,
 };
 
 use super::{Bytes, Call, print_all, touch_all};
@@ -34,14 +34,14 @@ pub(super) fn geom(data: &Data, bytes: &mut Bytes<'_>) -> Result<GeomId> {
     Ok(data.model().geom(bytes.index(data.model().ngeom()))?.id())
 }
 
-fn frame(data: &Data, bytes: &mut Bytes<'_>) -> Result<Frame> {
+fn frame(data: &Data, bytes: &mut Bytes<'_>) -> Result<FrameId> {
     let model = data.model();
     Ok(match bytes.below(5) {
-        0 => Frame::BodyInertia(body(data, bytes)?),
-        1 => Frame::Body(body(data, bytes)?),
-        2 => Frame::Geom(geom(data, bytes)?),
-        3 => Frame::Site(model.site(bytes.index(model.nsite()))?.id()),
-        _ => Frame::Camera(model.camera(bytes.index(model.ncam()))?.id()),
+        0 => FrameId::BodyInertia(body(data, bytes)?),
+        1 => FrameId::Body(body(data, bytes)?),
+        2 => FrameId::Geom(geom(data, bytes)?),
+        3 => FrameId::Site(model.site(bytes.index(model.nsite()))?.id()),
+        _ => FrameId::Camera(model.camera(bytes.index(model.ncam()))?.id()),
     })
 }
 

@@ -128,7 +128,7 @@ const ON_PURPOSE: &str = "on purpose";
 /// A panic of a closure is an error of the step it is in: but of those none is allowed that is not made on purpose.
 fn expected(result: &Result<()>) {
     if let Err(Error::Callback { message, .. }) = result {
-        assert!([ON_PURPOSE, "a panic without a text"].contains(&&message[..]), "a closure panicked: {message}");
+        assert!([ON_PURPOSE, "(no message)"].contains(&&message[..]), "a closure panicked: {message}");
     }
 }
 

@@ -1,45 +1,46 @@
-//! Velocities and accelerations of whatever has a frame, forces on bodies, points in body frames.
+//! Velocities and accelerations of coordinate frames, forces on bodies, and points in body frames.
 
 use std::ffi::c_int;
 
 use mujoco_sys::{self as sys, guard, mjData, mjModel, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_XBODY};
 
-use super::{Computed, Data, Stage};
+use super::{Data, PipelineFlags, Stage};
 use crate::error::{Error, Result};
-use crate::id::{BodyId, CameraId, GeomId, SiteId};
+use crate::id::{BodyId, CameraId, ElementKind, GeomId, Id, SiteId};
+use crate::model::Model;
 
-/// Something with a frame that moves with a body.
+/// Identifier of a coordinate frame that is attached to a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[doc(alias = "mjtObj")]
-pub enum Frame {
-    /// A body's inertial frame, at its centre of mass.
+pub enum FrameId {
+    /// Inertial frame of a body, at its centre of mass.
     #[doc(alias = "mjOBJ_BODY")]
     BodyInertia(BodyId),
-    /// A body's own frame, at its joints.
+    /// Frame of a body, relative to which its joints are defined.
     #[doc(alias = "mjOBJ_XBODY")]
     Body(BodyId),
-    /// A geom's frame.
+    /// Frame of a geom.
     #[doc(alias = "mjOBJ_GEOM")]
     Geom(GeomId),
-    /// A site's frame.
+    /// Frame of a site.
     #[doc(alias = "mjOBJ_SITE")]
     Site(SiteId),
-    /// A camera's frame.
+    /// Frame of a camera.
     #[doc(alias = "mjOBJ_CAMERA")]
     Camera(CameraId),
 }
 
-/// Along which axes a velocity or an acceleration is told. The origin is that of the object in both cases.
+/// Axes of the components of a velocity or an acceleration. The reference point is the origin of the object in both cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[doc(alias = "flg_local")]
 pub enum Axes {
-    /// Those of the world.
+    /// Axes of the world.
     World,
-    /// Those of the object itself.
+    /// Axes of the object.
     Local,
 }
 
-/// Velocity or acceleration of a frame.
+/// Spatial velocity or acceleration of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct SpatialVector {
     /// Angular part, rad/s or rad/s².
@@ -49,7 +50,7 @@ pub struct SpatialVector {
 }
 
 impl Data {
-    /// The velocity of an object.
+    /// Computes the velocity of a frame.
     ///
     /// # Errors
     ///
@@ -60,58 +61,59 @@ impl Data {
     /// If the id is of another model.
     ///
     /// ```
-    /// use mujoco_safe::{Axes, Data, Frame, sample};
+    /// use mujoco_safe::{Axes, Data, FrameId, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.qvel_mut()[0] = 2.0;
     /// data.forward()?;
-    /// let cart = Frame::Body(data.model().body("cart")?.id());
+    /// let cart = FrameId::Body(data.model().body("cart")?.id());
     /// assert_eq!(data.object_velocity(cart, Axes::World)?.linear, [2.0, 0.0, 0.0]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_objectVelocity")]
-    pub fn object_velocity(&self, object: Frame, axes: Axes) -> Result<SpatialVector> {
+    pub fn object_velocity(&self, object: FrameId, axes: Axes) -> Result<SpatialVector> {
         let (object_type, index) = self.object(object);
         self.check_computed("object_velocity", Stage::Velocity)?;
         self.motion("mj_objectVelocity", |m, d, result| {
-            // SAFETY: an object of this model, of a type that has a frame, and a place for six numbers.
+            // SAFETY: an object of this model, of a type with a frame, and a result of six elements.
             unsafe { guard::mj_object_velocity(m, d, object_type, index, result, (axes == Axes::Local).into()) }
         })
     }
 
-    /// The acceleration of an object, gravity included: an object at rest accelerates upwards, as an accelerometer tells.
+    /// Computes the acceleration of a frame as an accelerometer measures it, gravity included: a frame at rest accelerates
+    /// upwards.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] without a [`rne_post_constraint`](Self::rne_post_constraint) since the quantities were computed,
-    /// which is what computes the accelerations of bodies.
+    /// [`Error::NotComputed`] before [`rne_post_constraint`](Self::rne_post_constraint), which computes the accelerations of
+    /// bodies.
     ///
     /// # Panics
     ///
     /// If the id is of another model.
     ///
     /// ```
-    /// use mujoco_safe::{Axes, Data, Frame, sample};
+    /// use mujoco_safe::{Axes, Data, FrameId, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?; // in the air
     /// data.forward()?;
     /// data.rne_post_constraint()?;
-    /// let torso = Frame::BodyInertia(data.model().body("torso")?.id());
+    /// let torso = FrameId::BodyInertia(data.model().body("torso")?.id());
     /// let acceleration = data.object_acceleration(torso, Axes::World)?;
     /// assert!(acceleration.linear[2].abs() < 9.81);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_objectAcceleration")]
-    pub fn object_acceleration(&self, object: Frame, axes: Axes) -> Result<SpatialVector> {
+    pub fn object_acceleration(&self, object: FrameId, axes: Axes) -> Result<SpatialVector> {
         let (object_type, index) = self.object(object);
-        self.check_parts("object_acceleration", Computed::POST_CONSTRAINT)?;
+        self.check_parts("object_acceleration", PipelineFlags::POST_CONSTRAINT)?;
         self.motion("mj_objectAcceleration", |m, d, result| {
-            // SAFETY: as for the velocity.
+            // SAFETY: as for the velocity; the accelerations of bodies have been computed.
             unsafe { guard::mj_object_acceleration(m, d, object_type, index, result, (axes == Axes::Local).into()) }
         })
     }
 
-    /// Makes a call that writes the motion of a frame to six numbers.
+    /// Makes a call that writes the motion of a frame to six elements.
     fn motion(
         &self,
         function: &'static str,
@@ -122,8 +124,8 @@ impl Data {
         Ok(SpatialVector::from_engine(result))
     }
 
-    /// Adds to `qfrc_target` (nv) the generalised force of a force in N and a torque in N·m, world frame, on a body at a point in
-    /// m, world frame.
+    /// Adds the generalised force of a force (N) and a torque (N·m) on a body to `qfrc_target` (nv). The force acts at `point` (m).
+    /// All three vectors are in the world frame.
     ///
     /// # Errors
     ///
@@ -162,12 +164,13 @@ impl Data {
         Error::check_length("qfrc_target of apply_ft", qfrc_target.len(), self.model().nv())?;
         let (body, target) = (body.index() as c_int, qfrc_target.as_mut_ptr());
         self.call_mut("mj_applyFT", |m, d| {
-            // SAFETY: a body of this model, three vectors of three numbers, and a target of nv numbers.
+            // SAFETY: a body of this model, three vectors of three elements, and a target of nv elements.
             unsafe { guard::mj_apply_ft(m, d, force.as_ptr(), torque.as_ptr(), point.as_ptr(), body, target) }
         })
     }
 
-    /// From a body's own frame to the world: a point, and the rotation matrix of an orientation `[w, x, y, z]`.
+    /// Transforms a position (m) and an orientation `[w, x, y, z]` from the frame of a body to the world frame. Returns the position
+    /// and the rotation matrix.
     ///
     /// # Errors
     ///
@@ -198,7 +201,7 @@ impl Data {
         self.model().check_id(body);
         self.check_computed("local_to_global", Stage::Position)?;
         let (mut xpos, mut xmat) = ([0.0; 3], [[0.0; 3]; 3]);
-        // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 numbers. The function only reads the data.
+        // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 elements. The function only reads the data.
         unsafe {
             sys::mj_local2Global(
                 self.as_ptr().cast_mut(),
@@ -213,29 +216,33 @@ impl Data {
         Ok((xpos, xmat))
     }
 
-    /// The engine's type and index of an object of this model.
-    fn object(&self, object: Frame) -> (c_int, c_int) {
+    /// Returns the engine's type and index of an object.
+    ///
+    /// # Panics
+    ///
+    /// If the id is of another model.
+    fn object(&self, object: FrameId) -> (c_int, c_int) {
         let model = self.model();
         let (object_type, index) = match object {
-            Frame::BodyInertia(id) => (mjOBJ_BODY, model.checked(id)),
-            Frame::Body(id) => (mjOBJ_XBODY, model.checked(id)),
-            Frame::Geom(id) => (mjOBJ_GEOM, model.checked(id)),
-            Frame::Site(id) => (mjOBJ_SITE, model.checked(id)),
-            Frame::Camera(id) => (mjOBJ_CAMERA, model.checked(id)),
+            FrameId::BodyInertia(id) => (mjOBJ_BODY, model.checked_index(id)),
+            FrameId::Body(id) => (mjOBJ_XBODY, model.checked_index(id)),
+            FrameId::Geom(id) => (mjOBJ_GEOM, model.checked_index(id)),
+            FrameId::Site(id) => (mjOBJ_SITE, model.checked_index(id)),
+            FrameId::Camera(id) => (mjOBJ_CAMERA, model.checked_index(id)),
         };
         (object_type as c_int, index)
     }
 }
 
-impl crate::model::Model {
-    fn checked<K: crate::id::ElementKind>(&self, id: crate::id::Id<K>) -> c_int {
+impl Model {
+    fn checked_index<K: ElementKind>(&self, id: Id<K>) -> c_int {
         self.check_id(id);
         id.index() as c_int
     }
 }
 
 impl SpatialVector {
-    /// Converts the engine's six numbers: angular, then linear.
+    /// Splits a spatial vector of the engine, whose angular part comes first.
     fn from_engine([rx, ry, rz, tx, ty, tz]: [f64; 6]) -> Self {
         Self { angular: [rx, ry, rz], linear: [tx, ty, tz] }
     }

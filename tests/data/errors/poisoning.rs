@@ -1,14 +1,14 @@
-//! Poisoning by engine errors: which calls poison the data, and what a poisoned data still does.
+//! Poisoning by engine errors: calls that poison the data, and the behaviour of poisoned data.
 
-use mujoco_sys::mjGEOM_BOX;
-
-use crate::derivative::Differences;
-use crate::scene::{Camera, Categories, MouseAction, Perturbation, Scene, SceneOptions};
-use crate::{Axes, Data, Error, Frame, Matrix, Model, RayOptions, Result, Stage, StateSpec, sample};
+use mujoco_safe::scene::{Camera, Categories, MouseAction, Perturbation, Scene, SceneOptions};
+use mujoco_safe::sys::mjGEOM_BOX;
+use mujoco_safe::{
+    Axes, BodyId, Data, Differences, Error, FrameId, Matrix, Model, RayOptions, Result, Stage, StateSpec, sample,
+};
 
 type Call = (&'static str, fn(&mut Data) -> Result<()>);
 
-/// The humanoid, squatting, with everything computed.
+/// Returns the humanoid in a squat, with all quantities computed.
 fn squatting() -> Data {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
@@ -17,16 +17,19 @@ fn squatting() -> Data {
     data
 }
 
-/// Leaves no room on the engine's stack, as after a failed allocation.
+/// Marks the whole stack of the engine as used, so that every allocation fails.
+#[allow(unsafe_code, reason = "no safe call fills the stack")]
 fn fill_stack(data: &mut Data) {
-    data.raw_mut().pstack = data.raw().nstack;
+    let raw = data.as_mut_ptr();
+    // SAFETY: the pointer of a data that is borrowed exclusively. A full stack is a state in which an engine call may leave it.
+    unsafe { (*raw).pstack = (*raw).nstack };
 }
 
-fn body(data: &Data) -> crate::BodyId {
+fn body(data: &Data) -> BodyId {
     data.model().body("foot_left").unwrap().id()
 }
 
-/// Calls that take `&mut Data` and fail without room on the stack.
+/// Calls that take `&mut Data` and fail if the stack is full.
 const WRITING: [Call; 20] = [
     ("step", |data| data.step()),
     ("step1", |data| data.step1()),
@@ -56,15 +59,15 @@ const WRITING: [Call; 20] = [
     }),
 ];
 
-/// Calls that take `&Data`, with the numbers that they return.
+/// Makes calls that take `&Data`, and returns their results.
 fn readings(data: &Data) -> Vec<f64> {
     let body = body(data);
     let nv = data.model().nv();
     let mut product = vec![0.0; nv];
     data.mul_m(&mut product, data.qvel()).unwrap();
     let jacobian = data.jac_body_com(body).unwrap();
-    let velocity = data.object_velocity(Frame::Body(body), Axes::World).unwrap();
-    let acceleration = data.object_acceleration(Frame::Body(body), Axes::World).unwrap();
+    let velocity = data.object_velocity(FrameId::Body(body), Axes::World).unwrap();
+    let acceleration = data.object_acceleration(FrameId::Body(body), Axes::World).unwrap();
     let hit = data.ray([5.0, 5.0, 3.0], [0.0, 0.0, -1.0], &RayOptions::default()).unwrap();
     let copy = data.try_clone().unwrap();
     let force = data.contacts().next().unwrap().force().unwrap();
@@ -76,7 +79,7 @@ fn readings(data: &Data) -> Vec<f64> {
         .collect()
 }
 
-/// Checks that `error` is that of the engine, that the data refuses everything but a reset, and that a reset heals it.
+/// Checks that `error` is an engine error, that all calls except a reset fail, and that a reset makes the data usable.
 #[track_caller]
 fn assert_poisoned(name: &str, error: Option<&Error>, data: &mut Data, qpos: &[f64]) {
     assert!(matches!(error, Some(Error::Engine { .. })), "{name}: {error:?}");
@@ -84,13 +87,13 @@ fn assert_poisoned(name: &str, error: Option<&Error>, data: &mut Data, qpos: &[f
         let error = call(data).unwrap_err();
         assert!(matches!(error, Error::Poisoned { .. }), "{after} after {name}: {error}");
     }
-    let refused = [
+    let rejected = [
         data.full_m().map(drop),
         data.ray([0.0; 3], [1.0; 3], &RayOptions::default()).map(drop),
-        data.object_velocity(Frame::Body(body(data)), Axes::World).map(drop),
+        data.object_velocity(FrameId::Body(body(data)), Axes::World).map(drop),
     ];
-    assert!(refused.iter().all(|result| matches!(result, Err(Error::Poisoned { .. }))), "{name}: {refused:?}");
-    assert_eq!(data.qpos(), qpos, "{name}: the state can still be read");
+    assert!(rejected.iter().all(|result| matches!(result, Err(Error::Poisoned { .. }))), "{name}: {rejected:?}");
+    assert_eq!(data.qpos(), qpos, "{name}: the state is readable");
     data.reset().unwrap();
     data.step().unwrap();
 }
@@ -129,7 +132,7 @@ fn a_distance_that_the_engine_cannot_compute_poisons_the_data() {
     .unwrap();
     let [a, b] = ["a", "b"].map(|name| model.geom(name).unwrap().id());
     assert_eq!(model.geom_type()[b.index()], mjGEOM_BOX as i32);
-    // A box without an inside, from which the engine computes no distance.
+    // The engine cannot compute a distance from a box of size zero.
     model.edit().geom_size_mut()[b.index()] = [0.0; 3];
     let mut data = Data::new(model).unwrap();
     data.kinematics().unwrap();
@@ -144,7 +147,7 @@ fn a_distance_that_the_engine_cannot_compute_poisons_the_data() {
 fn an_engine_error_in_a_call_that_only_reads_leaves_the_data_usable_and_unchanged() {
     let data = squatting();
     let before = readings(&data);
-    // The engine refuses a scene that was never updated.
+    // The engine rejects a scene that was never updated.
     let scene = Scene::new(data.model(), 100).unwrap();
     let mut perturbation = Perturbation::default();
     perturbation.select = Some(body(&data));
@@ -160,7 +163,7 @@ fn an_engine_error_in_a_call_that_only_reads_leaves_the_data_usable_and_unchange
 }
 
 #[test]
-fn calls_that_only_read_need_no_room_on_the_stack() {
+fn calls_that_only_read_do_not_use_the_stack() {
     let mut data = squatting();
     let before = readings(&data);
     fill_stack(&mut data);
@@ -175,7 +178,7 @@ fn calls_that_only_read_need_no_room_on_the_stack() {
 }
 
 #[test]
-fn copies_take_over_whether_a_data_is_poisoned() {
+fn copies_of_poisoned_data_are_poisoned() {
     let usable = squatting();
     let mut poisoned = usable.clone();
     fill_stack(&mut poisoned);

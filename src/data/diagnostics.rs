@@ -1,12 +1,17 @@
-//! What the constraint solver did, and how long each part of a step took.
+//! Timers, statistics of the constraint solver, and a text dump of all quantities.
 
-use mujoco_sys::{self as sys, mjSolverStat};
+use std::fs::File;
+use std::path::Path;
 
-use super::Data;
+use mujoco_sys::{self as sys, guard, mjSolverStat};
+
+use super::{Data, Stage};
 use crate::enums::engine_enum;
+use crate::error::{Error, Result};
+use crate::ffi;
 
 engine_enum! {
-    /// A part of the computation whose time is taken.
+    /// Timed part of the computation.
     #[doc(alias = "mjtTimer")]
     Timer {
         /// A whole step.
@@ -15,9 +20,9 @@ engine_enum! {
         Forward = mjTIMER_FORWARD,
         /// Inverse dynamics.
         Inverse = mjTIMER_INVERSE,
-        /// What depends on positions.
+        /// Position-dependent quantities.
         Position = mjTIMER_POSITION,
-        /// What depends on velocities.
+        /// Velocity-dependent quantities.
         Velocity = mjTIMER_VELOCITY,
         /// Actuator forces.
         Actuation = mjTIMER_ACTUATION,
@@ -25,21 +30,21 @@ engine_enum! {
         Acceleration = mjTIMER_ACCELERATION,
         /// The constraint solver.
         Constraint = mjTIMER_CONSTRAINT,
-        /// Of what depends on positions: kinematics, centres of mass, tendons, transmissions.
+        /// Part of [`Position`](Self::Position): kinematics, centres of mass, tendons, transmissions.
         PositionKinematics = mjTIMER_POS_KINEMATICS,
-        /// Of what depends on positions: the inertia matrix.
+        /// Part of [`Position`](Self::Position): the inertia matrix.
         PositionInertia = mjTIMER_POS_INERTIA,
-        /// Of what depends on positions: collision detection.
+        /// Part of [`Position`](Self::Position): collision detection.
         PositionCollision = mjTIMER_POS_COLLISION,
-        /// Of what depends on positions: making the constraints.
+        /// Part of [`Position`](Self::Position): creation of the constraint rows.
         PositionMake = mjTIMER_POS_MAKE,
-        /// Of what depends on positions: the constraints' inertia.
+        /// Part of [`Position`](Self::Position): the inverse inertia in constraint space.
         PositionProject = mjTIMER_POS_PROJECT,
     }
 }
 
 impl Timer {
-    /// All of them, in the engine's order.
+    /// All timers, in the engine's order.
     pub const ALL: [Self; sys::mjNTIMER as usize] = [
         Self::Step,
         Self::Forward,
@@ -57,35 +62,36 @@ impl Timer {
     ];
 }
 
-/// How often a part was computed since the last reset, and how long that took.
+/// Number and total duration of the computations of one part since the last reset.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[non_exhaustive]
 pub struct TimerCount {
-    /// All the time it took, in the unit of the process's clock. Zero unless there is a clock (`mjcb_time`).
+    /// Total duration in the unit of the clock, which is seconds for [`enable_timers`](crate::enable_timers). Zero without a clock
+    /// (`mjcb_time`).
     pub duration: f64,
-    /// How often. This is counted without a clock too.
+    /// Number of computations. Counted without a clock too.
     pub number: usize,
 }
 
-/// What the constraint solver did in one iteration. The engine scales costs by the mean inertia and the number of degrees of
+/// Statistics of one iteration of the constraint solver. The engine scales costs by the mean inertia and the number of degrees of
 /// freedom, so that they can be compared with the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[doc(alias = "mjSolverStat")]
 pub struct SolverIteration {
-    /// By how much the cost became smaller, scaled.
+    /// Decrease of the cost, scaled.
     pub improvement: f64,
-    /// The norm of the gradient, scaled. Zero for PGS, which has none.
+    /// Norm of the gradient, scaled. Zero for PGS, which does not compute a gradient.
     pub gradient: f64,
-    /// The slope where the line search ended. Zero for PGS.
+    /// Slope at the end of the line search. Zero for PGS.
     pub lineslope: f64,
-    /// How many constraints are active.
+    /// Number of active constraints.
     pub nactive: usize,
-    /// How many constraints became active or inactive.
+    /// Number of constraints that became active or inactive.
     pub nchange: usize,
-    /// How often the line search computed the cost.
+    /// Number of cost evaluations in the line search.
     pub neval: usize,
-    /// How often the line search updated the Cholesky factor.
+    /// Number of updates of the Cholesky factor in the line search.
     pub nupdate: usize,
 }
 
@@ -105,9 +111,10 @@ impl From<&mjSolverStat> for SolverIteration {
 }
 
 impl Data {
-    /// How often a part was computed since the last reset, and how long that took.
+    /// Returns number and total duration of the computations of a part since the last reset.
     ///
-    /// The duration is zero unless the process has a clock (`mjcb_time`), for the engine has none of its own.
+    /// The duration is zero unless the process has installed a clock ([`enable_timers`](crate::enable_timers)), because the engine
+    /// does not include one.
     ///
     /// ```
     /// use mujoco_safe::{Data, Timer, sample};
@@ -128,9 +135,8 @@ impl Data {
         TimerCount { duration: raw.duration, number: usize::try_from(raw.number).unwrap_or(0) }
     }
 
-    /// What the constraint solver did in each iteration of the last forward dynamics, the no-slip solver's iterations behind the main
-    /// solver's: as many as [`solver_iter`](Self::solver_iter) says, but the first thousand at most, which is what the engine
-    /// keeps.
+    /// Returns the statistics of each solver iteration of the last forward dynamics. The iterations of the no-slip solver follow those
+    /// of the main solver. Their number is [`solver_iter`](Self::solver_iter), but at most 1000, which is the engine's limit.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -150,9 +156,9 @@ impl Data {
         raw.solver[..self.solver_iter().min(raw.solver.len())].iter().map(SolverIteration::from)
     }
 
-    /// Agreement of inverse with forward dynamics: the norm of the difference of the constraint forces, and that of the difference
-    /// between all forces applied and `qfrc_inverse`. [`compare_fwd_inv`](Self::compare_fwd_inv) computes both numbers, and so do
-    /// `step` and `step2` while [`EnableFlags::FWDINV`](crate::EnableFlags::FWDINV) is set. They are zero if there are no
+    /// Returns the discrepancy between forward and inverse dynamics: the norm of the difference of the constraint forces, and the
+    /// norm of the difference between all applied forces and `qfrc_inverse`. [`compare_fwd_inv`](Self::compare_fwd_inv) computes
+    /// both, and so do `step` and `step2` while [`EnableFlags::FWDINV`](crate::EnableFlags::FWDINV) is set. They are zero without
     /// constraints. A program that clears the flag reads old numbers until the next reset.
     ///
     /// ```
@@ -168,5 +174,34 @@ impl Data {
     #[doc(alias = "mj_compareFwdInv")]
     pub fn solver_fwdinv(&self) -> [f64; 2] {
         self.raw().solver_fwdinv
+    }
+
+    /// Writes all quantities to a human-readable text file. An existing file is overwritten.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] before positions were computed, [`Error::File`] if the file cannot be written, [`Error::Invalid`]
+    /// for a path with a NUL byte, [`Error::Engine`], which poisons the data, if the engine's stack is too small for the full
+    /// inertia matrix.
+    ///
+    /// ```no_run
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// data.print_to("humanoid.txt")?;
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_printData")]
+    pub fn print_to(&mut self, path: impl AsRef<Path>) -> Result<()> {
+        self.check_computed("print_to", Stage::Position)?;
+        let path = path.as_ref();
+        let name = ffi::c_string("the path of print_to", path.as_os_str().as_encoded_bytes())?;
+        // The engine only raises a warning if it cannot open the file.
+        File::create(path).map_err(Error::file(path))?;
+        self.call_mut("mj_printData", |m, d| {
+            // SAFETY: a NUL-terminated path, and rows of tendons and constraints that were computed for this model.
+            unsafe { guard::mj_print_data(m, d, name.as_ptr()) }
+        })
     }
 }

@@ -1,0 +1,69 @@
+//! Numbers of a simulation that leave the engine's valid range.
+
+use std::fmt;
+
+use crate::id::Kind;
+
+/// Field with a number outside of the engine's valid range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum UnstableField {
+    /// A number in `qpos`.
+    Position,
+    /// A number in `qvel`.
+    Velocity,
+    /// A number in `qacc`. The state itself was in range.
+    Acceleration,
+    /// A number in `ctrl`. (The engine would set all controls to zero for one step.)
+    Control,
+}
+
+/// A value of the simulation that is NaN or beyond ±10¹⁰. The engine itself would reset the simulation, print a warning and
+/// continue.
+///
+/// Positions, velocities and controls are checked before the engine is called. The data is unchanged then, and a program can correct
+/// the value. An acceleration that is out of range, and a control that a [closure](crate::Callbacks::control) sets, are detected
+/// during the call. The data is poisoned then: see [`Error::Poisoned`](crate::Error::Poisoned).
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Instability {
+    /// The field that is out of range.
+    pub quantity: UnstableField,
+    /// Index in `qpos`, `qvel`, `qacc` or `ctrl`.
+    pub index: usize,
+    /// Name of the joint or actuator that the index belongs to, if it has a name.
+    pub name: Option<String>,
+    /// The value. `None` for an acceleration, which the engine has overwritten.
+    pub value: Option<f64>,
+    /// Simulated time, s.
+    pub time: f64,
+}
+
+impl std::error::Error for Instability {}
+
+impl fmt::Display for Instability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (array, kind) = match self.quantity {
+            UnstableField::Position => ("qpos", Kind::Joint),
+            UnstableField::Velocity => ("qvel", Kind::Joint),
+            UnstableField::Acceleration => ("qacc", Kind::Joint),
+            UnstableField::Control => ("ctrl", Kind::Actuator),
+        };
+        let problem = if self.quantity == UnstableField::Control {
+            "a control is out of range"
+        } else {
+            "the simulation is unstable"
+        };
+        write!(f, "{problem} at time {} s: {array}[{}]", self.time, self.index)?;
+        if let Some(name) = &self.name {
+            write!(f, " of {kind} '{name}'")?;
+        }
+        match self.value {
+            Some(value) => write!(f, " is {value}, beyond ±1e10"),
+            None => write!(
+                f,
+                " is NaN or beyond ±1e10; try a smaller timestep, or softer contacts and joints with more damping"
+            ),
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! The error type of the crate, and the conversion of panics into messages.
+
+mod instability;
+mod suggestion;
+
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+
+pub use self::instability::{Instability, UnstableField};
+pub(crate) use self::suggestion::near_names;
+use crate::control::riccati::RiccatiError;
+use crate::engine::Version;
+use crate::id::Kind;
+use crate::model::LostEdit;
+use crate::stage::MissingResults;
+
+/// Result of the fallible functions of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Error of this crate. Its text states the problem, its place, and the values that are allowed.
+///
+/// ```
+/// use mujoco_safe::{Error, sample};
+///
+/// let model = sample::humanoid();
+/// let error = model.joint("left_kne").unwrap_err();
+/// assert!(matches!(&error, Error::NoSuchName { name, .. } if name == "left_kne"));
+/// assert!(error.to_string().contains("did you mean 'left_knee'"));
+/// ```
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The engine raised an error (`mju_error`) during a call.
+    ///
+    /// A call that takes `&mut Data` poisons that data, because the engine may have left it half computed: further calls return
+    /// [`Poisoned`](Self::Poisoned) until a [`reset`](crate::Data::reset). A call that takes `&Data`, such as
+    /// [`Scene::select`](crate::Scene::select), only reads, so the data is unchanged and usable. A call on a model or a scene
+    /// alone has no data to poison.
+    #[error("the engine failed in {function}: {message}")]
+    Engine {
+        /// The C function.
+        function: &'static str,
+        /// Message of the engine.
+        message: String,
+    },
+
+    /// A closure that the engine called panicked. The data is poisoned, as after [`Engine`](Self::Engine).
+    #[error("the {callback} callback panicked: {message}")]
+    Callback {
+        /// Method of [`Callbacks`](crate::Callbacks) that set the closure.
+        callback: &'static str,
+        /// Message of the panic.
+        message: String,
+    },
+
+    /// An earlier call with `&mut Data` ended in the engine with [`Engine`](Self::Engine), [`Callback`](Self::Callback),
+    /// [`OutOfMemory`](Self::OutOfMemory) or [`Unstable`](Self::Unstable). The data may be half computed.
+    ///
+    /// [`reset`](crate::Data::reset), [`reset_to_key`](crate::Data::reset_to_key), and
+    /// [`copy_from`](crate::Data::copy_from) with a usable source make it usable again. Until then every call that computes
+    /// from the data returns this error. The arrays can be read and written, so a program can save the state; they hold the numbers
+    /// that the failed call left.
+    #[error("this data is unusable since {failure}; reset it first")]
+    Poisoned {
+        /// Text of the error that poisoned the data.
+        failure: String,
+    },
+
+    /// A state, a control or an acceleration is NaN or beyond ±10¹⁰. The engine itself would silently reset the simulation
+    /// or its controls. See [`Instability`] for the cases that poison the data.
+    #[error(transparent)]
+    Unstable(#[from] Instability),
+
+    /// The Riccati equation of a regulator has no stabilising solution, or none of sufficient accuracy.
+    #[error("there is no regulator: {0}")]
+    Riccati(#[from] RiccatiError),
+
+    /// A model file or text could not be compiled. The message is the complete one of the engine, with the line number if known.
+    #[error("cannot load {source_name}: {message}")]
+    Load {
+        /// Path of the file, or name of the text.
+        source_name: String,
+        /// Message of the engine's compiler.
+        message: String,
+    },
+
+    /// A binary model is damaged.
+    #[error("{source_name} is not a valid binary model: {reason}")]
+    InvalidBinary {
+        /// Path of the file, or "the bytes given".
+        source_name: String,
+        /// The defect and its place.
+        reason: String,
+    },
+
+    /// The engine could not write a model.
+    #[error("cannot save to {path}: {reason}")]
+    Save {
+        /// The file to write.
+        path: PathBuf,
+        /// Cause of the failure.
+        reason: String,
+    },
+
+    /// XML cannot represent some values of the model: the text that the engine writes loads as a different model. Nothing was
+    /// written.
+    #[error(
+        "{path} is not written, because XML would lose these values of the model: {}; save a binary model, or accept the loss with SaveXmlOptions",
+        lost(fields)
+    )]
+    XmlLosesEdits {
+        /// The file to write.
+        path: PathBuf,
+        /// The fields whose values differ in the reloaded model.
+        fields: Vec<LostEdit>,
+    },
+
+    /// A moving picture could not be made.
+    #[cfg(feature = "renderer")]
+    #[error("cannot record {path}: {reason}")]
+    Recording {
+        /// What was to be recorded to.
+        path: PathBuf,
+        /// Why not, and what to do.
+        reason: String,
+    },
+
+    /// A file could not be read or written.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+
+    /// The model has no element of this name.
+    #[error("there is no {kind} named '{name}'{}", suggestion::similar_and_known(name, known))]
+    NoSuchName {
+        /// Kind of the element.
+        kind: Kind,
+        /// The unknown name.
+        name: String,
+        /// All names of this kind.
+        known: Vec<String>,
+    },
+
+    /// The engine's struct has no field of this name.
+    #[error("mj{structure} has no field '{name}'{}", suggestion::similar_only(near))]
+    NoSuchField {
+        /// Name of the struct without `mj`.
+        structure: &'static str,
+        /// The unknown name.
+        name: String,
+        /// Similar names, most similar first.
+        near: Vec<String>,
+    },
+
+    /// The model has no element of this index.
+    #[error("there is no {kind} {index}: the model has {count}, counted from 0")]
+    NoSuchIndex {
+        /// Kind of the element.
+        kind: Kind,
+        /// The invalid index.
+        index: usize,
+        /// Number of elements of this kind.
+        count: usize,
+    },
+
+    /// A vector or matrix has the wrong shape.
+    #[error("{what} has shape {}, but must have {}", shape(*found), shape(*expected))]
+    Shape {
+        /// The argument and its function.
+        what: &'static str,
+        /// Required rows and columns; a vector has one column.
+        expected: (usize, usize),
+        /// Actual rows and columns.
+        found: (usize, usize),
+    },
+
+    /// A value is not allowed.
+    #[error("{what} is {value}, but must be {expected}")]
+    Invalid {
+        /// The argument or field.
+        what: String,
+        /// The invalid value.
+        value: String,
+        /// Description of the allowed values.
+        expected: String,
+    },
+
+    /// The call needs quantities that have not been computed for the present model and state.
+    #[error("{call} needs {needs}, which have not been computed {}", needs.remedy())]
+    NotComputed {
+        /// The call.
+        call: &'static str,
+        /// Results that the call needs.
+        needs: MissingResults,
+    },
+
+    /// Two objects belong to models that were loaded separately.
+    #[error("{what} belongs to another model")]
+    OtherModel {
+        /// The argument.
+        what: &'static str,
+    },
+
+    /// The XML of the model can no longer be saved, because the engine keeps that of the last loaded model only.
+    #[error(
+        "the engine keeps the XML of the last loaded model only, and another one was loaded since: save before loading the next, or save as a binary model"
+    )]
+    XmlReplaced,
+
+    /// The engine's XML compiler was interrupted while it held its lock. Another call would deadlock.
+    #[error("an earlier error has left the engine's XML compiler locked for the rest of this process: {cause}")]
+    LoaderLocked {
+        /// Text of the error that interrupted the compiler.
+        cause: String,
+    },
+
+    /// The operation is not possible with this model.
+    #[error("{0}")]
+    Unsupported(String),
+
+    /// A scene has too little capacity for all geoms or lights.
+    #[error("the scene has room for {room} {what}, and there are more to show; the rest is left out")]
+    SceneFull {
+        /// The kind of object that is left out: geoms or lights.
+        what: &'static str,
+        /// Capacity of the scene.
+        room: usize,
+    },
+
+    /// The engine could not allocate memory. A call that takes `&mut Data` poisons it, as with [`Engine`](Self::Engine).
+    #[error("the engine is out of memory in {function}")]
+    OutOfMemory {
+        /// The C function.
+        function: &'static str,
+    },
+
+    /// The engine that is loaded at run time has another version than the headers that this crate was built against.
+    #[error(
+        "this program was built against MuJoCo {built}, but runs with {running}, whose structures differ: rebuild it, or install {built}"
+    )]
+    EngineVersion {
+        /// Version of the headers.
+        built: Version,
+        /// Version of the loaded library.
+        running: Version,
+    },
+}
+
+impl Error {
+    /// Returns the error about a value that is not allowed.
+    pub(crate) fn invalid(what: impl Into<String>, value: impl fmt::Display, expected: impl Into<String>) -> Self {
+        Self::Invalid { what: what.into(), value: value.to_string(), expected: expected.into() }
+    }
+
+    /// Checks the length of a vector.
+    #[inline]
+    pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<()> {
+        Self::check_shape(what, (found, 1), (expected, 1))
+    }
+
+    /// Checks the shape of a matrix.
+    #[inline]
+    pub(crate) fn check_shape(what: &'static str, found: (usize, usize), expected: (usize, usize)) -> Result<()> {
+        if found == expected { Ok(()) } else { Err(Self::Shape { what, expected, found }) }
+    }
+
+    /// Returns a function that adds a path to an error of the operating system.
+    pub(crate) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::File { path, source }
+    }
+}
+
+/// Lists the fields that XML loses.
+fn lost(fields: &[LostEdit]) -> String {
+    fields.iter().map(LostEdit::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Formats a shape. The shape of a vector is its length.
+fn shape((rows, columns): (usize, usize)) -> String {
+    if columns == 1 { format!("({rows})") } else { format!("({rows}, {columns})") }
+}
+
+/// Runs a closure and turns a panic into its message.
+///
+/// State that the closure was changing may be inconsistent after a panic; the caller must repair or discard it.
+pub(crate) fn catch_panic<T>(run: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(run)).map_err(|payload| {
+        let message = match (payload.downcast_ref::<&str>(), payload.downcast_ref::<String>()) {
+            (Some(text), _) => (*text).to_owned(),
+            (None, Some(text)) => text.clone(),
+            (None, None) => "(no message)".to_owned(),
+        };
+        // The payload has a type of the caller's code, whose destructor may panic again.
+        std::mem::forget(payload);
+        message
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::catch_panic;
+
+    #[test]
+    fn a_panic_becomes_its_message() {
+        assert_eq!(catch_panic(|| 1), Ok(1));
+        assert_eq!(catch_panic(|| panic!("literal")), Err::<(), _>("literal".to_owned()));
+        assert_eq!(catch_panic(|| panic!("formatted {}", 1)), Err::<(), _>("formatted 1".to_owned()));
+        assert_eq!(catch_panic(|| std::panic::panic_any(1)), Err::<(), _>("(no message)".to_owned()));
+    }
+}

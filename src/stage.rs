@@ -1,0 +1,334 @@
+//! Stages and parts of the engine's pipeline, and the record of the parts whose results are valid.
+//!
+//! Below [`error`](crate::error), because [`Error::NotComputed`](crate::Error::NotComputed) names the results that are missing.
+
+use std::fmt;
+
+use bitflags::bitflags;
+
+/// Progress of the pipeline of a [`Data`](crate::Data) for its present model. Each stage includes the one before it. A reset and a
+/// change of the model return it to [`Nothing`](Self::Nothing). A change of the state does not, because programs usually read
+/// results after they write the next state.
+///
+/// A call that needs a later stage returns [`Error::NotComputed`](crate::Error::NotComputed). Without this check the engine would
+/// interpret arrays with the wrong layout, or return numbers of an earlier state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[doc(alias = "mjtStage")]
+pub enum Stage {
+    /// Nothing has been computed since the last reset or change of the model.
+    Nothing,
+    /// Quantities that depend on positions: poses, the inertia matrix, contacts, the constraint Jacobian.
+    Position,
+    /// Quantities that also depend on velocities: bias and passive forces.
+    Velocity,
+    /// All quantities, including actuator forces, accelerations and contact forces.
+    Acceleration,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nothing => "no quantities",
+            Self::Position => "position-dependent quantities",
+            Self::Velocity => "velocity-dependent quantities",
+            Self::Acceleration => "forces and accelerations",
+        })
+    }
+}
+
+bitflags! {
+    /// Parts of the pipeline whose results are valid: laid out as the present options require, and newer than all results that
+    /// they depend on.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) struct PipelineFlags: u32 {
+        const KINEMATICS = 1;
+        const COM_POS = 1 << 1;
+        const CAMLIGHT = 1 << 2;
+        const TENDON = 1 << 3;
+        const CRB = 1 << 4;
+        const FACTOR_M = 1 << 5;
+        const COLLISION = 1 << 6;
+        const CONSTRAINT = 1 << 7;
+        const TRANSMISSION = 1 << 8;
+        const PROJECTION = 1 << 9;
+        const TENDON_VELOCITY = 1 << 10;
+        const ACTUATOR_VELOCITY = 1 << 11;
+        const COM_VEL = 1 << 12;
+        const PASSIVE = 1 << 13;
+        const REFERENCE = 1 << 14;
+        const BIAS = 1 << 15;
+        const SUBTREE_VEL = 1 << 16;
+        const ACTUATION = 1 << 17;
+        const ACCELERATION = 1 << 18;
+        const FORCE = 1 << 19;
+        const POST_CONSTRAINT = 1 << 20;
+        /// The state has not been advanced since the position-dependent quantities were computed.
+        const CURRENT = 1 << 21;
+        const SENSOR_POS = 1 << 22;
+        const SENSOR_VEL = 1 << 23;
+        const SENSOR_ACC = 1 << 24;
+
+        /// Results of [`Stage::Position`].
+        const POSITION = Self::KINEMATICS.bits() | Self::COM_POS.bits() | Self::CAMLIGHT.bits() | Self::TENDON.bits()
+            | Self::CRB.bits() | Self::FACTOR_M.bits() | Self::COLLISION.bits() | Self::CONSTRAINT.bits()
+            | Self::TRANSMISSION.bits();
+        /// Results of [`Stage::Velocity`].
+        const VELOCITY = Self::POSITION.bits() | Self::TENDON_VELOCITY.bits() | Self::ACTUATOR_VELOCITY.bits()
+            | Self::COM_VEL.bits() | Self::PASSIVE.bits() | Self::REFERENCE.bits() | Self::BIAS.bits();
+        /// Results of [`Stage::Acceleration`]. Inverse dynamics reaches this stage too.
+        const FORCES = Self::VELOCITY.bits() | Self::FORCE.bits();
+
+        /// Readings of the sensors of all stages.
+        const SENSORS = Self::SENSOR_POS.bits() | Self::SENSOR_VEL.bits() | Self::SENSOR_ACC.bits();
+
+        /// Valid results at the call of the passive force callback.
+        const BEFORE_PASSIVE = Self::POSITION.bits() | Self::TENDON_VELOCITY.bits() | Self::ACTUATOR_VELOCITY.bits()
+            | Self::COM_VEL.bits() | Self::SENSOR_POS.bits();
+
+        /// Results of the first half of a step that the second half reads.
+        const FIRST_HALF = Self::VELOCITY.bits() | Self::PROJECTION.bits() | Self::CURRENT.bits();
+        /// Results of forward dynamics without sensors.
+        const FORWARD = Self::FIRST_HALF.bits() | Self::ACTUATION.bits() | Self::ACCELERATION.bits() | Self::FORCE.bits();
+
+        /// Valid results after the first half of a step.
+        const AFTER_STEP1 = Self::FIRST_HALF.bits() | Self::SENSOR_POS.bits() | Self::SENSOR_VEL.bits();
+        /// Valid results after forward dynamics.
+        const AFTER_FORWARD = Self::FORWARD.bits() | Self::SENSORS.bits();
+        /// Valid results after a step. They belong to the state before the step.
+        const AFTER_STEP = Self::AFTER_FORWARD.bits() & !Self::CURRENT.bits();
+        /// Valid results after inverse dynamics, which uses neither the projection nor the actuators.
+        const AFTER_INVERSE = Self::FORCES.bits() | Self::CURRENT.bits() | Self::SENSORS.bits();
+    }
+}
+
+impl PipelineFlags {
+    /// Each part of the pipeline, its inputs among the other parts, and the method that computes it, in topological order.
+    const PARTS: [(Self, Self, &'static str); 24] = [
+        (Self::KINEMATICS, Self::empty(), "kinematics"),
+        (Self::COM_POS, Self::KINEMATICS, "com_pos"),
+        (Self::CAMLIGHT, Self::COM_POS, "camlight"),
+        (Self::TENDON, Self::COM_POS, "compute_tendon"),
+        (Self::CRB, Self::COM_POS, "compute_crb"),
+        (Self::FACTOR_M, Self::CRB, "factor_m"),
+        (Self::COLLISION, Self::KINEMATICS, "collision"),
+        (Self::CONSTRAINT, Self::TENDON.union(Self::COLLISION), "make_constraint"),
+        (Self::TRANSMISSION, Self::TENDON, "transmission"),
+        (Self::PROJECTION, Self::FACTOR_M.union(Self::CONSTRAINT), "project_constraint"),
+        (Self::TENDON_VELOCITY, Self::TENDON, "compute_ten_velocity"),
+        (Self::ACTUATOR_VELOCITY, Self::TRANSMISSION, "compute_actuator_velocity"),
+        (Self::COM_VEL, Self::COM_POS, "com_vel"),
+        (Self::PASSIVE, Self::COM_VEL.union(Self::TENDON_VELOCITY), "passive"),
+        (Self::REFERENCE, Self::CONSTRAINT, "reference_constraint"),
+        (Self::BIAS, Self::COM_VEL, "compute_qfrc_bias"),
+        (Self::SUBTREE_VEL, Self::COM_VEL, "subtree_vel"),
+        (Self::ACTUATION, Self::ACTUATOR_VELOCITY, "fwd_actuation"),
+        (
+            Self::ACCELERATION,
+            Self::FACTOR_M.union(Self::PASSIVE).union(Self::BIAS).union(Self::ACTUATION),
+            "fwd_acceleration",
+        ),
+        (Self::FORCE, Self::PROJECTION.union(Self::REFERENCE).union(Self::ACCELERATION), "fwd_constraint"),
+        (Self::POST_CONSTRAINT, Self::FORCE, "rne_post_constraint"),
+        (Self::SENSOR_POS, Self::POSITION, "sensor_pos"),
+        (Self::SENSOR_VEL, Self::VELOCITY, "sensor_vel"),
+        (Self::SENSOR_ACC, Self::FORCES, "sensor_acc"),
+    ];
+
+    /// Parts that neither forward dynamics nor a step marks as valid.
+    const NOT_IN_FORWARD: Self = Self::SUBTREE_VEL.union(Self::POST_CONSTRAINT);
+
+    /// Returns all parts that depend on these, directly or indirectly. They become stale when these are recomputed.
+    const fn dependents(self) -> Self {
+        let mut stale = Self::empty();
+        let mut part = 0;
+        // One pass is enough, because the table is in topological order.
+        while part < Self::PARTS.len() {
+            let (result, reads, _) = Self::PARTS[part];
+            if reads.intersects(self.union(stale)) {
+                stale = stale.union(result);
+            }
+            part += 1;
+        }
+        stale
+    }
+
+    /// Parts that depend on the constraints only in a model with an adhesion actuator.
+    const TRANSMISSION_AND_DEPENDENTS: Self = Self::TRANSMISSION.union(Self::TRANSMISSION.dependents());
+
+    /// Returns the parts that are valid after `gives` has been recomputed.
+    pub(crate) const fn after(self, gives: Self, adhesion: bool) -> Self {
+        let mut stale = gives.dependents();
+        if adhesion && gives.union(stale).intersects(Self::CONSTRAINT) {
+            stale = stale.union(Self::TRANSMISSION_AND_DEPENDENTS);
+        }
+        self.difference(stale).union(gives)
+    }
+
+    /// Returns the sensor stages that are valid after forward or inverse dynamics with the stages up to `skip` left out.
+    pub(crate) fn sensors_after(self, skip: Stage, skip_sensors: bool) -> Self {
+        let kept = match skip {
+            Stage::Nothing => Self::empty(),
+            Stage::Position => Self::SENSOR_POS,
+            Stage::Velocity | Stage::Acceleration => Self::SENSOR_POS | Self::SENSOR_VEL,
+        };
+        let read = if skip_sensors { Self::empty() } else { Self::SENSORS - kept };
+        (self & kept) | read
+    }
+
+    /// Returns the last stage whose results are all valid.
+    pub(crate) fn stage(self) -> Stage {
+        [Stage::Acceleration, Stage::Velocity, Stage::Position]
+            .into_iter()
+            .find(|&stage| self.contains(stage.into()))
+            .unwrap_or(Stage::Nothing)
+    }
+}
+
+impl From<Stage> for PipelineFlags {
+    #[inline]
+    fn from(stage: Stage) -> Self {
+        match stage {
+            Stage::Nothing => Self::empty(),
+            Stage::Position => Self::POSITION,
+            Stage::Velocity => Self::VELOCITY,
+            Stage::Acceleration => Self::FORCES,
+        }
+    }
+}
+
+/// Results that a call needs: those of a whole [`Stage`], or of some parts of the pipeline. An argument of
+/// [`Data::require`](crate::Data::require), and a field of [`Error::NotComputed`](crate::Error::NotComputed).
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct MissingResults(Missing);
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Missing {
+    Stage(Stage),
+    Parts(PipelineFlags),
+    FirstHalf,
+}
+
+impl MissingResults {
+    /// Valid results of the first half of a step.
+    pub(crate) const FIRST_HALF: Self = Self(Missing::FirstHalf);
+
+    /// Readings of all sensors, `sensordata`. [`Data::forward`](crate::Data::forward), [`step`](crate::Data::step) and
+    /// [`inverse`](crate::Data::inverse) compute them.
+    pub const SENSORS: Self = Self(Missing::Parts(PipelineFlags::SENSORS));
+    /// Accelerations of bodies and forces on them: `cacc`, `cfrc_int`, `cfrc_ext`.
+    /// [`Data::rne_post_constraint`](crate::Data::rne_post_constraint) computes them; `forward` and `step` do not.
+    pub const BODY_FORCES: Self = Self(Missing::Parts(PipelineFlags::POST_CONSTRAINT));
+    /// Velocities and angular momenta of subtrees: `subtree_linvel`, `subtree_angmom`.
+    /// [`Data::subtree_vel`](crate::Data::subtree_vel) computes them; `forward` and `step` do not.
+    pub const SUBTREE_VELOCITIES: Self = Self(Missing::Parts(PipelineFlags::SUBTREE_VEL));
+
+    /// Returns the results of these parts.
+    pub(crate) const fn parts(parts: PipelineFlags) -> Self {
+        Self(Missing::Parts(parts))
+    }
+
+    /// Returns the results that are not in `valid`, or `None` if all are.
+    #[inline]
+    pub(crate) fn not_in(self, valid: PipelineFlags) -> Option<Self> {
+        match self.0 {
+            Missing::Stage(stage) => (!valid.contains(stage.into())).then_some(self),
+            Missing::FirstHalf => (!valid.contains(PipelineFlags::FIRST_HALF)).then_some(self),
+            Missing::Parts(parts) => {
+                let missing = parts - valid;
+                (!missing.is_empty()).then(|| Self::parts(missing))
+            }
+        }
+    }
+
+    /// Returns the end of the error text: the events since which the results are missing, and the call that computes them.
+    pub(crate) fn remedy(self) -> &'static str {
+        match self.0 {
+            Missing::Stage(_) => "since the last reset or change of the model: call forward or step first",
+            Missing::FirstHalf => {
+                "since the last step, reset or change of the model: call step1 first, once for each step2"
+            }
+            Missing::Parts(parts) if parts.intersects(PipelineFlags::NOT_IN_FORWARD) => {
+                "since the last step, reset, change of the model or change of their inputs: call these after forward or \
+                 step, which do not compute them"
+            }
+            Missing::Parts(_) => {
+                "since the last step, reset, change of the model or change of their inputs: call these first, in this \
+                 order, or forward"
+            }
+        }
+    }
+}
+
+impl From<Stage> for MissingResults {
+    fn from(stage: Stage) -> Self {
+        Self(Missing::Stage(stage))
+    }
+}
+
+impl fmt::Display for MissingResults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let missing = match self.0 {
+            Missing::Stage(stage) => return stage.fmt(f),
+            Missing::FirstHalf => return Stage::Velocity.fmt(f),
+            Missing::Parts(missing) => missing,
+        };
+        f.write_str("the results of ")?;
+        // After a step the positions belong to the state before it, so they must be computed again.
+        let missing =
+            if missing.contains(PipelineFlags::CURRENT) { missing | PipelineFlags::KINEMATICS } else { missing };
+        let parts = PipelineFlags::PARTS.iter().filter(|(part, ..)| missing.contains(*part));
+        for (index, (_, _, method)) in parts.enumerate() {
+            write!(f, "{}{method}", if index > 0 { ", " } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for MissingResults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "MissingResults({self})")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PipelineFlags, Stage};
+
+    #[test]
+    fn parts_are_in_topological_order() {
+        let mut earlier = PipelineFlags::empty();
+        for (part, reads, method) in PipelineFlags::PARTS {
+            assert!(earlier.contains(reads), "{method} reads {:?}", reads - earlier);
+            assert_eq!(part.bits().count_ones(), 1, "{method}");
+            earlier |= part;
+        }
+        assert_eq!(earlier | PipelineFlags::CURRENT, PipelineFlags::all());
+    }
+
+    #[test]
+    fn recomputing_a_part_invalidates_its_dependents() {
+        let all = PipelineFlags::all();
+        assert_eq!(all.after(PipelineFlags::KINEMATICS, false), PipelineFlags::KINEMATICS | PipelineFlags::CURRENT);
+        let stale = all - all.after(PipelineFlags::COLLISION, false);
+        let rows = PipelineFlags::CONSTRAINT | PipelineFlags::PROJECTION | PipelineFlags::REFERENCE;
+        assert_eq!(stale, rows | PipelineFlags::FORCE | PipelineFlags::POST_CONSTRAINT | PipelineFlags::SENSORS);
+        let with_adhesion = all - all.after(PipelineFlags::COLLISION, true);
+        let actuators = PipelineFlags::TRANSMISSION
+            | PipelineFlags::ACTUATOR_VELOCITY
+            | PipelineFlags::ACTUATION
+            | PipelineFlags::ACCELERATION;
+        assert_eq!(with_adhesion - stale, actuators);
+        assert_eq!(all - all.after(PipelineFlags::POST_CONSTRAINT, false), PipelineFlags::empty());
+    }
+
+    #[test]
+    fn only_sensor_readings_of_skipped_stages_are_kept() {
+        let (all, none) = (PipelineFlags::all(), PipelineFlags::empty());
+        assert_eq!(none.sensors_after(Stage::Nothing, false), PipelineFlags::SENSORS);
+        assert_eq!(all.sensors_after(Stage::Nothing, true), none);
+        assert_eq!(none.sensors_after(Stage::Position, false), PipelineFlags::SENSOR_VEL | PipelineFlags::SENSOR_ACC);
+        assert_eq!(all.sensors_after(Stage::Position, true), PipelineFlags::SENSOR_POS);
+        assert_eq!(none.sensors_after(Stage::Velocity, false), PipelineFlags::SENSOR_ACC);
+        assert_eq!(all.sensors_after(Stage::Velocity, true), PipelineFlags::SENSOR_POS | PipelineFlags::SENSOR_VEL);
+    }
+}
