@@ -11,6 +11,7 @@ mod distance;
 mod inertia;
 mod jacobian;
 mod keyframe;
+pub(crate) mod length_range;
 mod momentum;
 mod needs;
 mod new_contact;

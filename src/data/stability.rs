@@ -95,7 +95,7 @@ impl Data {
         if !good {
             return Err(self.bad_input());
         }
-        if self.model().has_ranged_fields() { self.check_field_poses() } else { Ok(()) }
+        if self.model().has_rangefinder_and_height_field() { self.check_field_poses() } else { Ok(()) }
     }
 
     #[cold]

@@ -44,7 +44,7 @@ impl ModelMut<'_> {
     /// [`body_ipos`](crate::Model::body_ipos), to be written to.
     #[inline]
     pub fn body_ipos_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_inertial_frames();
+        self.clear_inertial_frame_flags();
         let rows = self.nbody();
         let array = self.raw_mut().body_ipos;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -54,7 +54,7 @@ impl ModelMut<'_> {
     /// [`body_iquat`](crate::Model::body_iquat), to be written to.
     #[inline]
     pub fn body_iquat_mut(&mut self) -> &mut [[f64; 4]] {
-        self.forget_inertial_frames();
+        self.clear_inertial_frame_flags();
         let rows = self.nbody();
         let array = self.raw_mut().body_iquat;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -64,7 +64,7 @@ impl ModelMut<'_> {
     /// [`body_mass`](crate::Model::body_mass), to be written to.
     #[inline]
     pub fn body_mass_mut(&mut self) -> &mut [f64] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.nbody();
         let array = self.raw_mut().body_mass;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -83,7 +83,7 @@ impl ModelMut<'_> {
     /// [`body_inertia`](crate::Model::body_inertia), to be written to.
     #[inline]
     pub fn body_inertia_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.nbody();
         let array = self.raw_mut().body_inertia;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -130,7 +130,7 @@ impl ModelMut<'_> {
     /// [`jnt_pos`](crate::Model::jnt_pos), to be written to.
     #[inline]
     pub fn jnt_pos_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.njnt();
         let array = self.raw_mut().jnt_pos;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -140,7 +140,7 @@ impl ModelMut<'_> {
     /// [`jnt_axis`](crate::Model::jnt_axis), to be written to.
     #[inline]
     pub fn jnt_axis_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.njnt();
         let array = self.raw_mut().jnt_axis;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -214,7 +214,7 @@ impl ModelMut<'_> {
     /// [`dof_armature`](crate::Model::dof_armature), to be written to.
     #[inline]
     pub fn dof_armature_mut(&mut self) -> &mut [f64] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.nv();
         let array = self.raw_mut().dof_armature;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -296,7 +296,7 @@ impl ModelMut<'_> {
     /// [`geom_pos`](crate::Model::geom_pos), to be written to.
     #[inline]
     pub fn geom_pos_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_geom_frames();
+        self.clear_geom_frame_flags();
         let rows = self.ngeom();
         let array = self.raw_mut().geom_pos;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -306,7 +306,7 @@ impl ModelMut<'_> {
     /// [`geom_quat`](crate::Model::geom_quat), to be written to.
     #[inline]
     pub fn geom_quat_mut(&mut self) -> &mut [[f64; 4]] {
-        self.forget_geom_frames();
+        self.clear_geom_frame_flags();
         let rows = self.ngeom();
         let array = self.raw_mut().geom_quat;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -380,7 +380,7 @@ impl ModelMut<'_> {
     /// [`site_pos`](crate::Model::site_pos), to be written to.
     #[inline]
     pub fn site_pos_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_site_frames();
+        self.clear_site_frame_flags();
         let rows = self.nsite();
         let array = self.raw_mut().site_pos;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -390,7 +390,7 @@ impl ModelMut<'_> {
     /// [`site_quat`](crate::Model::site_quat), to be written to.
     #[inline]
     pub fn site_quat_mut(&mut self) -> &mut [[f64; 4]] {
-        self.forget_site_frames();
+        self.clear_site_frame_flags();
         let rows = self.nsite();
         let array = self.raw_mut().site_quat;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.

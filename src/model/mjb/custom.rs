@@ -39,8 +39,8 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
         let text = &texts[piece(view, field::text_adr, field::text_size, i)];
         let length = text.iter().position(|&byte| byte == 0);
         if length != Some(text.len() - 1) {
-            let found = length
-                .map_or("has no terminating NUL".into(), |length| format!("has a NUL after {length} bytes"));
+            let found =
+                length.map_or("has no terminating NUL".into(), |length| format!("has a NUL after {length} bytes"));
             return Err(Invalid::element("text", i, format_args!("{} bytes long", text.len()), format!("it {found}")));
         }
     }

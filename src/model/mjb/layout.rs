@@ -187,7 +187,10 @@ mod tests {
         if std::env::var_os("MJB_TABLE").is_some_and(|value| value == "write") {
             std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/src/model/mjb/table.rs"), expected()).unwrap();
         } else {
-            assert!(include_str!("table.rs") == expected(), "table.rs is out of date; its first line tells how to regenerate it");
+            assert!(
+                include_str!("table.rs") == expected(),
+                "table.rs is out of date; its first line tells how to regenerate it"
+            );
         }
     }
 }

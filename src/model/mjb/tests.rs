@@ -122,10 +122,7 @@ fn a_file_of_the_wrong_length_is_rejected_with_both_lengths() {
     assert_eq!(message, format!("the file has {} bytes; its sizes require {length}", length + 1));
     for end in [0, 3, 4, 247, 248, 1103] {
         let message = check(&file[..end]).unwrap_err().to_string();
-        assert_eq!(
-            message,
-            format!("the file has {end} bytes; the header, sizes and options of a model need 1104")
-        );
+        assert_eq!(message, format!("the file has {end} bytes; the header, sizes and options of a model need 1104"));
     }
 }
 
@@ -301,7 +298,10 @@ fn a_convex_hull_refers_to_its_mesh_and_is_terminated() {
 #[test]
 fn a_vertex_that_is_never_the_support_point_is_rejected() {
     let at = valid().position(field::mesh_vert, 7);
-    assert_eq!(rejection(&[(at, &f32::NAN.to_ne_bytes())]), "mesh_vert[7] is NaN; it must be within 1000000000 of zero");
+    assert_eq!(
+        rejection(&[(at, &f32::NAN.to_ne_bytes())]),
+        "mesh_vert[7] is NaN; it must be within 1000000000 of zero"
+    );
 }
 
 #[test]

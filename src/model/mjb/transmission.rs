@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use mujoco_sys::{
-    mjBIAS_USER, mjDYN_NONE, mjDYN_USER, mjEQ_CONNECT, mjEQ_JOINT, mjEQ_TENDON, mjEQ_WELD, mjGAIN_USER, mjGEOM_CYLINDER,
-    mjGEOM_SPHERE, mjJNT_HINGE, mjJNT_SLIDE, mjTRN_BODY, mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_SITE,
+    mjBIAS_USER, mjDYN_NONE, mjDYN_USER, mjEQ_CONNECT, mjEQ_JOINT, mjEQ_TENDON, mjEQ_WELD, mjGAIN_USER,
+    mjGEOM_CYLINDER, mjGEOM_SPHERE, mjJNT_HINGE, mjJNT_SLIDE, mjTRN_BODY, mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_SITE,
     mjTRN_SLIDERCRANK, mjTRN_TENDON, mjWRAP_CYLINDER, mjWRAP_JOINT, mjWRAP_PULLEY, mjWRAP_SITE, mjWRAP_SPHERE,
 };
 
@@ -185,7 +185,9 @@ fn actuators(view: &View<'_>) -> Result<(), Invalid> {
         match kind as u32 {
             mjTRN_SLIDERCRANK => is_in(view, field::actuator_trnid, second, ids(view.size(size::nsite)))?,
             mjTRN_SITE => is_in(view, field::actuator_trnid, second, -1..=view.size(size::nsite) as i64 - 1)?,
-            _ => is(view, field::actuator_trnid, second, -1, "because only slider-cranks and sites have a second site")?,
+            _ => {
+                is(view, field::actuator_trnid, second, -1, "because only slider-cranks and sites have a second site")?
+            }
         }
     }
     adhesion(view)?;

@@ -34,12 +34,14 @@ fn parents(view: &View<'_>) -> Result<(), Invalid> {
     for i in 1..view.size(size::nbody) {
         is_in(view, field::body_parentid, i, 0..=i as i64 - 1)?;
         let parent = view.get(field::body_parentid, i) as usize;
-        let mut open = i - 1;
-        while open > parent {
-            open = view.get(field::body_parentid, open) as usize;
+        let mut ancestor = i - 1;
+        while ancestor > parent {
+            ancestor = view.get(field::body_parentid, ancestor) as usize;
         }
-        if open != parent {
-            let expected = format!("bodies must be in depth-first order, so it must be body {open} or one of its ancestors");
+        if ancestor != parent {
+            let previous = i - 1;
+            let expected =
+                format!("bodies must be in depth-first order, so it must be {previous} or an ancestor of it");
             return Err(Invalid::element(field::body_parentid.name(), i, parent, expected));
         }
         let root = if parent == 0 { i as i64 } else { i64::from(view.get(field::body_rootid, parent)) };
@@ -84,7 +86,13 @@ fn joints(view: &View<'_>) -> Result<(), Invalid> {
             for i in dof..dof + dofs {
                 is(view, field::dof_bodyid, i, body as i64, "the body of its joint")?;
                 is(view, field::dof_jntid, i, id as i64, "the joint of this degree of freedom")?;
-                is(view, field::dof_parentid, i, previous, "the next degree of freedom towards the world, or -1 for none")?;
+                is(
+                    view,
+                    field::dof_parentid,
+                    i,
+                    previous,
+                    "the next degree of freedom towards the world, or -1 for none",
+                )?;
                 previous = i as i64;
             }
             qpos += positions;

@@ -111,7 +111,8 @@ fn read_sizes(bytes: &[u8]) -> Result<[usize; SIZES], Invalid> {
     let mut sizes = [0; SIZES];
     for (i, size) in sizes.iter_mut().enumerate() {
         let value = read::<i32>(bytes, SIZES_AT + i * INT);
-        *size = usize::try_from(value).map_err(|_| Invalid::scalar(Size(i).name(), value, "a size must not be negative"))?;
+        *size = usize::try_from(value)
+            .map_err(|_| Invalid::scalar(Size(i).name(), value, "a size must not be negative"))?;
     }
     Ok(sizes)
 }
