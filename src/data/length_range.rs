@@ -1,9 +1,9 @@
 //! Length ranges of actuators, computed by simulation.
 //!
 //! The engine's function drives an actuator to both ends of its range, and steps until a given time. An unstable step resets the
-//! time to zero, which 2.2.2 does not detect, so that the function never returns. This module reimplements it and does not call
-//! it. If the compiler may call it for a text, the text is first compiled without it and the simulation tried here
-//! ([`MuscleSimulation`]).
+//! time to zero, which 2.2.2 does not detect, so the function may never return. This module implements the same algorithm and does
+//! not call that function. If the compiler may call it for a text, the text is first compiled with the function disabled, and
+//! [`MuscleSimulation`] runs the algorithm on the resulting model.
 
 use mujoco_sys::{self as sys, mjBIAS_MUSCLE, mjBIAS_USER, mjGAIN_MUSCLE, mjGAIN_USER};
 use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
@@ -145,7 +145,7 @@ impl ModelMut<'_> {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{DisableFlags, LengthRangeMode, LengthRangeOptions, Model};
