@@ -1,4 +1,4 @@
-//! The engine's enumerations. A C int becomes one of these only after it was compared with each constant.
+//! The engine's enumerations. A C int is converted to an enum only by comparing it with each constant.
 
 use mujoco_sys as sys;
 
@@ -14,7 +14,7 @@ macro_rules! engine_enum {
         }
 
         impl $name {
-            /// The variant of an engine constant, if there is one.
+            /// Returns the variant of an engine constant, or `None` for an unknown value.
             #[allow(dead_code, reason = "not every enum is read back from the engine")]
             #[inline]
             pub(crate) fn from_raw(raw: i32) -> Option<Self> {
@@ -24,16 +24,16 @@ macro_rules! engine_enum {
                 }
             }
 
-            /// The engine constant.
-            #[allow(dead_code, reason = "not every enum is handed to the engine")]
+            /// Returns the engine constant.
+            #[allow(dead_code, reason = "not every enum is passed to the engine")]
             pub(crate) fn raw(self) -> i32 {
                 (match self {
                     $(Self::$variant => sys::$constant,)*
                 }) as i32
             }
 
-            /// The variant of a field that loading has validated.
-            #[allow(dead_code, reason = "idem")]
+            /// Returns the variant of a field that was validated when the model was loaded.
+            #[allow(dead_code, reason = "not every enum is read back from the engine")]
             #[inline]
             pub(crate) fn of_field(raw: i32) -> Self {
                 Self::from_raw(raw).unwrap_or_else(|| panic!(concat!("Bug: a model with ", stringify!($name), " {}"), raw))
@@ -44,7 +44,7 @@ macro_rules! engine_enum {
 pub(crate) use engine_enum;
 
 engine_enum! {
-    /// How a step advances the state in time.
+    /// Numerical integrator of a step.
     Integrator {
         /// Semi-implicit Euler, with implicit joint damping.
         Euler = mjINT_EULER,
@@ -55,38 +55,38 @@ engine_enum! {
     }
 }
 engine_enum! {
-    /// Which pairs of geoms are tested for collision.
+    /// Selection of the pairs of geoms that are tested for collision.
     Collision {
-        /// Pairs that the model names, and those that `contype` and `conaffinity` select.
+        /// Pairs that the model names, and pairs that `contype` and `conaffinity` select.
         All = mjCOL_ALL,
-        /// Only those that the model names.
+        /// Only pairs that the model names.
         Pair = mjCOL_PAIR,
-        /// Only those that `contype` and `conaffinity` select.
+        /// Only pairs that `contype` and `conaffinity` select.
         Dynamic = mjCOL_DYNAMIC,
     }
 }
 engine_enum! {
-    /// The friction cone of contacts.
+    /// Friction cone of contacts.
     Cone {
-        /// A pyramid inscribed into the cone.
+        /// Pyramid inscribed into the elliptic cone.
         Pyramidal = mjCONE_PYRAMIDAL,
-        /// The cone itself.
+        /// Elliptic cone.
         Elliptic = mjCONE_ELLIPTIC,
     }
 }
 engine_enum! {
-    /// How the constraint Jacobian is stored.
+    /// Storage of the constraint Jacobian.
     JacobianStorage {
-        /// Dense rows.
+        /// Dense matrix.
         Dense = mjJAC_DENSE,
-        /// Compressed rows.
+        /// Compressed sparse rows.
         Sparse = mjJAC_SPARSE,
-        /// Dense up to 60 degrees of freedom.
+        /// Dense up to 60 degrees of freedom, sparse above.
         Auto = mjJAC_AUTO,
     }
 }
 engine_enum! {
-    /// The constraint solver.
+    /// Constraint solver.
     Solver {
         /// Projected Gauss–Seidel, on the dual problem.
         Pgs = mjSOL_PGS,
@@ -97,190 +97,191 @@ engine_enum! {
     }
 }
 engine_enum! {
-    /// The type of a joint.
+    /// Type of a joint.
     JointType {
-        /// Six degrees of freedom; seven numbers in `qpos`.
+        /// Free joint: six degrees of freedom, seven numbers in `qpos`.
         Free = mjJNT_FREE,
-        /// Three rotations; a quaternion in `qpos`.
+        /// Ball joint: three rotations, a quaternion in `qpos`.
         Ball = mjJNT_BALL,
-        /// A translation along an axis.
+        /// Slide joint: translation along an axis.
         Slide = mjJNT_SLIDE,
-        /// A rotation about an axis.
+        /// Hinge joint: rotation about an axis.
         Hinge = mjJNT_HINGE,
     }
 }
 engine_enum! {
-    /// The shape of a geom or a site.
+    /// Shape of a geom or a site.
     GeomType {
-        /// A plane, finite or infinite.
+        /// Plane, finite or infinite.
         Plane = mjGEOM_PLANE,
-        /// A field of heights over a grid.
+        /// Height field: heights over a grid.
         HeightField = mjGEOM_HFIELD,
-        /// A sphere.
+        /// Sphere.
         Sphere = mjGEOM_SPHERE,
-        /// A cylinder with two half spheres.
+        /// Capsule: a cylinder with hemispherical ends.
         Capsule = mjGEOM_CAPSULE,
-        /// An ellipsoid.
+        /// Ellipsoid.
         Ellipsoid = mjGEOM_ELLIPSOID,
-        /// A cylinder.
+        /// Cylinder.
         Cylinder = mjGEOM_CYLINDER,
-        /// A box.
+        /// Box.
         Box = mjGEOM_BOX,
-        /// A mesh of triangles, which collides as its convex hull.
+        /// Triangle mesh. Collisions use its convex hull.
         Mesh = mjGEOM_MESH,
     }
 }
 engine_enum! {
-    /// What a camera or a light does while its body moves.
+    /// Tracking mode of a camera or a light.
     #[doc(alias = "mjtCamLight")]
     CameraMode {
-        /// It is fixed to its body.
+        /// Fixed in the frame of its body.
         Fixed = mjCAMLIGHT_FIXED,
-        /// Its position follows its body, its orientation stays.
+        /// The position follows the body, the orientation is constant.
         Track = mjCAMLIGHT_TRACK,
-        /// Its position follows the centre of mass of its body's subtree, its orientation stays.
+        /// The position follows the centre of mass of the body's subtree, the orientation is constant.
         TrackCom = mjCAMLIGHT_TRACKCOM,
-        /// It is fixed to its body, and turns to a target body.
+        /// The position is fixed in the frame of its body, the orientation points at a target body.
         TargetBody = mjCAMLIGHT_TARGETBODY,
-        /// It is fixed to its body, and turns to the centre of mass of a target body's subtree.
+        /// The position is fixed in the frame of its body, the orientation points at the centre of mass of a target body's
+        /// subtree.
         TargetBodyCom = mjCAMLIGHT_TARGETBODYCOM,
     }
 }
 engine_enum! {
-    /// How a texture is put onto a surface.
+    /// Type of a texture, which determines its mapping onto a surface.
     #[doc(alias = "mjtTexture")]
     TextureType {
-        /// One image.
+        /// 2D texture.
         Flat = mjTEXTURE_2D,
-        /// The six faces of a cube, or one image for all of them.
+        /// Cube map: the six faces of a cube, or one image for all of them.
         Cube = mjTEXTURE_CUBE,
-        /// The six faces of a cube around the whole scene.
+        /// Skybox: a cube map around the whole scene.
         Skybox = mjTEXTURE_SKYBOX,
     }
 }
 engine_enum! {
     /// Type of an element of a tendon's path: see `element::Wrap`.
     WrapType {
-        /// A joint of a fixed tendon.
+        /// Joint of a fixed tendon.
         Joint = mjWRAP_JOINT,
-        /// A pulley.
+        /// Pulley.
         Pulley = mjWRAP_PULLEY,
-        /// A site.
+        /// Site.
         Site = mjWRAP_SITE,
-        /// A sphere.
+        /// Sphere.
         Sphere = mjWRAP_SPHERE,
-        /// A cylinder.
+        /// Cylinder.
         Cylinder = mjWRAP_CYLINDER,
     }
 }
 engine_enum! {
-    /// Type of element that an actuator acts on: see `element::Transmission`.
+    /// Type of the transmission of an actuator: see `element::Transmission`.
     TransmissionType {
-        /// A joint.
+        /// Joint.
         Joint = mjTRN_JOINT,
-        /// A joint, in the frame of the parent body.
+        /// Joint, in the frame of the parent body.
         JointInParent = mjTRN_JOINTINPARENT,
-        /// A slider-crank.
+        /// Slider-crank.
         SliderCrank = mjTRN_SLIDERCRANK,
-        /// A tendon.
+        /// Tendon.
         Tendon = mjTRN_TENDON,
-        /// A site.
+        /// Site.
         Site = mjTRN_SITE,
-        /// The contacts of a body.
+        /// Contacts of a body (adhesion).
         Body = mjTRN_BODY,
     }
 }
 engine_enum! {
-    /// How an actuator's activation follows its control.
+    /// Activation dynamics of an actuator.
     #[doc(alias = "mjtDyn")]
     ActuatorDynamics {
-        /// It has no activation: the control is used as it is.
+        /// No activation: the control is used directly.
         None = mjDYN_NONE,
-        /// The control is the activation's rate.
+        /// Integrator: the control is the time derivative of the activation.
         Integrator = mjDYN_INTEGRATOR,
-        /// The activation approaches the control with a time constant.
+        /// First-order filter of the control with a time constant.
         Filter = mjDYN_FILTER,
-        /// As a muscle is excited, with two time constants.
+        /// Activation dynamics of a muscle, with two time constants.
         Muscle = mjDYN_MUSCLE,
-        /// As a callback says.
+        /// User-defined by a callback.
         User = mjDYN_USER,
     }
 }
 engine_enum! {
-    /// What an actuator's control or activation is multiplied by.
+    /// Gain of an actuator: the factor of its control or activation.
     #[doc(alias = "mjtGain")]
     ActuatorGain {
-        /// A number.
+        /// Constant.
         Fixed = mjGAIN_FIXED,
-        /// A number, plus multiples of length and velocity.
+        /// Affine function of length and velocity.
         Affine = mjGAIN_AFFINE,
-        /// The active force of a muscle by its length and velocity.
+        /// Active force of a muscle as a function of length and velocity.
         Muscle = mjGAIN_MUSCLE,
-        /// What a callback says.
+        /// User-defined by a callback.
         User = mjGAIN_USER,
     }
 }
 engine_enum! {
-    /// What is added to an actuator's force.
+    /// Bias of an actuator: the force that is added to the product of gain and control or activation.
     #[doc(alias = "mjtBias")]
     ActuatorBias {
-        /// Nothing.
+        /// No bias.
         None = mjBIAS_NONE,
-        /// A number, plus multiples of length and velocity.
+        /// Affine function of length and velocity.
         Affine = mjBIAS_AFFINE,
-        /// The passive force of a muscle.
+        /// Passive force of a muscle.
         Muscle = mjBIAS_MUSCLE,
-        /// What a callback says.
+        /// User-defined by a callback.
         User = mjBIAS_USER,
     }
 }
 engine_enum! {
-    /// What an equality constraint ties together.
+    /// Type of an equality constraint.
     #[doc(alias = "mjtEq")]
     EqualityType {
-        /// A point of one body to a point of another: a ball joint.
+        /// Couples a point of one body to a point of another, like a ball joint.
         Connect = mjEQ_CONNECT,
-        /// A body to another, position and orientation.
+        /// Couples the position and orientation of two bodies.
         Weld = mjEQ_WELD,
-        /// The position of a slide or hinge joint to that of another, by a polynomial of fourth degree.
+        /// Couples the positions of two slide or hinge joints by a quartic polynomial.
         Joint = mjEQ_JOINT,
-        /// The length of a tendon to that of another, by a polynomial of fourth degree.
+        /// Couples the lengths of two tendons by a quartic polynomial.
         Tendon = mjEQ_TENDON,
     }
 }
 engine_enum! {
-    /// What the numbers of a sensor are.
+    /// Data type of the values of a sensor.
     #[doc(alias = "mjtDataType")]
     SensorDataType {
         /// Real numbers.
         Real = mjDATATYPE_REAL,
-        /// Numbers that are positive, or else say that there is nothing to measure.
+        /// Positive numbers. A number that is not positive means that the sensor has no measurement.
         Positive = mjDATATYPE_POSITIVE,
-        /// A unit vector.
+        /// Unit vector.
         Axis = mjDATATYPE_AXIS,
-        /// A unit quaternion `[w, x, y, z]`.
+        /// Unit quaternion `[w, x, y, z]`.
         Quaternion = mjDATATYPE_QUATERNION,
     }
 }
 engine_enum! {
-    /// What a sensor measures.
+    /// Quantity that a sensor measures.
     #[doc(alias = "mjtSensor")]
     SensorType {
-        /// Normal forces of the contacts inside a site's shape, N, summed.
+        /// Sum of the normal forces of the contacts inside a site's shape, N.
         Touch = mjSENS_TOUCH,
-        /// Linear acceleration of a site, m/s², in its own frame, gravity included.
+        /// Linear acceleration of a site, m/s², in the site's frame, including gravity.
         Accelerometer = mjSENS_ACCELEROMETER,
-        /// Linear velocity of a site, m/s, in its own frame.
+        /// Linear velocity of a site, m/s, in the site's frame.
         Velocimeter = mjSENS_VELOCIMETER,
-        /// Angular velocity of a site, rad/s, in its own frame.
+        /// Angular velocity of a site, rad/s, in the site's frame.
         Gyro = mjSENS_GYRO,
         /// Force between a site's body and its parent, N, in the site's frame.
         Force = mjSENS_FORCE,
         /// Torque between a site's body and its parent, N·m, in the site's frame.
         Torque = mjSENS_TORQUE,
-        /// Magnetic flux at a site, in its own frame.
+        /// Magnetic flux at a site, in the site's frame.
         Magnetometer = mjSENS_MAGNETOMETER,
-        /// Distance to what is next along a site's z axis, m.
+        /// Distance to the nearest geom along a site's z axis, m.
         Rangefinder = mjSENS_RANGEFINDER,
         /// Position of a slide or hinge joint, m or rad.
         JointPosition = mjSENS_JOINTPOS,
@@ -300,13 +301,13 @@ engine_enum! {
         BallQuaternion = mjSENS_BALLQUAT,
         /// Angular velocity of a ball joint, rad/s.
         BallAngularVelocity = mjSENS_BALLANGVEL,
-        /// Distance of a joint to its limit, less its margin.
+        /// Distance of a joint to its limit, minus its margin.
         JointLimitPosition = mjSENS_JOINTLIMITPOS,
         /// Velocity of a joint at its limit.
         JointLimitVelocity = mjSENS_JOINTLIMITVEL,
         /// Force of a joint's limit.
         JointLimitForce = mjSENS_JOINTLIMITFRC,
-        /// Distance of a tendon to its limit, less its margin.
+        /// Distance of a tendon to its limit, minus its margin.
         TendonLimitPosition = mjSENS_TENDONLIMITPOS,
         /// Velocity of a tendon at its limit.
         TendonLimitVelocity = mjSENS_TENDONLIMITVEL,
@@ -316,11 +317,11 @@ engine_enum! {
         FramePosition = mjSENS_FRAMEPOS,
         /// Orientation of an object's frame.
         FrameQuaternion = mjSENS_FRAMEQUAT,
-        /// The x axis of an object's frame.
+        /// X axis of an object's frame.
         FrameXAxis = mjSENS_FRAMEXAXIS,
-        /// The y axis of an object's frame.
+        /// Y axis of an object's frame.
         FrameYAxis = mjSENS_FRAMEYAXIS,
-        /// The z axis of an object's frame.
+        /// Z axis of an object's frame.
         FrameZAxis = mjSENS_FRAMEZAXIS,
         /// Linear velocity of an object's frame, m/s.
         FrameLinearVelocity = mjSENS_FRAMELINVEL,
@@ -336,15 +337,15 @@ engine_enum! {
         SubtreeLinearVelocity = mjSENS_SUBTREELINVEL,
         /// Angular momentum of a body's subtree, kg·m²/s.
         SubtreeAngularMomentum = mjSENS_SUBTREEANGMOM,
-        /// The time, s.
+        /// Simulation time, s.
         Clock = mjSENS_CLOCK,
-        /// What a callback says.
+        /// User-defined by a callback.
         User = mjSENS_USER,
     }
 }
 
 impl JointType {
-    /// The joint's numbers in `qpos`: 7, 4 or 1.
+    /// Returns the number of values of the joint in `qpos`: 7, 4 or 1.
     #[inline]
     pub fn nq(self) -> usize {
         match self {
@@ -354,7 +355,7 @@ impl JointType {
         }
     }
 
-    /// The joint's degrees of freedom: 6, 3 or 1.
+    /// Returns the number of degrees of freedom of the joint: 6, 3 or 1.
     #[inline]
     pub fn nv(self) -> usize {
         match self {

@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all, and read only if they have an end.
+//! Atomic replacement of files, and reading of regular files only.
 
 use std::fs::{self, File, Permissions};
 use std::io::{self, BufWriter, Read, Write};
@@ -8,17 +8,17 @@ use tempfile::{NamedTempFile, TempPath};
 
 use crate::error::{Error, Result};
 
-/// Largest size of a file that is read whole.
+/// Largest size in bytes of a file that [`read_regular`] reads.
 const MOST_BYTES: u64 = 1 << 31;
 
-/// Opens a regular file of an ordinary file system for reading. Pipes, sockets and devices can block or never end, and so can the
-/// files of kernel file systems such as `/proc/kmsg`, although their metadata says that they are regular.
+/// Opens a regular file of an ordinary file system for reading. Pipes, sockets and devices can block or never end. So can the
+/// files of kernel file systems such as `/proc/kmsg`, although their metadata marks them as regular.
 pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
-    // Before opening, since opening a pipe waits for a writer and opening a device can have side effects.
+    // Check before opening, because opening a pipe waits for a writer and opening a device can have side effects.
     check_regular(path)?;
     let mut options = File::options();
     options.read(true);
-    // The path may lead to a pipe by now.
+    // The path may have been replaced by a pipe in the meantime.
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, rustix::fs::OFlags::NONBLOCK.bits() as i32);
     let file = options.open(path)?;
@@ -26,7 +26,7 @@ pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// Checks that a path leads to a regular file of an ordinary file system.
+/// Checks that a path refers to a regular file of an ordinary file system.
 pub(crate) fn check_regular(path: &Path) -> io::Result<()> {
     check_type(&fs::metadata(path)?)?;
     #[cfg(target_os = "linux")]
@@ -46,7 +46,7 @@ fn check_type(metadata: &fs::Metadata) -> io::Result<()> {
     Ok(())
 }
 
-/// Magic numbers of the file systems whose content the kernel generates, from `linux/magic.h`.
+/// Magic numbers of the file systems whose contents the kernel generates, from `linux/magic.h`.
 #[cfg(target_os = "linux")]
 const KERNEL_FILE_SYSTEMS: [u32; 20] = [
     0x9fa0,      // proc
@@ -71,7 +71,7 @@ const KERNEL_FILE_SYSTEMS: [u32; 20] = [
     0x6759_6969, // rpc_pipefs
 ];
 
-/// Reads a file that [`open_regular`] opens, up to 2 GiB.
+/// Reads a regular file of at most 2 GiB.
 pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
@@ -86,13 +86,13 @@ pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     if content.len() as u64 > MOST_BYTES { Err(too_large()) } else { Ok(content) }
 }
 
-/// A file for what is to be written to `path` later, which nobody else can read: among the temporary files, or beside it.
+/// Creates a file with private permissions for data that will later be written to `path`: in the directory for temporary files, or
+/// else in the directory of `path`.
 pub(crate) fn temporary(path: &Path) -> io::Result<NamedTempFile> {
     NamedTempFile::new().or_else(|error| NamedTempFile::new_in(folder(path)).map_err(|_| error))
 }
 
-/// Lets `write` write a file. It gets its name only when all is written, so that whatever goes wrong leaves what was there
-/// before, and never half a file.
+/// Replaces a file atomically by the data that `write` writes. If an error occurs, the previous file is left unchanged.
 pub(crate) fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
     try_replace(path, write).map_err(Error::file(path))
 }
@@ -105,53 +105,54 @@ fn try_replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Resu
     replacement.finish()
 }
 
-/// A file that is being written, and has another name until it is whole. Dropped before, it leaves nothing.
+/// Replacement of a file in progress. The data has a temporary name until [`finish`](Self::finish), and is deleted if the value
+/// is dropped before.
 pub(crate) struct Replacement {
     file: File,
-    /// Where it is written to, unless that is a pipe or a device, which has nothing to replace.
+    /// Temporary path of the file. `None` if the target is a pipe or a device, which is written to directly.
     name: Option<TempPath>,
     path: PathBuf,
     permissions: Option<Permissions>,
 }
 
 impl Replacement {
-    /// Makes what is to get the name `path`.
+    /// Creates the temporary file for a replacement of `path`.
     pub(crate) fn create(path: &Path) -> io::Result<Self> {
-        let path = behind_links(path)?;
-        let before = fs::metadata(&path).ok();
-        if let Some(before) = &before {
-            if before.is_dir() {
+        let path = resolve_links(path)?;
+        let existing = fs::metadata(&path).ok();
+        if let Some(existing) = &existing {
+            if existing.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());
             }
-            // Who must not write to a file must not replace it either, though its folder would let them.
+            // Require write permission for the existing file, although the permissions of its directory suffice to replace it.
             let file = File::options().write(true).open(&path)?;
-            if !before.is_file() {
+            if !existing.is_file() {
                 return Ok(Self { file, name: None, path, permissions: None });
             }
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".").suffix(".part");
-        // Otherwise nobody else could read it.
+        // The default permissions of temporary files deny access to other users.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        // Beside the file, because only within a file system can a name be given to what is there.
+        // Use the directory of the target, because a file can only be renamed within a file system.
         let (file, name) = builder.tempfile_in(folder(&path))?.into_parts();
-        Ok(Self { file, name: Some(name), path, permissions: before.map(|before| before.permissions()) })
+        Ok(Self { file, name: Some(name), path, permissions: existing.map(|existing| existing.permissions()) })
     }
 
-    /// What is written to.
+    /// Returns the open file.
     #[cfg(feature = "renderer")]
     pub(crate) fn file(&self) -> &File {
         &self.file
     }
 
-    /// Where that is, for another program to write to.
+    /// Returns the path of the open file, for another process to write to.
     #[cfg(feature = "renderer")]
-    pub(crate) fn written_to(&self) -> &Path {
+    pub(crate) fn temporary_path(&self) -> &Path {
         self.name.as_deref().unwrap_or(&self.path)
     }
 
-    /// Gives the file its name.
+    /// Renames the temporary file to its final path.
     pub(crate) fn finish(self) -> io::Result<()> {
         if let Some(permissions) = self.permissions {
             self.file.set_permissions(permissions)?;
@@ -164,14 +165,14 @@ impl Replacement {
     }
 }
 
-/// Where a link leads to, so that it stays a link, even if there is nothing yet.
-fn behind_links(path: &Path) -> io::Result<PathBuf> {
+/// Resolves symbolic links, so that a replacement does not overwrite the link itself. The target need not exist.
+fn resolve_links(path: &Path) -> io::Result<PathBuf> {
     const MOST_LINKS: usize = 40;
     if let Ok(path) = fs::canonicalize(path) {
         return Ok(path);
     }
     let mut path = path.to_owned();
-    // What the process has open, such as `/dev/stdout`, can be opened though its link leads nowhere.
+    // Files that the process has open, such as `/dev/stdout`, can be opened although their links are dangling.
     if fs::metadata(&path).is_ok() {
         return Ok(path);
     }
@@ -197,7 +198,7 @@ mod tests {
     use super::replace;
 
     #[test]
-    fn a_failure_leaves_the_old_file_and_nothing_else() {
+    fn a_failed_replacement_keeps_the_old_file_and_removes_the_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         fs::write(&path, "old").unwrap();
@@ -210,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_is_not_replaced() {
+    fn a_directory_is_not_replaced() {
         let folder = tempfile::tempdir().unwrap();
         replace(folder.path(), |_| Ok(())).unwrap_err();
         assert!(folder.path().is_dir());
@@ -218,7 +219,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_has_no_end_is_not_read() {
+    fn devices_and_directories_are_not_read() {
         for path in ["/dev/zero", "/dev/null", "/"] {
             super::read_regular(path.as_ref()).unwrap_err();
         }
@@ -226,7 +227,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_devices_and_permissions_stay() {
+    fn replacement_preserves_links_devices_and_permissions() {
         use std::os::unix::fs::PermissionsExt;
 
         let folder = tempfile::tempdir().unwrap();

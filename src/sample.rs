@@ -1,28 +1,28 @@
-//! Models to begin with: two that come with the crate, and those that the engine's package installs.
+//! Sample models: two that are part of the crate, and those of the engine's package.
 
 use std::path::{Path, PathBuf};
 
 use crate::model::Model;
 
-/// The source of [`cartpole`].
+/// MJCF source of [`cartpole`].
 pub const CARTPOLE_XML: &str = include_str!("../models/cartpole.xml");
-/// The source of [`humanoid`].
+/// MJCF source of [`humanoid`].
 pub const HUMANOID_XML: &str = include_str!("../models/humanoid.xml");
 
-/// Where Debian's package `libmujoco-samples` puts the engine's own sample models.
+/// Directory in which Debian's package `libmujoco-samples` installs the engine's sample models.
 pub const SYSTEM_MODELS: &str = "/usr/share/mujoco/model";
 
-/// A pole on a cart: 2 joints, 1 motor, and a keyframe `hanging_down`.
+/// Loads a pole on a cart: 2 joints, 1 motor, and a keyframe `hanging_down`.
 ///
 /// # Panics
 ///
-/// If the engine cannot be used at all: see [`Error::EngineVersion`](crate::Error::EngineVersion) and
+/// If the engine cannot load models at all: see [`Error::EngineVersion`](crate::Error::EngineVersion) and
 /// [`Error::LoaderLocked`](crate::Error::LoaderLocked).
 pub fn cartpole() -> Model {
     bundled(CARTPOLE_XML)
 }
 
-/// A humanoid of 40 kg: 27 degrees of freedom, 21 motors, and the keyframes `squat`, `stand_on_left_leg` and `stand`.
+/// Loads a humanoid of 40 kg: 27 degrees of freedom, 21 motors, and the keyframes `squat`, `stand_on_left_leg` and `stand`.
 ///
 /// # Panics
 ///
@@ -39,11 +39,11 @@ pub fn humanoid() -> Model {
 }
 
 fn bundled(xml: &str) -> Model {
-    Model::from_xml_str(xml).unwrap_or_else(|error| panic!("a bundled model does not load: {error}"))
+    Model::from_xml_str(xml).unwrap_or_else(|error| panic!("cannot load a bundled model: {error}"))
 }
 
-/// The model files (`.xml`) of the engine's package, in the order of their paths; none if it is not installed. Some are parts
-/// that others include.
+/// Returns the model files (`.xml`) in [`SYSTEM_MODELS`], sorted by path. The list is empty if the package is not installed. Some
+/// of the files are parts that others include.
 #[doc(alias = "example_model_files")]
 pub fn system_models() -> Vec<PathBuf> {
     let mut found = Vec::new();

@@ -1,4 +1,5 @@
-//! Plain results as data, in the feature `serde`. What has an invariant is checked on its way in.
+//! Implementations of serde's traits for results and matrices (feature `serde`). Types with an invariant are validated when they
+//! are deserialised.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -6,7 +7,7 @@ use crate::data::{ContactForce, StateSpec, WarningCount};
 use crate::derivative::StateSpace;
 use crate::matrix::{Matrix, MatrixView};
 
-/// A matrix: its shape, and its values row by row.
+/// Serialised form of a matrix: its shape, and its values in row-major order.
 #[derive(Serialize)]
 #[serde(rename = "Matrix")]
 struct Rows<'m> {
@@ -15,10 +16,10 @@ struct Rows<'m> {
     values: &'m [f64],
 }
 
-/// The same, that nobody has looked at yet.
+/// Unvalidated input for a matrix.
 #[derive(Deserialize)]
 #[serde(rename = "Matrix", deny_unknown_fields)]
-struct Unchecked {
+struct Unvalidated {
     nrows: usize,
     ncols: usize,
     values: Vec<f64>,
@@ -36,22 +37,23 @@ impl Serialize for Matrix {
     }
 }
 
-/// The largest size that plain data may claim without values that prove it: more than any model has. A matrix of 2⁶⁴ empty rows
-/// would keep every loop over its rows busy for ever.
+/// Largest number of rows or columns of a deserialised matrix without values: more than any model needs. Otherwise a loop over
+/// the rows of a matrix with 2⁶⁴ empty rows would practically never end.
 pub(crate) const MOST_WITHOUT_VALUES: usize = 1 << 20;
 
 impl<'de> Deserialize<'de> for Matrix {
-    /// An error if there are not `nrows * ncols` values, or more than 2²⁰ rows or columns without values.
+    /// Returns an error unless the number of values is `nrows * ncols`, or if a matrix without values has more than 2²⁰ rows or
+    /// columns.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Unchecked { nrows, ncols, values } = Unchecked::deserialize(deserializer)?;
-        // The engine and nalgebra trust the shape.
+        let Unvalidated { nrows, ncols, values } = Unvalidated::deserialize(deserializer)?;
+        // The engine and nalgebra do not check the shape.
         if nrows.checked_mul(ncols) != Some(values.len()) {
             let found = values.len();
             return Err(de::Error::custom(format!("a matrix of {nrows} rows and {ncols} columns has {found} values")));
         }
         if values.is_empty() && nrows.max(ncols) > MOST_WITHOUT_VALUES {
             return Err(de::Error::custom(format!(
-                "a matrix of {nrows} rows and {ncols} columns has no values, and more than {MOST_WITHOUT_VALUES} rows or columns"
+                "a matrix without values has {nrows} rows and {ncols} columns; at most {MOST_WITHOUT_VALUES} are allowed"
             )));
         }
         Ok(Self::from_row_major(nrows, ncols, values))
@@ -59,22 +61,22 @@ impl<'de> Deserialize<'de> for Matrix {
 }
 
 impl Serialize for StateSpec {
-    /// For people, the names of the parts (`"QPOS | QVEL"`); otherwise the bits.
+    /// Writes the names of the components (`"QPOS | QVEL"`) in human-readable formats, and the bits in others.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         bitflags::serde::serialize(self, serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for StateSpec {
-    /// An error if there is a name or a bit that no part of a state has.
+    /// Returns an error for a name or a bit that is not a component of a state.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let spec: Self = bitflags::serde::deserialize(deserializer)?;
         Self::from_bits(spec.bits())
-            .ok_or_else(|| de::Error::custom(format!("no parts of a state: {:#x}", spec.bits())))
+            .ok_or_else(|| de::Error::custom(format!("unknown components of a state: {:#x}", spec.bits())))
     }
 }
 
-/// Types of public fields, which have no invariant.
+/// Implements both traits for structs with public fields and without invariants.
 macro_rules! plain {
     ($($remote:literal $name:ident = $shape:ident { $($field:ident: $type:ty),* $(,)? })*) => {$(
         #[derive(Serialize, Deserialize)]

@@ -14,6 +14,7 @@ mod distance;
 mod frame;
 mod inertia;
 mod jacobian;
+pub(crate) mod length_range;
 pub mod pipeline;
 mod ray;
 mod reset;

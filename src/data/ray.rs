@@ -73,7 +73,7 @@ impl Data {
     pub fn ray(&self, point: [f64; 3], direction: [f64; 3], options: &RayOptions) -> Result<Option<RayHit>> {
         self.check_parts("ray", PipelineFlags::KINEMATICS)?;
         check_ray(&point, &direction)?;
-        if let Some(geom) = self.model().misread_height_field() {
+        if let Some(geom) = self.model().first_geom_unsafe_for_rays() {
             return Err(out_of_bounds_field(self.model(), geom));
         }
         if self.model().nhfield() > 0 {
@@ -157,7 +157,7 @@ impl Data {
     pub fn ray_hfield(&self, geom: impl Into<GeomId>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_hfield", geom.into(), mjGEOM_HFIELD, "a height field")?;
         check_ray(&point, &direction)?;
-        if self.model().is_misread(index) {
+        if self.model().is_unsafe_for_rays(index) {
             return Err(out_of_bounds_field(self.model(), index));
         }
         self.check_field_poses()?;

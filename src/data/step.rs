@@ -170,7 +170,7 @@ impl Data {
         if !valid {
             return Err(self.input_out_of_range());
         }
-        if self.model().has_ranged_fields() { self.check_field_poses() } else { Ok(()) }
+        if self.model().has_rangefinder_and_height_field() { self.check_field_poses() } else { Ok(()) }
     }
 
     #[cold]

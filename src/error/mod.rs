@@ -12,7 +12,6 @@ pub(crate) use self::suggestion::near_names;
 use crate::control::riccati::RiccatiError;
 use crate::engine::Version;
 use crate::id::Kind;
-use crate::model::LostEdit;
 use crate::stage::MissingResults;
 
 /// Result of the fallible functions of this crate.
@@ -88,7 +87,7 @@ pub enum Error {
     /// A binary model is damaged.
     #[error("{source_name} is not a valid binary model: {reason}")]
     InvalidBinary {
-        /// Path of the file, or "the bytes given".
+        /// Path of the file, or "the given buffer".
         source_name: String,
         /// The defect and its place.
         reason: String,
@@ -273,6 +272,34 @@ impl Error {
     pub(crate) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::File { path, source }
+    }
+}
+
+/// A field of a model that the model's XML cannot represent.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub struct LostEdit {
+    /// The field in the engine's spelling, for example `body_mass`, `opt.timestep` or `nconmax`.
+    pub field: String,
+    /// Names of the elements whose values differ, or the index of an element without a name. Empty for a size and for the fields
+    /// of options, statistics and visualiser settings.
+    pub elements: Vec<String>,
+}
+
+impl fmt::Display for LostEdit {
+    /// Writes the field, and in parentheses the first elements.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const SHOWN: usize = 4;
+        f.write_str(&self.field)?;
+        if self.elements.is_empty() {
+            return Ok(());
+        }
+        let shown: Vec<&str> = self.elements.iter().take(SHOWN).map(String::as_str).collect();
+        write!(f, " ({}", shown.join(", "))?;
+        match self.elements.len().saturating_sub(SHOWN) {
+            0 => f.write_str(")"),
+            more => write!(f, " and {more} more)"),
+        }
     }
 }
 

@@ -44,7 +44,7 @@ impl ModelMut<'_> {
     /// Returns [`body_ipos`](crate::Model::body_ipos) for writing.
     #[inline]
     pub fn body_ipos_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_inertial_frames();
+        self.clear_inertial_frame_flags();
         let rows = self.nbody();
         let array = self.raw_mut().body_ipos;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -54,7 +54,7 @@ impl ModelMut<'_> {
     /// Returns [`body_iquat`](crate::Model::body_iquat) for writing.
     #[inline]
     pub fn body_iquat_mut(&mut self) -> &mut [[f64; 4]] {
-        self.forget_inertial_frames();
+        self.clear_inertial_frame_flags();
         let rows = self.nbody();
         let array = self.raw_mut().body_iquat;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -64,7 +64,7 @@ impl ModelMut<'_> {
     /// Returns [`body_mass`](crate::Model::body_mass) for writing.
     #[inline]
     pub fn body_mass_mut(&mut self) -> &mut [f64] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.nbody();
         let array = self.raw_mut().body_mass;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -83,7 +83,7 @@ impl ModelMut<'_> {
     /// Returns [`body_inertia`](crate::Model::body_inertia) for writing.
     #[inline]
     pub fn body_inertia_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.nbody();
         let array = self.raw_mut().body_inertia;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -130,7 +130,7 @@ impl ModelMut<'_> {
     /// Returns [`jnt_pos`](crate::Model::jnt_pos) for writing.
     #[inline]
     pub fn jnt_pos_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.njnt();
         let array = self.raw_mut().jnt_pos;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -140,7 +140,7 @@ impl ModelMut<'_> {
     /// Returns [`jnt_axis`](crate::Model::jnt_axis) for writing.
     #[inline]
     pub fn jnt_axis_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.njnt();
         let array = self.raw_mut().jnt_axis;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -214,7 +214,7 @@ impl ModelMut<'_> {
     /// Returns [`dof_armature`](crate::Model::dof_armature) for writing.
     #[inline]
     pub fn dof_armature_mut(&mut self) -> &mut [f64] {
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         let rows = self.nv();
         let array = self.raw_mut().dof_armature;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -296,7 +296,7 @@ impl ModelMut<'_> {
     /// Returns [`geom_pos`](crate::Model::geom_pos) for writing.
     #[inline]
     pub fn geom_pos_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_geom_frames();
+        self.clear_geom_frame_flags();
         let rows = self.ngeom();
         let array = self.raw_mut().geom_pos;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -306,7 +306,7 @@ impl ModelMut<'_> {
     /// Returns [`geom_quat`](crate::Model::geom_quat) for writing.
     #[inline]
     pub fn geom_quat_mut(&mut self) -> &mut [[f64; 4]] {
-        self.forget_geom_frames();
+        self.clear_geom_frame_flags();
         let rows = self.ngeom();
         let array = self.raw_mut().geom_quat;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -380,7 +380,7 @@ impl ModelMut<'_> {
     /// Returns [`site_pos`](crate::Model::site_pos) for writing.
     #[inline]
     pub fn site_pos_mut(&mut self) -> &mut [[f64; 3]] {
-        self.forget_site_frames();
+        self.clear_site_frame_flags();
         let rows = self.nsite();
         let array = self.raw_mut().site_pos;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.
@@ -390,7 +390,7 @@ impl ModelMut<'_> {
     /// Returns [`site_quat`](crate::Model::site_quat) for writing.
     #[inline]
     pub fn site_quat_mut(&mut self) -> &mut [[f64; 4]] {
-        self.forget_site_frames();
+        self.clear_site_frame_flags();
         let rows = self.nsite();
         let array = self.raw_mut().site_quat;
         // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.

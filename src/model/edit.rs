@@ -1,4 +1,4 @@
-//! Changes of a compiled model.
+//! Checked changes of a compiled model.
 
 use std::ops::Deref;
 use std::ptr;
@@ -11,18 +11,18 @@ use crate::error::Result;
 use crate::ffi;
 use crate::id::Kind;
 
-/// A model that may be changed: from [`Model::edit`] before it is shared, from
-/// [`Data::edit_model`](crate::Data::edit_model) afterwards. It reads like a [`Model`].
+/// Mutable access to a model: from [`Model::edit`] before it is shared, from [`Data::edit_model`](crate::Data::edit_model)
+/// afterwards. It dereferences to [`Model`].
 ///
-/// Real numbers can be written to (`body_mass_mut`, `dof_damping_mut`, …); whatever is in them, the engine stays within its
-/// memory. The three arrays of reals that decide where it reads, `wrap_prm`, `hfield_size` and `mesh_vert`, cannot, and neither
-/// can sizes, addresses, ids and types. Switches and masks are set through [named access](crate::element):
-/// `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
+/// All floating-point arrays are writable (`body_mass_mut`, `dof_damping_mut`, …), because no value in them makes the engine
+/// access memory out of bounds. The exceptions are `wrap_prm`, `hfield_size` and `mesh_vert`, which determine the addresses that
+/// the engine reads. Sizes, addresses, ids and types are read-only too. Switches and masks are set through
+/// [named access](crate::element): `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
 ///
-/// What the compiler derived from a number does not follow when the number changes: call
-/// [`update_constants`](Self::update_constants) after masses, inertias, positions or sizes.
+/// The compiler derived other quantities from these numbers. They are not updated automatically: call
+/// [`update_constants`](Self::update_constants) after changes of masses, inertias, positions or sizes.
 ///
-/// A model that is lent is not changed by anyone else:
+/// The access is exclusive:
 ///
 /// ```compile_fail,E0499
 /// # use mujoco_safe::sample;
@@ -41,7 +41,7 @@ use crate::id::Kind;
 /// edit.body_mass_mut()[1] = 2.0;
 /// ```
 ///
-/// Nor are sizes, addresses, ids and types:
+/// Sizes, addresses, ids and types are read-only:
 ///
 /// ```compile_fail,E0599
 /// # use mujoco_safe::sample;
@@ -58,11 +58,11 @@ impl<'m> ModelMut<'m> {
         Self { model }
     }
 
-    /// Changes the physics options, after checking them: nothing is changed if one is out of range.
+    /// Changes the physics options, unless one of them is out of range.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and what is allowed.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and the valid values. The model is not changed then.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -90,12 +90,12 @@ impl<'m> ModelMut<'m> {
         self.options(|options| options.timestep = timestep)
     }
 
-    /// Scales all masses and inertias so that the masses have this sum, kg. Call [`update_constants`](Self::update_constants)
-    /// afterwards.
+    /// Scales all masses and inertias so that the total mass has the given value, kg. Call
+    /// [`update_constants`](Self::update_constants) afterwards.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) unless the sum is positive and finite.
+    /// [`Error::Invalid`](crate::Error::Invalid) unless the mass is positive and finite.
     ///
     /// ```
     /// use mujoco_safe::sample;
@@ -112,26 +112,27 @@ impl<'m> ModelMut<'m> {
         if !(mass.is_finite() && mass > 0.0) {
             return Err(crate::Error::invalid("the total mass", mass, "positive and finite"));
         }
-        self.forget_simple_bodies();
+        self.clear_simple_body_flags();
         // SAFETY: a model that is borrowed exclusively; the function scales its masses and inertias.
         unsafe { sys::mj_setTotalmass(self.model.raw.as_ptr(), mass) };
         Ok(())
     }
 
     /// Recomputes the quantities that the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse
-    /// weights, reference lengths, statistics and all fields with a `0` in their names; and which frames coincide and which bodies
-    /// move independently (`body_sameframe`, `body_simple` and the like), so that the engine can use its shortcuts again. Where a
-    /// sphere, capsule, cylinder, ellipsoid or box is larger than its `geom_rbound`, outside of which the engine finds no contacts,
-    /// that radius grows too.
+    /// weights, reference lengths, statistics and all fields with a `0` in their names. Also recomputes the flags of coinciding
+    /// frames and of bodies that move independently (`body_sameframe`, `body_simple` and the like), which speed up the engine.
+    ///
+    /// If a sphere, capsule, cylinder, ellipsoid or box is larger than its bounding sphere `geom_rbound`, outside of which the
+    /// engine detects no contacts, enlarges the bounding sphere.
     ///
     /// # Errors
     ///
     /// [`Error::Invalid`](crate::Error::Invalid) for a body that has joints, but a mass or a moment of inertia that is not at least
-    /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both: the rule of the XML compiler. The engine itself accepts such a
-    /// body, and does not accelerate it. Nothing is changed then.
+    /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both. This is the rule of the XML compiler; the engine itself accepts
+    /// such a body and does not accelerate it. The model is not changed then.
     ///
-    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if there is no memory for a
-    /// scratch simulation, or its stack is too small. The derived quantities may be partly updated then.
+    /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if the memory for a scratch
+    /// simulation is exhausted, or its stack is too small. The derived quantities may be partly updated then.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -147,47 +148,47 @@ impl<'m> ModelMut<'m> {
     pub fn update_constants(&mut self) -> Result<()> {
         self.check_moving_bodies()?;
         let mut scratch = ptr::null_mut();
-        // SAFETY: a valid model, a place for the result.
+        // SAFETY: a valid model, and a pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
         if scratch.is_null() {
             return Err(crate::Error::OutOfMemory { function: "mj_makeData" });
         }
-        // SAFETY: just made, and ours. A counter that is not zero keeps the engine from printing a warning through a buffer that
-        // all threads share. Every step with the model repeats the warning, such as that of a singular inertia matrix.
+        // SAFETY: created above, and nothing else owns it. A counter above zero prevents the engine from formatting a warning in a
+        // buffer that all threads share. No warning is lost: every step with the model repeats it, such as that of a singular
+        // inertia matrix.
         silence_warnings(unsafe { &mut *scratch });
-        self.note_shortcuts();
-        self.widen_bounds();
+        self.compute_flags();
+        self.enlarge_bounding_spheres();
         let modes = (self.cam_mode().to_vec(), self.light_mode().to_vec());
-        // SAFETY: a model that is borrowed exclusively, and a data that was made for it.
+        // SAFETY: a model that is borrowed exclusively, and a data that was created for it.
         let result =
             ffi::check_without_data("mj_setConst", unsafe { guard::mj_set_const(self.model.raw.as_ptr(), scratch) });
         if result.is_err() {
-            // Their inertias may not have been computed.
-            self.forget_simple_bodies();
-            // The engine fixes cameras and lights for the duration of the call.
+            // The inertias of simple bodies may not have been computed.
+            self.clear_simple_body_flags();
+            // The engine sets cameras and lights to the fixed mode for the duration of the call.
             self.set_tracking_modes(&modes.0, &modes.1);
         }
-        // SAFETY: made above, and used no more.
+        // SAFETY: created above, and not used any more.
         unsafe { sys::mj_deleteData(scratch) };
         result
     }
 
-    /// Rejects a body that moves without mass or inertia, by the rule of the XML compiler.
+    /// Rejects bodies that move and have no mass or no inertia, by the rule of the XML compiler.
     fn check_moving_bodies(&self) -> Result<()> {
-        let small = |value: f64| value.is_nan() || value < mjMINVAL;
-        let light = |body: usize| small(self.body_mass()[body]);
-        let thin = |body: usize| self.body_inertia()[body].iter().find(|&&moment| small(moment));
+        let is_zero = |value: f64| value.is_nan() || value < mjMINVAL;
+        let is_massless = |body: usize| is_zero(self.body_mass()[body]);
+        let zero_moment = |body: usize| self.body_inertia()[body].iter().find(|&&moment| is_zero(moment));
         for body in (1..self.nbody()).filter(|&body| self.body_jntnum()[body] > 0) {
-            let (quantity, value) = match (light(body), thin(body)) {
+            let (quantity, value) = match (is_massless(body), zero_moment(body)) {
                 (true, _) => ("mass", self.body_mass()[body]),
                 (false, Some(&moment)) => ("moment of inertia", moment),
                 (false, None) => continue,
             };
             let is_fixed_child =
                 |child: usize| ffi::size(self.body_parentid()[child]) == body && self.body_jntnum()[child] == 0;
-            let carried =
-                (1..self.nbody()).any(|child| is_fixed_child(child) && !light(child) && thin(child).is_none());
-            if !carried {
+            let is_valid = |child: usize| is_fixed_child(child) && !is_massless(child) && zero_moment(child).is_none();
+            if !(1..self.nbody()).any(is_valid) {
                 let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
                 let what = format!("the {quantity} of body {name}");
                 return Err(crate::Error::invalid(what, value, "at least 1e-15, because the body has joints"));
@@ -213,10 +214,10 @@ impl<'m> ModelMut<'m> {
 }
 
 impl Model {
-    /// The sum of all masses, kg.
+    /// Returns the sum of all masses, kg.
     #[doc(alias = "mj_getTotalmass")]
     pub fn total_mass(&self) -> f64 {
-        // SAFETY: reads the masses of a valid model.
+        // SAFETY: the function reads the masses of a valid model.
         unsafe { sys::mj_getTotalmass(self.as_ptr()) }
     }
 }
@@ -235,7 +236,7 @@ mod tests {
     use crate::{Error, Model};
 
     #[test]
-    fn an_update_that_fails_in_the_engine_leaves_cameras_and_lights_their_modes() {
+    fn a_failed_update_restores_the_modes_of_cameras_and_lights() {
         let mut model = Model::from_xml_str(
             r#"<mujoco><worldbody>
                  <body name="ball"><freejoint/><geom size=".1"/>
@@ -244,7 +245,8 @@ mod tests {
         )
         .unwrap();
         let modes = (model.cam_mode().to_vec(), model.light_mode().to_vec());
-        // Room for the Jacobians, which come first, but not for what the engine allocates after it has fixed the cameras.
+        // Stack space for the Jacobians, which the engine allocates first, but not for the allocations after it has changed the
+        // cameras.
         model.raw_mut().nstack = 2 * 6 * 6 + 3;
         let error = model.edit().update_constants().unwrap_err();
         assert!(matches!(&error, Error::Engine { message, .. } if message == "Stack overflow"), "{error}");

@@ -1,40 +1,21 @@
-//! What is simulated: bodies, joints, geoms and the rest, compiled and constant while it runs.
+//! The model of a simulated system: bodies, joints, geoms and other elements, compiled from MJCF or URDF and constant during the
+//! simulation.
 //!
-//! | file | what is in it |
-//! |---|---|
-//! | `load.rs` | from a path, a text, a text with files in memory, a binary model |
-//! | `text_check.rs` | what the engine's compiler must not see in a text |
-//! | `load_options.rs` | files in memory and directories of packages |
-//! | `package.rs` | `package://` URIs of meshes |
-//! | `virtual_files.rs` | the engine's virtual file system, for loading from memory |
-//! | `names.rs` | names to ids and back |
-//! | `options/` | options of the physics, settings of the visualiser, statistics: typed and checked |
-//! | `edit.rs` | what may be changed after compilation |
-//! | `length_range.rs` | the length ranges of actuators, by simulation |
-//! | `position.rs` | differences and sums of positions, where a quaternion is not three numbers |
-//! | `hazard.rs` | what the engine compiles and then mishandles |
-//! | `shortcut.rs` | what the engine leaves out because the compiler said so |
-//! | `save.rs` | to a binary model |
-//! | `save_xml/` | to XML, with a check that the text loads as the same model |
-//! | `schema.rs` | what a model text may have in it |
-//! | `mjb/` | the validation of binary models |
+//! A [`Model`] is loaded from XML or from the binary format, and can be saved in both. Before the engine reads such input, this
+//! module rejects everything that is known to make the engine crash. [`ModelMut`] is the checked interface for changes after
+//! compilation.
 
+mod cached_flags;
 mod edit;
-mod hazard;
-mod length_range;
+mod engine_limits;
 mod load;
-mod load_options;
 mod mjb;
 mod names;
 mod options;
-mod package;
 mod position;
 mod save;
-mod save_xml;
 mod schema;
-mod shortcut;
-mod text_check;
-mod virtual_files;
+mod xml_guard;
 
 use std::fmt;
 use std::ptr::{self, NonNull};
@@ -42,21 +23,24 @@ use std::ptr::{self, NonNull};
 use mujoco_sys::{self as sys, guard, mjModel};
 
 pub use self::edit::ModelMut;
-pub use self::length_range::{LengthRangeMode, LengthRangeOptions};
-pub use self::load_options::LoadOptions;
+pub use self::load::LoadOptions;
 pub use self::options::{
     DisableFlags, EnableFlags, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
     VisualRgba, VisualScale,
 };
-pub use self::save_xml::{LostEdit, SaveXmlOptions, XmlCheck};
+pub use self::save::{SaveXmlOptions, XmlCheck};
 pub use self::schema::{schema, schema_html};
+pub use crate::data::length_range::{LengthRangeMode, LengthRangeOptions};
+pub use crate::error::LostEdit;
 use crate::error::Result;
 use crate::ffi;
 use crate::id::Lineage;
 
-/// A compiled model. Constant once it is shared: a [`Data`](crate::Data) holds it in an [`Arc`](std::sync::Arc), and any
-/// number of threads may use it at once. Before that it is changed through [`edit`](Model::edit), and afterwards through
-/// [`Data::edit_model`](crate::Data::edit_model).
+/// A compiled model.
+///
+/// A model is constant once it is shared: a [`Data`](crate::Data) holds it in an [`Arc`](std::sync::Arc), and any number of
+/// threads may use it concurrently. [`edit`](Model::edit) changes a model before it is shared, and
+/// [`Data::edit_model`](crate::Data::edit_model) afterwards.
 ///
 /// ```
 /// use mujoco_safe::Model;
@@ -78,32 +62,32 @@ pub struct Model {
     lineage: Lineage,
     warnings: Vec<String>,
     /// See [`has_adhesion`](Model::has_adhesion).
-    adhesive: bool,
-    /// See [`has_ranged_fields`](Model::has_ranged_fields).
-    ranged_fields: bool,
+    has_adhesion: bool,
+    /// See [`has_rangefinder_and_height_field`](Model::has_rangefinder_and_height_field).
+    has_rangefinder_and_height_field: bool,
 }
 
-// SAFETY: the engine's promise is that "all top-level API functions treat mjModel as const", and its structures have no thread
+// SAFETY: the engine promises that "all top-level API functions treat mjModel as const", and its structures have no thread
 // affinity. This crate writes to a model only through `&mut Model`.
 unsafe impl Send for Model {}
-// SAFETY: as above: `&Model` only ever reads.
+// SAFETY: as above: `&Model` only reads.
 unsafe impl Sync for Model {}
 
 impl Model {
-    /// Takes ownership of a model of the engine's.
+    /// Takes ownership of a model of the engine.
     ///
     /// # Safety
     ///
-    /// `raw` is a model of this engine that nobody else owns, and that the engine compiled or this crate validated.
+    /// `raw` is a model of this engine that nothing else owns, and that the engine compiled or this crate validated.
     unsafe fn from_raw(raw: NonNull<mjModel>, lineage: Lineage, warnings: Vec<String>) -> Self {
-        let mut model = Self { raw, lineage, warnings, adhesive: false, ranged_fields: false };
-        model.adhesive = model.find_adhesion();
-        model.ranged_fields = model.find_ranged_fields();
-        model.edit().forget_wrong_simple_bodies();
+        let mut model = Self { raw, lineage, warnings, has_adhesion: false, has_rangefinder_and_height_field: false };
+        model.has_adhesion = model.find_adhesion();
+        model.has_rangefinder_and_height_field = model.find_rangefinder_and_height_field();
+        model.edit().clear_wrong_simple_bodies();
         model
     }
 
-    /// A copy, or an error if there is no memory for it. [`Clone`] panics in that case.
+    /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case.
     ///
     /// # Errors
     ///
@@ -111,27 +95,27 @@ impl Model {
     #[doc(alias = "mj_copyModel")]
     pub fn try_clone(&self) -> Result<Self> {
         let mut copy = ptr::null_mut();
-        // SAFETY: with NULL as its destination the engine allocates a new model; `self` is a valid source.
+        // SAFETY: if the destination is NULL, the engine allocates a new model; `self` is a valid source.
         ffi::check_without_data("mj_copyModel", unsafe {
             guard::mj_copy_model(ptr::null_mut(), self.as_ptr(), &raw mut copy)
         })?;
         let raw = NonNull::new(copy).ok_or(crate::Error::OutOfMemory { function: "mj_copyModel" })?;
-        // SAFETY: a copy of a valid model, and ours alone.
+        // SAFETY: a copy of a valid model, which nothing else owns.
         Ok(unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) })
     }
 
-    /// What the engine's compiler warned about when the model was loaded.
+    /// Returns the warnings of the engine's compiler from loading the model.
     pub fn compile_warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// The engine's structure, for calls past this crate.
+    /// Returns a pointer to the engine's structure, for calls to functions that this crate does not wrap.
     #[inline]
     pub fn as_ptr(&self) -> *const mjModel {
         self.raw.as_ptr()
     }
 
-    /// For changing the model, as long as it is not shared.
+    /// Returns mutable access to the model, which requires that it is not shared.
     ///
     /// ```
     /// use mujoco_safe::{Integrator, sample};
@@ -149,7 +133,8 @@ impl Model {
         ModelMut::new(self)
     }
 
-    /// Whether ids and data of the one fit the other: the same model, or a clone of it.
+    /// Returns `true` if ids and data of one model are valid for the other: they are the same model, or one is a clone of the
+    /// other.
     pub fn is_same_structure(&self, other: &Self) -> bool {
         self.lineage == other.lineage
     }
@@ -159,10 +144,10 @@ impl Model {
         self.lineage
     }
 
-    /// The engine's structure.
+    /// Returns the engine's structure.
     #[inline]
     pub(crate) fn raw(&self) -> &mjModel {
-        // SAFETY: valid until `self` is dropped, and only written to through `&mut self`.
+        // SAFETY: valid until `self` is dropped, and written to only through `&mut self`.
         unsafe { self.raw.as_ref() }
     }
 
@@ -176,7 +161,7 @@ impl Model {
 impl Clone for Model {
     /// # Panics
     ///
-    /// If there is no memory; see [`try_clone`](Self::try_clone).
+    /// If memory is exhausted; see [`try_clone`](Self::try_clone).
     fn clone(&self) -> Self {
         self.try_clone().unwrap_or_else(|error| panic!("cannot clone a model: {error}"))
     }
@@ -184,7 +169,8 @@ impl Clone for Model {
 
 impl Drop for Model {
     fn drop(&mut self) {
-        // SAFETY: ours, and nobody else holds the pointer. The function only frees memory and cannot raise an error.
+        // SAFETY: `self` owns the model, and nothing else holds the pointer. The function only frees memory and cannot raise an
+        // error.
         unsafe { sys::mj_deleteModel(self.raw.as_ptr()) }
     }
 }

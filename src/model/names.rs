@@ -1,4 +1,4 @@
-//! Names to ids and back.
+//! Conversion between names and ids of elements.
 
 use std::ffi::CStr;
 
@@ -11,7 +11,7 @@ use crate::id::sealed::Sealed;
 use crate::id::{ElementKind, Id, Kind, Lookup};
 
 impl Model {
-    /// How many elements of a kind there are.
+    /// Returns the number of elements of a kind.
     #[inline]
     pub fn count(&self, kind: Kind) -> usize {
         match kind {
@@ -39,18 +39,18 @@ impl Model {
         }
     }
 
-    /// The name of an element; `None` if it has none.
+    /// Returns the name of an element, or `None` if it has none.
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_id2name")]
     pub fn name<K: ElementKind>(&self, id: Id<K>) -> Option<&str> {
         self.check_id(id);
         self.name_at(K::KIND, id.index())
     }
 
-    /// The name of the element of a kind at an index; `None` if it has none, or if there is no such element.
+    /// Returns the name of the element of a kind at an index, or `None` if it has none or the index is out of bounds.
     pub(crate) fn name_at(&self, kind: Kind, index: usize) -> Option<&str> {
         let index = i32::try_from(index).ok()?;
         // SAFETY: the engine checks type and index, and returns NULL or a string inside the model.
@@ -58,28 +58,28 @@ impl Model {
         if name.is_null() {
             return None;
         }
-        // SAFETY: NUL-terminated, and it lives as long as the model.
+        // SAFETY: NUL-terminated, and valid as long as the model.
         unsafe { CStr::from_ptr(name) }.to_str().ok().filter(|name| !name.is_empty())
     }
 
-    /// The names of all elements of a kind that have one.
+    /// Returns the names of all elements of a kind that have one.
     pub fn names(&self, kind: Kind) -> impl Iterator<Item = &str> {
         (0..self.count(kind)).filter_map(move |index| self.name_at(kind, index))
     }
 
-    /// The contents of the model's custom texts, each ended by a NUL byte; `text_adr` and `text_size` tell where each is. One
-    /// of them is [`Model::text`].
+    /// Returns the contents of all custom texts, each NUL-terminated, at the positions `text_adr` with the lengths `text_size`.
+    /// [`Model::text`] returns a single text.
     pub fn text_data(&self) -> &[u8] {
-        // SAFETY: the engine allocated the array with this size, `u8` has the layout of C's char, and nothing writes to a model
-        // that is borrowed.
+        // SAFETY: the engine allocated the array with this size, `u8` has the layout of C's char, and nothing writes to a
+        // borrowed model.
         unsafe { ffi::array(self.raw().text_data.cast::<u8>(), self.ntextdata()) }
     }
 
-    /// The id behind a name.
+    /// Returns the id of the element with a name.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] with the names that there are.
+    /// [`Error::NoSuchName`] with the existing names.
     #[doc(alias = "mj_name2id")]
     pub fn id<K: ElementKind>(&self, name: &str) -> Result<Id<K>> {
         let unknown = || Error::NoSuchName {
@@ -87,7 +87,7 @@ impl Model {
             name: name.to_owned(),
             known: self.names(K::KIND).map(str::to_owned).collect(),
         };
-        // The engine finds an unnamed element under the empty name.
+        // Reject the empty name here, because the engine would return an unnamed element for it.
         let name_c = Some(name)
             .filter(|name| !name.is_empty())
             .and_then(|name| std::ffi::CString::new(name).ok())
@@ -97,11 +97,11 @@ impl Model {
         usize::try_from(index).map(|index| Id::new(index, self.lineage)).map_err(|_| unknown())
     }
 
-    /// The id at an index, counted from 0.
+    /// Returns the id at an index, counted from 0.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchIndex`] beyond the last element.
+    /// [`Error::NoSuchIndex`] if the index is out of bounds.
     pub fn id_at<K: ElementKind>(&self, index: usize) -> Result<Id<K>> {
         let count = self.count(K::KIND);
         if index < count {
@@ -111,7 +111,7 @@ impl Model {
         }
     }
 
-    /// Panics if the id is of another model.
+    /// Panics if the id belongs to another model.
     #[inline]
     #[track_caller]
     pub(crate) fn check_id<K: ElementKind>(&self, id: Id<K>) {

@@ -1,5 +1,5 @@
-//! Differences and sums of positions. A position has quaternions in it, so it has more numbers than degrees of freedom, and
-//! the difference of two positions is a velocity, not their difference as vectors.
+//! Differentiation and integration of positions. A position contains quaternions, so it can have more numbers than degrees of
+//! freedom, and the difference of two positions is a velocity in the tangent space, not the difference of the vectors.
 
 use mujoco_sys as sys;
 
@@ -7,8 +7,8 @@ use super::Model;
 use crate::error::{Error, Result};
 
 impl Model {
-    /// The constant velocity (`nv`) that leads from `qpos1` to `qpos2` (each `nq`) in the time `dt` in seconds. With `dt` of 1
-    /// it is the difference of the positions in the tangent space, which is the state error of a controller.
+    /// Computes the constant velocity `qvel` (`nv`) that leads from `qpos1` to `qpos2` (`nq` each) in the time `dt` in seconds. If
+    /// `dt` is 1, the result is the difference of the positions in the tangent space, which is the state error of a controller.
     ///
     /// # Errors
     ///
@@ -33,12 +33,12 @@ impl Model {
         Error::check_length("qpos1 of differentiate_pos", qpos1.len(), self.nq())?;
         Error::check_length("qpos2 of differentiate_pos", qpos2.len(), self.nq())?;
         check_interval(dt, dt != 0.0, "finite and not zero")?;
-        // SAFETY: the lengths are those that the engine writes and reads; it only does arithmetic on them.
+        // SAFETY: the lengths are those that the engine writes and reads; it only computes with the values.
         unsafe { sys::mj_differentiatePos(self.as_ptr(), qvel.as_mut_ptr(), dt, qpos1.as_ptr(), qpos2.as_ptr()) }
         Ok(())
     }
 
-    /// Moves `qpos` (`nq`) along the velocity `qvel` (`nv`) for the time `dt` in seconds.
+    /// Integrates the velocity `qvel` (`nv`) over the time `dt` in seconds and adds the result to `qpos` (`nq`).
     ///
     /// # Errors
     ///
@@ -54,7 +54,7 @@ impl Model {
         Ok(())
     }
 
-    /// Makes every quaternion in `qpos` (`nq`) one of length 1; one that is zero becomes no rotation.
+    /// Normalises every quaternion in `qpos` (`nq`). A zero quaternion becomes the identity.
     ///
     /// # Errors
     ///

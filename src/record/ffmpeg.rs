@@ -60,7 +60,7 @@ impl Ffmpeg {
         });
         // Without the prefix a name could be taken for an option or a protocol.
         let mut url = std::ffi::OsString::from("file:");
-        url.push(file.written_to());
+        url.push(file.temporary_path());
         command.arg(url);
         let process = Process::start(command).map_err(|error| not_started(path, options, &error))?;
         let size = size.map(|length| length as usize);

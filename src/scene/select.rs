@@ -60,7 +60,7 @@ impl Scene {
         let model = data.model();
         self.check_model(model, "the data to select from")?;
         data.check_computed("Scene::select", Stage::Position)?;
-        if let Some(geom) = model.misread_height_field() {
+        if let Some(geom) = model.first_geom_unsafe_for_rays() {
             return Err(Error::Unsupported(format!(
                 "selecting with the height field of geom {geom}: MuJoCo 2.2.2 reads beyond one with more rows than columns, or \
                  with less than two of either; turn the field by 90°"

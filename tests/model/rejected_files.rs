@@ -45,7 +45,7 @@ fn files_without_content_or_with_too_much_are_refused() {
     // Never touched, so it is memory in name only.
     let huge = vec![0; 1 << 31];
     let message = error("<mujoco/>", &[("a.stl", &huge)]);
-    assert!(message.contains("'a.stl' is 2147483648 bytes long, but must be below 2 GiB"), "{message}");
+    assert!(message.contains("'a.stl' is 2147483648 bytes long, but must be smaller than 2 GiB"), "{message}");
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn a_file_that_is_missing_is_an_error_that_names_it() {
         let error = from_memory(assets::MODEL, &files).unwrap_err().to_string();
         // Of an image the compiler tells the name of the texture or height field.
         let stem = name.rsplit('/').next().unwrap().split('.').next().unwrap();
-        assert!(error.contains("cannot load the XML given") && error.contains(stem), "{name}: {error}");
+        assert!(error.contains("cannot load the given XML") && error.contains(stem), "{name}: {error}");
     }
 }
 
@@ -98,7 +98,7 @@ fn a_file_in_memory_or_on_the_disk_is_looked_at_however_the_model_is_loaded() {
     let told = |result: mujoco_safe::Result<Model>| {
         let error = result.unwrap_err().to_string();
         assert!(error.contains("model.xml") || error.contains("part.xml"), "{error}");
-        assert!(error.contains("'solid.msh' has a face of a vertex"), "{error}");
+        assert!(error.contains("'solid.msh' has a face with a nonexistent vertex"), "{error}");
     };
     told(Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&[("solid.msh", &damaged)])));
     std::fs::write(folder.path().join("meshes/solid.msh"), &damaged).unwrap();
@@ -137,10 +137,10 @@ fn file_names_that_end_the_engine_are_refused_on_the_disk_too_and_leave_the_load
                   <actuator><muscle joint='j'/></actuator>";
     for muscle in ["", muscle] {
         for (element, expected) in [
-            ("<include file=''/>", "nothing behind its last slash"),
-            ("<include file='no/'/>", "nothing behind its last slash"),
-            ("<asset><mesh file='no/'/></asset>", "nothing behind its last slash"),
-            ("<asset><mesh name='m' file='no/&#0;'/></asset>", "reference to no character"),
+            ("<include file=''/>", "is empty after its last slash"),
+            ("<include file='no/'/>", "is empty after its last slash"),
+            ("<asset><mesh file='no/'/></asset>", "is empty after its last slash"),
+            ("<asset><mesh name='m' file='no/&#0;'/></asset>", "invalid character reference"),
             (&format!("<include file='{}'/>", "n".repeat(1000)), "longer than 900 bytes"),
         ] {
             std::fs::write(&path, format!("<mujoco>{element}{muscle}</mujoco>")).unwrap();
@@ -239,7 +239,7 @@ fn sizes_whose_product_wraps_a_c_int_are_refused() {
             let text = format!("<mujoco><asset>{asset}</asset></mujoco>");
             let error = from_memory(&text, &[("a.raw", file(cell))]).unwrap_err().to_string();
             assert!(
-                error.contains("another size than its header says") || error.contains("too large"),
+                error.contains("a size that contradicts its header") || error.contains("too large"),
                 "{asset}: {error}"
             );
         }

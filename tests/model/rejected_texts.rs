@@ -19,7 +19,7 @@ fn files_that_include_each_other_without_end_are_refused() {
         Model::from_xml_str_with(first, &LoadOptions::default().with_files(&files))
     };
     assert_eq!(load(40, "", "").unwrap().ngeom(), 1);
-    assert!(load(1900, "", "").unwrap_err().to_string().contains("include each other"));
+    assert!(load(1900, "", "").unwrap_err().to_string().contains("includes are nested"));
     assert_eq!(load(4, &"<body>".repeat(80), &"</body>".repeat(80)).unwrap().nbody(), 321);
     let deep = load(40, &"<body>".repeat(80), &"</body>".repeat(80)).unwrap_err();
     assert!(deep.to_string().contains("nested more than 400 deep"), "{deep}");
@@ -34,7 +34,7 @@ fn a_bad_file_name_in_an_included_file_does_not_lock_the_loader() {
     let xml = format!(r#"<mujoco><include file="{}"/></mujoco>"#, part.display());
     for _ in 0..2 {
         let error = Model::from_xml_str(&xml).unwrap_err();
-        assert!(error.to_string().contains("nothing behind its last slash"), "{error}");
+        assert!(error.to_string().contains("is empty after its last slash"), "{error}");
     }
     let main = dir.join("main.xml");
     std::fs::write(&main, r#"<mujoco><include file="part.xml"/></mujoco>"#).unwrap();
@@ -71,7 +71,7 @@ fn texts_on_which_the_compiler_crashes_are_refused() {
             "<mujoco><size njmax='5'/><worldbody><geom type='plane' size='1 1 1'/>
              <body name='b'><freejoint/><geom size='.1'/></body></worldbody>
              <actuator><adhesion body='b' ctrlrange='0 1'/></actuator></mujoco>",
-            "adhesion needs room",
+            "adhesion needs an njmax",
         ),
         ("<mujoco><include file='/dev/zero'/></mujoco>", "regular file"),
         ("<mujoco><include file='/dev/stdin'/></mujoco>", ""),
@@ -224,15 +224,15 @@ fn damaged_files_on_which_the_compiler_reads_or_writes_outside_of_its_memory_are
     let good = "";
     for ((name, asset), content, expected) in [
         (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &FACES), good),
-        (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &outside), "has a face of a vertex"),
-        (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &negative), "has a face of a vertex"),
+        (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &outside), "has a face with a nonexistent vertex"),
+        (mesh, msh([4, 0, 0, 4], &TETRAHEDRON, &negative), "has a face with a nonexistent vertex"),
         (mesh, msh([4, 0, 0, 4], &not_finite, &FACES), "not finite"),
         // 3 × 4 × 1431655766 is 8 in 32 bits.
-        (mesh, msh([1_431_655_766, 0, 0, 0], &TETRAHEDRON[..2], &[]), "another size than its header says"),
+        (mesh, msh([1_431_655_766, 0, 0, 0], &TETRAHEDRON[..2], &[]), "a size that contradicts its header"),
         (object, tetrahedron(""), good),
         (object, obj("f -4 -2 -3\nf 1 2 4\nf 1 4 3\nf 2 3 4"), good),
-        (object, tetrahedron("f 1 2 5"), "has a face of a vertex"),
-        (object, tetrahedron("f 1 2 -5"), "has a face of a vertex"),
+        (object, tetrahedron("f 1 2 5"), "has a face with a nonexistent vertex"),
+        (object, tetrahedron("f 1 2 -5"), "has a face with a nonexistent vertex"),
         (object, tetrahedron("f 1 2"), "three or more vertices"),
         (object, tetrahedron("f 1 2 x"), "three or more vertices"),
         (object, tetrahedron("vn 0 0 1"), "without a normal"),
@@ -241,7 +241,7 @@ fn damaged_files_on_which_the_compiler_reads_or_writes_outside_of_its_memory_are
         (object, tetrahedron("v nan 0 0"), "not finite"),
         (object, b"v 0 0 0\nv .3 0 0\nv 0 .3 0".to_vec(), "fewer than the four vertices"),
         (skinned, skin([4, 0, 4, 1], &FACES, 4), good),
-        (skinned, skin([4, 0, 4, 1], &outside, 4), "has a face of a vertex"),
+        (skinned, skin([4, 0, 4, 1], &outside, 4), "has a face with a nonexistent vertex"),
         (skinned, skin([4, 0, 4, 1], &FACES, 1 << 30), "another size"),
         (skinned, skin([357_913_942, 0, 4, 1], &FACES, 4), "another size"),
         (skinned, skin([4, 0, 4, 2], &FACES, 4), "another size"),
@@ -292,7 +292,7 @@ fn a_damaged_file_is_found_wherever_the_compiler_would_look_for_it() {
         std::fs::write(&path, text).unwrap();
         std::fs::write(&mesh, &damaged).unwrap();
         let error = Model::from_xml_path(&path).unwrap_err();
-        assert!(error.to_string().contains("has a face of a vertex"), "{compiler}, {file}: {error}");
+        assert!(error.to_string().contains("has a face with a nonexistent vertex"), "{compiler}, {file}: {error}");
         std::fs::write(&mesh, &good).unwrap();
         assert_eq!(Model::from_xml_path(&path).unwrap().nmesh(), 1, "{compiler}, {file}");
     }
@@ -300,7 +300,7 @@ fn a_damaged_file_is_found_wherever_the_compiler_would_look_for_it() {
     let object = "mtllib /dev/zero\nv 0 0 0\nv .3 0 0\nv 0 .3 0\nv 0 0 .3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     std::fs::write(dir.join("a.obj"), object).unwrap();
     std::fs::write(&path, "<mujoco><asset><mesh name='a' file='a.obj'/></asset></mujoco>").unwrap();
-    assert!(Model::from_xml_path(&path).unwrap_err().to_string().contains("file of materials"));
+    assert!(Model::from_xml_path(&path).unwrap_err().to_string().contains("material file"));
 
     let robot = dir.join("robot.urdf");
     let link = "<link name='l'><visual><geometry><mesh filename='package://meshes/a.msh'/></geometry></visual></link>";
@@ -309,7 +309,7 @@ fn a_damaged_file_is_found_wherever_the_compiler_would_look_for_it() {
         .unwrap();
     assert_eq!(Model::from_xml_path(&robot).unwrap().nmesh(), 1);
     std::fs::write(&mesh, &damaged).unwrap();
-    assert!(Model::from_xml_path(&robot).unwrap_err().to_string().contains("has a face of a vertex"));
+    assert!(Model::from_xml_path(&robot).unwrap_err().to_string().contains("has a face with a nonexistent vertex"));
     std::fs::remove_dir_all(&dir).unwrap();
 }
 

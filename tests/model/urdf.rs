@@ -267,7 +267,7 @@ fn a_package_or_a_file_in_it_that_is_missing_is_named() {
     let (folder, urdf) = workspace();
     let error = |options: &LoadOptions<'_>| Model::from_xml_str_with(&urdf, options).unwrap_err().to_string();
     let none = error(&LoadOptions::default());
-    assert!(none.contains("no directory of the package 'arm' is known") && none.contains("with_package"), "{none}");
+    assert!(none.contains("the directory of package 'arm' is unknown") && none.contains("with_package"), "{none}");
     std::fs::remove_file(folder.path().join("hand/meshes/part.obj")).unwrap();
     let options = LoadOptions::default().with_package_path(folder.path());
     // The other package's file has the name that the engine looks for, so the mesh would be the wrong one.

@@ -28,17 +28,17 @@ const READ_ONLY: [&str; 3] = ["wrap_prm", "hfield_size", "mesh_vert"];
 /// Floating-point arrays from which the compiler has derived flags that let the engine skip computations, and the method that clears
 /// the flags before mutable access.
 const FLAGGED: [(&str, &str); 11] = [
-    ("geom_pos", "forget_geom_frames"),
-    ("geom_quat", "forget_geom_frames"),
-    ("site_pos", "forget_site_frames"),
-    ("site_quat", "forget_site_frames"),
-    ("body_ipos", "forget_inertial_frames"),
-    ("body_iquat", "forget_inertial_frames"),
-    ("body_mass", "forget_simple_bodies"),
-    ("body_inertia", "forget_simple_bodies"),
-    ("jnt_pos", "forget_simple_bodies"),
-    ("jnt_axis", "forget_simple_bodies"),
-    ("dof_armature", "forget_simple_bodies"),
+    ("geom_pos", "clear_geom_frame_flags"),
+    ("geom_quat", "clear_geom_frame_flags"),
+    ("site_pos", "clear_site_frame_flags"),
+    ("site_quat", "clear_site_frame_flags"),
+    ("body_ipos", "clear_inertial_frame_flags"),
+    ("body_iquat", "clear_inertial_frame_flags"),
+    ("body_mass", "clear_simple_body_flags"),
+    ("body_inertia", "clear_simple_body_flags"),
+    ("jnt_pos", "clear_simple_body_flags"),
+    ("jnt_axis", "clear_simple_body_flags"),
+    ("dof_armature", "clear_simple_body_flags"),
 ];
 
 /// Long arrays that cannot change in a compiled model. All other arrays are restored, including short constant ones, whose copy is

@@ -1,17 +1,139 @@
-//! Height fields, textures and materials.
+//! Meshes with their convex hulls, skins, height fields, textures and materials.
+
+use std::ops::Range;
 
 use mujoco_sys::{mjTEXTURE_2D, mjTEXTURE_SKYBOX};
 
-use super::invalid::Invalid;
-use super::layout::{field, size};
-use super::rule::{all_bytes, all_ids_or_none, all_in, is, size_is};
+use super::layout::{Field, field, size};
+use super::rule::{
+    Invalid, all_bytes, all_ids, all_ids_or_none, all_in, is, is_in, optional_partition, partition, piece, size_is,
+};
 use super::view::View;
 
+/// Limit on the coordinates of vertices. The engine searches for the vertex that is farthest in a direction, and takes -1 for
+/// its id if no product compares greater than -1e10.
+const LARGEST_COORDINATE: f32 = 1e9;
+
+/// Largest visualisation group of a skin. The visualiser uses the group of a skin as an index without clamping it, unlike the
+/// groups of other elements.
+const LAST_GROUP: i64 = mujoco_sys::mjNGROUP as i64 - 1;
+
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
+    meshes(view)?;
+    hulls(view)?;
+    skins(view)?;
     height_fields(view)?;
     textures(view)?;
     all_ids_or_none(view, field::mat_texid, view.size(size::ntex))?;
     all_bytes(view, field::mat_texuniform, 1)
+}
+
+/// Checks vertices, texture coordinates and faces.
+fn meshes(view: &View<'_>) -> Result<(), Invalid> {
+    partition(view, field::mesh_vertadr, field::mesh_vertnum, 1, size::nmeshvert)?;
+    optional_partition(view, field::mesh_texcoordadr, field::mesh_vertnum, size::nmeshtexvert)?;
+    partition(view, field::mesh_faceadr, field::mesh_facenum, 0, size::nmeshface)?;
+    for mesh in 0..view.size(size::nmesh) {
+        let vertices = view.get(field::mesh_vertnum, mesh);
+        faces(view, field::mesh_face, piece(view, field::mesh_faceadr, field::mesh_facenum, mesh), vertices)?;
+    }
+    for (i, value) in view.values(field::mesh_vert).enumerate() {
+        if value.is_nan() || value.abs() > LARGEST_COORDINATE {
+            let expected = format!("it must be within {LARGEST_COORDINATE} of zero");
+            return Err(Invalid::element(field::mesh_vert.name(), i, value, expected));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the indices of the given faces refer to existing vertices.
+fn faces(view: &View<'_>, index: Field<i32>, faces: Range<usize>, vertices: i32) -> Result<(), Invalid> {
+    (3 * faces.start..3 * faces.end).try_for_each(|i| is_in(view, index, i, 0..=i64::from(vertices) - 1))
+}
+
+/// Checks the convex hulls of meshes, which the collision code traverses from vertex to neighbouring vertex.
+///
+/// A hull is a run of ints in `mesh_graph`:
+///
+/// 1. the numbers of vertices *V* and faces *F*,
+/// 2. for each vertex the start of its list of neighbours,
+/// 3. for each vertex its id in the mesh,
+/// 4. the lists, each terminated by -1: *V* + 3 *F* ints, because a closed triangulated surface has 3 *F* / 2 edges,
+/// 5. the three vertices of each face.
+fn hulls(view: &View<'_>) -> Result<(), Invalid> {
+    let end = view.size(size::nmeshgraph);
+    let mut next = 0;
+    for mesh in 0..view.size(size::nmesh) {
+        if view.get(field::mesh_graphadr, mesh) == -1 {
+            continue;
+        }
+        is(view, field::mesh_graphadr, mesh, next as i64, "the end of the previous hull, or -1 for none")?;
+        next = hull(view, mesh, next, end)?;
+    }
+    size_is(view, size::nmeshgraph, next as u64, "the sum over the hulls")
+}
+
+/// Checks the hull of a mesh and returns its end.
+fn hull(view: &View<'_>, mesh: usize, start: usize, end: usize) -> Result<usize, Invalid> {
+    let too_short = |length: i64| {
+        let expected = format!("the hull of mesh {mesh} needs {length} from {start} on");
+        Invalid::scalar(size::nmeshgraph.name(), end, expected)
+    };
+    if end - start < 2 {
+        return Err(too_short(2));
+    }
+    let mesh_vertices = i64::from(view.get(field::mesh_vertnum, mesh));
+    is_in(view, field::mesh_graph, start, 1..=mesh_vertices)?;
+    is_in(view, field::mesh_graph, start + 1, 0..=i32::MAX.into())?;
+    let vertices = i64::from(view.get(field::mesh_graph, start));
+    let faces = i64::from(view.get(field::mesh_graph, start + 1));
+    let lists = vertices + 3 * faces;
+    let total = 2 + 2 * vertices + lists + 3 * faces;
+    if total > (end - start) as i64 {
+        return Err(too_short(total));
+    }
+
+    let mut at = start + 2;
+    let mut check_run = |length: i64, range: std::ops::RangeInclusive<i64>| {
+        let from = at;
+        at += length as usize;
+        (from..at).try_for_each(|i| is_in(view, field::mesh_graph, i, range.clone()))
+    };
+    check_run(vertices, 0..=lists - 1)?;
+    check_run(vertices, 0..=mesh_vertices - 1)?;
+    check_run(lists, -1..=vertices - 1)?;
+    check_run(3 * faces, 0..=mesh_vertices - 1)?;
+    // A terminator in the last place keeps every list inside the lists.
+    is(
+        view,
+        field::mesh_graph,
+        start + (2 + 2 * vertices + lists - 1) as usize,
+        -1,
+        "the end of the last list of neighbours",
+    )?;
+    Ok(at)
+}
+
+/// Checks the surfaces of skins, and the bones that move their vertices.
+fn skins(view: &View<'_>) -> Result<(), Invalid> {
+    all_ids_or_none(view, field::skin_matid, view.size(size::nmat))?;
+    all_in(view, field::skin_group, 0..=LAST_GROUP)?;
+    partition(view, field::skin_vertadr, field::skin_vertnum, 1, size::nskinvert)?;
+    optional_partition(view, field::skin_texcoordadr, field::skin_vertnum, size::nskintexvert)?;
+    partition(view, field::skin_faceadr, field::skin_facenum, 1, size::nskinface)?;
+    partition(view, field::skin_boneadr, field::skin_bonenum, 1, size::nskinbone)?;
+    partition(view, field::skin_bonevertadr, field::skin_bonevertnum, 1, size::nskinbonevert)?;
+    all_ids(view, field::skin_bonebodyid, view.size(size::nbody))?;
+    for skin in 0..view.size(size::nskin) {
+        let vertices = view.get(field::skin_vertnum, skin);
+        faces(view, field::skin_face, piece(view, field::skin_faceadr, field::skin_facenum, skin), vertices)?;
+        for bone in piece(view, field::skin_boneadr, field::skin_bonenum, skin) {
+            for i in piece(view, field::skin_bonevertadr, field::skin_bonevertnum, bone) {
+                is_in(view, field::skin_bonevertid, i, 0..=i64::from(vertices) - 1)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 fn height_fields(view: &View<'_>) -> Result<(), Invalid> {
@@ -19,12 +141,12 @@ fn height_fields(view: &View<'_>) -> Result<(), Invalid> {
     all_in(view, field::hfield_ncol, 1..=i32::MAX.into())?;
     let mut next = 0_u64;
     for i in 0..view.size(size::nhfield) {
-        is(view, field::hfield_adr, i, next as i64, "where the one before it ends")?;
-        // Below 2^62; the next field's address is compared with the sum before anything is added again.
+        is(view, field::hfield_adr, i, next as i64, "the end of the previous one")?;
+        // Below 2^62. The address of the next height field is compared with the sum before anything else is added to it.
         next += u64::from(view.get(field::hfield_nrow, i) as u32) * u64::from(view.get(field::hfield_ncol, i) as u32);
     }
     size_is(view, size::nhfielddata, next, "the sum of rows times columns")?;
-    // The collision code turns positions divided by these into rows and columns.
+    // The collision code divides positions by these sizes to get rows and columns.
     for (i, value) in view.values(field::hfield_size).enumerate() {
         if !(value.is_finite() && value > 0.0) {
             return Err(Invalid::element(field::hfield_size.name(), i, value, "it must be finite and positive"));
@@ -40,13 +162,13 @@ fn textures(view: &View<'_>) -> Result<(), Invalid> {
     let mut next = 0_u128;
     for i in 0..view.size(size::ntex) {
         let (width, height) = (view.get(field::tex_width, i), view.get(field::tex_height, i));
-        let flat = view.get(field::tex_type, i) as u32 == mjTEXTURE_2D;
-        if !flat && height != width && i64::from(height) != 6 * i64::from(width) {
-            let wanted = format!("a cube of width {width} has one square image or six");
-            return Err(Invalid::element(field::tex_height.name(), i, height, wanted));
+        let is_flat = view.get(field::tex_type, i) as u32 == mjTEXTURE_2D;
+        if !is_flat && height != width && i64::from(height) != 6 * i64::from(width) {
+            let expected = format!("a cube of width {width} has one square image or six");
+            return Err(Invalid::element(field::tex_height.name(), i, height, expected));
         }
-        is(view, field::tex_adr, i, next as i64, "where the one before it ends")?;
-        // Three bytes for each pixel. An address is an int, so that only the last sum can be large.
+        is(view, field::tex_adr, i, next as i64, "the end of the previous one")?;
+        // Three bytes per pixel. An address is an int, so only the last sum can be large.
         next += 3 * width as u128 * height as u128;
     }
     size_is(view, size::ntexdata, u64::try_from(next).unwrap_or(u64::MAX), "three bytes for each pixel")

@@ -1,19 +1,19 @@
-//! What is attached to bodies: geoms, sites, cameras and lights.
+//! Elements attached to bodies: geoms, sites, cameras and lights. Also the pairs of geoms that the model names for contact, and
+//! the pairs of bodies that it excludes from contact.
 
 use mujoco_sys::{mjCAMLIGHT_TARGETBODYCOM, mjGEOM_BOX, mjGEOM_HFIELD, mjGEOM_MESH, mjGEOM_PLANE, mjGEOM_SPHERE};
 
-use super::invalid::Invalid;
 use super::layout::{Field, field, size};
-use super::rule::{all_bytes, all_ids, all_ids_or_none, all_in, ids, is, is_in, size_is};
+use super::rule::{Invalid, all_bytes, all_ids, all_ids_or_none, all_in, ids, is, is_in, size_is};
 use super::view::View;
 
-/// 0, or the same as the body's frame (1) or inertial frame (2).
+/// Largest `*_sameframe` flag: 0, or 1 for the body frame, or 2 for the inertial frame.
 const LAST_SAMEFRAME: u8 = 2;
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     geoms(view)?;
 
-    // The engine computes the distance to a site's zone with its geoms' code, which knows no others for rays.
+    // The engine intersects rays with the shape of a site by the code for geoms, which supports no other types.
     all_in(view, field::site_type, mjGEOM_SPHERE.into()..=mjGEOM_BOX.into())?;
     all_ids(view, field::site_bodyid, view.size(size::nbody))?;
     all_ids_or_none(view, field::site_matid, view.size(size::nmat))?;
@@ -25,7 +25,7 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     ] {
         all_in(view, mode, 0..=mjCAMLIGHT_TARGETBODYCOM.into())?;
         all_ids(view, body, view.size(size::nbody))?;
-        // A camera may aim at a body without having one: the engine then leaves it as it is.
+        // A targeting mode without a target body is valid: the engine does not rotate the camera or light then.
         all_ids_or_none(view, target, view.size(size::nbody))?;
     }
     all_bytes(view, field::light_directional, 1)?;
@@ -34,7 +34,7 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
 }
 
 fn geoms(view: &View<'_>) -> Result<(), Invalid> {
-    bodies(view)?;
+    geoms_of_bodies(view)?;
     all_in(view, field::geom_type, mjGEOM_PLANE.into()..=mjGEOM_MESH.into())?;
     condim(view, field::geom_condim)?;
     all_ids_or_none(view, field::geom_matid, view.size(size::nmat))?;
@@ -43,19 +43,19 @@ fn geoms(view: &View<'_>) -> Result<(), Invalid> {
         match kind as u32 {
             mjGEOM_HFIELD => is_in(view, field::geom_dataid, i, ids(view.size(size::nhfield)))?,
             mjGEOM_MESH => is_in(view, field::geom_dataid, i, ids(view.size(size::nmesh)))?,
-            _ => is(view, field::geom_dataid, i, -1, "since only meshes and height fields have data")?,
+            _ => is(view, field::geom_dataid, i, -1, "because only meshes and height fields have data")?,
         }
         let body = view.get(field::geom_bodyid, i) as usize;
         if matches!(kind as u32, mjGEOM_PLANE | mjGEOM_HFIELD) && view.get(field::body_weldid, body) != 0 {
-            let wanted = format!("body {body} moves, and planes and height fields cannot");
-            return Err(Invalid::element(field::geom_type.name(), i, kind, wanted));
+            let expected = format!("body {body} moves, and planes and height fields cannot");
+            return Err(Invalid::element(field::geom_type.name(), i, kind, expected));
         }
     }
     Ok(())
 }
 
-/// Geoms come in the order of their bodies.
-fn bodies(view: &View<'_>) -> Result<(), Invalid> {
+/// Checks that geoms are in the order of their bodies.
+fn geoms_of_bodies(view: &View<'_>) -> Result<(), Invalid> {
     let ngeom = view.size(size::ngeom);
     let mut next = 0;
     for body in 0..view.size(size::nbody) {
@@ -64,17 +64,63 @@ fn bodies(view: &View<'_>) -> Result<(), Invalid> {
         let adr = if count == 0 { -1 } else { next as i64 };
         is(view, field::body_geomadr, body, adr, "the first geom of the body, or -1 for none")?;
         for geom in next..next + count {
-            is(view, field::geom_bodyid, geom, body as i64, "the body whose geom it is")?;
+            is(view, field::geom_bodyid, geom, body as i64, "the body of the geom")?;
         }
         next += count;
     }
     size_is(view, size::ngeom, next as u64, "the sum over the bodies")
 }
 
-/// The dimensionality of contacts: a wrong one ends in `mju_error` or in the wrong number of constraint rows.
-pub(super) fn condim(view: &View<'_>, field: Field<i32>) -> Result<(), Invalid> {
+/// Checks the dimensionality of contacts. An invalid one ends in `mju_error` or in the wrong number of constraint rows.
+fn condim(view: &View<'_>, field: Field<i32>) -> Result<(), Invalid> {
     match view.values(field).enumerate().find(|(_, value)| ![1, 3, 4, 6].contains(value)) {
         None => Ok(()),
         Some((i, value)) => Err(Invalid::element(field.name(), i, value, "it must be 1, 3, 4 or 6")),
     }
+}
+
+/// Checks the pairs of geoms that are tested for contact, and the pairs of bodies that are not. The engine searches both by a
+/// signature that packs the ids of the bodies, in a list that it assumes to be sorted.
+pub(super) fn check_pairs(view: &View<'_>) -> Result<(), Invalid> {
+    condim(view, field::pair_dim)?;
+    all_ids(view, field::pair_geom1, view.size(size::ngeom))?;
+    all_ids(view, field::pair_geom2, view.size(size::ngeom))?;
+    for i in 0..view.size(size::npair) {
+        let body = |geom| i64::from(view.get(field::geom_bodyid, view.get(geom, i) as usize));
+        let (first, second) = (body(field::pair_geom1), body(field::pair_geom2));
+        let expected = signature(first.min(second), first.max(second));
+        is(view, field::pair_signature, i, expected, "the signature of the bodies of its geoms")?;
+    }
+    sorted(view, field::pair_signature)?;
+
+    for (i, value) in view.values(field::exclude_signature).enumerate() {
+        let nbody = view.size(size::nbody) as i64;
+        let (first, second) = ((i64::from(value) >> 16) - 1, (i64::from(value) & 0xFFFF) - 1);
+        if !(0 <= first && first <= second && second < nbody) {
+            let expected =
+                format!("it encodes the bodies {first} and {second}; both must be below {nbody}, the smaller id first");
+            return Err(Invalid::element(field::exclude_signature.name(), i, value, expected));
+        }
+    }
+    sorted(view, field::exclude_signature)
+}
+
+/// Returns the signature of a pair of bodies. It fits into an int, because the number of bodies is below 2^15.
+fn signature(first: i64, second: i64) -> i64 {
+    ((first + 1) << 16) + second + 1
+}
+
+fn sorted(view: &View<'_>, field: Field<i32>) -> Result<(), Invalid> {
+    for i in 1..view.len(field) {
+        let (previous, value) = (view.get(field, i - 1), view.get(field, i));
+        if value < previous {
+            return Err(Invalid::element(
+                field.name(),
+                i,
+                value,
+                format!("signatures must ascend, and the previous one is {previous}"),
+            ));
+        }
+    }
+    Ok(())
 }

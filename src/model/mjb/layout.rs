@@ -1,8 +1,8 @@
-//! The types behind the table of sizes and arrays, and the macros that its generated file consists of.
+//! The sizes and arrays of a model file: their types, and the macros that the generated `table.rs` invokes.
 
 use std::marker::PhantomData;
 
-/// One of the model's sizes (`nq`, `nbody`, …), by its place in the file.
+/// Index in the file of one of the model's sizes (`nq`, `nbody`, …).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Size(pub(super) usize);
 
@@ -12,14 +12,14 @@ impl Size {
     }
 }
 
-/// The rows or columns of an array: a constant, a size, or a size times a constant.
+/// Number of rows or columns of an array: a constant, a size, or a size times a constant.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub(super) size: Option<Size>,
     pub(super) times: usize,
 }
 
-/// An array as the file (or `mjData`) has it: `rows * columns` elements of `element` bytes each.
+/// Layout of an array in the file or in `mjData`: `rows * columns` elements of `element` bytes each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Array {
     pub(super) name: &'static str,
@@ -28,7 +28,7 @@ pub(super) struct Array {
     pub(super) columns: Extent,
 }
 
-/// One of the model's arrays, by its place in the file, with the type of its elements.
+/// Index in the file of one of the model's arrays, with the type of its elements.
 #[derive(Debug)]
 pub(super) struct Field<T> {
     pub(super) index: usize,
@@ -49,7 +49,7 @@ impl<T> Field<T> {
     }
 }
 
-// Derived, these would ask for `T: Clone`.
+// Derived implementations would require `T: Clone`.
 impl<T> Clone for Field<T> {
     fn clone(&self) -> Self {
         *self
@@ -58,10 +58,10 @@ impl<T> Clone for Field<T> {
 
 impl<T> Copy for Field<T> {}
 
-/// A type that array elements have, with its reader.
+/// Type of array elements.
 pub(super) trait Element: Copy {
     const BYTES: usize;
-    /// `bytes` has `BYTES` bytes, in the machine's own order: the engine writes its memory as it is.
+    /// Decodes `BYTES` bytes in native byte order, because the engine writes images of its memory.
     fn read(bytes: &[u8]) -> Self;
 }
 
@@ -70,9 +70,9 @@ macro_rules! element {
         impl Element for $type {
             const BYTES: usize = size_of::<$type>();
             fn read(bytes: &[u8]) -> Self {
-                let mut own = [0; Self::BYTES];
-                own.copy_from_slice(bytes);
-                Self::from_ne_bytes(own)
+                let mut array = [0; Self::BYTES];
+                array.copy_from_slice(bytes);
+                Self::from_ne_bytes(array)
             }
         }
     )*};
@@ -148,15 +148,16 @@ mod tests {
 
     const FIELDS: &str = include_str!("../../../mujoco-sys/fields/v2_2_2.tsv");
 
-    /// What `table.rs` should be, made from the table of fields that `mujoco-sys` has.
+    /// Generates the contents of `table.rs` from the table of fields of `mujoco-sys`.
     fn expected() -> String {
         let rows: Vec<Vec<&str>> = FIELDS.lines().skip(1).map(|line| line.split('\t').collect()).collect();
         let select = |owner: &str, kind: &str| -> Vec<&Vec<&str>> {
             rows.iter().filter(|row| row[0] == owner && row[1] == kind).collect()
         };
         let mut text = String::from(
-            "// @generated from mujoco-sys/fields/v2_2_2.tsv by the test `the_table_is_the_engines`, which also compares them;\n\
-             // to write it anew: `MJB_TABLE=write cargo test the_table_is_the_engines`. The order is that of the file.\n\nsizes! {\n",
+            "// @generated from mujoco-sys/fields/v2_2_2.tsv by the test `the_table_matches_the_field_list`, which also compares\n\
+             // them. To regenerate: `MJB_TABLE=write cargo test the_table_matches_the_field_list`. The order is that of the file.\n\n\
+             sizes! {\n",
         );
         for names in select("Model", "size").chunks(8) {
             let names: Vec<&str> = names.iter().map(|row| row[3]).collect();
@@ -182,11 +183,14 @@ mod tests {
     }
 
     #[test]
-    fn the_table_is_the_engines() {
+    fn the_table_matches_the_field_list() {
         if std::env::var_os("MJB_TABLE").is_some_and(|value| value == "write") {
             std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/src/model/mjb/table.rs"), expected()).unwrap();
         } else {
-            assert!(include_str!("table.rs") == expected(), "table.rs is out of date; see its first line");
+            assert!(
+                include_str!("table.rs") == expected(),
+                "table.rs is out of date; its first line tells how to regenerate it"
+            );
         }
     }
 }

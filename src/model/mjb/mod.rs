@@ -1,75 +1,59 @@
-//! Binary models (MJB) as untrusted input: a look at the bytes before the engine sees them.
+//! Validation of binary models (MJB), which are untrusted input.
 //!
-//! `mj_loadModel` believes what it reads. Its own validation covers the ranges of most references, but allows -1 for all of
-//! them, looks at no enum, follows no size into the arrays it belongs to, and itself reads out of bounds. One flipped bit
-//! was enough for a segmentation fault in `mj_step`. So everything that the engine, or an accessor of this crate, uses as
-//! an index, a count, an address, an enum or a size of memory is checked here, and where it follows from the rest of the
-//! file (most of the kinematic tree does) it is computed again and compared.
+//! `mj_loadModel` trusts the file. Its own validation checks the ranges of most references, but it allows -1 for all of them,
+//! checks no enum, does not compare the sizes with the arrays that depend on them, and itself reads out of bounds. One flipped
+//! bit was enough for a segmentation fault in `mj_step`. This module therefore checks every number that the engine, or an
+//! accessor of this crate, uses as an index, a count, an address, an enum or a size of memory. Numbers that follow from the
+//! rest of the file, which includes most of the kinematic tree, are recomputed and compared.
 //!
 //! A model that the engine compiled from XML passes through the same check (`Model::validate`). It rejects settings that the
-//! compiler accepts and that no program wants: a time step that is not positive, more than a million iterations, a fixed tendon
-//! with the same joint twice, on which the engine writes out of bounds.
+//! compiler accepts although no program needs them: a time step that is not positive, more than a million iterations, or a
+//! fixed tendon with the same joint twice, on which the engine writes out of bounds.
 //!
-//! Real numbers may have any value: the engine's use of them is free of memory errors, be they NaN. The exceptions are
-//! those that serve as something else (a side site in `wrap_prm`), those that decide how the engine steps through an array
+//! Real numbers may have any value, including NaN, because the engine uses them without memory errors. The exceptions are
+//! reals that encode an id (the side site in `wrap_prm`), reals that control how the engine iterates over an array
 //! (`hfield_size`, `mesh_vert`), and the time step.
 //!
-//! The layout is that of MuJoCo 2.2.2: four header integers, the sizes, `mjOption`, `mjVisual` and `mjStatistic` as they lie
-//! in memory, then the arrays without padding in the order of the engine's X-macros. Each version has its own, and the
-//! header's counts tell them apart.
+//! The layout is that of MuJoCo 2.2.2: four header integers, the sizes, the memory images of `mjOption`, `mjVisual` and
+//! `mjStatistic`, then the arrays without padding in the order of the engine's X-macros. Each engine version has another
+//! layout; the counts in the header distinguish them.
 #![allow(non_upper_case_globals, reason = "the engine's constants, in patterns")]
 
-mod actuator;
 mod asset;
-mod contact;
 mod custom;
-mod equality;
 mod geom;
-mod graph;
-mod invalid;
 mod layout;
-mod mesh;
-mod name;
-mod option;
 mod rule;
 mod sensor;
-mod size;
-mod skin;
-mod tendon;
+mod settings;
+mod transmission;
 mod tree;
 mod view;
 
-pub(crate) use invalid::Invalid;
+pub(crate) use rule::Invalid;
 pub(crate) use view::length;
 
 use view::View;
 
-/// Checks that a binary model of whatever origin is safe to load, to simulate and to read.
+/// Checks that a binary model from any source is safe to load, to simulate and to read.
 ///
-/// One thing depends on the simulation and is left to it: a model with an adhesive actuator must not go on after the warning
-/// that the constraint buffer is full (see `actuator`).
+/// One condition depends on the simulation and is left to it: a model with an adhesive actuator must not be stepped after the
+/// warning that the constraint buffer is full (see `transmission::adhesion`).
 ///
 /// # Errors
 ///
-/// The first thing that is wrong.
+/// The first violation that is found.
 pub(crate) fn check(bytes: &[u8]) -> Result<(), Invalid> {
     let view = View::new(bytes)?;
-    // Each of these may rely on those before it.
-    size::check(&view)?;
-    option::check(&view)?;
+    // The order matters: each check may rely on the previous ones.
+    settings::check(&view)?;
     tree::check(&view)?;
     geom::check(&view)?;
-    mesh::check(&view)?;
-    graph::check(&view)?;
-    skin::check(&view)?;
     asset::check(&view)?;
-    contact::check(&view)?;
-    equality::check(&view)?;
-    tendon::check(&view)?;
-    actuator::check(&view)?;
+    geom::check_pairs(&view)?;
+    transmission::check(&view)?;
     sensor::check(&view)?;
-    custom::check(&view)?;
-    name::check(&view)
+    custom::check(&view)
 }
 
 #[cfg(test)]

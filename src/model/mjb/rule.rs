@@ -1,18 +1,48 @@
-//! The rules that many fields share: a range, an exact value, a flag, a partition of one array into consecutive pieces.
+//! The error of the validation, and the rules that many fields share: a range, an exact value, a flag, and the partition of one
+//! array into consecutive pieces.
 
 use std::cmp::Ordering;
+use std::fmt;
 use std::ops::RangeInclusive;
 
-use super::invalid::Invalid;
 use super::layout::{Element, Field, Size};
 use super::view::View;
 
-/// Every element of the field lies in the range.
+/// The reason for rejecting a binary model: the location, the value found there, and the values that are valid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Invalid(String);
+
+impl Invalid {
+    /// Creates an error about the file as a whole from a sentence without a full stop.
+    pub(super) fn file(message: impl Into<String>) -> Self {
+        Self(message.into())
+    }
+
+    /// Creates an error about a size or another single number: "njmax is 9; it must be …".
+    pub(super) fn scalar(name: &str, value: impl fmt::Display, expected: impl fmt::Display) -> Self {
+        Self(format!("{name} is {value}; {expected}"))
+    }
+
+    /// Creates an error about one element of an array: "geom_type[3] is 70; it must be …".
+    pub(super) fn element(name: &str, index: usize, value: impl fmt::Display, expected: impl fmt::Display) -> Self {
+        Self(format!("{name}[{index}] is {value}; {expected}"))
+    }
+}
+
+impl fmt::Display for Invalid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Invalid {}
+
+/// Checks that every element of the field lies in the range.
 pub(super) fn all_in(view: &View<'_>, field: Field<i32>, range: RangeInclusive<i64>) -> Result<(), Invalid> {
     (0..view.len(field)).try_for_each(|i| is_in(view, field, i, range.clone()))
 }
 
-/// One element lies in the range.
+/// Checks that one element lies in the range.
 pub(super) fn is_in(view: &View<'_>, field: Field<i32>, i: usize, range: RangeInclusive<i64>) -> Result<(), Invalid> {
     let value = i64::from(view.get(field, i));
     if range.contains(&value) {
@@ -21,47 +51,48 @@ pub(super) fn is_in(view: &View<'_>, field: Field<i32>, i: usize, range: RangeIn
     Err(Invalid::element(field.name(), i, value, must_be(&range)))
 }
 
-/// "it must be from 0 to 7", and how to say so if there is one value or none.
+/// Returns "it must be from 0 to 7", or a variant of it for a range with one value or none.
 pub(super) fn must_be(range: &RangeInclusive<i64>) -> String {
     let (first, last) = (range.start(), range.end());
     match last.cmp(first) {
-        Ordering::Less => "nothing that it could refer to exists".into(),
+        Ordering::Less => "the model has no element that it could refer to".into(),
         Ordering::Equal => format!("it must be {first}"),
         Ordering::Greater => format!("it must be from {first} to {last}"),
     }
 }
 
-/// Every element is the id of an element of a kind, of which there are `count`.
+/// Checks that every element of the field is an id of a kind with `count` elements.
 pub(super) fn all_ids(view: &View<'_>, field: Field<i32>, count: usize) -> Result<(), Invalid> {
     all_in(view, field, ids(count))
 }
 
-/// Every element is such an id, or -1 for none.
+/// Checks that every element of the field is such an id, or -1 for none.
 pub(super) fn all_ids_or_none(view: &View<'_>, field: Field<i32>, count: usize) -> Result<(), Invalid> {
     all_in(view, field, -1..=count as i64 - 1)
 }
 
+/// Returns the range of valid ids of a kind with `count` elements.
 pub(super) fn ids(count: usize) -> RangeInclusive<i64> {
     0..=count as i64 - 1
 }
 
-/// One element has the value that follows from others; `why` says from which.
+/// Checks that one element has the value that follows from others; `why` names them.
 pub(super) fn is<T: Element + Into<f64>>(
     view: &View<'_>,
     field: Field<T>,
     i: usize,
-    wanted: i64,
+    expected: i64,
     why: &str,
 ) -> Result<(), Invalid> {
     let value: f64 = view.get(field, i).into();
     #[expect(clippy::float_cmp, reason = "both are integers that a double holds exactly, or it is an error")]
-    if value == wanted as f64 {
+    if value == expected as f64 {
         return Ok(());
     }
-    Err(Invalid::element(field.name(), i, value, format!("it must be {wanted}, {why}")))
+    Err(Invalid::element(field.name(), i, value, format!("it must be {expected}, {why}")))
 }
 
-/// Every byte of the field is at most `last`: 1 for a flag.
+/// Checks that every byte of the field is at most `last`: 1 for a flag.
 pub(super) fn all_bytes(view: &View<'_>, field: Field<u8>, last: u8) -> Result<(), Invalid> {
     match view.values(field).enumerate().find(|&(_, value)| value > last) {
         None => Ok(()),
@@ -69,16 +100,17 @@ pub(super) fn all_bytes(view: &View<'_>, field: Field<u8>, last: u8) -> Result<(
     }
 }
 
-/// A size has the value that follows from the rest of the file.
-pub(super) fn size_is(view: &View<'_>, size: Size, wanted: u64, why: &str) -> Result<(), Invalid> {
+/// Checks that a size has the value that follows from the rest of the file.
+pub(super) fn size_is(view: &View<'_>, size: Size, expected: u64, why: &str) -> Result<(), Invalid> {
     let value = view.size(size);
-    if value as u64 == wanted {
+    if value as u64 == expected {
         return Ok(());
     }
-    Err(Invalid::scalar(size.name(), value, format!("it must be {wanted}, {why}")))
+    Err(Invalid::scalar(size.name(), value, format!("it must be {expected}, {why}")))
 }
 
-/// The owners' pieces follow each other without a gap, each with at least `least` elements, and fill the array of `total`.
+/// Checks that the pieces of the owners follow each other without a gap, have at least `least` elements each, and fill the array
+/// of `total` elements.
 pub(super) fn partition(
     view: &View<'_>,
     address: Field<i32>,
@@ -89,13 +121,13 @@ pub(super) fn partition(
     let mut next = 0;
     for i in 0..view.len(number) {
         is_in(view, number, i, least..=view.size(total) as i64)?;
-        is(view, address, i, next, "where the one before ends")?;
+        is(view, address, i, next, "the end of the previous one")?;
         next += i64::from(view.get(number, i));
     }
     size_is(view, total, next as u64, &format!("the sum of {}", number.name()))
 }
 
-/// As [`partition`], for an array in which an owner has a piece or, with address -1, has none.
+/// As [`partition`], for an array in which owners with the address -1 have no piece.
 pub(super) fn optional_partition(
     view: &View<'_>,
     address: Field<i32>,
@@ -107,13 +139,13 @@ pub(super) fn optional_partition(
         if view.get(address, i) == -1 {
             continue;
         }
-        is(view, address, i, next, "where the one before ends, or -1 for none")?;
+        is(view, address, i, next, "the end of the previous one, or -1 for none")?;
         next += i64::from(view.get(number, i));
     }
     size_is(view, total, next as u64, &format!("the sum of {} where {} is not -1", number.name(), address.name()))
 }
 
-/// The range of a piece that [`partition`] has checked.
+/// Returns the range of a piece that [`partition`] has checked.
 pub(super) fn piece(view: &View<'_>, address: Field<i32>, number: Field<i32>, i: usize) -> std::ops::Range<usize> {
     let start = view.get(address, i) as usize;
     start..start + view.get(number, i) as usize

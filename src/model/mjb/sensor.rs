@@ -1,4 +1,4 @@
-//! Sensors: what each type measures, on what, when, and how many numbers it writes.
+//! Sensors: the object, the computation stage and the number of values of each type.
 
 use mujoco_sys::{
     mjDATATYPE_AXIS, mjDATATYPE_POSITIVE, mjDATATYPE_QUATERNION, mjDATATYPE_REAL, mjGEOM_HFIELD, mjJNT_BALL,
@@ -15,14 +15,13 @@ use mujoco_sys::{
     mjSENS_TORQUE, mjSENS_TOUCH, mjSENS_USER, mjSENS_VELOCIMETER,
 };
 
-use super::custom::objects;
-use super::invalid::Invalid;
+use super::custom::count;
 use super::layout::{field, size};
-use super::rule::{all_in, ids, is, is_in, size_is};
+use super::rule::{Invalid, all_in, ids, is, is_in, size_is};
 use super::view::View;
-use crate::model::hazard::{are_ray_sizes, is_misread_by_rays};
+use crate::model::engine_limits::{are_ray_safe_sizes, rays_overrun_grid};
 
-/// What a type of sensor is attached to.
+/// The object of a type of sensor.
 #[derive(Clone, Copy, PartialEq)]
 enum On {
     Site,
@@ -36,12 +35,13 @@ enum On {
     Body,
     /// A body, geom, site or camera.
     Frame,
-    /// The same, optionally seen from another one.
+    /// A body, geom, site or camera, optionally measured relative to another one.
     Relative,
     Nothing,
 }
 
-/// Numbers, their data type, the stage that computes them, and the object. `None`: a user sensor, which may have any.
+/// Returns the number of values of a type of sensor, their data type, the stage that computes them, and the object. Returns
+/// `None` for a user sensor, which may have any.
 fn rule(kind: u32) -> Option<(i64, u32, u32, On)> {
     use On::{Actuator, Ball, Body, Frame, Joint, Nothing, Relative, Scalar, Site, Tendon};
     let (pos, vel, acc) = (mjSTAGE_POS, mjSTAGE_VEL, mjSTAGE_ACC);
@@ -85,7 +85,7 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     for (i, kind) in view.values(field::sensor_type).enumerate() {
         match rule(kind as u32) {
             Some((dim, datatype, stage, on)) => {
-                let why = format!("as for every sensor of type {kind}");
+                let why = format!("as for all sensors of type {kind}");
                 is(view, field::sensor_dim, i, dim, &why)?;
                 is(view, field::sensor_datatype, i, datatype.into(), &why)?;
                 is(view, field::sensor_needstage, i, stage.into(), &why)?;
@@ -93,14 +93,15 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
             }
             None => user(view, i)?,
         }
-        is(view, field::sensor_adr, i, next, "where the one before it ends")?;
+        is(view, field::sensor_adr, i, next, "the end of the previous one")?;
         next += i64::from(view.get(field::sensor_dim, i));
     }
     size_is(view, size::nsensordata, next as u64, "the sum of sensor_dim")?;
     rangefinders(view)
 }
 
-/// Rangefinders send rays to all geoms. On some height fields the engine's ray functions read out of bounds.
+/// Rejects rangefinders together with height fields on which the engine's ray functions read out of bounds. Rangefinders cast
+/// rays at all geoms.
 fn rangefinders(view: &View<'_>) -> Result<(), Invalid> {
     if !view.values(field::sensor_type).any(|kind| kind as u32 == mjSENS_RANGEFINDER) {
         return Ok(());
@@ -113,34 +114,35 @@ fn rangefinders(view: &View<'_>) -> Result<(), Invalid> {
         let hfield = data as usize;
         let [rows, columns] = [field::hfield_nrow, field::hfield_ncol].map(|count| view.get(count, hfield) as u64);
         let sizes: [f64; 4] = std::array::from_fn(|i| view.get(field::hfield_size, 4 * hfield + i));
-        if is_misread_by_rays(rows, columns) || !are_ray_sizes(&sizes) {
-            let wanted = "a rangefinder would read out of bounds of that height field; it needs two or more rows, no more rows \
-                          than columns, and sizes from 1e-100 to 1e100";
-            return Err(Invalid::element(field::geom_dataid.name(), geom, data, wanted));
+        if rays_overrun_grid(rows, columns) || !are_ray_safe_sizes(&sizes) {
+            let expected = "a rangefinder would read out of bounds of that height field; it needs two or more rows, no more rows \
+                            than columns, and sizes from 1e-100 to 1e100";
+            return Err(Invalid::element(field::geom_dataid.name(), geom, data, expected));
         }
     }
     Ok(())
 }
 
-/// A user sensor's numbers come from a callback. But the engine treats them by their data type, whatever their number.
+/// Checks a user sensor. A callback computes its values, but the engine postprocesses them by their data type, regardless of
+/// their number.
 fn user(view: &View<'_>, i: usize) -> Result<(), Invalid> {
     is_in(view, field::sensor_needstage, i, mjSTAGE_POS.into()..=mjSTAGE_ACC.into())?;
     match view.get(field::sensor_datatype, i) as u32 {
-        mjDATATYPE_AXIS => is(view, field::sensor_dim, i, 3, "since it is an axis")?,
-        mjDATATYPE_QUATERNION => is(view, field::sensor_dim, i, 4, "since it is a quaternion")?,
+        mjDATATYPE_AXIS => is(view, field::sensor_dim, i, 3, "because it is an axis")?,
+        mjDATATYPE_QUATERNION => is(view, field::sensor_dim, i, 4, "because it is a quaternion")?,
         _ => is_in(view, field::sensor_dim, i, 0..=view.size(size::nsensordata) as i64)?,
     }
     let kind = view.get(field::sensor_objtype, i);
-    let Some(count) = objects(view, kind) else {
-        return Err(Invalid::element(field::sensor_objtype.name(), i, kind, "there is no such type of object"));
+    let Some(count) = count(view, kind) else {
+        return Err(Invalid::element(field::sensor_objtype.name(), i, kind, "it must be a type of object"));
     };
     is_in(view, field::sensor_objid, i, ids(count))?;
     no_reference(view, i)
 }
 
-/// The measured object, and the one that it is seen from.
+/// Checks the measured object and the reference object.
 fn object(view: &View<'_>, i: usize, on: On) -> Result<(), Invalid> {
-    let wanted = match on {
+    let expected = match on {
         On::Site => mjOBJ_SITE,
         On::Scalar | On::Ball | On::Joint => mjOBJ_JOINT,
         On::Tendon => mjOBJ_TENDON,
@@ -149,17 +151,17 @@ fn object(view: &View<'_>, i: usize, on: On) -> Result<(), Invalid> {
         On::Nothing => mjOBJ_UNKNOWN,
         On::Frame | On::Relative => view.get(field::sensor_objtype, i) as u32,
     };
-    let why = "the type of object that its type of sensor measures";
-    is(view, field::sensor_objtype, i, wanted.into(), why)?;
+    let why = "the type of object that this type of sensor measures";
+    is(view, field::sensor_objtype, i, expected.into(), why)?;
     if on == On::Nothing {
-        is(view, field::sensor_objid, i, -1, "since it measures no object")?;
+        is(view, field::sensor_objid, i, -1, "because it measures no object")?;
         return no_reference(view, i);
     }
-    let framed = matches!(on, On::Frame | On::Relative);
-    if framed && !is_frame(wanted) {
-        return Err(not_a_frame(field::sensor_objtype.name(), i, wanted));
+    let needs_frame = matches!(on, On::Frame | On::Relative);
+    if needs_frame && !has_frame(expected) {
+        return Err(not_a_frame(field::sensor_objtype.name(), i, expected));
     }
-    is_in(view, field::sensor_objid, i, ids(objects(view, wanted as i32).unwrap_or(0)))?;
+    is_in(view, field::sensor_objid, i, ids(count(view, expected as i32).unwrap_or(0)))?;
     if matches!(on, On::Scalar | On::Ball) {
         joint(view, i, on)?;
     }
@@ -167,19 +169,19 @@ fn object(view: &View<'_>, i: usize, on: On) -> Result<(), Invalid> {
         return no_reference(view, i);
     }
     let reference = view.get(field::sensor_reftype, i);
-    if !is_frame(reference as u32) {
+    if !has_frame(reference as u32) {
         return Err(not_a_frame(field::sensor_reftype.name(), i, reference as u32));
     }
-    is_in(view, field::sensor_refid, i, ids(objects(view, reference).unwrap_or(0)))
+    is_in(view, field::sensor_refid, i, ids(count(view, reference).unwrap_or(0)))
 }
 
 fn no_reference(view: &View<'_>, i: usize) -> Result<(), Invalid> {
-    let why = "since it is not seen from another object";
+    let why = "because it has no reference object";
     is(view, field::sensor_reftype, i, mjOBJ_UNKNOWN.into(), why)?;
     is(view, field::sensor_refid, i, -1, why)
 }
 
-/// The joint has as many positions as the sensor reads.
+/// Checks that the joint has the number of positions that the sensor reads.
 fn joint(view: &View<'_>, i: usize, on: On) -> Result<(), Invalid> {
     let id = view.get(field::sensor_objid, i) as usize;
     let fits = match view.get(field::jnt_type, id) as u32 {
@@ -190,11 +192,11 @@ fn joint(view: &View<'_>, i: usize, on: On) -> Result<(), Invalid> {
     if fits {
         return Ok(());
     }
-    let wanted = if on == On::Ball { "it must be a ball joint" } else { "it must be a slide or hinge joint" };
-    Err(Invalid::element(field::sensor_objid.name(), i, id, wanted))
+    let expected = if on == On::Ball { "it must be a ball joint" } else { "it must be a slide or hinge joint" };
+    Err(Invalid::element(field::sensor_objid.name(), i, id, expected))
 }
 
-fn is_frame(kind: u32) -> bool {
+fn has_frame(kind: u32) -> bool {
     [mjOBJ_BODY, mjOBJ_XBODY, mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_CAMERA].contains(&kind)
 }
 

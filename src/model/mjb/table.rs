@@ -1,5 +1,5 @@
-// @generated from mujoco-sys/fields/v2_2_2.tsv by the test `the_table_is_the_engines`, which also compares them;
-// to write it anew: `MJB_TABLE=write cargo test the_table_is_the_engines`. The order is that of the file.
+// @generated from mujoco-sys/fields/v2_2_2.tsv by the test `the_table_matches_the_field_list`, which also compares
+// them. To regenerate: `MJB_TABLE=write cargo test the_table_matches_the_field_list`. The order is that of the file.
 
 sizes! {
     nq nv nu na nbody njnt ngeom nsite

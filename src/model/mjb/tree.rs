@@ -1,22 +1,21 @@
 //! The kinematic tree: bodies, joints and degrees of freedom.
 //!
-//! The engine walks these arrays up and down without looking where it goes, and nearly all of it follows from three facts: who
-//! each body's parent is, how many joints it has, and of which types. So those are checked, and the rest is computed again
-//! as the compiler does, and compared.
+//! The engine traverses these arrays without bounds checks. Nearly all of their contents follow from three facts about each
+//! body: its parent, the number of its joints, and their types. These are checked. The rest is recomputed by the compiler's
+//! rules and compared.
 
 use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjJNT_HINGE, mjJNT_SLIDE};
 
-use super::invalid::Invalid;
 use super::layout::{field, size};
-use super::rule::{all_bytes, all_in, is, is_in, size_is};
+use super::rule::{Invalid, all_bytes, all_in, is, is_in, size_is};
 use super::view::View;
 
-/// The engine has room for so many degrees of freedom where it treats the joints of one body together.
+/// Limit on the degrees of freedom of one body: the size of the engine's fixed buffers for the joints of a body.
 const MOST_BODY_DOFS: usize = 6;
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     parents(view)?;
-    // 0 or 1, how a frame relates to its body's: 2 is only for those attached to a body.
+    // The value 2 of `sameframe` (inertial frame) is valid only for elements attached to a body.
     all_bytes(view, field::body_simple, 1)?;
     all_bytes(view, field::body_sameframe, 1)?;
     all_bytes(view, field::jnt_limited, 1)?;
@@ -27,7 +26,7 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
     simple(view)
 }
 
-/// Parents, roots, and the depth-first order in which a subtree is a range of ids.
+/// Checks parents, roots, and the depth-first order, in which a subtree is a range of ids.
 fn parents(view: &View<'_>) -> Result<(), Invalid> {
     const WORLD: &str = "which is the world itself";
     is(view, field::body_parentid, 0, 0, WORLD)?;
@@ -35,13 +34,15 @@ fn parents(view: &View<'_>) -> Result<(), Invalid> {
     for i in 1..view.size(size::nbody) {
         is_in(view, field::body_parentid, i, 0..=i as i64 - 1)?;
         let parent = view.get(field::body_parentid, i) as usize;
-        let mut open = i - 1;
-        while open > parent {
-            open = view.get(field::body_parentid, open) as usize;
+        let mut ancestor = i - 1;
+        while ancestor > parent {
+            ancestor = view.get(field::body_parentid, ancestor) as usize;
         }
-        if open != parent {
-            let wanted = format!("the bodies before it have closed that branch; body {open} is still open");
-            return Err(Invalid::element(field::body_parentid.name(), i, parent, wanted));
+        if ancestor != parent {
+            let previous = i - 1;
+            let expected =
+                format!("bodies must be in depth-first order, so it must be {previous} or an ancestor of it");
+            return Err(Invalid::element(field::body_parentid.name(), i, parent, expected));
         }
         let root = if parent == 0 { i as i64 } else { i64::from(view.get(field::body_rootid, parent)) };
         is(view, field::body_rootid, i, root, "the ancestor just below the world")?;
@@ -49,9 +50,10 @@ fn parents(view: &View<'_>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Joints and degrees of freedom, in the order of their bodies; welds and mocap bodies, which depend on who has joints.
+/// Checks that joints and degrees of freedom are in the order of their bodies, and checks welds and mocap bodies, which depend on
+/// the joints.
 fn joints(view: &View<'_>) -> Result<(), Invalid> {
-    const FOLLOWS: &str = "where the joints before it end";
+    const FOLLOWS: &str = "the end of the previous joints";
     let (nbody, njnt, nv) = (view.size(size::nbody), view.size(size::njnt), view.size(size::nv));
     let mut last_dof = vec![-1_i64; nbody];
     let (mut joint, mut qpos, mut dof, mut mocap) = (0, 0, 0, 0);
@@ -68,10 +70,10 @@ fn joints(view: &View<'_>) -> Result<(), Invalid> {
         for id in joint..joint + count {
             let (positions, dofs) = joint_size(view.get(field::jnt_type, id));
             if dofs == 6 && (count > 1 || parent != 0) {
-                let wanted = "a free joint must be alone in its body, and the body a child of the world";
-                return Err(Invalid::element(field::jnt_type.name(), id, mjJNT_FREE, wanted));
+                let expected = "a free joint must be the only joint of its body, and the body a child of the world";
+                return Err(Invalid::element(field::jnt_type.name(), id, mjJNT_FREE, expected));
             }
-            is(view, field::jnt_bodyid, id, body as i64, "the body whose joint it is")?;
+            is(view, field::jnt_bodyid, id, body as i64, "the body of the joint")?;
             is(view, field::jnt_qposadr, id, qpos, FOLLOWS)?;
             is(view, field::jnt_dofadr, id, dof as i64, FOLLOWS)?;
             if dof + dofs > nv {
@@ -82,17 +84,23 @@ fn joints(view: &View<'_>) -> Result<(), Invalid> {
                 ));
             }
             for i in dof..dof + dofs {
-                is(view, field::dof_bodyid, i, body as i64, "the body that it moves")?;
-                is(view, field::dof_jntid, i, id as i64, "the joint that it belongs to")?;
-                is(view, field::dof_parentid, i, previous, "the next one on the way to the world, or -1 for none")?;
+                is(view, field::dof_bodyid, i, body as i64, "the body of its joint")?;
+                is(view, field::dof_jntid, i, id as i64, "the joint of this degree of freedom")?;
+                is(
+                    view,
+                    field::dof_parentid,
+                    i,
+                    previous,
+                    "the next degree of freedom towards the world, or -1 for none",
+                )?;
                 previous = i as i64;
             }
             qpos += positions;
             dof += dofs;
         }
         if dof - first_dof > MOST_BODY_DOFS {
-            let wanted = format!("the engine has room for {MOST_BODY_DOFS}");
-            return Err(Invalid::element(field::body_dofnum.name(), body, dof - first_dof, wanted));
+            let expected = format!("the engine supports at most {MOST_BODY_DOFS}");
+            return Err(Invalid::element(field::body_dofnum.name(), body, dof - first_dof, expected));
         }
         is(view, field::body_dofnum, body, (dof - first_dof) as i64, "the sum over its joints")?;
         let adr = if dof == first_dof { -1 } else { first_dof as i64 };
@@ -106,16 +114,16 @@ fn joints(view: &View<'_>) -> Result<(), Invalid> {
             field::body_weldid,
             body,
             if body == 0 { 0 } else { weld },
-            "the next one towards the world that has joints",
+            "the next body towards the world that has joints",
         )?;
         if view.get(field::body_mocapid, body) != -1 {
             if body == 0 || parent != 0 || count > 0 {
-                let wanted = "only a child of the world without joints can be a mocap body; others have -1";
+                let expected = "only a child of the world without joints can be a mocap body; other bodies have -1";
                 return Err(Invalid::element(
                     field::body_mocapid.name(),
                     body,
                     view.get(field::body_mocapid, body),
-                    wanted,
+                    expected,
                 ));
             }
             is(view, field::body_mocapid, body, mocap, "the next mocap body, or -1 for none")?;
@@ -128,7 +136,7 @@ fn joints(view: &View<'_>) -> Result<(), Invalid> {
     size_is(view, size::nmocap, mocap as u64, "the number of mocap bodies")
 }
 
-/// Positions and degrees of freedom of a joint type that is known to exist.
+/// Returns the numbers of positions and of degrees of freedom of a validated joint type.
 fn joint_size(kind: i32) -> (i64, usize) {
     const FREE: i32 = mjJNT_FREE as i32;
     const BALL: i32 = mjJNT_BALL as i32;
@@ -138,27 +146,27 @@ fn joint_size(kind: i32) -> (i64, usize) {
         FREE => (7, 6),
         BALL => (4, 3),
         SLIDE | HINGE => (1, 1),
-        _ => unreachable!("Bug: the joint types were checked"),
+        _ => unreachable!("Bug: an unchecked joint type"),
     }
 }
 
-/// The sparse inertia matrix: row `i` has an element for `i` and each degree of freedom between it and the world. The sparse
-/// derivative has both triangles of it, and the diagonal once.
+/// Checks the layout of the sparse inertia matrix: row `i` has an element for `i` and for each degree of freedom between it and
+/// the world. The sparse derivative has both triangles of the matrix, and the diagonal once.
 fn inertia(view: &View<'_>) -> Result<(), Invalid> {
     let mut depth: Vec<u64> = Vec::with_capacity(view.size(size::nv));
     let mut elements = 0;
     for (i, parent) in view.values(field::dof_parentid).enumerate() {
-        is(view, field::dof_Madr, i, elements as i64, "where the row before it ends")?;
-        let own = 1 + usize::try_from(parent).map_or(0, |parent| depth[parent]);
-        depth.push(own);
-        elements += own;
+        is(view, field::dof_Madr, i, elements as i64, "the end of the previous row")?;
+        let length = 1 + usize::try_from(parent).map_or(0, |parent| depth[parent]);
+        depth.push(length);
+        elements += length;
     }
     size_is(view, size::nM, elements, "the elements of the inertia matrix")?;
     size_is(view, size::nD, 2 * elements - depth.len() as u64, "2 nM - nv")
 }
 
-/// Simple bodies, whose part of the inertia matrix is diagonal: the engine goes over their degrees of freedom in runs of
-/// `dof_simplenum`, and leaves out everything that would couple them to others.
+/// Checks the flags of simple bodies, whose part of the inertia matrix is diagonal. The engine processes their degrees of freedom
+/// in runs of `dof_simplenum`, and skips all terms that couple them to other bodies.
 fn simple(view: &View<'_>) -> Result<(), Invalid> {
     let nbody = view.size(size::nbody);
     let moves = |body: usize| view.get(field::body_dofnum, body) > 0;
@@ -174,15 +182,15 @@ fn simple(view: &View<'_>) -> Result<(), Invalid> {
     }
     for body in 1..nbody {
         if view.get(field::body_simple, body) != 0 && moves(body) && (coupled[body] || moving_below[body]) {
-            let wanted = "it must be 0 in a body that moves with another";
-            return Err(Invalid::element(field::body_simple.name(), body, 1, wanted));
+            let expected = "it must be 0, because the body is coupled to another moving body";
+            return Err(Invalid::element(field::body_simple.name(), body, 1, expected));
         }
     }
     let mut run = 0;
     for i in (0..view.size(size::nv)).rev() {
         let body = view.get(field::dof_bodyid, i) as usize;
         run = if view.get(field::body_simple, body) == 0 { 0 } else { run + 1 };
-        is(view, field::dof_simplenum, i, run, "the number of consecutive ones from here on whose body is simple")?;
+        is(view, field::dof_simplenum, i, run, "the length of the run of simple degrees of freedom from here on")?;
     }
     Ok(())
 }

@@ -1,15 +1,15 @@
-//! A file's bytes seen as a model: header, sizes, the three option structs, and every array at its place.
+//! Zero-copy view of the bytes of a file as header, sizes, option structs and arrays.
 //!
-//! Nothing is copied and nothing is trusted: a [`View`] exists only if the file is exactly as long as its own sizes say, so
-//! that every array of every view lies inside the bytes.
+//! A [`View`] exists only if the length of the file is exactly what its own sizes add up to, so every array lies inside the
+//! bytes.
 
 use mujoco_sys::{mjOption, mjStatistic, mjVisual};
 
-use super::invalid::Invalid;
 use super::layout::{Array, Element, Extent, Field, MODEL_ARRAYS, SIZES, Size};
+use super::rule::Invalid;
 
-/// What the engine writes at the start: a magic number, and what it was compiled with (bytes in an `mjtNum`, the numbers of
-/// size fields and of arrays in `mjModel`).
+/// The integers at the start of the file: a magic number, and parameters of the engine's build (bytes in an `mjtNum`, the numbers
+/// of size fields and of arrays in `mjModel`).
 const HEADER: [(&str, i32); 4] = [
     ("magic number", 54321),
     ("size of mjtNum", 8),
@@ -31,10 +31,10 @@ pub(super) struct View<'a> {
 impl<'a> View<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Invalid> {
         let sizes = read_sizes(bytes)?;
-        let (starts, end) = places(&sizes);
+        let (starts, end) = layout(&sizes);
         if end != bytes.len() as u128 {
             let length = bytes.len();
-            return Err(Invalid::file(format!("the file has {length} bytes; its sizes call for {end}")));
+            return Err(Invalid::file(format!("the file has {length} bytes; its sizes require {end}")));
         }
         Ok(Self { bytes, sizes, starts })
     }
@@ -47,14 +47,18 @@ impl<'a> View<'a> {
         &self.sizes
     }
 
-    /// The number of elements in an array.
+    /// Returns the number of elements in an array.
     pub(super) fn len<T>(&self, field: Field<T>) -> usize {
         extent(field.array().rows, &self.sizes) as usize * extent(field.array().columns, &self.sizes) as usize
     }
 
-    /// An element. Panics if there is none.
+    /// Returns an element.
+    ///
+    /// # Panics
+    ///
+    /// If the index is out of bounds.
     pub(super) fn get<T: Element>(&self, field: Field<T>, index: usize) -> T {
-        debug_assert!(index < self.len(field), "Bug: {}[{index}] does not exist", field.name());
+        debug_assert!(index < self.len(field), "Bug: {}[{index}] is out of bounds", field.name());
         read(self.bytes, self.starts[field.index] + index * T::BYTES)
     }
 
@@ -62,62 +66,63 @@ impl<'a> View<'a> {
         (0..self.len(field)).map(move |i| self.get(field, i))
     }
 
-    /// An array of bytes as it is.
+    /// Returns an array of bytes.
     pub(super) fn slice(&self, field: Field<u8>) -> &'a [u8] {
         let start = self.starts[field.index];
         &self.bytes[start..start + self.len(field)]
     }
 
-    /// Where an element is in the file.
+    /// Returns the offset of an element in the file.
     #[cfg(test)]
     pub(super) fn position<T: Element>(&self, field: Field<T>, index: usize) -> usize {
         self.starts[field.index] + index * T::BYTES
     }
 
-    /// The number at `offset` in the file's `mjOption`.
+    /// Returns the number at `offset` in the file's `mjOption`.
     pub(super) fn option<T: Element>(&self, offset: usize) -> T {
         read(self.bytes, OPTION_AT + offset)
     }
 }
 
-/// How many bytes the model at the start of `bytes` has, by its own sizes.
+/// Returns the length in bytes of the model at the start of `bytes`, computed from its sizes.
 pub(crate) fn length(bytes: &[u8]) -> Result<usize, Invalid> {
-    let (_, end) = places(&read_sizes(bytes)?);
-    usize::try_from(end).map_err(|_| Invalid::file(format!("its sizes call for {end} bytes")))
+    let (_, end) = layout(&read_sizes(bytes)?);
+    usize::try_from(end).map_err(|_| Invalid::file(format!("its sizes require {end} bytes")))
 }
 
-/// The sizes, if the header is that of this engine's models.
+/// Reads the sizes, after checking that the header is that of this engine version.
 fn read_sizes(bytes: &[u8]) -> Result<[usize; SIZES], Invalid> {
     if bytes.len() < ARRAYS_AT {
         let length = bytes.len();
         return Err(Invalid::file(format!(
-            "the file has {length} bytes; a model without a single array has {ARRAYS_AT}"
+            "the file has {length} bytes; the header, sizes and options of a model need {ARRAYS_AT}"
         )));
     }
-    for (i, (name, wanted)) in HEADER.into_iter().enumerate() {
+    for (i, (name, expected)) in HEADER.into_iter().enumerate() {
         let value = read::<i32>(bytes, i * INT);
-        if value != wanted {
+        if value != expected {
             return Err(Invalid::scalar(
                 &format!("the header's {name}"),
                 value,
-                format!("MuJoCo 2.2.2 writes {wanted}"),
+                format!("MuJoCo 2.2.2 writes {expected}"),
             ));
         }
     }
     let mut sizes = [0; SIZES];
     for (i, size) in sizes.iter_mut().enumerate() {
         let value = read::<i32>(bytes, SIZES_AT + i * INT);
-        *size = usize::try_from(value).map_err(|_| Invalid::scalar(Size(i).name(), value, "a size is not negative"))?;
+        *size = usize::try_from(value)
+            .map_err(|_| Invalid::scalar(Size(i).name(), value, "a size must not be negative"))?;
     }
     Ok(sizes)
 }
 
-/// Where each array starts, and where the last one ends.
-fn places(sizes: &[usize; SIZES]) -> (Vec<usize>, u128) {
+/// Computes the start of each array and the end of the last one.
+fn layout(sizes: &[usize; SIZES]) -> (Vec<usize>, u128) {
     let mut starts = Vec::with_capacity(MODEL_ARRAYS.len());
     let mut end = ARRAYS_AT as u128;
     for array in MODEL_ARRAYS {
-        // Where this is cut off, the length of the file differs too, which is an error.
+        // If this truncates, the length of the file cannot match `end`, which is an error.
         starts.push(end as usize);
         end += array_bytes(array, sizes);
     }
@@ -132,7 +137,7 @@ pub(super) fn extent(extent: Extent, sizes: &[usize; SIZES]) -> u128 {
     extent.times as u128 * extent.size.map_or(1, |size| sizes[size.0] as u128)
 }
 
-/// The bytes of an array. Sizes have 31 bits, so nothing here comes near the 128 of the result.
+/// Returns the length of an array in bytes. Sizes have 31 bits, so the product cannot overflow 128 bits.
 pub(super) fn array_bytes(array: &Array, sizes: &[usize; SIZES]) -> u128 {
     extent(array.rows, sizes) * extent(array.columns, sizes) * array.element as u128
 }

@@ -1,36 +1,25 @@
-//! The settings that a model carries beside its elements: options of the physics, settings of the visualiser, statistics. Each
-//! is a struct of plain values, read as a copy and written back after a check.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `flags.rs` | features that are switched on and off |
-//! | `statistics.rs` | the figures that set the model's scale |
-//! | `visual.rs`, `visual_check.rs` | the settings of the visualiser, and what they may be |
-//! | `mirror.rs` | a struct of the engine's as one of Rust, field by field |
-//! | `check.rs` | ranges that several settings share |
+//! Settings of a model as a whole: physics options, visualiser settings and statistics. Each is a struct of plain values that is
+//! read as a copy, and checked before it is written back.
 
-mod check;
-mod flags;
-mod mirror;
+mod fields;
 mod statistics;
 mod visual;
-mod visual_check;
+mod visual_ranges;
 
-use mujoco_sys::mjOption;
+use bitflags::bitflags;
+use mujoco_sys::{self as sys, mjOption};
 
-use self::check::Checks;
-pub use self::flags::{DisableFlags, EnableFlags};
-use self::mirror::Mirror;
+use self::fields::{Checks, Mirror};
 pub use self::statistics::Statistics;
 pub use self::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
 use super::Model;
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
 use crate::error::Result;
 
-/// The physics options of a model. A copy: read it with [`Model::options`], change it with
-/// [`ModelMut::options`](super::ModelMut::options).
+/// Physics options of a model.
 ///
-/// The default is the engine's own, which is what a model gets whose XML has no `<option>`.
+/// The struct is a copy of the engine's values: [`Model::options`] reads them, [`ModelMut::options`](super::ModelMut::options)
+/// changes them. The defaults are those of the engine, for a model whose XML has no `<option>`.
 ///
 /// ```
 /// use mujoco_safe::{Integrator, Options};
@@ -40,7 +29,7 @@ use crate::error::Result;
 /// assert_eq!(options.integrator, Integrator::Euler);
 /// ```
 ///
-/// With the feature `serde` it can be kept in a file. What the file leaves out has its default.
+/// With the feature `serde` it can be serialised. Missing fields have their defaults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[non_exhaustive]
@@ -48,15 +37,15 @@ use crate::error::Result;
 pub struct Options {
     /// Duration of a step, s. Positive.
     pub timestep: f64,
-    /// How often a remote client may be served, Hz. The engine keeps the number and makes no use of it. Not negative.
+    /// Update rate for remote clients, Hz. The engine stores the number and does not use it. Not negative.
     pub apirate: f64,
     /// Ratio of the impedance of friction to that of the normal direction in contacts. Positive.
     pub impratio: f64,
-    /// At which improvement the main solver stops. Not negative.
+    /// Tolerance of the main solver: it stops when an iteration improves the scaled cost by less. Not negative.
     pub tolerance: f64,
-    /// At which improvement the no-slip solver stops. Not negative.
+    /// Tolerance of the no-slip solver: it stops when an iteration improves the scaled cost by less. Not negative.
     pub noslip_tolerance: f64,
-    /// At which precision the convex collision solver stops. Not negative.
+    /// Precision at which the convex collision solver stops. Not negative.
     pub mpr_tolerance: f64,
     /// Acceleration of gravity, m/s², world frame.
     pub gravity: [f64; 3],
@@ -74,26 +63,26 @@ pub struct Options {
     pub o_solref: [f64; 2],
     /// Contact `solimp` where [`EnableFlags::OVERRIDE`] is set.
     pub o_solimp: [f64; 5],
-    /// How a step advances the state.
+    /// Numerical integrator.
     pub integrator: Integrator,
-    /// Which pairs of geoms are tested for collision.
+    /// Selection of the pairs of geoms that are tested for collision.
     pub collision: Collision,
-    /// The friction cone of contacts.
+    /// Friction cone of contacts.
     pub cone: Cone,
-    /// How the constraint Jacobian is stored.
+    /// Storage of the constraint Jacobian.
     pub jacobian: JacobianStorage,
-    /// The constraint solver.
+    /// Constraint solver.
     pub solver: Solver,
-    /// Iterations of the main solver at most. Up to a million, so that a step ends.
+    /// Largest number of iterations of the main solver. At most a million, so that a step terminates.
     pub iterations: usize,
-    /// Iterations of the no-slip solver at most.
+    /// Largest number of iterations of the no-slip solver. At most a million.
     pub noslip_iterations: usize,
-    /// Iterations of the convex collision solver at most.
+    /// Largest number of iterations of the convex collision solver. At most a million.
     pub mpr_iterations: usize,
-    /// Standard features that are switched off.
+    /// Standard features that are disabled.
     #[doc(alias = "disableflags")]
     pub disable: DisableFlags,
-    /// Optional features that are switched on.
+    /// Optional features that are enabled.
     #[doc(alias = "enableflags")]
     pub enable: EnableFlags,
 }
@@ -130,8 +119,62 @@ impl Default for Options {
     }
 }
 
+bitflags! {
+    /// Standard features of the physics that are disabled.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
+    #[doc(alias = "mjtDisableBit")]
+    pub struct DisableFlags: u32 {
+        /// The entire constraint solver.
+        const CONSTRAINT = sys::mjDSBL_CONSTRAINT;
+        /// Equality constraints.
+        const EQUALITY = sys::mjDSBL_EQUALITY;
+        /// Friction loss of joints and tendons.
+        const FRICTIONLOSS = sys::mjDSBL_FRICTIONLOSS;
+        /// Limits of joints and tendons.
+        const LIMIT = sys::mjDSBL_LIMIT;
+        /// Contacts.
+        const CONTACT = sys::mjDSBL_CONTACT;
+        /// Springs, dampers and fluid forces.
+        const PASSIVE = sys::mjDSBL_PASSIVE;
+        /// Gravity.
+        const GRAVITY = sys::mjDSBL_GRAVITY;
+        /// Clamping of controls to their ranges.
+        const CLAMPCTRL = sys::mjDSBL_CLAMPCTRL;
+        /// Warm start of the solver from the previous solution.
+        const WARMSTART = sys::mjDSBL_WARMSTART;
+        /// The filter that excludes collisions between a body and its parent.
+        const FILTERPARENT = sys::mjDSBL_FILTERPARENT;
+        /// Actuator forces.
+        const ACTUATION = sys::mjDSBL_ACTUATION;
+        /// The lower bound of twice the timestep on constraint time constants.
+        const REFSAFE = sys::mjDSBL_REFSAFE;
+        /// Sensors.
+        const SENSOR = sys::mjDSBL_SENSOR;
+    }
+}
+
+bitflags! {
+    /// Optional features of the physics that are enabled.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
+    #[doc(alias = "mjtEnableBit")]
+    pub struct EnableFlags: u32 {
+        /// Override of the contact parameters of the geoms by those of the options.
+        const OVERRIDE = sys::mjENBL_OVERRIDE;
+        /// Computation of potential and kinetic energy.
+        const ENERGY = sys::mjENBL_ENERGY;
+        /// Comparison of forward and inverse dynamics.
+        const FWDINV = sys::mjENBL_FWDINV;
+        /// Noise in sensor readings.
+        const SENSORNOISE = sys::mjENBL_SENSORNOISE;
+        /// Several contact points between convex shapes.
+        const MULTICCD = sys::mjENBL_MULTICCD;
+    }
+}
+
 impl Options {
-    /// The most iterations that are accepted.
+    /// Limit on the iterations of each solver.
     const MOST_ITERATIONS: usize = 1_000_000;
 
     fn read(raw: &mjOption) -> Self {
@@ -163,7 +206,7 @@ impl Options {
         }
     }
 
-    /// What [`check`](Self::check) has found to be in range.
+    /// Writes options that have passed [`check`](Self::check).
     pub(super) fn write(&self, raw: &mut mjOption) {
         *raw = mjOption {
             timestep: self.timestep,
@@ -193,7 +236,7 @@ impl Options {
         };
     }
 
-    /// Refuses what the engine would answer with a fatal error, with nonsense, or by never returning.
+    /// Rejects values for which the engine would raise a fatal error, compute nonsense, or not return.
     pub(super) fn check(&self) -> Result<()> {
         let option = Checks("the option ");
         option.positive("timestep", self.timestep)?;
@@ -223,24 +266,24 @@ impl Options {
             ("noslip_iterations", self.noslip_iterations),
             ("mpr_iterations", self.mpr_iterations),
         ] {
-            option.require(value <= Self::MOST_ITERATIONS, name, value, "a million at most")?;
+            option.require(value <= Self::MOST_ITERATIONS, name, value, "at most a million")?;
         }
-        // `from_bits_retain` can make flags that the engine does not know.
+        // `from_bits_retain` can create flags that the engine does not have.
         let unknown =
             (self.disable.bits() & !DisableFlags::all().bits(), self.enable.bits() & !EnableFlags::all().bits());
-        let value = format_args!("made of unknown bits {unknown:?}");
-        option.require(unknown == (0, 0), "disable or enable", value, "made of the flags that there are")
+        let value = format_args!("a set with the unknown bits {unknown:?}");
+        option.require(unknown == (0, 0), "disable or enable", value, "a set of known flags")
     }
 }
 
 impl Model {
-    /// The physics options, as a copy.
+    /// Returns a copy of the physics options.
     #[doc(alias = "opt")]
     pub fn options(&self) -> Options {
         Options::read(&self.raw().opt)
     }
 
-    /// The duration of a step, s.
+    /// Returns the duration of a step, s.
     #[inline]
     pub fn timestep(&self) -> f64 {
         self.raw().opt.timestep

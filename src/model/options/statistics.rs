@@ -1,40 +1,39 @@
-//! The figures that set the model's scale.
+//! Statistics that define the scale of a model.
 
 use std::ops::RangeInclusive;
 
 use mujoco_sys::mjStatistic;
 
-use super::check::Checks;
-use super::mirror::{Mirror, mirror};
+use super::fields::{Checks, Mirror, mirror};
 use crate::error::Result;
 use crate::model::{Model, ModelMut};
 
 mirror! {
-    /// Figures of the model at `qpos0`, which set its scale. A copy: read it with [`Model::statistics`], change it with
-    /// [`ModelMut::statistics`].
+    /// Statistics of the model at `qpos0`, which define its scale.
     ///
-    /// The compiler computes them, and takes from `<statistic>` what the XML gives there.
+    /// The struct is a copy of the engine's values: [`Model::statistics`] reads them, [`ModelMut::statistics`] changes them. The
+    /// compiler computes them, unless `<statistic>` in the XML overrides them.
     #[doc(alias = "mjStatistic")]
     Statistics = mjStatistic {
-        /// Mean of the inertia matrix's diagonal. The constraint solver divides what it compares with its tolerance by it.
-        /// Positive.
+        /// Mean of the diagonal of the inertia matrix. The constraint solver divides by it the improvement that it compares
+        /// with its tolerance. Positive.
         meaninertia: f64 = 1.0,
-        /// Mean mass of a body, kg. The visualiser divides forces by it. Zero where no body has a mass.
+        /// Mean mass of a body, kg. The visualiser divides forces by it. Zero if no body has a mass.
         meanmass: f64 = 1.0,
         /// Mean size of a body, m. The lengths of [`VisualScale`](super::VisualScale) are multiples of it. Positive.
         meansize: f64 = 0.2,
         /// Extent of the model, m. The distances of [`VisualMap`](super::VisualMap) are multiples of it. From 1e-6 to 1e10.
         extent: f64 = 2.0,
-        /// Its centre, m, world frame: what the free camera looks at first.
+        /// Centre of the model, m, world frame: the initial target of the free camera.
         center: [f64; 3] = [0.0; 3],
     }
 }
 
-/// An extent whose product with the visualiser's clipping planes a 32-bit number can hold.
+/// Extents whose products with the visualiser's clipping planes fit into a 32-bit float.
 const EXTENT: RangeInclusive<f64> = 1e-6..=1e10;
 
 impl Statistics {
-    /// Refuses what makes the solver's tolerance meaningless, or leaves the visualiser nothing that can be seen.
+    /// Rejects values that make the solver's tolerance meaningless, or the image of the visualiser empty.
     fn check(&self) -> Result<()> {
         let statistic = Checks("the statistic ");
         statistic.positive("meaninertia", self.meaninertia)?;
@@ -46,7 +45,7 @@ impl Statistics {
 }
 
 impl Model {
-    /// Figures of the model at `qpos0`, as a copy.
+    /// Returns a copy of the statistics of the model at `qpos0`.
     ///
     /// ```
     /// let model = mujoco_safe::sample::humanoid();
@@ -61,14 +60,14 @@ impl Model {
 }
 
 impl ModelMut<'_> {
-    /// Changes the statistics, after checking them: nothing is changed if one is out of range. All of them are checked, also
-    /// those that the XML had set.
+    /// Changes the statistics, unless one of them is out of range. The check includes values that `change` does not modify, for
+    /// example those from the XML.
     ///
-    /// [`update_constants`](Self::update_constants) computes them anew and overwrites what was set here.
+    /// [`update_constants`](Self::update_constants) recomputes the statistics and overwrites these changes.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the figure, its value and what is allowed.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the name, the value and the valid values. The model is not changed then.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -76,7 +75,7 @@ impl ModelMut<'_> {
     /// let mut model = sample::cartpole();
     /// model.edit().statistics(|statistics| statistics.extent = 3.0)?;
     /// assert_eq!(model.statistics().extent, 3.0);
-    /// // With zero, the constraint solver would divide by it and go on to its last iteration.
+    /// // The constraint solver would divide by zero, and never reach its tolerance.
     /// assert!(model.edit().statistics(|statistics| statistics.meaninertia = 0.0).is_err());
     /// # Ok::<(), Error>(())
     /// ```

@@ -1,4 +1,4 @@
-//! The settings of the visualiser.
+//! Settings of the visualiser.
 
 use mujoco_sys::{
     mjVisual, mjVisual___bindgen_ty_1 as mjVisualGlobal, mjVisual___bindgen_ty_2 as mjVisualQuality,
@@ -6,13 +6,14 @@ use mujoco_sys::{
     mjVisual___bindgen_ty_5 as mjVisualScale, mjVisual___bindgen_ty_6 as mjVisualRgba,
 };
 
-use super::mirror::{Mirror, mirror};
+use super::fields::{Mirror, mirror};
 use crate::error::Result;
 use crate::model::{Model, ModelMut};
 
-/// How the model is to be shown. A copy: read it with [`Model::visual`], change it with [`ModelMut::visual`].
+/// Visualiser settings of a model.
 ///
-/// Simulation makes no use of it. The default is the engine's own, which is what a model gets whose XML has no `<visual>`.
+/// The struct is a copy of the engine's values: [`Model::visual`] reads them, [`ModelMut::visual`] changes them. They do not
+/// affect the simulation. The defaults are those of the engine, for a model whose XML has no `<visual>`.
 ///
 /// ```
 /// use mujoco_safe::{Visual, sample};
@@ -22,24 +23,24 @@ use crate::model::{Model, ModelMut};
 /// assert_eq!(Visual::default().global.fovy, 45.0);
 /// ```
 ///
-/// With the feature `serde` it can be kept in a file. What the file leaves out has its default.
+/// With the feature `serde` it can be serialised. Missing fields have their defaults.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[non_exhaustive]
 #[doc(alias = "mjVisual")]
 #[doc(alias = "mj_defaultVisual")]
 pub struct Visual {
-    /// The free camera, and the size of pictures.
+    /// Free camera, and size of offscreen images.
     pub global: VisualGlobal,
-    /// The effort of rendering.
+    /// Rendering quality.
     pub quality: VisualQuality,
-    /// The light at the camera.
+    /// Light at the position of the camera.
     pub headlight: VisualHeadlight,
-    /// From quantities of the simulation to those of the picture.
+    /// Mapping from simulated quantities to visual ones.
     pub map: VisualMap,
-    /// Sizes of what is shown beside the model itself, in multiples of [`meansize`](super::Statistics::meansize).
+    /// Sizes of decorative elements, in multiples of [`meansize`](super::Statistics::meansize).
     pub scale: VisualScale,
-    /// Colours of what is shown beside the model itself: red, green, blue and alpha, each from 0 to 1.
+    /// Colours of decorative elements: red, green, blue and alpha, each from 0 to 1.
     pub rgba: VisualRgba,
 }
 
@@ -68,94 +69,93 @@ impl Mirror<mjVisual> for Visual {
 }
 
 mirror! {
-    /// The free camera, and the size of pictures.
+    /// Free camera, and size of offscreen images.
     VisualGlobal = mjVisualGlobal {
-        /// The free camera's vertical field of view, degrees. Between 0 and 180.
+        /// Vertical field of view of the free camera, degrees. Between 0 and 180.
         fovy: f32 = 45.0,
-        /// The distance between the free camera's eyes, m.
+        /// Distance between the two eyes of the free camera, m.
         ipd: f32 = 0.068,
-        /// The free camera's first direction about the vertical axis, degrees.
+        /// Initial azimuth of the free camera about the vertical axis, degrees.
         azimuth: f32 = 90.0,
-        /// The free camera's first direction above the horizontal plane, degrees; below it where it is negative.
+        /// Initial elevation of the free camera above the horizontal plane, degrees. Negative below it.
         elevation: f32 = -45.0,
-        /// Width of the lines of wire frames and rays, pixels. Positive.
+        /// Line width of wireframes and rays, pixels. Positive.
         linewidth: f32 = 1.0,
-        /// How much a selected body shines by itself. Not negative.
+        /// Emission of a selected body. Not negative.
         glow: f32 = 0.3,
-        /// Width of pictures that are rendered without a window, pixels. From 1 to 32768.
+        /// Width of offscreen images, pixels. From 1 to 32768.
         offwidth: usize = 640,
-        /// Their height, pixels. From 1 to 32768.
+        /// Height of offscreen images, pixels. From 1 to 32768.
         offheight: usize = 480,
     }
 }
 
 mirror! {
-    /// The effort of rendering.
+    /// Rendering quality.
     VisualQuality = mjVisualQuality {
-        /// Width and height of the texture that shadows are computed in, pixels; 0 for no shadows. Up to 32768.
+        /// Width and height of the shadow map, pixels. 0 for no shadows. At most 32768.
         shadowsize: usize = 4096,
-        /// Samples for a pixel of a picture without a window. Up to 64.
+        /// Samples per pixel (MSAA) of offscreen images. At most 64.
         offsamples: usize = 4,
-        /// Into how many slices around its axis a round shape is cut. From 1 to 1000.
+        /// Number of slices around the axis of a round shape. From 1 to 1000.
         numslices: usize = 28,
-        /// Into how many stacks along its axis a round shape is cut. From 1 to 1000.
+        /// Number of stacks along the axis of a round shape. From 1 to 1000.
         numstacks: usize = 16,
-        /// Into how many rectangles along each edge the face of a box is cut. From 1 to 1000.
+        /// Number of rectangles along each edge of the face of a box. From 1 to 1000.
         numquads: usize = 4,
     }
 }
 
 mirror! {
-    /// The light at the camera. Its colours are red, green and blue, not negative.
+    /// Light at the position of the camera. Its colours are RGB and not negative.
     VisualHeadlight = mjVisualHeadlight {
-        /// Colour of the light that comes from everywhere.
+        /// Ambient colour.
         ambient: [f32; 3] = [0.1; 3],
-        /// Colour of the light that is reflected to all sides.
+        /// Diffuse colour.
         diffuse: [f32; 3] = [0.4; 3],
-        /// Colour of the light that is reflected as by a mirror.
+        /// Specular colour.
         specular: [f32; 3] = [0.5; 3],
-        /// Whether it is on.
+        /// `true` if the light is on.
         active: bool = true,
     }
 }
 
 mirror! {
-    /// From quantities of the simulation to those of the picture. Distances are multiples of the model's
+    /// Mapping from simulated quantities to visual ones. Distances are multiples of the model's
     /// [`extent`](super::Statistics::extent).
     VisualMap = mjVisualMap {
-        /// Stiffness of the spring by which the mouse pulls a body, for a unit of mass, 1/s². Not negative.
+        /// Stiffness of the spring by which the mouse pulls a body, per unit of mass, 1/s². Not negative.
         stiffness: f32 = 100.0,
-        /// Stiffness of the spring by which the mouse turns a body, for a unit of inertia, 1/s². Positive, for the engine
+        /// Stiffness of the spring by which the mouse rotates a body, per unit of inertia, 1/s². Positive, because the engine
         /// divides by it.
         stiffnessrot: f32 = 500.0,
         /// Length of the arrow of a force, m/N, for bodies with a mean mass of 1 kg. Not negative.
         force: f32 = 0.005,
-        /// Length of the arrow of a torque, 1/N. The engine keeps the number and makes no use of it. Not negative.
+        /// Length of the arrow of a torque, 1/N. The engine stores the number and does not use it. Not negative.
         torque: f32 = 0.1,
-        /// By what the alpha of geoms is multiplied where they are shown transparent. From 0 to 1.
+        /// Factor for the alpha of geoms that are shown transparent. From 0 to 1.
         alpha: f32 = 0.3,
-        /// Where fog begins, in extents. Not negative.
+        /// Distance at which fog starts, in extents. Not negative.
         fogstart: f32 = 3.0,
-        /// Where fog hides everything, in extents. Beyond `fogstart`.
+        /// Distance at which fog is opaque, in extents. Greater than `fogstart`.
         fogend: f32 = 10.0,
-        /// The plane in front of which nothing is shown, in extents. At least 1e-6.
+        /// Distance of the near clipping plane, in extents. At least 1e-6.
         znear: f32 = 0.01,
-        /// The plane beyond which nothing is shown, in extents. Beyond `znear`, and up to 1e10.
+        /// Distance of the far clipping plane, in extents. Greater than `znear`, and at most 1e10.
         zfar: f32 = 50.0,
-        /// Share of the way to the horizon that haze covers. From 0 to 1.
+        /// Fraction of the distance to the horizon that haze covers. From 0 to 1.
         haze: f32 = 0.3,
-        /// How far around the model a directional light casts shadows, in extents. Positive.
+        /// Half the size of the region in which a directional light casts shadows, in extents. Positive.
         shadowclip: f32 = 1.0,
-        /// Share of a spot light's cone in which it casts shadows. Positive.
+        /// Fraction of the cone of a spot light in which it casts shadows. Positive.
         shadowscale: f32 = 0.6,
-        /// Width of a tendon that an actuator pulls, in widths of the tendon. Not negative.
+        /// Width at which an actuated tendon is drawn, relative to the width of the tendon. Not negative.
         actuatortendon: f32 = 2.0,
     }
 }
 
 mirror! {
-    /// Sizes of what is shown beside the model itself, in multiples of [`meansize`](super::Statistics::meansize). None is
-    /// negative.
+    /// Sizes of decorative elements, in multiples of [`meansize`](super::Statistics::meansize). Not negative.
     VisualScale = mjVisualScale {
         /// Width of the arrow of a force.
         forcewidth: f32 = 0.1,
@@ -165,13 +165,13 @@ mirror! {
         contactheight: f32 = 0.1,
         /// Radius of the capsules that connect joints and centres of mass.
         connect: f32 = 0.2,
-        /// Radius of the ball at a centre of mass.
+        /// Radius of the sphere at a centre of mass.
         com: f32 = 0.4,
         /// Size of a camera.
         camera: f32 = 0.3,
         /// Size of a light.
         light: f32 = 0.3,
-        /// Radius of the ball at the selected point.
+        /// Radius of the sphere at the selected point.
         selectpoint: f32 = 0.2,
         /// Length of the arrow of a joint.
         jointlength: f32 = 1.0,
@@ -185,7 +185,7 @@ mirror! {
         framelength: f32 = 1.0,
         /// Width of the axes of a frame.
         framewidth: f32 = 0.1,
-        /// Radius of what shows an equality constraint, and of the line along which the mouse pulls.
+        /// Radius of the decoration of an equality constraint, and of the line along which the mouse pulls.
         constraint: f32 = 0.1,
         /// Radius of a slider-crank.
         slidercrank: f32 = 0.2,
@@ -193,15 +193,15 @@ mirror! {
 }
 
 mirror! {
-    /// Colours of what is shown beside the model itself: red, green, blue and alpha, each from 0 to 1.
+    /// Colours of decorative elements: red, green, blue and alpha, each from 0 to 1.
     VisualRgba = mjVisualRgba {
         /// Fog.
         fog: [f32; 4] = [0.0, 0.0, 0.0, 1.0],
         /// Haze at the horizon.
         haze: [f32; 4] = [1.0, 1.0, 1.0, 1.0],
-        /// A force that is applied from outside.
+        /// An external force.
         force: [f32; 4] = [1.0, 0.5, 0.5, 1.0],
-        /// A box that has the inertia of a body.
+        /// The equivalent inertia box of a body.
         inertia: [f32; 4] = [0.8, 0.2, 0.2, 0.6],
         /// A joint.
         joint: [f32; 4] = [0.2, 0.6, 0.8, 1.0],
@@ -219,13 +219,13 @@ mirror! {
         light: [f32; 4] = [0.6, 0.6, 0.9, 1.0],
         /// The selected point.
         selectpoint: [f32; 4] = [0.9, 0.9, 0.1, 1.0],
-        /// What connects joints and centres of mass; the anchor of an equality constraint on its first body.
+        /// A connection between a joint and a centre of mass; the anchor of an equality constraint on its first body.
         connect: [f32; 4] = [0.2, 0.2, 0.8, 1.0],
         /// A contact.
         contactpoint: [f32; 4] = [0.9, 0.6, 0.2, 1.0],
         /// The force of a contact.
         contactforce: [f32; 4] = [0.7, 0.9, 0.9, 1.0],
-        /// The friction of a contact.
+        /// The friction force of a contact.
         contactfriction: [f32; 4] = [0.9, 0.8, 0.4, 1.0],
         /// The torque of a contact.
         contacttorque: [f32; 4] = [0.9, 0.7, 0.9, 1.0],
@@ -233,20 +233,20 @@ mirror! {
         contactgap: [f32; 4] = [0.5, 0.8, 0.9, 1.0],
         /// The ray of a range finder.
         rangefinder: [f32; 4] = [1.0, 1.0, 0.1, 1.0],
-        /// The anchor of an equality constraint on its second body, and how far a distance is from what it has to be.
+        /// The anchor of an equality constraint on its second body, and the violation of a distance constraint.
         constraint: [f32; 4] = [0.9, 0.0, 0.0, 1.0],
         /// A slider-crank.
         slidercrank: [f32; 4] = [0.5, 0.3, 0.8, 1.0],
-        /// A slider-crank whose rod is too short to reach.
+        /// A slider-crank whose rod is too short.
         crankbroken: [f32; 4] = [0.9, 0.0, 0.0, 1.0],
     }
 }
 
 impl Model {
-    /// How the model is to be shown, as a copy.
+    /// Returns a copy of the visualiser settings.
     ///
-    /// The engine's compiler takes any number from XML; only those that were set with [`ModelMut::visual`] are known to be in
-    /// range. A negative count is read as 0.
+    /// The engine's compiler accepts any number in XML, so only settings from [`ModelMut::visual`] are certain to be in range. A
+    /// negative count is read as 0.
     #[doc(alias = "vis")]
     pub fn visual(&self) -> Visual {
         Visual::read(self.raw().vis)
@@ -254,12 +254,12 @@ impl Model {
 }
 
 impl ModelMut<'_> {
-    /// Changes how the model is to be shown, after checking it: nothing is changed if a setting is out of range. All of them
-    /// are checked, also those that the XML had set.
+    /// Changes the visualiser settings, unless one of them is out of range. The check includes settings that `change` does not
+    /// modify, for example those from the XML.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the setting, its value and what is allowed.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the setting, its value and the valid values. The model is not changed then.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -271,7 +271,7 @@ impl ModelMut<'_> {
     /// })?;
     /// assert_eq!(model.visual().global.offheight, 1080);
     /// let error = model.edit().visual(|visual| visual.map.znear = 0.0).unwrap_err();
-    /// assert_eq!(error.to_string(), "visual.map.znear is 0, but must be at least 1e-6 and below zfar");
+    /// assert_eq!(error.to_string(), "visual.map.znear is 0, but must be at least 1e-6 and less than zfar");
     /// # Ok::<(), Error>(())
     /// ```
     #[doc(alias = "mjVisual")]

@@ -49,15 +49,15 @@ fn a_directory_is_not_a_model() {
 
 #[test]
 fn broken_xml_is_told_with_its_line() {
-    text_of(Model::from_xml_str("<mujoco>\n<worldbody>\n</mujoco>"), &["cannot load the XML given", "Line number=2"]);
+    text_of(Model::from_xml_str("<mujoco>\n<worldbody>\n</mujoco>"), &["cannot load the given XML", "Line number=2"]);
     text_of(
         Model::from_xml_str("<mujoco>\n  <worldbod/>\n</mujoco>"),
         &["unrecognized element", "'worldbod'", "line 2"],
     );
     text_of(Model::from_xml_str("<mujoco>\n\n<option timestep='soon'/></mujoco>"), &["'timestep'", "line 3"]);
     text_of(Model::from_xml_str("<mujoco>\n<worldbody>\n<geom/></worldbody></mujoco>"), &["line = 3"]);
-    text_of(Model::from_xml_str(""), &["cannot load the XML given"]);
-    text_of(Model::from_xml_str("not XML at all"), &["cannot load the XML given"]);
+    text_of(Model::from_xml_str(""), &["cannot load the given XML"]);
+    text_of(Model::from_xml_str("not XML at all"), &["cannot load the given XML"]);
     text_of(Model::from_xml_str("<html/>"), &["html"]);
     let file = File::new("broken.xml", "<mujoco>\n\n  <worldbod/></mujoco>");
     text_of(Model::from_xml_path(&file.0), &["broken.xml", "'worldbod'", "line 3"]);
@@ -78,7 +78,7 @@ fn a_file_with_a_bad_name_or_twice_or_empty_is_told() {
     text_of(load(&[("a\0.xml", b"x")]), &["NUL byte at position 1"]);
     let many: Vec<String> = (0..2100).map(|file| format!("{file}.xml")).collect();
     let many: Vec<(&str, &[u8])> = many.iter().map(|name| (name.as_str(), &b"x"[..])).collect();
-    text_of(load(&many), &["one too many"]);
+    text_of(load(&many), &["beyond the limit"]);
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn an_explosion_in_the_middle_of_a_step_is_told_and_only_a_reset_helps() {
 #[test]
 fn a_stack_that_is_too_small_is_told_and_the_data_refuses_all_but_a_reset() {
     // The compiler takes a step, too.
-    text_of(trouble::with_stack(10), &["cannot load the XML given", "Stack overflow"]);
+    text_of(trouble::with_stack(10), &["cannot load the given XML", "Stack overflow"]);
     let mut data = Data::new(trouble::overflowing()).unwrap();
     let error = overflow(&mut data);
     assert!(matches!(&error, Error::Engine { function: "mj_step", message } if message == "Stack overflow"), "{error}");

@@ -1,7 +1,8 @@
-//! `package://` URIs of meshes, as ROS writes them into URDF.
+//! Resolution of the `package://` URIs by which ROS names meshes in URDF.
 //!
-//! The engine does not know them: it strips the path and looks for the last part beside the model, and it takes two meshes of one
-//! file name for the same mesh. So the files are read here and handed to the engine in memory, under unique names.
+//! The engine does not support these URIs. It strips the path, searches for the file name in the directory of the model, and
+//! treats two meshes with the same file name as one. This module therefore reads the files and passes them to the engine in
+//! memory, under unique names.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -9,8 +10,8 @@ use std::ffi::OsStr;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::text_check::{Tags, decoded};
 use crate::file;
+use crate::model::xml_guard::{Tags, decoded};
 
 const SCHEME: &str = "package://";
 
@@ -49,10 +50,10 @@ impl Packages {
     }
 }
 
-/// A text whose `package://` URIs were resolved.
+/// Result of resolving the `package://` URIs of a text.
 #[derive(Default)]
 pub(super) struct Resolved<'t> {
-    /// The text, with another file name where two packages have files of one name.
+    /// The text, in which files are renamed if two packages have files of the same name.
     pub(super) text: Cow<'t, [u8]>,
     /// Names and contents of the files.
     pub(super) files: Vec<(String, Vec<u8>)>,
@@ -60,7 +61,7 @@ pub(super) struct Resolved<'t> {
     pub(super) unresolved: Vec<(String, String)>,
 }
 
-/// Reads the meshes that a text names by `package://` URIs. A file of `given` with the same name takes precedence.
+/// Reads the meshes that a text names by `package://` URIs. Files of `given` take precedence over files of the same name.
 pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &[u8])]) -> Resolved<'t> {
     let mut resolved = Resolved { text: Cow::Borrowed(text), ..Resolved::default() };
     let mut names: HashMap<PathBuf, String> = HashMap::new();
@@ -99,7 +100,7 @@ pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &
             renamed.push((range, names[&path].clone()));
         }
     }
-    // The engine must not take a file of another package for one that is missing.
+    // Rename missing files too, so that the engine does not use a file of the same name from another package.
     for (range, uri) in missing {
         if is_taken(last_part(&uri), resolved.files.iter().map(|(name, _)| &name[..])) {
             renamed.push((range, unique_name(&uri)));
@@ -112,26 +113,26 @@ pub(super) fn resolve<'t>(text: &'t [u8], packages: &Packages, given: &[(&str, &
     resolved
 }
 
-/// The path of a mesh, given the URI without its scheme.
+/// Returns the path of a mesh, given the URI without its scheme.
 fn locate(uri: &str, packages: &Packages) -> Result<PathBuf, String> {
     let (package, inside) = uri.split_once('/').unwrap_or((uri, ""));
     let directory = packages.directory(package).ok_or_else(|| {
-        format!("no directory of the package '{package}' is known: see LoadOptions::with_package and with_package_path")
+        format!("the directory of package '{package}' is unknown; set it with LoadOptions::with_package or with_package_path")
     })?;
     let path = directory.join(inside);
     if has_known_format(&path) {
         Ok(path)
     } else {
-        Err(format!("{SCHEME}{uri} is not a mesh of a format that the engine reads: {}", FORMATS.join(", ")))
+        Err(format!("{SCHEME}{uri} is not a mesh in a format that the engine supports: {}", FORMATS.join(", ")))
     }
 }
 
-/// A file name that contains the whole URI.
+/// Returns a file name that contains the whole URI.
 fn unique_name(uri: &str) -> String {
     uri.replace(['/', '\\'], "-")
 }
 
-/// The `package://` URIs of meshes without the scheme, and the ranges of the attribute values.
+/// Finds the `package://` URIs of meshes. Returns them without the scheme, with the ranges of the attribute values.
 fn uris(text: &[u8]) -> impl Iterator<Item = (Range<usize>, String)> {
     Tags::new(text).filter(|tag| tag.name == b"mesh").filter_map(|tag| {
         let range = tag.attribute_range(b"filename")?;
@@ -140,7 +141,7 @@ fn uris(text: &[u8]) -> impl Iterator<Item = (Range<usize>, String)> {
     })
 }
 
-/// Returns `true` if the engine could take one of `names` for `name`: it compares the last parts and ignores case.
+/// Returns `true` if the engine could confuse one of `names` with `name`. It compares the last parts of paths and ignores case.
 fn is_taken<'n>(name: &str, mut names: impl Iterator<Item = &'n str>) -> bool {
     names.any(|taken| last_part(taken).eq_ignore_ascii_case(name))
 }
@@ -154,7 +155,7 @@ fn has_known_format(path: &Path) -> bool {
     FORMATS.iter().any(|known| known.eq_ignore_ascii_case(extension))
 }
 
-/// The text with other attribute values at some ranges, which are in ascending order.
+/// Replaces the attribute values at the given ranges, which are in ascending order.
 fn replace(text: &[u8], values: &[(Range<usize>, String)]) -> Vec<u8> {
     let mut result = Vec::with_capacity(text.len());
     let mut done = 0;

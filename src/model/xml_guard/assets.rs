@@ -1,30 +1,30 @@
-//! A look at meshes, skins, height fields and textures before the compiler's readers see them. These compute sizes with C ints
-//! that overflow, and do not look at the indices of vertices.
+//! Validation of mesh, skin, height field and texture files before the compiler reads them. The compiler's readers compute sizes
+//! in C ints, which overflow, and do not check the indices of vertices.
 
 use std::borrow::Cow;
 
-use super::file::{Files, Found, directory, shown};
+use super::files::{Files, Found, abbreviated, directory};
 
-/// Numbers in the image of a texture or in a height field.
+/// Largest number of values in the image of a texture or in a height field.
 pub(super) const MOST_NUMBERS: u64 = 500_000_000;
-/// Bytes of a file; the engine counts them with a C int.
-const LONGEST: usize = 1 << 30;
+/// Largest size of a file in bytes; the engine stores it in a C int.
+const LARGEST_FILE: usize = 1 << 30;
 
-/// What the compiler takes a file for.
+/// File format by the compiler's rules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Format {
     Msh,
     Obj,
     Skin,
-    /// A texture as PNG.
+    /// Texture in PNG format.
     Png,
-    /// A height field as PNG.
+    /// Height field in PNG format.
     HeightPng,
-    /// A height field in the engine's own format.
+    /// Height field in the engine's own format.
     HeightField,
-    /// A texture in the engine's own format.
+    /// Texture in the engine's own format.
     Texture,
-    /// Checked by the compiler, or unknown to it.
+    /// A format that the compiler checks itself or does not support.
     Other,
 }
 
@@ -43,9 +43,9 @@ impl Format {
         }
     }
 
-    /// What is wrong with the content of such a file. What the compiler refuses itself need not be found.
-    pub(super) fn fault(self, path: &[u8], content: &[u8], files: &Files<'_>) -> Option<&'static str> {
-        if content.len() > LONGEST {
+    /// Returns the reason to reject the contents of a file. Does not search for errors that the compiler itself reports.
+    pub(super) fn reject(self, path: &[u8], content: &[u8], files: &Files<'_>) -> Option<&'static str> {
+        if content.len() > LARGEST_FILE {
             return Some("is larger than 1 GiB");
         }
         if content.len() < self.header() {
@@ -62,7 +62,7 @@ impl Format {
         }
     }
 
-    /// Bytes at the beginning of a file that the compiler reads, whether they are there or not.
+    /// Returns the number of bytes at the start of a file that the compiler reads without checking the length of the file.
     fn header(self) -> usize {
         match self {
             Self::Msh | Self::Skin => 16,
@@ -71,12 +71,12 @@ impl Format {
         }
     }
 
-    /// Whether the compiler tells by the end of the whole path what is in the file.
+    /// Returns `true` if the compiler determines the format from the end of the whole path.
     pub(super) fn is_grid(self) -> bool {
         matches!(self, Self::Png | Self::HeightPng | Self::HeightField | Self::Texture)
     }
 
-    /// The rows and columns of a height field, if that is what the file has.
+    /// Returns the rows and columns if the file is a height field.
     pub(super) fn rows_and_columns(self, content: &[u8]) -> Option<[u64; 2]> {
         match self {
             Self::HeightField => header(content),
@@ -86,17 +86,17 @@ impl Format {
     }
 }
 
-/// The name of a file and what is wrong with it.
-pub(super) fn message(name: &[u8], fault: &str) -> String {
-    format!("the file '{}' {fault}", shown(name))
+/// Returns the message for a rejected file.
+pub(super) fn message(name: &[u8], reason: &str) -> String {
+    format!("the file '{}' {reason}", abbreviated(name))
 }
 
-/// The 32-bit words of a file, in the order of the machine, as the compiler reads them.
+/// Returns the 32-bit words of a file in native byte order, as the compiler reads them.
 fn words(content: &[u8]) -> impl Iterator<Item = i32> {
     content.as_chunks().0.iter().map(|&word| i32::from_ne_bytes(word))
 }
 
-/// The integers of a header, each not negative.
+/// Reads the integers of a header, or returns `None` if one of them is negative.
 fn header<const N: usize>(content: &[u8]) -> Option<[u64; N]> {
     let mut header = [0; N];
     let mut words = words(content);
@@ -106,8 +106,8 @@ fn header<const N: usize>(content: &[u8]) -> Option<[u64; N]> {
     Some(header)
 }
 
-const WRONG_SIZE: &str = "has another size than its header says";
-const WRONG_FACE: &str = "has a face of a vertex that it does not have";
+const WRONG_SIZE: &str = "has a size that contradicts its header";
+const WRONG_FACE: &str = "has a face with a nonexistent vertex";
 const NOT_FINITE: &str = "has a vertex that is not finite";
 
 fn finite(content: &[u8], reals: u64) -> bool {
@@ -143,14 +143,14 @@ fn skin(content: &[u8]) -> Option<&'static str> {
         let count = words(rest.get(68..)?).next()?;
         let length = 72 + 8 * u64::try_from(count).ok()?;
         match usize::try_from(length).ok().and_then(|length| rest.get(length..)) {
-            Some(behind) => rest = behind,
+            Some(tail) => rest = tail,
             None => return Some(WRONG_SIZE),
         }
     }
     (!rest.is_empty()).then_some(WRONG_SIZE)
 }
 
-/// Two sizes and as many cells of `width` bytes.
+/// Checks a file of two sizes, followed by cells of `width` bytes.
 fn grid(content: &[u8], width: u64) -> Option<&'static str> {
     let [rows, columns] = header(content)?;
     let cells = content.len() as u64 - 8;
@@ -165,28 +165,28 @@ fn png(content: &[u8]) -> Option<&'static str> {
     is_large(width, height).then_some(LARGE)
 }
 
-/// Width and height of an image.
+/// Returns the width and height of a PNG image.
 fn png_size(content: &[u8]) -> Option<[u64; 2]> {
-    // Behind the signature and the head of the first chunk.
+    // The sizes follow the signature and the header of the first chunk.
     let (&[width, height], _) = content.get(16..)?.as_chunks().0.split_first_chunk()?;
     Some([width, height].map(|size| u64::from(u32::from_be_bytes(size))))
 }
 
-const LARGE: &str = "is an image of too many pixels";
+const LARGE: &str = "is an image with too many pixels";
 
-/// Whether a size of the image overflows. The compiler makes a texture of six squares of a square one.
+/// Returns `true` if a size computed from the image overflows. From a square image the compiler makes a texture of six squares.
 fn is_large(width: u64, height: u64) -> bool {
     let pixels = width.saturating_mul(height);
     pixels > MOST_NUMBERS / 3 || width == height && pixels > i32::MAX as u64 / 18
 }
 
-/// The lines of a text, with what is before them removed.
+/// Returns the lines of a text without leading whitespace.
 fn lines(content: &[u8]) -> impl Iterator<Item = &[u8]> {
     content.split(|byte| b"\n\r".contains(byte)).map(<[u8]>::trim_ascii_start)
 }
 
-/// What is behind a word at the beginning of a line.
-fn behind<'l>(line: &'l [u8], word: &[u8]) -> Option<&'l [u8]> {
+/// Returns the rest of a line that starts with a word.
+fn after_word<'l>(line: &'l [u8], word: &[u8]) -> Option<&'l [u8]> {
     line.strip_prefix(word).filter(|rest| matches!(rest.first(), Some(b' ' | b'\t')))
 }
 
@@ -195,16 +195,16 @@ fn fields(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 }
 
 fn obj(content: &[u8]) -> Option<&'static str> {
-    const ODD: &str = "has a face that is not three or more vertices as in 1, 1/2, 1//3 or 1/2/3";
+    const MALFORMED: &str = "has a face that is not three or more vertices of the form 1, 1/2, 1//3 or 1/2/3";
     const MIXED: &str =
-        "has a face without a normal or texture coordinate, though there are some: the engine needs all or none";
-    let count = |word: &[u8]| lines(content).filter(|line| behind(line, word).is_some()).count() as i64;
+        "has a face without a normal or texture coordinate, although it has some: the engine requires all or none";
+    let count = |word: &[u8]| lines(content).filter(|line| after_word(line, word).is_some()).count() as i64;
     let all = [count(b"v"), count(b"vt"), count(b"vn")];
     let mut seen = [0; 3];
     let mut faces = 0;
     for line in lines(content) {
         for (number, word) in seen.iter_mut().zip([&b"v"[..], b"vt", b"vn"]) {
-            if let Some(rest) = behind(line, word) {
+            if let Some(rest) = after_word(line, word) {
                 *number += 1;
                 let finite =
                     |field: &[u8]| std::str::from_utf8(field).is_ok_and(|it| it.parse().is_ok_and(f32::is_finite));
@@ -213,58 +213,58 @@ fn obj(content: &[u8]) -> Option<&'static str> {
                 }
             }
         }
-        let Some(rest) = behind(line, b"f") else { continue };
+        let Some(rest) = after_word(line, b"f") else { continue };
         faces += 1;
         if fields(rest).count() < 3 {
-            return Some(ODD);
+            return Some(MALFORMED);
         }
         for vertex in fields(rest) {
             let mut indices = vertex.split(|&byte| byte == b'/');
             for part in 0..3 {
                 let index = indices.next().unwrap_or_default();
                 if index.is_empty() && part > 0 {
-                    // Without one the engine reads before the first.
+                    // Without an index the engine reads before the first element.
                     if all[part] > 0 {
                         return Some(MIXED);
                     }
                     continue;
                 }
                 let Some(index) = std::str::from_utf8(index).ok().and_then(|index| index.parse::<i64>().ok()) else {
-                    return Some(ODD);
+                    return Some(MALFORMED);
                 };
                 let index = if index < 0 { seen[part] + index } else { index - 1 };
                 if !(0..all[part]).contains(&index) {
                     return Some(if part == 0 {
                         WRONG_FACE
                     } else {
-                        "has a face of a normal or texture coordinate that it does not have"
+                        "has a face with a nonexistent normal or texture coordinate"
                     });
                 }
             }
             if indices.next().is_some() {
-                return Some(ODD);
+                return Some(MALFORMED);
             }
         }
     }
     if faces == 0 && all[0] < 4 {
-        return Some("has no face, and fewer than the four vertices of a convex hull");
+        return Some("has no face, and fewer than the four vertices that a convex hull needs");
     }
-    // Without faces the numbers are taken as they are.
+    // Without faces, the counts must match each other.
     (faces == 0 && all[1..].iter().any(|&count| count != 0 && count != all[0])).then_some(MIXED)
 }
 
-/// The reader opens the files of materials.
+/// Rejects names of material files that are not regular files, because the OBJ reader opens them.
 fn materials(path: &[u8], content: &[u8], files: &Files<'_>) -> Option<&'static str> {
-    // That of a file in memory does not.
+    // The reader of files in memory ignores materials.
     if matches!(files.find(path), Found::Content(Cow::Borrowed(_))) {
         return None;
     }
     lines(content)
-        .filter_map(|line| behind(line, b"mtllib"))
+        .filter_map(|line| after_word(line, b"mtllib"))
         .flat_map(|rest| fields(rest).chain([rest.trim_ascii()]))
         .any(|name| {
             let irregular = |path: &[u8]| matches!(Files::default().find(path), Found::Rejected(_));
             irregular(name) || irregular(&[directory(path), name].concat())
         })
-        .then_some("names a file of materials that is not a regular file")
+        .then_some("names a material file that is not a regular file")
 }

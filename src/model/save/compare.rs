@@ -1,44 +1,44 @@
-//! The comparison of a model with the model that its text loads as.
+//! Comparison of a model with the model that its text loads as.
 //!
-//! Arrays come from the binary form of both models, in the order of the engine's table of fields. The three structs of settings
-//! come from the engine's memory.
+//! Arrays are read from the binary form of both models, in the order of the engine's table of fields. The three structs of
+//! settings are read from the engine's memory.
 
 use std::collections::HashMap;
 
 use mujoco_sys::{mjMINVAL, mjOption, mjStatistic, mjVisual};
 
-use super::lost::LostEdit;
-use crate::error::{Error, Result};
+use crate::error::{Error, LostEdit, Result};
 use crate::field_docs::Field;
+use crate::id::Kind;
 use crate::model::Model;
 
-/// The largest difference of two numbers that count as equal, relative to the largest number of their row. The text has 17
-/// digits, so that differences come from rounding errors of derived fields, whose condition numbers are far below 1e8.
+/// Largest difference of two numbers that are considered equal, relative to the largest number of their row. The text has 17
+/// digits, so differences come from rounding errors of derived fields, whose condition numbers are far below 1e8.
 const RELATIVE: f64 = 1e-8;
-/// The same for arrays that the engine always writes with six digits: the error of rounding is up to 5e-6.
+/// Relative tolerance for arrays that the engine always writes with six digits: the rounding error is up to 5e-6.
 const RELATIVE_OF_SIX_DIGITS: f64 = 1e-5;
-/// The same for all arrays, where the text has six digits of numbers that the others are derived from: the vertices of a mesh
-/// without a file, or every number with an engine whose precision cannot be set. Moments of inertia have the fifth power of a
-/// length, which multiplies its relative error by five, and their axes are less exact than they are.
+/// Relative tolerance for all arrays, if the text has only six digits of numbers from which others are derived: the vertices of a
+/// mesh without a file, or every number with an engine whose precision cannot be set. Moments of inertia scale with the fifth
+/// power of a length, which multiplies its relative error by five, and their axes are less exact than the moments.
 const RELATIVE_OF_DERIVED: f64 = 1e-4;
-/// The writer prints numbers that are this near to an integer as that integer.
+/// Absolute tolerance: the writer prints numbers that are this close to an integer as that integer.
 const ABSOLUTE: f64 = 1e-12;
-/// Masses and moments of inertia: the engine takes smaller ones for zero.
+/// Absolute tolerance for masses and moments of inertia: the engine treats smaller values as zero.
 const ABSOLUTE_OF_MASS: f64 = mjMINVAL;
 
-/// The arrays of skins, which the engine always writes with six digits if the skin has no file.
+/// Arrays of skins, which the engine always writes with six digits if the skin has no file.
 const SIX_DIGITS: [&str; 3] = ["skin_vert", "skin_texcoord", "skin_bonevertweight"];
 
-/// Notes of the compiler on frames that coincide and bodies that move by themselves. An edit removes them, which makes the
-/// engine slower and changes no result.
-const SHORTCUTS: [&str; 5] = ["body_simple", "body_sameframe", "geom_sameframe", "site_sameframe", "dof_simplenum"];
+/// Flags of the compiler for frames that coincide and bodies that move independently. An edit clears them, which makes the engine
+/// slower and does not change results.
+const CACHED_FLAGS: [&str; 5] = ["body_simple", "body_sameframe", "geom_sameframe", "site_sameframe", "dof_simplenum"];
 
 /// Returns the fields of `model` whose values `reloaded` does not have.
 pub(super) fn lost(model: &Model, reloaded: &Model) -> Result<Vec<LostEdit>> {
     let relative = relative_tolerance(model, reloaded);
     let sizes = sizes(model).zip(sizes(reloaded));
     let mut lost: Vec<LostEdit> =
-        sizes.filter(|(own, other)| own != other).map(|((name, _), _)| LostEdit::of_setting(name.to_owned())).collect();
+        sizes.filter(|(own, other)| own != other).map(|((name, _), _)| of_setting(name)).collect();
     settings(model, reloaded, relative, &mut lost);
     // Arrays can be compared only if they have the same shapes.
     if have_same_sizes(model, reloaded) {
@@ -52,12 +52,12 @@ pub(super) fn have_same_sizes(a: &Model, b: &Model) -> bool {
     sizes(a).eq(sizes(b))
 }
 
-/// Names and values of the model's sizes.
+/// Returns the names and values of the model's sizes.
 fn sizes(model: &Model) -> impl Iterator<Item = (&'static str, i32)> {
     macro_rules! sizes {
         ($($name:ident)*) => { [$((stringify!($name), model.raw().$name)),*] };
     }
-    // `nbuffer` is the sum of the arrays.
+    // `nbuffer` is the size of all arrays together.
     let sizes = sizes! {
         nq nv nu na nbody njnt ngeom nsite ncam nlight nmesh nmeshvert nmeshtexvert nmeshface nmeshgraph nskin nskinvert
         nskintexvert nskinface nskinbone nskinbonevert nhfield nhfielddata ntex ntexdata nmat npair nexclude neq ntendon nwrap
@@ -67,9 +67,9 @@ fn sizes(model: &Model) -> impl Iterator<Item = (&'static str, i32)> {
     sizes.into_iter()
 }
 
-/// The relative tolerance for all numbers. The vertices of meshes cannot be edited, so a difference is one of digits.
+/// Returns the relative tolerance for all numbers. The vertices of meshes cannot be edited, so if they differ, they were rounded.
 fn relative_tolerance(model: &Model, reloaded: &Model) -> f64 {
-    // SAFETY: returns a constant of the shim.
+    // SAFETY: the function returns a constant of the shim.
     let digits = unsafe { mujoco_sys::guard::xml_digits() };
     let is_exact = digits >= 17 && model.mesh_vert() == reloaded.mesh_vert();
     if is_exact { RELATIVE } else { RELATIVE_OF_DERIVED }
@@ -83,7 +83,7 @@ fn agree(own: &[f64], other: &[f64], relative: f64, absolute: f64) -> bool {
     own.iter().zip(other).all(|(&a, &b)| close(a, b))
 }
 
-/// One value of the engine's structs as numbers.
+/// Conversion of a value of the engine's structs to numbers.
 trait Numbers {
     fn numbers(&self) -> Vec<f64>;
 }
@@ -109,12 +109,12 @@ macro_rules! compare {
     ($lost:ident, $relative:ident, $prefix:literal, $type:ident, $own:expr, $other:expr; $($field:ident)*) => {{
         let $type { $($field),* } = $own;
         $(if !agree(&$field.numbers(), &$other.$field.numbers(), $relative, ABSOLUTE) {
-            $lost.push(LostEdit::of_setting(concat!($prefix, stringify!($field)).to_owned()));
+            $lost.push(of_setting(concat!($prefix, stringify!($field))));
         })*
     }};
 }
 
-/// Compares options, statistics, and settings of the visualiser.
+/// Compares options, statistics and visualiser settings.
 fn settings(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<LostEdit>) {
     use mujoco_sys::{
         mjVisual___bindgen_ty_1 as Global, mjVisual___bindgen_ty_2 as Quality, mjVisual___bindgen_ty_3 as Headlight,
@@ -158,17 +158,17 @@ fn arrays(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<LostEdi
     let (own, other) = (model.to_binary()?, reloaded.to_binary()?);
     let fields: Vec<Field> = Model::fields().filter(|field| field.is_array).collect();
     let length: usize =
-        fields.iter().map(|field| extent(field.rows) * extent(field.columns) * element(field.ctype)).sum();
-    // The arrays are the end of both.
-    let bug = || Error::Unsupported("Bug: a binary model that is shorter than its arrays".to_owned());
+        fields.iter().map(|field| extent(field.rows) * extent(field.columns) * element_size(field.ctype)).sum();
+    // Both binary models end with the arrays.
+    let bug = || Error::Unsupported("Bug: a binary model is shorter than its arrays".to_owned());
     let start = |bytes: &[u8]| bytes.len().checked_sub(length).ok_or_else(bug);
     let (mut own, mut other) = (&own[start(&own)?..], &other[start(&other)?..]);
     for field in fields {
-        let (rows, row) = (extent(field.rows), extent(field.columns) * element(field.ctype));
+        let (rows, row) = (extent(field.rows), extent(field.columns) * element_size(field.ctype));
         let (own_field, own_rest) = own.split_at(rows * row);
         let (other_field, other_rest) = other.split_at(rows * row);
         (own, other) = (own_rest, other_rest);
-        if own_field == other_field || SHORTCUTS.contains(&field.name) {
+        if own_field == other_field || CACHED_FLAGS.contains(&field.name) {
             continue;
         }
         let is_mass = ["body_mass", "body_inertia"].contains(&field.name);
@@ -179,14 +179,14 @@ fn arrays(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<LostEdi
         });
         let rows: Vec<usize> = differ.enumerate().filter_map(|(row, differs)| differs.then_some(row)).collect();
         if !rows.is_empty() {
-            lost.push(LostEdit::of_rows(model, &field, &rows));
+            lost.push(of_rows(model, &field, &rows));
         }
     }
     Ok(())
 }
 
-/// The bytes of one element.
-fn element(ctype: &str) -> usize {
+/// Returns the size of one element in bytes.
+fn element_size(ctype: &str) -> usize {
     match ctype {
         "mjtNum" => 8,
         "float" | "int" => 4,
@@ -194,7 +194,7 @@ fn element(ctype: &str) -> usize {
     }
 }
 
-/// The numbers of a row.
+/// Decodes the numbers of a row.
 fn decode(ctype: &str, bytes: &[u8]) -> Vec<f64> {
     let (words, _) = bytes.as_chunks::<4>();
     match ctype {
@@ -203,4 +203,68 @@ fn decode(ctype: &str, bytes: &[u8]) -> Vec<f64> {
         "int" => words.iter().map(|bytes| i32::from_ne_bytes(*bytes).into()).collect(),
         _ => bytes.iter().map(|&byte| byte.into()).collect(),
     }
+}
+
+/// Describes a field that has one value for the whole model.
+fn of_setting(field: &str) -> LostEdit {
+    LostEdit { field: field.to_owned(), elements: Vec::new() }
+}
+
+/// Describes rows of an array.
+fn of_rows(model: &Model, field: &Field, rows: &[usize]) -> LostEdit {
+    let mut elements: Vec<String> = rows.iter().map(|&row| owner_of_row(model, field.rows, row)).collect();
+    elements.dedup();
+    LostEdit { field: field.name.to_owned(), elements }
+}
+
+/// Returns the name or index of the element to which a row of an array belongs. `rows` is the size that counts the rows.
+fn owner_of_row(model: &Model, rows: &str, row: usize) -> String {
+    let (kind, index) = match rows {
+        "nbody" => (Kind::Body, row),
+        "njnt" => (Kind::Joint, row),
+        "nq" => (Kind::Joint, owner(model.jnt_qposadr(), row)),
+        "nv" => (Kind::Joint, owner(model.jnt_dofadr(), row)),
+        "ngeom" => (Kind::Geom, row),
+        "nsite" => (Kind::Site, row),
+        "ncam" => (Kind::Camera, row),
+        "nlight" => (Kind::Light, row),
+        "nmesh" => (Kind::Mesh, row),
+        "nmeshvert" => (Kind::Mesh, owner(model.mesh_vertadr(), row)),
+        "nmeshtexvert" => (Kind::Mesh, owner(model.mesh_texcoordadr(), row)),
+        "nmeshface" => (Kind::Mesh, owner(model.mesh_faceadr(), row)),
+        "nmeshgraph" => (Kind::Mesh, owner(model.mesh_graphadr(), row)),
+        "nskin" => (Kind::Skin, row),
+        "nskinvert" => (Kind::Skin, owner(model.skin_vertadr(), row)),
+        "nskintexvert" => (Kind::Skin, owner(model.skin_texcoordadr(), row)),
+        "nskinface" => (Kind::Skin, owner(model.skin_faceadr(), row)),
+        "nskinbone" => (Kind::Skin, owner(model.skin_boneadr(), row)),
+        "nskinbonevert" => (Kind::Skin, owner(model.skin_boneadr(), owner(model.skin_bonevertadr(), row))),
+        "nhfield" => (Kind::HeightField, row),
+        "nhfielddata" => (Kind::HeightField, owner(model.hfield_adr(), row)),
+        "ntex" => (Kind::Texture, row),
+        "ntexdata" => (Kind::Texture, owner(model.tex_adr(), row)),
+        "nmat" => (Kind::Material, row),
+        "npair" => (Kind::Pair, row),
+        "nexclude" => (Kind::Exclude, row),
+        "neq" => (Kind::Equality, row),
+        "ntendon" => (Kind::Tendon, row),
+        "nwrap" => (Kind::Tendon, owner(model.tendon_adr(), row)),
+        "nu" => (Kind::Actuator, row),
+        "nsensor" => (Kind::Sensor, row),
+        "nnumeric" => (Kind::Numeric, row),
+        "nnumericdata" => (Kind::Numeric, owner(model.numeric_adr(), row)),
+        "ntext" => (Kind::Text, row),
+        "ntextdata" => (Kind::Text, owner(model.text_adr(), row)),
+        "ntuple" => (Kind::Tuple, row),
+        "ntupledata" => (Kind::Tuple, owner(model.tuple_adr(), row)),
+        "nkey" => (Kind::Keyframe, row),
+        _ => return row.to_string(),
+    };
+    model.name_at(kind, index).map_or_else(|| index.to_string(), str::to_owned)
+}
+
+/// Returns the element whose data contain a row: the last element that starts at or before it. The start of an element without
+/// data is -1.
+fn owner(starts: &[i32], row: usize) -> usize {
+    starts.iter().rposition(|&start| usize::try_from(start).is_ok_and(|start| start <= row)).unwrap_or(0)
 }

@@ -1,41 +1,42 @@
-//! Numbers in a text that decide how much the compiler allocates, and how far it writes.
+//! Limits on numbers in a text that determine how much the compiler allocates, and how far it writes.
 
-use super::asset::MOST_NUMBERS;
-use super::tag::{Tag, numbers};
+use super::assets::MOST_NUMBERS;
+use super::tags::{Tag, numbers};
 
-/// Keyframes, and user numbers of an element: beyond any use, and below what takes minutes or all memory.
+/// Largest number of keyframes and of user numbers of an element: more than any model needs, and few enough not to take minutes
+/// or all memory.
 const MOST_KEYS: u64 = 10_000;
 const MOST_USER: u64 = 10_000;
-/// Numbers in an element of `custom`: the compiler reads them into an array of so many.
+/// Largest amount of data in an element of `custom`: the size of the compiler's array for them.
 const MOST_CUSTOM: u64 = 500;
-/// Vertices of the skin of a composite.
+/// Largest number of vertices of the skin of a composite.
 const MOST_SKIN: u64 = 4_000_000;
 
-/// An attribute's number; `otherwise` if there is none, and a very large one if it cannot be told.
-fn size(tag: &Tag<'_>, name: &[u8], otherwise: u64) -> u64 {
-    tag.attribute(name).map_or(otherwise, |value| {
+/// Returns the number in an attribute, `default` if the attribute is missing, and a very large number if it cannot be parsed.
+fn size(tag: &Tag<'_>, name: &[u8], default: u64) -> u64 {
+    tag.attribute(name).map_or(default, |value| {
         std::str::from_utf8(value.trim_ascii())
             .ok()
             .and_then(|value| value.parse::<f64>().ok())
-            // The compiler's parser leaves away what does not fit into a C int.
+            // The compiler's parser truncates numbers that do not fit into a C int.
             .filter(|&value| value >= f64::from(i32::MIN))
             .map_or(u64::MAX, |value| value.max(0.0) as u64)
     })
 }
 
-/// Sizes at which a product of them overflows in the compiler or takes all memory, and faces of vertices that a mesh does not
-/// have. `composite` is the count of the composite that the tag is in.
-pub(super) fn fault(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
+/// Returns the reason to reject a tag: sizes whose product overflows in the compiler or takes all memory, or faces of a mesh with
+/// nonexistent vertices. `composite` is the count of the composite that contains the tag.
+pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
     let too_many = |name: &str, most: u64| Some(format!("{name} must be an integer of at most {most}"));
     match tag.name {
         b"texture" => {
             let width = size(tag, b"width", 0);
-            // A cube is six squares.
+            // A cube map is six squares.
             let height = size(tag, b"height", 0).max(width.saturating_mul(6));
             let gridsize = tag.attribute(b"gridsize").unwrap_or_default();
             let mut grid = numbers(&gridsize);
             if grid.any(|number| number.is_none_or(|number| number > 12)) {
-                return Some("a gridsize of more than 12".to_owned());
+                return Some("a gridsize must be at most 12".to_owned());
             }
             (width.saturating_mul(height).saturating_mul(3) > MOST_NUMBERS).then(|| "a texture is too large".to_owned())
         }
@@ -54,7 +55,7 @@ pub(super) fn fault(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         b"numeric" => {
             let data = numbers(&tag.attribute(b"data").unwrap_or_default()).count() as u64;
             (size(tag, b"size", 1) > MOST_CUSTOM || data > MOST_CUSTOM)
-                .then(|| format!("a custom numeric of more than {MOST_CUSTOM} numbers"))
+                .then(|| format!("a custom numeric has more than {MOST_CUSTOM} numbers"))
         }
         b"skin" if !composite.is_empty() => {
             let subgrid = size(tag, b"subgrid", 0).min(MOST_SKIN);
@@ -68,7 +69,7 @@ pub(super) fn fault(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
 }
 
 fn mesh(tag: &Tag<'_>) -> Option<String> {
-    // What a file has would be mixed with what the text has, of other lengths.
+    // The compiler would combine arrays of different lengths from the file and the text.
     if let Some(array) =
         [&b"vertex"[..], b"normal", b"texcoord", b"face"].into_iter().find(|name| tag.attribute(name).is_some())
         && tag.attribute(b"file").is_some()
@@ -85,5 +86,5 @@ fn mesh(tag: &Tag<'_>) -> Option<String> {
     let vertices = numbers(&vertex).count() / 3;
     let outside = numbers(&tag.attribute(b"face")?)
         .find(|vertex| !vertex.is_some_and(|vertex| usize::try_from(vertex).is_ok_and(|it| it < vertices)));
-    outside.map(|_| format!("a face of a mesh has something other than its vertices, 0 to {}", vertices.max(1) - 1))
+    outside.map(|_| format!("a face of a mesh has an index that is not a vertex from 0 to {}", vertices.max(1) - 1))
 }

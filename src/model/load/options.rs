@@ -37,8 +37,8 @@ pub struct LoadOptions<'a> {
 
 impl<'a> LoadOptions<'a> {
     /// Adds a file in memory: an included text, a mesh (`.stl`, `.obj`, `.msh`), a skin, a height field or a texture (`.png`, or
-    /// the engine's own formats). The compiler compares the part of a name behind the last slash and ignores case, so two files
-    /// must not differ by their folder alone. Files in memory take precedence over files on disk.
+    /// the engine's own formats). The compiler compares the part of a name after the last slash and ignores case, so two files
+    /// must not differ only in their directories. Files in memory take precedence over files on disk.
     #[must_use]
     #[doc(alias = "mjVFS")]
     #[doc(alias = "mj_defaultVFS")]
@@ -58,7 +58,7 @@ impl<'a> LoadOptions<'a> {
         self
     }
 
-    /// Sets the directory of a package, in which `package://name/…` looks for meshes.
+    /// Sets the directory of a package, to which `package://name/…` URIs of meshes are relative.
     #[must_use]
     pub fn with_package(mut self, name: impl Into<String>, directory: impl Into<PathBuf>) -> Self {
         self.packages.add(name.into(), directory.into());
@@ -67,7 +67,7 @@ impl<'a> LoadOptions<'a> {
 
     /// Adds directories in which packages are searched for, separated as in the `PATH` of the platform: the value of
     /// `ROS_PACKAGE_PATH` or `AMENT_PREFIX_PATH`, for example. In each directory, the package `name` is `name`, `share/name`, or
-    /// the directory itself if that is called `name`; the first match in the order of the list counts. Deeper directories are not
+    /// the directory itself if its name is `name`. The first match in the order of the list is used. Subdirectories are not
     /// searched.
     #[must_use]
     pub fn with_package_path(mut self, list: impl AsRef<OsStr>) -> Self {

@@ -1,19 +1,20 @@
-//! The length ranges of actuators, found by simulation.
+//! Length ranges of actuators, computed by simulation.
 //!
-//! The engine pulls at an actuator from both sides, and steps until a time is reached. An unstable step puts the time back to
-//! zero, and 2.2.2 does not see it: it would go on for ever. So its function is not called, and a text in which the compiler
-//! may come to call it is compiled without first ([`Simulation`]).
+//! The engine's function drives an actuator to both ends of its range, and steps until a given time. An unstable step resets the
+//! time to zero, which 2.2.2 does not detect, so the function may never return. This module implements the same algorithm and does
+//! not call that function. If the compiler may call it for a text, the text is first compiled with the function disabled, and
+//! [`MuscleSimulation`] runs the algorithm on the resulting model.
 
 use mujoco_sys::{self as sys, mjBIAS_MUSCLE, mjBIAS_USER, mjGAIN_MUSCLE, mjGAIN_USER};
 use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
 
-use super::{Model, ModelMut};
-use crate::data::Data;
+use super::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::ActuatorId;
+use crate::model::{Model, ModelMut};
 
-/// Which actuators [`ModelMut::set_length_range`] does something for.
+/// Actuators that [`ModelMut::set_length_range`] processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[doc(alias = "mjtLRMode")]
 pub enum LengthRangeMode {
@@ -23,7 +24,7 @@ pub enum LengthRangeMode {
     /// Muscles.
     #[doc(alias = "mjLRMODE_MUSCLE")]
     Muscle,
-    /// Muscles, and actuators with a gain or bias of the user's.
+    /// Muscles, and actuators with a user-defined gain or bias.
     #[doc(alias = "mjLRMODE_MUSCLEUSER")]
     MuscleUser,
     /// All.
@@ -31,27 +32,27 @@ pub enum LengthRangeMode {
     All,
 }
 
-/// How [`ModelMut::set_length_range`] goes about it. The defaults are the engine's.
+/// Options of [`ModelMut::set_length_range`]. The defaults are those of the engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias = "mjLROpt")]
 pub struct LengthRangeOptions {
-    /// Which actuators are processed.
+    /// Actuators to process.
     pub mode: LengthRangeMode,
-    /// Whether a range that there is is kept.
+    /// `true` to keep an existing range.
     pub useexisting: bool,
-    /// Whether the limits of joints and tendons are taken where there are some.
+    /// `true` to use the limits of the joint or tendon, if it is limited.
     pub uselimit: bool,
-    /// The acceleration that the force is made for.
+    /// Target acceleration, from which the force is computed.
     pub accel: f64,
-    /// The largest force; 0 for no limit.
+    /// Largest force; 0 for no limit.
     pub maxforce: f64,
-    /// The time constant with which velocities are reduced, s; at least 0.01.
+    /// Time constant by which velocities are damped, s; at least 0.01.
     pub timeconst: f64,
-    /// How long is simulated for each end of the range, s.
+    /// Simulated time for each end of the range, s.
     pub inttotal: f64,
-    /// How much of that, at the end, the lengths are taken from, s.
+    /// Evaluation interval at the end of the simulated time, s.
     pub inteval: f64,
-    /// How much the length may vary at the end, as a part of the range.
+    /// Largest variation of the length in the evaluation interval, as a fraction of the range.
     pub tolrange: f64,
 }
 
@@ -71,9 +72,9 @@ impl Default for LengthRangeOptions {
     }
 }
 
-/// More steps than this are refused: at the speed of a small model they take minutes.
+/// Limit on the steps of one call: at the speed of a small model they take minutes.
 const MOST_STEPS: f64 = 1e7;
-/// The same for all the actuators of a text, whose simulation nobody asked for by a call.
+/// Limit on the steps for all actuators of a text together, whose simulation no call has requested explicitly.
 const MOST_STEPS_OF_A_TEXT: f64 = 1e6;
 
 impl LengthRangeOptions {
@@ -89,7 +90,7 @@ impl LengthRangeOptions {
                 "inteval",
                 self.inteval,
                 positive(self.inteval) && self.inteval <= self.inttotal,
-                "positive, up to inttotal",
+                "positive and at most inttotal",
             ),
             ("tolrange", self.tolrange, not_negative(self.tolrange), "not negative"),
             ("inttotal", self.inttotal, self.inttotal / timestep <= MOST_STEPS, "at most ten million time steps"),
@@ -101,7 +102,7 @@ impl LengthRangeOptions {
 }
 
 impl Model {
-    fn is_left_out(&self, index: usize, mode: LengthRangeMode) -> bool {
+    fn is_excluded(&self, index: usize, mode: LengthRangeMode) -> bool {
         let is = |gain: u32, bias: u32| {
             self.actuator_gaintype()[index] == gain as i32 || self.actuator_biastype()[index] == bias as i32
         };
@@ -114,7 +115,7 @@ impl Model {
         }
     }
 
-    /// The limits of the joint or tendon that an actuator acts on.
+    /// Returns the limits of the joint or tendon on which an actuator acts.
     fn limit_of_transmission(&self, index: usize) -> Option<[f64; 2]> {
         let target = ffi::size(self.actuator_trnid()[index][0]);
         let transmission = self.actuator_trntype()[index] as u32;
@@ -129,22 +130,22 @@ impl Model {
 }
 
 impl ModelMut<'_> {
-    /// Finds the length range of an actuator by pulling it to both ends in simulation, writes it to `actuator_lengthrange`, and
-    /// returns what is there then. Where the options say that nothing is to be done, nothing is.
+    /// Computes the length range of an actuator by driving it to both ends in simulation, writes it to `actuator_lengthrange`, and
+    /// returns it. If the options exclude the actuator, returns the existing range.
     ///
-    /// This is the engine's algorithm step by step. Its own function is not called, because in 2.2.2 it does not return for some
-    /// models whose simulation is unstable, and looks up the limits of the wrong joint for all actuators but the first. The
-    /// compiler, when it does the same, switches off contacts, friction loss, passive
-    /// forces, gravity and actuation for it; here the options are those of the model.
+    /// The algorithm is that of the engine. The engine's own function is not called, because in 2.2.2 it does not return for some
+    /// models whose simulation is unstable, and uses the limits of the wrong joint for all actuators except the first. When the
+    /// compiler computes length ranges, it disables contacts, friction loss, passive forces, gravity and actuation; this function
+    /// uses the options of the model.
     ///
     /// # Errors
     ///
     /// [`Error::Invalid`] for options out of range, [`Error::Unstable`] if the simulation is unstable, [`Error::Unsupported`] if
-    /// the ends do not differ or the length does not settle, and the errors of [`Data::step1`]. The range is as before then.
+    /// the range is empty or the length does not settle, and the errors of [`Data::step1`]. The range is unchanged then.
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{DisableFlags, LengthRangeMode, LengthRangeOptions, Model};
@@ -174,7 +175,7 @@ impl ModelMut<'_> {
         self.check_id(actuator);
         options.check(self.timestep())?;
         let index = actuator.index();
-        if self.is_left_out(index, options.mode) {
+        if self.is_excluded(index, options.mode) {
             return Ok(self.actuator_lengthrange()[index]);
         }
         let [low, high] = self.actuator_lengthrange()[index];
@@ -193,37 +194,37 @@ impl ModelMut<'_> {
         let mut data = Data::new(self.try_clone()?)?;
         let mut ends = [[0.0; 2]; 2];
         for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
-            *end = pull(&mut data, index, sign, options)?;
+            *end = drive(&mut data, index, sign, options)?;
         }
-        let [[shortest, shortest_up_to], [longest_from, longest]] = ends;
-        let settled = |from: f64, to: f64| to - from <= options.tolrange * (longest - shortest);
+        let [[shortest, short_max], [long_min, longest]] = ends;
+        let has_settled = |min: f64, max: f64| max - min <= options.tolrange * (longest - shortest);
         let problem = if longest <= shortest {
             "is empty"
-        } else if !settled(shortest, shortest_up_to) || !settled(longest_from, longest) {
+        } else if !has_settled(shortest, short_max) || !has_settled(long_min, longest) {
             "does not settle"
         } else {
             return Ok([shortest, longest]);
         };
         Err(Error::Unsupported(format!(
-            "the length range of actuator {index} {problem}: from [{shortest}, {shortest_up_to}] to [{longest_from}, \
-             {longest}]"
+            "the length range of actuator {index} {problem}: from [{shortest}, {short_max}] to [{long_min}, {longest}]"
         )))
     }
 }
 
-/// The shortest and the longest length at the end of a simulation in which an actuator pulls to one side.
-fn pull(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions) -> Result<[f64; 2]> {
+/// Simulates an actuator that pulls (`sign` -1) or pushes (1), and returns the smallest and the largest length in the evaluation
+/// interval.
+fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions) -> Result<[f64; 2]> {
     data.reset()?;
     let nv = data.model().nv();
     let decay = (-data.model().timestep() / options.timeconst.max(0.01)).exp();
     let (mut moment, mut unit) = (vec![0.0; nv], vec![0.0; nv]);
-    // SAFETY: for both calls below, a vector of nv numbers.
+    // SAFETY: in both calls below, the argument is a vector of nv numbers.
     let norm = |vector: &[f64]| unsafe { sys::mju_norm(vector.as_ptr(), nv as i32) }.max(sys::mjMINVAL);
     let mut lengths: Option<[f64; 2]> = None;
     while data.time() < options.inttotal {
         data.qvel_mut().iter_mut().for_each(|velocity| *velocity *= decay);
         data.step1()?;
-        // The force that accelerates with `accel`.
+        // Compute the force that results in the acceleration `accel`.
         moment.copy_from_slice(data.actuator_moment().row(index));
         data.solve_m(&mut unit, &moment)?;
         let scale = sign * options.accel / norm(&unit);
@@ -245,31 +246,31 @@ fn pull(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions) 
     Ok(lengths.unwrap_or_default())
 }
 
-/// The simulations that the compiler makes for a text, as the text has it.
+/// Settings in a text of the simulations by which the compiler computes length ranges.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Simulation {
-    pub(super) options: LengthRangeOptions,
-    /// The time step, s; that of the model if it is not positive.
-    pub(super) timestep: f64,
+pub(crate) struct MuscleSimulation {
+    pub(crate) options: LengthRangeOptions,
+    /// Time step, s; that of the model if it is not positive.
+    pub(crate) timestep: f64,
 }
 
-impl Simulation {
-    /// Makes them on a model that was compiled without them. The error says which of them does not come to an end.
-    pub(super) fn check(&self, model: &mut Model) -> Result<(), String> {
+impl MuscleSimulation {
+    /// Runs the simulations on a model that was compiled without them. Returns a message if one of them fails or is too long.
+    pub(crate) fn check(&self, model: &mut Model) -> Result<(), String> {
         let Self { options, timestep } = self;
         let is_simulated = |index: usize, model: &Model| {
             let [low, high] = model.actuator_lengthrange()[index];
             let is_known = (options.useexisting && low < high)
                 || (options.uselimit && model.limit_of_transmission(index).is_some());
-            !is_known && !model.is_left_out(index, options.mode)
+            !is_known && !model.is_excluded(index, options.mode)
         };
         let actuators: Vec<usize> = (0..model.nu()).filter(|&index| is_simulated(index, model)).collect();
         if actuators.is_empty() {
             return Ok(());
         }
-        // The compiler has not yet put the user's statistics in the place of its own.
+        // Recompute the statistics: at this point the compiler has not yet replaced them by those of the user.
         model.edit().update_constants().map_err(|error| error.to_string())?;
-        // Not through the checked options: what the text has in the others is not at issue.
+        // Bypass the check of `ModelMut::options`, because the other options of the text are irrelevant here.
         let option = &mut model.raw_mut().opt;
         option.disableflags = (sys::mjDSBL_FRICTIONLOSS
             | sys::mjDSBL_CONTACT
@@ -280,16 +281,16 @@ impl Simulation {
             option.timestep = *timestep;
         }
         let steps = 2.0 * actuators.len() as f64 * options.inttotal / option.timestep;
-        // What is not a number ends the compiler's loop at once.
+        // If the number of steps is NaN, the compiler's loop terminates at once.
         if steps > MOST_STEPS_OF_A_TEXT || option.timestep <= 0.0 {
-            return Err(format!("the lengthrange of the muscles needs {steps:e} steps; a million is allowed"));
+            return Err(format!("the lengthrange of the muscles needs {steps:e} steps; at most a million are allowed"));
         }
         let mut data = model.try_clone().and_then(Data::new).map_err(|error| error.to_string())?;
         for actuator in actuators {
             for sign in [-1.0, 1.0] {
-                pull(&mut data, actuator, sign, options).map_err(|error| match error {
+                drive(&mut data, actuator, sign, options).map_err(|error| match error {
                     Error::Unstable(_) => format!(
-                        "the simulation for the lengthrange of actuator {actuator} is unstable; give it a lengthrange"
+                        "the simulation for the lengthrange of actuator {actuator} is unstable; set its lengthrange in the XML"
                     ),
                     error => error.to_string(),
                 })?;

@@ -1,4 +1,4 @@
-//! Where the compiler looks for the files that a text names.
+//! Lookup of the files that a text names, by the compiler's rules.
 
 use std::borrow::Cow;
 use std::ffi::OsStr;
@@ -7,25 +7,26 @@ use std::path::Path;
 
 use crate::file;
 
-/// Where the compiler will look for files: in memory, by their names without a path, and then on the disk.
+/// Sources of files in the order in which the compiler searches them: in memory, by names without a path, and then on disk.
 #[derive(Default)]
 pub(in crate::model) struct Files<'f> {
     pub(in crate::model) memory: &'f [(&'f str, &'f [u8])],
-    /// The directory that names are relative to, with its slash; that of the process if empty.
+    /// Base directory for relative names, with a trailing slash. If empty, the working directory of the process.
     pub(in crate::model) directory: &'f [u8],
 }
 
-/// What is behind a name.
+/// Result of looking up a file.
 pub(super) enum Found<'f> {
-    /// Nothing that can be read, which the compiler will tell.
+    /// No readable file. The compiler will report it.
     Nothing,
-    /// A pipe, a device, a directory or a file of the kernel, at which the compiler could block, or a huge file. Says which.
+    /// A pipe, a device, a directory or a file of the kernel, on which the compiler could block, or a huge file. Contains the
+    /// reason.
     Rejected(&'static str),
     Content(Cow<'f, [u8]>),
 }
 
 impl<'f> Files<'f> {
-    /// What the compiler will find under a path.
+    /// Looks up a path as the compiler will do.
     pub(super) fn find(&self, path: &[u8]) -> Found<'f> {
         let is = |name: &str| last_part(name.as_bytes()).eq_ignore_ascii_case(last_part(path));
         if let Some((_, content)) = self.memory.iter().find(|(name, _)| is(name)) {
@@ -42,7 +43,7 @@ impl<'f> Files<'f> {
         }
     }
 
-    /// The path of an asset, which may be behind a directory that the text gives.
+    /// Returns the path of an asset, which may be relative to a directory that the text specifies.
     pub(super) fn asset_path(&self, folder: &[u8], name: &[u8]) -> Vec<u8> {
         let slash: &[u8] = if matches!(folder.last(), None | Some(b'/' | b'\\')) { b"" } else { b"/" };
         if is_absolute(name) {
@@ -55,28 +56,29 @@ impl<'f> Files<'f> {
     }
 }
 
-/// What the compiler takes for an absolute path.
+/// Returns `true` if the compiler treats a path as absolute.
 fn is_absolute(path: &[u8]) -> bool {
     matches!(path.first(), Some(b'/' | b'\\')) || path.windows(2).any(|pair| pair == b":/" || pair == b":\\")
 }
 
-/// Whether there is something, and it is a pipe or a device.
+/// Returns `true` if the path exists and is a pipe or a device.
 pub(super) fn is_irregular(path: &[u8]) -> bool {
     let path = os_path(path);
     path.exists() && !path.is_dir() && file::check_regular(path).is_err()
 }
 
-/// Everything up to the last slash.
+/// Returns the part of a path up to and including the last slash.
 pub(in crate::model) fn directory(path: &[u8]) -> &[u8] {
     &path[..path.len() - last_part(path).len()]
 }
 
-/// Everything behind the last slash.
+/// Returns the part of a path after the last slash.
 pub(super) fn last_part(path: &[u8]) -> &[u8] {
     path.rsplit(|byte| b"/\\".contains(byte)).next().unwrap_or_default()
 }
 
-pub(super) fn shown(name: &[u8]) -> String {
+/// Returns the first 60 characters of a name for an error message.
+pub(super) fn abbreviated(name: &[u8]) -> String {
     String::from_utf8_lossy(name).chars().take(60).collect()
 }
 

@@ -1,18 +1,18 @@
-//! The tags of a text, well enough for a look at them.
+//! Minimal parser for the tags of a text.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A start tag or an end tag.
+/// Start tag or end tag.
 pub(in crate::model) struct Tag<'t> {
-    /// The text from the tag on.
+    /// The text from the start of the tag.
     text: &'t [u8],
     pub(super) position: usize,
     pub(in crate::model) name: &'t [u8],
     attributes: Vec<(&'t [u8], &'t [u8])>,
-    /// `</name>`
+    /// `true` for `</name>`.
     pub(super) closes: bool,
-    /// `<name/>`
+    /// `true` for `<name/>`.
     pub(super) empty: bool,
 }
 
@@ -21,15 +21,15 @@ impl<'t> Tag<'t> {
         self.attributes.iter().find(|(found, _)| *found == name).map(|(_, value)| decoded(value))
     }
 
-    /// The range of an attribute's value in the text, without the quotes.
+    /// Returns the range of an attribute's value in the text, without the quotes.
     pub(in crate::model) fn attribute_range(&self, name: &[u8]) -> Option<Range<usize>> {
         let (_, value) = self.attributes.iter().find(|(found, _)| *found == name)?;
         let start = self.position + (value.as_ptr() as usize - self.text.as_ptr() as usize);
         Some(start..start + value.len())
     }
 
-    /// An attribute's number as `scanf` reads it, which stops at what is no digit. `None` if there is none, or if it does not fit
-    /// into a C int.
+    /// Returns the integer in an attribute as `scanf` reads it, which stops at the first character that is not a digit. Returns
+    /// `None` if the attribute is missing or has no integer, or if the integer does not fit into a C int.
     pub(super) fn integer(&self, name: &[u8]) -> Option<i32> {
         let value = self.attribute(name)?;
         let space = value.iter().take_while(|&&byte| is_space(byte)).count();
@@ -39,7 +39,7 @@ impl<'t> Tag<'t> {
     }
 }
 
-/// The tags of a text. What is not well-formed is skipped: the compiler's parser will refuse it.
+/// Iterator over the tags of a text. It skips malformed parts, which the compiler's parser rejects.
 pub(in crate::model) struct Tags<'t>(&'t [u8], usize);
 
 impl<'t> Tags<'t> {
@@ -69,7 +69,7 @@ impl<'t> Iterator for Tags<'t> {
     }
 }
 
-/// The tag at the beginning of `text`, and its length.
+/// Parses the tag at the start of `text`, and returns it with its length.
 fn tag(text: &[u8], position: usize) -> (Tag<'_>, usize) {
     let closes = text.get(1) == Some(&b'/');
     let mut at = 1 + usize::from(closes);
@@ -109,19 +109,19 @@ fn tag(text: &[u8], position: usize) -> (Tag<'_>, usize) {
     (tag, at.max(1))
 }
 
-/// C's `isspace`, which is the parser's notion of it.
+/// Returns `true` for the whitespace of C's `isspace`, which the compiler's parser uses.
 fn is_space(byte: u8) -> bool {
     byte.is_ascii_whitespace() || byte == 0x0b
 }
 
-/// The integers in a list; `None` for what is not one.
+/// Parses the integers in a list. Items that are not integers are `None`.
 pub(super) fn numbers(list: &[u8]) -> impl Iterator<Item = Option<i64>> {
     list.split(|&byte| is_space(byte))
         .filter(|word| !word.is_empty())
         .map(|word| std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()))
 }
 
-/// The value of an attribute, with references to entities and characters replaced as the compiler's parser does it.
+/// Decodes the entity and character references in an attribute value by the rules of the compiler's parser.
 pub(in crate::model) fn decoded(value: &[u8]) -> Cow<'_, [u8]> {
     const ENTITIES: [(&[u8], u8); 5] =
         [(b"quot;", b'"'), (b"apos;", b'\''), (b"lt;", b'<'), (b"gt;", b'>'), (b"amp;", b'&')];
@@ -130,16 +130,16 @@ pub(in crate::model) fn decoded(value: &[u8]) -> Cow<'_, [u8]> {
     }
     let mut result = Vec::with_capacity(value.len());
     let mut rest = value;
-    while let Some((&byte, behind)) = rest.split_first() {
-        rest = behind;
+    while let Some((&byte, tail)) = rest.split_first() {
+        rest = tail;
         if byte != b'&' {
             result.push(byte);
-        } else if let Some((name, byte)) = ENTITIES.iter().find(|(name, _)| behind.starts_with(name)) {
+        } else if let Some((name, byte)) = ENTITIES.iter().find(|(name, _)| tail.starts_with(name)) {
             result.push(*byte);
-            rest = &behind[name.len()..];
-        } else if let Some((character, length)) = reference(behind) {
+            rest = &tail[name.len()..];
+        } else if let Some((character, length)) = reference(tail) {
             result.extend(character.encode_utf8(&mut [0; 4]).as_bytes());
-            rest = &behind[length..];
+            rest = &tail[length..];
         } else {
             result.push(byte);
         }
@@ -147,7 +147,7 @@ pub(in crate::model) fn decoded(value: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(result)
 }
 
-/// The character of `#65;` or `#x41;`, and the length of that.
+/// Parses a character reference `#65;` or `#x41;`. Returns the character and the length of the reference.
 fn reference(text: &[u8]) -> Option<(char, usize)> {
     let digits = text.strip_prefix(b"#")?;
     let end = digits.iter().take(12).position(|&byte| byte == b';')?;
@@ -164,7 +164,7 @@ mod tests {
     use super::{Tags, decoded};
 
     #[test]
-    fn tags_have_their_attributes_and_comments_are_skipped() {
+    fn attributes_are_counted_and_comments_are_skipped() {
         let text = b"<?xml version='1.0'?><!-- <no file=''/> --><a b = \"c>d\"\x0be='f'>text</a ><![CDATA[<x>]]><g/>";
         let tags: Vec<_> =
             Tags::new(text).map(|tag| (tag.name.to_vec(), tag.attributes.len(), tag.closes, tag.empty)).collect();
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn references_are_replaced_once() {
+    fn references_are_decoded_once() {
         for (value, expected) in [
             ("a&amp;lt;b", "a&lt;b"),
             ("&#46;&#x2f;&quot;", "./\""),

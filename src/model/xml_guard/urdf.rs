@@ -5,10 +5,10 @@
 
 use std::collections::HashMap;
 
-use super::file::shown;
-use super::tag::Tag;
+use super::files::abbreviated;
+use super::tags::Tag;
 
-/// The joint types that the reader knows. It compares them byte by byte.
+/// The joint types that the reader supports. It compares them byte by byte.
 const JOINT_TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
 /// Depths of tags below the root element: `<link>` and `<joint>` are its children, `<parent>` and `<child>` are a joint's.
@@ -42,8 +42,8 @@ struct Joint {
 }
 
 impl Urdf {
-    /// Records a start tag at `depth` below the document. Returns the reason if the reader must not see it.
-    pub(super) fn note(&mut self, tag: &Tag<'_>, depth: usize) -> Result<(), String> {
+    /// Records a start tag at `depth` below the document. Returns the reason to reject it, if any.
+    pub(super) fn record(&mut self, tag: &Tag<'_>, depth: usize) -> Result<(), String> {
         if depth == 0 {
             let is_robot = self.root == Root::NotSeen && tag.name.eq_ignore_ascii_case(b"robot");
             self.root = if is_robot { Root::Robot } else { Root::Other };
@@ -59,14 +59,14 @@ impl Urdf {
                     self.joints.push(Joint { position: tag.position, ..Joint::default() });
                 }
             }
-            IN_JOINT if self.in_joint => self.note_end(tag),
+            IN_JOINT if self.in_joint => self.record_link(tag),
             _ => {}
         }
         Ok(())
     }
 
     /// Records the parent or the child of the current joint. The reader rejects a second one.
-    fn note_end(&mut self, tag: &Tag<'_>) {
+    fn record_link(&mut self, tag: &Tag<'_>) {
         let (Some(joint), Some(link)) = (self.joints.last_mut(), tag.attribute(b"link")) else { return };
         match tag.name {
             b"parent" => joint.parent = Some(link.into_owned()),
@@ -76,17 +76,15 @@ impl Urdf {
     }
 
     /// Checks that no link is its own ancestor, and that no chain of links has more than `longest` joints. Returns the
-    /// position of the offending joint and the reason.
-    ///
-    /// Visits each link once, without recursion.
+    /// position of the offending joint and the reason. Visits each link once, without recursion.
     pub(super) fn check_chains(&self, longest: usize) -> Result<(), (usize, String)> {
-        // The reader rejects a link with two parents, so any of them will do.
+        // The reader rejects a link with two parents, so either is sufficient here.
         let joint_of: HashMap<&[u8], (&[u8], usize)> = self
             .joints
             .iter()
             .filter_map(|joint| Some((joint.child.as_deref()?, (joint.parent.as_deref()?, joint.position))))
             .collect();
-        // Joints between a link and its root; `None` while the link is on the path that is being followed.
+        // Number of joints between a link and its root; `None` while the link is on the current path.
         let mut depths: HashMap<&[u8], Option<usize>> = HashMap::new();
         for start in self.joints.iter().filter_map(|joint| joint.child.as_deref()) {
             let mut path = Vec::new();
@@ -96,7 +94,7 @@ impl Urdf {
                     (Some(&Some(depth)), _) => break depth,
                     (Some(None), joint) => {
                         let position = joint.map_or(0, |&(_, position)| position);
-                        return Err((position, format!("link '{}' is its own ancestor", shown(link))));
+                        return Err((position, format!("link '{}' is its own ancestor", abbreviated(link))));
                     }
                     (None, None) => break 0,
                     (None, Some(&(parent, _))) => {
@@ -112,7 +110,7 @@ impl Urdf {
                     let (_, position) = joint_of[link];
                     return Err((
                         position,
-                        format!("link '{}' ends a chain of more than {longest} joints", shown(link)),
+                        format!("link '{}' ends a chain of more than {longest} joints", abbreviated(link)),
                     ));
                 }
                 depths.insert(link, Some(depth));
@@ -122,12 +120,12 @@ impl Urdf {
     }
 }
 
-/// Rejects a type that the reader does not know. It reports a missing one itself.
+/// Rejects a type that the reader does not support. The reader itself reports a missing type.
 fn check_type(tag: &Tag<'_>) -> Result<(), String> {
     match tag.attribute(b"type") {
         Some(found) if !JOINT_TYPES.iter().any(|known| known.as_bytes() == &*found) => Err(format!(
-            "the joint has type '{}', but the URDF reader knows only {}, in lower case and without spaces",
-            shown(&found),
+            "the joint has type '{}', but the URDF reader supports only {}, in lower case and without spaces",
+            abbreviated(&found),
             JOINT_TYPES.join(", ")
         )),
         _ => Ok(()),

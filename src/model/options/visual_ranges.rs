@@ -1,26 +1,26 @@
-//! What the settings of the visualiser may be: numbers with which a renderer shows something, in memory that there is. The
-//! engine's own takes them as they are: it sizes textures and meshes by the counts, divides by `stiffnessrot`, the slices and the
-//! width of the fog, and ends the program for a near plane at zero.
+//! Valid ranges of the visualiser settings. Within them a renderer can show the model and allocate its resources. The engine's
+//! renderer does not check them: it sizes textures and meshes by the counts, divides by `stiffnessrot`, by the slices and by the
+//! width of the fog, and terminates the process if the near plane is at zero.
 
 use std::ops::RangeInclusive;
 
-use super::check::Checks;
+use super::fields::Checks;
 use super::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
 use crate::error::Result;
 
-/// Twice the largest texture that graphics cards have.
+/// Limit on image sizes: twice the largest texture size of graphics cards.
 const LARGEST_IMAGE: usize = 32_768;
 
-/// Samples for a pixel, beyond what graphics cards have.
+/// Limit on samples per pixel, above that of graphics cards.
 const MOST_SAMPLES: usize = 64;
 
-/// Far beyond what can be seen of a sphere; the built-in geoms have this many vertices squared.
+/// Limit on the subdivision of the built-in geoms, far finer than visible on a sphere. The number of vertices is its square.
 const MOST_SLICES: usize = 1_000;
 
-/// The nearest plane whose product with the smallest extent the engine does not take for zero.
+/// Smallest near plane whose product with the smallest extent the engine distinguishes from zero.
 const NEAREST: f32 = 1e-6;
 
-/// The engine's own limit of what is a reasonable number.
+/// Largest far plane: the engine's limit for valid numbers.
 const FARTHEST: f32 = 1e10;
 
 const VISUAL: Checks = Checks("visual.");
@@ -41,8 +41,7 @@ fn count(name: &str, value: usize, range: &RangeInclusive<usize>) -> Result<()> 
     VISUAL.require(range.contains(&value), name, value, format_args!("from {first} to {last}"))
 }
 
-/// A share of something.
-fn share(name: &str, value: f32) -> Result<()> {
+fn fraction(name: &str, value: f32) -> Result<()> {
     VISUAL.require((0.0..=1.0).contains(&value), name, value, "from 0 to 1")
 }
 
@@ -101,17 +100,17 @@ impl VisualMap {
         ] {
             VISUAL.positive(name, value)?;
         }
-        share("map.alpha", self.alpha)?;
-        share("map.haze", self.haze)?;
+        fraction("map.alpha", self.alpha)?;
+        fraction("map.haze", self.haze)?;
         let beyond = self.fogend.is_finite() && self.fogend > self.fogstart;
-        VISUAL.require(beyond, "map.fogend", self.fogend, "finite and beyond fogstart")?;
-        VISUAL.require(self.zfar > 0.0 && self.zfar <= FARTHEST, "map.zfar", self.zfar, "positive and up to 1e10")?;
+        VISUAL.require(beyond, "map.fogend", self.fogend, "finite and greater than fogstart")?;
+        VISUAL.require(self.zfar > 0.0 && self.zfar <= FARTHEST, "map.zfar", self.zfar, "positive and at most 1e10")?;
         let between = self.znear >= NEAREST && self.znear < self.zfar;
-        VISUAL.require(between, "map.znear", self.znear, "at least 1e-6 and below zfar")
+        VISUAL.require(between, "map.znear", self.znear, "at least 1e-6 and less than zfar")
     }
 }
 
-/// Applies a check to each of these fields, with its name.
+/// Applies a check to each of the given fields and its name.
 macro_rules! each {
     ($group:ident.[$($field:ident)*]: $check:expr) => {
         for (name, value) in [$((stringify!($field), $group.$field)),*] {

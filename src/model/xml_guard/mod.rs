@@ -1,65 +1,63 @@
-//! A look at model texts before the engine's compiler sees them, for what makes it crash, raise a fatal error while it holds
-//! its lock, or read standard input. What a look at the text cannot see stays the compiler's: see
+//! Checks of model texts for inputs that are known to make the engine's compiler crash, raise a fatal error while it holds its
+//! lock, or read standard input. Conditions that the text does not reveal are left to the compiler: see
 //! [`Model::from_xml_str`](super::Model::from_xml_str).
 
-mod asset;
-mod file;
-mod muscle;
-mod rangefinder;
-mod size;
-mod tag;
+mod assets;
+mod files;
+mod limits;
+mod simulation;
+mod tags;
 mod urdf;
 
 use std::borrow::Cow;
 use std::collections::HashSet;
 
-pub(super) use self::file::{Files, directory, path_bytes};
-pub(super) use self::muscle::without_simulation;
-pub(super) use self::tag::{Tags, decoded};
+pub(super) use self::files::{Files, directory, path_bytes};
+pub(super) use self::simulation::without_simulation;
+pub(super) use self::tags::{Tags, decoded};
 
-use self::asset::Format;
-use self::file::{Found, is_irregular, last_part, shown};
-use self::muscle::Muscles;
-use self::rangefinder::Rangefinders;
-use self::tag::{Tag, numbers};
+use self::assets::Format;
+use self::files::{Found, abbreviated, is_irregular, last_part};
+use self::simulation::{Muscles, Rangefinders};
+use self::tags::{Tag, numbers};
 use self::urdf::Urdf;
-use super::length_range::Simulation;
+use crate::data::length_range::MuscleSimulation;
 use crate::error::{Error, Result};
 
-/// How deep files may include each other, and elements be nested over all of them. The compiler recurses, and a file in every
-/// file ends the stack of a thread.
+/// Largest depth of includes, and largest depth of elements over all included files. The compiler recurses, so deeply nested files
+/// would overflow the stack of a thread.
 const MOST_INCLUDED: usize = 50;
 const MOST_NESTED: usize = 400;
-/// Bytes of a file name; the engine's limit is 999.
+/// Largest length of a file name in bytes; the engine's limit is 999.
 const LONGEST_NAME: usize = 900;
-/// Largest numbers of bodies and of degrees of freedom. The engine packs two body ids into one C int, and counts 6 nv² with a C
-/// int. The check of the compiled model has the same limits; this one saves the minutes of compilation.
+/// Largest numbers of bodies and of degrees of freedom. The engine packs two body ids into one C int, and stores 6 nv² in a C int.
+/// The check of the compiled model has the same limits; this one avoids minutes of compilation.
 const MOST_BODIES: usize = 32_766;
 const MOST_DOFS: usize = 13_377;
-/// The least room for constraints that a text with adhesion may give. The compiler takes a step, in which each contact needs up to
-/// ten. For the first that has no room the engine writes from one before an array with a number for each constraint (see
-/// `hazard.rs`). With this much room that array has more than 90, and before it is one that the same function has on the stack, so
-/// what is written stays in there, and the compiler throws the step's results away.
+/// Smallest `njmax` of a text with adhesion. The compiler performs a step, in which each contact needs up to ten constraints. For
+/// the first contact without room, the engine writes from one element before the start of an array with an element per constraint
+/// (see `engine_limits.rs`). With this `njmax` that array has more than 90 elements, and the memory before it is another array on
+/// the stack of the same function. The writes stay in these arrays, and the compiler discards the results of the step.
 const LEAST_NJMAX: i32 = 100;
-/// Bytes of an extension: the compiler cuts them off without a look at how many there are.
+/// Length of a file extension in bytes. The compiler strips it without checking the length of the name.
 const EXTENSION: usize = 3;
-/// Directories of assets in a text, and with it the places in which a file is looked for.
+/// Largest number of asset directories in a text, which limits the number of paths to look up for a file.
 const MOST_FOLDERS: usize = 16;
 /// The attributes that name a file.
 const FILES: [&[u8]; 8] =
     [b"file", b"filename", b"fileright", b"fileleft", b"fileup", b"filedown", b"filefront", b"fileback"];
 
-/// Refuses what the compiler must not see in this text, or in the texts that it includes. Returns how it would simulate muscles,
-/// if it may: whether that comes to an end a look at the text does not tell.
-pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Option<Simulation>> {
+/// Rejects unsafe inputs in this text, and in the texts that it includes. If the compiler may simulate muscles, returns the
+/// settings of the simulation, because the text does not reveal if it terminates.
+pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Option<MuscleSimulation>> {
     let mut check = Check {
         files,
         seen: HashSet::new(),
         bodies: 0,
         dofs: 0,
         joints: Vec::new(),
-        little_room: false,
-        adhesion: false,
+        has_small_njmax: false,
+        has_adhesion: false,
         composite: Vec::new(),
         folders: vec![Vec::new()],
         assets: Vec::new(),
@@ -69,11 +67,10 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
     };
     check.text(source_name, text, 0)?;
     check.assets()?;
-    // The compiler takes a step, so that a look at the compiled model comes too late.
-    if check.adhesion && check.little_room {
-        let message = format!(
-            "adhesion needs room for at least {LEAST_NJMAX} constraints (njmax), or for as many as the compiler finds"
-        );
+    // The compiler performs a step, so a check of the compiled model would be too late.
+    if check.has_adhesion && check.has_small_njmax {
+        let message =
+            format!("adhesion needs an njmax of at least {LEAST_NJMAX}, or the njmax that the compiler computes");
         return Err(Error::Load { source_name: source_name.to_owned(), message });
     }
     check.rangefinders.check()?;
@@ -82,19 +79,19 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
 
 struct Check<'f> {
     files: &'f Files<'f>,
-    /// The files that were included. The compiler refuses one that comes twice, so it is not looked at again.
+    /// Paths of the files that were included. They are checked once, because the compiler rejects a repeated include.
     seen: HashSet<Vec<u8>>,
     bodies: usize,
     dofs: usize,
-    /// The joints of the fixed tendon that was begun last.
+    /// Joints of the most recent fixed tendon.
     joints: Vec<Vec<u8>>,
-    /// Whether there is little room for constraints.
-    little_room: bool,
-    /// Whether there is an actuator on a body.
-    adhesion: bool,
-    /// The counts of the composite that was begun last.
+    /// `true` if `njmax` is below [`LEAST_NJMAX`].
+    has_small_njmax: bool,
+    /// `true` if an actuator acts on a body.
+    has_adhesion: bool,
+    /// Counts of the most recent composite.
     composite: Vec<u64>,
-    /// The directories in which assets may be.
+    /// Directories that may contain assets.
     folders: Vec<Vec<u8>>,
     assets: Vec<Asset>,
     muscles: Muscles,
@@ -102,23 +99,23 @@ struct Check<'f> {
     urdf: Urdf,
 }
 
-/// A file that is not a text.
+/// Mesh, skin, height field or texture file.
 struct Asset {
     format: Format,
     name: Vec<u8>,
-    /// The text that names it.
+    /// The name of the text that refers to it.
     source_name: String,
 }
 
 impl<'f> Check<'f> {
-    /// The depth of the deepest element.
+    /// Checks a text, and returns the depth of its deepest element.
     fn text(&mut self, source_name: &str, text: &[u8], included: usize) -> Result<usize> {
-        let refuse = |position: usize, why: &str| {
+        let reject = |position: usize, why: &str| {
             let line = text[..position].split(|&byte| byte == b'\n').count();
             Err(Error::Load { source_name: source_name.to_owned(), message: format!("{why}, line {line}") })
         };
         if let Some(position) = text.iter().position(|&byte| byte == 0) {
-            return refuse(position, "the text has a NUL byte, at which the compiler would stop reading");
+            return reject(position, "the text has a NUL byte, at which the compiler would stop reading");
         }
         let (mut depth, mut deepest) = (0, 0);
         for tag in Tags::new(text) {
@@ -129,24 +126,25 @@ impl<'f> Check<'f> {
             }
             deepest = deepest.max(depth + 1);
             let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
-            let why = names.find_map(|name| bad_name(tag.name, &name)).or_else(|| size::fault(&tag, &self.composite));
+            let why =
+                names.find_map(|name| reject_name(tag.name, &name)).or_else(|| limits::reject(&tag, &self.composite));
             if let Some(why) = why {
-                return refuse(tag.position, &why);
+                return reject(tag.position, &why);
             }
-            self.muscles.note(&tag);
-            self.rangefinders.note(&tag, source_name);
-            self.note_files(&tag, source_name);
+            self.muscles.record(&tag);
+            self.rangefinders.record(&tag, source_name);
+            self.record_files(&tag, source_name);
             if self.folders.len() > MOST_FOLDERS {
-                return refuse(tag.position, &format!("more than {MOST_FOLDERS} directories of assets"));
+                return reject(tag.position, &format!("the text has more than {MOST_FOLDERS} asset directories"));
             }
             let file = tag.attribute(b"file");
             if let Some(name) = file.filter(|_| is(b"include")) {
                 if included >= MOST_INCLUDED {
-                    return refuse(tag.position, &format!("more than {MOST_INCLUDED} files include each other"));
+                    return reject(tag.position, &format!("includes are nested more than {MOST_INCLUDED} deep"));
                 }
                 let content = match self.included(&name) {
                     Ok(content) => content,
-                    Err(why) => return refuse(tag.position, &format!("'{}' {why}", shown(&name))),
+                    Err(why) => return reject(tag.position, &format!("'{}' {why}", abbreviated(&name))),
                 };
                 if let Some(content) = content {
                     let inner = self.text(&String::from_utf8_lossy(&name), &content, included + 1)?;
@@ -154,39 +152,39 @@ impl<'f> Check<'f> {
                 }
             }
             if self.is_repeated(&tag) {
-                return refuse(
+                return reject(
                     tag.position,
-                    "a fixed tendon has the same joint twice; give it once, with the sum of the coefficients",
+                    "a fixed tendon has the same joint twice; list it once, with the sum of the coefficients",
                 );
             }
             // The engine resolves includes in MJCF only.
             if included == 0
-                && let Err(why) = self.urdf.note(&tag, depth)
+                && let Err(why) = self.urdf.record(&tag, depth)
             {
-                return refuse(tag.position, &why);
+                return reject(tag.position, &why);
             }
             self.count(&tag);
             if self.bodies > MOST_BODIES || self.dofs > MOST_DOFS {
-                let why = format!("more than {MOST_BODIES} bodies or {MOST_DOFS} degrees of freedom");
-                return refuse(tag.position, &why);
+                let why = format!("the model has more than {MOST_BODIES} bodies or {MOST_DOFS} degrees of freedom");
+                return reject(tag.position, &why);
             }
             if deepest > MOST_NESTED {
-                return refuse(tag.position, &format!("elements are nested more than {MOST_NESTED} deep"));
+                return reject(tag.position, &format!("elements are nested more than {MOST_NESTED} deep"));
             }
             depth += usize::from(!tag.empty);
         }
         if included == 0
             && let Err((position, why)) = self.urdf.check_chains(MOST_NESTED)
         {
-            return refuse(position, &why);
+            return reject(position, &why);
         }
         Ok(deepest)
     }
 
-    /// What an included file contains; `None` if it was included before or cannot be read, which the compiler will tell, and
-    /// an error if the compiler must not open it.
+    /// Reads an included file. Returns `None` if it was included before or cannot be read, which the compiler reports, and an
+    /// error if the compiler must not open it.
     fn included(&mut self, name: &[u8]) -> Result<Option<Cow<'f, [u8]>>, &'static str> {
-        // The compiler puts the name behind the directory whatever it is.
+        // The compiler appends the name to the directory even if the name is absolute.
         let path = [self.files.directory, name].concat();
         if !self.seen.insert(path.to_ascii_lowercase()) {
             return Ok(None);
@@ -198,8 +196,8 @@ impl<'f> Check<'f> {
         }
     }
 
-    /// Remembers the files of assets that a tag names, and the directories in which they may be.
-    fn note_files(&mut self, tag: &Tag<'_>, source_name: &str) {
+    /// Records the asset files that a tag names, and the directories that may contain them.
+    fn record_files(&mut self, tag: &Tag<'_>, source_name: &str) {
         if tag.name == b"compiler" {
             for folder in [&b"meshdir"[..], b"texturedir"].iter().filter_map(|name| tag.attribute(name)) {
                 if !self.folders.iter().any(|known| *known == *folder) {
@@ -216,17 +214,17 @@ impl<'f> Check<'f> {
         }
     }
 
-    /// Looks at the files of assets. Which directory counts, and whether that in the name does, may be decided at the end of
-    /// the text, so every place in which the compiler might look is looked in.
+    /// Checks the asset files. The end of the text may still change which directory the compiler uses, and whether it uses the
+    /// directory in the name, so all candidate paths are checked.
     fn assets(&mut self) -> Result<()> {
         let mut seen = HashSet::new();
         for asset in &self.assets {
-            let refuse = |name: &[u8], fault| {
-                Err(Error::Load { source_name: asset.source_name.clone(), message: asset::message(name, fault) })
+            let reject = |name: &[u8], reason| {
+                Err(Error::Load { source_name: asset.source_name.clone(), message: assets::message(name, reason) })
             };
             let longest = self.folders.iter().map(|folder| self.files.asset_path(folder, &asset.name).len()).max();
             if asset.format.is_grid() && !asset.name.is_empty() && longest <= Some(EXTENSION) {
-                return refuse(&asset.name, NO_EXTENSION);
+                return reject(&asset.name, NO_EXTENSION);
             }
             for folder in &self.folders {
                 for name in [&asset.name[..], last_part(&asset.name)] {
@@ -234,17 +232,17 @@ impl<'f> Check<'f> {
                     if !seen.insert((asset.format, path.clone())) {
                         continue;
                     }
-                    let fault = match self.files.find(&path) {
+                    let reason = match self.files.find(&path) {
                         Found::Nothing => None,
                         Found::Rejected(why) => (!name.is_empty()).then_some(why),
                         Found::Content(content) => {
                             let size = asset.format.rows_and_columns(&content);
-                            self.rangefinders.note_field(size, &asset.source_name);
-                            asset.format.fault(&path, &content, self.files)
+                            self.rangefinders.record_field(size, &asset.source_name);
+                            asset.format.reject(&path, &content, self.files)
                         }
                     };
-                    if let Some(fault) = fault {
-                        return refuse(name, fault);
+                    if let Some(reason) = reason {
+                        return reject(name, reason);
                     }
                 }
             }
@@ -252,7 +250,7 @@ impl<'f> Check<'f> {
         Ok(())
     }
 
-    /// Whether this is another entry for a joint that the fixed tendon has an entry for.
+    /// Returns `true` if the tag repeats a joint of the same fixed tendon.
     fn is_repeated(&mut self, tag: &Tag<'_>) -> bool {
         match (tag.name, tag.attribute(b"joint")) {
             (b"fixed", _) => self.joints.clear(),
@@ -267,11 +265,11 @@ impl<'f> Check<'f> {
     fn count(&mut self, tag: &Tag<'_>) {
         match tag.name {
             b"size" => {
-                // A number that does not fit may be any to the compiler's parser.
-                let is_little = || tag.integer(b"njmax").is_none_or(|rows| (0..LEAST_NJMAX).contains(&rows));
-                self.little_room |= tag.attribute(b"njmax").is_some() && is_little();
+                // The compiler's parser may convert a number that does not fit into a C int to any value.
+                let is_small = || tag.integer(b"njmax").is_none_or(|rows| (0..LEAST_NJMAX).contains(&rows));
+                self.has_small_njmax |= tag.attribute(b"njmax").is_some() && is_small();
             }
-            b"adhesion" | b"general" => self.adhesion |= tag.attribute(b"body").is_some(),
+            b"adhesion" | b"general" => self.has_adhesion |= tag.attribute(b"body").is_some(),
             b"body" | b"link" => self.bodies += 1,
             b"freejoint" => self.dofs += 6,
             b"joint" => {
@@ -293,26 +291,26 @@ impl<'f> Check<'f> {
     }
 }
 
-const NO_EXTENSION: &str = "has a name too short for an extension, which tells the compiler what is in it";
+const NO_EXTENSION: &str = "has a name too short for an extension, from which the compiler determines the format";
 
-/// What is wrong with the name of a file that this element names. The compiler looks for it among the files in memory, where no
-/// name, or one that is too long, is a fatal error.
-fn bad_name(element: &[u8], name: &[u8]) -> Option<String> {
+/// Returns the reason to reject a file name in an element. The compiler looks the name up among the files in memory, where an
+/// empty or overlong name is a fatal error.
+fn reject_name(element: &[u8], name: &[u8]) -> Option<String> {
     let last = last_part(name).len();
     let why = match name.last() {
-        // Only that of an included file is looked at then.
+        // The compiler looks up an empty name only for an include.
         None if !element.eq_ignore_ascii_case(b"include") => return None,
-        None | Some(b'/' | b'\\') => "has nothing behind its last slash",
+        None | Some(b'/' | b'\\') => "is empty after its last slash",
         _ if last > LONGEST_NAME => "is longer than 900 bytes",
-        // The parser makes nothing of some of these, and ends the name at others.
-        _ if name.contains(&0) || name.windows(2).any(|window| window == b"&#") => "has a reference to no character",
-        _ if is_irregular(name) => "is not that of a regular file",
+        // The parser drops some of these references, and truncates the name at others.
+        _ if name.contains(&0) || name.windows(2).any(|window| window == b"&#") => "has an invalid character reference",
+        _ if is_irregular(name) => "does not refer to a regular file",
         _ if matches!(element, b"mesh" | b"skin") && last < EXTENSION => {
-            return Some(asset::message(name, NO_EXTENSION));
+            return Some(assets::message(name, NO_EXTENSION));
         }
         _ => return None,
     };
-    Some(format!("the file name '{}' {why}", shown(name)))
+    Some(format!("the file name '{}' {why}", abbreviated(name)))
 }
 
 #[cfg(test)]
@@ -324,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn no_cut_of_a_text_makes_the_look_at_it_fail() {
+    fn the_check_does_not_panic_on_any_part_of_a_text() {
         let text = b"<mujoco><mesh vertex='0 0 0' face = \"0 1 2\"/><!-- a --><include file='/x/'/><a/ b=/></mujoco>";
         for end in 0..text.len() {
             for start in 0..end {
@@ -334,13 +332,13 @@ mod tests {
     }
 
     #[test]
-    fn what_the_compiler_must_not_see_is_refused_with_its_line() {
+    fn unsafe_inputs_are_rejected_with_their_line() {
         for (text, expected) in [
-            ("<mujoco>\n<include file=''/></mujoco>", "nothing behind its last slash, line 2"),
-            ("<mujoco><include\x0bfile\x0b=\x0b''/></mujoco>", "nothing behind its last slash"),
-            ("<mujoco><include file='a&#47;'/></mujoco>", "nothing behind its last slash"),
-            ("<mujoco><include file='a/&#0;'/></mujoco>", "reference to no character"),
-            ("<mujoco><include file='a/&#9999999;'/></mujoco>", "reference to no character"),
+            ("<mujoco>\n<include file=''/></mujoco>", "is empty after its last slash, line 2"),
+            ("<mujoco><include\x0bfile\x0b=\x0b''/></mujoco>", "is empty after its last slash"),
+            ("<mujoco><include file='a&#47;'/></mujoco>", "is empty after its last slash"),
+            ("<mujoco><include file='a/&#0;'/></mujoco>", "invalid character reference"),
+            ("<mujoco><include file='a/&#9999999;'/></mujoco>", "invalid character reference"),
             ("<mujoco><mesh file='a/b'/></mujoco>", "too short for an extension"),
             ("<mujoco><skin file='sk'/></mujoco>", "too short for an extension"),
             ("<mujoco><texture fileup='abc'/></mujoco>", "too short for an extension"),
@@ -354,9 +352,9 @@ mod tests {
             ("<composite count='1000 1000 1'/>", "32766 bodies"),
             ("<composite count='&#49;000 1000 1'/>", "32766 bodies"),
             ("<hfield nrow='-4294917296' ncol='50000'/>", "a height field is too large"),
-            ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs room"),
-            ("<size njmax='5.5'/><adhesion body='b'/>", "adhesion needs room"),
-            ("<size njmax='4294967301'/><adhesion body='b'/>", "adhesion needs room"),
+            ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs an njmax"),
+            ("<size njmax='5.5'/><adhesion body='b'/>", "adhesion needs an njmax"),
+            ("<size njmax='4294967301'/><adhesion body='b'/>", "adhesion needs an njmax"),
             ("<hfield nrow='3' ncol='2'/><geom hfield='h'/><rangefinder/>", "3 rows and 2 columns"),
             ("<hfield nrow='1' ncol='2'/><geom hfield='h'/><rangefinder/>", "1 rows and 2 columns"),
             ("<hfield nrow='1e1' ncol='5'/><geom hfield='h'/><rangefinder/>", "1 rows and 5 columns"),
@@ -367,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn good_texts_pass() {
+    fn valid_texts_are_accepted() {
         for text in [
             crate::sample::CARTPOLE_XML,
             crate::sample::HUMANOID_XML,

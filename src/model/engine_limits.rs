@@ -1,0 +1,72 @@
+//! Validation of compiled models, and properties of a model for which the engine's own checks are insufficient.
+
+use std::ops::RangeInclusive;
+
+use mujoco_sys::{mjGEOM_HFIELD, mjSENS_RANGEFINDER, mjTRN_BODY};
+
+use super::{Model, mjb};
+use crate::ffi;
+
+/// Sizes of a height field whose sums, squares and quotients are finite.
+const RAY_SAFE_SIZES: RangeInclusive<f64> = 1e-100..=1e100;
+
+impl Model {
+    /// Returns `true` if the model has an adhesive actuator (`mjTRN_BODY`). For each contact of its body, the engine accesses the
+    /// constraints and assumes that they exist. For a contact without room in the constraint buffer it writes before the start of
+    /// an array.
+    #[inline]
+    pub(crate) fn has_adhesion(&self) -> bool {
+        self.has_adhesion
+    }
+
+    /// Returns `true` if each step casts rays at height fields, so that their poses must be valid: see
+    /// [`Data::check_field_poses`](crate::Data::check_field_poses).
+    #[inline]
+    pub(crate) fn has_rangefinder_and_height_field(&self) -> bool {
+        self.has_rangefinder_and_height_field
+    }
+
+    pub(super) fn find_rangefinder_and_height_field(&self) -> bool {
+        self.nhfield() > 0 && self.sensor_type().contains(&(mjSENS_RANGEFINDER as i32))
+    }
+
+    pub(super) fn find_adhesion(&self) -> bool {
+        self.actuator_trntype().contains(&(mjTRN_BODY as i32))
+    }
+
+    /// Checks a model that the engine compiled by the rules for binary models, so that every model that loads from XML can be
+    /// saved and loaded as a binary model too. Returns the reason for a rejection.
+    pub(super) fn validate(&self) -> Result<(), String> {
+        let bytes = self.to_binary().map_err(|error| error.to_string())?;
+        mjb::check(&bytes).map_err(|error| error.to_string())
+    }
+
+    /// Returns `true` if this geom is a height field on which the engine's ray functions may read out of bounds. They read beyond
+    /// the grid if its shape is unsuitable. They also compute a row or a column from a quotient of two lengths, which is NaN if
+    /// both are infinite or zero.
+    pub(crate) fn is_unsafe_for_rays(&self, geom: usize) -> bool {
+        if self.geom_type()[geom] != mjGEOM_HFIELD as i32 {
+            return false;
+        }
+        let field = ffi::size(self.geom_dataid()[geom]);
+        let size = |sizes: &[i32]| ffi::size(sizes[field]) as u64;
+        rays_overrun_grid(size(self.hfield_nrow()), size(self.hfield_ncol()))
+            || !are_ray_safe_sizes(&self.hfield_size()[field])
+    }
+
+    /// Returns the first geom that is [unsafe for rays](Self::is_unsafe_for_rays).
+    pub(crate) fn first_geom_unsafe_for_rays(&self) -> Option<usize> {
+        if self.nhfield() == 0 { None } else { (0..self.ngeom()).find(|&geom| self.is_unsafe_for_rays(geom)) }
+    }
+}
+
+/// Returns `true` if the engine's ray functions can compute with these sizes of a height field.
+pub(super) fn are_ray_safe_sizes(sizes: &[f64]) -> bool {
+    sizes.iter().all(|size| RAY_SAFE_SIZES.contains(size))
+}
+
+/// Returns `true` if the engine reads beyond a grid of this shape for rays that hit the sides of a height field: it uses the
+/// number of rows as the length of a row, and reads two neighbours in each direction.
+pub(super) fn rays_overrun_grid(rows: u64, columns: u64) -> bool {
+    rows > columns || rows < 2 || columns < 2
+}

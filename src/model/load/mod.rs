@@ -1,0 +1,277 @@
+//! Loading of models from XML and from the binary format.
+
+mod compiler;
+mod options;
+mod package;
+
+use std::ffi::CString;
+use std::path::Path;
+use std::ptr::{self, NonNull};
+
+use mujoco_sys::guard;
+
+use self::compiler::VirtualFiles;
+pub(super) use self::compiler::{XmlState, path_c_string};
+pub use self::options::LoadOptions;
+use self::package::Resolved;
+use super::xml_guard::{self, Files};
+use super::{Model, mjb};
+use crate::data::length_range::MuscleSimulation;
+use crate::engine::{self, collecting_warnings};
+use crate::error::{Error, Result};
+use crate::id::Lineage;
+use crate::{ffi, file};
+
+/// The file name of the main text for the engine's compiler.
+pub(super) const TEXT: &str = "(main).xml";
+
+/// The name of a text from memory in errors.
+const FROM_MEMORY: &str = "the given XML";
+
+/// A function that runs the engine's compiler on a file. The last argument is the name in error messages.
+type Compile<'a> = dyn FnMut(&CString, &VirtualFiles, &str) -> Result<Model> + 'a;
+
+impl Model {
+    /// Loads a model from an MJCF or URDF file. Paths in it (includes, meshes, textures, height fields) are relative to it.
+    ///
+    /// The engine's own compiler reads the file and is not safe for all malicious inputs; see
+    /// [`from_xml_str`](Self::from_xml_str).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be read, [`Error::Load`] with the compiler's message if it is not a valid model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Error, Model};
+    ///
+    /// let error = Model::from_xml_path("no/such/model.xml").unwrap_err();
+    /// assert!(matches!(error, Error::File { .. }));
+    /// ```
+    #[doc(alias = "mj_loadXML")]
+    #[doc(alias = "load_model")]
+    pub fn from_xml_path(path: impl AsRef<Path>) -> Result<Self> {
+        Self::from_xml_path_with(path, &LoadOptions::default())
+    }
+
+    /// Loads a model from an MJCF or URDF file with [`LoadOptions`]: some of the files that it names can be in memory, and a URDF
+    /// can name meshes by `package://` URIs.
+    ///
+    /// The file itself is read from disk. The compiler searches the files that it names in memory first, by the part of their
+    /// names after the last slash and regardless of case, and then on disk, relative to the file.
+    ///
+    /// For hostile texts and files see [`from_xml_str`](Self::from_xml_str).
+    ///
+    /// # Errors
+    ///
+    /// As for [`from_xml_path`](Self::from_xml_path), and [`Error::Invalid`] for the files in memory as for
+    /// [`from_xml_str_with`](Self::from_xml_str_with).
+    ///
+    /// ```
+    /// use mujoco_safe::{LoadOptions, Model};
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("scene.xml");
+    /// std::fs::write(&path, r#"<mujoco><include file="ball.xml"/></mujoco>"#)?;
+    ///
+    /// let ball = |size: f64| format!(r#"<mujoco><worldbody><geom size="{size}"/></worldbody></mujoco>"#);
+    /// std::fs::write(folder.path().join("ball.xml"), ball(0.1))?;
+    /// assert_eq!(Model::from_xml_path(&path)?.geom_size()[0][0], 0.1);
+    ///
+    /// let large = ball(0.2);
+    /// let options = LoadOptions::default().with_file("ball.xml", large.as_bytes());
+    /// assert_eq!(Model::from_xml_path_with(&path, &options)?.geom_size()[0][0], 0.2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[doc(alias = "mj_loadXML")]
+    #[doc(alias = "from_xml_path")]
+    pub fn from_xml_path_with(path: impl AsRef<Path>, options: &LoadOptions<'_>) -> Result<Self> {
+        let path = path.as_ref();
+        // Compile the text that was checked, even if the file changes in the meantime. The text gets another name in the same
+        // directory, so that the compiler cannot confuse it with files of the same name in other directories.
+        let text = file::read_regular(path).map_err(Error::file(path))?;
+        Self::from_text(&path.display().to_string(), &path.with_file_name(TEXT), &text, options)
+    }
+
+    /// Loads a model from MJCF or URDF text.
+    ///
+    /// The engine's own compiler reads the text. On some inputs the compiler of 2.2.2 crashes, does not terminate, or accesses
+    /// memory out of bounds. The following inputs can be recognised in the text and the files that it names, and are rejected
+    /// before compilation:
+    ///
+    /// * recursive includes, elements nested more than 400 deep, special files (pipes, devices, `/proc`),
+    /// * in URDF: joints of an unknown type, links that are their own ancestors, chains of more than 400 joints,
+    /// * oversized textures, height fields, keyframes, user data, custom data and skins of composites, more than 32 766 bodies,
+    ///   and more than 13 377 degrees of freedom,
+    /// * damaged meshes, skins and height fields: a size that contradicts the header, faces with nonexistent vertices, vertices
+    ///   that are not finite,
+    /// * a muscle whose length range does not converge, a fixed tendon with the same joint twice, adhesion with room for fewer
+    ///   than 100 constraints, a rangefinder together with a height field of more rows than columns.
+    ///
+    /// The compiled model then passes the checks of a binary model, see [`from_binary`](Self::from_binary).
+    ///
+    /// Compilation can still take minutes (thousands of bodies) or much memory (a PNG that decompresses to more than its header
+    /// says), and a file on disk can change between the check and the compilation. Compile untrusted models in a separate process
+    /// with limits on time and memory.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Load`] with the compiler's whole message, which includes the line if the compiler reports one.
+    ///
+    /// ```
+    /// use mujoco_safe::Model;
+    ///
+    /// let error = Model::from_xml_str("<mujoco>\n  <worldbod/>\n</mujoco>").unwrap_err();
+    /// assert!(error.to_string().contains("line 2"), "{error}");
+    /// ```
+    pub fn from_xml_str(xml: &str) -> Result<Self> {
+        Self::from_xml_str_with(xml, &LoadOptions::default())
+    }
+
+    /// Loads a model from MJCF or URDF text with [`LoadOptions`]: files that the text names can be in memory, and a URDF can name
+    /// meshes by `package://` URIs.
+    ///
+    /// For hostile texts and files see [`from_xml_str`](Self::from_xml_str).
+    ///
+    /// # Errors
+    ///
+    /// As for [`from_xml_str`](Self::from_xml_str), and [`Error::Invalid`] for a file without a name or content, with the same name
+    /// as another file, with a name of 1000 bytes or more, or of 2 GiB or more, and for more than 1998 files.
+    ///
+    /// ```
+    /// use mujoco_safe::{LoadOptions, Model};
+    ///
+    /// let ball = br#"<mujoco><worldbody><geom name="ball" size="0.1"/></worldbody></mujoco>"#;
+    /// let model = Model::from_xml_str_with(
+    ///     r#"<mujoco><include file="ball.xml"/></mujoco>"#,
+    ///     &LoadOptions::default().with_file("ball.xml", ball),
+    /// )?;
+    /// assert_eq!(model.ngeom(), 1);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_loadXML")]
+    pub fn from_xml_str_with(xml: &str, options: &LoadOptions<'_>) -> Result<Self> {
+        Self::from_text(FROM_MEMORY, TEXT.as_ref(), xml.as_bytes(), options)
+    }
+
+    /// Compiles a text as if it were the contents of the file `path`, whose file name must be [`TEXT`].
+    fn from_text(source_name: &str, path: &Path, text: &[u8], options: &LoadOptions<'_>) -> Result<Self> {
+        let Resolved { text, files, unresolved } = package::resolve(text, &options.packages, &options.files);
+        let files: Vec<(&str, &[u8])> = (options.files.iter().copied())
+            .chain(files.iter().map(|(name, content)| (&name[..], &content[..])))
+            .collect();
+        let model = Self::from_text_by(source_name, path, &text, &files, &mut Self::compile).map_err(|error| {
+            // The engine discards visual meshes by default, so an unresolved one is the cause only if the message names it.
+            let Error::Load { source_name, mut message } = error else { return error };
+            if let Some((_, reason)) = unresolved.iter().find(|(name, _)| !name.is_empty() && message.contains(name)) {
+                message = format!("{message}; {reason}");
+            }
+            Error::Load { source_name, message }
+        })?;
+        // Log after the lock is released, because a logger is user code and may load a model itself.
+        for warning in &model.warnings {
+            log::warn!(target: engine::LOG_TARGET, "{source_name}: {warning}");
+        }
+        Ok(model)
+    }
+
+    /// Checks a text and compiles it with `compile`, which acquires the lock of [`XmlState`] or already holds it.
+    pub(super) fn from_text_by(
+        source_name: &str,
+        path: &Path,
+        text: &[u8],
+        files: &[(&str, &[u8])],
+        compile: &mut Compile<'_>,
+    ) -> Result<Self> {
+        engine::ready()?;
+        if text.is_empty() {
+            return Err(Error::Load { source_name: source_name.to_owned(), message: "the text is empty".to_owned() });
+        }
+        let virtual_files = Self::in_memory(text, files)?;
+        let memory: Vec<(&str, &[u8])> = std::iter::once((TEXT, text)).chain(files.iter().copied()).collect();
+        let sources = Files { memory: &memory, directory: xml_guard::directory(xml_guard::path_bytes(path)) };
+        let name = path_c_string(path)?;
+        if let Some(muscles) = xml_guard::check(source_name, text, &sources)? {
+            Self::check_muscles(&muscles, text, &name, files, source_name, compile)?;
+        }
+        compile(&name, &virtual_files, source_name)
+    }
+
+    /// Creates a virtual file system with a text and other files.
+    fn in_memory(text: &[u8], files: &[(&str, &[u8])]) -> Result<VirtualFiles> {
+        let mut virtual_files = VirtualFiles::new();
+        virtual_files.add(TEXT, text)?;
+        for (name, content) in files {
+            virtual_files.add(name, content)?;
+        }
+        Ok(virtual_files)
+    }
+
+    /// Rejects a text for which the compiler's simulation of muscles would not terminate. Compiles the text without that
+    /// simulation, and runs the simulation on the result.
+    fn check_muscles(
+        muscles: &MuscleSimulation,
+        text: &[u8],
+        name: &CString,
+        files: &[(&str, &[u8])],
+        source_name: &str,
+        compile: &mut Compile<'_>,
+    ) -> Result<()> {
+        let Some(text) = xml_guard::without_simulation(text) else { return Ok(()) };
+        let mut model = compile(name, &Self::in_memory(&text, files)?, source_name)?;
+        let (checked, _) = collecting_warnings(|| muscles.check(&mut model));
+        checked.map_err(|message| Error::Load { source_name: source_name.to_owned(), message })
+    }
+
+    /// Loads a binary model (MJB) that [`save_binary`](Self::save_binary) or the engine wrote.
+    ///
+    /// The engine trusts such a file; this function does not. It checks every size, address, id and enum before it passes the
+    /// file to the engine, so a damaged or hostile file results in an error.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model.
+    #[doc(alias = "mj_loadModel")]
+    pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let bytes = file::read_regular(path).map_err(Error::file(path))?;
+        Self::from_binary_named(&bytes, &path.display().to_string())
+    }
+
+    /// Loads a binary model from memory. Otherwise the same as [`from_binary_path`](Self::from_binary_path).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model.
+    ///
+    /// ```
+    /// use mujoco_safe::{Error, Model, sample};
+    ///
+    /// let bytes = sample::cartpole().to_binary()?;
+    /// assert_eq!(Model::from_binary(&bytes)?.nv(), 2);
+    /// assert!(matches!(Model::from_binary(&bytes[..100]), Err(Error::InvalidBinary { .. })));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn from_binary(bytes: &[u8]) -> Result<Self> {
+        Self::from_binary_named(bytes, "the given buffer")
+    }
+
+    fn from_binary_named(bytes: &[u8], source_name: &str) -> Result<Self> {
+        engine::ready()?;
+        let invalid = |reason: String| Error::InvalidBinary { source_name: source_name.to_owned(), reason };
+        mjb::check(bytes).map_err(|error| invalid(error.to_string()))?;
+        let name = "model.mjb";
+        let mut files = VirtualFiles::new();
+        files.add(name, bytes)?;
+        let name = ffi::c_string("the name of the binary model", name)?;
+        let mut loaded = ptr::null_mut();
+        let (result, warnings) = collecting_warnings(|| {
+            // SAFETY: a valid name and table. The bytes were validated, so the engine reads only within them.
+            let status = unsafe { guard::mj_load_model(name.as_ptr(), files.as_ptr(), &raw mut loaded) };
+            ffi::check_without_data("mj_loadModel", status)
+        });
+        result?;
+        let raw = NonNull::new(loaded).ok_or_else(|| invalid(warnings.join("; ")))?;
+        // SAFETY: the engine allocated the model, nothing else owns it, and its contents were validated.
+        Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
+    }
+}

@@ -1,0 +1,172 @@
+//! Saving of models in the binary format and as XML.
+//!
+//! The engine does not write a model as XML. It writes the XML tree of the last model that was loaded, after it has copied some
+//! of the given model's numbers into the tree. It does not copy all of them, and the tree has no place for some: a body whose
+//! inertia comes from its geoms has no mass of its own in XML. [`Model::save_xml`] therefore loads the text before it writes the
+//! file, and compares the two models.
+
+mod compare;
+mod xml_text;
+
+use std::io::Write;
+use std::path::Path;
+
+use mujoco_sys::{self as sys, guard};
+
+use super::{Model, mjb};
+use crate::error::{Error, LostEdit, Result};
+use crate::{ffi, file};
+
+/// Check that [`Model::save_xml_with`] performs before it writes a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum XmlCheck {
+    /// Loads the text and writes it only if it loads as the same model.
+    #[default]
+    Refuse,
+    /// Loads the text, writes it even if it loads as another model, and returns the fields that differ.
+    Report,
+    /// Writes the text without loading it, for example before the meshes that it names exist.
+    Skip,
+}
+
+/// Options of [`Model::save_xml_with`].
+///
+/// ```
+/// use mujoco_safe::{SaveXmlOptions, XmlCheck};
+///
+/// let options = SaveXmlOptions::default().with_check(XmlCheck::Report);
+/// assert_eq!(options.check, XmlCheck::Report);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct SaveXmlOptions {
+    /// Check before the file is written. By default [`XmlCheck::Refuse`].
+    pub check: XmlCheck,
+    /// Names and contents of files in memory, which the check prefers to files on disk. By default none.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+impl SaveXmlOptions {
+    /// Sets the check before the file is written.
+    #[must_use]
+    pub fn with_check(mut self, check: XmlCheck) -> Self {
+        self.check = check;
+        self
+    }
+
+    /// Sets the files in memory that the check uses, for a model that was loaded with
+    /// [`LoadOptions::with_files`](crate::LoadOptions::with_files). The saved text names them; it does not contain them.
+    #[must_use]
+    pub fn with_files(mut self, files: &[(&str, &[u8])]) -> Self {
+        self.files = files.iter().map(|&(name, content)| (name.to_owned(), content.to_vec())).collect();
+        self
+    }
+}
+
+impl Model {
+    /// Writes the model in the engine's binary form (MJB), which loads faster than XML and fits this engine version only.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be written. An existing file is left unchanged then.
+    #[doc(alias = "mj_saveModel")]
+    pub fn save_binary(&self, path: impl AsRef<Path>) -> Result<()> {
+        let bytes = self.to_binary()?;
+        file::replace(path.as_ref(), |out| out.write_all(&bytes))
+    }
+
+    /// Returns the model in the engine's binary form.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] if the engine cannot write the model.
+    #[doc(alias = "mj_sizeModel")]
+    pub fn to_binary(&self) -> Result<Vec<u8>> {
+        // SAFETY: a valid model; the function only adds up sizes.
+        let bound = unsafe { sys::mj_sizeModel(self.as_ptr()) };
+        let size =
+            usize::try_from(bound).map_err(|_| Error::Unsupported("a binary model of more than 2 GiB".to_owned()))?;
+        let mut bytes = vec![0; size];
+        // SAFETY: the buffer has the size that is passed, which is the size that the engine requires.
+        let status = unsafe { guard::mj_save_model(self.as_ptr(), std::ptr::null(), bytes.as_mut_ptr().cast(), bound) };
+        ffi::check_without_data("mj_saveModel", status)?;
+        // The size includes the padding between the arrays, which the engine does not write.
+        let length = mjb::length(&bytes)
+            .map_err(|error| Error::Unsupported(format!("Bug: the engine wrote an invalid binary model: {error}")))?;
+        bytes.truncate(length);
+        Ok(bytes)
+    }
+
+    /// Writes the model as MJCF, if the text loads as this model. Equivalent to [`save_xml_with`](Self::save_xml_with) with the
+    /// default options.
+    ///
+    /// # Errors
+    ///
+    /// As for [`save_xml_with`](Self::save_xml_with).
+    ///
+    /// ```standalone_crate
+    /// use mujoco_safe::{Error, Model};
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("ball.xml");
+    /// let model = Model::from_xml_str(
+    ///     r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#,
+    /// )?;
+    ///
+    /// // The mass comes from the geom, so XML has no place for another value.
+    /// let mut heavy = model.clone();
+    /// heavy.edit().body_mut("ball")?.set_mass(5.0);
+    /// let error = heavy.save_xml(&path).unwrap_err();
+    /// assert!(matches!(&error, Error::XmlLosesEdits { fields, .. } if fields[0].field == "body_mass"), "{error}");
+    ///
+    /// model.save_xml(&path)?;
+    /// assert_eq!(Model::from_xml_path(&path)?.body("ball")?.index(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[doc(alias = "mj_saveLastXML")]
+    pub fn save_xml(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.save_xml_with(path, &SaveXmlOptions::default()).map(drop)
+    }
+
+    /// Writes the model as MJCF after a check of the text.
+    ///
+    /// The engine keeps one XML tree per process, that of the model that was loaded last, and writes numbers of the given model
+    /// into that tree. This function therefore works only until another XML is loaded after this model, or after the model of
+    /// which it is a clone. The text is the compiled tree: includes, composites and fused bodies are expanded, and meshes,
+    /// textures, height fields and skins remain references to their files.
+    ///
+    /// The tree has no place for some values, for example the mass of a body whose mass comes from its geoms, or the vertices of
+    /// a mesh. The check finds these values: it loads the text as if from `path`, with files from `options.files` or relative to
+    /// `path`, and compares every size, option and array with this model.
+    ///
+    /// Real numbers agree if they differ by at most 1e-8 of the largest number of their row plus 1e-12 (1e-15 for masses and
+    /// moments of inertia, of which the engine treats smaller values as zero). The text has all digits of a number, with two
+    /// exceptions. The engine writes numbers within 1e-12 of an integer as that integer, and the vertices of skins and meshes
+    /// without a file with six digits. Therefore the tolerance is 1e-5 for the arrays of skins, and 1e-4 for all numbers if the
+    /// vertices of a mesh are rounded. The comparison skips flags of the compiler that do not change results: `body_simple`,
+    /// `body_sameframe`, `geom_sameframe`, `site_sameframe` and `dof_simplenum`.
+    ///
+    /// The comparison includes derived fields. After an edit that they depend on, call
+    /// [`update_constants`](super::ModelMut::update_constants) first. Otherwise the check reports fields such as
+    /// `body_invweight0`, because the compiler computes them from the edited values.
+    ///
+    /// Returns the fields that the text cannot represent. The list is empty unless `options.check` is [`XmlCheck::Report`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::XmlLosesEdits`] with the fields and elements that differ in the loaded model, [`Error::XmlReplaced`] if another
+    /// model was loaded since, [`Error::Save`] if the engine cannot write the model, or if the text does not load from `path`,
+    /// [`Error::File`] if the file cannot be written. An existing file is left unchanged then.
+    #[doc(alias = "mj_saveLastXML")]
+    pub fn save_xml_with(&self, path: impl AsRef<Path>, options: &SaveXmlOptions) -> Result<Vec<LostEdit>> {
+        let path = path.as_ref();
+        let (text, reloaded) = self.to_xml(path, options)?;
+        let lost = reloaded.map_or(Ok(Vec::new()), |reloaded| compare::lost(self, &reloaded))?;
+        if !lost.is_empty() && options.check == XmlCheck::Refuse {
+            return Err(Error::XmlLosesEdits { path: path.to_owned(), fields: lost });
+        }
+        file::replace(path, |out| out.write_all(&text))?;
+        Ok(lost)
+    }
+}
