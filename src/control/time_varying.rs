@@ -8,7 +8,7 @@ use super::feedback::{Feedback, clamp};
 use super::riccati::{RiccatiError, RiccatiRecursion};
 use super::{Controller, LqrWeights};
 use crate::data::{Data, StateSpec};
-use crate::derivative::{self, StateSpace, Transition};
+use crate::derivative::{self, Lineariser, StateSpace};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
@@ -24,7 +24,7 @@ use crate::matrix::Matrix;
 ///
 /// ```
 /// use mujoco_safe::{
-///     Controller, Data, LqrWeights, Matrix, StateSpec, TimeVaryingLqr, Transition, TransitionOptions, sample,
+///     Controller, Data, LqrWeights, Matrix, StateSpec, TimeVaryingLqr, Lineariser, TransitionOptions, sample,
 /// };
 /// use nalgebra::DMatrix;
 ///
@@ -41,7 +41,7 @@ use crate::matrix::Matrix;
 /// // It is to fall like that again, although it begins somewhere else.
 /// data.set_state(StateSpec::INTEGRATION, &begin)?;
 /// let weights = LqrWeights::diagonal(&[10.0, 100.0, 1.0, 1.0], &[0.01]);
-/// let mut transition = Transition::new(data.model().clone(), TransitionOptions::default())?;
+/// let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default())?;
 /// let mut follow = TimeVaryingLqr::along(&mut transition, &data, states, controls, &weights, &DMatrix::identity(4, 4))?;
 /// data.qpos_mut()[1] = 0.25;
 /// for _ in 0..100 {
@@ -72,14 +72,14 @@ impl TimeVaryingLqr {
     /// `weights` in each step, and `terminal`, `(nx, nx)` with `nx = 2 nv + na`, of where it ends.
     ///
     /// The table begins at the present time of `data`, whose applied forces, mocap poses and user data are those along the
-    /// trajectory; see [`Transition::along`].
+    /// trajectory; see [`Lineariser::along`].
     ///
     /// # Errors
     ///
     /// [`Error::Shape`] for a wrong shape, [`Error::Riccati`] for weights that have a wrong shape or no least cost, and those of
-    /// [`Transition::along`].
+    /// [`Lineariser::along`].
     pub fn along(
-        transition: &mut Transition,
+        transition: &mut Lineariser,
         data: &Data,
         states: Matrix,
         controls: Matrix,

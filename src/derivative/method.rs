@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::Differences;
 
-/// How [`Transition`](super::Transition) linearises a step of the simulation.
+/// How [`Lineariser`](super::Lineariser) linearises a step of the simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum TransitionMethod {
@@ -14,11 +14,11 @@ pub enum TransitionMethod {
     Columns,
     /// By the implicit function theorem, from differences of inverse dynamics, which needs no solver: several times faster than
     /// differences of a step, and at least as accurate. The columns are shared among the threads. Where it does not hold,
-    /// [`Columns`](Self::Columns) takes its place, and [`Used`] says so.
+    /// [`Columns`](Self::Columns) takes its place, and [`LinearisationReport`] says so.
     Inverse,
 }
 
-/// What [`Transition`](super::Transition) does, and with how many threads.
+/// What [`Lineariser`](super::Lineariser) does, and with how many threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransitionOptions {
     /// The method; [`Inverse`](TransitionMethod::Inverse) unless it is changed.
@@ -91,7 +91,7 @@ impl fmt::Display for Fallback {
 
 /// By which method a step was linearised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Used {
+pub struct LinearisationReport {
     /// The method.
     pub method: TransitionMethod,
     /// Why it is not the one that was asked for, if it is not.

@@ -9,41 +9,29 @@
 //! ```
 //!
 //! and [`Data::transition_fd`](crate::Data::transition_fd) computes A, B, C and D at the present state and controls. A
-//! [`Transition`] does so faster, again and again, in several threads, and along trajectories.
+//! [`Lineariser`] does so faster, again and again, in several threads, and along trajectories.
 //!
 //! The derivatives of differences and sums of quaternions are in [`math`](crate::math::sub_quat_derivative).
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `transition.rs` | a step: the linear system of control theory, by the engine |
-//! | `workspace.rs` | the same by a choice of methods, in several threads, and along trajectories |
-//! | `method.rs` | the methods |
-//! | `worker.rs` | a simulation for each thread |
-//! | `team.rs` | how the threads share the columns |
-//! | `columns.rs` | the engine's differences, shared among threads |
-//! | `through_inverse.rs` | the implicit function theorem, with differences of inverse dynamics |
-//! | `balance.rs` | the balance of forces that is differenced for it |
-//! | `drive.rs` | how actuators depend on controls and activations |
-//! | `newton.rs` | the accelerations to the last digits, and the inertia that constraints add to |
-//! | `inverse.rs` | inverse dynamics |
 
-mod balance;
+mod actuation;
 mod columns;
-mod drive;
+mod implicit;
 mod inverse;
+mod linear_algebra;
+mod lineariser;
 mod method;
 mod newton;
-mod team;
-mod through_inverse;
+mod perturbation;
+mod residual;
 mod transition;
+mod work_queue;
 mod worker;
-mod workspace;
 
 pub use self::inverse::{InverseJacobians, InverseOutputs};
-pub use self::method::{Fallback, TransitionMethod, TransitionOptions, Used};
+pub use self::lineariser::Lineariser;
+pub use self::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
-pub use self::workspace::Transition;
 use crate::error::{Error, Result};
 
 /// Below this the differences drown in rounding, and would be zeros without a word.

@@ -5,7 +5,7 @@ use std::ptr;
 use mujoco_sys::{guard, mjSENS_CLOCK};
 
 use super::method::Step;
-use super::worker::{Input, sides};
+use super::perturbation::{Input, sides};
 use super::{Differences, check_eps};
 use crate::data::{Computed, Data};
 use crate::enums::Integrator;
@@ -196,6 +196,24 @@ impl Data {
         model.nq() > model.nv()
             && model.actuator_ctrllimited()[last] != 0
             && !(inside(ctrl) && (inside(ctrl + eps) || inside(ctrl - eps)))
+    }
+}
+
+impl TransitionOutputs<'_> {
+    /// Checks the shapes of the matrices that are present.
+    pub(super) fn check(&self, model: &Model) -> Result<()> {
+        let (nx, nu, ny) = sizes(model);
+        for (what, output, shape) in [
+            ("A of a linear system", &self.a, (nx, nx)),
+            ("B of a linear system", &self.b, (nx, nu)),
+            ("C of a linear system", &self.c, (ny, nx)),
+            ("D of a linear system", &self.d, (ny, nu)),
+        ] {
+            if let Some(output) = output {
+                Error::check_shape(what, output.shape(), shape)?;
+            }
+        }
+        Ok(())
     }
 }
 

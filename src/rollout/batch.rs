@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
 use super::restart::restart;
 use super::{Read, no_room};
-use crate::control::Outcome;
+use crate::controller::Outcome;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::matrix::{Matrix, MatrixView, MatrixViewMut};

@@ -53,7 +53,7 @@ use std::sync::Arc;
 pub use self::batch::Batch;
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
 pub use self::workers::Workers;
-use crate::control::{Controller, Outcome};
+use crate::controller::{Controller, Outcome};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::model::{Model, ModelMut};

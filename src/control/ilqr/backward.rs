@@ -6,7 +6,7 @@ use super::cost::{CostExpansion, TrajectoryCost};
 use super::forward::Trial;
 use crate::control::feedback::control_range;
 use crate::control::riccati::{Backup, StepCost};
-use crate::derivative::{self, StateSpace, Used};
+use crate::derivative::{self, LinearisationReport, StateSpace};
 use crate::error::Result;
 use crate::math::{BoxQp, BoxQpStatus, chol_solve_in_place};
 use crate::matrix::{Matrix, MatrixView};
@@ -87,7 +87,7 @@ impl Backward {
     /// because the cost falls without end.
     pub(super) fn plan(
         &mut self,
-        systems: &[(StateSpace, Used)],
+        systems: &[(StateSpace, LinearisationReport)],
         nominal: &Trial,
         regularisation: f64,
         plan: &mut Plan,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::backward::Plan;
 use super::cost::TrajectoryCost;
-use crate::control::Controller;
 use crate::control::feedback::{Feedback, clamp};
+use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::derivative;
 use crate::error::{Error, Result};

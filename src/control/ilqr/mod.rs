@@ -3,7 +3,7 @@
 //! Of all trajectories of `N` steps that begin in a given state, [`Ilqr::solve`] looks for one that costs the least, near the one
 //! that it is given controls for. In each iteration
 //!
-//! 1. each step is linearised, several at a time in parallel ([`Transition::along`]), and the cost is expanded to second order;
+//! 1. each step is linearised, several at a time in parallel ([`Lineariser::along`]), and the cost is expanded to second order;
 //! 2. from the end to the beginning, the change of the controls that costs the least is found: in each step a quadratic
 //!    programme in the box that the ranges of the controls make, whose solution is a feedforward and a gain;
 //! 3. the new controls are tried with several step sizes at a time, as one batch of [rollouts](crate::rollout), and the
@@ -38,7 +38,7 @@ pub use self::cost::{CostExpansion, QuadraticCost, TrajectoryCost};
 use self::forward::{Forward, Trial};
 use super::TimeVaryingLqr;
 use crate::data::{Data, StateSpec};
-use crate::derivative::{StateSpace, Transition, TransitionOptions, Used};
+use crate::derivative::{LinearisationReport, Lineariser, StateSpace, TransitionOptions};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
@@ -148,7 +148,7 @@ impl IlqrSolution {
 #[derive(Debug)]
 pub struct Ilqr {
     options: IlqrOptions,
-    transition: Transition,
+    transition: Lineariser,
     forward: Forward,
 }
 
@@ -171,7 +171,7 @@ impl Ilqr {
             return Err(Error::invalid("a step size of IlqrOptions", size, "above 0 and at most 1"));
         }
         let transition =
-            Transition::new(model.clone(), TransitionOptions { threads: options.threads, ..Default::default() })?;
+            Lineariser::new(model.clone(), TransitionOptions { threads: options.threads, ..Default::default() })?;
         Ok(Self { options, transition, forward: Forward::new(model) })
     }
 
@@ -188,7 +188,7 @@ impl Ilqr {
     ///
     /// [`Error::Shape`] for controls of a wrong shape, [`Error::Invalid`] if there is not one step or if a cost or a derivative of
     /// it is not finite, [`Error::OtherModel`] for a simulation of a model that was loaded separately, the errors of
-    /// [`Data::step`] for the trajectory that the given controls make, and those of [`Transition::along`].
+    /// [`Data::step`] for the trajectory that the given controls make, and those of [`Lineariser::along`].
     ///
     /// # Panics
     ///
@@ -210,7 +210,7 @@ impl Ilqr {
             backward: Backward::new(model, steps),
             plan: Plan::zeros(model, steps),
             begins: Matrix::zeros(steps, model.state_size(StateSpec::PHYSICS)),
-            systems: vec![(StateSpace::zeros(model), Used { method, fallback: None }); steps],
+            systems: vec![(StateSpace::zeros(model), LinearisationReport { method, fallback: None }); steps],
             regularisation: Regularisation::default(),
         };
         let mut status = IlqrStatus::IterationLimit;
@@ -237,13 +237,13 @@ struct Search<'s> {
     plan: Plan,
     /// The states in which steps begin.
     begins: Matrix,
-    systems: Vec<(StateSpace, Used)>,
+    systems: Vec<(StateSpace, LinearisationReport)>,
     regularisation: Regularisation,
 }
 
 impl Search<'_> {
     /// Linearises the steps, and expands the cost, along the trajectory.
-    fn expand(&mut self, transition: &mut Transition) -> Result<()> {
+    fn expand(&mut self, transition: &mut Lineariser) -> Result<()> {
         let values = self.begins.as_mut_slice();
         values.copy_from_slice(&self.nominal.states.as_slice()[..values.len()]);
         transition.along_into(self.data, &self.begins, &self.nominal.controls, &mut self.systems)?;
@@ -280,7 +280,7 @@ impl Search<'_> {
     }
 
     /// Finds the gains along the trajectory that there is in the end, with no more regularisation than that takes.
-    fn finish(&mut self, transition: &mut Transition) -> Result<()> {
+    fn finish(&mut self, transition: &mut Lineariser) -> Result<()> {
         self.expand(transition)?;
         let mut regularisation = Regularisation::default();
         while self.backward.plan(&self.systems, &self.nominal, regularisation.value, &mut self.plan)?.is_none() {
