@@ -92,14 +92,14 @@ fn of_a_quadratic_cost() {
 }
 
 #[test]
-#[should_panic = "a state of 3 numbers for a QuadraticCost of states of 4"]
+#[should_panic = "the state has 3 entries, but the QuadraticCost is for 4"]
 fn of_a_state_that_costs() {
     let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
     cost.value(0, &[0.0; 3], None);
 }
 
 #[test]
-#[should_panic = "2 controls for a QuadraticCost of 1"]
+#[should_panic = "there are 2 controls, but the QuadraticCost is for 1"]
 fn of_controls_that_cost() {
     let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
     cost.value(0, &[0.0; 4], Some(&[0.0; 2]));

@@ -1,30 +1,24 @@
-//! Trajectories of least cost: the iterative linear-quadratic regulator, with controls that stay within their ranges.
+//! Trajectory optimisation: the iterative linear-quadratic regulator (iLQR) with limits of the controls.
 //!
-//! Of all trajectories of `N` steps that begin in a given state, [`Ilqr::solve`] looks for one that costs the least, near the one
-//! that it is given controls for. In each iteration
+//! Among the trajectories of `N` steps from a given state, [`Ilqr::solve`] finds a local minimum of a cost, starting from given
+//! controls. Each iteration
 //!
-//! 1. each step is linearised, several at a time in parallel ([`Lineariser::along`]), and the cost is expanded to second order;
-//! 2. from the end to the beginning, the change of the controls that costs the least is found: in each step a quadratic
-//!    programme in the box that the ranges of the controls make, whose solution is a feedforward and a gain;
-//! 3. the new controls are tried with several step sizes at a time, as one batch of [rollouts](crate::rollout), and the
-//!    best is taken, if it is better than what there was. If none is, the changes are made more costly (regularisation).
+//! 1. linearises each step, several in parallel ([`Lineariser::along`]), and expands the cost to second order;
+//! 2. computes the optimal change of the controls in a backward pass: in each step the solution of a box-constrained quadratic
+//!    programme, whose box is the range of the controls, which yields a feedforward and a gain;
+//! 3. simulates the new controls with several step sizes, as one batch of [rollouts](crate::rollout), and accepts the best
+//!    trajectory if its cost is lower. Otherwise it repeats the backward pass with a larger regularisation.
 //!
-//! What comes out is a trajectory and a table of gains that keeps a simulation on it: [`IlqrSolution::controller`].
+//! The result is a trajectory and a table of gains for a controller that follows it: [`IlqrSolution::controller`].
 //!
-//! This is differential dynamic programming without the second derivatives of the dynamics.
+//! The method is differential dynamic programming without the second derivatives of the dynamics.
 //!
 //! # Sources
 //!
 //! * W. Li, E. Todorov, *Iterative linear quadratic regulator design for nonlinear biological movement systems*, ICINCO 2004.
 //! * Y. Tassa, T. Erez, E. Todorov, *Synthesis and stabilization of complex behaviors through online trajectory optimization*,
 //!   IROS 2012: the regularisation of the states, and its schedule.
-//! * Y. Tassa, N. Mansard, E. Todorov, *Control-limited differential dynamic programming*, ICRA 2014: the box.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `cost.rs` | what a trajectory costs |
-//! | `backward.rs` | how to change the controls |
-//! | `forward.rs` | what comes of it |
+//! * Y. Tassa, N. Mansard, E. Todorov, *Control-limited differential dynamic programming*, ICRA 2014: the limits of the controls.
 
 mod backward;
 mod cost;
@@ -33,7 +27,7 @@ mod forward;
 use std::fmt;
 use std::sync::Arc;
 
-use self::backward::{Backward, Plan};
+use self::backward::{AffinePolicy, Backward};
 pub use self::cost::{CostExpansion, QuadraticCost, TrajectoryCost};
 use self::forward::{Forward, Trial};
 use super::TimeVaryingLqr;
@@ -43,23 +37,24 @@ use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// The regularisation that is tried first, when one is needed at all; how fast it grows and shrinks; and where it ends.
-const LEAST_REGULARISATION: f64 = 1e-6;
-const MOST_REGULARISATION: f64 = 1e10;
+/// Smallest regularisation that is not zero.
+const MIN_REGULARISATION: f64 = 1e-6;
+/// Regularisation above which the search ends.
+const MAX_REGULARISATION: f64 = 1e10;
+/// Initial factor by which the regularisation grows and shrinks.
 const REGULARISATION_FACTOR: f64 = 1.6;
 
-/// How [`Ilqr`] looks for a trajectory.
+/// Options of [`Ilqr`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct IlqrOptions {
-    /// How many iterations there are at most: 200 unless it is changed.
+    /// Maximum number of iterations; 200 by default.
     pub iterations: usize,
-    /// The search has converged when an iteration lowers the cost by less than this part of it, or when nothing more than that
-    /// is promised: 1e-8 unless it is changed.
+    /// Relative decrease of the cost, achieved or predicted, below which the search has converged; 1e-8 by default.
     pub tolerance: f64,
-    /// How many steps are linearised at the same time, at most, as in [`TransitionOptions::threads`]. The result does not
+    /// Maximum number of steps that are linearised at the same time, as in [`TransitionOptions::threads`]. The result does not
     /// depend on it.
     pub threads: usize,
-    /// The parts of the change of controls that are tried. If nothing is said, eleven numbers from 1 down to 0.001.
+    /// Step sizes of the line search, as fractions of the feedforward. By default eleven numbers from 1 to 0.001.
     pub step_sizes: Vec<f64>,
 }
 
@@ -70,16 +65,16 @@ impl Default for IlqrOptions {
     }
 }
 
-/// How the search has ended.
+/// Reason for the end of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum IlqrStatus {
-    /// At a trajectory near which there is none that costs less, as far as the tolerance goes.
+    /// The trajectory is a local minimum of the cost, within the tolerance.
     Converged,
-    /// No step size gains anything, however costly changes are made: the derivatives do not describe what happens, because of
-    /// contacts, say. The trajectory is the best that was found.
+    /// No step size lowers the cost at any regularisation: the derivatives do not predict the simulation, for example because of
+    /// contacts. The trajectory is the best that was found.
     NoDescent,
-    /// There were as many iterations as allowed. The trajectory is the best that was found.
+    /// The search reached the maximum number of iterations. The trajectory is the best that was found.
     IterationLimit,
 }
 
@@ -87,36 +82,36 @@ impl fmt::Display for IlqrStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Converged => "converged",
-            Self::NoDescent => "no step size gains anything",
-            Self::IterationLimit => "stopped at the limit of iterations",
+            Self::NoDescent => "no step size lowers the cost",
+            Self::IterationLimit => "reached the maximum number of iterations",
         })
     }
 }
 
-/// A trajectory, and how it was found.
+/// Optimised trajectory, with its gains.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct IlqrSolution {
-    /// The states `(N + 1, nq + nv + na)`, each `[qpos; qvel; act]`.
+    /// States `(N + 1, nq + nv + na)`, each `[qpos; qvel; act]`.
     pub states: Matrix,
-    /// The controls `(N, nu)`, within their ranges.
+    /// Controls `(N, nu)`, within their ranges.
     pub controls: Matrix,
-    /// The gains of the feedback that keeps a simulation on the trajectory: `N` of them, each `(nu, 2 nv + na)`. Rows of controls
-    /// that are at the end of their range are zero.
+    /// Feedback gains along the trajectory: `N` matrices, each `(nu, 2 nv + na)`. The rows of controls at a limit of their range
+    /// are zero.
     pub gains: Vec<Matrix>,
-    /// What the trajectory costs, before the first iteration and after each: it only falls.
+    /// Cost before the first iteration and after each successful one, in decreasing order.
     pub costs: Vec<f64>,
-    /// How the search has ended.
+    /// Reason for the end of the search.
     pub status: IlqrStatus,
 }
 
 impl IlqrSolution {
-    /// What the trajectory costs.
+    /// Returns the cost of the trajectory.
     pub fn cost(&self) -> f64 {
         self.costs[self.costs.len() - 1]
     }
 
-    /// The regulator that has a simulation follow the trajectory from its present time on.
+    /// Creates a regulator that follows the trajectory, starting at the present time of a simulation.
     ///
     /// # Errors
     ///
@@ -126,14 +121,14 @@ impl IlqrSolution {
     }
 }
 
-/// The solver, with the simulations that it works in.
+/// Trajectory optimiser, with its simulations.
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, IlqrStatus, QuadraticCost};
 /// use mujoco_safe::{Data, LqrWeights, Matrix, sample};
 /// use nalgebra::DMatrix;
 ///
-/// // The cart is to be at 0.5 m in a second, with the pole upright and both at rest.
+/// // Move the cart to 0.5 m in a second, with the pole upright and both at rest.
 /// let data = Data::new(sample::cartpole())?;
 /// let weights = LqrWeights::diagonal(&[0.1, 0.1, 0.0, 0.0], &[0.01]);
 /// let terminal = DMatrix::identity(4, 4) * 100.0;
@@ -148,12 +143,12 @@ impl IlqrSolution {
 #[derive(Debug)]
 pub struct Ilqr {
     options: IlqrOptions,
-    transition: Lineariser,
+    lineariser: Lineariser,
     forward: Forward,
 }
 
 impl Ilqr {
-    /// A solver for simulations of this model. Takes a [`Model`] or an `Arc<Model>`.
+    /// Creates an optimiser for simulations of this model. Takes a [`Model`] or an `Arc<Model>`.
     ///
     /// # Errors
     ///
@@ -170,29 +165,28 @@ impl Ilqr {
         if let Some(size) = options.step_sizes.iter().find(|&&size| !(size > 0.0 && size <= 1.0)) {
             return Err(Error::invalid("a step size of IlqrOptions", size, "above 0 and at most 1"));
         }
-        let transition =
+        let lineariser =
             Lineariser::new(model.clone(), TransitionOptions { threads: options.threads, ..Default::default() })?;
-        Ok(Self { options, transition, forward: Forward::new(model) })
+        Ok(Self { options, lineariser, forward: Forward::new(model) })
     }
 
-    /// What it was made with.
+    /// Returns the options that the optimiser was created with.
     pub fn options(&self) -> &IlqrOptions {
         &self.options
     }
 
-    /// Looks for the trajectory of `N` steps that begins in the present state of `data` and costs the least. The search begins
-    /// with the given controls, `(N, nu)`, cut off at the ends of their ranges. Applied forces, mocap poses and user data are
-    /// those of `data` in all steps.
+    /// Minimises the cost of a trajectory of `N` steps from the present state of `data`. The search starts from the given
+    /// controls, `(N, nu)`, clamped to their ranges. Applied forces, mocap poses and user data are those of `data` in all steps.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for controls of a wrong shape, [`Error::Invalid`] if there is not one step or if a cost or a derivative of
-    /// it is not finite, [`Error::OtherModel`] for a simulation of a model that was loaded separately, the errors of
-    /// [`Data::step`] for the trajectory that the given controls make, and those of [`Lineariser::along`].
+    /// [`Error::Shape`] for controls of a wrong shape, [`Error::Invalid`] if there is no step or if a cost or a derivative of it is
+    /// not finite, [`Error::OtherModel`] for a simulation of a model that was loaded separately, the errors of [`Data::step`]
+    /// for the trajectory of the given controls, and those of [`Lineariser::along`].
     ///
     /// # Panics
     ///
-    /// If the cost does, as a [`QuadraticCost`] does that was made for a model of other sizes.
+    /// If the cost panics, as a [`QuadraticCost`] for a model of other sizes does.
     pub fn solve(&mut self, data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> Result<IlqrSolution> {
         let model = data.model();
         let steps = controls.nrows();
@@ -200,7 +194,7 @@ impl Ilqr {
             return Err(Error::invalid("the number of steps of a trajectory", 0, "at least 1"));
         }
         Error::check_shape("the controls of Ilqr::solve", controls.shape(), (steps, model.nu()))?;
-        let method = self.transition.options().method;
+        let method = self.lineariser.options().method;
         let nominal = self.forward.nominal(data, controls, cost)?;
         let mut search = Search {
             data,
@@ -208,68 +202,68 @@ impl Ilqr {
             costs: vec![nominal.cost],
             nominal,
             backward: Backward::new(model, steps),
-            plan: Plan::zeros(model, steps),
-            begins: Matrix::zeros(steps, model.state_size(StateSpec::PHYSICS)),
+            policy: AffinePolicy::zeros(model, steps),
+            starts: Matrix::zeros(steps, model.state_size(StateSpec::PHYSICS)),
             systems: vec![(StateSpace::zeros(model), LinearisationReport { method, fallback: None }); steps],
             regularisation: Regularisation::default(),
         };
         let mut status = IlqrStatus::IterationLimit;
         for _ in 0..self.options.iterations {
-            search.expand(&mut self.transition)?;
+            search.expand(&mut self.lineariser)?;
             if let Some(end) = search.iterate(&self.forward, &self.options)? {
                 status = end;
                 break;
             }
         }
-        search.finish(&mut self.transition)?;
-        let Search { nominal: Trial { states, controls, .. }, plan, costs, .. } = search;
-        Ok(IlqrSolution { states, controls, gains: plan.gains, costs, status })
+        search.finish(&mut self.lineariser)?;
+        let Search { nominal: Trial { states, controls, .. }, policy, costs, .. } = search;
+        Ok(IlqrSolution { states, controls, gains: policy.gains, costs, status })
     }
 }
 
-/// A search, and how far it has come.
+/// State of a search.
 struct Search<'s> {
     data: &'s Data,
     cost: &'s dyn TrajectoryCost,
     nominal: Trial,
     costs: Vec<f64>,
     backward: Backward,
-    plan: Plan,
-    /// The states in which steps begin.
-    begins: Matrix,
+    policy: AffinePolicy,
+    /// States in which the steps start.
+    starts: Matrix,
     systems: Vec<(StateSpace, LinearisationReport)>,
     regularisation: Regularisation,
 }
 
 impl Search<'_> {
-    /// Linearises the steps, and expands the cost, along the trajectory.
-    fn expand(&mut self, transition: &mut Lineariser) -> Result<()> {
-        let values = self.begins.as_mut_slice();
+    /// Linearises the steps and expands the cost along the trajectory.
+    fn expand(&mut self, lineariser: &mut Lineariser) -> Result<()> {
+        let values = self.starts.as_mut_slice();
         values.copy_from_slice(&self.nominal.states.as_slice()[..values.len()]);
-        transition.along_into(self.data, &self.begins, &self.nominal.controls, &mut self.systems)?;
+        lineariser.along_into(self.data, &self.starts, &self.nominal.controls, &mut self.systems)?;
         self.backward.expand(&self.nominal, self.cost)
     }
 
-    /// Finds a better trajectory, with as much regularisation as that takes, or says why there is an end.
+    /// Finds a better trajectory, and increases the regularisation until it succeeds. Returns the reason if the search ends.
     fn iterate(&mut self, forward: &Forward, options: &IlqrOptions) -> Result<Option<IlqrStatus>> {
         let least = options.tolerance * self.nominal.cost.abs();
-        let mut first_promise = None;
+        let mut first_decrease = None;
         loop {
             let regularisation = self.regularisation.value;
-            let plan = self.backward.plan(&self.systems, &self.nominal, regularisation, &mut self.plan)?;
-            if let Some(promise) = plan.map(|promise| promise.at(1.0)) {
-                let first = *first_promise.get_or_insert(promise);
-                if promise <= least && (first <= least || regularisation > LEAST_REGULARISATION) {
-                    // Where nothing worth while was promised to begin with, there is nothing to gain.
+            let decrease = self.backward.solve(&self.systems, &self.nominal, regularisation, &mut self.policy)?;
+            if let Some(decrease) = decrease.map(|decrease| decrease.at(1.0)) {
+                let first = *first_decrease.get_or_insert(decrease);
+                if decrease <= least && (first <= least || regularisation > MIN_REGULARISATION) {
+                    // A negligible decrease without additional regularisation means convergence.
                     return Ok(Some(if first <= least { IlqrStatus::Converged } else { IlqrStatus::NoDescent }));
                 }
-                let best = forward.best(self.data, &self.nominal, &self.plan, &options.step_sizes, self.cost)?;
+                let best = forward.best(self.data, &self.nominal, &self.policy, &options.step_sizes, self.cost)?;
                 if let Some(best) = best.filter(|best| best.cost < self.nominal.cost) {
                     let gain = self.nominal.cost - best.cost;
                     self.costs.push(best.cost);
                     self.nominal = best;
                     self.regularisation.lower();
-                    let converged = gain <= least && regularisation <= LEAST_REGULARISATION;
+                    let converged = gain <= least && regularisation <= MIN_REGULARISATION;
                     return Ok(converged.then_some(IlqrStatus::Converged));
                 }
             }
@@ -279,13 +273,13 @@ impl Search<'_> {
         }
     }
 
-    /// Finds the gains along the trajectory that there is in the end, with no more regularisation than that takes.
-    fn finish(&mut self, transition: &mut Lineariser) -> Result<()> {
-        self.expand(transition)?;
+    /// Computes the gains along the final trajectory, with as little regularisation as possible.
+    fn finish(&mut self, lineariser: &mut Lineariser) -> Result<()> {
+        self.expand(lineariser)?;
         let mut regularisation = Regularisation::default();
-        while self.backward.plan(&self.systems, &self.nominal, regularisation.value, &mut self.plan)?.is_none() {
+        while self.backward.solve(&self.systems, &self.nominal, regularisation.value, &mut self.policy)?.is_none() {
             if !regularisation.raise() {
-                self.plan = Plan::zeros(self.data.model(), self.nominal.controls.nrows());
+                self.policy = AffinePolicy::zeros(self.data.model(), self.nominal.controls.nrows());
                 break;
             }
         }
@@ -293,7 +287,7 @@ impl Search<'_> {
     }
 }
 
-/// How much more than they cost changes are made to cost.
+/// Regularisation weight with its schedule (Tassa, Erez and Todorov, 2012).
 #[derive(Default)]
 struct Regularisation {
     value: f64,
@@ -301,17 +295,18 @@ struct Regularisation {
 }
 
 impl Regularisation {
-    /// False if it is as large as it gets.
+    /// Increases the weight. Returns false above the maximum.
     fn raise(&mut self) -> bool {
         self.factor = (self.factor * REGULARISATION_FACTOR).max(REGULARISATION_FACTOR);
-        self.value = (self.value * self.factor).max(LEAST_REGULARISATION);
-        self.value <= MOST_REGULARISATION
+        self.value = (self.value * self.factor).max(MIN_REGULARISATION);
+        self.value <= MAX_REGULARISATION
     }
 
+    /// Decreases the weight, to zero below the minimum.
     fn lower(&mut self) {
         self.factor = (self.factor / REGULARISATION_FACTOR).min(1.0 / REGULARISATION_FACTOR);
         self.value *= self.factor;
-        if self.value < LEAST_REGULARISATION {
+        if self.value < MIN_REGULARISATION {
             self.value = 0.0;
         }
     }
