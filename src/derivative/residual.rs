@@ -25,7 +25,7 @@ const FORCE_STAGES: [guard::Part; 2] = [sys::mj_fwdActuation, sys::mj_invConstra
 /// Quantities that the residual and its evaluation depend on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Residual {
-    /// Whether `xfrc_applied` is not all zero. Its generalised force depends on positions.
+    /// True unless `xfrc_applied` is zero. Its generalised force depends on positions.
     pub(super) has_external_forces: bool,
 }
 

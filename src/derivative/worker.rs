@@ -18,7 +18,7 @@ pub(super) struct Worker {
     pub(super) point: PerturbedData,
     differences: StepDifferences,
     implicit: Linearisation,
-    /// Whether `implicit` is prepared at the base point; `Some(false)` if the solver has not converged there.
+    /// Result of the preparation of `implicit` at the base point: false if the solver has not converged, `None` before it.
     prepared: Option<bool>,
     /// Result of this worker's share of the columns.
     outcome: Result<()>,

@@ -28,7 +28,7 @@ pub(super) fn units(
     let states = a.rows();
     for values in [&mut *d, &mut *squares, &mut *reciprocals] {
         values.clear();
-        values.resize(a.size(), 1.0);
+        values.resize(a.padded_rows(), 1.0);
     }
     transpose.transpose_from(a);
     // The unit of the cost is free: it makes the norms of G and H equal.

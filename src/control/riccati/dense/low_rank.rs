@@ -13,7 +13,7 @@ pub(in super::super) struct LowRank {
     u: Vec<F64x8>,
     w: Vec<F64x8>,
     /// Remainder of the matrix.
-    rest: PackedMatrix,
+    remainder: PackedMatrix,
     direction: Vec<F64x8>,
     /// Entries of `direction`.
     factors: Vec<f64>,
@@ -26,13 +26,13 @@ impl LowRank {
     /// Factorises a square matrix up to rounding by Gram–Schmidt orthogonalisation with column pivoting. Returns false if its
     /// rank is zero or more than half its size.
     pub(in super::super) fn factorise(&mut self, simd: InstructionSet, matrix: &PackedMatrix) -> bool {
-        let (size, most) = (matrix.size(), matrix.columns() / 2);
+        let (size, max_rank) = (matrix.padded_rows(), matrix.columns() / 2);
         let width = size / BLOCK;
         let norm = matrix.norm();
-        self.rest.copy_from(matrix);
-        for room in [&mut self.u, &mut self.w] {
-            room.clear();
-            room.resize(most * width, F64x8::ZERO);
+        self.remainder.copy_from(matrix);
+        for buffer in [&mut self.u, &mut self.w] {
+            buffer.clear();
+            buffer.resize(max_rank * width, F64x8::ZERO);
         }
         self.direction.resize(width, F64x8::ZERO);
         self.squares.clear();
@@ -42,20 +42,20 @@ impl LowRank {
                 squares.0.iter_mut().zip(row.0).for_each(|(sum, entry)| *sum += entry * entry);
             }
         }
-        for rank in 0..=most {
+        for rank in 0..=max_rank {
             self.rank = rank;
-            let squares = self.squares.iter().flat_map(|lane| lane.0).enumerate();
+            let squares = self.squares.iter().flat_map(|vector| vector.0).enumerate();
             let (pivot, largest) = squares.fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
-            let left = self.squares.iter().map(F64x8::sum).sum::<f64>().sqrt();
-            if left <= f64::EPSILON * norm {
+            let remaining = self.squares.iter().map(F64x8::sum).sum::<f64>().sqrt();
+            if remaining <= f64::EPSILON * norm {
                 return rank > 0;
             }
-            if rank == most || (rank == matrix.columns() / 8 && left > MAX_EARLY_REMAINDER * norm) {
+            if rank == max_rank || (rank == matrix.columns() / 8 && remaining > MAX_EARLY_REMAINDER * norm) {
                 return false;
             }
-            let panel = &self.rest.vectors()[pivot / BLOCK * size..][..size];
+            let panel = &self.remainder.vectors()[pivot / BLOCK * size..][..size];
             let length = 1.0 / largest.sqrt();
-            for (row, entry) in self.direction.iter_mut().flat_map(|lane| &mut lane.0).enumerate() {
+            for (row, entry) in self.direction.iter_mut().flat_map(|vector| &mut vector.0).enumerate() {
                 *entry = panel[row].0[pivot % BLOCK] * length;
             }
             // Orthogonalises again: rounding leaves components of earlier directions, which matter once the remainder is small.
@@ -66,15 +66,15 @@ impl LowRank {
                 }
             }
             let length = 1.0 / dot(&self.direction, &self.direction).sqrt();
-            self.direction.iter_mut().flat_map(|lane| &mut lane.0).for_each(|entry| *entry *= length);
+            self.direction.iter_mut().flat_map(|vector| &mut vector.0).for_each(|entry| *entry *= length);
             self.u[rank * width..][..width].copy_from_slice(&self.direction);
 
             self.factors.clear();
-            self.factors.extend(self.direction.iter().flat_map(|lane| lane.0));
+            self.factors.extend(self.direction.iter().flat_map(|vector| vector.0));
             let factors = &self.factors;
             let coefficients = &mut self.w[rank * width..][..width];
             for ((panel, coefficients), squares) in
-                self.rest.vectors_mut().chunks_exact_mut(size).zip(coefficients).zip(&mut self.squares)
+                self.remainder.vectors_mut().chunks_exact_mut(size).zip(coefficients).zip(&mut self.squares)
             {
                 *squares = F64x8::ZERO;
                 simd::add_rows(simd, factors, panel, coefficients);

@@ -29,8 +29,8 @@ impl LuFactors {
     /// Factorises with partial pivoting. Returns false if the matrix is singular to working precision, or not finite.
     pub(in super::super) fn factorise(&mut self, simd: InstructionSet) -> bool {
         self.eliminate(simd, |panel, from, column| {
-            let largest = |best: (usize, f64), (row, lane): (usize, &F64x8)| {
-                let size = lane.0[column].abs();
+            let largest = |best: (usize, f64), (row, vector): (usize, &F64x8)| {
+                let size = vector.0[column].abs();
                 if size > best.1 { (row, size) } else { best }
             };
             let (row, size) = panel.iter().enumerate().skip(from).fold((from, 0.0), largest);
@@ -53,7 +53,7 @@ impl LuFactors {
 
     /// Eliminates panel by panel. `pivot` selects the row of the next pivot from a panel, the first remaining row and the column.
     fn eliminate(&mut self, simd: InstructionSet, pivot: impl Fn(&[F64x8], usize, usize) -> Option<usize>) -> bool {
-        let (rows, size) = (self.packed.rows(), self.packed.size());
+        let (rows, size) = (self.packed.rows(), self.packed.padded_rows());
         self.exchanges.clear();
         self.lower_inverses.clear();
         self.upper_inverses.clear();
@@ -96,8 +96,8 @@ impl LuFactors {
 
     /// Replaces `right` by the solution `X` of `M X = right`.
     pub(in super::super) fn solve(&self, simd: InstructionSet, right: &mut PackedMatrix) {
-        let size = self.packed.size();
-        debug_assert_eq!(right.size(), size);
+        let size = self.packed.padded_rows();
+        debug_assert_eq!(right.padded_rows(), size);
         if size == 0 {
             return;
         }

@@ -12,7 +12,7 @@ use super::simd::{self, BLOCK, Blocks, F64x8, InstructionSet, Update};
 pub(in super::super) struct PackedMatrix {
     rows: usize,
     columns: usize,
-    /// Panels one after another, each of [`size`](Self::size) rows.
+    /// Panels one after another, each of [`padded_rows`](Self::padded_rows) rows.
     vectors: Vec<F64x8>,
 }
 
@@ -26,7 +26,7 @@ impl PackedMatrix {
     }
 
     /// Returns the number of rows, padded to whole blocks.
-    pub(in super::super) fn size(&self) -> usize {
+    pub(in super::super) fn padded_rows(&self) -> usize {
         self.rows.next_multiple_of(BLOCK)
     }
 
@@ -42,13 +42,13 @@ impl PackedMatrix {
     pub(in super::super) fn clear(&mut self, rows: usize, columns: usize) {
         (self.rows, self.columns) = (rows, columns);
         self.vectors.clear();
-        self.vectors.resize(self.size() * columns.div_ceil(BLOCK), F64x8::ZERO);
+        self.vectors.resize(self.padded_rows() * columns.div_ceil(BLOCK), F64x8::ZERO);
     }
 
     /// Resizes the matrix and leaves the entries unspecified. The caller overwrites all of them.
     fn resize(&mut self, rows: usize, columns: usize) {
         (self.rows, self.columns) = (rows, columns);
-        self.vectors.resize(self.size() * columns.div_ceil(BLOCK), F64x8::ZERO);
+        self.vectors.resize(self.padded_rows() * columns.div_ceil(BLOCK), F64x8::ZERO);
     }
 
     pub(in super::super) fn copy_from(&mut self, other: &Self) {
@@ -57,11 +57,11 @@ impl PackedMatrix {
     }
 
     pub(in super::super) fn get(&self, row: usize, column: usize) -> f64 {
-        self.vectors[column / BLOCK * self.size() + row].0[column % BLOCK]
+        self.vectors[column / BLOCK * self.padded_rows() + row].0[column % BLOCK]
     }
 
     pub(super) fn set(&mut self, row: usize, column: usize, value: f64) {
-        let index = column / BLOCK * self.size() + row;
+        let index = column / BLOCK * self.padded_rows() + row;
         self.vectors[index].0[column % BLOCK] = value;
     }
 
@@ -71,14 +71,14 @@ impl PackedMatrix {
 
     pub(in super::super) fn fill(&mut self, rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) {
         self.clear(rows, columns);
-        let size = self.size();
+        let size = self.padded_rows();
         if size == 0 {
             return;
         }
         for (panel, vectors) in self.vectors.chunks_exact_mut(size).enumerate() {
             let first = BLOCK * panel;
-            for (row, lane) in vectors[..rows].iter_mut().enumerate() {
-                for (offset, entry) in lane.0.iter_mut().take(columns - first).enumerate() {
+            for (row, vector) in vectors[..rows].iter_mut().enumerate() {
+                for (offset, entry) in vector.0.iter_mut().take(columns - first).enumerate() {
                     *entry = value(row, first + offset);
                 }
             }
@@ -103,7 +103,7 @@ impl PackedMatrix {
 
     pub(in super::super) fn transpose_from(&mut self, other: &Self) {
         self.resize(other.columns, other.rows);
-        let (size, other_size) = (self.size(), other.size());
+        let (size, other_size) = (self.padded_rows(), other.padded_rows());
         if size == 0 || other_size == 0 {
             return;
         }
@@ -112,8 +112,8 @@ impl PackedMatrix {
                 vectors.as_chunks_mut::<BLOCK>().0.iter_mut().zip(other.vectors.chunks_exact(other_size))
             {
                 let from: &[F64x8; BLOCK] = from[BLOCK * panel..].first_chunk().expect("Bug: panels end with a block");
-                for (row, lane) in vectors.iter_mut().enumerate() {
-                    lane.0.iter_mut().zip(from).for_each(|(to, from)| *to = from.0[row]);
+                for (row, vector) in vectors.iter_mut().enumerate() {
+                    vector.0.iter_mut().zip(from).for_each(|(to, from)| *to = from.0[row]);
                 }
             }
         }
@@ -121,15 +121,15 @@ impl PackedMatrix {
 
     /// Copies the lower triangle to the upper one.
     fn mirror(&mut self) {
-        let size = self.size();
+        let size = self.padded_rows();
         for panel in 0..size / BLOCK {
             for block in 0..=panel {
                 let from: [F64x8; BLOCK] =
                     *self.vectors[block * size + BLOCK * panel..].first_chunk().expect("Bug: panels end with a block");
                 let to = &mut self.vectors[panel * size + BLOCK * block..][..BLOCK];
-                for (row, lane) in to.iter_mut().enumerate() {
+                for (row, vector) in to.iter_mut().enumerate() {
                     let first = if block == panel { row + 1 } else { 0 };
-                    lane.0.iter_mut().zip(&from).skip(first).for_each(|(to, from)| *to = from.0[row]);
+                    vector.0.iter_mut().zip(&from).skip(first).for_each(|(to, from)| *to = from.0[row]);
                 }
             }
         }
@@ -168,7 +168,7 @@ impl PackedMatrix {
     }
 
     fn blocks(&mut self, update: Update, only_lower: bool) -> Blocks<'_> {
-        let size = self.size();
+        let size = self.padded_rows();
         Blocks { vectors: &mut self.vectors, size, update, only_lower }
     }
 
@@ -195,12 +195,12 @@ impl PackedMatrix {
     }
 
     pub(in super::super) fn scale(&mut self, factor: f64) {
-        self.vectors.iter_mut().flat_map(|lane| &mut lane.0).for_each(|entry| *entry *= factor);
+        self.vectors.iter_mut().flat_map(|vector| &mut vector.0).for_each(|entry| *entry *= factor);
     }
 
     /// Multiplies each row and each column by a factor.
     pub(in super::super) fn scale_both(&mut self, rows: impl Fn(usize) -> f64, columns: impl Fn(usize) -> f64) {
-        let (size, count, width) = (self.size(), self.rows, self.columns);
+        let (size, count, width) = (self.padded_rows(), self.rows, self.columns);
         if size == 0 {
             return;
         }
@@ -211,10 +211,10 @@ impl PackedMatrix {
                 .iter_mut()
                 .enumerate()
                 .take(width - first)
-                .for_each(|(lane, factor)| *factor = columns(first + lane));
-            for (row, lane) in vectors[..count].iter_mut().enumerate() {
+                .for_each(|(offset, factor)| *factor = columns(first + offset));
+            for (row, vector) in vectors[..count].iter_mut().enumerate() {
                 let factor = rows(row);
-                lane.0.iter_mut().zip(factors).for_each(|(entry, by)| *entry *= factor * by);
+                vector.0.iter_mut().zip(factors).for_each(|(entry, by)| *entry *= factor * by);
             }
         }
     }
@@ -223,24 +223,24 @@ impl PackedMatrix {
     pub(in super::super) fn norm(&self) -> f64 {
         let mut sums = [F64x8::ZERO; 2];
         for pair in self.vectors.as_chunks::<2>().0 {
-            for (sums, lane) in sums.iter_mut().zip(pair) {
-                sums.0.iter_mut().zip(lane.0).for_each(|(sum, entry)| *sum += entry * entry);
+            for (sums, vector) in sums.iter_mut().zip(pair) {
+                sums.0.iter_mut().zip(vector.0).for_each(|(sum, entry)| *sum += entry * entry);
             }
         }
         (sums[0].sum() + sums[1].sum()).sqrt()
     }
 
     /// Returns the Frobenius norm after multiplying each row and each column by its unit. With an empty slice, all units are 1.
-    /// The slice must be padded to [`size`](Self::size).
+    /// The slice must be padded to [`padded_rows`](Self::padded_rows).
     pub(in super::super) fn norm_in(&self, units: &[f64]) -> f64 {
         if units.is_empty() {
             return self.norm();
         }
         let mut sum = 0.0;
-        for (panel, columns) in self.vectors.chunks_exact(self.size().max(1)).zip(units.as_chunks::<BLOCK>().0) {
-            for (lane, unit) in panel.iter().zip(units) {
+        for (panel, columns) in self.vectors.chunks_exact(self.padded_rows().max(1)).zip(units.as_chunks::<BLOCK>().0) {
+            for (vector, unit) in panel.iter().zip(units) {
                 let mut squares = F64x8::ZERO;
-                for ((square, entry), column) in squares.0.iter_mut().zip(lane.0).zip(columns) {
+                for ((square, entry), column) in squares.0.iter_mut().zip(vector.0).zip(columns) {
                     let value = entry * unit * column;
                     *square = value * value;
                 }
@@ -251,9 +251,9 @@ impl PackedMatrix {
     }
 
     /// Returns the sum of the weighted squares of a row of a square matrix. The weights must be padded to
-    /// [`size`](Self::size).
+    /// [`padded_rows`](Self::padded_rows).
     pub(in super::super) fn weighted_row_square_sum(&self, row: usize, weights: &[f64]) -> f64 {
-        let panels = self.vectors.chunks_exact(self.size()).zip(weights.as_chunks::<BLOCK>().0);
+        let panels = self.vectors.chunks_exact(self.padded_rows()).zip(weights.as_chunks::<BLOCK>().0);
         let mut sums = [0.0; BLOCK];
         for (panel, weights) in panels {
             for ((sum, entry), weight) in sums.iter_mut().zip(panel[row].0).zip(weights) {
@@ -264,10 +264,10 @@ impl PackedMatrix {
     }
 
     pub(in super::super) fn is_zero(&self) -> bool {
-        self.vectors.iter().flat_map(|lane| &lane.0).all(|&entry| entry == 0.0)
+        self.vectors.iter().flat_map(|vector| &vector.0).all(|&entry| entry == 0.0)
     }
 
     pub(in super::super) fn is_finite(&self) -> bool {
-        self.vectors.iter().flat_map(|lane| &lane.0).fold(true, |finite, entry| finite & entry.is_finite())
+        self.vectors.iter().flat_map(|vector| &vector.0).fold(true, |finite, entry| finite & entry.is_finite())
     }
 }

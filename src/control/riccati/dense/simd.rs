@@ -51,7 +51,7 @@ impl InstructionSet {
     }
 }
 
-/// Whether a fused multiply-add is available without run-time detection.
+/// Availability of a fused multiply-add without run-time detection.
 const ALWAYS_FUSED: bool = cfg!(any(target_arch = "aarch64", target_feature = "fma"));
 
 /// Defines a function that calls the variant of another function that is compiled for the processor. The const parameters of
