@@ -14,22 +14,22 @@ use std::ptr::null_mut;
 use common::balance::Balance;
 use criterion::Criterion;
 use mujoco_safe::{
-    Data, Differences, Lqr, Matrix, Result, Transition, TransitionMethod, TransitionOptions, TransitionOutputs, sys,
+    Data, Differences, Lineariser, Lqr, Matrix, Result, TransitionMethod, TransitionOptions, TransitionOutputs, sys,
 };
 
 struct Linearisation {
     data: Data,
     a: Matrix,
     b: Matrix,
-    inverse: Transition,
-    inverse_in_two: Transition,
-    columns_in_two: Transition,
+    inverse: Lineariser,
+    inverse_in_two: Lineariser,
+    columns_in_two: Lineariser,
 }
 
 /// A way through a workspace.
 fn through(
     calls: u32,
-    choose: fn(&mut Linearisation) -> (&mut Transition, &mut Data, TransitionOutputs<'_>),
+    choose: fn(&mut Linearisation) -> (&mut Lineariser, &mut Data, TransitionOutputs<'_>),
 ) -> impl Fn(&mut Linearisation) {
     move |state| {
         for _ in 0..calls {
@@ -44,7 +44,7 @@ fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
     let (nx, nu) = (2 * data.model().nv() + data.model().na(), data.model().nu());
     let transition = |method, threads| {
         let options = TransitionOptions { method, threads, ..Default::default() };
-        Transition::new(data.model().clone(), options).expect("there is memory")
+        Lineariser::new(data.model().clone(), options).expect("there is memory")
     };
     let mut state = Linearisation {
         a: Matrix::zeros(nx, nx),

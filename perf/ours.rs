@@ -9,7 +9,7 @@ use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
 use mujoco_safe::rayon;
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{
-    Controller, Data, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, Transition, TransitionOptions,
+    Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, TransitionOptions,
     TransitionOutputs,
 };
 use nalgebra::DMatrix;
@@ -33,7 +33,7 @@ pub(crate) struct Ours {
     controls: Vec<f64>,
     workers: Workers,
     states: Vec<f64>,
-    transitions: [Transition; 2],
+    transitions: [Lineariser; 2],
     a: Matrix,
     b: Matrix,
     lqr: Lqr,
@@ -47,7 +47,7 @@ impl Ours {
             data.reset_to_key(key)?;
         }
         let (nx, nu) = (2 * model.nv() + model.na(), model.nu());
-        let transition = |threads| Transition::new(model.clone(), TransitionOptions { threads, ..Default::default() });
+        let transition = |threads| Lineariser::new(model.clone(), TransitionOptions { threads, ..Default::default() });
         let mut numbers = Numbers(1);
         let mut gain = Matrix::zeros(nu, nx);
         gain.as_mut_slice().iter_mut().for_each(|entry| *entry = numbers.next());

@@ -73,6 +73,7 @@
 
 pub mod callback;
 pub mod control;
+pub mod controller;
 pub mod cookbook;
 pub mod coverage;
 pub mod data;
@@ -114,15 +115,16 @@ pub use rayon;
 pub use mujoco_sys as sys;
 
 pub use crate::callback::Callbacks;
-pub use crate::control::{Controller, Lqr, LqrWeights, PdController, RandomController, TimeVaryingLqr, ZeroController};
+pub use crate::control::{Lqr, LqrWeights, TimeVaryingLqr};
+pub use crate::controller::{Controller, PdController, RandomController, ZeroController};
 pub use crate::data::{
     Axes, Contact, ContactForce, Data, FrameId, GeomDistance, Instability, Jacobian, MissingResults, NewContact,
     RayHit, RayOptions, SolverIteration, SpatialVector, Stage, StateSpec, Timer, TimerCount, UnstableField, Warning,
     WarningCount,
 };
 pub use crate::derivative::{
-    Differences, Fallback, InverseJacobians, InverseOutputs, StateSpace, Transition, TransitionMethod,
-    TransitionOptions, TransitionOutputs, Used,
+    Differences, Fallback, InverseJacobians, InverseOutputs, LinearisationReport, Lineariser, StateSpace,
+    TransitionMethod, TransitionOptions, TransitionOutputs,
 };
 pub use crate::engine::{Version, built_against, enable_timers, engine_version};
 pub use crate::enums::{

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use mujoco_safe::control::ilqr::{CostExpansion, Ilqr, IlqrOptions, IlqrSolution, TrajectoryCost};
 use mujoco_safe::nalgebra::DMatrix;
 use mujoco_safe::{
-    Controller, Data, Lqr, LqrWeights, Matrix, Model, Result, TimeVaryingLqr, Trajectory, Transition, TransitionOptions,
+    Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, Result, TimeVaryingLqr, Trajectory, TransitionOptions,
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -151,7 +151,7 @@ impl Follow {
         let mut upright = Data::new(model.clone())?;
         upright.qpos_mut()[1] = end[1] - lean(end[1]);
         let mut transition =
-            Transition::new(model.clone(), TransitionOptions { threads, ..TransitionOptions::default() })?;
+            Lineariser::new(model.clone(), TransitionOptions { threads, ..TransitionOptions::default() })?;
         let (system, _) = transition.linear_system(&mut upright)?;
         let solution = Lqr::solve(&system, &weights)?;
         let hold = Lqr::with_gain(&upright, Matrix::from(&solution.k))?;

@@ -1,23 +1,23 @@
-//! Linear feedback: how far a simulation is from a set-point, and what a gain makes of it.
+//! Linear feedback: the deviation from a set-point and its product with a gain.
 
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// Room for a deviation `dx = [qpos ⊖ qpos0; qvel − qvel0; act − act0]`, so that none is allocated in a control loop.
+/// Buffer for the deviation `dx = [qpos ⊖ qpos0; qvel − qvel0; act − act0]`, so that control loops do not allocate.
 #[derive(Clone, Debug)]
 pub(super) struct Feedback {
     deviation: Vec<f64>,
 }
 
 impl Feedback {
-    /// For `nx = 2 nv + na` states.
+    /// Creates a buffer for `nx = 2 nv + na` states.
     pub(super) fn new(nx: usize) -> Self {
         Self { deviation: vec![0.0; nx] }
     }
 
-    /// Takes the deviation of a simulation from a set-point, which is at rest unless there is a `qvel0`.
+    /// Computes the deviation of a simulation from a set-point, which is at rest without `qvel0`.
     #[inline]
     pub(super) fn measure(&mut self, data: &Data, qpos0: &[f64], qvel0: Option<&[f64]>, act0: &[f64]) -> Result<()> {
         let model = data.model();
@@ -39,12 +39,12 @@ impl Feedback {
         Ok(())
     }
 
-    /// `ctrl −= K dx`, with a gain K `(nu, nx)`.
+    /// Computes `ctrl −= K dx` with a gain K `(nu, nx)`.
     #[inline]
     pub(super) fn subtract(&self, gain: &Matrix, ctrl: &mut [f64]) {
         let nx = self.deviation.len().max(1);
         for (ctrl, rows) in ctrl.chunks_mut(2).zip(gain.as_slice().chunks(2 * nx)) {
-            // The last row of an odd number is both.
+            // With an odd number of rows, the last row is passed twice.
             let feedback = dots([&rows[..nx], &rows[rows.len() - nx..]], &self.deviation);
             for (ctrl, feedback) in ctrl.iter_mut().zip(feedback) {
                 *ctrl -= feedback;
@@ -53,7 +53,7 @@ impl Feedback {
     }
 }
 
-/// Where each control may be: its range, or everywhere.
+/// Returns the range of a control, which is infinite unless it is limited.
 pub(super) fn control_range(model: &Model, index: usize) -> [f64; 2] {
     if model.actuator_ctrllimited()[index] == 0 {
         [f64::NEG_INFINITY, f64::INFINITY]
@@ -62,14 +62,14 @@ pub(super) fn control_range(model: &Model, index: usize) -> [f64; 2] {
     }
 }
 
-/// Cuts the controls off at the ends of their ranges, as the engine does before it uses them.
+/// Clamps the controls to their ranges, as the engine does before it uses them.
 #[inline]
 pub(super) fn clamp(data: &mut Data) {
     for index in 0..data.model().nu() {
         let [low, high] = control_range(data.model(), index);
         let ctrl = &mut data.ctrl_mut()[index];
-        // Not `f64::clamp`, which panics for a range that was edited to have its ends in the wrong order. What is no number
-        // stays what it is, for the engine to complain about.
+        // Not `f64::clamp`, which panics if an edited range has its ends in the wrong order. NaN stays NaN, which the engine
+        // reports.
         if *ctrl < low {
             *ctrl = low;
         } else if *ctrl > high {
@@ -78,8 +78,8 @@ pub(super) fn clamp(data: &mut Data) {
     }
 }
 
-/// The scalar products of two vectors with a third: each in four sums, which the compiler can keep in vector registers, and both
-/// at once, which loads the third once.
+/// Returns the scalar products of two vectors with a third. Each has four partial sums, which the compiler keeps in vector
+/// registers, and both are computed together, which loads the third vector once.
 #[inline]
 fn dots([a, b]: [&[f64]; 2], x: &[f64]) -> [f64; 2] {
     let ((a, a_rest), (b, b_rest), (x, x_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>(), x.as_chunks::<4>());

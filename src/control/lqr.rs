@@ -1,4 +1,4 @@
-//! The linear-quadratic regulator.
+//! The linear-quadratic regulator about a set-point.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,33 +6,34 @@ use super::Controller;
 use super::feedback::Feedback;
 use super::riccati::{Riccati, RiccatiError, RiccatiSolution};
 use crate::data::Data;
-use crate::derivative::{self, Differences, StateSpace, TransitionOutputs};
+use crate::derivative::{self, Lineariser, StateSpace, TransitionOptions, TransitionOutputs};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
-/// What a deviation costs: `dxᵀ Q dx + duᵀ R du + 2 dxᵀ S du` at every step.
+/// Weights of a quadratic cost of deviations: `dxᵀ Q dx + duᵀ R du + 2 dxᵀ S du` at every step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LqrWeights {
-    /// `(nx, nx)`, symmetric: the cost of the state.
+    /// `(nx, nx)`, symmetric: cost of the state.
     pub q: DMatrix<f64>,
-    /// `(nu, nu)`, symmetric and positive definite: the cost of the controls.
+    /// `(nu, nu)`, symmetric and positive definite: cost of the controls.
     pub r: DMatrix<f64>,
-    /// `(nx, nu)`: the cost of both together; zero if it is left out.
+    /// `(nx, nu)`: cross term of the state and the controls; `None` means zero.
     pub s: Option<DMatrix<f64>>,
 }
 
 impl LqrWeights {
-    /// Weights without products: one number for each state, `[dq; dv; da]`, and one for each control.
+    /// Creates diagonal weights: one number for each state, `[dq; dv; da]`, and one for each control.
     pub fn diagonal(state: &[f64], control: &[f64]) -> Self {
         let diagonal = |values: &[f64]| DMatrix::from_diagonal(&DVector::from_column_slice(values));
         Self { q: diagonal(state), r: diagonal(control), s: None }
     }
 }
 
-/// The linear-quadratic regulator about a set-point: `ctrl = ctrl0 − K dx`, where `dx = [qpos ⊖ qpos0; qvel; act − act0]` and
-/// the difference of positions is that of [`differentiate_pos`](crate::Model::differentiate_pos), so that quaternions are
-/// treated as rotations. K minimises the sum of all future costs of the linearised system (Anderson and Moore, *Optimal
-/// Control: Linear Quadratic Methods*, 1990, chapter 2).
+/// Linear-quadratic regulator about a set-point: `ctrl = ctrl0 − K dx` with `dx = [qpos ⊖ qpos0; qvel; act − act0]`.
+///
+/// The difference of positions is that of [`differentiate_pos`](crate::Model::differentiate_pos), which treats quaternions as
+/// rotations. K minimises the sum of all future costs of the linearised system (Anderson and Moore, *Optimal Control: Linear
+/// Quadratic Methods*, 1990, chapter 2).
 ///
 /// [`control`](Controller::control) allocates nothing.
 ///
@@ -62,29 +63,32 @@ pub struct Lqr {
 }
 
 impl Lqr {
-    /// The step of the finite differences with which [`at_present_state`](Self::at_present_state) linearises.
+    /// Step of central differences that suits a regulator whose system is computed by [`Data::transition_fd`].
     pub const EPS: f64 = 1e-6;
 
     /// Linearises about the present state and controls, which become the set-point, and solves for the gain.
     ///
+    /// The method of linearisation is the default of [`TransitionOptions`]. The state of `data` does not change. To use another
+    /// method, or to avoid allocating a [`Lineariser`], combine [`solve`](Self::solve) and [`with_gain`](Self::with_gain).
+    ///
     /// # Errors
     ///
-    /// Those of [`transition_fd`](Data::transition_fd), and [`Error::Riccati`] if there is no stabilising gain.
+    /// Those of [`Lineariser::linear_system_into`], and [`Error::Solver`] with a [`RiccatiError`] if there is no stabilising gain.
     pub fn at_present_state(data: &mut Data, weights: &LqrWeights) -> Result<Self> {
         let mut system = StateSpace::zeros(data.model());
-        // The sensors have no part in it.
+        // The regulator does not use the sensors.
         let outputs = TransitionOutputs { a: Some(&mut system.a), b: Some(&mut system.b), ..Default::default() };
-        data.transition_fd_into(Self::EPS, Differences::Central, outputs)?;
+        Lineariser::new(data.model().clone(), TransitionOptions::default())?.linear_system_into(data, outputs)?;
         let solution = Self::solve(&system, weights)?;
         Self::with_gain(data, Matrix::from(&solution.k))
     }
 
-    /// The solution of the Riccati equation for a linear system and weights: the gain, and how good it is.
+    /// Solves the Riccati equation for a linear system and weights. The solution contains the gain and measures of its quality.
     ///
     /// # Errors
     ///
-    /// [`RiccatiError`] if there is no stabilising gain, or if shapes do not fit.
-    pub fn solve(system: &StateSpace, weights: &LqrWeights) -> std::result::Result<RiccatiSolution, RiccatiError> {
+    /// [`RiccatiError`] if there is no stabilising gain, or if shapes do not match.
+    pub fn solve(system: &StateSpace, weights: &LqrWeights) -> Result<RiccatiSolution, RiccatiError> {
         let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
         let equation = Riccati::new(&a, &b, &weights.q, &weights.r);
         match &weights.s {
@@ -93,7 +97,7 @@ impl Lqr {
         }
     }
 
-    /// A regulator with a gain `(nu, 2 nv + na)` that is known, about the present position, activations and controls.
+    /// Creates a regulator with a given gain `(nu, 2 nv + na)` about the present position, activations and controls.
     ///
     /// # Errors
     ///
@@ -110,17 +114,17 @@ impl Lqr {
         })
     }
 
-    /// K, `(nu, 2 nv + na)`.
+    /// Returns the gain K, `(nu, 2 nv + na)`.
     pub fn gain(&self) -> &Matrix {
         &self.gain
     }
 
-    /// The position of the set-point.
+    /// Returns the positions of the set-point.
     pub fn qpos0(&self) -> &[f64] {
         &self.qpos0
     }
 
-    /// The controls of the set-point.
+    /// Returns the controls of the set-point.
     pub fn ctrl0(&self) -> &[f64] {
         &self.ctrl0
     }

@@ -1,4 +1,4 @@
-//! The linear-quadratic regulator along a trajectory.
+//! The linear-quadratic regulator along a trajectory, with a gain for each step.
 
 use std::sync::Arc;
 
@@ -8,41 +8,41 @@ use super::feedback::{Feedback, clamp};
 use super::riccati::{RiccatiError, RiccatiRecursion};
 use super::{Controller, LqrWeights};
 use crate::data::{Data, StateSpec};
-use crate::derivative::{self, StateSpace, Transition};
+use crate::derivative::{self, Lineariser, StateSpace};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
-/// The regulator of a simulation that is to follow a trajectory: a table of gains, one for each step.
+/// Regulator that follows a trajectory with a table of gains, one for each step.
 ///
-/// In step `k` the controls are `ctrl = controls[k] − K[k] dx`, cut off at the ends of their ranges, where `dx` is the deviation
-/// from `states[k]`, as in [`Lqr`](super::Lqr). The step is that of the simulation's time: the table begins at
-/// [`start`](Self::start), and a row lasts for the time step of the model. Before the start the first row is used. From the end on
-/// the last state is the set-point, with the gain and the controls of the last step: where the trajectory ends at rest, that
-/// holds it there for a while; a regulator that is to hold it for longer is an [`Lqr`](super::Lqr).
+/// In step `k` the controls are `ctrl = controls[k] − K[k] dx`, clamped to their ranges, where `dx` is the deviation from
+/// `states[k]`, as in [`Lqr`](super::Lqr). The time of the simulation determines the step: the table starts at
+/// [`start`](Self::start), and each row lasts for a time step of the model. Before the start, the first row applies. After the
+/// end, the last state is the set-point, with the gain and the controls of the last step. If the trajectory ends at rest, this
+/// holds the simulation there for a while; an [`Lqr`](super::Lqr) holds it for longer.
 ///
-/// [`control`](Controller::control) allocates nothing, and a clone shares the table.
+/// [`control`](Controller::control) allocates nothing, and clones share the table.
 ///
 /// ```
 /// use mujoco_safe::{
-///     Controller, Data, LqrWeights, Matrix, StateSpec, TimeVaryingLqr, Transition, TransitionOptions, sample,
+///     Controller, Data, LqrWeights, Matrix, StateSpec, TimeVaryingLqr, Lineariser, TransitionOptions, sample,
 /// };
 /// use nalgebra::DMatrix;
 ///
-/// // A pole that falls for a second, recorded.
+/// // Record a pole that falls for a second.
 /// let mut data = Data::new(sample::cartpole())?;
 /// data.qpos_mut()[1] = 0.2;
-/// let begin = data.state(StateSpec::INTEGRATION);
+/// let start = data.state(StateSpec::INTEGRATION);
 /// let (mut states, controls) = (Matrix::zeros(101, 4), Matrix::zeros(100, 1));
 /// for step in 0..=100 {
 ///     data.physics_state_into(states.row_mut(step))?;
 ///     data.step()?;
 /// }
 ///
-/// // It is to fall like that again, although it begins somewhere else.
-/// data.set_state(StateSpec::INTEGRATION, &begin)?;
+/// // Follow that trajectory from another initial angle.
+/// data.set_state(StateSpec::INTEGRATION, &start)?;
 /// let weights = LqrWeights::diagonal(&[10.0, 100.0, 1.0, 1.0], &[0.01]);
-/// let mut transition = Transition::new(data.model().clone(), TransitionOptions::default())?;
-/// let mut follow = TimeVaryingLqr::along(&mut transition, &data, states, controls, &weights, &DMatrix::identity(4, 4))?;
+/// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default())?;
+/// let mut follow = TimeVaryingLqr::along(&mut lineariser, &data, states, controls, &weights, &DMatrix::identity(4, 4))?;
 /// data.qpos_mut()[1] = 0.25;
 /// for _ in 0..100 {
 ///     follow.control(&mut data)?;
@@ -58,7 +58,7 @@ pub struct TimeVaryingLqr {
     feedback: Feedback,
 }
 
-/// What is to be followed, and how.
+/// Trajectory with its gains.
 #[derive(Debug)]
 struct Table {
     states: Matrix,
@@ -67,19 +67,19 @@ struct Table {
 }
 
 impl TimeVaryingLqr {
-    /// The regulator along a trajectory of `N` steps: `states` `(N + 1, nq + nv + na)`, each `[qpos; qvel; act]`, and `controls`
-    /// `(N, nu)`. The system is linearised in each step, and the gains are those that minimise the cost of deviations:
-    /// `weights` in each step, and `terminal`, `(nx, nx)` with `nx = 2 nv + na`, of where it ends.
+    /// Creates the regulator along a trajectory of `N` steps: `states` `(N + 1, nq + nv + na)`, each `[qpos; qvel; act]`, and
+    /// `controls` `(N, nu)`.
     ///
-    /// The table begins at the present time of `data`, whose applied forces, mocap poses and user data are those along the
-    /// trajectory; see [`Transition::along`].
+    /// The lineariser linearises each step. The gains minimise the cost of deviations: `weights` in each step, and `terminal`,
+    /// `(nx, nx)` with `nx = 2 nv + na`, at the end. The table starts at the present time of `data`, whose applied forces, mocap
+    /// poses and user data apply along the trajectory; see [`Lineariser::along`].
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong shape, [`Error::Riccati`] for weights that have a wrong shape or no least cost, and those of
-    /// [`Transition::along`].
+    /// [`Error::Shape`] for a wrong shape, [`Error::Solver`] with a [`RiccatiError`] for weights of a wrong shape or without a
+    /// minimum of the cost, and those of [`Lineariser::along`].
     pub fn along(
-        transition: &mut Transition,
+        lineariser: &mut Lineariser,
         data: &Data,
         states: Matrix,
         controls: Matrix,
@@ -88,13 +88,13 @@ impl TimeVaryingLqr {
     ) -> Result<Self> {
         check_trajectory(data, &states, &controls)?;
         let (steps, width) = (controls.nrows(), states.ncols());
-        let begins = Matrix::from_row_major(steps, width, states.as_slice()[..steps * width].to_vec());
-        let systems = transition.along(data, &begins, &controls)?;
+        let starts = Matrix::from_row_major(steps, width, states.as_slice()[..steps * width].to_vec());
+        let systems = lineariser.along(data, &starts, &controls)?;
         let gains = Self::solve(systems.iter().map(|(system, _)| system), weights, terminal)?;
         Self::with_gains(data, states, controls, gains)
     }
 
-    /// The gains for linear systems, one after another, each `(nu, nx)`.
+    /// Computes the gains for a sequence of linear systems, each `(nu, nx)`.
     ///
     /// # Errors
     ///
@@ -116,12 +116,12 @@ impl TimeVaryingLqr {
         Ok(gains)
     }
 
-    /// The regulator along a trajectory, as for [`along`](Self::along), with gains that are known: `N` of them, each
-    /// `(nu, 2 nv + na)`. The table begins at the present time of `data`.
+    /// Creates the regulator along a trajectory, as [`along`](Self::along) does, with `N` given gains, each `(nu, 2 nv + na)`.
+    /// The table starts at the present time of `data`.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong shape, and [`Error::Invalid`] for a trajectory without a step.
+    /// [`Error::Shape`] for a wrong shape, and [`Error::Invalid`] for a trajectory without steps.
     pub fn with_gains(data: &Data, states: Matrix, controls: Matrix, gains: Vec<Matrix>) -> Result<Self> {
         check_trajectory(data, &states, &controls)?;
         let (nx, nu, _) = derivative::sizes(data.model());
@@ -133,39 +133,39 @@ impl TimeVaryingLqr {
         Ok(Self { table, start: data.time(), feedback: Feedback::new(nx) })
     }
 
-    /// How many steps the trajectory has, `N`.
+    /// Returns the number of steps of the trajectory, `N`.
     pub fn steps(&self) -> usize {
         self.table.gains.len()
     }
 
-    /// The states along the trajectory, `(N + 1, nq + nv + na)`.
+    /// Returns the states along the trajectory, `(N + 1, nq + nv + na)`.
     pub fn states(&self) -> &Matrix {
         &self.table.states
     }
 
-    /// The controls along the trajectory, `(N, nu)`.
+    /// Returns the controls along the trajectory, `(N, nu)`.
     pub fn controls(&self) -> &Matrix {
         &self.table.controls
     }
 
-    /// The gains, one for each step, each `(nu, 2 nv + na)`.
+    /// Returns the gains, one for each step, each `(nu, 2 nv + na)`.
     pub fn gains(&self) -> &[Matrix] {
         &self.table.gains
     }
 
-    /// When the trajectory begins, in seconds of the simulation.
+    /// Returns the time at which the trajectory starts, in seconds of the simulation.
     pub fn start(&self) -> f64 {
         self.start
     }
 
-    /// Has the trajectory begin at another time, in seconds of the simulation.
+    /// Sets the time at which the trajectory starts, in seconds of the simulation.
     pub fn set_start(&mut self, time: f64) {
         self.start = time;
     }
 
-    /// The row of [`states`](Self::states) that a simulation is to be in now: from 0 to `N`.
+    /// Returns the row of [`states`](Self::states) for the present time of a simulation, from 0 to `N`.
     pub fn row(&self, data: &Data) -> usize {
-        // A negative number, and what is no number, becomes 0.
+        // The cast maps negative numbers and NaN to 0.
         let row = ((data.time() - self.start) / data.model().timestep()).round() as usize;
         row.min(self.steps())
     }
@@ -189,7 +189,7 @@ impl Controller for TimeVaryingLqr {
     }
 }
 
-/// Whether these are the states and controls of a trajectory of a model.
+/// Checks the shapes of the states and controls of a trajectory.
 fn check_trajectory(data: &Data, states: &Matrix, controls: &Matrix) -> Result<()> {
     let (model, steps) = (data.model(), controls.nrows());
     if steps == 0 {

@@ -1,46 +1,57 @@
-//! The engine's differences of a step, column by column, so that they can be shared among threads.
+//! The engine's finite differences of a step, column by column, so that several threads can share them.
 //!
-//! Each column begins at the same saved state and the same warm start, so it does not matter which thread computes it, and
-//! skips the stages that its input has no influence on. The engine's `mjd_transitionFD` does the same with functions that it
-//! does not give out; here the second half of a step, `mj_step2`, takes their place. It computes the sensors of accelerations
-//! whether they are wanted or not, and the factorisation of the integrator anew, with the same result.
+//! Each column starts from the same saved state and warm start, so the result does not depend on the thread that computes it.
+//! A column skips the stages that its input does not influence. The engine's `mjd_transitionFD` skips them with functions that
+//! it does not export; here `mj_step2`, the second half of a step, replaces them. It always computes the acceleration sensors
+//! and repeats the factorisation of the integrator, with the same result.
 
-use super::method::Step;
-use super::worker::{Input, Wanted, Worker, sides};
-
-use crate::data::{PipelineFlags, Stage};
+use super::perturbation::{Input, PerturbedData, Settings, sides};
+use crate::data::{Data, PipelineFlags, Stage};
 use crate::enums::Integrator;
 use crate::error::Result;
 use crate::model::Model;
 
-/// Where in [`Worker::samples`] what is.
+/// Indices of samples at the base point, to its right and to its left.
 const BASE: usize = 0;
 const RIGHT: usize = 1;
 const LEFT: usize = 2;
 
-impl Worker {
-    /// Takes the step from the base point that was set.
-    pub(super) fn step_from_base(&mut self, wanted: Wanted) -> Result<()> {
-        self.advance(Stage::Nothing, wanted.sensors)?;
-        self.sample(BASE);
-        self.restore()
+/// Finite differences of a step of the simulation.
+#[derive(Debug)]
+pub(super) struct StepDifferences {
+    /// `[qpos; qvel; act; sensordata]` after a step from `BASE`, `RIGHT` and `LEFT`.
+    samples: [Vec<f64>; 3],
+}
+
+impl StepDifferences {
+    pub(super) fn new(model: &Model) -> Self {
+        let sample = vec![0.0; model.nq() + model.nv() + model.na() + model.nsensordata()];
+        Self { samples: [sample.clone(), sample.clone(), sample] }
     }
 
-    /// Computes a column. They have to come in the order of [`inputs`](super::worker::inputs).
+    /// Samples the step from the base point, which all columns need.
+    pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<()> {
+        advance(&mut point.data, Stage::Nothing, settings.wanted.sensors)?;
+        sample(&point.data, &mut self.samples[BASE]);
+        point.restore()
+    }
+
+    /// Computes a column of the linear system. Columns must be computed in the order of
+    /// [`inputs`](super::perturbation::inputs).
     pub(super) fn column(
         &mut self,
-        model: &Model,
+        point: &mut PerturbedData,
+        settings: Settings<'_>,
         input: Input,
-        wanted: Wanted,
-        step: Step,
         row: &mut [f64],
     ) -> Result<()> {
-        let (right, left) = sides(&self.data, input, step);
+        let Settings { model, step, .. } = settings;
+        let (right, left) = sides(&point.data, input, step);
         if right {
-            self.step_aside(model, input, step.eps, RIGHT, wanted)?;
+            self.step_perturbed(point, settings, input, step.eps, RIGHT)?;
         }
         if left {
-            self.step_aside(model, input, -step.eps, LEFT, wanted)?;
+            self.step_perturbed(point, settings, input, -step.eps, LEFT)?;
         }
         let (from, to) = match (left, right) {
             (false, true) => (BASE, RIGHT),
@@ -56,56 +67,60 @@ impl Worker {
         difference(model, row, from, to, width)
     }
 
-    /// A step from beside the base point, and back.
-    fn step_aside(&mut self, model: &Model, input: Input, by: f64, sample: usize, wanted: Wanted) -> Result<()> {
-        self.nudge(model, input, by)?;
-        self.advance(
-            match input {
-                Input::Control(_) | Input::Activation(_) => Stage::Velocity,
-                Input::Velocity(_) => Stage::Position,
-                Input::Position(_) => Stage::Nothing,
-            },
-            wanted.sensors,
-        )?;
-        self.sample(sample);
-        self.restore()
-    }
-
-    /// A step that takes the stages up to `skip` from the one before.
-    fn advance(&mut self, skip: Stage, sensors: bool) -> Result<()> {
-        let data = &mut self.data;
-        // The stages of a Runge–Kutta step leave quantities of states in between.
-        if data.model().options().integrator == Integrator::Rk4 || (skip == Stage::Nothing && sensors) {
-            return data.step();
-        }
-        if skip == Stage::Nothing {
-            data.fwd_position()?;
-        } else {
-            // The state was put back to the one that the positions and velocities of the step before belong to.
-            data.set_computed(PipelineFlags::FIRST_HALF);
-        }
-        if skip != Stage::Velocity {
-            data.fwd_velocity()?;
-            if sensors {
-                data.sensor_vel()?;
-            }
-        }
-        data.step2()
-    }
-
-    fn sample(&mut self, sample: usize) {
-        let (nq, nv, na) = (self.data.model().nq(), self.data.model().nv(), self.data.model().na());
-        let (qpos, rest) = self.samples[sample].split_at_mut(nq);
-        let (qvel, rest) = rest.split_at_mut(nv);
-        let (act, sensors) = rest.split_at_mut(na);
-        qpos.copy_from_slice(self.data.qpos());
-        qvel.copy_from_slice(self.data.qvel());
-        act.copy_from_slice(self.data.act());
-        sensors.copy_from_slice(self.data.sensordata());
+    /// Samples the step from a perturbed state, and restores the base point.
+    fn step_perturbed(
+        &mut self,
+        point: &mut PerturbedData,
+        settings: Settings<'_>,
+        input: Input,
+        eps: f64,
+        index: usize,
+    ) -> Result<()> {
+        point.perturb(settings.model, input, eps)?;
+        let skip = match input {
+            Input::Control(_) | Input::Activation(_) => Stage::Velocity,
+            Input::Velocity(_) => Stage::Position,
+            Input::Position(_) => Stage::Nothing,
+        };
+        advance(&mut point.data, skip, settings.wanted.sensors)?;
+        sample(&point.data, &mut self.samples[index]);
+        point.restore()
     }
 }
 
-/// The difference of two samples, with the engine's arithmetic.
+/// Takes a step that reuses the results of the stages up to `skip`.
+fn advance(data: &mut Data, skip: Stage, sensors: bool) -> Result<()> {
+    // A Runge–Kutta step leaves results of intermediate states, which cannot be reused.
+    if data.model().options().integrator == Integrator::Rk4 || (skip == Stage::Nothing && sensors) {
+        return data.step();
+    }
+    if skip == Stage::Nothing {
+        data.fwd_position()?;
+    } else {
+        // The state was restored to the one that the position and velocity results belong to.
+        data.set_computed(PipelineFlags::FIRST_HALF);
+    }
+    if skip != Stage::Velocity {
+        data.fwd_velocity()?;
+        if sensors {
+            data.sensor_vel()?;
+        }
+    }
+    data.step2()
+}
+
+fn sample(data: &Data, sample: &mut [f64]) {
+    let (nq, nv, na) = (data.model().nq(), data.model().nv(), data.model().na());
+    let (qpos, rest) = sample.split_at_mut(nq);
+    let (qvel, rest) = rest.split_at_mut(nv);
+    let (act, sensors) = rest.split_at_mut(na);
+    qpos.copy_from_slice(data.qpos());
+    qvel.copy_from_slice(data.qvel());
+    act.copy_from_slice(data.act());
+    sensors.copy_from_slice(data.sensordata());
+}
+
+/// Computes the difference quotient of two samples, with the engine's arithmetic.
 fn difference(model: &Model, row: &mut [f64], from: &[f64], to: &[f64], width: f64) -> Result<()> {
     let (nq, nv) = (model.nq(), model.nv());
     let inverse = 1.0 / width;

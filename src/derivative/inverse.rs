@@ -1,4 +1,4 @@
-//! How inverse dynamics depends on positions, velocities and accelerations.
+//! Derivatives of inverse dynamics by finite differences.
 
 use std::ffi::c_int;
 use std::ops::Range;
@@ -13,39 +13,39 @@ use crate::ffi;
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// The derivatives of inverse dynamics: of the forces f (`qfrc_inverse`), the sensors s (`sensordata`) and the inertia matrix m
-/// (`qM`, in the engine's sparse layout) by positions q, velocities v and accelerations a.
+/// Derivatives of inverse dynamics: of the forces f (`qfrc_inverse`), the sensors s (`sensordata`) and the inertia matrix m
+/// (`qM`, in the engine's sparse layout) with respect to positions q, velocities v and accelerations a.
 ///
-/// As in the engine, **a row belongs to what is changed** and a column to what changes with it, which is the transpose of a
-/// Jacobian in control theory: `df_dv[(i, j)]` is the derivative of `qfrc_inverse[j]` by `qvel[i]`. Positions are changed in
-/// their tangent space, one degree of freedom after another, as [`Model::integrate_pos`](crate::Model::integrate_pos) does.
+/// As in the engine, **a row belongs to an input** and a column to an output, which is the transpose of a Jacobian in control
+/// theory: `df_dv[(i, j)]` is the derivative of `qfrc_inverse[j]` with respect to `qvel[i]`. Positions are perturbed in their
+/// tangent space, one degree of freedom at a time, as by [`Model::integrate_pos`](crate::Model::integrate_pos).
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseJacobians {
-    /// `(nv, nv)`: forces by positions.
+    /// `(nv, nv)`: derivatives of forces with respect to positions.
     #[doc(alias = "DfDq")]
     pub df_dq: Matrix,
-    /// `(nv, nv)`: forces by velocities.
+    /// `(nv, nv)`: derivatives of forces with respect to velocities.
     #[doc(alias = "DfDv")]
     pub df_dv: Matrix,
-    /// `(nv, nv)`: forces by accelerations. Without constraints it is the inertia matrix.
+    /// `(nv, nv)`: derivatives of forces with respect to accelerations. Without constraints this is the inertia matrix.
     #[doc(alias = "DfDa")]
     pub df_da: Matrix,
-    /// `(nv, nsensordata)`: sensors by positions.
+    /// `(nv, nsensordata)`: derivatives of sensors with respect to positions.
     #[doc(alias = "DsDq")]
     pub ds_dq: Matrix,
-    /// `(nv, nsensordata)`: sensors by velocities.
+    /// `(nv, nsensordata)`: derivatives of sensors with respect to velocities.
     #[doc(alias = "DsDv")]
     pub ds_dv: Matrix,
-    /// `(nv, nsensordata)`: sensors by accelerations.
+    /// `(nv, nsensordata)`: derivatives of sensors with respect to accelerations.
     #[doc(alias = "DsDa")]
     pub ds_da: Matrix,
-    /// `(nv, nM)`: the inertia matrix by positions.
+    /// `(nv, nM)`: derivatives of the inertia matrix with respect to positions.
     #[doc(alias = "DmDq")]
     pub dm_dq: Matrix,
 }
 
 impl InverseJacobians {
-    /// Zeros, in the shapes that belong to a model.
+    /// Creates zeros in the shapes for a model.
     pub fn zeros(model: &Model) -> Self {
         let (nv, ns) = (model.nv(), model.nsensordata());
         let (force, sensor) = (Matrix::zeros(nv, nv), Matrix::zeros(nv, ns));
@@ -61,7 +61,7 @@ impl InverseJacobians {
     }
 }
 
-/// Where [`Data::inverse_fd_into`] writes to. What is `None` is not computed, and costs nothing.
+/// Outputs of [`Data::inverse_fd_into`]. Matrices that are `None` are not computed, at no cost.
 #[derive(Debug, Default)]
 pub struct InverseOutputs<'a> {
     /// `(nv, nv)`
@@ -115,18 +115,18 @@ impl InverseOutputs<'_> {
 }
 
 impl Data {
-    /// The derivatives of inverse dynamics at the present positions, velocities and accelerations (`qacc`), by forward
-    /// differences with the step `eps`; `1e-6` is a good choice. With `flg_actuation` the forces are those that are left to be
-    /// applied when the actuators have done their part, `qfrc_inverse − qfrc_actuator`, with the present controls.
+    /// Computes the derivatives of inverse dynamics at the present positions, velocities and accelerations (`qacc`), by forward
+    /// differences with the step `eps`; `1e-6` is a good choice. With `flg_actuation` the forces exclude those of the actuators
+    /// under the present controls: `qfrc_inverse − qfrc_actuator`.
     ///
-    /// The state, `qacc` and all inputs are as before afterwards, to the last bit, and everything else is as after
-    /// [`inverse`](Self::inverse). (Newer engines have this function in C. They refuse the Runge–Kutta integrator and the
-    /// `noslip` solver, neither of which inverse dynamics makes use of.)
+    /// The state, `qacc` and all inputs are unchanged afterwards, to the last bit, and everything else is as after
+    /// [`inverse`](Self::inverse). (Newer engines provide this function in C. They reject the Runge–Kutta integrator and the
+    /// `noslip` solver, neither of which affects inverse dynamics.)
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of [`inverse`](Self::inverse). The state is as before
-    /// even after [`Error::Engine`], which poisons the data.
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1, and the errors of [`inverse`](Self::inverse). The state is
+    /// unchanged even after [`Error::Engine`], which poisons the data.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -134,7 +134,7 @@ impl Data {
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.qpos_mut()[1] = 0.3;
     /// let jacobians = data.inverse_fd(1e-6, false)?;
-    /// // How much more moment the pole takes as it leans further over.
+    /// // Derivative of the moment at the hinge with respect to its angle.
     /// let stiffness = -0.5 * 9.81 * 0.3 * 0.3_f64.cos(); // mass, gravity, lever
     /// assert!((jacobians.df_dq[(1, 1)] - stiffness).abs() < 1e-5);
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -146,8 +146,8 @@ impl Data {
         Ok(jacobians)
     }
 
-    /// As [`inverse_fd`](Self::inverse_fd), into the caller's matrices, of which any may be left out. Allocates nothing; the
-    /// engine's stack has to have room for `nq + 3 nv + 4 nmocap` numbers more.
+    /// Computes the derivatives as [`inverse_fd`](Self::inverse_fd) does, into the caller's matrices, any of which may be omitted.
+    /// Allocates nothing, but uses `nq + 3 nv + 4 nmocap` numbers of the engine's stack.
     ///
     /// # Errors
     ///
@@ -174,38 +174,39 @@ impl Data {
         check_eps("inverse_fd", eps)?;
         let mut outputs = outputs.into();
         outputs.check(self.model())?;
-        Changes::begin(self, eps, flg_actuation)?.differentiate(&mut outputs)
+        InversePerturbation::new(self, eps, flg_actuation)?.differentiate(&mut outputs)
     }
 
-    /// The forces of inverse dynamics, without those of the actuators if they are to be left out.
+    /// Returns the forces of inverse dynamics, minus those of the actuators with `flg_actuation`.
     fn inverse_force(&self, flg_actuation: bool) -> impl Iterator<Item = f64> {
         let (force, actuator) = (self.qfrc_inverse(), self.qfrc_actuator());
         force.iter().zip(actuator).map(move |(force, actuator)| if flg_actuation { force - actuator } else { *force })
     }
 }
 
-/// A data whose positions, velocities and accelerations are changed and put back: each time, and at the end, come what may.
-struct Changes<'a> {
+/// A simulation whose positions, velocities and accelerations are perturbed. Restores them after each perturbation, and when
+/// dropped.
+struct InversePerturbation<'a> {
     data: &'a mut Data,
     eps: f64,
     flg_actuation: bool,
-    /// On the engine's stack: what was there before, and then a direction in the tangent space of positions.
-    kept: &'a mut [f64],
-    /// How high the stack was.
-    top: c_int,
+    /// Memory on the engine's stack: the saved values, and a direction in the tangent space of positions.
+    saved: &'a mut [f64],
+    /// Stack pointer to restore.
+    stack_pointer: c_int,
 }
 
-/// Where in the kept numbers what is.
-struct Parts {
+/// Layout of the saved values.
+struct Layout {
     qpos: Range<usize>,
-    /// The engine brings it to the length 1.
+    /// Saved because the engine normalises it.
     mocap_quat: Range<usize>,
     qvel: Range<usize>,
     qacc: Range<usize>,
     direction: Range<usize>,
 }
 
-impl Parts {
+impl Layout {
     fn of(model: &Model) -> Self {
         let mut end = 0;
         let mut next = |length| {
@@ -218,39 +219,40 @@ impl Parts {
     }
 }
 
-impl<'a> Changes<'a> {
-    fn begin(data: &'a mut Data, eps: f64, flg_actuation: bool) -> Result<Self> {
-        let parts = Parts::of(data.model());
-        let length = parts.direction.end;
+impl<'a> InversePerturbation<'a> {
+    fn new(data: &'a mut Data, eps: f64, flg_actuation: bool) -> Result<Self> {
+        let layout = Layout::of(data.model());
+        let length = layout.direction.end;
         let size = c_int::try_from(length)
             .map_err(|_| Error::Unsupported(format!("inverse_fd of {} degrees of freedom", data.model().nv())))?;
-        let (top, mut start) = (data.raw().pstack, ptr::null_mut());
+        let (stack_pointer, mut start) = (data.raw().pstack, ptr::null_mut());
         data.call_mut("mj_stackAlloc", |_, d| {
-            // SAFETY: a valid data, and a place for the result.
+            // SAFETY: a valid data, and a valid pointer for the result.
             unsafe { guard::mj_stack_alloc(d, size, &raw mut start) }
         })?;
-        // SAFETY: the engine has reserved so many numbers (NULL for none), and uses only what is above them until they are given
-        // back, when this is dropped.
-        let kept = unsafe {
+        // SAFETY: the engine has reserved `length` numbers (NULL for none). It uses only the stack above them until `drop` restores
+        // the stack pointer.
+        let saved = unsafe {
             if length > 0 {
                 start.write_bytes(0, length);
             }
             ffi::array_mut(start, length)
         };
-        kept[parts.qpos].copy_from_slice(data.qpos());
-        kept[parts.mocap_quat].copy_from_slice(data.mocap_quat().as_flattened());
-        kept[parts.qvel].copy_from_slice(data.qvel());
-        kept[parts.qacc].copy_from_slice(data.qacc());
-        Ok(Self { data, eps, flg_actuation, kept, top })
+        saved[layout.qpos].copy_from_slice(data.qpos());
+        saved[layout.mocap_quat].copy_from_slice(data.mocap_quat().as_flattened());
+        saved[layout.qvel].copy_from_slice(data.qvel());
+        saved[layout.qacc].copy_from_slice(data.qacc());
+        Ok(Self { data, eps, flg_actuation, saved, stack_pointer })
     }
 
-    fn put_back_positions(&mut self) {
-        let Parts { qpos, mocap_quat, .. } = Parts::of(self.data.model());
-        self.data.qpos_mut().copy_from_slice(&self.kept[qpos]);
-        self.data.mocap_quat_mut().as_flattened_mut().copy_from_slice(&self.kept[mocap_quat]);
+    /// Restores the positions, and the mocap orientations, which the engine normalises.
+    fn restore_positions(&mut self) {
+        let Layout { qpos, mocap_quat, .. } = Layout::of(self.data.model());
+        self.data.qpos_mut().copy_from_slice(&self.saved[qpos]);
+        self.data.mocap_quat_mut().as_flattened_mut().copy_from_slice(&self.saved[mocap_quat]);
     }
 
-    /// Inverse dynamics, without the stages that are still right.
+    /// Computes inverse dynamics, except for the stages up to `skip`.
     fn evaluate(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
         self.data.inverse_skip(skip, skip_sensors)?;
         if self.flg_actuation { self.data.fwd_actuation() } else { Ok(()) }
@@ -260,7 +262,7 @@ impl<'a> Changes<'a> {
         let nv = self.data.model().nv();
         let InverseOutputs { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = outputs;
 
-        // Each row takes what a change leads to, from the quickest stage to the slowest.
+        // First stores the perturbed outputs in each row, from the cheapest stage to the most expensive.
         if df_da.is_some() || ds_da.is_some() || df_dv.is_some() || ds_dv.is_some() {
             self.evaluate(Stage::Nothing, false)?;
         }
@@ -270,7 +272,7 @@ impl<'a> Changes<'a> {
                 self.data.qacc_mut()[dof] = qacc + self.eps;
                 self.evaluate(Stage::Velocity, ds_da.is_none())?;
                 self.data.qacc_mut()[dof] = qacc;
-                self.note(dof, df_da, ds_da);
+                self.record(dof, df_da, ds_da);
             }
         }
         for dof in 0..nv {
@@ -279,22 +281,22 @@ impl<'a> Changes<'a> {
                 self.data.qvel_mut()[dof] = qvel + self.eps;
                 self.evaluate(Stage::Position, ds_dv.is_none())?;
                 self.data.qvel_mut()[dof] = qvel;
-                self.note(dof, df_dv, ds_dv);
+                self.record(dof, df_dv, ds_dv);
             }
         }
         for dof in 0..nv {
             if df_dq.is_some() || ds_dq.is_some() || dm_dq.is_some() {
-                self.nudge_position(dof)?;
+                self.perturb_position(dof)?;
                 self.evaluate(Stage::Nothing, ds_dq.is_none())?;
-                self.note(dof, df_dq, ds_dq);
+                self.record(dof, df_dq, ds_dq);
                 if let Some(dm_dq) = dm_dq {
                     dm_dq.row_mut(dof).copy_from_slice(self.data.qM());
                 }
-                self.put_back_positions();
+                self.restore_positions();
             }
         }
 
-        // And then the difference to what is without a change, which is also what the data is left with.
+        // Then subtracts the unperturbed outputs, which also leaves the data at the unperturbed state.
         self.evaluate(Stage::Nothing, false)?;
         let Self { data, eps, flg_actuation, .. } = &self;
         for df in [df_dq, df_dv, df_da].into_iter().flatten() {
@@ -309,17 +311,18 @@ impl<'a> Changes<'a> {
         Ok(())
     }
 
-    fn nudge_position(&mut self, dof: usize) -> Result<()> {
+    /// Adds `eps` to a position, in the tangent space.
+    fn perturb_position(&mut self, dof: usize) -> Result<()> {
         let model = self.data.model().clone();
-        let direction = &mut self.kept[Parts::of(&model).direction];
+        let direction = &mut self.saved[Layout::of(&model).direction];
         direction[dof] = 1.0;
         let moved = model.integrate_pos(self.data.qpos_mut(), direction, self.eps);
         direction[dof] = 0.0;
         moved
     }
 
-    /// What has come of a change.
-    fn note(&self, dof: usize, df: &mut Option<&mut Matrix>, ds: &mut Option<&mut Matrix>) {
+    /// Stores the outputs after a perturbation.
+    fn record(&self, dof: usize, df: &mut Option<&mut Matrix>, ds: &mut Option<&mut Matrix>) {
         if let Some(df) = df {
             let force = self.data.inverse_force(self.flg_actuation);
             df.row_mut(dof).iter_mut().zip(force).for_each(|(to, from)| *to = from);
@@ -330,17 +333,17 @@ impl<'a> Changes<'a> {
     }
 }
 
-impl Drop for Changes<'_> {
+impl Drop for InversePerturbation<'_> {
     fn drop(&mut self) {
-        let Parts { qvel, qacc, .. } = Parts::of(self.data.model());
-        self.put_back_positions();
-        self.data.qvel_mut().copy_from_slice(&self.kept[qvel]);
-        self.data.qacc_mut().copy_from_slice(&self.kept[qacc]);
-        self.data.raw_mut().pstack = self.top;
+        let Layout { qvel, qacc, .. } = Layout::of(self.data.model());
+        self.restore_positions();
+        self.data.qvel_mut().copy_from_slice(&self.saved[qvel]);
+        self.data.qacc_mut().copy_from_slice(&self.saved[qacc]);
+        self.data.raw_mut().pstack = self.stack_pointer;
     }
 }
 
-/// `row = (row − before) / eps`.
+/// Computes `row = (row − before) / eps`.
 fn difference(row: &mut [f64], before: impl Iterator<Item = f64>, eps: f64) {
     row.iter_mut().zip(before).for_each(|(value, before)| *value = (*value - before) / eps);
 }

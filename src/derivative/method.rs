@@ -1,79 +1,80 @@
-//! By which method a step is linearised, and which one it was in the end.
+//! Methods of linearisation, their options, and the report of the method that was used.
 
 use std::fmt;
 
 use super::Differences;
 
-/// How [`Transition`](super::Transition) linearises a step of the simulation.
+/// Method by which a [`Lineariser`](super::Lineariser) linearises a step of the simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum TransitionMethod {
-    /// The engine's own differences, [`Data::transition_fd`](crate::Data::transition_fd), in one thread.
+    /// Differences of a step by the engine, [`Data::transition_fd`](crate::Data::transition_fd), in one thread.
     Engine,
-    /// The same differences, column by column, shared among the threads.
+    /// The same differences, computed column by column and shared among the threads.
     Columns,
-    /// By the implicit function theorem, from differences of inverse dynamics, which needs no solver: several times faster than
-    /// differences of a step, and at least as accurate. The columns are shared among the threads. Where it does not hold,
-    /// [`Columns`](Self::Columns) takes its place, and [`Used`] says so.
+    /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster than
+    /// differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
+    /// lineariser uses [`Columns`](Self::Columns) and states it in the [`LinearisationReport`].
     Inverse,
 }
 
-/// What [`Transition`](super::Transition) does, and with how many threads.
+/// Options of a [`Lineariser`](super::Lineariser).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransitionOptions {
-    /// The method; [`Inverse`](TransitionMethod::Inverse) unless it is changed.
+    /// Method of linearisation; [`Inverse`](TransitionMethod::Inverse) by default.
     pub method: TransitionMethod,
-    /// Whether differences are taken to one side or to both.
+    /// Scheme of differences; [`Central`](Differences::Central) by default.
     pub differences: Differences,
-    /// The step of the differences, or one that suits the method that is used: `1e-7` through inverse dynamics, and `1e-6` for
-    /// differences of a step, where it has to be large against the tolerance of the solver.
+    /// Step of the differences. By default `1e-7` for inverse dynamics, and `1e-6` for differences of a step, where it has to be
+    /// large compared with the tolerance of the solver.
     pub eps: Option<f64>,
-    /// How many threads of rayon's pool work at the same time, at most 1024; each has a simulation of its own. The result is the
-    /// same for any number, to the last bit. A thread that the operating system puts on the caller's processor brings nothing,
-    /// which happens in virtual machines, for milliseconds: there, make the call in a pool whose threads keep to a processor each.
+    /// Maximum number of rayon threads that work at the same time, from 1 to 1024. Each has its own simulation. The result does not
+    /// depend on the number, to the last bit. A thread that the operating system schedules on the caller's processor gives no
+    /// speed-up; in virtual machines this lasts for milliseconds. To avoid it, call from a pool whose threads are pinned to
+    /// processors.
     pub threads: usize,
 }
 
 impl Default for TransitionOptions {
-    /// Through inverse dynamics, in one thread, by central differences with a step that suits the method.
+    /// Returns options for implicit differentiation in one thread, by central differences with the default step.
     fn default() -> Self {
         Self { method: TransitionMethod::Inverse, differences: Differences::Central, eps: None, threads: 1 }
     }
 }
 
 impl TransitionOptions {
-    /// How differences are taken by a method.
+    /// Returns the scheme and the step of the differences of a method.
     pub(super) fn step(&self, method: TransitionMethod) -> Step {
         let suitable = if method == TransitionMethod::Inverse { 1e-7 } else { 1e-6 };
         Step { differences: self.differences, eps: self.eps.unwrap_or(suitable) }
     }
 }
 
-/// How differences are taken.
+/// Scheme and step of differences.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub(super) differences: Differences,
     pub(super) eps: f64,
 }
 
-/// Why another method than the one asked for was used.
+/// Reason why another method than the requested one was used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Fallback {
-    /// The simulation has [callbacks](crate::callback), which only its own calls can make:
-    /// [`Engine`](TransitionMethod::Engine) instead.
+    /// The simulation has [callbacks](crate::callback), which only calls on that simulation can invoke. The method is
+    /// [`Engine`](TransitionMethod::Engine).
     Callbacks,
-    /// The integrator is Runge–Kutta, of which the engine's differences would mix stages:
-    /// [`Columns`](TransitionMethod::Columns) instead, with whole steps.
+    /// The integrator is Runge–Kutta, for which the engine's differences would mix stages. The method is
+    /// [`Columns`](TransitionMethod::Columns), with whole steps.
     RungeKutta,
     /// The integrator is [`Implicit`](crate::Integrator::Implicit), whose step depends on derivatives of forces that the engine
-    /// does not give out: [`Columns`](TransitionMethod::Columns) instead.
+    /// does not expose. The method is [`Columns`](TransitionMethod::Columns).
     ImplicitIntegrator,
-    /// The no-slip solver changes forces after the accelerations they belong to are known, so that inverse dynamics is not the
-    /// inverse: [`Columns`](TransitionMethod::Columns) instead.
+    /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics does not invert the step. The
+    /// method is [`Columns`](TransitionMethod::Columns).
     NoSlip,
-    /// The constraint solver has stopped before it found the accelerations that inverse dynamics belongs to, because of its
-    /// limit of iterations or its tolerance: [`Columns`](TransitionMethod::Columns) instead.
+    /// The constraint solver stopped too far from the accelerations that satisfy the equations of motion, because of its iteration
+    /// limit or its tolerance. The method is [`Columns`](TransitionMethod::Columns).
     NotConverged,
 }
 
@@ -89,11 +90,11 @@ impl fmt::Display for Fallback {
     }
 }
 
-/// By which method a step was linearised.
+/// Report of the method by which a step was linearised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Used {
-    /// The method.
+pub struct LinearisationReport {
+    /// Method that was used.
     pub method: TransitionMethod,
-    /// Why it is not the one that was asked for, if it is not.
+    /// Reason why it is not the requested one; `None` if it is.
     pub fallback: Option<Fallback>,
 }

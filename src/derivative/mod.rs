@@ -1,69 +1,58 @@
-//! Derivatives by finite differences: of a step of the simulation ([`Data::transition_fd`](crate::Data::transition_fd)), and of
+//! Derivatives by finite differences, of a step of the simulation ([`Data::transition_fd`](crate::Data::transition_fd)) and of
 //! inverse dynamics ([`Data::inverse_fd`](crate::Data::inverse_fd)).
 //!
 //! With the state difference `dx = [dq; dv; da]` of length `2 nv + na`, where `dq` is in the tangent space of positions
-//! ([`Model::differentiate_pos`](crate::Model::differentiate_pos)), one step of the simulation is to first order
+//! ([`Model::differentiate_pos`](crate::Model::differentiate_pos)), a step of the simulation is to first order
 //!
 //! ```text
 //! dx' = A dx + B du        dy = C dx + D du
 //! ```
 //!
 //! and [`Data::transition_fd`](crate::Data::transition_fd) computes A, B, C and D at the present state and controls. A
-//! [`Transition`] does so faster, again and again, in several threads, and along trajectories.
+//! [`Lineariser`] computes them faster, repeatedly, in several threads, and along trajectories. It either differences steps, as
+//! the engine does, or differentiates the equations of motion implicitly, from differences of inverse dynamics.
 //!
 //! The derivatives of differences and sums of quaternions are in [`math`](crate::math::sub_quat_derivative).
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `transition.rs` | a step: the linear system of control theory, by the engine |
-//! | `workspace.rs` | the same by a choice of methods, in several threads, and along trajectories |
-//! | `method.rs` | the methods |
-//! | `worker.rs` | a simulation for each thread |
-//! | `team.rs` | how the threads share the columns |
-//! | `columns.rs` | the engine's differences, shared among threads |
-//! | `through_inverse.rs` | the implicit function theorem, with differences of inverse dynamics |
-//! | `balance.rs` | the balance of forces that is differenced for it |
-//! | `drive.rs` | how actuators depend on controls and activations |
-//! | `newton.rs` | the accelerations to the last digits, and the inertia that constraints add to |
-//! | `inverse.rs` | inverse dynamics |
 
-mod balance;
+mod actuation;
 mod columns;
-mod drive;
+mod implicit;
 mod inverse;
+mod linear_algebra;
+mod lineariser;
 mod method;
 mod newton;
-mod team;
-mod through_inverse;
+mod perturbation;
+mod residual;
 mod transition;
+mod work_queue;
 mod worker;
-mod workspace;
 
 pub use self::inverse::{InverseJacobians, InverseOutputs};
-pub use self::method::{Fallback, TransitionMethod, TransitionOptions, Used};
+pub use self::lineariser::Lineariser;
+pub use self::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
-pub use self::workspace::Transition;
 use crate::error::{Error, Result};
 
-/// Below this the differences drown in rounding, and would be zeros without a word.
-const SMALLEST_EPS: f64 = 1e-12;
-/// Beyond this they are no derivative.
-const LARGEST_EPS: f64 = 1.0;
+/// Smallest step of differences. With a smaller one, rounding would silently make them zero.
+const MIN_EPS: f64 = 1e-12;
+/// Largest step of differences. With a larger one, they do not approximate a derivative.
+const MAX_EPS: f64 = 1.0;
 
-/// How a derivative is approximated.
+/// Scheme of finite differences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Differences {
-    /// `(f(x + ε) − f(x)) / ε`: one more evaluation for each column; an error of the order of ε.
+    /// `(f(x + ε) − f(x)) / ε`: one evaluation for each column; the error is of order ε.
     Forward,
-    /// `(f(x + ε) − f(x − ε)) / 2ε`: two for each column; an error of the order of ε².
+    /// `(f(x + ε) − f(x − ε)) / 2ε`: two evaluations for each column; the error is of order ε².
     #[doc(alias = "centered")]
     Central,
 }
 
 fn check_eps(call: &str, eps: f64) -> Result<()> {
-    if (SMALLEST_EPS..=LARGEST_EPS).contains(&eps) {
+    if (MIN_EPS..=MAX_EPS).contains(&eps) {
         return Ok(());
     }
-    Err(Error::invalid(format!("eps of {call}"), eps, format!("between {SMALLEST_EPS:e} and {LARGEST_EPS}")))
+    Err(Error::invalid(format!("eps of {call}"), eps, format!("between {MIN_EPS:e} and {MAX_EPS}")))
 }

@@ -1,19 +1,19 @@
-//! The accelerations to the last digits, and the inertia that constraints add to.
+//! Newton's method for the accelerations, and the Hessian of the constrained dynamics.
 //!
-//! With constraint forces f(J a − aref) the balance of forces is
+//! With constraint forces f(J a − aref) the equations of motion are
 //!
 //! ```text
 //! g(a) = M a + bias − passive − actuator − applied − Jᵀ f(J a − aref) = 0,      H = ∂g/∂a = M + Jᵀ K J,
 //! ```
 //!
-//! where K, the derivative of −f, is what the solver called Newton uses too: `efc_D` where a constraint pushes back in proportion,
-//! zero where it is satisfied or slides, and a block for each elliptic cone between the two (E. Todorov, "Convex and
-//! analytically-invertible dynamics with contacts and constraints", ICRA 2014). g is the derivative of a convex function,
-//! quadratic piece by piece but for the cones, so one or two steps of Newton's method from what the solver has found end it.
+//! where K is the derivative of −f. The engine's Newton solver uses the same K: `efc_D` for a constraint in its quadratic zone,
+//! zero for one that is satisfied or in its linear zone, and a block for each elliptic cone in its middle zone (E. Todorov,
+//! "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014). g is the gradient of a convex
+//! function, piecewise quadratic except for the cones, so Newton's method converges in one or two steps from the solver's result.
 
 use mujoco_sys::{mjCNSTRSTATE_CONE, mjCNSTRSTATE_QUADRATIC, mjContact};
 
-use super::worker::Worker;
+use super::residual::Residual;
 use crate::data::Data;
 use crate::error::Result;
 use crate::ffi;
@@ -21,23 +21,25 @@ use crate::math;
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// A first step that is larger than this, relative to the largest acceleration, shows that the solver has not converged.
-const LARGEST_STEP: f64 = 1e-4;
-/// After a step of this size the inertia of elliptic cones is that of the result.
+/// Largest first step, relative to the largest acceleration. A larger one shows that the solver has not converged.
+const MAX_FIRST_STEP: f64 = 1e-4;
+/// Step size below which the Hessian of elliptic cones counts as that of the result.
 const SMALL_STEP: f64 = 1e-9;
-const MOST_STEPS: usize = 8;
-/// No pivot of an inertia matrix is as small.
-const SMALLEST_PIVOT: f64 = 1e-15;
+const MAX_STEPS: usize = 8;
+/// Smallest pivot of a Cholesky factor. Inertia matrices have larger ones.
+const MIN_PIVOT: f64 = 1e-15;
 
+/// Newton's method, with its buffers.
 #[derive(Debug)]
 pub(super) struct Newton {
-    /// H, and then its Cholesky factor, in the lower triangle.
+    /// H, and then its Cholesky factor, in the lower triangle. The caller may reuse the matrix after [`refine`](Self::refine).
     pub(super) factor: Matrix,
     /// `J a − aref`.
     jar: Vec<f64>,
+    /// `efc_state` before the step.
     states: Vec<i32>,
     step: Vec<f64>,
-    /// Two rows of J, spread out.
+    /// Two dense rows of J.
     rows: [Vec<f64>; 2],
 }
 
@@ -54,7 +56,7 @@ impl Newton {
         }
     }
 
-    /// Writes H to the lower triangle of the factor.
+    /// Writes H to the lower triangle of [`factor`](Self::factor).
     fn assemble(&mut self, data: &Data) -> Result<()> {
         data.full_m_into(&mut self.factor)?;
         let contacts = contacts(data);
@@ -87,33 +89,33 @@ impl Newton {
         }
         Ok(())
     }
-}
 
-impl Worker {
-    /// Makes `qacc` of the base point, as the solver left it, as exact as numbers allow, with the constraint forces that belong to
-    /// it and the factor of H. False if the solver had not come near enough.
-    pub(super) fn settle(&mut self) -> Result<bool> {
-        self.constrain()?;
-        for step in 0..MOST_STEPS {
-            self.newton.assemble(&self.data)?;
-            if math::chol_factor(&mut self.newton.factor, SMALLEST_PIVOT)? < self.data.model().nv() {
+    /// Refines `qacc`, as the constraint solver left it, to the accuracy of the arithmetic.
+    ///
+    /// Updates the constraint forces and leaves the Cholesky factor of H in [`factor`](Self::factor). Returns false if the
+    /// solver's result was too far from the solution.
+    pub(super) fn refine(&mut self, data: &mut Data, residual: Residual, value: &mut [f64]) -> Result<bool> {
+        self.update(data, residual, value)?;
+        for step in 0..MAX_STEPS {
+            self.assemble(data)?;
+            if math::chol_factor(&mut self.factor, MIN_PIVOT)? < data.model().nv() {
                 return Ok(false);
             }
-            self.newton.states.clear();
-            self.newton.states.extend_from_slice(self.data.efc_state());
-            self.newton.step.copy_from_slice(&self.base.forces[0]);
-            math::chol_solve_in_place(&self.newton.factor, &mut self.newton.step)?;
+            self.states.clear();
+            self.states.extend_from_slice(data.efc_state());
+            self.step.copy_from_slice(value);
+            math::chol_solve_in_place(&self.factor, &mut self.step)?;
             let largest = |values: &[f64]| values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            let size = largest(&self.newton.step) / (1.0 + largest(self.data.qacc()));
-            if step == 0 && (size > LARGEST_STEP || size.is_nan()) {
+            let size = largest(&self.step) / (1.0 + largest(data.qacc()));
+            if step == 0 && (size > MAX_FIRST_STEP || size.is_nan()) {
                 return Ok(false);
             }
-            for (qacc, step) in self.data.qacc_mut().iter_mut().zip(&self.newton.step) {
+            for (qacc, step) in data.qacc_mut().iter_mut().zip(&self.step) {
                 *qacc -= step;
             }
-            self.constrain()?;
-            let same = self.newton.states == self.data.efc_state();
-            let cones = self.newton.states.contains(&(mjCNSTRSTATE_CONE as i32));
+            self.update(data, residual, value)?;
+            let same = self.states == data.efc_state();
+            let cones = self.states.contains(&(mjCNSTRSTATE_CONE as i32));
             if same && (!cones || size <= SMALL_STEP) {
                 return Ok(true);
             }
@@ -121,26 +123,26 @@ impl Worker {
         Ok(false)
     }
 
-    /// The constraint forces that belong to `qacc`, and what is left of the balance.
-    fn constrain(&mut self) -> Result<()> {
-        let jar = &mut self.newton.jar;
+    /// Updates the constraint forces for the present `qacc`, and evaluates the residual.
+    fn update(&mut self, data: &mut Data, residual: Residual, value: &mut [f64]) -> Result<()> {
+        let jar = &mut self.jar;
         jar.clear();
-        jar.resize(self.data.nefc(), 0.0);
+        jar.resize(data.nefc(), 0.0);
         if !jar.is_empty() {
-            self.data.mul_jac_vec(jar, self.data.qacc())?;
-            jar.iter_mut().zip(self.data.efc_aref()).for_each(|(jar, aref)| *jar -= aref);
+            data.mul_jac_vec(jar, data.qacc())?;
+            jar.iter_mut().zip(data.efc_aref()).for_each(|(jar, aref)| *jar -= aref);
         }
-        self.data.constraint_update(jar, true)?;
-        self.balance(0)
+        data.constraint_update(jar, true)?;
+        residual.evaluate(data, value)
     }
 }
 
 fn contacts(data: &Data) -> &[mjContact] {
-    // SAFETY: the engine keeps `ncon` contacts there, and nothing writes to them while the data is borrowed.
+    // SAFETY: the engine's array holds `ncon` contacts, and nothing writes to them while the data is borrowed.
     unsafe { ffi::array(data.raw().contact, data.ncon()) }
 }
 
-/// Adds a multiple of a row of J.
+/// Adds a multiple of a row of J, dense or sparse.
 fn add_row(data: &Data, row: usize, factor: f64, to: &mut [f64]) {
     let nv = to.len();
     if data.model().is_sparse() {
@@ -155,7 +157,7 @@ fn add_row(data: &Data, row: usize, factor: f64, to: &mut [f64]) {
     }
 }
 
-/// Adds the lower triangle of `left rightᵀ`.
+/// Adds the lower triangle of `left · rightᵀ`.
 fn add_product(lower: &mut Matrix, left: &[f64], right: &[f64]) {
     for (dof, &value) in left.iter().enumerate() {
         if value != 0.0 {

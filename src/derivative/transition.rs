@@ -1,11 +1,11 @@
-//! How a step of the simulation depends on the state and the controls.
+//! The linear system of a step by the engine's finite differences, with corrections of its errors.
 
 use std::ptr;
 
 use mujoco_sys::{guard, mjSENS_CLOCK};
 
 use super::method::Step;
-use super::worker::{Input, sides};
+use super::perturbation::{Input, sides};
 use super::{Differences, check_eps};
 use crate::data::{Data, PipelineFlags};
 use crate::enums::Integrator;
@@ -13,29 +13,30 @@ use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// A linear system in discrete time, `dx' = A dx + B du`, `dy = C dx + D du`, of `nx = 2 nv + na` states, `nu` controls and
+/// Linear system in discrete time, `dx' = A dx + B du`, `dy = C dx + D du`, with `nx = 2 nv + na` states, `nu` controls and
 /// `nsensordata` outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateSpace {
-    /// `(nx, nx)`: the next state by the state.
+    /// `(nx, nx)`: derivative of the next state with respect to the state.
     pub a: Matrix,
-    /// `(nx, nu)`: the next state by the controls.
+    /// `(nx, nu)`: derivative of the next state with respect to the controls.
     pub b: Matrix,
-    /// `(nsensordata, nx)`: the sensors by the state.
+    /// `(nsensordata, nx)`: derivative of the sensors with respect to the state.
     pub c: Matrix,
-    /// `(nsensordata, nu)`: the sensors by the controls.
+    /// `(nsensordata, nu)`: derivative of the sensors with respect to the controls.
     pub d: Matrix,
 }
 
 impl StateSpace {
-    /// Zeros, in the shapes that belong to a model.
+    /// Creates a system of zeros in the shapes for a model.
     pub fn zeros(model: &Model) -> Self {
         let (nx, nu, ny) = sizes(model);
         Self { a: Matrix::zeros(nx, nx), b: Matrix::zeros(nx, nu), c: Matrix::zeros(ny, nx), d: Matrix::zeros(ny, nu) }
     }
 }
 
-/// Where [`Data::transition_fd_into`] writes to. What is `None` is not computed; without C and D the sensors are skipped.
+/// Outputs of [`Data::transition_fd_into`] and of [`Lineariser::linear_system_into`](super::Lineariser::linear_system_into).
+/// Matrices that are `None` are not computed; without C and D the sensors are skipped.
 #[derive(Debug, Default)]
 pub struct TransitionOutputs<'a> {
     /// `(nx, nx)`
@@ -55,14 +56,14 @@ impl<'a> From<&'a mut StateSpace> for TransitionOutputs<'a> {
 }
 
 impl Data {
-    /// Linearises a step of the simulation about the present state and controls, with the step `eps` of the differences;
-    /// `1e-6` with [`Differences::Central`] is a good choice.
+    /// Linearises a step of the simulation about the present state and controls, by differences with the step `eps`; `1e-6` with
+    /// [`Differences::Central`] is a good choice.
     ///
-    /// (The engine's own central differences of the sensors by the controls have the wrong sign, and clocks depend on everything.
-    /// Both are corrected.)
+    /// (In the engine, central differences of the sensors with respect to the controls have the wrong sign, and clocks depend on
+    /// all inputs. This method corrects both.)
     ///
-    /// The state, the controls and the time are as before afterwards, to the last bit. What is computed from them is that of
-    /// the last perturbed state, and counts as not computed.
+    /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed quantities are those of the last
+    /// perturbed state, and count as not computed.
     ///
     /// # Errors
     ///
@@ -74,7 +75,7 @@ impl Data {
     ///
     /// let mut data = Data::new(sample::cartpole())?;
     /// let system = data.transition_fd(1e-6, Differences::Central)?;
-    /// // The next position of the cart by its velocity: a little less than the time step, because of damping.
+    /// // Derivative of the cart's next position with respect to its velocity: almost the time step, because of damping.
     /// assert!((system.a[(0, 2)] - 0.01).abs() < 1e-5);
     /// assert_eq!(data.time(), 0.0);
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -86,8 +87,8 @@ impl Data {
         Ok(system)
     }
 
-    /// As [`transition_fd`](Self::transition_fd), into the caller's matrices, of which any may be left out. Allocates nothing,
-    /// but for a copy of the controls within [`with_callbacks`](Self::with_callbacks).
+    /// Linearises a step as [`transition_fd`](Self::transition_fd) does, into the caller's matrices, any of which may be omitted.
+    /// Allocates nothing, except a copy of the controls within [`with_callbacks`](Self::with_callbacks).
     ///
     /// # Errors
     ///
@@ -114,13 +115,12 @@ impl Data {
         check_eps("transition_fd", eps)?;
         if self.model().options().integrator == Integrator::Rk4 {
             return Err(Error::Unsupported(
-                "transition_fd differentiates a step of the integrators Euler and Implicit, but this model's is Rk4"
-                    .to_owned(),
+                "transition_fd supports the integrators Euler and Implicit, but this model uses Rk4".to_owned(),
             ));
         }
         let (nx, nu, ny) = sizes(self.model());
         let mut outputs = outputs.into();
-        // The engine counts the entries of a matrix with a C int; beyond that it would write past its stack.
+        // The engine counts the entries of a matrix with a C int. An overflow would make it write past its stack.
         let largest = nx.max(nu).saturating_mul(nx.max(ny));
         if i32::try_from(largest).is_err() {
             return Err(Error::Unsupported(format!("transition_fd of {nx} states, {nu} controls and {ny} outputs")));
@@ -132,26 +132,26 @@ impl Data {
         let central = i32::from(differences == Differences::Central);
         let spills = self.last_control_is_stuck(eps);
         let time = self.time();
-        // The engine puts them back too, but not after its last calls of a closure that sets them.
+        // The engine restores the controls too, but not after its last calls of a closure that sets them.
         let ctrl = self.callbacks.is_some().then(|| self.ctrl().to_vec());
-        let put_back = |data: &mut Self| {
+        let restore_ctrl = |data: &mut Self| {
             if let Some(ctrl) = &ctrl {
                 data.ctrl_mut().copy_from_slice(ctrl);
             }
         };
         let mut call = |a, b, c, d| {
             let result = self.run("mjd_transitionFD", PipelineFlags::empty(), |model, data| {
-                // SAFETY: a model and a data that go together, and outputs that are NULL or have the shapes that the engine
+                // SAFETY: the model and the data belong together, and each output is NULL or has the shape that the engine
                 // writes.
                 unsafe { guard::mjd_transition_fd(model, data, eps, central, a, b, c, d) }
             });
-            put_back(self);
+            restore_ctrl(self);
             result
         };
         let null = ptr::null_mut;
-        // Where the control of the last actuator can be moved to neither side, 2.2.2 clears nq + nv + na numbers in a row of
-        // 2 nv + na, and the rest of them is what lies behind: D, or the saved state that it goes on from. With B computed
-        // alone nothing that is still needed lies there.
+        // If the control of the last actuator can be perturbed to neither side, 2.2.2 clears nq + nv + na entries of a row of
+        // 2 nv + na. The surplus overwrites the memory behind the row: D, or the saved state that later columns start from.
+        // A call that computes B alone overwrites nothing that is still needed.
         if !b.is_null() && spills {
             call(a, null(), c, null())?;
             call(null(), null(), null(), d)?;
@@ -159,15 +159,15 @@ impl Data {
         } else {
             call(a, b, c, d)?;
         }
-        // The engine takes steps, and puts back everything but the time.
+        // The engine takes steps, and restores everything except the time.
         self.set_time(time);
-        self.mend(eps, differences, &mut outputs);
+        self.correct_sensors(eps, differences, &mut outputs);
         Ok(())
     }
 
-    /// Corrects what 2.2.2 gets wrong of the sensors. Where a control is moved to both sides it subtracts the readings the wrong
-    /// way round, and since the time goes on from one column to the next, clocks seem to depend on everything.
-    fn mend(&self, eps: f64, differences: Differences, outputs: &mut TransitionOutputs<'_>) {
+    /// Corrects two errors of 2.2.2 in C and D. If a control is perturbed to both sides, the engine subtracts the readings in the
+    /// wrong order. And since the time advances from one column to the next, clocks seem to depend on all inputs.
+    fn correct_sensors(&self, eps: f64, differences: Differences, outputs: &mut TransitionOutputs<'_>) {
         let model = self.model();
         if let Some(d) = &mut outputs.d {
             for control in 0..model.nu() {
@@ -185,8 +185,8 @@ impl Data {
         }
     }
 
-    /// Whether the control of the last actuator is so near to or beyond its range that it cannot be moved by `eps`, in a model
-    /// in which that makes the engine write too far.
+    /// Returns whether the control of the last actuator cannot be perturbed by `eps` within its range, in a model for which this
+    /// makes the engine write out of bounds.
     fn last_control_is_stuck(&self, eps: f64) -> bool {
         let model = self.model();
         let Some(last) = model.nu().checked_sub(1) else { return false };
@@ -199,14 +199,33 @@ impl Data {
     }
 }
 
-/// How many states (`2 nv + na`), controls and outputs the linear system of a model has.
+impl TransitionOutputs<'_> {
+    /// Checks the shapes of the matrices that are present.
+    pub(super) fn check(&self, model: &Model) -> Result<()> {
+        let (nx, nu, ny) = sizes(model);
+        for (what, output, shape) in [
+            ("A of a linear system", &self.a, (nx, nx)),
+            ("B of a linear system", &self.b, (nx, nu)),
+            ("C of a linear system", &self.c, (ny, nx)),
+            ("D of a linear system", &self.d, (ny, nu)),
+        ] {
+            if let Some(output) = output {
+                Error::check_shape(what, output.shape(), shape)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns the numbers of states (`2 nv + na`), controls and outputs of the linear system of a model.
 pub(crate) fn sizes(model: &Model) -> (usize, usize, usize) {
     (2 * model.nv() + model.na(), model.nu(), model.nsensordata())
 }
 
+/// Returns the pointer for an output, or NULL if it is omitted or empty.
 fn pointer(what: &'static str, matrix: Option<&mut Matrix>, shape: (usize, usize)) -> Result<*mut f64> {
     let Some(matrix) = matrix else { return Ok(ptr::null_mut()) };
     Error::check_shape(what, matrix.shape(), shape)?;
-    // NULL is how the engine is told to leave an output out; an empty one is no different.
+    // The engine omits an output that is NULL. An empty matrix is passed as NULL too.
     Ok(if matrix.as_slice().is_empty() { ptr::null_mut() } else { matrix.as_mut_ptr() })
 }

@@ -1,192 +1,211 @@
-//! A simulation of its own for each thread that linearises, and the columns that it computes.
+//! Linearisation of a step by one or several workers that share the columns.
 
 use std::sync::Arc;
 
-use super::method::Step;
-use super::newton::Newton;
-use super::sizes;
-use super::through_inverse::Base;
-use super::{Differences, TransitionOutputs};
-use crate::data::Data;
-use crate::data::StateSpec;
+use super::columns::StepDifferences;
+use super::implicit::Linearisation;
+use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
+use super::perturbation::{BasePoint, Input, PerturbedData, Settings, Wanted, inputs};
+use super::work_queue::{WorkQueue, for_each_worker};
+use super::{TransitionOutputs, sizes};
 use crate::error::Result;
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// What a step changes, and is put back after each.
-pub(super) const MOVED: StateSpec =
-    StateSpec::TIME.union(StateSpec::PHYSICS).union(StateSpec::WARMSTART).union(StateSpec::CTRL);
-
-/// What a column of the linear system belongs to, with its index.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Input {
-    Control(usize),
-    Activation(usize),
-    Velocity(usize),
-    Position(usize),
-}
-
-impl Input {
-    /// Its column in A, or in B.
-    fn column(self, model: &Model) -> usize {
-        match self {
-            Self::Control(control) => control,
-            Self::Position(dof) => dof,
-            Self::Velocity(dof) => model.nv() + dof,
-            Self::Activation(activation) => 2 * model.nv() + activation,
-        }
-    }
-}
-
-/// Which columns are wanted, and whether sensors are.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
-    pub(super) states: bool,
-    pub(super) controls: bool,
-    pub(super) sensors: bool,
-}
-
-impl Wanted {
-    pub(super) fn by(outputs: &TransitionOutputs<'_>) -> Self {
-        Self {
-            states: outputs.a.is_some() || outputs.c.is_some(),
-            controls: outputs.b.is_some() || outputs.d.is_some(),
-            sensors: outputs.c.is_some() || outputs.d.is_some(),
-        }
-    }
-}
-
-/// The columns, those first that need the least of what is computed at the base point, as each spoils it for the ones before.
-pub(super) fn inputs(model: &Model, wanted: Wanted) -> impl Iterator<Item = Input> + use<> {
-    let of = |n: usize, wanted: bool| if wanted { 0..n } else { 0..0 };
-    let (nv, na, nu) = (model.nv(), model.na(), model.nu());
-    let controls = of(nu, wanted.controls).map(Input::Control);
-    let activations = of(na, wanted.states).map(Input::Activation);
-    let velocities = of(nv, wanted.states).map(Input::Velocity);
-    let positions = of(nv, wanted.states).map(Input::Position);
-    controls.chain(activations).chain(velocities).chain(positions)
-}
-
+/// A simulation for one thread, with the buffers of all methods.
 #[derive(Debug)]
 pub(super) struct Worker {
-    pub(super) data: Data,
-    /// The base point, as far as it is moved.
-    pub(super) moved: Vec<f64>,
-    /// `(nx + nu, nx + nsensordata)`: the columns of a system that it computes alone, each as a row, in the order of [`inputs`].
-    pub(super) rows: Matrix,
-    /// `[qpos; qvel; act; sensordata]` after a step from the base point, and from either side of it.
-    pub(super) samples: [Vec<f64>; 3],
-    /// A direction in the tangent space of positions.
-    pub(super) direction: Vec<f64>,
-    pub(super) base: Base,
-    pub(super) newton: Newton,
-    /// Whether what all columns need of the base point is known. False if the solver has not converged there.
-    pub(super) prepared: Option<bool>,
-    /// What became of its share.
-    pub(super) outcome: Result<()>,
+    pub(super) point: PerturbedData,
+    differences: StepDifferences,
+    implicit: Linearisation,
+    /// Result of the preparation of `implicit` at the base point: false if the solver has not converged, `None` before it.
+    prepared: Option<bool>,
+    /// Result of this worker's share of the columns.
+    outcome: Result<()>,
+    /// Columns of the systems for which this worker is the first.
+    columns: Columns,
+}
+
+/// Columns of a linear system, shared by the workers that compute it.
+#[derive(Debug, Default)]
+struct Columns {
+    order: Vec<Input>,
+    /// `(nx + nu, nx + nsensordata)`: the columns, each as a row, in the order of [`inputs`].
+    rows: Matrix,
+    /// `(nv, nsensordata)`: derivatives of the acceleration sensors with respect to the accelerations.
+    acceleration_sensors: Matrix,
+}
+
+impl Columns {
+    fn new(model: &Model) -> Self {
+        let (nx, nu, ny) = sizes(model);
+        Self {
+            order: Vec::with_capacity(nx + nu),
+            rows: Matrix::zeros(nx + nu, nx + ny),
+            acceleration_sensors: Matrix::zeros(model.nv(), ny),
+        }
+    }
+
+    /// Copies the columns to the outputs, transposed.
+    fn write_to(&self, model: &Model, wanted: Wanted, outputs: &mut TransitionOutputs<'_>) {
+        let (nx, _, _) = sizes(model);
+        for (row, input) in inputs(model, wanted).enumerate() {
+            let (state, sensors) = self.rows.row(row).split_at(nx);
+            let column = input.column(model);
+            let (of_state, of_sensors) = match input {
+                Input::Control(_) => (&mut outputs.b, &mut outputs.d),
+                _ => (&mut outputs.a, &mut outputs.c),
+            };
+            for (values, output) in [(state, of_state), (sensors, of_sensors)] {
+                if let Some(output) = output {
+                    values.iter().enumerate().for_each(|(row, value)| output[(row, column)] = *value);
+                }
+            }
+        }
+    }
 }
 
 impl Worker {
     pub(super) fn new(model: &Arc<Model>) -> Result<Self> {
-        let (nx, nu, ny) = sizes(model);
-        let sample = vec![0.0; model.nq() + model.nv() + model.na() + ny];
         Ok(Self {
-            data: Data::new(model.clone())?,
-            moved: vec![0.0; model.state_size(MOVED)],
-            rows: Matrix::zeros(nx + nu, nx + ny),
-            samples: [sample.clone(), sample.clone(), sample],
-            direction: vec![0.0; model.nv()],
-            base: Base::new(model),
-            newton: Newton::new(model),
+            point: PerturbedData::new(model)?,
+            differences: StepDifferences::new(model),
+            implicit: Linearisation::new(model),
             prepared: None,
             outcome: Ok(()),
+            columns: Columns::new(model),
         })
     }
 
-    /// Takes over the model of a simulation of the same structure, if it is another one by now.
-    pub(super) fn follow(&mut self, data: &Data) {
-        if !Arc::ptr_eq(self.data.model(), data.model()) {
-            self.data.clone_from(data);
+    /// Moves to the base point and prepares for implicit differentiation, unless this was done already. Returns false if the
+    /// solver has not converged.
+    fn prepare_implicit(&mut self, base: BasePoint<'_>, settings: Settings<'_>) -> Result<bool> {
+        if let Some(prepared) = self.prepared {
+            return Ok(prepared);
         }
+        self.point.set_base(base)?;
+        let prepared = self.implicit.prepare(&mut self.point, settings)?;
+        self.prepared = Some(prepared);
+        Ok(prepared)
     }
+}
 
-    /// Sets the base point.
-    pub(super) fn start(&mut self, inputs: &[f64]) -> Result<()> {
-        if self.data.check_usable().is_err() {
-            self.data.reset()?;
-        }
-        self.data.set_state(StateSpec::INTEGRATION, inputs)?;
-        self.keep()
+/// Computes a linear system with the given workers, which share the columns. The result does not depend on their number.
+pub(super) fn linearise(
+    workers: &mut [Worker],
+    base: BasePoint<'_>,
+    options: &TransitionOptions,
+    (method, fallback): (TransitionMethod, Option<Fallback>),
+    mut outputs: TransitionOutputs<'_>,
+) -> Result<LinearisationReport> {
+    let report = LinearisationReport { method, fallback };
+    let step = options.step(method);
+    if method == TransitionMethod::Engine {
+        let point = &mut workers[0].point;
+        point.set_base(base)?;
+        point.data.transition_fd_into(step.eps, step.differences, outputs)?;
+        return Ok(report);
     }
-
-    /// Makes the present state and controls those of the base point.
-    pub(super) fn keep(&mut self) -> Result<()> {
-        self.data.state_into(MOVED, &mut self.moved)
+    let model = workers[0].point.data.model().clone();
+    let wanted = Wanted::by(&outputs);
+    let settings = Settings { model: &model, wanted, step };
+    // The workers are borrowed while they write to the columns.
+    let mut columns = std::mem::take(&mut workers[0].columns);
+    let result = match method {
+        TransitionMethod::Inverse => match differentiate_implicitly(workers, &mut columns, base, settings) {
+            Ok(true) => Ok(report),
+            Ok(false) => {
+                let method = TransitionMethod::Columns;
+                let settings = Settings { step: options.step(method), ..settings };
+                difference_steps(workers, &mut columns, base, settings)
+                    .map(|()| LinearisationReport { method, fallback: Some(Fallback::NotConverged) })
+            }
+            Err(error) => Err(error),
+        },
+        _ => difference_steps(workers, &mut columns, base, settings).map(|()| report),
+    };
+    if result.is_ok() {
+        columns.write_to(&model, wanted, &mut outputs);
     }
+    workers[0].columns = columns;
+    result
+}
 
-    /// Goes back to the base point after a step.
-    pub(super) fn restore(&mut self) -> Result<()> {
-        self.data.set_state(MOVED, &self.moved)
-    }
-
-    /// Moves one input away from the base point.
-    pub(super) fn nudge(&mut self, model: &Model, input: Input, by: f64) -> Result<()> {
-        match input {
-            Input::Control(control) => self.data.ctrl_mut()[control] += by,
-            Input::Activation(activation) => self.data.act_mut()[activation] += by,
-            Input::Velocity(dof) => self.data.qvel_mut()[dof] += by,
-            Input::Position(dof) => {
-                self.direction[dof] = 1.0;
-                let moved = model.integrate_pos(self.data.qpos_mut(), &self.direction, by);
-                self.direction[dof] = 0.0;
-                return moved;
+/// Computes all columns by differences of a step.
+fn difference_steps(
+    workers: &mut [Worker],
+    columns: &mut Columns,
+    base: BasePoint<'_>,
+    settings: Settings<'_>,
+) -> Result<()> {
+    let Columns { order, rows, .. } = columns;
+    let queue = column_queue(settings, order, rows);
+    share(workers, |worker, first| {
+        if first || queue.is_worth_joining() {
+            let Worker { point, differences, .. } = worker;
+            point.set_base(base)?;
+            differences.prepare(point, settings)?;
+            while let Some((&input, row)) = queue.take() {
+                differences.column(point, settings, input, row)?;
             }
         }
         Ok(())
-    }
-
-    /// Goes back to the base point from where a velocity or a position was moved, and nothing else.
-    pub(super) fn put_back(&mut self, input: Input) {
-        const TIME: usize = 1;
-        let (nq, nv) = (self.data.model().nq(), self.data.model().nv());
-        let (qpos, rest) = self.moved[TIME..].split_at(nq);
-        match input {
-            Input::Velocity(dof) => self.data.qvel_mut()[dof] = rest[..nv][dof],
-            _ => self.data.qpos_mut().copy_from_slice(qpos),
-        }
-    }
+    })
 }
 
-/// Writes columns, each of which is a row, to the outputs, the right way round.
-pub(super) fn write(model: &Model, rows: &Matrix, wanted: Wanted, outputs: &mut TransitionOutputs<'_>) {
-    let (nx, _, _) = sizes(model);
-    for (row, input) in inputs(model, wanted).enumerate() {
-        let (state, sensors) = rows.row(row).split_at(nx);
-        let column = input.column(model);
-        let (of_state, of_sensors) = match input {
-            Input::Control(_) => (&mut outputs.b, &mut outputs.d),
-            _ => (&mut outputs.a, &mut outputs.c),
-        };
-        for (values, output) in [(state, of_state), (sensors, of_sensors)] {
-            if let Some(output) = output {
-                values.iter().enumerate().for_each(|(row, value)| output[(row, column)] = *value);
+/// Computes all columns by differences of inverse dynamics. Returns false if the solver has not converged.
+fn differentiate_implicitly(
+    workers: &mut [Worker],
+    columns: &mut Columns,
+    base: BasePoint<'_>,
+    settings: Settings<'_>,
+) -> Result<bool> {
+    let Columns { order, rows, acceleration_sensors } = columns;
+    for worker in &mut *workers {
+        worker.prepared = None;
+    }
+    if settings.wanted.sensors && workers[0].implicit.has_acceleration_sensors() {
+        let width = acceleration_sensors.ncols().max(1);
+        let items = (0..settings.model.nv()).zip(acceleration_sensors.as_mut_slice().chunks_exact_mut(width));
+        let queue = WorkQueue::new(items);
+        share(workers, |worker, first| {
+            if (first || queue.is_worth_joining()) && worker.prepare_implicit(base, settings)? {
+                while let Some((dof, row)) = queue.take() {
+                    worker.implicit.acceleration_row(&mut worker.point, settings, dof, row)?;
+                }
+            }
+            Ok(())
+        })?;
+    }
+    let acceleration_sensors = &*acceleration_sensors;
+    let queue = column_queue(settings, order, rows);
+    share(workers, |worker, first| {
+        if (first || queue.is_worth_joining()) && worker.prepare_implicit(base, settings)? {
+            while let Some((&input, row)) = queue.take() {
+                let Worker { point, implicit, .. } = worker;
+                implicit.column(point, settings, input, acceleration_sensors, row)?;
             }
         }
-    }
+        Ok(())
+    })?;
+    Ok(workers[0].prepared == Some(true))
 }
 
-/// Whether a column is differenced to the right and to the left: a control only as far as its range goes, as in the engine.
-pub(super) fn sides(data: &Data, input: Input, step: Step) -> (bool, bool) {
-    let central = step.differences == Differences::Central;
-    let Input::Control(control) = input else { return (true, central) };
-    let model = data.model();
-    if model.actuator_ctrllimited()[control] == 0 {
-        return (true, central);
-    }
-    let [low, high] = model.actuator_ctrlrange()[control];
-    let ctrl = data.ctrl()[control];
-    let inside = |value: f64| low <= value && value <= high;
-    let right = inside(ctrl) && inside(ctrl + step.eps);
-    let left = (central || !right) && inside(ctrl) && inside(ctrl - step.eps);
-    (right, left)
+/// Creates the queue of inputs, each with the row that its column is written to.
+fn column_queue<'a>(
+    settings: Settings<'_>,
+    order: &'a mut Vec<Input>,
+    rows: &'a mut Matrix,
+) -> WorkQueue<impl ExactSizeIterator<Item = (&'a Input, &'a mut [f64])> + use<'a>> {
+    order.clear();
+    order.extend(inputs(settings.model, settings.wanted));
+    let width = rows.ncols().max(1);
+    WorkQueue::new(order.iter().zip(rows.as_mut_slice().chunks_exact_mut(width)))
+}
+
+/// Runs `work` on all workers, and returns the error of the first worker that failed.
+fn share(workers: &mut [Worker], work: impl Fn(&mut Worker, bool) -> Result<()> + Sync) -> Result<()> {
+    for_each_worker(workers, |worker, first| worker.outcome = work(worker, first));
+    let outcomes = workers.iter_mut().map(|worker| std::mem::replace(&mut worker.outcome, Ok(())));
+    outcomes.fold(Ok(()), Result::and)
 }

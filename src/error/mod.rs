@@ -9,7 +9,6 @@ use std::path::PathBuf;
 
 pub use self::instability::{Instability, UnstableField};
 pub(crate) use self::suggestion::near_names;
-use crate::control::riccati::RiccatiError;
 use crate::engine::Version;
 use crate::id::Kind;
 use crate::stage::MissingResults;
@@ -71,9 +70,12 @@ pub enum Error {
     #[error(transparent)]
     Unstable(#[from] Instability),
 
-    /// The Riccati equation of a regulator has no stabilising solution, or none of sufficient accuracy.
+    /// A solver that is built on top of the simulation found no solution. [`solver`](Self::solver) returns the typed cause.
+    ///
+    /// Regulators return this error with a [`RiccatiError`](crate::control::riccati::RiccatiError) if the Riccati equation
+    /// has no stabilising solution, or none of the required accuracy.
     #[error("there is no regulator: {0}")]
-    Riccati(#[from] RiccatiError),
+    Solver(#[source] Box<dyn std::error::Error + Send + Sync>),
 
     /// A model file or text could not be compiled. The message is the complete one of the engine, with the line number if known.
     #[error("cannot load {source_name}: {message}")]
@@ -251,6 +253,25 @@ pub enum Error {
 }
 
 impl Error {
+    /// Returns the cause of a [`Solver`](Self::Solver) error, if it is an `E`.
+    ///
+    /// ```
+    /// use mujoco_safe::control::riccati::RiccatiError;
+    /// use mujoco_safe::{Data, Lqr, LqrWeights, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// let weights = LqrWeights::diagonal(&[1.0; 4], &[-1.0]);
+    /// let error = Lqr::at_present_state(&mut data, &weights).unwrap_err();
+    /// assert!(matches!(error.solver(), Some(RiccatiError::ControlCostNotPositive { .. })));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn solver<E: std::error::Error + 'static>(&self) -> Option<&E> {
+        match self {
+            Self::Solver(cause) => cause.downcast_ref(),
+            _ => None,
+        }
+    }
+
     /// Returns the error about a value that is not allowed.
     pub(crate) fn invalid(what: impl Into<String>, value: impl fmt::Display, expected: impl Into<String>) -> Self {
         Self::Invalid { what: what.into(), value: value.to_string(), expected: expected.into() }

@@ -1,30 +1,33 @@
-//! Simulations that advance together.
+//! Batches of simulations that are stepped together.
 
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::Read;
 use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
-use super::restart::restart;
-use super::{Read, no_room};
-use crate::control::Outcome;
+use super::result::no_room;
+use super::workers::restart;
+use crate::controller::Outcome;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 use crate::model::Model;
 
-/// Simulations of one model that advance together, a step at a time, under a policy that sees the observations of all and sets
-/// the controls of all: what reinforcement learning calls a vector of environments. The policy is called once for all, in the
-/// calling thread; stepping, observing and resetting are done in parallel. See the [module](crate::rollout) for threads.
+/// Batch of simulations of one model that are stepped together under a policy: a vectorised environment of reinforcement
+/// learning.
 ///
-/// Each simulation is a [`Data`] of its own, which takes some megabytes: most of it for the constraints and the stack that the
-/// model's `njmax`, `nconmax` and `nstack` leave room for.
+/// The policy reads the observations and sets the controls of all simulations. It is called once per step, in the calling thread;
+/// stepping, observing and resetting run in parallel. The [module](crate::rollout) documents threads.
+///
+/// Each simulation has its own [`Data`], which takes some megabytes, mostly for the constraints and the stack that the model's
+/// `njmax`, `nconmax` and `nstack` reserve.
 ///
 /// ```
 /// use mujoco_safe::rollout::Batch;
 /// use mujoco_safe::sample;
 ///
-/// // 16 cart-poles, of which each observes its angle and its rate, under one policy.
+/// // 16 cart-poles under one policy; the observations are the angle and its rate.
 /// let mut batch = Batch::new(sample::cartpole(), 16)?.observe(2, |data, row| {
 ///     row.copy_from_slice(&[data.qpos()[1], data.qvel()[1]]);
 /// });
@@ -35,7 +38,7 @@ use crate::model::Model;
 ///             *control = 3.0 * observation[0] + 0.5 * observation[1];
 ///         }
 ///     })?;
-///     // Those that have fallen begin anew.
+///     // Reset the cart-poles that have fallen.
 ///     let fallen: Vec<bool> = batch.observations().rows().map(|row| row[0].abs() > 0.5).collect();
 ///     batch.reset_where(|index| fallen[index], |_, data| data.qpos_mut()[1] = 0.05)?;
 /// }
@@ -46,7 +49,7 @@ use crate::model::Model;
 pub struct Batch<'a> {
     model: Arc<Model>,
     simulations: Vec<Data>,
-    /// Why a simulation stands still, if it does.
+    /// Error that stopped each simulation, if any.
     failures: Vec<Option<Error>>,
     observations: Matrix,
     controls: Matrix,
@@ -56,13 +59,13 @@ pub struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    /// `count` simulations in the reference position, each of which observes its physics state `[qpos; qvel; act]` until
-    /// [`observe`](Self::observe) says something else. Takes a [`Model`] or an `Arc<Model>`, which all share.
+    /// Creates `count` simulations in the reference position. By default the observation is the physics state
+    /// `[qpos; qvel; act]`; see [`observe`](Self::observe). Takes a [`Model`] or an `Arc<Model>`, which all simulations share.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] if there is no memory for so many, [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot
-    /// allocate them.
+    /// [`Error::Invalid`] if memory does not suffice, [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate a
+    /// simulation.
     pub fn new(model: impl Into<Arc<Model>>, count: usize) -> Result<Self> {
         let model = model.into();
         let mut simulations = Vec::new();
@@ -86,16 +89,18 @@ impl<'a> Batch<'a> {
             model,
         };
         let width = batch.model.state_size(StateSpec::PHYSICS);
-        // A simulation of another model leaves the row of zeros as it is.
+        // A simulation of another model leaves the row of zeros unchanged.
         Ok(batch.observe(width, |data, row| drop(data.physics_state_into(row))))
     }
 
-    /// Each simulation is observed by this closure, which writes to a row of `nobs` zeros: after each step, when what was computed
-    /// is of the state before it, and after each reset, when nothing is computed yet.
+    /// Sets the closure that observes a simulation by writing to a row of `nobs` zeros.
+    ///
+    /// It is called after each step, when computed quantities are those of the state before the step, and after each reset, when
+    /// nothing is computed yet.
     ///
     /// # Panics
     ///
-    /// If there is no memory for the observations.
+    /// If memory does not suffice for the observations.
     #[must_use]
     pub fn observe(mut self, nobs: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.observations = Matrix::zeros(self.simulations.len(), nobs);
@@ -106,47 +111,47 @@ impl<'a> Batch<'a> {
         self
     }
 
-    /// How many steps of the engine a [`step`](Self::step) is, with the same controls: one if nothing is said.
+    /// Sets the number of engine steps per [`step`](Self::step), with the same controls; one by default.
     #[must_use]
     pub fn substeps(mut self, substeps: usize) -> Self {
         self.substeps = substeps;
         self
     }
 
-    /// How many simulations a thread takes at a time, at least one; the result does not depend on it. If it is their number or
-    /// more, all run in the calling thread.
+    /// Sets the number of simulations that a thread takes at a time, at least one. The result does not depend on it. If it is the
+    /// number of simulations or more, all run in the calling thread.
     #[must_use]
     pub fn chunk(mut self, simulations: usize) -> Self {
         self.chunk = Some(simulations.max(1));
         self
     }
 
-    /// The number of simulations, `n`.
+    /// Returns the number of simulations, `n`.
     pub fn len(&self) -> usize {
         self.simulations.len()
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no simulations.
     pub fn is_empty(&self) -> bool {
         self.simulations.is_empty()
     }
 
-    /// The model that all were made with.
+    /// Returns the model that the batch was created with.
     pub fn model(&self) -> &Arc<Model> {
         &self.model
     }
 
-    /// The observations of all `(n, nobs)`. The row of a simulation with a failure is NaN.
+    /// Returns the observations `(n, nobs)`. The row of a failed simulation is NaN.
     pub fn observations(&self) -> MatrixView<'_> {
         self.observations.view()
     }
 
-    /// The controls that the policy set last `(n, nu)`.
+    /// Returns the controls that the policy set last `(n, nu)`.
     pub fn controls(&self) -> MatrixView<'_> {
         self.controls.view()
     }
 
-    /// One simulation.
+    /// Returns one simulation.
     ///
     /// # Panics
     ///
@@ -155,7 +160,7 @@ impl<'a> Batch<'a> {
         &self.simulations[index]
     }
 
-    /// What went wrong in one simulation, if something did. It stands still then, until it is reset.
+    /// Returns the error of a simulation, if it has failed. A failed simulation is not stepped until it is reset.
     ///
     /// # Panics
     ///
@@ -164,23 +169,24 @@ impl<'a> Batch<'a> {
         self.failures[index].as_ref()
     }
 
-    /// All simulations that stand still, and why.
+    /// Returns the indices and the errors of all failed simulations.
     pub fn failures(&self) -> impl Iterator<Item = (usize, &Error)> {
         self.failures.iter().enumerate().filter_map(|(index, failure)| Some((index, failure.as_ref()?)))
     }
 
-    /// Has the policy set the controls `(n, nu)` from the observations `(n, nobs)`, advances all simulations, and observes
-    /// them. The controls are those of the step before until the policy changes them. Nothing is allocated for it.
+    /// Calls the policy to set the controls `(n, nu)` from the observations `(n, nobs)`, steps all simulations, and observes them.
+    /// The controls keep their values from the previous step unless the policy changes them. Does not allocate.
     ///
-    /// A simulation that fails stands still from then on, and its observations are NaN: see [`failure`](Self::failure).
+    /// A simulation that fails is not stepped again until it is reset, and its observations are NaN: see
+    /// [`failure`](Self::failure).
     ///
     /// # Errors
     ///
-    /// The policy's own, if it returns a [`Result`]; nothing is advanced then.
+    /// The error of the policy, if it returns one. Then no simulation is stepped.
     ///
     /// # Panics
     ///
-    /// If a closure does.
+    /// If a closure panics.
     pub fn step<O: Outcome>(&mut self, policy: impl FnOnce(MatrixView<'_>, &mut MatrixViewMut<'_>) -> O) -> Result<()> {
         let (count, nu) = self.controls.shape();
         let mut controls = MatrixViewMut::from_row_major(count, nu, self.controls.as_mut_slice());
@@ -195,16 +201,16 @@ impl<'a> Batch<'a> {
         Ok(())
     }
 
-    /// Resets the simulations that `which` names by their index, has `start` set where they begin, and observes them. What
-    /// [`Data::edit_model`] does in `start` stays until it is undone, for the one simulation.
+    /// Resets the simulations whose index satisfies `which`, calls `start` to set their initial states, and observes them. An edit
+    /// of the model by [`Data::edit_model`] in `start` affects that simulation only, and persists.
     ///
     /// # Errors
     ///
-    /// The first that the reset or `start` meets, by index. Those that failed stand still.
+    /// The error of the reset or of `start` with the smallest index. All simulations with an error count as failed.
     ///
     /// # Panics
     ///
-    /// If a closure does.
+    /// If a closure panics.
     pub fn reset_where<O: Outcome>(
         &mut self,
         which: impl Fn(usize) -> bool + Sync,
@@ -236,7 +242,7 @@ impl<'a> Batch<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine fails, which it does for no model that was loaded.
+    /// [`Error::Engine`] if the engine fails, which does not occur for a loaded model.
     ///
     /// # Panics
     ///
@@ -250,7 +256,7 @@ impl<'a> Batch<'a> {
         Ok(())
     }
 
-    /// Works on all simulations in parallel.
+    /// Calls `work` for all simulations in parallel.
     fn each(&mut self, work: impl Fn(usize, &mut Member<'_>) + Sync) {
         let chunk = self.chunk.unwrap_or_else(|| default_chunk(self.simulations.len()));
         let stop = AtomicBool::new(false);
@@ -284,7 +290,7 @@ impl fmt::Debug for Batch<'_> {
     }
 }
 
-/// Some simulations, with all controls.
+/// Part of the simulations, with all controls.
 struct Members<'b> {
     simulations: &'b mut [Data],
     failures: &'b mut [Option<Error>],
@@ -316,7 +322,7 @@ impl Split for Members<'_> {
     }
 }
 
-/// One simulation, and what belongs to it.
+/// Simulation with its controls and its row of observations.
 struct Member<'m> {
     data: &'m mut Data,
     failure: &'m mut Option<Error>,
@@ -341,9 +347,9 @@ impl Member<'_> {
     }
 }
 
-/// Refuses a number of simulations for which there is no memory, before the first of them is allocated.
+/// Checks that memory suffices for all simulations, before they are allocated.
 fn check_memory(simulation: &Data, count: usize) -> Result<()> {
-    // SAFETY: a valid simulation, which nothing writes to while it is borrowed.
+    // SAFETY: the pointer is valid, and nothing writes to the simulation while it is borrowed.
     let (buffer, stack) = unsafe { ((*simulation.as_ptr()).nbuffer, (*simulation.as_ptr()).nstack) };
     let bytes = usize::try_from(buffer).ok().zip(usize::try_from(stack).ok()).and_then(|(buffer, stack)| {
         let one = stack.checked_mul(size_of::<f64>())?.checked_add(buffer)?.checked_add(size_of::<Data>())?;

@@ -1,47 +1,36 @@
-//! Many simulations of one model, on all cores.
+//! Parallel simulations of one model.
 //!
-//! [`Rollout`] runs each from its initial state to the end: for sampling, for statistics, for control by trying. [`Batch`]
-//! advances them together, a step at a time, under a policy that sees them all: for learning.
+//! [`Rollout`] runs each simulation from its initial state to the end: for sampling, statistics and predictive control. [`Batch`]
+//! steps all simulations together under a common policy: for reinforcement learning.
 //!
 //! ```
 //! use mujoco_safe::rollout::Rollout;
 //! use mujoco_safe::{StateSpec, sample};
 //!
-//! // The cart-pole from five angles, for a second, without control.
+//! // Simulate the cart-pole from five angles for a second, without control.
 //! let angles: Vec<f64> = (0..5).flat_map(|angle| [0.0, 0.1 * f64::from(angle), 0.0, 0.0]).collect();
 //! let result = Rollout::new(sample::cartpole(), 5, 100).initial_states(StateSpec::PHYSICS, &angles).run()?;
 //! assert!(result.outcomes().iter().all(Result::is_ok));
 //! assert_eq!(result.states().len(), 5 * 101 * 4);
-//! assert_eq!(result.state(0, 100), [0.0; 4]); // it balances
-//! assert!(result.state(1, 100)[1] > 1.0);     // it has fallen
+//! assert_eq!(result.state(0, 100), [0.0; 4]); // upright
+//! assert!(result.state(1, 100)[1] > 1.0);     // fallen
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
 //! # Threads
 //!
-//! Both use the [rayon] pool that they are called in, which is the global one unless the call is made within
-//! `ThreadPool::install`. Each thread at work has a [`Data`] of its own and takes a chunk of simulations at a time. Each begins
-//! with a full reset, so the results are those of a loop over [`Data::step`], bit for bit, for any number of threads and any
-//! chunk.
+//! Both use the current [rayon] pool, which is the global one unless the call is inside `ThreadPool::install`. Each thread has
+//! its own [`Data`] and takes a chunk of simulations at a time. Each simulation starts with a full reset, so the results equal
+//! those of a loop over [`Data::step`], bit for bit, for any number of threads and any chunk size.
 //!
 //! # Errors and panics
 //!
-//! An error of one simulation, from the engine or from a closure, ends that one and is told with its step; the others do not
-//! notice. A panic of a closure is a panic of the call, when all threads have stopped; whatever was given to the call can be
-//! used again.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `run.rs` | the simulation of one rollout, and of all |
-//! | `result.rs` | what comes out |
-//! | `workers.rs` | the simulations that rollouts run in |
-//! | `restart.rs` | a reset that costs little |
-//! | `batch.rs` | simulations that advance together |
-//! | `parallel.rs` | the work cut in chunks |
+//! An error of the engine or of a closure ends the simulation in which it occurs and is reported with its step; other
+//! simulations continue. If a closure panics, the call panics after all threads have stopped. All arguments of the call remain
+//! usable.
 
 mod batch;
 mod parallel;
-mod restart;
 mod result;
 mod run;
 mod workers;
@@ -52,29 +41,30 @@ use std::sync::Arc;
 
 pub use self::batch::Batch;
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
+use self::result::{Sizes, reserve, reserve_outcomes};
 pub use self::workers::Workers;
-use crate::control::{Controller, Outcome};
+use crate::controller::{Controller, Outcome};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::model::{Model, ModelMut};
 
-/// An edit of the model before a rollout.
+/// Edit of the model before a rollout.
 type Edit<'a> = dyn Fn(usize, &mut ModelMut<'_>) -> Result<()> + Send + Sync + 'a;
-/// What reads a row of numbers off a simulation.
+/// Closure that reads a row of outputs or observations from a simulation.
 type Read<'a> = dyn Fn(&Data, &mut [f64]) + Send + Sync + 'a;
-/// What makes the controller of a rollout.
+/// Closure that creates the controller of a rollout.
 type MakeController<'a> = dyn Fn(usize) -> Box<dyn Controller + 'a> + Send + Sync + 'a;
-/// What is told how many are done.
+/// Progress hook, called with the number of completed rollouts.
 type Progress<'a> = dyn Fn(usize) -> ControlFlow<()> + Send + Sync + 'a;
 
-/// Where rollouts begin.
+/// Initial states of rollouts.
 enum Initial<'a> {
     Reference,
     Shared(StateSpec, &'a [f64]),
     Each(StateSpec, &'a [f64]),
 }
 
-/// What sets the controls.
+/// Source of the controls.
 enum Controls<'a> {
     None,
     Shared(&'a [f64]),
@@ -82,20 +72,20 @@ enum Controls<'a> {
     From(Box<MakeController<'a>>),
 }
 
-/// Many simulations of one model, each from its initial state through the same number of steps. See the
-/// [module](crate::rollout) for threads, errors and panics.
+/// Builder for simulations of one model, each from its initial state over the same number of steps. The
+/// [module](crate::rollout) documents threads, errors and panics.
 ///
-/// In the order of what happens to each:
+/// Each rollout
 ///
-/// 1. a full reset, [`edit_model`](Self::edit_model) before it;
-/// 2. the initial state is set, and recorded as row 0;
-/// 3. in each step the controls are set, [`Data::step`] is taken, and sensor readings, outputs and the new state are recorded.
+/// 1. applies [`edit_model`](Self::edit_model), and resets the simulation;
+/// 2. sets the initial state, and records it as row 0;
+/// 3. in each step sets the controls, calls [`Data::step`], and records sensor readings, outputs and the new state.
 ///
 /// ```
 /// use mujoco_safe::rollout::Rollout;
 /// use mujoco_safe::{RandomController, StateSpec, sample};
 ///
-/// // Eight humanoids that stand and then move at random, each of another weight.
+/// // Eight humanoids of different weights, which stand at first and move at random.
 /// let model = sample::humanoid();
 /// let stand = model.key_qpos().row(2).to_vec();
 /// let result = Rollout::new(model, 8, 20)
@@ -127,13 +117,13 @@ pub struct Rollout<'a> {
 }
 
 impl<'a> Rollout<'a> {
-    /// `nroll` simulations of `nstep` steps each: from the reference position, without controls, until something else is said.
+    /// Creates a builder for `nroll` simulations of `nstep` steps, by default from the reference position and with zero controls.
     /// Takes a [`Model`] or an `Arc<Model>`.
     pub fn new(model: impl Into<Arc<Model>>, nroll: usize, nstep: usize) -> Self {
         Self::on(&Workers::new(model), nroll, nstep)
     }
 
-    /// As [`new`](Self::new), in simulations that are kept for the next time.
+    /// Creates a builder as [`new`](Self::new) does, whose simulations run on existing workers.
     pub fn on(workers: &Workers, nroll: usize, nstep: usize) -> Self {
         Self {
             workers: workers.clone(),
@@ -149,38 +139,38 @@ impl<'a> Rollout<'a> {
         }
     }
 
-    /// All begin in this state: the parts that `spec` names `(nstate)`, and the rest as after a reset. Parts that are inputs,
-    /// such as [`XFRC_APPLIED`](StateSpec::XFRC_APPLIED), stay for all steps.
+    /// Sets the common initial state `(nstate)`: the components in `spec`; the others are as after a reset. Inputs, such as
+    /// [`XFRC_APPLIED`](StateSpec::XFRC_APPLIED), apply in all steps.
     pub fn initial_state(mut self, spec: StateSpec, state: &'a [f64]) -> Self {
         self.initial = Initial::Shared(spec, state);
         self
     }
 
-    /// Each begins in its own state `(nroll, nstate)`; otherwise as [`initial_state`](Self::initial_state).
+    /// Sets the initial state of each rollout `(nroll, nstate)`, as [`initial_state`](Self::initial_state) does for all.
     pub fn initial_states(mut self, spec: StateSpec, states: &'a [f64]) -> Self {
         self.initial = Initial::Each(spec, states);
         self
     }
 
-    /// The controls of each rollout and step `(nroll, nstep, nu)`.
+    /// Sets the controls of each rollout and step `(nroll, nstep, nu)`.
     pub fn controls(mut self, controls: &'a [f64]) -> Self {
         self.controls = Controls::Each(controls);
         self
     }
 
-    /// The controls of each step `(nstep, nu)`, the same in all rollouts.
+    /// Sets the controls of each step `(nstep, nu)`, common to all rollouts.
     pub fn shared_controls(mut self, controls: &'a [f64]) -> Self {
         self.controls = Controls::Shared(controls);
         self
     }
 
-    /// Each rollout is under a controller of its own, which is made from the rollout's index when it begins.
+    /// Sets a closure that creates the controller of each rollout from its index, when the rollout starts.
     ///
     /// ```
     /// use mujoco_safe::rollout::Rollout;
     /// use mujoco_safe::{Data, sample};
     ///
-    /// // The same feedback with four gains; the controls are recorded too.
+    /// // Compare four gains of the same feedback, and record the controls.
     /// let result = Rollout::new(sample::cartpole(), 4, 50)
     ///     .controllers(|index| {
     ///         let gain = index as f64;
@@ -197,31 +187,32 @@ impl<'a> Rollout<'a> {
         self
     }
 
-    /// Changes the model for each rollout, given its index. The change is undone after it; the model of the others, and the
-    /// one that the rollouts were made with, stay as they are. What an edit cannot change is not copied for it.
+    /// Sets a closure that edits the model for each rollout, given its index.
     ///
-    /// The closure returns nothing or a [`Result`]; an error is that of the rollout, at step 0.
+    /// The edit applies to one rollout only; other rollouts and the shared model are unaffected. Parts of the model that an edit
+    /// cannot change are not copied. The closure returns nothing or a [`Result`]; an error fails the rollout at step 0.
     pub fn edit_model<O: Outcome>(mut self, edit: impl Fn(usize, &mut ModelMut<'_>) -> O + Send + Sync + 'a) -> Self {
         self.edit = Some(Box::new(move |index, model| edit(index, model).into_result()));
         self
     }
 
-    /// Which parts of the state are recorded: [`StateSpec::PHYSICS`] if nothing is said.
+    /// Sets the recorded components of the state; [`StateSpec::PHYSICS`] by default.
     pub fn record(mut self, spec: StateSpec) -> Self {
         self.record = spec;
         self
     }
 
-    /// Records `noutput` numbers more after each step, which the closure writes to a row of zeros. It sees the simulation as
-    /// [`Data::step`] leaves it: the state is the new one, what was computed is of the old one.
+    /// Records `noutput` additional numbers after each step, which the closure writes to a row of zeros. As [`Data::step`] leaves
+    /// it, the simulation is in the new state, and its computed quantities are those of the old state.
     pub fn outputs(mut self, noutput: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.outputs = Some((noutput, Box::new(read)));
         self
     }
 
-    /// Calls the closure whenever a rollout has ended, with the number of those that have, from whichever thread. Two threads
-    /// may call it at once, and the larger number first. [`ControlFlow::Break`] ends the run: what has not ended then is
-    /// [`RolloutError::Cancelled`].
+    /// Sets a hook that is called after each rollout with the number of completed rollouts.
+    ///
+    /// Several threads may call the hook concurrently, and in another order than that of the numbers. [`ControlFlow::Break`]
+    /// ends the run; rollouts that are not complete end with [`RolloutError::Cancelled`].
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -241,23 +232,23 @@ impl<'a> Rollout<'a> {
         self
     }
 
-    /// How many rollouts a thread takes at a time, at least one; the result does not depend on it. If it is `nroll` or more, all
-    /// run in the calling thread.
+    /// Sets the number of rollouts that a thread takes at a time, at least one. The result does not depend on it. If it is `nroll`
+    /// or more, all rollouts run in the calling thread.
     pub fn chunk(mut self, rollouts: usize) -> Self {
         self.chunk = Some(rollouts.max(1));
         self
     }
 
-    /// Simulates, and returns everything that was recorded.
+    /// Runs all rollouts, and returns the recorded values.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for initial states or controls of a wrong length, [`Error::Invalid`] if there is no room for the result.
-    /// What goes wrong in a rollout is told in its [`outcome`](RolloutResult::outcomes).
+    /// [`Error::Shape`] for initial states or controls of a wrong length, [`Error::Invalid`] if memory does not suffice for the
+    /// result. Errors in a rollout are in its [`outcome`](RolloutResult::outcomes).
     ///
     /// # Panics
     ///
-    /// If a closure does.
+    /// If a closure panics.
     pub fn run(&self) -> Result<RolloutResult> {
         self.check_inputs()?;
         let sizes = self.sizes();
@@ -273,22 +264,22 @@ impl<'a> Rollout<'a> {
         Ok(RolloutResult { sizes, states, sensordata, outputs, outcomes })
     }
 
-    /// Simulates, and writes what is recorded to buffers of the caller's. Nothing is allocated in a step.
+    /// Runs all rollouts, and writes the recorded values to the caller's buffers. Steps do not allocate.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for initial states, controls or buffers of a wrong length. What goes wrong in a rollout is told in its
-    /// place of the list that is returned.
+    /// [`Error::Shape`] for initial states, controls or buffers of a wrong length. Errors in a rollout are in its entry of the
+    /// returned list.
     ///
     /// # Panics
     ///
-    /// If a closure does.
+    /// If a closure panics.
     ///
     /// ```
     /// use mujoco_safe::rollout::{Rollout, RolloutBuffers};
     /// use mujoco_safe::sample;
     ///
-    /// // Only the heights of the torsos are of interest.
+    /// // Record only the heights of the torsos.
     /// let (nroll, nstep) = (4, 30);
     /// let mut heights = vec![0.0; nroll * nstep];
     /// let buffers = RolloutBuffers { outputs: Some(&mut heights), ..Default::default() };
@@ -362,61 +353,4 @@ impl fmt::Debug for Rollout<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Rollout: {} of {} steps, of {:?}", self.count, self.steps, self.workers.model())
     }
-}
-
-/// The sizes of what is recorded. Products saturate: no buffer is that long.
-#[derive(Clone, Copy, Debug)]
-struct Sizes {
-    count: usize,
-    steps: usize,
-    state: usize,
-    sensordata: usize,
-    output: usize,
-}
-
-impl Sizes {
-    /// The values of one rollout.
-    fn states_of_one(self) -> usize {
-        self.steps.saturating_add(1).saturating_mul(self.state)
-    }
-
-    fn sensordata_of_one(self) -> usize {
-        self.steps.saturating_mul(self.sensordata)
-    }
-
-    fn outputs_of_one(self) -> usize {
-        self.steps.saturating_mul(self.output)
-    }
-
-    fn states(self) -> usize {
-        self.count.saturating_mul(self.states_of_one())
-    }
-
-    fn sensordata(self) -> usize {
-        self.count.saturating_mul(self.sensordata_of_one())
-    }
-
-    fn outputs(self) -> usize {
-        self.count.saturating_mul(self.outputs_of_one())
-    }
-}
-
-fn no_room(what: &str, length: usize) -> Error {
-    Error::invalid(format!("the number of {what}"), length, "as many as there is memory for")
-}
-
-/// A buffer of zeros, or an error if there is no memory for so many.
-fn reserve(what: &str, length: usize) -> Result<Vec<f64>> {
-    let mut buffer = Vec::new();
-    buffer.try_reserve_exact(length).map_err(|_| no_room(what, length))?;
-    buffer.resize(length, 0.0);
-    Ok(buffer)
-}
-
-/// The outcomes of rollouts that were not begun.
-fn reserve_outcomes(count: usize) -> Result<Vec<Result<(), RolloutError>>> {
-    let mut outcomes = Vec::new();
-    outcomes.try_reserve_exact(count).map_err(|_| no_room("rollouts", count))?;
-    outcomes.extend((0..count).map(|_| Err(RolloutError::Cancelled { step: 0 })));
-    Ok(outcomes)
 }

@@ -1,28 +1,27 @@
-//! Work on many things side by side, in chunks.
+//! Parallel work on chunks of simulations.
 //!
-//! The outputs are cut in two until the parts are small, and the halves are offered to the threads of rayon's present pool. What
-//! each part of the outputs is made of depends on nothing but its own inputs, so where it is made, and how it was cut, do not
-//! show in the result.
+//! The outputs are split recursively until the parts are small, and the halves run in parallel on the current rayon pool. Each
+//! part depends only on its own inputs, so the result does not depend on threads or on the splits.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Outputs of a number of simulations, each with its own part.
+/// Outputs of several simulations, divided into one part per simulation.
 pub(super) trait Split: Sized + Send {
-    /// How many simulations.
+    /// Returns the number of simulations.
     fn count(&self) -> usize;
 
-    /// The first ones and the others.
+    /// Splits off the first simulations from the others.
     fn split(self, first: usize) -> (Self, Self);
 }
 
-/// How many simulations a thread takes at a time, where nobody said: a few parts for each thread, so that one with long parts
-/// can leave some to the others.
+/// Returns the default number of simulations that a thread takes at a time. It yields several chunks for each thread, which
+/// balances the load.
 pub(super) fn default_chunk(count: usize) -> usize {
     const PARTS_PER_THREAD: usize = 8;
     count.div_ceil(PARTS_PER_THREAD * rayon::current_num_threads()).max(1)
 }
 
-/// Calls `work` with parts of up to `chunk` simulations and with the index of the first of each.
+/// Calls `work` with parts of up to `chunk` simulations and the index of the first simulation of each.
 pub(super) fn in_chunks<T: Split>(all: T, first: usize, chunk: usize, work: &(impl Fn(usize, T) + Sync)) {
     let count = all.count();
     if count <= chunk {
@@ -33,12 +32,12 @@ pub(super) fn in_chunks<T: Split>(all: T, first: usize, chunk: usize, work: &(im
     rayon::join(|| in_chunks(low, first, chunk, work), || in_chunks(high, first + half, chunk, work));
 }
 
-/// Cuts a buffer of this many values for each simulation.
+/// Splits a buffer with `width` values per simulation.
 pub(super) fn split_rows(values: &mut [f64], first: usize, width: usize) -> (&mut [f64], &mut [f64]) {
     values.split_at_mut(first * width)
 }
 
-/// Tells all threads to stop when it is dropped, which a panic does; otherwise it is to be disarmed.
+/// Guard that sets a stop flag when a panic drops it. Without a panic, the owner must [`disarm`](Self::disarm) it.
 pub(super) struct StopOnPanic<'s>(&'s AtomicBool);
 
 impl<'s> StopOnPanic<'s> {

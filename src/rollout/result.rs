@@ -1,33 +1,32 @@
-//! What comes out of rollouts.
+//! Results of rollouts, and the buffers that hold them.
 
-use super::Sizes;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::matrix::MatrixView;
 
-/// Why a rollout did not take all of its steps.
+/// Reason why a rollout did not take all of its steps.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RolloutError {
-    /// A step failed, or its controller or the edit of the model before the first step did. The others go on.
+    /// A step failed, or its controller, or the edit of the model before the first step. Other rollouts continue.
     #[error("step {step}: {error}")]
     Failed {
-        /// The step that failed, counted from 0: so many were taken before.
+        /// Index of the failed step, counted from 0, which is the number of steps taken.
         step: usize,
-        /// What happened.
+        /// The error.
         #[source]
         error: Error,
     },
 
-    /// The run was ended by its progress hook before or while this one was simulated.
+    /// The progress hook ended the run before or during this rollout.
     #[error("cancelled after {step} steps")]
     Cancelled {
-        /// How many steps were taken.
+        /// Number of steps taken.
         step: usize,
     },
 }
 
 impl RolloutError {
-    /// How many steps were taken.
+    /// Returns the number of steps taken.
     pub fn step(&self) -> usize {
         match self {
             Self::Failed { step, .. } | Self::Cancelled { step } => *step,
@@ -35,23 +34,20 @@ impl RolloutError {
     }
 }
 
-/// Where [`Rollout::run_into`](super::Rollout::run_into) writes to. What is `None` is not recorded. The values are row-major:
-/// those of a rollout are one block, those of a step one row of it.
+/// Outputs of [`Rollout::run_into`](super::Rollout::run_into). Buffers that are `None` are not recorded.
 ///
-/// The rows that a rollout with an error did not come to are NaN.
+/// Values are row-major: a rollout is a block, and a step is a row of the block. If a rollout fails, its remaining rows are NaN.
 #[derive(Debug, Default)]
 pub struct RolloutBuffers<'b> {
     /// `(nroll, nstep + 1, nstate)`: row 0 is the initial state, row `k` the state after `k` steps.
     pub states: Option<&'b mut [f64]>,
     /// `(nroll, nstep, nsensordata)`: row `k` is read in step `k`, in the state of row `k`.
     pub sensordata: Option<&'b mut [f64]>,
-    /// `(nroll, nstep, noutput)`: row `k` is what the closure made of the simulation after step `k`.
+    /// `(nroll, nstep, noutput)`: row `k` is the output of the closure after step `k`.
     pub outputs: Option<&'b mut [f64]>,
 }
 
-/// What all rollouts went through.
-///
-/// The rows that a rollout with an error did not come to are NaN.
+/// Recorded states, sensor readings and outputs of all rollouts. If a rollout fails, its remaining rows are NaN.
 #[derive(Debug)]
 pub struct RolloutResult {
     pub(super) sizes: Sizes,
@@ -62,42 +58,42 @@ pub struct RolloutResult {
 }
 
 impl RolloutResult {
-    /// The number of rollouts, `nroll`.
+    /// Returns the number of rollouts, `nroll`.
     pub fn len(&self) -> usize {
         self.sizes.count
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no rollouts.
     pub fn is_empty(&self) -> bool {
         self.sizes.count == 0
     }
 
-    /// The number of steps, `nstep`.
+    /// Returns the number of steps, `nstep`.
     pub fn steps(&self) -> usize {
         self.sizes.steps
     }
 
-    /// How each rollout ended.
+    /// Returns the outcome of each rollout.
     pub fn outcomes(&self) -> &[Result<(), RolloutError>] {
         &self.outcomes
     }
 
-    /// All states `(nroll, nstep + 1, nstate)`: row 0 of a rollout is its initial state, row `k` the state after `k` steps.
+    /// Returns all states `(nroll, nstep + 1, nstate)`: row 0 of a rollout is its initial state, row `k` the state after `k` steps.
     pub fn states(&self) -> &[f64] {
         &self.states
     }
 
-    /// All sensor readings `(nroll, nstep, nsensordata)`: row `k` of a rollout is read in step `k`, in the state of row `k`.
+    /// Returns all sensor readings `(nroll, nstep, nsensordata)`: row `k` of a rollout is read in step `k`, in the state of row `k`.
     pub fn sensordata(&self) -> &[f64] {
         &self.sensordata
     }
 
-    /// All values of the [`outputs`](super::Rollout::outputs) closure `(nroll, nstep, noutput)`.
+    /// Returns all values of the [`outputs`](super::Rollout::outputs) closure `(nroll, nstep, noutput)`.
     pub fn outputs(&self) -> &[f64] {
         &self.outputs
     }
 
-    /// The states of one rollout `(nstep + 1, nstate)`.
+    /// Returns the states of one rollout `(nstep + 1, nstate)`.
     ///
     /// # Panics
     ///
@@ -106,7 +102,7 @@ impl RolloutResult {
         self.block(&self.states, rollout, self.sizes.steps + 1, self.sizes.state)
     }
 
-    /// The sensor readings of one rollout `(nstep, nsensordata)`.
+    /// Returns the sensor readings of one rollout `(nstep, nsensordata)`.
     ///
     /// # Panics
     ///
@@ -115,7 +111,7 @@ impl RolloutResult {
         self.block(&self.sensordata, rollout, self.sizes.steps, self.sizes.sensordata)
     }
 
-    /// The values of the [`outputs`](super::Rollout::outputs) closure in one rollout `(nstep, noutput)`.
+    /// Returns the values of the [`outputs`](super::Rollout::outputs) closure in one rollout `(nstep, noutput)`.
     ///
     /// # Panics
     ///
@@ -124,7 +120,7 @@ impl RolloutResult {
         self.block(&self.outputs, rollout, self.sizes.steps, self.sizes.output)
     }
 
-    /// The state of a rollout after so many steps.
+    /// Returns the state of a rollout after `step` steps.
     ///
     /// # Panics
     ///
@@ -134,7 +130,65 @@ impl RolloutResult {
     }
 
     fn block<'s>(&self, values: &'s [f64], rollout: usize, rows: usize, columns: usize) -> MatrixView<'s> {
-        assert!(rollout < self.len(), "rollout {rollout} of {}", self.len());
+        assert!(rollout < self.len(), "there is no rollout {rollout}, only {}", self.len());
         MatrixView::from_row_major(rows, columns, &values[rollout * rows * columns..][..rows * columns])
     }
+}
+
+/// Dimensions of the recorded values. Products saturate, since no buffer can be that long.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes {
+    pub(super) count: usize,
+    pub(super) steps: usize,
+    pub(super) state: usize,
+    pub(super) sensordata: usize,
+    pub(super) output: usize,
+}
+
+impl Sizes {
+    /// Returns the number of state values of one rollout.
+    pub(super) fn states_of_one(self) -> usize {
+        self.steps.saturating_add(1).saturating_mul(self.state)
+    }
+
+    pub(super) fn sensordata_of_one(self) -> usize {
+        self.steps.saturating_mul(self.sensordata)
+    }
+
+    pub(super) fn outputs_of_one(self) -> usize {
+        self.steps.saturating_mul(self.output)
+    }
+
+    pub(super) fn states(self) -> usize {
+        self.count.saturating_mul(self.states_of_one())
+    }
+
+    pub(super) fn sensordata(self) -> usize {
+        self.count.saturating_mul(self.sensordata_of_one())
+    }
+
+    pub(super) fn outputs(self) -> usize {
+        self.count.saturating_mul(self.outputs_of_one())
+    }
+}
+
+/// Creates the error for a buffer that does not fit in memory.
+pub(super) fn no_room(what: &str, length: usize) -> Error {
+    Error::invalid(format!("the number of {what}"), length, "as many as there is memory for")
+}
+
+/// Allocates a buffer of zeros, or returns an error if memory does not suffice.
+pub(super) fn reserve(what: &str, length: usize) -> Result<Vec<f64>> {
+    let mut buffer = Vec::new();
+    buffer.try_reserve_exact(length).map_err(|_| no_room(what, length))?;
+    buffer.resize(length, 0.0);
+    Ok(buffer)
+}
+
+/// Allocates the outcomes of rollouts that have not started.
+pub(super) fn reserve_outcomes(count: usize) -> Result<Vec<Result<(), RolloutError>>> {
+    let mut outcomes = Vec::new();
+    outcomes.try_reserve_exact(count).map_err(|_| no_room("rollouts", count))?;
+    outcomes.extend((0..count).map(|_| Err(RolloutError::Cancelled { step: 0 })));
+    Ok(outcomes)
 }

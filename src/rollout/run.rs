@@ -1,13 +1,14 @@
-//! The simulation of one rollout, and of all.
+//! Execution of rollouts.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
-use super::{Controls, Initial, Rollout, RolloutBuffers, RolloutError, Sizes};
+use super::result::Sizes;
+use super::{Controls, Initial, Rollout, RolloutBuffers, RolloutError};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 
-/// Runs all rollouts, into buffers whose lengths were checked.
+/// Runs all rollouts. The lengths of the buffers must be correct.
 pub(super) fn all(rollout: &Rollout<'_>, buffers: RolloutBuffers<'_>, outcomes: &mut [Result<(), RolloutError>]) {
     let run = Run { rollout, sizes: rollout.sizes(), done: AtomicUsize::new(0), stop: AtomicBool::new(false) };
     let chunk = rollout.chunk.unwrap_or_else(|| default_chunk(rollout.count));
@@ -15,7 +16,7 @@ pub(super) fn all(rollout: &Rollout<'_>, buffers: RolloutBuffers<'_>, outcomes: 
     in_chunks(records, 0, chunk, &|first, records| run.chunk(first, records));
 }
 
-/// Where the rollouts of a chunk are recorded.
+/// Outputs of a chunk of rollouts.
 struct Records<'b> {
     sizes: Sizes,
     buffers: RolloutBuffers<'b>,
@@ -43,27 +44,28 @@ impl Split for Records<'_> {
 
 type Buffer<'b> = Option<&'b mut [f64]>;
 
+/// Splits an optional buffer with `width` values per rollout.
 fn split(buffer: Buffer<'_>, first: usize, width: usize) -> (Buffer<'_>, Buffer<'_>) {
     buffer.map(|buffer| split_rows(buffer, first, width)).unzip()
 }
 
-/// The values of one rollout in a buffer of several.
+/// Returns the values of one rollout in a buffer of several.
 fn part<'p>(buffer: &'p mut Buffer<'_>, index: usize, length: usize) -> Buffer<'p> {
     buffer.as_deref_mut().map(|buffer| &mut buffer[index * length..][..length])
 }
 
-/// A row of a buffer.
+/// Returns a row of a buffer.
 fn row<'p>(buffer: &'p mut Buffer<'_>, index: usize, width: usize) -> Buffer<'p> {
     part(buffer, index, width)
 }
 
-/// What the threads of a run share.
+/// State of a run, shared by its threads.
 struct Run<'r, 'a> {
     rollout: &'r Rollout<'a>,
     sizes: Sizes,
-    /// How many rollouts have ended.
+    /// Number of completed rollouts.
     done: AtomicUsize,
-    /// Whether to end early.
+    /// Flag that ends the run early.
     stop: AtomicBool,
 }
 
@@ -89,6 +91,7 @@ impl Run<'_, '_> {
         guard.disarm();
     }
 
+    /// Counts a completed rollout, and calls the progress hook.
     fn report(&self) {
         if let Some(hook) = &self.rollout.progress
             && hook(self.done.fetch_add(1, Ordering::Relaxed) + 1).is_break()
@@ -97,7 +100,7 @@ impl Run<'_, '_> {
         }
     }
 
-    /// Runs one rollout, and marks what it does not come to.
+    /// Runs one rollout, and fills its remaining rows with NaN if it ends early.
     fn one(&self, index: usize, worker: &mut Option<Data>, record: RolloutBuffers<'_>) -> Result<(), RolloutError> {
         let mut recorder = Recorder { record, sizes: self.sizes, states: 0, steps: 0 };
         let result = self.simulate(index, worker, &mut recorder);
@@ -107,7 +110,7 @@ impl Run<'_, '_> {
             Ok(()) => Err(RolloutError::Cancelled { step }),
             Err(error) => Err(RolloutError::Failed { step, error }),
         };
-        recorder.mark_rest();
+        recorder.fill_rest();
         outcome
     }
 
@@ -169,9 +172,9 @@ impl Run<'_, '_> {
 struct Recorder<'b> {
     record: RolloutBuffers<'b>,
     sizes: Sizes,
-    /// How many states are recorded.
+    /// Number of recorded states.
     states: usize,
-    /// How many steps are.
+    /// Number of recorded steps.
     steps: usize,
 }
 
@@ -187,7 +190,7 @@ impl Recorder<'_> {
     fn sensordata(&mut self, data: &Data) -> Result<()> {
         if let Some(row) = row(&mut self.record.sensordata, self.steps, self.sizes.sensordata) {
             let values = data.sensordata();
-            // A controller can have put another simulation in the place of its own.
+            // A controller may have replaced the simulation by one of another model.
             Error::check_length("the sensor readings of a rollout", values.len(), row.len())?;
             row.copy_from_slice(values);
         }
@@ -201,8 +204,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// The rows that were not come to are no numbers.
-    fn mark_rest(&mut self) {
+    /// Fills the remaining rows with NaN.
+    fn fill_rest(&mut self) {
         let Self { record, sizes, states, steps } = self;
         for (buffer, written) in [
             (&mut record.states, *states * sizes.state),

@@ -1,18 +1,17 @@
-//! The simulations that rollouts run in.
+//! The pool of simulations that rollouts run in, and their fast reset.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Edit;
-use super::restart::restart;
-use crate::data::Data;
+use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
 use crate::model::{Model, ModelMut};
 
-/// The simulations that rollouts run in: one for each thread that is at work, made when they are first needed and kept for the
-/// next run. A clone shares them. Which of them a rollout gets does not show in its result.
+/// Pool of simulations that rollouts run in: one for each active thread, created on demand and kept for the next run.
 ///
-/// A [`Rollout`](super::Rollout) has workers of its own; who makes one for every decision of a controller keeps them:
+/// Clones share the pool. The result of a rollout does not depend on the simulation that it runs in. A
+/// [`Rollout`](super::Rollout) creates its own pool by default; a predictive controller, which runs rollouts repeatedly, keeps one:
 ///
 /// ```
 /// use mujoco_safe::rollout::{Rollout, Workers};
@@ -21,11 +20,11 @@ use crate::model::{Model, ModelMut};
 /// let workers = Workers::new(sample::cartpole());
 /// let mut state = [0.0, 0.1, 0.0, 0.0];
 /// for _ in 0..3 {
-///     // Eight constant pushes; the one that leaves the pole the straightest is what is done.
-///     let pushes: Vec<f64> = (0..8).flat_map(|push| [f64::from(push - 4) / 4.0; 20]).collect();
+///     // Try eight constant forces, and apply the one that leaves the pole the most upright.
+///     let forces: Vec<f64> = (0..8).flat_map(|force| [f64::from(force - 4) / 4.0; 20]).collect();
 ///     let result = Rollout::on(&workers, 8, 20)
 ///         .initial_state(StateSpec::PHYSICS, &state)
-///         .controls(&pushes)
+///         .controls(&forces)
 ///         .run()?;
 ///     let best = (0..8).min_by(|&a, &b| result.state(a, 20)[1].abs().total_cmp(&result.state(b, 20)[1].abs()));
 ///     state.copy_from_slice(result.state(best.unwrap(), 20));
@@ -40,17 +39,17 @@ pub struct Workers {
 }
 
 impl Workers {
-    /// For rollouts of this model. Takes a [`Model`] or an `Arc<Model>`.
+    /// Creates an empty pool for rollouts of this model. Takes a [`Model`] or an `Arc<Model>`.
     pub fn new(model: impl Into<Arc<Model>>) -> Self {
         Self { model: model.into(), idle: Arc::default() }
     }
 
-    /// The model.
+    /// Returns the model.
     pub fn model(&self) -> &Arc<Model> {
         &self.model
     }
 
-    /// One that is idle, or a new one.
+    /// Takes an idle simulation, or creates one.
     pub(super) fn take(&self) -> Result<Data> {
         let idle = self.idle().pop();
         match idle {
@@ -59,12 +58,12 @@ impl Workers {
         }
     }
 
-    /// Keeps one for the next run.
+    /// Returns a simulation to the pool.
     pub(super) fn give_back(&self, data: Data) {
         self.idle().push(data);
     }
 
-    /// Makes a simulation what a new one of the edited model is, whatever it was used for and whatever a closure did to it.
+    /// Resets a simulation to the state of a new one of the edited model, independently of its earlier use.
     pub(super) fn prepare(&self, data: &mut Data, index: usize, edit: Option<&Edit<'_>>) -> Result<()> {
         let fits = match edit {
             None => Arc::ptr_eq(data.model(), &self.model),
@@ -93,9 +92,41 @@ impl fmt::Debug for Workers {
     }
 }
 
-/// Undoes all edits, without a copy of what none can have changed.
+/// Undoes all edits. Copies only the parts of the model that an edit can change.
 fn restore(model: &mut ModelMut<'_>, pristine: &Model) {
     model.restore_arrays(pristine);
     let (to, from) = (model.raw_mut(), pristine.raw());
     (to.opt, to.vis, to.stat) = (from.opt, from.vis, from.stat);
+}
+
+/// Resets a simulation as [`Data::reset`] does, at about the cost of a step.
+///
+/// The engine's reset clears all memory of a simulation, which is megabytes even for the smallest model because of the capacity
+/// for hundreds of constraints, and takes as long as some hundred steps of the cart-pole. This function omits the arrays of
+/// constraints and contacts. No code reads a row of them that was not written since: the accessors end at the rows in use, and
+/// a step that read more would depend on the step before it.
+pub(super) fn restart(data: &mut Data) -> Result<()> {
+    if data.check_usable().is_err() {
+        return data.reset();
+    }
+    data.clear_arrays();
+    data.set_computed(PipelineFlags::empty());
+
+    let raw = data.raw_mut();
+    // SAFETY: counters, times and costs are plain numbers, for which zero bytes are a valid value.
+    (raw.warning, raw.timer, raw.solver) = unsafe { std::mem::zeroed() };
+    (raw.pstack, raw.maxuse_stack, raw.maxuse_con, raw.maxuse_efc) = (0, 0, 0, 0);
+    (raw.solver_iter, raw.solver_nnz, raw.solver_fwdinv) = (0, 0, [0.0; 2]);
+    (raw.ne, raw.nf, raw.nefc, raw.ncon) = (0, 0, 0, 0);
+    (raw.time, raw.energy) = (0.0, [0.0; 2]);
+
+    let model = data.model().clone();
+    data.qpos_mut().copy_from_slice(model.qpos0());
+    for (body, &mocap) in model.body_mocapid().iter().enumerate() {
+        if let Ok(mocap) = usize::try_from(mocap) {
+            data.mocap_pos_mut()[mocap] = model.body_pos()[body];
+            data.mocap_quat_mut()[mocap] = model.body_quat()[body];
+        }
+    }
+    Ok(())
 }

@@ -12,7 +12,7 @@ mod npz;
 #[cfg(feature = "serde")]
 mod serde;
 
-use crate::control::Controller;
+use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::model::Model;

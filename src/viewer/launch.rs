@@ -8,7 +8,7 @@ use super::handle::Handle;
 use super::simulation::Simulation;
 use super::window::Asked;
 use super::worker::Worker;
-use crate::control::Controller;
+use crate::controller::Controller;
 use crate::data::Data;
 use crate::record::RecorderOptions;
 use crate::trajectory::Trajectory;

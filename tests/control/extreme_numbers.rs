@@ -3,8 +3,8 @@
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
 use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiRecursion};
 use mujoco_safe::{
-    Controller, Data, Differences, Lqr, LqrWeights, Matrix, Model, PdController, RandomController, StateSpace,
-    TimeVaryingLqr, Transition, TransitionOptions, ZeroController, sample,
+    Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
+    StateSpace, TimeVaryingLqr, TransitionOptions, ZeroController, sample,
 };
 use nalgebra::DMatrix;
 
@@ -103,7 +103,7 @@ fn regulators_of_models_with_nothing_to_regulate_are_results_or_errors() {
 
         let width = data.model().nq() + data.model().nv() + data.model().na();
         let (states, controls) = (Matrix::zeros(4, width), Matrix::zeros(3, nu));
-        let mut transition = Transition::new(data.model().clone(), TransitionOptions::default()).unwrap();
+        let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
         let follow = TimeVaryingLqr::along(
             &mut transition,
             &data,
@@ -183,7 +183,7 @@ fn weights_gains_and_targets_of_any_numbers_reach_no_panic() {
 #[test]
 fn tables_and_searches_of_hostile_states_are_errors_or_finite() {
     let mut data = Data::new(sample::cartpole()).unwrap();
-    let mut transition = Transition::new(data.model().clone(), TransitionOptions::default()).unwrap();
+    let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
     for number in NUMBERS {
         let states = Matrix::from_row_major(4, 4, vec![number; 16]);
         let controls = Matrix::from_row_major(3, 1, vec![number; 3]);

@@ -1,7 +1,7 @@
 //! The regulator along a trajectory.
 
 use mujoco_safe::{
-    Controller, Data, Differences, Lqr, Matrix, StateSpace, StateSpec, TimeVaryingLqr, Transition, TransitionOptions,
+    Controller, Data, Differences, Lineariser, Lqr, Matrix, StateSpace, StateSpec, TimeVaryingLqr, TransitionOptions,
     sample,
 };
 use nalgebra::DMatrix;
@@ -20,8 +20,8 @@ fn passive(data: &mut Data, steps: usize) -> (Matrix, Matrix) {
     (states, Matrix::zeros(steps, data.model().nu()))
 }
 
-fn transition(data: &Data) -> Transition {
-    Transition::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() })
+fn transition(data: &Data) -> Lineariser {
+    Lineariser::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() })
         .expect("there is memory")
 }
 

@@ -349,5 +349,5 @@ fn the_derivatives_of_a_quadratic_cost_are_those_of_its_values_rotations_include
 fn a_status_says_what_it_means() {
     let texts =
         [IlqrStatus::Converged, IlqrStatus::NoDescent, IlqrStatus::IterationLimit].map(|status| status.to_string());
-    assert_eq!(texts, ["converged", "no step size gains anything", "stopped at the limit of iterations"]);
+    assert_eq!(texts, ["converged", "no step size lowers the cost", "reached the maximum number of iterations"]);
 }

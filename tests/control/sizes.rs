@@ -1,7 +1,8 @@
 //! One wrong size at a time.
 
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost, TrajectoryCost};
-use mujoco_safe::{Controller, Data, Error, LqrWeights, Matrix, TimeVaryingLqr, Transition, TransitionOptions, sample};
+use mujoco_safe::control::riccati::RiccatiError;
+use mujoco_safe::{Controller, Data, Error, Lineariser, LqrWeights, Matrix, TimeVaryingLqr, TransitionOptions, sample};
 use nalgebra::DMatrix;
 
 use super::{cartpole, weights};
@@ -41,7 +42,7 @@ fn of_a_table_of_gains() {
 #[test]
 fn of_a_regulator_along_a_trajectory() {
     let data = cartpole();
-    let mut transition = Transition::new(data.model().clone(), TransitionOptions::default()).expect("there is memory");
+    let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).expect("there is memory");
     let mut along = |states: (usize, usize), controls: (usize, usize), weights: LqrWeights, end: (usize, usize)| {
         let (states, controls) = (Matrix::zeros(states.0, states.1), Matrix::zeros(controls.0, controls.1));
         TimeVaryingLqr::along(&mut transition, &data, states, controls, &weights, &DMatrix::zeros(end.0, end.1))
@@ -58,7 +59,8 @@ fn of_a_regulator_along_a_trajectory() {
         (LqrWeights::diagonal(&[1.0; 4], &[1.0; 2]), (4, 4)),
         (LqrWeights { s: Some(DMatrix::zeros(4, 2)), ..weights() }, (4, 4)),
     ] {
-        assert!(matches!(along((4, 4), (3, 1), weights, end), Err(Error::Riccati(_))));
+        let error = along((4, 4), (3, 1), weights, end).expect_err("the weights do not fit");
+        assert!(matches!(error.solver(), Some(RiccatiError::WrongShape { .. })), "{error}");
     }
 }
 
@@ -90,14 +92,14 @@ fn of_a_quadratic_cost() {
 }
 
 #[test]
-#[should_panic = "a state of 3 numbers for a QuadraticCost of states of 4"]
+#[should_panic = "the state has 3 entries, but the QuadraticCost is for 4"]
 fn of_a_state_that_costs() {
     let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
     cost.value(0, &[0.0; 3], None);
 }
 
 #[test]
-#[should_panic = "2 controls for a QuadraticCost of 1"]
+#[should_panic = "there are 2 controls, but the QuadraticCost is for 1"]
 fn of_controls_that_cost() {
     let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
     cost.value(0, &[0.0; 4], Some(&[0.0; 2]));

@@ -14,8 +14,8 @@ use mujoco_safe::scene::{
     Camera, Categories, MouseAction, NewGeom, Perturbation, PerturbationFlags, Scene, SceneOptions, VisualFlags,
 };
 use mujoco_safe::{
-    Controller, Data, Differences, InverseJacobians, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
-    StateSpace, StateSpec, TimeVaryingLqr, Timer, Trajectory, Transition, TransitionMethod, TransitionOptions,
+    Controller, Data, Differences, InverseJacobians, Lineariser, Lqr, LqrWeights, Matrix, Model, PdController,
+    RandomController, StateSpace, StateSpec, TimeVaryingLqr, Timer, Trajectory, TransitionMethod, TransitionOptions,
     ZeroController, sample,
 };
 use nalgebra::DMatrix;
@@ -320,7 +320,7 @@ fn linearising_in_a_workspace() {
     let mut system = StateSpace::zeros(data.model());
     for method in [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse] {
         let options = TransitionOptions { method, ..Default::default() };
-        let mut transition = Transition::new(data.model().clone(), options).unwrap();
+        let mut transition = Lineariser::new(data.model().clone(), options).unwrap();
         allocates_nothing(&format!("a workspace by {method:?}"), || {
             transition.linear_system_into(&mut data, &mut system).unwrap();
         });

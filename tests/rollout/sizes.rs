@@ -130,7 +130,7 @@ fn a_matrix_without_memory_panics_and_does_not_abort() {
 }
 
 #[test]
-#[should_panic(expected = "rollout 3 of 3")]
+#[should_panic(expected = "there is no rollout 3, only 3")]
 fn a_rollout_that_is_not_there_panics() {
     let result = new().run().unwrap();
     result.states_of(NROLL);

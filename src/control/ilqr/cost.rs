@@ -1,4 +1,4 @@
-//! What a trajectory costs.
+//! Costs of trajectories.
 
 use std::sync::Arc;
 
@@ -12,35 +12,36 @@ use crate::error::{Error, Result};
 use crate::math::sub_quat_derivative;
 use crate::model::Model;
 
-/// What a trajectory costs: the sum of what each step costs, and of what it costs to end where it ends.
+/// Cost of a trajectory: the sum of the costs of all steps and of a terminal cost.
 ///
-/// A state is `[qpos; qvel; act]`. Without controls it is the last one, after all steps.
+/// A state is `[qpos; qvel; act]`. Without controls, the methods refer to the terminal cost, and the state is the one after all
+/// steps.
 pub trait TrajectoryCost: Sync {
-    /// What step `step` costs that begins in this state, under these controls.
+    /// Returns the cost of step `step`, which starts in this state under these controls.
     fn value(&self, step: usize, state: &[f64], controls: Option<&[f64]>) -> f64;
 
-    /// Writes how [`value`](Self::value) changes, to first and second order; the expansion is all zeros before.
+    /// Writes the first and second derivatives of [`value`](Self::value). The expansion is all zeros at the call.
     fn expand(&self, step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion);
 }
 
-/// The first and second derivatives of a cost by the state, of which there are `nx = 2 nv + na` in its tangent space, and by the
-/// `nu` controls.
+/// First and second derivatives of a cost with respect to the state, in its tangent space of dimension `nx = 2 nv + na`, and to
+/// the `nu` controls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostExpansion {
-    /// `(nx)`: the gradient by the state.
+    /// `(nx)`: gradient with respect to the state.
     pub x: DVector<f64>,
-    /// `(nu)`: the gradient by the controls.
+    /// `(nu)`: gradient with respect to the controls.
     pub u: DVector<f64>,
-    /// `(nx, nx)`: the second derivatives by the state.
+    /// `(nx, nx)`: second derivatives with respect to the state.
     pub xx: DMatrix<f64>,
-    /// `(nu, nu)`: the second derivatives by the controls.
+    /// `(nu, nu)`: second derivatives with respect to the controls.
     pub uu: DMatrix<f64>,
-    /// `(nx, nu)`: the mixed second derivatives.
+    /// `(nx, nu)`: mixed second derivatives.
     pub xu: DMatrix<f64>,
 }
 
 impl CostExpansion {
-    /// Zeros, in the shapes that belong to a model.
+    /// Creates an expansion of zeros in the shapes for a model.
     pub fn zeros(model: &Model) -> Self {
         let (nx, nu, _) = derivative::sizes(model);
         Self {
@@ -60,7 +61,7 @@ impl CostExpansion {
         self.xu.fill(0.0);
     }
 
-    /// Whether the shapes are still what they were, as a cost can put in others, and all entries are numbers.
+    /// Checks the shapes, which a cost can change, and that all entries are finite.
     pub(super) fn check(&self, step: usize, nx: usize, nu: usize) -> Result<()> {
         Error::check_length("x of a CostExpansion", self.x.len(), nx)?;
         Error::check_length("u of a CostExpansion", self.u.len(), nu)?;
@@ -75,12 +76,13 @@ impl CostExpansion {
     }
 }
 
-/// The cost of a deviation from a state in which the trajectory is to end, and from controls that cost nothing:
-/// `dxᵀQdx + duᵀRdu + 2dxᵀSdu` in each step, and `dxᵀPdx` at the end, with the difference of states as in
-/// [`Lqr`](crate::Lqr), so that quaternions are treated as rotations. Its second derivatives leave out those of the
-/// difference itself (Gauss and Newton's approximation), which is none for models without quaternions.
+/// Quadratic cost of the deviation from a target state and from reference controls: `dxᵀQdx + duᵀRdu + 2dxᵀSdu` in each step,
+/// and `dxᵀPdx` at the end.
 ///
-/// A state or controls of a wrong length are a panic.
+/// The difference of states is that of [`Lqr`](crate::Lqr), which treats quaternions as rotations. The second derivatives omit
+/// those of the difference itself (the Gauss–Newton approximation), which are zero for models without quaternions.
+///
+/// The methods of [`TrajectoryCost`] panic for a state or controls of a wrong length.
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::{QuadraticCost, TrajectoryCost};
@@ -103,8 +105,8 @@ pub struct QuadraticCost {
 }
 
 impl QuadraticCost {
-    /// The cost of a deviation from this state, `[qpos; qvel; act]`, with the weights of each step, and `(nx, nx)` weights of
-    /// where it ends. Matrices stand for their symmetric parts.
+    /// Creates the cost of the deviation from a target state, `[qpos; qvel; act]`, with the weights of each step and the terminal
+    /// weights `(nx, nx)`. Only the symmetric parts of the matrices matter.
     ///
     /// # Errors
     ///
@@ -127,7 +129,7 @@ impl QuadraticCost {
         Ok(Self { controls: vec![0.0; nu], model, state: state.to_vec(), weights, terminal })
     }
 
-    /// With these controls `(nu)` at no cost, instead of zeros.
+    /// Sets the reference controls `(nu)`, which have no cost; zeros by default.
     ///
     /// # Errors
     ///
@@ -138,10 +140,10 @@ impl QuadraticCost {
         Ok(self)
     }
 
-    /// `dx`.
+    /// Returns `dx`.
     fn deviation(&self, state: &[f64]) -> DVector<f64> {
         let (found, expected) = (state.len(), self.state.len());
-        assert!(found == expected, "a state of {found} numbers for a QuadraticCost of states of {expected}");
+        assert!(found == expected, "the state has {found} entries, but the QuadraticCost is for {expected}");
         let (nq, nv) = (self.model.nq(), self.model.nv());
         let mut dx = DVector::zeros(2 * nv + self.model.na());
         let (dq, rest) = dx.as_mut_slice().split_at_mut(nv);
@@ -152,18 +154,19 @@ impl QuadraticCost {
         dx
     }
 
-    /// `du`.
-    fn change(&self, controls: &[f64]) -> DVector<f64> {
+    /// Returns `du`.
+    fn control_deviation(&self, controls: &[f64]) -> DVector<f64> {
         let (found, expected) = (controls.len(), self.controls.len());
-        assert!(found == expected, "{found} controls for a QuadraticCost of {expected}");
+        assert!(found == expected, "there are {found} controls, but the QuadraticCost is for {expected}");
         DVector::from_iterator(
             controls.len(),
-            controls.iter().zip(&self.controls).map(|(control, free)| control - free),
+            controls.iter().zip(&self.controls).map(|(control, reference)| control - reference),
         )
     }
 
-    /// How the deviation changes with the state: `(nx, nx)`, and the identity but for quaternions.
-    fn derivative_of_deviation(&self, state: &[f64]) -> Option<DMatrix<f64>> {
+    /// Returns the derivative of the deviation with respect to the state, `(nx, nx)`, or `None` if it is the identity, as it is
+    /// without quaternions.
+    fn deviation_jacobian(&self, state: &[f64]) -> Option<DMatrix<f64>> {
         let mut jacobian = None;
         for joint in self.model.joints() {
             let (offset, dof) = match joint.joint_type() {
@@ -186,7 +189,7 @@ impl TrajectoryCost for QuadraticCost {
     fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> f64 {
         let dx = self.deviation(state);
         let Some(controls) = controls else { return dx.dot(&(&self.terminal * &dx)) };
-        let du = self.change(controls);
+        let du = self.control_deviation(controls);
         let cross = self.weights.s.as_ref().map_or(0.0, |s| 2.0 * dx.dot(&(s * &du)));
         dx.dot(&(&self.weights.q * &dx)) + du.dot(&(&self.weights.r * &du)) + cross
     }
@@ -197,7 +200,7 @@ impl TrajectoryCost for QuadraticCost {
         expansion.xx = twice(if controls.is_some() { &self.weights.q } else { &self.terminal });
         expansion.x = &expansion.xx * &dx;
         if let Some(controls) = controls {
-            let du = self.change(controls);
+            let du = self.control_deviation(controls);
             expansion.uu = twice(&self.weights.r);
             expansion.u = &expansion.uu * &du;
             if let Some(s) = &self.weights.s {
@@ -206,7 +209,7 @@ impl TrajectoryCost for QuadraticCost {
                 expansion.u += expansion.xu.transpose() * &dx;
             }
         }
-        if let Some(jacobian) = self.derivative_of_deviation(state) {
+        if let Some(jacobian) = self.deviation_jacobian(state) {
             let transpose = jacobian.transpose();
             expansion.x = &transpose * &expansion.x;
             expansion.xx = &transpose * &expansion.xx * jacobian;

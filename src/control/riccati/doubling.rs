@@ -1,95 +1,93 @@
-//! The doubling iteration, and how it sheds dimensions on the way.
+//! The doubling iteration, with deflation of the fast modes.
 //!
-//! The equation here is `X = H + AᵀX (I + GX)⁻¹ A`. Doubling replaces it by another of the same kind with the same solution, and as `A`
-//! becomes a higher and higher power of the closed loop, its quick modes vanish below rounding. Then `A = U Wᵀ` with few columns in
-//! `U` and `W`, and the equation says that `X = H + W x Wᵀ` for some small `x`. Inserting this, with `M = I + GH`,
+//! The equation here is `X = H + AᵀX (I + GX)⁻¹ A`. A doubling replaces it by another equation of the same form with the same
+//! solution. `A` becomes a growing power of the closed loop, so its fast modes vanish below rounding. Then `A = U Wᵀ` with few
+//! columns in `U` and `W`, and the equation implies that `X = H + W x Wᵀ` for some small `x`. Inserting this, with `M = I + GH`,
 //!
 //! ```text
 //! x = UᵀX (I + GX)⁻¹ U
 //!   = UᵀHM⁻¹U + (WᵀM⁻¹U)ᵀ x (I + WᵀM⁻¹GW x)⁻¹ (WᵀM⁻¹U)
 //! ```
 //!
-//! by the Sherman–Morrison–Woodbury formula: an equation of the same kind again, in as many dimensions as slow modes are left, whose closed loop has
-//! just the eigenvalues that are left. The slow modes, which are what needs many doublings, no longer pay for the quick ones.
+//! by the Sherman–Morrison–Woodbury formula. This equation has the same form, its dimension is the number of remaining slow
+//! modes, and its closed loop has exactly the remaining eigenvalues. So the slow modes, which need many doublings, are iterated
+//! in few dimensions.
 
-use super::factors::Factors;
-use super::lanes::Processor;
-use super::low_rank::LowRank;
-use super::panels::Panels;
+use super::dense::{InstructionSet, LowRank, LuFactors, PackedMatrix};
 
-/// Doublings after which to give up. By then a closed loop whose spectral radius is the largest `f64` below one would have converged.
-const MOST_DOUBLINGS: usize = 64;
+/// Maximum number of doublings. Even a closed loop whose spectral radius is the largest `f64` below one converges in fewer.
+const MAX_DOUBLINGS: usize = 64;
 
-/// The norm of `A` at which the doubling has converged: the next step would change `X` relatively by the square of it.
+/// Norm of `A` at which the doubling has converged. The relative change of `X` by the next doubling is the square of it.
 const CONVERGED: f64 = 1e-8;
 
-/// Fewest dimensions that are worth shedding any of.
-const FEWEST_TO_SHED: usize = 12;
+/// Smallest dimension that is worth deflating.
+const MIN_ROWS_TO_DEFLATE: usize = 12;
 
-/// Squarings in [`Doubling::log_spectral_radius`]: the last one weighs 2⁻⁵², an `f64`'s resolution.
+/// Number of squarings in [`Doubling::log_spectral_radius`]. The last one has the weight 2⁻⁵², the resolution of an `f64`.
 const SQUARINGS: i32 = 52;
 
-/// The equation `X = H + AᵀX (I + GX)⁻¹ A`, with symmetric `G` and `H`, to be filled in, and room to solve it.
+/// Equation `X = H + AᵀX (I + GX)⁻¹ A` with symmetric `G` and `H`, which the caller fills in, and the buffers to solve it.
 #[derive(Clone, Debug)]
 pub(super) struct Doubling {
-    processor: Processor,
-    pub(super) a: Panels,
-    pub(super) g: Panels,
-    /// And then the solution.
-    pub(super) h: Panels,
-    /// Equations in which the solution of a smaller one is to be inserted, `depth` of them.
-    shed: Vec<Shed>,
+    simd: InstructionSet,
+    pub(super) a: PackedMatrix,
+    pub(super) g: PackedMatrix,
+    /// `H` before and the solution after [`solve`](Self::solve).
+    pub(super) h: PackedMatrix,
+    /// The deflated equations, `depth` of them, from the largest to the smallest.
+    deflations: Vec<Deflation>,
     depth: usize,
-    /// `A` and `G` of the equation that is being solved, as it was before its first doubling.
-    first: (Panels, Panels),
-    /// The doublings that had been made by then.
+    /// `A` and `G` of the smallest equation before its first doubling.
+    first: (PackedMatrix, PackedMatrix),
+    /// Number of doublings before that.
     doublings: i32,
-    factors: Factors,
+    factors: LuFactors,
     low_rank: LowRank,
-    transpose: Panels,
-    w: Panels,
-    v: Panels,
-    product: Panels,
+    transpose: PackedMatrix,
+    w: PackedMatrix,
+    v: PackedMatrix,
+    product: PackedMatrix,
 }
 
-/// `X = h + w x wᵀ`
+/// Equation that was deflated. The solution `x` of the smaller equation yields its solution `X = h + w x wᵀ`.
 #[derive(Clone, Debug, Default)]
-struct Shed {
-    w: Panels,
-    h: Panels,
+struct Deflation {
+    w: PackedMatrix,
+    h: PackedMatrix,
 }
 
-/// What [`Doubling::solve`] found out about the equation besides its solution.
+/// Result of [`Doubling::solve`] besides the solution.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubled {
-    /// The number of doublings.
+    /// Number of doublings.
     pub(super) count: usize,
-    /// The number of doublings after which the first dimensions were shed, or `count` if none ever were.
+    /// Number of doublings before the first deflation, or `count` without any.
     pub(super) patience: usize,
-    /// The spectral radius of `(I + GX)⁻¹ A`, the closed loop.
+    /// Spectral radius of the closed loop `(I + GX)⁻¹ A`.
     pub(super) spectral_radius: f64,
 }
 
-/// The doubling did not converge.
+/// Failure of the doubling to converge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoConvergence {
-    /// The number of doublings.
+    /// Number of doublings.
     pub(super) count: usize,
 }
 
 impl Doubling {
-    pub(super) fn new(processor: Processor) -> Self {
-        let none = Panels::default;
+    pub(super) fn new(simd: InstructionSet) -> Self {
+        let none = PackedMatrix::default;
         Self {
-            processor,
+            simd,
             a: none(),
             g: none(),
             h: none(),
-            shed: Vec::new(),
+            deflations: Vec::new(),
             depth: 0,
             first: (none(), none()),
             doublings: 0,
-            factors: Factors::default(),
+            factors: LuFactors::default(),
             low_rank: LowRank::default(),
             transpose: none(),
             w: none(),
@@ -98,137 +96,138 @@ impl Doubling {
         }
     }
 
-    /// Doubles until `A` has vanished. Expects nothing to be shed before `patience` doublings, which only saves time.
+    /// Doubles until `A` has vanished. Does not try to deflate before `patience` doublings, which only saves time.
     pub(super) fn solve(&mut self, patience: usize) -> Result<Doubled, NoConvergence> {
         self.depth = 0;
-        let mut first_shed = None;
+        let mut first_deflation = None;
         let mut patience = patience;
         self.begin(0);
-        for (doublings, count) in (1..).zip(1..=MOST_DOUBLINGS) {
+        for (doublings, count) in (1..).zip(1..=MAX_DOUBLINGS) {
             let failure = NoConvergence { count };
             let norm = self.double().ok_or(failure)?;
             if norm <= CONVERGED {
                 let spectral_radius = self.spectral_radius().ok_or(failure)?;
                 self.unfold();
                 return if self.h.is_finite() {
-                    Ok(Doubled { count, patience: first_shed.unwrap_or(count), spectral_radius })
+                    Ok(Doubled { count, patience: first_deflation.unwrap_or(count), spectral_radius })
                 } else {
                     Err(failure)
                 };
             }
-            if count >= patience && self.shed_quick_modes() {
-                first_shed.get_or_insert(count);
+            if count >= patience && self.deflate_fast_modes() {
+                first_deflation.get_or_insert(count);
                 patience = 0;
                 self.begin(doublings);
             }
         }
-        Err(NoConvergence { count: MOST_DOUBLINGS })
+        Err(NoConvergence { count: MAX_DOUBLINGS })
     }
 
+    /// Saves the equation whose spectral radius is computed in the end.
     fn begin(&mut self, doublings: i32) {
         self.first.0.copy_from(&self.a);
         self.first.1.copy_from(&self.g);
         self.doublings = doublings;
     }
 
-    /// Factorises `I + GX`; false if it is singular.
-    fn factorise(&mut self, x: impl Fn(&Self) -> &Panels, g: impl Fn(&Self) -> &Panels) -> bool {
+    /// Factorises `I + GX`. Returns false if it is singular.
+    fn factorise(&mut self, x: impl Fn(&Self) -> &PackedMatrix, g: impl Fn(&Self) -> &PackedMatrix) -> bool {
         let mut factors = std::mem::take(&mut self.factors);
-        factors.matrix().product(self.processor, g(self), x(self));
+        factors.matrix().product(self.simd, g(self), x(self));
         factors.matrix().add_to_diagonal(1.0);
-        let regular = factors.factorise(self.processor);
+        let regular = factors.factorise(self.simd);
         self.factors = factors;
         regular
     }
 
-    /// One doubling; the new norm of `A`, or `None` if that is not finite or `I + GH` is singular.
+    /// Doubles once. Returns the new norm of `A`, or `None` if it is not finite or `I + GH` is singular.
     fn double(&mut self) -> Option<f64> {
-        let processor = self.processor;
+        let simd = self.simd;
         self.w.copy_from(&self.a);
-        // Without `G` this is Stein's equation, `X = H + AᵀXA`.
+        // Without `G` this is the Stein equation, `X = H + AᵀXA`.
         if self.g.rows() > 0 {
             if !self.factorise(|this| &this.h, |this| &this.g) {
                 return None;
             }
             let Self { a, g, factors, transpose, w, v, product, .. } = self;
             v.copy_from(g);
-            factors.solve(processor, w);
-            factors.solve(processor, v);
+            factors.solve(simd, w);
+            factors.solve(simd, v);
             transpose.transpose_from(a);
-            product.product(processor, a, v);
-            g.add_symmetric_product(processor, product, transpose);
+            product.product(simd, a, v);
+            g.add_symmetric_product(simd, product, transpose);
         }
         let Self { a, h, w, product, .. } = self;
-        product.product(processor, h, w);
-        h.add_symmetric_transposed(processor, a, product);
-        product.product(processor, a, w);
+        product.product(simd, h, w);
+        h.add_symmetric_transposed(simd, a, product);
+        product.product(simd, a, w);
         std::mem::swap(a, product);
         let norm = a.norm();
         norm.is_finite().then_some(norm)
     }
 
-    /// If at most half of the modes are left in `A`, goes over to the equation in their dimensions.
-    fn shed_quick_modes(&mut self) -> bool {
-        let processor = self.processor;
+    /// Deflates the equation to the remaining modes, if at most half of the modes remain in `A`.
+    fn deflate_fast_modes(&mut self) -> bool {
+        let simd = self.simd;
         let rows = self.a.rows();
-        if rows < FEWEST_TO_SHED || !self.low_rank.factorise(processor, &self.a) {
+        if rows < MIN_ROWS_TO_DEFLATE || !self.low_rank.factorise(simd, &self.a) {
             return false;
         }
         let stein = self.g.rows() == 0;
         if !stein && !self.factorise(|this| &this.h, |this| &this.g) {
             return false;
         }
-        if self.shed.len() == self.depth {
-            self.shed.push(Shed::default());
+        if self.deflations.len() == self.depth {
+            self.deflations.push(Deflation::default());
         }
         let Self { a, g, h, factors, low_rank, w: solved, v, product, transpose: u, .. } = self;
-        let shed = &mut self.shed[self.depth];
-        let w = &mut shed.w;
+        let deflation = &mut self.deflations[self.depth];
+        let w = &mut deflation.w;
         low_rank.write_to(rows, u, w);
         solved.copy_from(u);
         if !stein {
-            v.product(processor, g, w);
-            factors.solve(processor, solved);
-            factors.solve(processor, v);
+            v.product(simd, g, w);
+            factors.solve(simd, solved);
+            factors.solve(simd, v);
             g.clear(w.columns(), w.columns());
-            g.add_symmetric_transposed(processor, w, v);
+            g.add_symmetric_transposed(simd, w, v);
         }
-        a.transposed_product(processor, w, solved);
-        product.product(processor, h, solved);
-        std::mem::swap(h, &mut shed.h);
+        a.transposed_product(simd, w, solved);
+        product.product(simd, h, solved);
+        std::mem::swap(h, &mut deflation.h);
         h.clear(w.columns(), w.columns());
-        h.add_symmetric_transposed(processor, u, product);
+        h.add_symmetric_transposed(simd, u, product);
         self.depth += 1;
         true
     }
 
-    /// Inserts the solution of the smallest equation in the one that it comes from, and so on.
+    /// Expands the solution of the smallest equation to that of the largest.
     fn unfold(&mut self) {
-        let Self { processor, h, shed, depth, transpose, product, .. } = self;
-        for Shed { w, h: larger } in shed[..*depth].iter_mut().rev() {
+        let Self { simd, h, deflations, depth, transpose, product, .. } = self;
+        for Deflation { w, h: larger } in deflations[..*depth].iter_mut().rev() {
             transpose.transpose_from(w);
-            product.product(*processor, w, h);
+            product.product(*simd, w, h);
             std::mem::swap(h, larger);
-            h.add_symmetric_product(*processor, product, transpose);
+            h.add_symmetric_product(*simd, product, transpose);
         }
     }
 
-    /// The spectral radius of the closed loop, given the solution of the smallest equation.
+    /// Returns the spectral radius of the closed loop, given the solution of the smallest equation.
     fn spectral_radius(&mut self) -> Option<f64> {
         self.w.copy_from(&self.first.0);
         if self.first.1.rows() > 0 {
             if !self.factorise(|this| &this.h, |this| &this.first.1) {
                 return None;
             }
-            self.factors.solve(self.processor, &mut self.w);
+            self.factors.solve(self.simd, &mut self.w);
         }
         Some((self.log_spectral_radius() * 0.5_f64.powi(self.doublings)).exp())
     }
 
-    /// The natural logarithm of the largest modulus among the eigenvalues of `self.w`, by Gelfand's formula
-    /// `ρ = lim ‖Mᵗ‖^(1/t)` with `t = 1, 2, 4, …`. Unlike a Schur decomposition it always ends.
+    /// Returns the natural logarithm of the spectral radius of `self.w`, by Gelfand's formula `ρ = lim ‖Mᵗ‖^(1/t)` with
+    /// `t = 1, 2, 4, …`. Unlike a Schur decomposition it always terminates.
     fn log_spectral_radius(&mut self) -> f64 {
-        let Self { processor, w: matrix, product, .. } = self;
+        let Self { simd, w: matrix, product, .. } = self;
         let mut logarithm = 0.0;
         for squaring in 0..=SQUARINGS {
             let norm = matrix.norm();
@@ -237,7 +236,7 @@ impl Doubling {
             }
             logarithm += norm.ln() * 0.5_f64.powi(squaring);
             matrix.scale(norm.recip());
-            product.product(*processor, matrix, matrix);
+            product.product(*simd, matrix, matrix);
             std::mem::swap(matrix, product);
         }
         logarithm

@@ -1,105 +1,108 @@
-//! Why there is no solution.
+//! Errors of the Riccati equation and recursion.
 
 use std::fmt;
 
 use nalgebra::Complex;
 
-/// One of the matrices that state a Riccati equation or recursion.
+/// Matrix of a Riccati equation or recursion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RiccatiMatrix {
-    /// The state transition `A`.
+    /// State transition `A`.
     A,
-    /// The control's effect `B`.
+    /// Control matrix `B`.
     B,
-    /// The cost of the state `Q`.
+    /// Cost of the state `Q`.
     Q,
-    /// The cost of the control `R`.
+    /// Cost of the control `R`.
     R,
-    /// The cross term of the cost `S`.
+    /// Cross term of the cost `S`.
     S,
-    /// The cost to go `P` at the end of a finite number of steps.
+    /// Terminal cost `P` of a finite number of steps.
     P,
 }
 
-/// Why [`Riccati::solve`](super::Riccati::solve) or a [`RiccatiRecursion`](super::RiccatiRecursion) returned no solution. Rows and columns are counted from zero.
+/// Error of [`Riccati::solve`](super::Riccati::solve) or of a [`RiccatiRecursion`](super::RiccatiRecursion). Rows and columns
+/// are counted from zero.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RiccatiError {
-    /// A matrix has another shape than the number of `A`'s rows (states) and of `B`'s columns (controls) demand.
+    /// The shape of a matrix does not match the number of rows of `A` (states) and of columns of `B` (controls).
     WrongShape {
-        /// The matrix at fault.
+        /// Offending matrix.
         matrix: RiccatiMatrix,
-        /// The rows and columns that it should have.
+        /// Expected rows and columns.
         expected: (usize, usize),
-        /// The rows and columns that it has.
+        /// Actual rows and columns.
         got: (usize, usize),
     },
     /// An entry is infinite or not a number.
     NotFinite {
-        /// The matrix at fault.
+        /// Offending matrix.
         matrix: RiccatiMatrix,
-        /// The entry's row.
+        /// Row of the entry.
         row: usize,
-        /// The entry's column.
+        /// Column of the entry.
         column: usize,
-        /// The entry.
+        /// Value of the entry.
         value: f64,
     },
     /// `Q` or `R` differs from its transpose by more than rounding explains.
     NotSymmetric {
-        /// The matrix at fault.
+        /// Offending matrix.
         matrix: RiccatiMatrix,
-        /// The row of the entry above the diagonal.
+        /// Row of the entry above the diagonal.
         row: usize,
-        /// The column of the entry above the diagonal.
+        /// Column of the entry above the diagonal.
         column: usize,
-        /// The entry above the diagonal.
+        /// Entry above the diagonal.
         value: f64,
-        /// Its mirror image below the diagonal.
+        /// Corresponding entry below the diagonal.
         mirror: f64,
     },
-    /// `R` is not positive semidefinite: some control costs less than nothing.
+    /// `R` is not positive semidefinite: some control has a negative cost.
     ControlCostNotPositive {
-        /// The smallest eigenvalue of `R`.
+        /// Smallest eigenvalue of `R`.
         smallest_eigenvalue: f64,
     },
-    /// Some combination of controls costs nothing and does nothing, so that it could be anything: `R` and `BᵀB` have a common null
-    /// vector, and the pencil whose eigenvalues are those of the closed loop is singular.
+    /// Some combination of controls has no cost and no effect, so the optimal control is not unique: `R` and `BᵀB` have a common
+    /// null vector, and the pencil whose eigenvalues are those of the closed loop is singular.
     SingularPencil,
-    /// Over a finite number of steps there is no least cost: `R + BᵀPB` is not positive definite in some step, where a control of
-    /// no end would cost less than nothing. With a positive definite `R` this takes a `Q` or a `P` at the end that is not positive
-    /// semidefinite.
+    /// The cost over a finite number of steps has no minimum: `R + BᵀPB` is not positive definite in some step, so the cost is
+    /// unbounded below. With a positive definite `R`, the cause is a `Q` or a terminal `P` that is not positive semidefinite.
     NoLeastCost {
-        /// The smallest eigenvalue of `R + BᵀPB`.
+        /// Smallest eigenvalue of `R + BᵀPB`.
         smallest_eigenvalue: f64,
     },
-    /// No control stabilises the system: a mode on or outside the unit circle is out of the controls' reach.
+    /// No control stabilises the system: a mode on or outside the unit circle is uncontrollable.
     UncontrollableMode {
-        /// The mode's eigenvalue of `A`.
+        /// Eigenvalue of the mode, of `A`.
         eigenvalue: Complex<f64>,
-        /// The smallest singular value of `[A − λI, B]`, each block scaled to unit norm. For a mode out of reach it is zero but for rounding.
+        /// Smallest singular value of `[A − λI, B]`, each block scaled to unit norm. It is zero up to rounding for an
+        /// uncontrollable mode.
         distance: f64,
     },
-    /// A mode on the unit circle costs nothing, so the best control leaves it there and no solution is stabilising.
+    /// A mode on the unit circle has no cost, so the optimal control leaves it there and no solution is stabilising.
     ///
-    /// Nothing means nothing: a weight of 10⁻¹⁰ beside others of 10⁵ makes a slow closed loop, but a stable one, and is solved.
+    /// Any positive cost suffices: with a weight of 10⁻¹⁰ beside others of 10⁵ the closed loop is slow but stable, and the
+    /// equation is solved.
     UnobservableMode {
-        /// The mode's eigenvalue of `A − BR⁻¹Sᵀ`.
+        /// Eigenvalue of the mode, of `A − BR⁻¹Sᵀ`.
         eigenvalue: Complex<f64>,
-        /// The smallest singular value of `A − BR⁻¹Sᵀ − λI` above `Q − SR⁻¹Sᵀ`, each block scaled to unit norm.
-        /// For a mode that costs nothing it is zero but for rounding.
+        /// Smallest singular value of `A − BR⁻¹Sᵀ − λI` stacked on `Q − SR⁻¹Sᵀ`, each block scaled to unit norm. It is zero up
+        /// to rounding for a mode without cost.
         distance: f64,
     },
-    /// The doubling did not converge, and no single mode explains it: the problem may be too badly scaled, or `Q − SR⁻¹Sᵀ` not positive semidefinite.
+    /// The doubling did not converge, and no single mode explains it: the problem may be badly scaled, or `Q − SR⁻¹Sᵀ` not
+    /// positive semidefinite.
     NoConvergence {
-        /// The number of doublings that were made.
+        /// Number of doublings.
         iterations: usize,
     },
-    /// A solution was found, but it satisfies the equation less well than asked for.
+    /// The residual of the solution exceeds the tolerance.
     Inaccurate {
-        /// The residual reached, as in [`RiccatiSolution`](super::RiccatiSolution::relative_residual).
+        /// Residual of the solution, as in [`RiccatiSolution`](super::RiccatiSolution::relative_residual).
         relative_residual: f64,
-        /// The residual asked for.
+        /// Tolerance of the residual.
         tolerance: f64,
     },
 }
@@ -115,7 +118,7 @@ impl fmt::Display for RiccatiError {
         match self {
             Self::WrongShape { matrix, expected: (rows, columns), got: (got_rows, got_columns) } => write!(
                 formatter,
-                "{matrix} is {got_rows} by {got_columns}; beside the other matrices it should be {rows} by {columns}"
+                "{matrix} is {got_rows} by {got_columns}; to match the other matrices it should be {rows} by {columns}"
             ),
             Self::NotFinite { matrix, row, column, value } => write!(
                 formatter,
@@ -127,38 +130,38 @@ impl fmt::Display for RiccatiError {
             ),
             Self::ControlCostNotPositive { smallest_eigenvalue } => write!(
                 formatter,
-                "R has the eigenvalue {smallest_eigenvalue:e}; it should be positive semidefinite, so that no control costs less than nothing"
+                "R has the eigenvalue {smallest_eigenvalue:e}; it should be positive semidefinite, so that no control has a negative cost"
             ),
             Self::SingularPencil => formatter.write_str(
-                "a combination of controls costs nothing and does nothing, so the best control is not determined; give it a \
-                 weight in R, however small, or leave it out",
+                "a combination of controls has no cost and no effect, so the optimal control is not unique; give it a positive \
+                 weight in R, or remove it",
             ),
             Self::NoLeastCost { smallest_eigenvalue } => write!(
                 formatter,
-                "there is no least cost: R + BᵀPB has the eigenvalue {smallest_eigenvalue:e} in a step; R should be positive definite, \
-                 and Q and the P at the end positive semidefinite"
+                "the cost has no minimum: R + BᵀPB has the eigenvalue {smallest_eigenvalue:e} in a step; R should be positive \
+                 definite, and Q and the terminal P positive semidefinite"
             ),
             Self::UncontrollableMode { eigenvalue, distance } => write!(
                 formatter,
                 "no control stabilises the system: the mode of A with eigenvalue {eigenvalue} (modulus {:.9}) is not inside the \
-                 unit circle and out of reach of B (distance {distance:.1e}); give it an actuator, or leave it out of the state",
+                 unit circle and uncontrollable by B (distance {distance:.1e}); add an actuator for it, or remove it from the state",
                 modulus(*eigenvalue)
             ),
             Self::UnobservableMode { eigenvalue, distance } => write!(
                 formatter,
-                "no solution is stabilising: the mode with eigenvalue {eigenvalue} (modulus {:.9}) is on the unit circle and costs \
-                 nothing (distance {distance:.1e}); give it a weight in Q, however small",
+                "no solution is stabilising: the mode with eigenvalue {eigenvalue} (modulus {:.9}) is on the unit circle and has \
+                 no cost (distance {distance:.1e}); give it a positive weight in Q",
                 modulus(*eigenvalue)
             ),
             Self::NoConvergence { iterations } => write!(
                 formatter,
-                "no convergence after {iterations} doublings, and no single mode explains it; the scaling of the states and whether \
-                 Q − SR⁻¹Sᵀ is positive semidefinite are worth a look"
+                "no convergence after {iterations} doublings, and no single mode explains it; check the scaling of the states, and \
+                 that Q − SR⁻¹Sᵀ is positive semidefinite"
             ),
             Self::Inaccurate { relative_residual, tolerance } => write!(
                 formatter,
-                "the solution's relative residual is {relative_residual:.1e}, above the tolerance of {tolerance:.1e}; states \
-                 in units that make the entries of A and Q more alike would help"
+                "the relative residual of the solution is {relative_residual:.1e}, above the tolerance of {tolerance:.1e}; choose \
+                 units of the states in which the entries of A and of Q have similar sizes"
             ),
         }
     }
@@ -166,7 +169,7 @@ impl fmt::Display for RiccatiError {
 
 impl std::error::Error for RiccatiError {}
 
-/// The modulus, without the overflow of squaring.
+/// Returns the modulus, without the overflow of squaring.
 pub(super) fn modulus(number: Complex<f64>) -> f64 {
     number.re.hypot(number.im)
 }

@@ -1,79 +1,77 @@
-//! The way from the matrices to the solution: choose units, eliminate the cross term, double, refine.
+//! The solution process: balancing, elimination of the cross term, doubling, refinement.
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
+use super::balancing;
+use super::dense::{InstructionSet, LuFactors, PackedMatrix};
 use super::diagnosis::diagnose;
 use super::doubling::{Doubled, Doubling, NoConvergence};
 use super::error::RiccatiError;
-use super::factors::Factors;
-use super::lanes::Processor;
-use super::panels::Panels;
-use super::scaling;
 
-/// Newton steps at most. Each squares the error, so two are enough unless the doubling went wrong.
-const MOST_NEWTON_STEPS: usize = 6;
+/// Maximum number of Newton steps. Each squares the error, so two suffice unless the doubling went wrong.
+const MAX_NEWTON_STEPS: usize = 6;
 
-/// The relative residual for each state, in units of the precision, that is not worth a Newton step.
-const GOOD: f64 = 32.0;
+/// Relative residual per state, in units of the machine precision, that needs no Newton step.
+const GOOD_RESIDUAL: f64 = 32.0;
 
-/// Doublings before which nothing is expected to be shed: a mechanical system's modes take longer than 2⁴ steps to vanish.
+/// Doublings before the first attempt to deflate: the modes of a mechanical system take more than 2⁴ steps to vanish.
 const PATIENCE: usize = 4;
 
-/// How close to one the spectral radius comes when it may be rounding alone that has moved a mode, one that no control reaches or
-/// that costs nothing, to the inside of the unit circle.
+/// Distance of the spectral radius from one below which rounding alone may have moved an uncontrollable or unobservable mode
+/// into the unit circle.
 const DOUBTFUL_MARGIN: f64 = 1e-12;
 
-/// The relative residual above which it may be rounding alone that makes a mode controllable.
+/// Relative residual above which a mode may be controllable by rounding alone.
 const DOUBTFUL_RESIDUAL: f64 = 1e-6;
 
-/// How negative an eigenvalue of `R` may be and still pass for zero, relative to the largest entry.
-const NOT_NEGATIVE: f64 = 1e-12;
+/// Magnitude of a negative eigenvalue of `R`, relative to the largest entry, that counts as zero.
+const NEGATIVE_TOLERANCE: f64 = 1e-12;
 
-/// Iterations that nalgebra's eigenvalue solvers are allowed, so that they end.
-pub(super) const MOST_EIGENVALUE_ITERATIONS: usize = 10_000;
+/// Maximum number of iterations of nalgebra's eigenvalue solvers, so that they terminate.
+pub(super) const MAX_EIGENVALUE_ITERATIONS: usize = 10_000;
 
-/// A Riccati equation whose matrices fit together and are finite, with symmetric `Q` and `R`, and room to solve it. The states are in
-/// units of their own: see `scaling.rs`.
+/// Riccati equation with validated matrices, symmetric `Q` and `R`, and the buffers to solve it. The states are in balanced
+/// units: see `balancing.rs`.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
-    processor: Processor,
-    pub(super) a: Panels,
-    pub(super) b: Panels,
-    pub(super) q: Panels,
-    pub(super) r: Panels,
-    pub(super) s: Option<Panels>,
-    spare_s: Panels,
-    /// The diagonal of `D`, and room to find it.
+    simd: InstructionSet,
+    pub(super) a: PackedMatrix,
+    pub(super) b: PackedMatrix,
+    pub(super) q: PackedMatrix,
+    pub(super) r: PackedMatrix,
+    pub(super) s: Option<PackedMatrix>,
+    spare_s: PackedMatrix,
+    /// Diagonal of `D`, and buffers to compute it.
     units: Vec<f64>,
     unit_squares: (Vec<f64>, Vec<f64>),
-    /// The one that is looked at, and the best so far.
+    /// The current candidate, and the best one so far.
     pub(super) candidate: Candidate,
     best: Candidate,
     doubling: Doubling,
-    b_transpose: Panels,
-    product: Panels,
-    other: Panels,
+    b_transpose: PackedMatrix,
+    product: PackedMatrix,
+    other: PackedMatrix,
 }
 
-/// A candidate for the solution, and what follows from it.
+/// Candidate for the solution, with the quantities derived from it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Candidate {
-    pub(super) p: Panels,
-    pub(super) k: Panels,
+    pub(super) p: PackedMatrix,
+    pub(super) k: PackedMatrix,
     pub(super) relative_residual: f64,
-    residual: Panels,
+    residual: PackedMatrix,
     /// `A − BK`.
-    closed_loop: Panels,
-    /// Of `R + BᵀPB`.
-    cost: Factors,
+    closed_loop: PackedMatrix,
+    /// Factors of `R + BᵀPB`.
+    cost: LuFactors,
 }
 
 impl Problem {
     pub(super) fn new() -> Self {
-        let processor = Processor::detect();
-        let none = Panels::default;
+        let simd = InstructionSet::detect();
+        let none = PackedMatrix::default;
         Self {
-            processor,
+            simd,
             a: none(),
             b: none(),
             q: none(),
@@ -84,14 +82,14 @@ impl Problem {
             unit_squares: (Vec::new(), Vec::new()),
             candidate: Candidate::default(),
             best: Candidate::default(),
-            doubling: Doubling::new(processor),
+            doubling: Doubling::new(simd),
             b_transpose: none(),
             product: none(),
             other: none(),
         }
     }
 
-    /// Takes or leaves out the cross term.
+    /// Sets or removes the cross term.
     pub(super) fn set_cross_term(&mut self, s: Option<&DMatrixView<'_, f64, Dyn, Dyn>>) {
         if let Some(kept) = self.s.take() {
             self.spare_s = kept;
@@ -103,7 +101,7 @@ impl Problem {
         }
     }
 
-    /// Finds the stabilising solution, as accurate as it gets. It is the candidate then.
+    /// Computes the stabilising solution to the accuracy that rounding permits, and leaves it in `candidate`.
     pub(super) fn solve(&mut self) -> Result<Doubled, RiccatiError> {
         self.units.clear();
         self.start()?;
@@ -122,16 +120,15 @@ impl Problem {
         }
     }
 
-    /// Makes that the candidate from which the solution is looked for: `P = 0`, or, where some controls cost nothing, a multiple of the
-    /// identity, with which they do.
+    /// Sets the initial candidate: `P = 0`, or, if some controls have no cost, a multiple of the identity, which gives them one.
     ///
-    /// Any symmetric `X` will do: the difference `Δ = P − X` solves an equation of the same kind,
+    /// Any symmetric `X` is a valid start: the difference `Δ = P − X` solves an equation of the same form,
     ///
     /// ```text
     /// Δ = FᵀΔF − FᵀΔB (R + BᵀXB + BᵀΔB)⁻¹ BᵀΔF + residual of X,    F = A − B × gain of X
     /// ```
     ///
-    /// which has no cross term. With `X = 0` it is the equation itself with `A − BR⁻¹Sᵀ`, `BR⁻¹Bᵀ` and `Q − SR⁻¹Sᵀ`.
+    /// which has no cross term. For `X = 0` it is the equation itself with `A − BR⁻¹Sᵀ`, `BR⁻¹Bᵀ` and `Q − SR⁻¹Sᵀ`.
     fn start(&mut self) -> Result<(), RiccatiError> {
         let states = self.a.rows();
         self.candidate.p.clear(states, states);
@@ -141,7 +138,7 @@ impl Problem {
         let r = self.r.to_matrix(|_, _| 1.0);
         let largest = r.amax();
         let smallest_eigenvalue = smallest_eigenvalue(r);
-        if smallest_eigenvalue < -NOT_NEGATIVE * largest || smallest_eigenvalue.is_nan() {
+        if smallest_eigenvalue < -NEGATIVE_TOLERANCE * largest || smallest_eigenvalue.is_nan() {
             return Err(RiccatiError::ControlCostNotPositive { smallest_eigenvalue });
         }
         let norm = self.q.norm();
@@ -151,12 +148,12 @@ impl Problem {
         if self.evaluate() { Ok(()) } else { Err(RiccatiError::SingularPencil) }
     }
 
-    /// Changes the units of the states, given the equation of the candidate.
+    /// Balances the states, given the equation of the difference to the candidate.
     fn choose_units(&mut self) {
-        self.state_difference();
+        self.set_difference_equation();
         let Doubling { a, g, h, .. } = &self.doubling;
         let (squares, reciprocals) = &mut self.unit_squares;
-        scaling::units(a, g, h, &mut self.product, (&mut self.units, squares, reciprocals));
+        balancing::units(a, g, h, &mut self.product, (&mut self.units, squares, reciprocals));
         let units = &self.units;
         let (unit, reciprocal) = (|state: usize| units[state], |state: usize| 1.0 / units[state]);
         self.a.scale_both(unit, reciprocal);
@@ -167,31 +164,31 @@ impl Problem {
         }
     }
 
-    /// Writes the equation of the difference to the candidate to the doubling.
-    fn state_difference(&mut self) {
-        let Self { processor, b, candidate, doubling, b_transpose, .. } = self;
+    /// Writes the equation of the difference to the candidate to `doubling`.
+    fn set_difference_equation(&mut self) {
+        let Self { simd, b, candidate, doubling, b_transpose, .. } = self;
         doubling.a.copy_from(&candidate.closed_loop);
         doubling.h.copy_from(&candidate.residual);
         b_transpose.transpose_from(b);
-        candidate.cost.solve(*processor, b_transpose);
+        candidate.cost.solve(*simd, b_transpose);
         doubling.g.clear(b.rows(), b.rows());
-        doubling.g.add_symmetric_product(*processor, b, b_transpose);
+        doubling.g.add_symmetric_product(*simd, b, b_transpose);
     }
 
-    /// Adds to the candidate what doubling finds to be the difference to the solution.
+    /// Computes the difference to the solution by doubling, and adds it to the candidate.
     fn double_from_candidate(&mut self) -> Result<Doubled, NoConvergence> {
-        self.state_difference();
+        self.set_difference_equation();
         let doubled = self.doubling.solve(PATIENCE)?;
         self.candidate.p.add(&self.doubling.h);
         let failure = NoConvergence { count: doubled.count };
         if self.evaluate() && doubled.spectral_radius < 1.0 { Ok(doubled) } else { Err(failure) }
     }
 
-    /// What to do when the doubling has failed: say why there is no solution, or else find it on another way.
+    /// Handles a failure of the doubling: returns the reason why there is no solution, or solves from another start.
     ///
-    /// Doubling starts from `P = 0`. Where a mode outside the unit circle costs nothing, `P = 0` stays a solution along it, but
-    /// not the stabilising one, which lies above. So the equation is solved with something added to `Q`, whose
-    /// solution is above the one wanted, and then doubled again for the difference.
+    /// Doubling starts from `P = 0`. If a mode outside the unit circle has no cost, `P = 0` remains a solution along this mode,
+    /// but the stabilising solution is larger. So this first solves an equation with a larger `Q`, whose solution is an upper
+    /// bound, and then doubles again for the difference.
     fn solve_from_above(&mut self, failure: NoConvergence) -> Result<Doubled, RiccatiError> {
         if let Some(error) = diagnose(self) {
             return Err(error);
@@ -200,7 +197,7 @@ impl Problem {
         let addition = if norm > 0.0 { norm } else { self.r.norm() };
         let from_above = |this: &mut Self| {
             this.start().ok()?;
-            this.state_difference();
+            this.set_difference_equation();
             this.doubling.h.add_to_diagonal(addition);
             this.doubling.solve(PATIENCE).ok()?;
             this.candidate.p.add(&this.doubling.h);
@@ -212,10 +209,10 @@ impl Problem {
         from_above(self).ok_or(RiccatiError::NoConvergence { iterations: failure.count })
     }
 
-    /// Newton's method for as long as it helps: `P + Δ`, where `Δ = FᵀΔF + residual` and `F = A − BK`.
+    /// Refines the candidate by Newton steps while the residual decreases: `P + Δ`, where `Δ = FᵀΔF + residual` and `F = A − BK`.
     fn refine(&mut self, doubled: &mut Doubled) {
-        let good = GOOD * self.a.rows() as f64 * f64::EPSILON;
-        for _ in 0..MOST_NEWTON_STEPS {
+        let good = GOOD_RESIDUAL * self.a.rows() as f64 * f64::EPSILON;
+        for _ in 0..MAX_NEWTON_STEPS {
             if self.candidate.relative_residual <= good {
                 break;
             }
@@ -237,22 +234,22 @@ impl Problem {
         }
     }
 
-    /// Computes the gain and the residual of the candidate; false if `R + BᵀPB` is not positive definite.
+    /// Computes the gain and the residual of the candidate. Returns false if `R + BᵀPB` is not positive definite.
     ///
-    /// With this gain the residual equals `(A − BK)ᵀP(A − BK) + KᵀRK − SK − KᵀSᵀ + Q − P`, which is evaluated instead: its terms
-    /// are no larger than `P`, where `AᵀPA` can be so large that nothing is left of the difference.
+    /// With this gain the residual equals `(A − BK)ᵀP(A − BK) + KᵀRK − SK − KᵀSᵀ + Q − P`, which is evaluated instead. Its terms
+    /// are no larger than `P`, whereas `AᵀPA` can be so large that the difference cancels.
     fn evaluate(&mut self) -> bool {
-        let Self { processor, a, b, q, r, s, candidate, product, other, units, .. } = self;
+        let Self { simd, a, b, q, r, s, candidate, product, other, units, .. } = self;
         let Candidate { p, k, relative_residual, residual, closed_loop, cost } = candidate;
-        let processor = *processor;
-        // Nothing is to be learnt from products with zero, with which everything begins.
+        let simd = *simd;
+        // Skips products with the initial P = 0.
         let (from_zero, plain) = (p.is_zero(), s.is_none());
         cost.matrix().copy_from(r);
         if !from_zero {
-            product.product(processor, p, b);
-            cost.matrix().add_symmetric_transposed(processor, b, product);
+            product.product(simd, p, b);
+            cost.matrix().add_symmetric_transposed(simd, b, product);
         }
-        if !cost.factorise_positive(processor) {
+        if !cost.factorise_positive(simd) {
             return false;
         }
         k.clear(b.columns(), a.columns());
@@ -263,23 +260,23 @@ impl Problem {
             return true;
         }
         if !from_zero {
-            k.transposed_product(processor, product, a);
+            k.transposed_product(simd, product, a);
         }
         if let Some(s) = s {
             other.transpose_from(s);
             k.add(other);
         }
-        cost.solve(processor, k);
-        closed_loop.subtract_product(processor, b, k);
+        cost.solve(simd, k);
+        closed_loop.subtract_product(simd, b, k);
 
         if !from_zero {
-            product.product(processor, p, closed_loop);
-            residual.add_symmetric_transposed(processor, closed_loop, product);
+            product.product(simd, p, closed_loop);
+            residual.add_symmetric_transposed(simd, closed_loop, product);
         }
-        product.product(processor, r, k);
-        residual.add_symmetric_transposed(processor, k, product);
+        product.product(simd, r, k);
+        residual.add_symmetric_transposed(simd, k, product);
         if let Some(s) = s {
-            product.product(processor, s, k);
+            product.product(simd, s, k);
             other.transpose_from(product);
             other.add(product);
             other.scale(-1.0);
@@ -291,14 +288,15 @@ impl Problem {
         true
     }
 
-    /// Writes the candidate in the units that the equation came in.
+    /// Writes the candidate in the original units.
     pub(super) fn write_to(&self, p: &mut DMatrix<f64>, k: &mut DMatrix<f64>) {
         let unit = |state: usize| self.units.get(state).copied().unwrap_or(1.0);
         self.candidate.p.write_to(p, |row, column| unit(row) * unit(column));
         self.candidate.k.write_to(k, |_, column| unit(column));
     }
 
-    /// `A`, `B`, `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ`, or what takes the place of the last two where some controls cost nothing.
+    /// Returns `A`, `B`, `A − BR⁻¹Sᵀ` and `Q − SR⁻¹Sᵀ` in the original units. If some controls have no cost, the last two are
+    /// those of the difference equation of [`start`](Self::start).
     pub(super) fn matrices(&mut self) -> Option<[DMatrix<f64>; 4]> {
         self.start().ok()?;
         let Candidate { closed_loop, residual, .. } = &self.candidate;
@@ -312,9 +310,9 @@ impl Problem {
     }
 }
 
-/// The smallest eigenvalue of a symmetric matrix.
+/// Returns the smallest eigenvalue of a symmetric matrix, or NaN if the decomposition fails.
 pub(super) fn smallest_eigenvalue(matrix: DMatrix<f64>) -> f64 {
-    match matrix.try_symmetric_eigen(f64::EPSILON, MOST_EIGENVALUE_ITERATIONS) {
+    match matrix.try_symmetric_eigen(f64::EPSILON, MAX_EIGENVALUE_ITERATIONS) {
         Some(decomposition) => decomposition.eigenvalues.min(),
         None => f64::NAN,
     }

@@ -22,7 +22,7 @@ use super::history::History;
 use super::link::Back;
 use super::mode::{InfoLine, Mode, Player};
 use super::snapshot::{Pace, Status};
-use crate::control::Controller;
+use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::Result;
 use crate::trajectory::Trajectory;

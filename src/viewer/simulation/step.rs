@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::Simulation;
 use super::caught::caught;
-use crate::control::Controller;
+use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::Result;
 use crate::viewer::bridge::Bridge;

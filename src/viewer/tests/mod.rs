@@ -22,7 +22,7 @@ use super::request::Request;
 use super::simulation::Simulation;
 use super::snapshot::Snapshot;
 use super::view::{Effect, View};
-use crate::control::Controller;
+use crate::controller::Controller;
 use crate::data::Data;
 use crate::{Trajectory, sample};
 

@@ -208,7 +208,7 @@ fn messages_say_what_is_wrong_where_and_what_would_be_right() {
     let identity = Matrix2::identity();
     let message = |result: Result<RiccatiSolution, RiccatiError>| result.unwrap_err().to_string();
     let shape = message(Riccati::new(&identity, &identity, &Matrix4::identity(), &identity).solve());
-    assert_eq!(shape, "Q is 4 by 4; beside the other matrices it should be 2 by 2");
+    assert_eq!(shape, "Q is 4 by 4; to match the other matrices it should be 2 by 2");
     let entry = message(Riccati::new(&identity, &matrix![0.0, f64::NAN; 0.0, 0.0], &identity, &identity).solve());
     assert_eq!(entry, "the entry of B in row 0, column 1 is NaN; every entry should be a finite number");
     let mode = message(Riccati::new(&(identity * 2.0), &matrix![1.0, 0.0; 0.0, 0.0], &identity, &identity).solve());

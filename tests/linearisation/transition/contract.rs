@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 use mujoco_safe::rayon::ThreadPoolBuilder;
 use mujoco_safe::{
-    Callbacks, Data, Differences, Error, Fallback, Integrator, Matrix, Model, ModelMut, Options, StateSpace, StateSpec,
-    Transition, TransitionMethod, TransitionOptions, TransitionOutputs, sample,
+    Callbacks, Data, Differences, Error, Fallback, Integrator, Lineariser, Matrix, Model, ModelMut, Options,
+    StateSpace, StateSpec, TransitionMethod, TransitionOptions, TransitionOutputs, sample,
 };
 
 use super::{assert_near, deviation, oracle, standing};
 
 const METHODS: [TransitionMethod; 3] = [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse];
 
-fn workspace(data: &Data, options: TransitionOptions) -> Transition {
-    Transition::new(data.model().clone(), options).expect("there is memory")
+fn workspace(data: &Data, options: TransitionOptions) -> Lineariser {
+    Lineariser::new(data.model().clone(), options).expect("there is memory")
 }
 
 fn by(data: &mut Data, method: TransitionMethod, threads: usize) -> StateSpace {
@@ -306,11 +306,11 @@ fn wrong_shapes_options_and_models_are_errors() {
     let model: Arc<Model> = data.model().clone();
     for eps in [0.0, 2.0, f64::NAN] {
         let options = TransitionOptions { eps: Some(eps), ..Default::default() };
-        assert!(matches!(Transition::new(model.clone(), options), Err(Error::Invalid { .. })));
+        assert!(matches!(Lineariser::new(model.clone(), options), Err(Error::Invalid { .. })));
     }
     for threads in [0, 1025, usize::MAX] {
         let options = TransitionOptions { threads, ..Default::default() };
-        assert!(matches!(Transition::new(model.clone(), options), Err(Error::Invalid { .. })));
+        assert!(matches!(Lineariser::new(model.clone(), options), Err(Error::Invalid { .. })));
     }
 
     let mut transition = workspace(&data, TransitionOptions::default());

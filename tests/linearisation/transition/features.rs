@@ -1,6 +1,6 @@
 //! Each feature of the engine that a step depends on, alone: through inverse dynamics, against extrapolated differences.
 
-use mujoco_safe::{Data, Model, StateSpace, Transition, TransitionMethod, TransitionOptions};
+use mujoco_safe::{Data, Lineariser, Model, StateSpace, TransitionMethod, TransitionOptions};
 
 use super::{assert_near, oracle};
 
@@ -60,7 +60,7 @@ fn moving(xml: &str, steps: usize) -> Data {
 }
 
 fn inverse(data: &mut Data) -> StateSpace {
-    let mut transition = Transition::new(data.model().clone(), TransitionOptions::default()).expect("memory");
+    let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).expect("memory");
     let (system, used) = transition.linear_system(data).expect("it can be linearised");
     assert_eq!((used.method, used.fallback), (TransitionMethod::Inverse, None));
     system

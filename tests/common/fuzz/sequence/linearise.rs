@@ -6,8 +6,8 @@ use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
 use mujoco_safe::control::riccati::{Riccati, RiccatiRecursion, RiccatiSolution, RiccatiWorkspace};
 use mujoco_safe::nalgebra::DMatrix;
 use mujoco_safe::{
-    Callbacks, Controller, Data, Differences, LqrWeights, Matrix, Result, StateSpace, StateSpec, TimeVaryingLqr,
-    Transition, TransitionMethod, TransitionOptions, TransitionOutputs,
+    Callbacks, Controller, Data, Differences, Lineariser, LqrWeights, Matrix, Result, StateSpace, StateSpec,
+    TimeVaryingLqr, TransitionMethod, TransitionOptions, TransitionOutputs,
 };
 
 use super::{Bytes, Call, Scene};
@@ -18,7 +18,7 @@ const METHODS: [TransitionMethod; 3] = [TransitionMethod::Engine, TransitionMeth
 fn with_transition(
     scene: &mut Scene<'_>,
     bytes: &mut Bytes<'_>,
-    call: impl FnOnce(&mut Transition, &mut Data, &mut Bytes<'_>) -> Result<()>,
+    call: impl FnOnce(&mut Lineariser, &mut Data, &mut Bytes<'_>) -> Result<()>,
 ) -> Result<()> {
     if scene.data.model().nv() >= 20 {
         return Ok(());
@@ -30,7 +30,7 @@ fn with_transition(
             eps: bytes.once_in(3).then(|| bytes.number()),
             threads: [1, 1, 2, 3, 0][bytes.below(5)],
         };
-        scene.transition = Some(Transition::new(scene.data.model().clone(), options)?);
+        scene.transition = Some(Lineariser::new(scene.data.model().clone(), options)?);
     }
     let transition = scene.transition.as_mut().expect("it was just made");
     black_box(transition.options().threads);
@@ -86,7 +86,7 @@ fn weights(bytes: &mut Bytes<'_>, nx: usize, nu: usize) -> LqrWeights {
 }
 
 pub(super) const CALLS: &[(&str, Call)] = &[
-    ("Transition::linear_system", |scene, bytes| {
+    ("Lineariser::linear_system", |scene, bytes| {
         with_transition(scene, bytes, |transition, data, _| {
             let before = data.state(StateSpec::INTEGRATION);
             let result = transition.linear_system(data);
@@ -95,7 +95,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             result.map(drop)
         })
     }),
-    ("Transition::linear_system_into", |scene, bytes| {
+    ("Lineariser::linear_system_into", |scene, bytes| {
         with_transition(scene, bytes, |transition, data, bytes| {
             let StateSpace { mut a, mut b, mut c, mut d, .. } = StateSpace::zeros(data.model());
             if bytes.once_in(8) {
@@ -111,14 +111,14 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             transition.linear_system_into(data, outputs).map(|used| drop(black_box(format!("{used:?}"))))
         })
     }),
-    ("Transition::linear_system, with a callback", |scene, bytes| {
+    ("Lineariser::linear_system, with a callback", |scene, bytes| {
         with_transition(scene, bytes, |transition, data, bytes| {
             let number = bytes.number();
             let callbacks = Callbacks::new().control(move |moment| moment.ctrl_mut().fill(number));
             data.with_callbacks(callbacks, |data| transition.linear_system(data).map(drop))
         })
     }),
-    ("Transition::along", |scene, bytes| {
+    ("Lineariser::along", |scene, bytes| {
         with_transition(scene, bytes, |transition, data, bytes| {
             let rows = bytes.below(4);
             let (states, controls) = (states(data, bytes, rows), controls(data, bytes, rows));

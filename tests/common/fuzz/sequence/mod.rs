@@ -22,7 +22,7 @@ mod write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use mujoco_safe::{Data, Error, Model, Result, Stage, Transition};
+use mujoco_safe::{Data, Error, Lineariser, Model, Result, Stage};
 
 use super::{Bytes, Verdict, models, print_all, touch_all};
 
@@ -38,7 +38,7 @@ pub(super) struct Scene<'l> {
     /// An abstract scene, of the model that the call had which made it.
     picture: Option<picture::Picture>,
     /// A workspace for linear systems, likewise.
-    transition: Option<Transition>,
+    transition: Option<Lineariser>,
     /// Within how many scopes with callbacks the calls are made.
     pub(super) depth: usize,
     /// Is told what is done before it is done.

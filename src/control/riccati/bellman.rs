@@ -1,8 +1,8 @@
-//! A step of dynamic programming, backwards in time: from the cost to go after a step to the one before it.
+//! The Bellman backup of a linear system with quadratic costs: the cost to go before a step from that after the step.
 
 use nalgebra::DMatrix;
 
-/// The quadratic cost of a step, `dxᵀ q dx + duᵀ r du + 2 dxᵀ s du`, or twice that: the recursion is the same for both.
+/// Quadratic cost of a step, `dxᵀ q dx + duᵀ r du + 2 dxᵀ s du`, or twice that: the recursion is the same for both.
 #[derive(Clone, Copy)]
 pub(in crate::control) struct StepCost<'a> {
     pub(in crate::control) q: &'a DMatrix<f64>,
@@ -10,12 +10,12 @@ pub(in crate::control) struct StepCost<'a> {
     pub(in crate::control) s: Option<&'a DMatrix<f64>>,
 }
 
-/// The cost to go, and room for what takes it a step back.
+/// Cost to go, with the buffers of the backup.
 #[derive(Clone, Debug)]
-pub(in crate::control) struct Backup {
+pub(in crate::control) struct BellmanBackup {
     /// `P`, `(n, n)`: the cost to go from `dx` is `dxᵀ P dx`.
     pub(in crate::control) p: DMatrix<f64>,
-    /// `R + BᵀPB`, `(m, m)`: what a control costs now and later.
+    /// `R + BᵀPB`, `(m, m)`: the cost of the control in this step and later.
     pub(in crate::control) uu: DMatrix<f64>,
     /// `BᵀPA + Sᵀ`, `(m, n)`.
     pub(in crate::control) ux: DMatrix<f64>,
@@ -28,8 +28,8 @@ pub(in crate::control) struct Backup {
     closed_loop_transpose: DMatrix<f64>,
 }
 
-impl Backup {
-    /// From the cost at the end, which is symmetric.
+impl BellmanBackup {
+    /// Starts from the terminal cost, which must be symmetric.
     pub(in crate::control) fn new(p: DMatrix<f64>, controls: usize) -> Self {
         let (n, m) = (p.nrows(), controls);
         let zeros = DMatrix::zeros;
@@ -47,7 +47,12 @@ impl Backup {
         }
     }
 
-    /// Finds [`uu`](Self::uu) and [`ux`](Self::ux) of a step.
+    /// Restarts from another terminal cost of the same shape, without allocating.
+    pub(in crate::control) fn reset(&mut self, p: &DMatrix<f64>) {
+        self.p.copy_from(p);
+    }
+
+    /// Computes [`uu`](Self::uu) and [`ux`](Self::ux) of a step.
     pub(in crate::control) fn expand(&mut self, a: &DMatrix<f64>, b: &DMatrix<f64>, cost: StepCost<'_>) {
         b.transpose_to(&mut self.b_transpose);
         self.pa.gemm(1.0, &self.p, a, 0.0);
@@ -62,13 +67,13 @@ impl Backup {
         self.ux.gemm(1.0, &self.b_transpose, &self.pa, 1.0);
     }
 
-    /// Replaces `P` by the cost to go before the step, if the control is `du = −K dx`, whatever K is:
+    /// Replaces `P` by the cost to go before the step under the control `du = −K dx`, for any K:
     ///
     /// ```text
     /// P ← (A − BK)ᵀ P (A − BK) + KᵀRK − SK − KᵀSᵀ + Q
     /// ```
     ///
-    /// For the best K this is the Riccati recursion, without a difference of large terms.
+    /// For the optimal K this equals the Riccati recursion, without its difference of large terms.
     pub(in crate::control) fn close(
         &mut self,
         a: &DMatrix<f64>,

@@ -1,23 +1,23 @@
-//! The discrete algebraic Riccati equation, by doubling.
+//! Solver for the discrete algebraic Riccati equation, by doubling.
 //!
-//! For a system `x⁺ = A x + B u` and the cost `Σ xᵀQx + uᵀRu + 2 xᵀSu`, the cost to go from `x` under the best control is `xᵀPx`,
-//! where `P` is the stabilising solution of
+//! For a system `x⁺ = A x + B u` and the cost `Σ xᵀQx + uᵀRu + 2 xᵀSu`, the cost to go from `x` under the optimal control is
+//! `xᵀPx`, where `P` is the stabilising solution of
 //!
 //! ```text
 //! P = AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q
 //! ```
 //!
-//! and the best control is `u = −K x` with `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`. Stabilising means that every eigenvalue of `A − BK`
-//! lies inside the unit circle. [`Riccati`] states the equation, [`Riccati::solve`] solves it or says why it cannot.
+//! and the optimal control is `u = −K x` with `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`. Stabilising means that every eigenvalue of `A − BK`
+//! lies inside the unit circle. [`Riccati`] holds the equation, and [`Riccati::solve`] solves it or returns the reason why it has
+//! no solution.
 //!
-//! Over a finite number of steps, or where the system changes from step to step, there is a recursion instead of an equation:
-//! [`RiccatiRecursion`].
+//! Over a finite number of steps, or if the system varies from step to step, [`RiccatiRecursion`] takes the place of the equation.
 //!
-//! # How
+//! # Algorithm
 //!
-//! The cross term is eliminated first: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`, and the states get units in which these are
-//! balanced (`riccati/scaling.rs`), which is worth two digits of the humanoid's solution. Then one step of the
-//! structure-preserving doubling algorithm,
+//! The solver first eliminates the cross term: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`. It then balances these by a
+//! choice of units of the states, which gains two digits in the humanoid's solution. A step of the structure-preserving doubling
+//! algorithm,
 //!
 //! ```text
 //! A⁺ = A (I + GH)⁻¹ A
@@ -25,11 +25,11 @@
 //! H⁺ = H + AᵀH (I + GH)⁻¹ A
 //! ```
 //!
-//! does what as many steps of the Riccati recursion would do as have been done already, so `H` converges to `P` quadratically:
-//! after `k` doublings the error has the factor `ρ` to the power `2ᵏ⁺¹`, with `ρ` the spectral radius of `A − BK`. Even a humanoid
-//! whose place on the floor costs next to nothing, `1 − ρ ≈ 10⁻⁹`, needs about forty. Most of these are nearly free, because by
-//! then the rank of `A` has fallen to a handful and the rest happens in that many dimensions; `riccati/doubling.rs`
-//! has the derivation. Where the residual is above what rounding explains, Newton steps follow (Hewer 1971).
+//! doubles the number of steps of the Riccati recursion that have been taken, so `H` converges to `P` quadratically: after `k`
+//! doublings the error is proportional to `ρ` to the power `2ᵏ⁺¹`, where `ρ` is the spectral radius of `A − BK`. Even a humanoid
+//! whose position on the floor has a tiny weight, `1 − ρ ≈ 10⁻⁹`, needs only about forty. Most of these are nearly free, because
+//! the rank of `A` has fallen to a few by then and the iteration continues in as many dimensions; `doubling.rs` has the
+//! derivation. If the residual exceeds the rounding error, Newton steps follow (Hewer 1971).
 //!
 //! # Sources
 //!
@@ -41,47 +41,44 @@
 //!   regulator*, IEEE Transactions on Automatic Control 16 (1971) 382–384.
 #![allow(clippy::many_single_char_names, reason = "A, B, Q, R, S, P, K, G and H are the symbols of the field")]
 
-mod backup;
+mod balancing;
+mod bellman;
+mod dense;
 mod diagnosis;
 mod doubling;
 mod error;
-mod factors;
-mod lanes;
-mod low_rank;
-mod panels;
 mod problem;
 mod recursion;
-mod scaling;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
-pub(in crate::control) use backup::{Backup, StepCost};
+pub(in crate::control) use bellman::{BellmanBackup, StepCost};
 pub use error::{RiccatiError, RiccatiMatrix};
 pub use recursion::RiccatiRecursion;
 
-use panels::Panels;
+use dense::PackedMatrix;
 use problem::Problem;
 
-/// What [`Riccati::residual_tolerance`] is if nobody says otherwise.
+/// Default of [`Riccati::with_residual_tolerance`].
 const RESIDUAL_TOLERANCE: f64 = 1e-9;
 
-/// Largest difference between mirrored entries of `Q` or of `R` that passes for rounding, relative to the largest entry.
+/// Largest difference between mirrored entries of `Q` or of `R`, relative to the largest entry, that counts as rounding.
 const SYMMETRY_TOLERANCE: f64 = 1e-8;
 
-/// A discrete algebraic Riccati equation, ready to be solved.
+/// Discrete algebraic Riccati equation.
 ///
 /// With `n` states and `m` controls, `A` is `(n, n)`, `B` is `(n, m)`, `Q` is `(n, n)`, `R` is `(m, m)` and `S`, zero unless
-/// [`with_cross_term`](Self::with_cross_term) gives it, is `(n, m)`. `R` must be positive semidefinite, and the whole cost ought to be, as
-/// it is if it cannot be negative. `Q` and `R` stand for their symmetric parts: rounding may have made
-/// them differ from their transposes by up to 10⁻⁸ of the largest entry.
+/// [`with_cross_term`](Self::with_cross_term) sets it, is `(n, m)`. `R` must be positive semidefinite, and the total cost of a
+/// step should be. The solver uses the symmetric parts of `Q` and `R`, which may differ from their transposes by up to 10⁻⁸ of
+/// the largest entry because of rounding.
 ///
-/// Any nalgebra matrix or view goes in, statically or dynamically sized, column-major or row-major.
+/// Accepts any nalgebra matrix or view, statically or dynamically sized, column-major or row-major.
 ///
 /// ```
 /// use mujoco_safe::control::riccati::{Riccati, RiccatiError};
 /// use nalgebra::{matrix, vector, Matrix1, Matrix2};
 ///
-/// // A mass of 1 kg pushed by a force for 0.1 s at a time: position (m), velocity (m/s).
+/// // A mass of 1 kg under a force, in steps of 0.1 s: position (m), velocity (m/s).
 /// let a = matrix![1.0, 0.1; 0.0, 1.0];
 /// let b = vector![0.005, 0.1];
 /// let solution = Riccati::new(&a, &b, &Matrix2::identity(), &Matrix1::identity()).solve()?;
@@ -102,14 +99,15 @@ pub struct Riccati<'a> {
     residual_tolerance: f64,
 }
 
-/// Room for solving Riccati equations again and again without allocating, with [`Riccati::solve_into`]. It grows to the size of the largest.
+/// Buffers to solve Riccati equations repeatedly without allocating, by [`Riccati::solve_into`]. They grow to the size of the
+/// largest equation.
 #[derive(Clone, Debug)]
 pub struct RiccatiWorkspace {
     problem: Problem,
 }
 
 impl RiccatiWorkspace {
-    /// An empty one, which the first equation fills.
+    /// Creates an empty workspace, which allocates for its first equation.
     pub fn new() -> Self {
         Self { problem: Problem::new() }
     }
@@ -121,30 +119,30 @@ impl Default for RiccatiWorkspace {
     }
 }
 
-/// The stabilising solution of a Riccati equation, and the figures that vouch for it. The default is that of no equation, for
-/// [`Riccati::solve_into`] to write to.
+/// Stabilising solution of a Riccati equation, with measures of its quality. The default is empty, as an output of
+/// [`Riccati::solve_into`].
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RiccatiSolution {
-    /// The solution `P`, `(n, n)`, symmetric to the last bit: `xᵀPx` is the cost to go from `x`.
+    /// Solution `P`, `(n, n)`, symmetric to the last bit: `xᵀPx` is the cost to go from `x`.
     pub p: DMatrix<f64>,
-    /// The gain `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`, `(m, n)`, of the best control `u = −K x`.
+    /// Gain `K = (R + BᵀPB)⁻¹(BᵀPA + Sᵀ)`, `(m, n)`, of the optimal control `u = −K x`.
     pub k: DMatrix<f64>,
-    /// How far `P` is from satisfying the equation: the Frobenius norm of
-    /// `AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q − P`, divided by that of `P`; zero where both vanish.
+    /// Relative residual of the equation: the Frobenius norm of
+    /// `AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q − P`, divided by that of `P`; zero if both vanish.
     pub relative_residual: f64,
-    /// The largest modulus among the eigenvalues of `A − BK`, below one: after `t` steps a small error has shrunk, in
-    /// the slowest direction, by this to the power `t`.
+    /// Spectral radius of `A − BK`, the largest modulus of its eigenvalues, which is below one. In `t` steps a small error
+    /// shrinks, in the slowest direction, by this factor to the power `t`.
     ///
-    /// It comes out of the doubling, which has a high power of `A − BK` at hand, and so tells from one even radii that
-    /// the rounding of an eigenvalue solver would blur.
+    /// The doubling computes it from a high power of `A − BK`, so it resolves radii close to 1 that an eigenvalue solver would
+    /// round to 1.
     pub spectral_radius: f64,
-    /// How many doublings it took.
+    /// Number of doublings.
     pub iterations: usize,
 }
 
 impl<'a> Riccati<'a> {
-    /// The equation of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
+    /// Creates the equation of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
     pub fn new(
         a: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>,
         b: impl Into<DMatrixView<'a, f64, Dyn, Dyn>>,
@@ -161,9 +159,9 @@ impl<'a> Riccati<'a> {
         self
     }
 
-    /// Sets the relative residual above which a solution is refused; 10⁻⁹ otherwise.
+    /// Sets the relative residual above which [`solve`](Self::solve) returns an error; the default is 10⁻⁹.
     ///
-    /// A solution is refined as far as rounding lets it whatever the tolerance, so this decides only what is an error.
+    /// The tolerance does not affect the solution, which is always refined as far as rounding permits.
     #[must_use]
     pub fn with_residual_tolerance(mut self, tolerance: f64) -> Self {
         self.residual_tolerance = tolerance;
@@ -177,19 +175,19 @@ impl<'a> Riccati<'a> {
     /// * [`WrongShape`](RiccatiError::WrongShape), [`NotFinite`](RiccatiError::NotFinite),
     ///   [`NotSymmetric`](RiccatiError::NotSymmetric), [`ControlCostNotPositive`](RiccatiError::ControlCostNotPositive),
     ///   [`SingularPencil`](RiccatiError::SingularPencil):
-    ///   the matrices do not state an equation. The first at fault is named.
+    ///   the matrices do not define an equation. The error names the first offending matrix.
     /// * [`UncontrollableMode`](RiccatiError::UncontrollableMode), [`UnobservableMode`](RiccatiError::UnobservableMode):
-    ///   there is no stabilising solution, and this mode is why.
-    /// * [`NoConvergence`](RiccatiError::NoConvergence): none was found, and no mode stands out as the reason.
-    /// * [`Inaccurate`](RiccatiError::Inaccurate): the residual of what was found is above the tolerance.
+    ///   there is no stabilising solution because of this mode.
+    /// * [`NoConvergence`](RiccatiError::NoConvergence): no solution was found, and no single mode is the reason.
+    /// * [`Inaccurate`](RiccatiError::Inaccurate): the residual of the solution is above the tolerance.
     pub fn solve(&self) -> Result<RiccatiSolution, RiccatiError> {
         let mut solution = RiccatiSolution::default();
         self.solve_into(&mut RiccatiWorkspace::new(), &mut solution)?;
         Ok(solution)
     }
 
-    /// As [`solve`](Self::solve), with room that is there already, into a solution that is there already. Allocates nothing when both have
-    /// seen an equation of this size before, except for finding out why there is no solution, and where `R` is singular.
+    /// Solves the equation as [`solve`](Self::solve) does, with existing buffers and into an existing solution. Allocates nothing
+    /// after the first equation of the same size, except to diagnose a failure and if `R` is singular.
     ///
     /// ```
     /// use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiSolution, RiccatiWorkspace};
@@ -206,7 +204,7 @@ impl<'a> Riccati<'a> {
     ///
     /// # Errors
     ///
-    /// As for [`solve`](Self::solve). The solution is then as it was.
+    /// As for [`solve`](Self::solve). The solution is then unchanged.
     pub fn solve_into(
         &self,
         workspace: &mut RiccatiWorkspace,
@@ -227,7 +225,7 @@ impl<'a> Riccati<'a> {
         Ok(())
     }
 
-    /// Copies the matrices, checking everything that can be checked by looking at the entries.
+    /// Copies the matrices, and checks shapes, finiteness and symmetry.
     fn copy_to(&self, problem: &mut Problem) -> Result<(), RiccatiError> {
         let (states, controls) = (self.a.nrows(), self.b.ncols());
         check(RiccatiMatrix::A, &self.a, (states, states))?;
@@ -246,7 +244,7 @@ impl<'a> Riccati<'a> {
     }
 }
 
-/// Refuses a matrix of another shape than expected, or with something in it that is not a number.
+/// Checks that a matrix has the expected shape and finite entries.
 fn check(
     matrix: RiccatiMatrix,
     view: &DMatrixView<'_, f64, Dyn, Dyn>,
@@ -263,18 +261,18 @@ fn check(
     Ok(())
 }
 
-/// Copies the symmetric part of `weight`, if that is `weight` up to rounding.
+/// Copies the symmetric part of `weight`, if `weight` is symmetric up to rounding.
 fn copy_symmetric(
     matrix: RiccatiMatrix,
     weight: &DMatrixView<'_, f64, Dyn, Dyn>,
-    to: &mut Panels,
+    to: &mut PackedMatrix,
 ) -> Result<(), RiccatiError> {
     check_symmetric(matrix, weight)?;
     to.fill(weight.nrows(), weight.ncols(), |row, column| 0.5 * (weight[(row, column)] + weight[(column, row)]));
     Ok(())
 }
 
-/// Refuses a matrix that differs from its transpose by more than rounding explains.
+/// Checks that a matrix differs from its transpose only by rounding.
 fn check_symmetric(matrix: RiccatiMatrix, weight: &DMatrixView<'_, f64, Dyn, Dyn>) -> Result<(), RiccatiError> {
     let tolerance = SYMMETRY_TOLERANCE * weight.amax();
     for column in 0..weight.ncols() {

@@ -1,15 +1,74 @@
-//! Controllers that come with the crate.
+//! The [`Controller`] trait, and controllers that need no solver.
+//!
+//! A controller sets `ctrl` before each step. Rollouts, recordings, the viewer and the trajectory optimiser all take one.
+//! Regulators that solve for a gain are in [`control`](crate::control).
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::Controller;
 use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::id::{ActuatorId, Lineage};
 use crate::model::Model;
 
-/// Sets all controls to zero: the passive dynamics.
+/// Sets the controls of a simulation, once before every step.
+///
+/// A closure is a controller. It returns nothing or a [`Result`]:
+///
+/// ```
+/// use mujoco_safe::{Controller, Data, sample};
+///
+/// let mut data = Data::new(sample::cartpole())?;
+/// let mut push = |data: &mut Data| data.ctrl_mut()[0] = 0.1;
+/// for _ in 0..10 {
+///     push.control(&mut data)?;
+///     data.step()?;
+/// }
+/// assert!(data.qpos()[0] > 0.0);
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+pub trait Controller {
+    /// Sets the controls for the present state.
+    ///
+    /// # Errors
+    ///
+    /// Any error of the controller. The caller then does not step.
+    fn control(&mut self, data: &mut Data) -> Result<()>;
+}
+
+/// Return type of a closure that serves as a [`Controller`]: `()` or `Result<()>`.
+pub trait Outcome {
+    /// Converts the return value to a result.
+    ///
+    /// # Errors
+    ///
+    /// The error that the closure returned.
+    fn into_result(self) -> Result<()>;
+}
+
+impl Outcome for () {
+    fn into_result(self) -> Result<()> {
+        Ok(())
+    }
+}
+
+impl Outcome for Result<()> {
+    fn into_result(self) -> Result<()> {
+        self
+    }
+}
+
+impl<F, O> Controller for F
+where
+    F: FnMut(&mut Data) -> O,
+    O: Outcome,
+{
+    fn control(&mut self, data: &mut Data) -> Result<()> {
+        self(data).into_result()
+    }
+}
+
+/// Controller that sets all controls to zero, which leaves the passive dynamics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ZeroController;
 
@@ -20,8 +79,8 @@ impl Controller for ZeroController {
     }
 }
 
-/// Sets each control to a random number: uniform over its range where it has one, and over ±1 otherwise. The same seed gives
-/// the same numbers, on every machine.
+/// Controller that draws each control from a uniform distribution: over the control's range if it is limited, else over ±1.
+/// The same seed gives the same numbers on every machine.
 ///
 /// ```
 /// use mujoco_safe::{Controller, Data, RandomController, sample};
@@ -38,7 +97,7 @@ pub struct RandomController {
 }
 
 impl RandomController {
-    /// One whose numbers follow from the seed.
+    /// Creates a controller whose random numbers are determined by the seed.
     pub fn new(seed: u64) -> Self {
         Self { random: Xoshiro256PlusPlus::seed_from_u64(seed) }
     }
@@ -57,10 +116,10 @@ impl Controller for RandomController {
     }
 }
 
-/// Drives each actuator's length to a target by `ctrl = kp (target − length) − kd velocity`.
+/// PD controller that drives each actuator's length to a target: `ctrl = kp (target − length) − kd velocity`.
 ///
-/// The length of an actuator on a joint is the joint's position times its gear, so this is the usual PD controller of a robot
-/// whose motors sit on its joints, and means the same for tendons. The lengths and velocities are those of the present state.
+/// The length of an actuator on a joint is the joint position times the gear, so this is the usual PD controller of a robot
+/// with motors on its joints; it works the same way for tendons. Lengths and velocities are those of the present state.
 ///
 /// ```
 /// use mujoco_safe::{Controller, Data, PdController, sample};
@@ -84,7 +143,7 @@ pub struct PdController {
 }
 
 impl PdController {
-    /// One with these gains for all actuators, whose targets are their lengths in the reference configuration.
+    /// Creates a controller with the same gains for all actuators. Targets are the lengths in the reference configuration.
     pub fn new(model: &Model, kp: f64, kd: f64) -> Self {
         Self { kp, kd, target: model.actuator_length0().to_vec(), lineage: model.lineage() }
     }
@@ -93,7 +152,7 @@ impl PdController {
     ///
     /// # Panics
     ///
-    /// If the actuator is one of another model than that which the controller was made for.
+    /// If the actuator belongs to another model than the one that the controller was created for.
     pub fn set_target(&mut self, actuator: impl Into<ActuatorId>, length: f64) {
         let actuator = actuator.into();
         assert!(actuator.lineage() == self.lineage, "{actuator:?} belongs to another model than this controller");
@@ -103,8 +162,8 @@ impl PdController {
 
 impl Controller for PdController {
     fn control(&mut self, data: &mut Data) -> Result<()> {
-        Error::check_length("the target of a PD controller", self.target.len(), data.model().nu())?;
-        // The lengths of the last step belong to the state before it.
+        Error::check_length("the targets of a PD controller", self.target.len(), data.model().nu())?;
+        // After a step, actuator lengths are those of the previous state.
         data.forward()?;
         for (index, target) in self.target.iter().enumerate() {
             let ctrl = self.kp * (target - data.actuator_length()[index]) - self.kd * data.actuator_velocity()[index];

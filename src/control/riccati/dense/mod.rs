@@ -1,0 +1,18 @@
+//! Dense linear algebra of the Riccati solver: matrix products, LU factorisation and low-rank factorisation.
+//!
+//! The solver performs some hundred products and factorisations of matrices with about 50 rows per equation. nalgebra passes
+//! large products to `matrixmultiply`, which allocates at every call, and solves triangular systems column by column. This
+//! module allocates only when a matrix grows, and vectorises all inner loops for the processor at run time.
+//!
+//! The rest of the solver uses only the items re-exported here, so another implementation replaces this module alone:
+//! [`PackedMatrix`] would wrap the other library's matrix, and [`InstructionSet`] its handle for parallelism, if any.
+
+mod low_rank;
+mod lu;
+mod packed;
+mod simd;
+
+pub(super) use low_rank::LowRank;
+pub(super) use lu::LuFactors;
+pub(super) use packed::PackedMatrix;
+pub(super) use simd::InstructionSet;

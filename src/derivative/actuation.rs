@@ -1,0 +1,151 @@
+//! Derivatives of actuator forces with respect to controls and activations.
+
+use std::ffi::c_int;
+
+use mujoco_sys::{mjDSBL_CLAMPCTRL, mjSENS_ACTUATORFRC};
+
+use super::linear_algebra::add;
+use super::method::Step;
+use super::perturbation::{Input, PerturbedData, Settings, sides};
+use super::{Differences, sizes};
+use crate::data::Data;
+use crate::error::Result;
+use crate::model::Model;
+
+/// Derivatives with respect to the controls and activations at the base point.
+#[derive(Clone, Debug)]
+pub(super) struct Actuation {
+    by_control: ActuatorDerivatives,
+    by_activation: ActuatorDerivatives,
+}
+
+/// Derivatives of each actuator with respect to its own control, or its own activation.
+#[derive(Clone, Debug)]
+struct ActuatorDerivatives {
+    /// `(nu)`: of the force.
+    force: Vec<f64>,
+    /// `(nu)`: of the activation after the step; zero for actuators without activation.
+    activation: Vec<f64>,
+    /// `(nsensordata)`: of the actuator force sensors.
+    sensors: Vec<f64>,
+}
+
+impl ActuatorDerivatives {
+    fn zeros(model: &Model) -> Self {
+        let nu = model.nu();
+        Self { force: vec![0.0; nu], activation: vec![0.0; nu], sensors: vec![0.0; model.nsensordata()] }
+    }
+
+    fn clear(&mut self) {
+        for values in [&mut self.force, &mut self.activation, &mut self.sensors] {
+            values.fill(0.0);
+        }
+    }
+}
+
+impl Actuation {
+    pub(super) fn zeros(model: &Model) -> Self {
+        let zeros = ActuatorDerivatives::zeros(model);
+        Self { by_control: zeros.clone(), by_activation: zeros }
+    }
+
+    /// Computes the derivatives by central differences.
+    ///
+    /// An actuator depends only on its own control and activation, so one difference perturbs all actuators at once.
+    pub(super) fn differentiate(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<()> {
+        let Settings { model, wanted, step } = settings;
+        let clamped = model.raw().opt.disableflags & mjDSBL_CLAMPCTRL as c_int == 0;
+        let central = Step { differences: Differences::Central, ..step };
+        for controls in [true, false] {
+            let derivatives = if controls { &mut self.by_control } else { &mut self.by_activation };
+            derivatives.clear();
+            if model.nu() == 0 || (!controls && model.na() == 0) {
+                continue;
+            }
+            for sign in [1.0, -1.0] {
+                let eps = sign * step.eps;
+                if controls {
+                    for control in 0..model.nu() {
+                        let (right, left) = sides(&point.data, Input::Control(control), central);
+                        if !clamped || (if sign > 0.0 { right } else { left }) {
+                            point.data.ctrl_mut()[control] += eps;
+                        }
+                    }
+                } else {
+                    point.data.act_mut().iter_mut().for_each(|act| *act += eps);
+                }
+                point.data.fwd_actuation()?;
+                if wanted.sensors {
+                    point.data.inv_constraint()?;
+                    point.data.sensor_acc()?;
+                }
+                add(&mut derivatives.force, point.data.actuator_force(), sign);
+                add(&mut derivatives.sensors, point.data.sensordata(), sign);
+                for activation in 0..model.na() {
+                    let next = next_activation(model, &point.data, activation);
+                    derivatives.activation[activation + model.nu() - model.na()] += sign * next;
+                }
+                point.restore()?;
+            }
+            // Divides by the width of the perturbation, which is one-sided at the end of a control range.
+            for actuator in 0..model.nu() {
+                let sides = if controls && clamped {
+                    let (right, left) = sides(&point.data, Input::Control(actuator), central);
+                    u8::from(right) + u8::from(left)
+                } else {
+                    2
+                };
+                let factor = if sides == 0 { 0.0 } else { 1.0 / (f64::from(sides) * step.eps) };
+                derivatives.force[actuator] *= factor;
+                derivatives.activation[actuator] *= factor;
+                for sensor in force_sensors(model, actuator) {
+                    derivatives.sensors[sensor] *= factor;
+                }
+            }
+        }
+        point.data.fwd_actuation()?;
+        point.data.inv_constraint()
+    }
+
+    /// Writes the derivative of the residual, and of the activations and force sensors in a row of the linear system, with
+    /// respect to the control or the activation of an actuator.
+    pub(super) fn column(
+        &self,
+        data: &Data,
+        model: &Model,
+        input: Input,
+        actuator: usize,
+        residual: &mut [f64],
+        row: &mut [f64],
+    ) {
+        let derivatives = if matches!(input, Input::Control(_)) { &self.by_control } else { &self.by_activation };
+        let (nv, nx) = (model.nv(), sizes(model).0);
+        row.fill(0.0);
+        let slope = derivatives.force[actuator];
+        for (residual, moment) in residual.iter_mut().zip(data.actuator_moment().row(actuator)) {
+            *residual = -slope * moment;
+        }
+        if let Some(activation) = (actuator + model.na()).checked_sub(model.nu()) {
+            row[2 * nv + activation] = derivatives.activation[actuator];
+        }
+        for sensor in force_sensors(model, actuator) {
+            row[nx + sensor] = derivatives.sensors[sensor];
+        }
+    }
+}
+
+/// Returns an activation after the step.
+fn next_activation(model: &Model, data: &Data, activation: usize) -> f64 {
+    let actuator = activation + model.nu() - model.na();
+    let next = data.act()[activation] + model.raw().opt.timestep * data.act_dot()[activation];
+    let [low, high] = model.actuator_actrange()[actuator];
+    if model.actuator_actlimited()[actuator] == 0 { next } else { next.max(low).min(high) }
+}
+
+/// Returns the addresses in `sensordata` of the sensors of an actuator's force.
+fn force_sensors(model: &Model, actuator: usize) -> impl Iterator<Item = usize> {
+    let sensors = model.sensor_type().iter().zip(model.sensor_objid()).zip(model.sensor_adr());
+    sensors.filter_map(move |((&kind, &object), &address)| {
+        (kind as u32 == mjSENS_ACTUATORFRC && object as usize == actuator).then_some(address as usize)
+    })
+}

@@ -1,0 +1,234 @@
+//! Repeated linearisation of steps, in several threads and without allocation.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::implicit::obstacle;
+use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
+use super::perturbation::{BasePoint, Wanted, inputs};
+use super::work_queue::{WorkQueue, for_each_worker};
+use super::worker::{Worker, linearise};
+use super::{StateSpace, TransitionOutputs, check_eps};
+use crate::data::{Data, StateSpec};
+use crate::enums::Integrator;
+use crate::error::{Error, Result};
+use crate::matrix::Matrix;
+use crate::model::Model;
+
+/// Fewest columns for which it pays to wake another thread.
+const MIN_COLUMNS_TO_SHARE: usize = 16;
+
+/// Largest number of threads. More would be a mistake, and each takes the memory of a simulation.
+const MAX_THREADS: usize = 1024;
+
+/// Linearises steps of a simulation by a choice of [methods](TransitionMethod), and keeps the required buffers: a simulation
+/// for each thread, and the columns.
+///
+/// ```
+/// use mujoco_safe::{Data, Lineariser, StateSpace, TransitionMethod, TransitionOptions, sample};
+///
+/// let mut data = Data::new(sample::humanoid())?;
+/// data.reset_to_key("squat")?;
+/// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default())?;
+/// let mut system = StateSpace::zeros(data.model());
+/// let report = lineariser.linear_system_into(&mut data, &mut system)?;
+/// assert_eq!(report.method, TransitionMethod::Inverse);
+/// assert_eq!(report.fallback, None);
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+///
+/// The threads of the current rayon pool share the columns; `ThreadPool::install` selects another pool than the global one.
+/// The caller's thread is one of them, and the result does not depend on their number. With one thread, or for a model of a
+/// few degrees of freedom, the caller's thread does all the work.
+#[derive(Debug)]
+pub struct Lineariser {
+    options: TransitionOptions,
+    workers: Vec<Worker>,
+    /// Buffer for the base point: [`StateSpec::INTEGRATION`].
+    base: Vec<f64>,
+}
+
+impl Lineariser {
+    /// Creates a lineariser for simulations of this model, or of copies of it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1 and there are from 1 to 1024 threads, [`Error::Engine`] or
+    /// [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
+    pub fn new(model: impl Into<Arc<Model>>, options: TransitionOptions) -> Result<Self> {
+        let model = model.into();
+        if let Some(eps) = options.eps {
+            check_eps("TransitionOptions", eps)?;
+        }
+        if !(1..=MAX_THREADS).contains(&options.threads) {
+            let expected = format!("from 1 to {MAX_THREADS}, as each has its own simulation");
+            return Err(Error::invalid("threads of TransitionOptions", options.threads, expected));
+        }
+        let workers = (0..options.threads).map(|_| Worker::new(&model)).collect::<Result<_>>()?;
+        Ok(Self { options, workers, base: vec![0.0; model.state_size(StateSpec::INTEGRATION)] })
+    }
+
+    /// Returns the options that the lineariser was created with.
+    pub fn options(&self) -> &TransitionOptions {
+        &self.options
+    }
+
+    /// Linearises a step about the present state, controls and other inputs. Also reports the method that was used.
+    ///
+    /// # Errors
+    ///
+    /// As for [`linear_system_into`](Self::linear_system_into).
+    pub fn linear_system(&mut self, data: &mut Data) -> Result<(StateSpace, LinearisationReport)> {
+        let mut system = StateSpace::zeros(data.model());
+        let report = self.linear_system_into(data, &mut system)?;
+        Ok((system, report))
+    }
+
+    /// Linearises a step as [`linear_system`](Self::linear_system) does, into the caller's matrices, any of which may be
+    /// omitted. Allocates nothing, except what rayon occasionally needs to wake its threads.
+    ///
+    /// The simulation is unchanged afterwards, to the last bit and also after an error, unless it has
+    /// [callbacks](crate::callback): these can only be called with the simulation itself. Its computed quantities then count
+    /// as not computed, and after an error it has to be reset.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong shape, [`Error::OtherModel`] for a simulation of a model that was loaded separately, and
+    /// the errors of [`Data::step`]. With [`TransitionMethod::Engine`] also those of [`Data::transition_fd_into`].
+    pub fn linear_system_into<'a>(
+        &mut self,
+        data: &mut Data,
+        outputs: impl Into<TransitionOutputs<'a>>,
+    ) -> Result<LinearisationReport> {
+        let outputs = outputs.into();
+        outputs.check(data.model())?;
+        self.adopt_model(data)?;
+        data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
+        let (method, fallback) = self.method(data);
+        if fallback == Some(Fallback::Callbacks) {
+            let step = self.options.step(method);
+            let result = data.transition_fd_into(step.eps, step.differences, outputs);
+            // The engine does not restore inputs that a closure sets.
+            data.set_state(StateSpec::INTEGRATION, &self.base)?;
+            return result.map(|()| LinearisationReport { method, fallback });
+        }
+        let columns = inputs(data.model(), Wanted::by(&outputs)).count();
+        let workers = if columns < MIN_COLUMNS_TO_SHARE { &mut self.workers[..1] } else { &mut self.workers[..] };
+        let base = BasePoint { integration: &self.base, knot: None };
+        linearise(workers, base, &self.options, (method, fallback), outputs)
+    }
+
+    /// Linearises the steps along a trajectory, for a regulator whose gain varies with time.
+    ///
+    /// System `k` is that of row `k` of `states`, `[qpos; qvel; act]`, and row `k` of `controls`. Time, applied forces, mocap
+    /// poses and user data are those of `data`. Each thread linearises a share of the rows; the result does not depend on the
+    /// number of threads.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, Lineariser, Matrix, TransitionOptions, sample};
+    ///
+    /// let data = Data::new(sample::cartpole())?;
+    /// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() })?;
+    /// let states = Matrix::from_rows(&[[0.0, 0.1, 0.0, 0.0], [0.0, 0.2, 0.0, 1.0], [0.1, 0.3, 0.0, 2.0]]);
+    /// let systems = lineariser.along(&data, &states, &Matrix::zeros(3, 1))?;
+    /// // The further the pole leans, the less gravity accelerates it with the angle.
+    /// assert!(systems[0].0.a[(3, 1)] > systems[1].0.a[(3, 1)]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`linear_system_into`](Self::linear_system_into), [`Error::Shape`] unless `states` is `(N, nq + nv + na)` and
+    /// `controls` is `(N, nu)`, and [`Error::Unsupported`] for a simulation with callbacks. If several rows fail, returns the
+    /// error of the first one.
+    pub fn along(
+        &mut self,
+        data: &Data,
+        states: &Matrix,
+        controls: &Matrix,
+    ) -> Result<Vec<(StateSpace, LinearisationReport)>> {
+        let report = LinearisationReport { method: self.options.method, fallback: None };
+        let mut systems = vec![(StateSpace::zeros(data.model()), report); states.nrows()];
+        self.along_into(data, states, controls, &mut systems)?;
+        Ok(systems)
+    }
+
+    /// Linearises the steps along a trajectory as [`along`](Self::along) does, into the caller's systems. Allocates nothing,
+    /// except what rayon needs.
+    ///
+    /// # Errors
+    ///
+    /// As for [`along`](Self::along), and [`Error::Shape`] unless there is one system of the right shapes for each row.
+    pub fn along_into(
+        &mut self,
+        data: &Data,
+        states: &Matrix,
+        controls: &Matrix,
+        systems: &mut [(StateSpace, LinearisationReport)],
+    ) -> Result<()> {
+        let model = data.model();
+        let knots = states.nrows();
+        Error::check_shape("states of along", states.shape(), (knots, model.state_size(StateSpec::PHYSICS)))?;
+        Error::check_shape("controls of along", controls.shape(), (knots, model.nu()))?;
+        Error::check_length("the systems of along", systems.len(), knots)?;
+        for (system, _) in &mut *systems {
+            TransitionOutputs::from(system).check(model)?;
+        }
+        self.adopt_model(data)?;
+        data.state_into(StateSpec::INTEGRATION, &mut self.base)?;
+        let (method, fallback) = self.method(data);
+        if fallback == Some(Fallback::Callbacks) {
+            return Err(Error::Unsupported("along linearises only simulations without callbacks".to_owned()));
+        }
+        let (integration, options) = (&self.base, &self.options);
+        let queue = WorkQueue::new(systems.iter_mut().enumerate());
+        let first_error = Mutex::new(None);
+        for_each_worker(&mut self.workers, |worker, _| {
+            while let Some((knot, (system, report))) = queue.take() {
+                let base = BasePoint { integration, knot: Some((states.row(knot), controls.row(knot))) };
+                let workers = std::slice::from_mut(worker);
+                match linearise(workers, base, options, (method, fallback), TransitionOutputs::from(system)) {
+                    Ok(used) => *report = used,
+                    // The queue hands out rows in order, so the first row that fails is among those that threads have taken.
+                    Err(error) => {
+                        let mut first = first_error.lock().unwrap_or_else(PoisonError::into_inner);
+                        if first.as_ref().is_none_or(|&(earlier, _)| knot < earlier) {
+                            *first = Some((knot, error));
+                        }
+                        return;
+                    }
+                }
+            }
+        });
+        match first_error.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            None => Ok(()),
+            Some((_, error)) => Err(error),
+        }
+    }
+
+    /// Adopts the model of a simulation, which may have been edited since.
+    fn adopt_model(&mut self, data: &Data) -> Result<()> {
+        data.check_usable()?;
+        data.check_inputs()?;
+        if !self.workers[0].point.data.model().is_same_structure(data.model()) {
+            return Err(Error::OtherModel { what: "the data to linearise" });
+        }
+        self.workers.iter_mut().for_each(|worker| worker.point.adopt_model(data));
+        Ok(())
+    }
+
+    /// Selects the method, as far as it is known before the linearisation.
+    fn method(&self, data: &Data) -> (TransitionMethod, Option<Fallback>) {
+        let requested = self.options.method;
+        if data.callbacks.is_some() {
+            return (TransitionMethod::Engine, (requested != TransitionMethod::Engine).then_some(Fallback::Callbacks));
+        }
+        let obstacle = match requested {
+            TransitionMethod::Inverse => obstacle(data.model()),
+            TransitionMethod::Engine if data.model().options().integrator == Integrator::Rk4 => {
+                Some(Fallback::RungeKutta)
+            }
+            _ => None,
+        };
+        (if obstacle.is_some() { TransitionMethod::Columns } else { requested }, obstacle)
+    }
+}

@@ -1,0 +1,63 @@
+//! A work queue shared by a few threads, one of which is the caller's.
+//!
+//! A linearisation takes less than a millisecond, and waking a sleeping thread takes a good part of that. So no thread waits
+//! for another: the caller starts at once, threads that join later take the remaining items, and if none joins the caller does
+//! all the work. The result does not depend on the assignment of items to threads.
+
+use std::hint;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Fewest remaining items for which another worker joins.
+const MIN_ITEMS_TO_JOIN: usize = 4;
+
+/// Iterations that the caller spins for the other workers before it sleeps. They take longer than an item does.
+const SPINS: usize = 20_000;
+
+/// Items of work, taken in order.
+pub(super) struct WorkQueue<I>(Mutex<I>);
+
+impl<I: ExactSizeIterator> WorkQueue<I> {
+    pub(super) fn new(items: impl IntoIterator<IntoIter = I>) -> Self {
+        Self(Mutex::new(items.into_iter()))
+    }
+
+    /// Takes the next item.
+    pub(super) fn take(&self) -> Option<I::Item> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).next()
+    }
+
+    /// Returns whether enough items remain for another worker to join.
+    pub(super) fn is_worth_joining(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).len() >= MIN_ITEMS_TO_JOIN
+    }
+}
+
+/// Calls `work` for each worker: for the first in this thread, and for the others in the current rayon pool as threads become
+/// available. The second argument of `work` is true for the first worker. A single worker involves neither rayon nor another
+/// thread.
+pub(super) fn for_each_worker<W: Send>(workers: &mut [W], work: impl Fn(&mut W, bool) + Sync) {
+    let Some((first, others)) = workers.split_first_mut() else { return };
+    if others.is_empty() {
+        return work(first, true);
+    }
+    let busy = AtomicUsize::new(0);
+    let (busy, work) = (&busy, &work);
+    rayon::in_place_scope(|scope| {
+        for worker in others {
+            scope.spawn(move |_| {
+                busy.fetch_add(1, Ordering::Relaxed);
+                work(worker, false);
+                busy.fetch_sub(1, Ordering::Relaxed);
+            });
+        }
+        work(first, true);
+        // Workers that are still running have one item to finish. Sleeping and waking up would take longer.
+        for _ in 0..SPINS {
+            if busy.load(Ordering::Relaxed) == 0 {
+                break;
+            }
+            hint::spin_loop();
+        }
+    });
+}
