@@ -46,9 +46,36 @@ impl Rectangle {
     }
 }
 
+/// Frames in the units of a file: hundredths of a second, say. What is rounded off one delay is added to the next.
+#[derive(Debug)]
+pub(super) struct Delays {
+    ticks_per_frame: f64,
+    frames: u64,
+    ticks: u64,
+}
+
+impl Delays {
+    pub(super) fn new(ticks_per_second: f64, frames_per_second: f64) -> Self {
+        Self { ticks_per_frame: ticks_per_second / frames_per_second, frames: 0, ticks: 0 }
+    }
+
+    /// The ticks of so many frames more, in parts that a file has room for.
+    pub(super) fn next(&mut self, shown: u64) -> impl Iterator<Item = u16> + use<> {
+        self.frames += shown;
+        let until = (self.frames as f64 * self.ticks_per_frame).round() as u64;
+        let mut left = until - self.ticks;
+        self.ticks = until;
+        std::iter::from_fn(move || {
+            let part = u16::try_from(left).unwrap_or(u16::MAX);
+            left -= u64::from(part);
+            (part > 0).then_some(part)
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Rectangle;
+    use super::{Delays, Rectangle};
 
     #[test]
     fn a_rectangle_is_the_smallest_around_what_changed() {
@@ -62,5 +89,14 @@ mod tests {
         assert_eq!(around(&[0, 3, 8]), [0, 0, 4, 3]);
         let rows: Vec<_> = Rectangle::of_changes(4, 3, |pixel| [5, 10].contains(&pixel)).rows(4).collect();
         assert_eq!(rows, [5..7, 9..11]);
+    }
+
+    #[test]
+    fn rounded_delays_sum_up_to_the_right_length() {
+        let mut delays = Delays::new(100.0, 30.0);
+        let parts: Vec<u16> = (0..300).flat_map(|_| delays.next(1)).collect();
+        assert_eq!(parts.iter().map(|&part| u32::from(part)).sum::<u32>(), 1000);
+        assert!(parts.iter().all(|part| (3..=4).contains(part)));
+        assert_eq!(delays.next(30_000).collect::<Vec<_>>(), [u16::MAX, 34_465]);
     }
 }

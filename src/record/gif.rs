@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use gif::{DisposalMethod, EncodingError, Frame, Repeat};
 
 use super::RecorderOptions;
-use super::clock::Delays;
-use super::encoder::{Encoder, Rectangle};
+use super::encoder::{Delays, Encoder, Rectangle};
 use super::palette::Palette;
 use crate::error::{Error, Result};
 use crate::file::Replacement;

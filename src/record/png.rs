@@ -5,8 +5,7 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::RecorderOptions;
-use super::clock::Delays;
-use super::encoder::{Encoder, Rectangle};
+use super::encoder::{Delays, Encoder, Rectangle};
 use super::format::NumberedName;
 use crate::error::{Error, Result};
 use crate::file::{self, Replacement};
