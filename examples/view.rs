@@ -4,8 +4,8 @@
 //! cargo run --release --features viewer --example view -- model.xml
 //! ```
 //!
-//! Without a path, the example shows the bundled humanoid. Drop the file of another model onto the window to load it. Press F1 for
-//! the keyboard and mouse controls. Options:
+//! Without a path, the example shows the bundled humanoid. Drop the file of another model onto the window to load it. Press
+//! F1 for the keyboard and mouse controls. Options:
 //!
 //! - `--keyframe NAME`: initial keyframe
 //! - `--size WxH`: size of the window in pixels

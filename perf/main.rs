@@ -9,21 +9,19 @@
 //! reported is the median of the ratios, and their quartiles. All threads keep to a processor each (see `processor.rs`), and for work in several
 //! a pair counts if the machine had a core for each.
 
-#[path = "../benches/common/balance.rs"]
-mod balance;
-mod cores;
+#[path = "../benches/common/models.rs"]
+mod models;
 mod ours;
 mod peer;
 mod processor;
 mod report;
-#[path = "../benches/common/samples.rs"]
-mod samples;
+
 
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use balance::Balance;
+use models::Balance;
 use ours::{Ours, Riccatis};
 use peer::Peer;
 use report::{Duel, Report};
@@ -93,7 +91,7 @@ fn tasks() -> Vec<Task> {
             systems: 2,
         },
     ];
-    if let Some(path) = samples::many_humanoids().map(Path::to_owned) {
+    if let Some(path) = models::many_humanoids().map(Path::to_owned) {
         tasks.push(Task { name: "22 humanoids", path, key: None, steps: 8, rollout_steps: 0, systems: 0 });
     }
     tasks

@@ -15,7 +15,7 @@ use mujoco_safe::{
 use nalgebra::DMatrix;
 
 use crate::Outcome;
-use crate::balance::Balance;
+use crate::models::Balance;
 
 /// The random numbers of `engine.c`.
 struct Numbers(u64);

@@ -6,7 +6,7 @@
 //!
 //! Fifty times a second, the planner simulates 32 rollouts of half a second under the regulator with random additions to the
 //! controls, and applies the best of them ([`planner`]). The cost rewards an upright robot that is not about to fall ([`cost`]);
-//! stepping is not prescribed, it emerges. The simulation waits for the planner; the real-time factor is printed. `--help` lists
+//! it does not prescribe steps. The simulation waits for the planner, and the program prints the real-time factor. `--help` lists
 //! the options.
 
 mod attempt;

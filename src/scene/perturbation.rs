@@ -188,9 +188,9 @@ impl Perturbation {
         self.take(&raw)
     }
 
-    /// Moves the selected body to the target pose. For a mocap body this sets the mocap pose. While `paused`, it also moves a
-    /// free body, or the tree below it if the root has a free joint. Has no effect on other bodies, or if [`active`](Self::active) is
-    /// empty. Call [`Data::forward`] afterwards.
+    /// Moves the selected body to the target pose. For a mocap body this sets the mocap pose. While `paused`, it also
+    /// moves a free body, or the tree below it if the root has a free joint. Has no effect on other bodies, or if
+    /// [`active`](Self::active) is empty. Call [`Data::forward`] afterwards.
     ///
     /// # Errors
     ///
