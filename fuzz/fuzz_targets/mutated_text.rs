@@ -1,4 +1,4 @@
-//! Mutated MJCF texts and the files that they reference.
+//! Mutated model texts and the files that they reference.
 
 #![no_main]
 

@@ -66,7 +66,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// As for [`update`](Self::update). A full scene keeps the geoms that fitted.
+    /// As for [`update`](Self::update). A full scene keeps the geoms that fit.
     ///
     /// # Panics
     ///
