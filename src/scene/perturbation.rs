@@ -141,7 +141,7 @@ impl Perturbation {
     /// # Errors
     ///
     /// [`Error::OtherModel`] for a scene of another model, [`Error::NotComputed`] if positions have not been computed,
-    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] if a number is not finite. The data stay
+    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] if a number is not finite. The data stays
     /// usable.
     ///
     /// # Panics
@@ -189,8 +189,8 @@ impl Perturbation {
     }
 
     /// Moves the selected body to the target pose. For a mocap body this sets the mocap pose. While `paused`, it also
-    /// moves a free body, or the tree below it if the root has a free joint. Has no effect on other bodies, or if
-    /// [`active`](Self::active) is empty. Call [`Data::forward`] afterwards.
+    /// moves a free body, or the kinematic tree that contains the body if the root of the tree has a free joint. Has no
+    /// effect on other bodies, or if [`active`](Self::active) is empty. Call [`Data::forward`] afterwards.
     ///
     /// # Errors
     ///

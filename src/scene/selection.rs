@@ -33,7 +33,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Engine`] before the first update (the data stay
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Engine`] before the first update (the data stays
     /// usable), [`Error::OtherModel`] for data of another model, [`Error::Invalid`] if a number is not finite,
     /// [`Error::Unsupported`] if the model has a height field with more rows than columns, as for [`Data::ray`].
     ///

@@ -113,7 +113,7 @@ impl Scene {
         if is_full { Err(self.geoms_full()) } else { Ok(start..self.ngeom()) }
     }
 
-    /// Returns an error unless the data belong to the model and contain every result that the engine reads.
+    /// Returns an error unless the data belongs to the model and contains every result that the engine reads.
     fn check_data(&self, call: &'static str, data: &Data, options: &SceneOptions) -> Result<()> {
         let model = data.model();
         self.check_model(model, "the data to show")?;
