@@ -1,8 +1,8 @@
-//! One decision of the humanoid's regulator: a closure that makes new vectors on every call, as it would be written down first,
-//! against [`Lqr`], which keeps them. How often each allocates is printed beside it.
+//! LQR control law of the humanoid: a straightforward closure that allocates vectors in every call, against [`Lqr`], which reuses
+//! its buffers. The number of allocations is printed as well.
 //!
-//! (The page that this comparison comes from gives 1.22 µs and 13 allocations for the one and 0.81 µs and none for the other, in
-//! another language on another machine.)
+//! (The source of this comparison, in another language on another machine, reports 1.22 µs with 13 allocations against 0.81
+//! µs with none.)
 //!
 //! ```text
 //! cargo bench --bench controller
@@ -10,17 +10,17 @@
 
 mod common;
 
-use common::balance::Balance;
+use common::models::Balance;
 use mujoco_safe::{Controller, Data, Lqr, Matrix, Result};
 use nalgebra::{DMatrix, DVector};
 
-/// How many decisions a run makes.
+/// Number of calls per run.
 const CALLS: u32 = 100;
 
-/// Decides again and again, about one state. The controls are not part of what the decision is made from.
+/// Evaluates the controller repeatedly for one state. The control law does not depend on the controls, which it overwrites.
 fn run(data: &mut Data, controller: &mut impl Controller) {
     for _ in 0..CALLS {
-        controller.control(data).expect("the controller is made for this model");
+        controller.control(data).expect("the controller belongs to this model");
     }
 }
 
@@ -42,7 +42,7 @@ fn main() -> Result<()> {
     };
     let lqr = Lqr::with_gain(&data, Matrix::from(&gain))?;
 
-    // A little off the set-point.
+    // Move slightly away from the set-point.
     data.step()?;
     data.qvel_mut().fill(0.01);
 
@@ -51,7 +51,7 @@ fn main() -> Result<()> {
         ("Lqr", &mut lqr.clone() as &mut dyn Controller),
     ] {
         let counted = allocation_counter::measure(|| controller.control(&mut data).expect("as in `run`"));
-        println!("controller: {name} allocates {} times a call", counted.count_total);
+        println!("controller: {name} allocates {} times per call", counted.count_total);
     }
 
     common::compare(

@@ -1,5 +1,5 @@
-//! The Jacobians of a body's centre of mass: [`Data::jac_body_com_into`], which writes to the caller's matrices, and
-//! [`Data::jac_body_com`], which allocates them, against `mj_jacBodyCom`. The body is a foot of the humanoid.
+//! Jacobians of a body's centre of mass, a foot of the humanoid: [`Data::jac_body_com_into`], which writes to the caller's
+//! matrices, and [`Data::jac_body_com`], which allocates them, against `mj_jacBodyCom`.
 //!
 //! ```text
 //! cargo bench --bench jacobian
@@ -11,7 +11,7 @@ use std::hint::black_box;
 
 use mujoco_safe::{BodyId, Data, Matrix, Result, sample, sys};
 
-/// How many calls a run makes.
+/// Number of calls per run.
 const CALLS: u32 = 100;
 
 struct Foot {
@@ -44,7 +44,7 @@ fn main() -> Result<()> {
         let outputs = (foot.translation.as_mut_slice().as_mut_ptr(), foot.rotation.as_mut_slice().as_mut_ptr());
         for _ in 0..CALLS {
             let body = black_box(foot.id).index() as i32;
-            // SAFETY: a data and its own model, one of its bodies, and outputs of 3 × nv values.
+            // SAFETY: the data and its own model, a valid body, and outputs of 3 × nv values.
             unsafe { sys::mj_jacBodyCom(model, data, outputs.0, outputs.1, body) }
         }
     };

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""The engine's own renderer, for the bench `render` to be compared with: see there.
+"""The engine's renderer, as the reference of the benchmark `render`.
 
-Reads requests from standard input, one JSON object a line, and answers each with another:
+Reads requests from standard input, one JSON object per line, and answers each with another:
 
-    {"open": NAME, "width": W, "height": H}   a scene of tests/render/pictures/scenes.json: {"first": seconds to the first picture}
-    {"draw": N}                               {"cpu": seconds of all threads, "wall": seconds} for N pictures
+    {"open": NAME, "width": W, "height": H}   a scene of tests/render/pictures/scenes.json: {"first": seconds to the first image}
+    {"draw": N}                               {"cpu": seconds of all threads, "wall": seconds} for N images
 
-A picture is what the Rust side does for one too: update the abstract scene, draw it, read the pixels back.
+As on the Rust side, an image consists of updating the abstract scene, drawing it and reading the pixels back.
 """
 
 import json

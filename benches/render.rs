@@ -1,21 +1,22 @@
-//! How fast are pictures drawn? Against the engine's own renderer where there is one, and by itself.
+//! Rendering speed, on its own and against the engine's renderer.
 //!
 //! ```text
 //! MUJOCO_PYTHON=python3 cargo bench --features renderer --bench render
 //! ```
 //!
-//! `MUJOCO_PYTHON` names an interpreter with the official bindings of the engine's version (`mujoco==2.2.2`, `numpy<2`,
-//! `pyopengl`, `pillow`) for `render.py` beside this file, and Debian's `libosmesa6`; without it the engine's side is left out.
+//! `MUJOCO_PYTHON` names an interpreter with the official bindings of the same engine version (`mujoco==2.2.2`, `numpy<2`,
+//! `pyopengl`, `pillow`) to run `render.py` beside this file; it also requires Debian's `libosmesa6`. Without the variable, the
+//! engine's renderer is omitted.
 //!
-//! Both draw the same scenes of `tests/render/pictures` with the same settings: samples and shadows as the model says, and the pixels
-//! are read back. They take turns of a few pictures each, and every two turns give a ratio. What is compared is processor time,
-//! of all threads: where a processor draws, as with Mesa's lavapipe and OSMesa, it is what a picture costs on a machine that
-//! does other things besides. On a graphics card it is only what the program itself does.
+//! Both render the same scenes of `tests/render/pictures` with the model's number of samples and shadow settings, and read the
+//! pixels back. They alternate in turns of a few images each, and every pair of turns gives a ratio. The comparison uses
+//! the processor time of all threads. With a software renderer, such as Mesa's lavapipe and OSMesa, this is the full cost
+//! of an image, independent of other load. With a graphics card it is only the cost on the CPU.
 //!
-//! Besides: the time to the first picture, and what the processor does for a picture before anything is drawn, for up to 10,000
-//! geoms.
+//! The benchmark also measures the time to the first image, and the CPU time to prepare a frame for up to 10,000 geoms.
 //!
-//! Further arguments choose from `first`, `humanoid`, `crowd`, `hundred` and `prepare`. Processor time is read from Linux's `/proc`.
+//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred` and `prepare`. Processor time comes from `/proc`
+//! (Linux).
 
 #[path = "../tests/render/pictures/scenes.rs"]
 mod scenes;
@@ -35,9 +36,9 @@ use serde_json::{Value, json};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 const SIZES: [[u32; 2]; 2] = [[640, 480], [1280, 720]];
-/// Pairs of turns for each setting.
+/// Pairs of turns per setting.
 const ROUNDS: usize = 9;
-/// How long a turn takes about, s of processor time.
+/// Approximate processor time of a turn, s.
 const TURN: f64 = 1.0;
 
 fn main() -> Result<()> {
@@ -45,7 +46,7 @@ fn main() -> Result<()> {
     if arguments.iter().any(|argument| argument == FIRST_FRAME) {
         return first_frame_of_this_process();
     }
-    // `cargo test --benches` only wants to see it run.
+    // `cargo test --benches` runs each benchmark once, as a smoke test.
     let rounds = if arguments.iter().any(|argument| argument == "--bench") { ROUNDS } else { 1 };
     let names: Vec<&String> = arguments.iter().filter(|argument| !argument.starts_with('-')).collect();
     let wanted = |name: &str| names.is_empty() || names.iter().any(|wanted| *wanted == name);
@@ -69,7 +70,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Our side of a scene.
+/// This crate's renderer with a scene.
 struct Drawing {
     setting: scenes::Setting,
     data: Data,
@@ -98,7 +99,7 @@ impl Drawing {
         Ok(self.renderer.rgb_into(&self.scene, &mut self.picture)?)
     }
 
-    /// Processor time of so many pictures, s.
+    /// Renders several images and returns the processor time, s.
     fn turn(&mut self, pictures: usize) -> Result<f64> {
         let start = processor_time()?;
         for _ in 0..pictures {
@@ -117,7 +118,7 @@ fn compare(name: &str, size: [u32; 2], lighting: Lighting, rounds: usize, engine
         let mut times =
             (0..rounds).map(|_| Ok(ours.turn(pictures)? / pictures as f64)).collect::<Result<Vec<f64>>>()?;
         let Spread { low, median, high } = Spread::of(&mut times);
-        println!("{title:40} {:.2} pictures a processor second [{:.2}, {:.2}]", 1.0 / median, 1.0 / high, 1.0 / low);
+        println!("{title:40} {:.2} images per CPU second [{:.2}, {:.2}]", 1.0 / median, 1.0 / high, 1.0 / low);
         return Ok(());
     };
     engine.open(name, size)?;
@@ -130,21 +131,19 @@ fn compare(name: &str, size: [u32; 2], lighting: Lighting, rounds: usize, engine
     }
     let Spread { low, median, high } = Spread::of(&mut ratios);
     let (ours, engines) = (Spread::of(&mut our_times).median, Spread::of(&mut engine_times).median);
-    println!(
-        "{title:40} ours {ours:6.1} ms, engine {engines:6.1} ms: {median:.2} times the pictures [{low:.2}, {high:.2}]"
-    );
+    println!("{title:40} ours {ours:6.1} ms, engine {engines:6.1} ms: {median:.2} times as fast [{low:.2}, {high:.2}]");
     Ok(())
 }
 
 const FIRST_FRAME: &str = "--first-frame";
 
-/// From nothing to the first pixels, in processes of their own. Mesa keeps compiled shaders on disk: without any there, as on the day that
-/// it was installed, and with them.
+/// Measures the time from the creation of the renderer to the first pixels, each in a new process, with an empty and with a
+/// filled shader cache of Mesa on disk.
 fn first_frame(rounds: usize) -> Result<()> {
     let kept = tempfile::tempdir()?;
-    for (label, keeps) in [("no shaders on disk", false), ("shaders on disk", true)] {
+    for (label, keeps) in [("empty shader cache", false), ("filled shader cache", true)] {
         let mut times = Vec::new();
-        // One more, which finds nothing on disk.
+        // The first of these runs, which fills the cache, is not counted.
         for round in 0..=rounds {
             let fresh = tempfile::tempdir()?;
             let folder = if keeps { &kept } else { &fresh };
@@ -158,7 +157,7 @@ fn first_frame(rounds: usize) -> Result<()> {
             }
         }
         let Spread { low, median, high } = Spread::of(&mut times);
-        println!("first picture of the humanoid, {label}: {median:.3} s [{low:.3}, {high:.3}]");
+        println!("first image of the humanoid, {label}: {median:.3} s [{low:.3}, {high:.3}]");
     }
     Ok(())
 }
@@ -171,13 +170,12 @@ fn first_frame_of_this_process() -> Result<()> {
     let mut renderer = Renderer::new(data.model(), 640, 480)?;
     let picture = renderer.rgb(&scene)?;
     let time = start.elapsed().as_secs_f64();
-    assert!(picture.as_bytes().iter().any(|&byte| byte > 0), "the picture is black");
+    assert!(picture.as_bytes().iter().any(|&byte| byte > 0), "the image is black");
     println!("{time}");
     Ok(())
 }
 
-/// What the processor does for a picture before anything is drawn: from the abstract scene to the adapter's buffers. Spheres
-/// are added to the humanoid.
+/// Measures the CPU time from the abstract scene to the GPU buffers, without drawing. Spheres are added to the humanoid.
 fn prepare(rounds: usize) -> Result<()> {
     const PER_TURN: usize = 50;
     let mut data = Data::new(sample::humanoid())?;
@@ -222,11 +220,11 @@ impl Spread {
     }
 }
 
-/// Of all threads that there are, s.
+/// Returns the processor time of all threads, s.
 fn processor_time() -> Result<f64> {
     let mut nanoseconds = 0.0;
     for thread in fs::read_dir("/proc/self/task")? {
-        // A thread may end in the meantime.
+        // A thread can end while this loop runs.
         if let Ok(text) = fs::read_to_string(thread?.path().join("schedstat")) {
             nanoseconds += text.split(' ').next().unwrap_or_default().parse::<f64>()?;
         }
@@ -234,7 +232,7 @@ fn processor_time() -> Result<f64> {
     Ok(1e-9 * nanoseconds)
 }
 
-/// The engine's side: another process.
+/// Process that runs the engine's renderer.
 struct Engine {
     process: Child,
     input: ChildStdin,
@@ -244,7 +242,7 @@ struct Engine {
 impl Engine {
     fn start() -> Result<Option<Self>> {
         let Some(python) = env::var_os("MUJOCO_PYTHON") else {
-            println!("the engine's own renderer is left out: MUJOCO_PYTHON names no interpreter");
+            println!("the engine's renderer is omitted: MUJOCO_PYTHON is not set");
             return Ok(None);
         };
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/render.py");
@@ -254,27 +252,28 @@ impl Engine {
             command.env("MUJOCO_GL", "osmesa");
         }
         let mut process = command.spawn()?;
-        let (input, output) = (process.stdin.take().ok_or("a pipe")?, process.stdout.take().ok_or("a pipe")?);
+        let (input, output) =
+            (process.stdin.take().ok_or("stdin is not piped")?, process.stdout.take().ok_or("stdout is not piped")?);
         Ok(Some(Self { process, input, output: BufReader::new(output) }))
     }
 
-    fn ask(&mut self, request: &Value) -> Result<Value> {
+    fn request(&mut self, request: &Value) -> Result<Value> {
         writeln!(self.input, "{request}")?;
         let mut answer = String::new();
         self.output.read_line(&mut answer)?;
         if answer.is_empty() {
-            return Err("the engine's side has ended".into());
+            return Err("the engine's process has ended".into());
         }
         Ok(serde_json::from_str(&answer)?)
     }
 
     fn open(&mut self, name: &str, [width, height]: [u32; 2]) -> Result<()> {
-        self.ask(&json!({"open": name, "width": width, "height": height}))?;
+        self.request(&json!({"open": name, "width": width, "height": height}))?;
         self.turn(3).map(drop)
     }
 
     fn turn(&mut self, pictures: usize) -> Result<f64> {
-        self.ask(&json!({"draw": pictures}))?["cpu"].as_f64().ok_or_else(|| "no time".into())
+        self.request(&json!({"draw": pictures}))?["cpu"].as_f64().ok_or_else(|| "the answer contains no time".into())
     }
 }
 

@@ -1,9 +1,9 @@
-//! How long a Riccati equation takes: the humanoid on its left leg (54 states, 21 controls) and the cart-pole (4 states,
-//! 1 control), with room that is there already ([`Riccati::solve_into`]) and with room of its own ([`Lqr::solve`]). The number
-//! of doublings and the residual are printed beside it.
+//! Riccati equations of the humanoid on its left leg (54 states, 21 controls) and of the cart-pole (4 states, 1 control): with a
+//! reused workspace ([`Riccati::solve_into`]) and with a new one ([`Lqr::solve`]). The number of doublings and the residual are
+//! printed as well.
 //!
-//! There is nothing in C to compare it with, but there is SciPy: where the environment variable `MUJOCO_PYTHON` names a Python that has
-//! it, both solve the same equation in turn, and the ratio of their times is printed, and SciPy's residual.
+//! No C implementation is available for comparison. If the environment variable `MUJOCO_PYTHON` names a Python with SciPy, both
+//! solve the same equation alternately, and the ratio of their times and SciPy's residual are printed.
 //!
 //! ```text
 //! cargo bench --bench riccati
@@ -18,15 +18,15 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use common::balance::Balance;
+use common::models::Balance;
 use criterion::Criterion;
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
 use mujoco_safe::{Lqr, LqrWeights, Result, StateSpace};
 
-/// How often each of the two solves the equation.
+/// Number of solutions by each of the two.
 const PAIRS: usize = 60;
 
-/// Reads the equation, and then solves it as often as there are lines. In one thread, as we do.
+/// Python program that reads the equation and solves it once per input line. Single-threaded, as this crate.
 const SCIPY: &str = r#"
 import os, sys, time
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -50,14 +50,14 @@ for _ in sys.stdin:
     print(repr(seconds), repr(float(residual)), flush=True)
 "#;
 
-/// Has SciPy solve the equation in turn with us.
+/// Solves the equation alternately with SciPy.
 fn beside_scipy(python: &str, name: &str, system: &StateSpace, weights: &LqrWeights) -> std::io::Result<()> {
     let mut child = Command::new(python).args(["-c", SCIPY]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
     let mut input = child.stdin.take().expect("it is piped");
     let mut output = BufReader::new(child.stdout.take().expect("it is piped")).lines();
     let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
     for matrix in [a.clone_owned(), b.clone_owned(), weights.q.clone(), weights.r.clone()] {
-        // Row by row.
+        // The transpose iterates in row-major order.
         let entries: Vec<String> = matrix.transpose().iter().map(|entry| format!("{entry:e}")).collect();
         writeln!(input, "{} {} {}", matrix.nrows(), matrix.ncols(), entries.join(" "))?;
     }
@@ -70,7 +70,7 @@ fn beside_scipy(python: &str, name: &str, system: &StateSpace, weights: &LqrWeig
         let start = Instant::now();
         let outcome = Riccati::new(&a, &b, &weights.q, &weights.r).solve_into(&mut workspace, &mut solution);
         ours.push(start.elapsed().as_secs_f64());
-        outcome.expect("it was solved before");
+        outcome.expect("the equation was solved before");
         writeln!(input)?;
         let answer = line()?;
         let (seconds, of_scipy) = answer.split_once(' ').unwrap_or((&answer, "nan"));
@@ -85,8 +85,8 @@ fn beside_scipy(python: &str, name: &str, system: &StateSpace, weights: &LqrWeig
     }
     let [ours, theirs] = [ours, theirs].map(|times| 1e6 * times[PAIRS / 2]);
     println!(
-        "{name}: {:.1} times as fast as SciPy (quartiles {:.1} and {:.1}): {ours:.0} µs and {theirs:.0} µs; SciPy's relative residual is \
-         {residual:.1e}",
+        "{name}: {:.1} times as fast as SciPy (quartiles {:.1} and {:.1}), {ours:.0} µs and {theirs:.0} µs; SciPy's relative \
+         residual is {residual:.1e}",
         ratios[PAIRS / 2],
         ratios[PAIRS / 4],
         ratios[3 * PAIRS / 4]
@@ -105,7 +105,7 @@ fn bench(criterion: &mut Criterion, name: &str, mut balance: Balance) -> Result<
     if let Ok(python) = env::var("MUJOCO_PYTHON")
         && let Err(error) = beside_scipy(&python, name, &system, weights)
     {
-        println!("{name}: not compared with SciPy, because {python} has failed: {error}");
+        println!("{name}: no comparison with SciPy, because {python} failed: {error}");
     }
     let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
     let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());

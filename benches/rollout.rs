@@ -1,6 +1,6 @@
-//! What do rollouts cost, and what does a second thread bring? [`Rollout::run_into`] against a sequential loop of `mj_step` over
-//! the same initial states and controls, recording the same states: 64 humanoids that stand, and 64 cart-poles. The ratio of one
-//! thread is the price of the rollouts' own work; that of two is at best a half.
+//! Overhead and scaling of rollouts: [`Rollout::run_into`] against a sequential loop of `mj_step` from the same initial
+//! states with the same controls, recording the same states, for 64 standing humanoids and 64 cart-poles. The ratio for one
+//! thread is the overhead; the ratio for two threads is at best one half.
 //!
 //! ```text
 //! cargo bench --bench rollout
@@ -17,7 +17,7 @@ use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, 
 
 const ROLLOUTS: usize = 64;
 
-/// What all ways share: the inputs, the simulations that are there already, and the buffer that they write to.
+/// Shared state of the variants: inputs, existing workers, and the output buffer.
 struct Runs {
     workers: Workers,
     data: Data,
@@ -29,7 +29,7 @@ struct Runs {
 }
 
 impl Runs {
-    /// From a keyframe, with controls of up to `strength` of their range.
+    /// Prepares rollouts from a keyframe, with random controls up to the fraction `strength` of their range.
     fn new(model: Model, key: &str, strength: f64, steps: usize) -> Result<Self> {
         let model = Arc::new(model);
         let mut data = Data::new(model.clone())?;
@@ -45,7 +45,7 @@ impl Runs {
         Ok(Self { workers: Workers::new(model), data, steps, start, width, controls, states })
     }
 
-    /// In a pool, or in this thread.
+    /// Runs the rollouts in a pool, or in this thread.
     fn rollout(&mut self, pool: Option<&ThreadPool>) {
         let rollout = Rollout::on(&self.workers, ROLLOUTS, self.steps)
             .initial_state(StateSpec::INTEGRATION, &self.start)
@@ -55,21 +55,21 @@ impl Runs {
             Some(pool) => pool.install(|| rollout.run_into(buffers)),
             None => rollout.chunk(ROLLOUTS).run_into(buffers),
         };
-        assert!(outcomes.expect("the sizes are right").iter().all(Result::is_ok), "a stable simulation");
+        assert!(outcomes.expect("the sizes match").iter().all(Result::is_ok), "the simulation is stable");
     }
 
-    /// The same by the engine alone.
+    /// Runs the same rollouts with the engine alone.
     fn raw(&mut self) {
         let (width, nu) = (self.width, self.workers.model().nu());
         for (rollout, states) in self.states.chunks_exact_mut((self.steps + 1) * width).enumerate() {
             let (data, model) = (&mut self.data, self.workers.model());
-            // The whole of what a step depends on. A reset would be needed for no more, and takes as long as many steps.
-            data.set_state(StateSpec::INTEGRATION, &self.start).expect("the start has the right length");
+            // The integration state contains everything that a step depends on. A reset would take as long as many steps.
+            data.set_state(StateSpec::INTEGRATION, &self.start).expect("the state has the right length");
             for (step, row) in states.chunks_exact_mut(width).enumerate() {
-                data.physics_state_into(row).expect("a row of a state");
+                data.physics_state_into(row).expect("the row has the length of a state");
                 if step < self.steps {
                     data.ctrl_mut().copy_from_slice(&self.controls[(rollout * self.steps + step) * nu..][..nu]);
-                    // SAFETY: a data and its own model; no engine error can come from a state that the other ways stepped from.
+                    // SAFETY: the data and its own model. The other variants made the same steps without an engine error.
                     unsafe { sys::mj_step(model.as_ptr(), data.as_mut_ptr()) };
                 }
             }
@@ -78,21 +78,22 @@ impl Runs {
 }
 
 fn compare(criterion: &mut Criterion, name: &str, mut runs: Runs) {
-    let pool = ThreadPoolBuilder::new().num_threads(2).build().expect("threads can be started");
-    // The ways give the same, bit for bit.
+    let pool = ThreadPoolBuilder::new().num_threads(2).build().expect("threads can be created");
+    // All variants compute bitwise equal states.
     runs.raw();
     let expected = runs.states.clone();
     runs.rollout(None);
-    assert!(runs.states == expected, "one thread gives other states");
+    assert!(runs.states == expected, "one thread computes different states");
     runs.rollout(Some(&pool));
-    assert!(runs.states == expected, "two threads give other states");
+    assert!(runs.states == expected, "two threads compute different states");
 
     let steps = (ROLLOUTS * runs.steps) as u32;
     let two = |runs: &mut Runs| runs.rollout(Some(&pool));
     let one = |runs: &mut Runs| runs.rollout(None);
     let raw = |runs: &mut Runs| runs.raw();
-    let ways: [common::Way<'_, Runs>; 3] = [("two threads", &two), ("one thread", &one), ("a loop of mj_step", &raw)];
-    common::compare(criterion, name, &mut runs, steps, &ways);
+    let variants: [common::Variant<'_, Runs>; 3] =
+        [("two threads", &two), ("one thread", &one), ("a loop of mj_step", &raw)];
+    common::compare(criterion, name, &mut runs, steps, &variants);
 }
 
 fn main() -> Result<()> {

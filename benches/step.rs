@@ -1,10 +1,10 @@
-//! What does safety cost a simulation? [`Data::step`] against `mj_step`, from the same state through the same steps under the
-//! same random controls: the humanoid, standing, the cart-pole, and 22 humanoids where the engine's sample models are installed
-//! (`apt-get install libmujoco-samples`). Going back to the start, which both do, is less than a thousandth of it.
+//! Overhead of the safe step: [`Data::step`] against `mj_step` from the same state under the same random controls, for the
+//! standing humanoid, the cart-pole, and 22 humanoids if the engine's sample models are installed (`apt-get install
+//! libmujoco-samples`). Restoring the initial state, which both variants do, takes less than a thousandth of a run.
 //!
-//! What the ratio measures is the guard, the look at the state for numbers that the engine would reset, in place of the engine's own, the
-//! warning counters, and the look at each pair of geoms before it goes to the engine's collision functions. Those last looks are in the
-//! table of these functions since the first model was loaded, so a raw run gets the engine's own table back.
+//! The ratio includes the guard, the check of the state for invalid numbers (in place of the engine's own), the warning counters,
+//! and the check of each pair of geoms before the engine's collision functions. Loading the first model installs the latter check
+//! in the engine's table of collision functions, so a raw run restores the original table.
 //!
 //! ```text
 //! cargo bench --bench step
@@ -17,13 +17,13 @@ use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, 
 
 type Collisions = [[sys::mjfCollision; 8]; 8];
 
-/// Puts other collision functions in the place of the present ones, which it returns.
+/// Replaces the table of collision functions and returns the previous one.
 fn exchange(collisions: &Collisions) -> Collisions {
-    // SAFETY: nothing else runs in this program, and the functions are the engine's, checked or not.
+    // SAFETY: no other thread uses the engine, and the table contains the engine's functions, with or without checks.
     unsafe { std::ptr::replace(&raw mut sys::mjCOLLISIONFUNC, *collisions) }
 }
 
-/// A simulation, where it begins, and what it does then.
+/// Simulation with its initial state and its controls.
 struct Episode {
     data: Data,
     start: Vec<f64>,
@@ -31,7 +31,7 @@ struct Episode {
 }
 
 impl Episode {
-    /// From a keyframe, or the model's own positions, with controls of up to a tenth of their range.
+    /// Prepares an episode from a keyframe, or from the default positions, with controls up to a tenth of their range.
     fn new(model: Model, key: Option<&str>, steps: u32) -> Result<Self> {
         let mut data = Data::new(model)?;
         if let Some(key) = key {
@@ -49,7 +49,7 @@ impl Episode {
     }
 
     fn run(&mut self, step: impl Fn(&mut Data)) {
-        self.data.set_state(StateSpec::INTEGRATION, &self.start).expect("the start has the right length");
+        self.data.set_state(StateSpec::INTEGRATION, &self.start).expect("the state has the right length");
         for controls in &self.controls {
             self.data.ctrl_mut().copy_from_slice(controls);
             step(&mut self.data);
@@ -59,11 +59,11 @@ impl Episode {
 
 fn compare(criterion: &mut Criterion, engines_own: &Collisions, name: &str, mut episode: Episode) {
     let steps = episode.controls.len() as u32;
-    let safe = |episode: &mut Episode| episode.run(|data| data.step().expect("a stable simulation"));
+    let safe = |episode: &mut Episode| episode.run(|data| data.step().expect("the simulation is stable"));
     let raw = |episode: &mut Episode| {
         let checked = exchange(engines_own);
         episode.run(|data| {
-            // SAFETY: a data and its own model; no engine error can come from a state that the other way stepped from.
+            // SAFETY: the data and its own model. The other variant made the same steps without an engine error.
             unsafe { sys::mj_step(data.model().as_ptr(), data.as_mut_ptr()) }
         });
         exchange(&checked);
@@ -73,7 +73,7 @@ fn compare(criterion: &mut Criterion, engines_own: &Collisions, name: &str, mut 
 
 fn main() -> Result<()> {
     let mut criterion = common::criterion();
-    // SAFETY: no model has been loaded, and nothing else runs.
+    // SAFETY: no model has been loaded, and no other thread uses the engine.
     let engines_own = unsafe { sys::mjCOLLISIONFUNC };
     compare(&mut criterion, &engines_own, "step/humanoid", Episode::new(sample::humanoid(), Some("stand"), 50)?);
     compare(
@@ -82,7 +82,7 @@ fn main() -> Result<()> {
         "step/cartpole",
         Episode::new(sample::cartpole(), Some("hanging_down"), 200)?,
     );
-    if let Some(path) = common::samples::many_humanoids() {
+    if let Some(path) = common::models::many_humanoids() {
         let episode = Episode::new(Model::from_xml_path(path)?, None, 10)?;
         compare(&mut criterion, &engines_own, "step/22 humanoids", episode);
     }

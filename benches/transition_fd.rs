@@ -1,6 +1,6 @@
-//! Linearisation: by central differences with [`Data::transition_fd_into`], and [`Data::transition_fd`], which allocates its
-//! result and computes the sensors' part too; by the same differences in two threads; and through inverse dynamics in one thread
-//! and in two. All against `mjd_transitionFD`. The humanoid on its left leg, and the cart-pole.
+//! Linearisation of the humanoid on its left leg and of the cart-pole, against `mjd_transitionFD`: central differences with
+//! [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates its result and includes the sensors; the same
+//! differences in two threads; and the method through inverse dynamics, in one thread and in two.
 //!
 //! ```text
 //! cargo bench --bench transition_fd
@@ -11,7 +11,7 @@ mod common;
 use std::hint::black_box;
 use std::ptr::null_mut;
 
-use common::balance::Balance;
+use common::models::Balance;
 use criterion::Criterion;
 use mujoco_safe::{
     Data, Differences, Lineariser, Lqr, Matrix, Result, TransitionMethod, TransitionOptions, TransitionOutputs, sys,
@@ -26,7 +26,7 @@ struct Linearisation {
     columns_in_two: Lineariser,
 }
 
-/// A way through a workspace.
+/// Returns a variant that linearises with one of the workspaces.
 fn through(
     calls: u32,
     choose: fn(&mut Linearisation) -> (&mut Lineariser, &mut Data, TransitionOutputs<'_>),
@@ -34,7 +34,7 @@ fn through(
     move |state| {
         for _ in 0..calls {
             let (transition, data, outputs) = choose(state);
-            let used = transition.linear_system_into(data, outputs).expect("a stable state");
+            let used = transition.linear_system_into(data, outputs).expect("the state is stable");
             assert_eq!(used.fallback, None);
         }
     }
@@ -70,19 +70,19 @@ fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
     let into = |state: &mut Linearisation| {
         for _ in 0..calls {
             let outputs = TransitionOutputs { a: Some(&mut state.a), b: Some(&mut state.b), ..Default::default() };
-            state.data.transition_fd_into(Lqr::EPS, Differences::Central, outputs).expect("a stable state");
+            state.data.transition_fd_into(Lqr::EPS, Differences::Central, outputs).expect("the state is stable");
         }
     };
     let allocating = |state: &mut Linearisation| {
         for _ in 0..calls {
-            black_box(state.data.transition_fd(Lqr::EPS, Differences::Central).expect("a stable state"));
+            black_box(state.data.transition_fd(Lqr::EPS, Differences::Central).expect("the state is stable"));
         }
     };
     let raw = |state: &mut Linearisation| {
         let (a, b) = (state.a.as_mut_slice().as_mut_ptr(), state.b.as_mut_slice().as_mut_ptr());
         let (model, data) = (state.data.model().as_ptr(), state.data.as_mut_ptr());
         for _ in 0..calls {
-            // SAFETY: a data and its own model, A and B of the shapes that the engine writes, and neither C nor D.
+            // SAFETY: the data and its own model, A and B of the shapes that the engine writes, and NULL for C and D.
             unsafe { sys::mjd_transitionFD(model, data, Lqr::EPS, 1, a, b, null_mut(), null_mut()) }
         }
     };

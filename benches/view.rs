@@ -1,5 +1,5 @@
-//! What does a name cost? Reading a field of an element through its view (`data.joint(id).qpos()`), by an index into the
-//! array (`data.qpos()[i]`) and by the engine's pointer, which checks nothing. The names were looked up before.
+//! Overhead of named access: reading a field through the view of an element (`data.joint(id).qpos()`), by an index into the array
+//! (`data.qpos()[i]`), and through the engine's pointer without checks. The lookup of the names is not included.
 //!
 //! ```text
 //! cargo bench --bench view
@@ -12,10 +12,10 @@ use std::hint::black_box;
 use criterion::Criterion;
 use mujoco_safe::{Data, Id, Result, sample};
 
-/// How many reads a run makes.
+/// Number of reads per run.
 const READS: u32 = 1000;
 
-/// Compares three ways to read a number, each with its name. Every element is given by its id and by an index.
+/// Compares three variants of reading a number. Each element is given by its id and by an index.
 fn compare<K>(
     criterion: &mut Criterion,
     name: &str,
@@ -27,15 +27,15 @@ fn compare<K>(
 ) {
     let elements: Vec<_> = elements.collect();
     let (ids, indices): (Vec<_>, Vec<_>) = elements.into_iter().cycle().take(READS as usize).unzip();
-    let ways: [common::Way<'_, Data>; 3] = [
+    let variants: [common::Variant<'_, Data>; 3] = [
         (view_name, &|data| read(data, &ids, &view)),
         (pointer_name, &|data| read(data, &indices, &pointer)),
         (slice_name, &|data| read(data, &indices, &slice)),
     ];
-    common::compare(criterion, name, data, READS, &ways);
+    common::compare(criterion, name, data, READS, &variants);
 }
 
-/// Reads something for every key. The compiler knows neither the data nor what is read, so each read is a whole one.
+/// Reads a value for each key. `black_box` prevents the compiler from sharing work between reads.
 fn read<K: Copy>(data: &Data, keys: &[K], get: impl Fn(&Data, K) -> f64) {
     for &key in keys {
         black_box(get(black_box(data), key));
@@ -54,7 +54,7 @@ fn main() -> Result<()> {
         &mut data,
         model.joints().map(|joint| (joint.id(), joint.qpos_range().start)),
         ("joint(id).qpos()[0]", |data, id| data.joint(id).qpos()[0]),
-        // SAFETY: the data lives, and the index is one of the array's.
+        // SAFETY: the data is alive, and the index is within the array.
         ("*qpos.add(i)", |data, index| unsafe { *(*data.as_ptr()).qpos.add(index) }),
         ("qpos()[i]", |data, index| data.qpos()[index]),
     );
@@ -64,7 +64,7 @@ fn main() -> Result<()> {
         &mut data,
         model.bodies().map(|body| (body.id(), body.index())),
         ("body(id).xpos()[2]", |data, id| data.body(id).xpos()[2]),
-        // SAFETY: as above, in rows of three.
+        // SAFETY: as above, for rows of three numbers.
         ("*xpos.add(3 * i + 2)", |data, index| unsafe { *(*data.as_ptr()).xpos.add(3 * index + 2) }),
         ("xpos()[i][2]", |data, index| data.xpos()[index][2]),
     );

@@ -1,12 +1,16 @@
-//! A pole balanced on a cart: linearise, solve for the regulator, simulate.
+//! Cart-pole under LQR: linearise about the upright position, solve the Riccati equation, simulate.
 //!
 //! ```text
 //! cargo run --release --example cartpole_lqr -- --angle 0.3 --out out
 //! ```
 //!
-//! `--angle RAD` where the pole starts (0.1), `--seconds S` how long (10), `--out DIR` where the plot goes (none is written
-//! without), `--view` to show it in a window (built with `--features viewer`), `--json` to print A, B, K and the outcome as one
-//! JSON object.
+//! Options:
+//!
+//! - `--angle RAD`: initial angle of the pole (0.1)
+//! - `--seconds S`: simulated time (10)
+//! - `--out DIR`: folder for the plot; without it, no plot is written
+//! - `--view`: shows the result in a window (requires `--features viewer`)
+//! - `--json`: prints A, B, K and the outcome as one JSON object
 
 #[path = "common/mod.rs"]
 mod common;
@@ -15,7 +19,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use common::chart::{self, Line, PALETTE, Panel};
-use common::option;
+use common::command_line;
 use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Trajectory, sample};
 
 struct Arguments {
@@ -30,7 +34,7 @@ const HELP: &str = "cartpole_lqr [--angle RAD] [--seconds S] [--out DIR] [--view
 
 fn arguments() -> Result<Arguments, String> {
     let arguments = Arguments { angle: 0.1, seconds: 10.0, out: None, view: false, json: false };
-    option::read(HELP, arguments, |arguments, option| {
+    command_line::read(HELP, arguments, |arguments, option| {
         match option.name() {
             "--angle" => arguments.angle = option.number()?,
             "--seconds" => arguments.seconds = option.number()?,
@@ -44,7 +48,7 @@ fn arguments() -> Result<Arguments, String> {
 }
 
 fn main() -> std::process::ExitCode {
-    common::finish(run())
+    common::command_line::exit_code(run())
 }
 
 fn run() -> Result<(), Box<dyn std::error::Error>> {
@@ -52,16 +56,16 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     let model = Arc::new(sample::cartpole());
     let mut data = Data::new(model.clone())?;
 
-    // The state is [cart position, pole angle, cart velocity, pole velocity], and the upright pole at rest is its origin. How
-    // does the next state depend on this one, and on the motor?
+    // State: [cart position, pole angle, cart velocity, pole velocity]. The origin is the upright pole at rest.
+    // Linearise one simulation step there: x' = A x + B u.
     let system = data.transition_fd(1e-6, Differences::Central)?;
 
-    // What a deviation costs, and the gain that makes the sum of all future costs least.
+    // Minimise the sum of xᵀQx + uᵀRu over an infinite horizon.
     let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
     let solution = Lqr::solve(&system, &weights)?;
     let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
 
-    // From a leaning pole.
+    // Simulate from a tilted pole.
     data.joint_mut("hinge")?.qpos_mut()[0] = arguments.angle;
     let steps = (arguments.seconds / model.timestep()).round() as usize;
     let mut trajectory = Trajectory::with_capacity(&model, steps);
@@ -84,11 +88,11 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     } else {
         println!("A = {:.6?}\nB = {:.6?}\nK = {:.6?}", system.a, system.b, lqr.gain());
         println!(
-            "relative residual {:.1e}, spectral radius of A − BK {:.9}",
+            "Riccati equation: relative residual {:.1e}, spectral radius of A − BK {:.9}",
             solution.relative_residual, solution.spectral_radius
         );
         println!(
-            "from {} rad the pole is {} after {} s: [qpos; qvel] = {:.6?}",
+            "initial angle {} rad: the pole is {} after {} s, [qpos; qvel] = {:.6?}",
             arguments.angle,
             if upright { "upright" } else { "not upright" },
             arguments.seconds,
@@ -107,9 +111,9 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     if arguments.view {
         data.reset()?;
         data.joint_mut("hinge")?.qpos_mut()[0] = arguments.angle;
-        common::window::show("A pole on a cart", data, lqr, vec![trajectory])?;
+        common::window::show("Cart-pole under LQR", data, lqr, vec![trajectory])?;
     }
-    if upright { Ok(()) } else { Err("the pole has fallen".into()) }
+    if upright { Ok(()) } else { Err("the pole fell over".into()) }
 }
 
 fn plot(path: &std::path::Path, trajectory: &Trajectory) -> Result<(), Box<dyn std::error::Error>> {
@@ -124,7 +128,7 @@ fn plot(path: &std::path::Path, trajectory: &Trajectory) -> Result<(), Box<dyn s
         line("cart position (m)", 0, &|record| trajectory.qpos(record)[0]),
         line("pole angle (rad)", 1, &|record| trajectory.qpos(record)[1]),
     ];
-    // Outside of its range the control is clamped by the engine.
+    // The engine clamps the control to its range.
     let control = vec![line("", 2, &|record| trajectory.ctrl(record)[0].clamp(-1.0, 1.0))];
     chart::draw(
         path,

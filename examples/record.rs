@@ -1,12 +1,16 @@
-//! A moving picture without a window or a display: a humanoid balances on one leg, is pushed, and stays up.
+//! Offscreen recording: a humanoid balances on one leg and recovers from a push.
 //!
 //! ```text
 //! cargo run --release --features renderer --example record -- --out humanoid.gif
 //! ```
 //!
-//! `--out PATH` what to write (humanoid.gif): a name that ends with .gif, .png, .mp4 (for which `ffmpeg` must be installed), or
-//! a folder for numbered pictures. `--seconds S` of the simulation (4), `--slow N` for slow motion (1), `--fps N` frames per
-//! second (25), `--size WxH` in pixels (480x360).
+//! Options:
+//!
+//! - `--out PATH`: output file (humanoid.gif); .gif, .png, .mp4 (requires the program `ffmpeg`), or a folder for numbered images
+//! - `--seconds S`: simulated time (4)
+//! - `--slow N`: slow-motion factor (1)
+//! - `--fps N`: frames per second (25)
+//! - `--size WxH`: image size in pixels (480x360)
 
 #[path = "common/mod.rs"]
 mod common;
@@ -14,7 +18,7 @@ mod common;
 use std::error::Error;
 use std::path::PathBuf;
 
-use common::{balance, option, progress};
+use common::{balance, command_line};
 use mujoco_safe::record::{Recorder, RecorderOptions};
 use mujoco_safe::render::{Picture, Renderer};
 use mujoco_safe::scene::{Camera, Categories, SceneOptions, VisualFlags};
@@ -22,9 +26,9 @@ use mujoco_safe::{Controller, Scene};
 
 const HELP: &str = "record [--out PATH] [--seconds S] [--slow N] [--fps N] [--size WxH]";
 
-/// N, against the torso, for a tenth of a second.
+/// Horizontal force on the torso during the push, N. The push lasts 0.1 s.
 const PUSH: [f64; 2] = [40.0, 25.0];
-/// When, s.
+/// Start of the push, s.
 const PUSH_AT: f64 = 1.0;
 
 struct Arguments {
@@ -38,7 +42,7 @@ struct Arguments {
 fn arguments() -> Result<Arguments, String> {
     let arguments =
         Arguments { out: "humanoid.gif".into(), seconds: 4.0, slow: 1.0, frames_per_second: 25.0, size: [480, 360] };
-    option::read(HELP, arguments, |arguments, option| {
+    command_line::read(HELP, arguments, |arguments, option| {
         match option.name() {
             "--out" => arguments.out = option.path()?,
             "--seconds" => arguments.seconds = option.number()?,
@@ -52,7 +56,7 @@ fn arguments() -> Result<Arguments, String> {
 }
 
 fn main() -> std::process::ExitCode {
-    common::finish(run())
+    common::command_line::exit_code(run())
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
@@ -63,7 +67,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     let model = data.model().clone();
     let torso = model.body("torso")?.id();
 
-    // What is shown, and from where.
+    // Configure the scene and the camera.
     let mut scene = Scene::new(&model, 1000)?;
     let mut shown = SceneOptions::default();
     shown.flags |= VisualFlags::PERTFORCE;
@@ -73,12 +77,12 @@ fn run() -> Result<(), Box<dyn Error>> {
     let mut renderer = Renderer::new(&model, width, height)?;
     let mut picture = Picture::default();
 
-    let bar = progress::bar(seconds)?;
+    let bar = command_line::progress_bar(seconds)?;
     while data.time() < seconds {
         let pushing = (PUSH_AT..PUSH_AT + 0.1).contains(&data.time());
         let [x, y] = if pushing { PUSH } else { [0.0, 0.0] };
         *data.body_mut(torso).xfrc_applied_mut() = [x, y, 0.0, 0.0, 0.0, 0.0];
-        // Drawing takes longer than a step: only when a picture is due.
+        // Rendering takes longer than a step, so render only when a frame is due.
         if recorder.is_due(data.time()) {
             scene.update(&mut data, &shown, None, &mut camera, Categories::all())?;
             renderer.rgb_into(&scene, &mut picture)?;
@@ -86,10 +90,10 @@ fn run() -> Result<(), Box<dyn Error>> {
         }
         lqr.control(&mut data)?;
         data.step()?;
-        bar.set_position(progress::position(data.time()));
+        bar.set_position(command_line::milliseconds(data.time()));
     }
     bar.finish_and_clear();
     let recorded = recorder.finish()?;
-    println!("{}: {} frames, {:.2} s", recorded.path.display(), recorded.frames, recorded.seconds);
+    println!("wrote {}: {} frames, {:.2} s", recorded.path.display(), recorded.frames, recorded.seconds);
     Ok(())
 }

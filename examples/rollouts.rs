@@ -1,11 +1,16 @@
-//! What becomes of a balanced pole when it is pushed? Many random pushes at once, on all cores.
+//! Parallel rollouts: a balanced pole under many random pushes, simulated on all cores.
 //!
 //! ```text
 //! cargo run --release --example rollouts -- --out out
 //! ```
 //!
-//! `--rollouts N` how many pushes (256), `--newtons F` their standard deviation (6), `--seconds S` how long each is watched (3),
-//! `--seed N` for other pushes (1), `--out DIR` where the plot goes (none is written without).
+//! Options:
+//!
+//! - `--rollouts N`: number of pushes (256)
+//! - `--newtons F`: standard deviation of the pushes (6)
+//! - `--seconds S`: simulated time of each rollout (3)
+//! - `--seed N`: seed of the random pushes (1)
+//! - `--out DIR`: folder for the plot; without it, no plot is written
 
 #[path = "common/mod.rs"]
 mod common;
@@ -17,7 +22,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use common::chart::{self, INK, Line, PALETTE, Panel};
-use common::option;
+use common::command_line;
 use indicatif::{ProgressBar, ProgressStyle};
 use mujoco_safe::rollout::{Rollout, RolloutResult};
 use mujoco_safe::{Controller, Data, Lqr, LqrWeights, Model, sample};
@@ -25,9 +30,9 @@ use plotters::style::RGBColor;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
-/// How long a push lasts, s.
-const PUSH: f64 = 0.1;
-/// A pole that leans more has fallen, rad.
+/// Duration of a push, s.
+const PUSH_DURATION: f64 = 0.1;
+/// Angle beyond which the pole counts as fallen, rad.
 const FALLEN: f64 = 1.0;
 
 struct Arguments {
@@ -42,7 +47,7 @@ const HELP: &str = "rollouts [--rollouts N] [--newtons F] [--seconds S] [--seed 
 
 fn arguments() -> Result<Arguments, String> {
     let arguments = Arguments { rollouts: 256, newtons: 6.0, seconds: 3.0, seed: 1, out: None };
-    option::read(HELP, arguments, |arguments, option| {
+    command_line::read(HELP, arguments, |arguments, option| {
         match option.name() {
             "--rollouts" => arguments.rollouts = option.number()?,
             "--newtons" => arguments.newtons = option.number()?,
@@ -56,7 +61,7 @@ fn arguments() -> Result<Arguments, String> {
 }
 
 fn main() -> std::process::ExitCode {
-    common::finish(run())
+    common::command_line::exit_code(run())
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
@@ -72,7 +77,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         Normal::new(0.0, arguments.newtons).map_err(|error| format!("--newtons {}: {error}", arguments.newtons))?;
     let pushes: Vec<f64> = normal.sample_iter(&mut random).take(arguments.rollouts).collect();
 
-    // Each rollout has a controller of its own: the regulator, and a push while it lasts.
+    // Each rollout has its own controller, which applies the push and then the regulator.
     let bar = ProgressBar::new(arguments.rollouts as u64)
         .with_style(ProgressStyle::with_template("{bar:40} {pos}/{len} rollouts, {elapsed}")?);
     let start = Instant::now();
@@ -80,7 +85,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         .controllers(|index| {
             let (mut lqr, push) = (lqr.clone(), pushes[index]);
             move |data: &mut Data| {
-                data.xfrc_applied_mut()[pole.index()][0] = if data.time() < PUSH { push } else { 0.0 };
+                data.xfrc_applied_mut()[pole.index()][0] = if data.time() < PUSH_DURATION { push } else { 0.0 };
                 lqr.control(data)
             }
         })
@@ -97,19 +102,19 @@ fn run() -> Result<(), Box<dyn Error>> {
             println!("rollout {index}: {error}");
         }
     }
-    let (standing, fallen): (Vec<usize>, Vec<usize>) = (0..result.len()).partition(|&index| stands(&result, index));
+    let (standing, fallen): (Vec<usize>, Vec<usize>) = (0..result.len()).partition(|&index| is_upright(&result, index));
     let largest = |of: &[usize]| of.iter().map(|&index| pushes[index].abs()).fold(0.0, f64::max);
     let simulated = (arguments.rollouts * steps) as f64 * model.timestep();
     println!(
-        "{} poles of {} still stand; the hardest push among them was {:.1} N",
+        "{} of {} poles are still upright; the strongest push among them was {:.1} N",
         standing.len(),
         result.len(),
         largest(&standing)
     );
     if let Some(least) = fallen.iter().map(|&index| pushes[index].abs()).min_by(f64::total_cmp) {
-        println!("the softest push that felled one was {least:.1} N");
+        println!("the weakest push that toppled a pole was {least:.1} N");
     }
-    println!("{simulated:.0} s simulated in {elapsed:.3} s: {:.0} times real time", simulated / elapsed);
+    println!("simulated {simulated:.0} s in {elapsed:.3} s, {:.0} times real time", simulated / elapsed);
 
     if let Some(out) = &arguments.out {
         std::fs::create_dir_all(out)?;
@@ -120,12 +125,12 @@ fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Whether the pole stayed up.
-fn stands(result: &RolloutResult, index: usize) -> bool {
+/// Returns `true` if the pole never fell.
+fn is_upright(result: &RolloutResult, index: usize) -> bool {
     result.states_of(index).rows().all(|state| state[1].abs() < FALLEN)
 }
 
-/// The angle and the position of every rollout, and the quantiles of those that stand.
+/// Plots the angle and the position of every rollout, and quantiles over the rollouts that remain upright.
 fn plot(
     path: &Path,
     model: &Model,
@@ -137,7 +142,7 @@ fn plot(
     let time = |step: usize| step as f64 * model.timestep();
     let panel = |title, y, coordinate: usize| {
         let rollout = |label: &str, color, index: usize| {
-            // A pole that has fallen swings about, which is of no interest here.
+            // Omit the motion after a fall.
             let states = result.states_of(index);
             let points = states.rows().take_while(|state| state[1].abs() < FALLEN).enumerate();
             Line::new(label, color, points.map(|(step, state)| (time(step), state[coordinate])))
@@ -149,14 +154,13 @@ fn plot(
             });
             Line::new(label, color, points)
         };
-        let label = |text, place| if place == 0 { text } else { "" };
+        let label = |text, index| if index == 0 { text } else { "" };
         let mut lines = Vec::new();
-        lines.extend(standing.iter().enumerate().map(|(place, &index)| rollout(label("stands", place), PALE, index)));
-        lines
-            .extend(fallen.iter().enumerate().map(|(place, &index)| rollout(label("falls", place), PALETTE[1], index)));
+        lines.extend(standing.iter().enumerate().map(|(line, &index)| rollout(label("upright", line), PALE, index)));
+        lines.extend(fallen.iter().enumerate().map(|(line, &index)| rollout(label("fallen", line), PALETTE[1], index)));
         if !standing.is_empty() {
             lines.push(quantile("median", 0.5, INK));
-            lines.push(quantile("5 and 95 %", 0.05, PALETTE[0]));
+            lines.push(quantile("5 % and 95 %", 0.05, PALETTE[0]));
             lines.push(quantile("", 0.95, PALETTE[0]));
         }
         Panel { title, x: "time (s)", y, lines, at_least: None }
@@ -164,11 +168,15 @@ fn plot(
     chart::draw(
         path,
         300,
-        &[panel("Pole after a random push of 0.1 s", "angle (rad)", 1), panel("Cart under it", "position (m)", 0)],
+        &[
+            panel("Pole angle after a random push of 0.1 s", "angle (rad)", 1),
+            panel("Cart position", "position (m)", 0),
+        ],
     )
 }
 
-/// The value below which this fraction of them lies.
+/// Returns the quantile of some values at a fraction.
+
 fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values[(fraction * (values.len() - 1) as f64).round() as usize]

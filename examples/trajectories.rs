@@ -1,12 +1,15 @@
-//! The same fall twice, side by side: a humanoid on one leg without control, and with a regulator that holds it.
+//! Side-by-side comparison of two recorded trajectories: a humanoid on one leg without control and under LQR.
 //!
 //! ```text
 //! cargo run --release --features renderer --example trajectories -- --out trajectories.gif
 //! ```
 //!
-//! Both are simulated first and kept as trajectories, and drawn from them afterwards. `--out PATH` what to write
-//! (trajectories.gif; see the example `record`), `--seconds S` (2), `--size WxH` of each half (320x360), `--view` to go through
-//! them in a window instead, forwards and backwards (built with `--features viewer`).
+//! The simulations run first; the frames are rendered from the recorded trajectories. Options:
+//!
+//! - `--out PATH`: output file (trajectories.gif); for the formats see the example `record`
+//! - `--seconds S`: simulated time (2)
+//! - `--size WxH`: image size of each half in pixels (320x360)
+//! - `--view`: plays the trajectories in a window instead, forwards and backwards (requires `--features viewer`)
 
 #[path = "common/mod.rs"]
 mod common;
@@ -14,7 +17,7 @@ mod common;
 use std::error::Error;
 use std::path::PathBuf;
 
-use common::{balance, option, progress, window};
+use common::{balance, command_line, window};
 use mujoco_safe::record::{Recorder, RecorderOptions};
 use mujoco_safe::render::{Picture, Renderer};
 use mujoco_safe::scene::{Camera, Categories, SceneOptions};
@@ -31,7 +34,7 @@ struct Arguments {
 
 fn arguments() -> Result<Arguments, String> {
     let arguments = Arguments { out: "trajectories.gif".into(), seconds: 2.0, size: [320, 360], view: false };
-    option::read(HELP, arguments, |arguments, option| {
+    command_line::read(HELP, arguments, |arguments, option| {
         match option.name() {
             "--out" => arguments.out = option.path()?,
             "--seconds" => arguments.seconds = option.number()?,
@@ -44,7 +47,7 @@ fn arguments() -> Result<Arguments, String> {
 }
 
 fn main() -> std::process::ExitCode {
-    common::finish(run())
+    common::command_line::exit_code(run())
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
@@ -52,7 +55,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     let (mut data, set_point, mut lqr) = balance::humanoid()?;
     let steps = (arguments.seconds / data.model().timestep()).round() as usize;
 
-    // From the same start: already falling a little to its side.
+    // Both start from the same state, with a small lateral velocity.
     let controllers: [&mut dyn Controller; 2] = [&mut ZeroController, &mut lqr];
     let mut trajectories = Vec::new();
     for controller in controllers {
@@ -64,12 +67,12 @@ fn run() -> Result<(), Box<dyn Error>> {
     }
 
     if arguments.view {
-        return window::replay("Without control, and with it", data, trajectories);
+        return window::replay("Passive and LQR", data, trajectories);
     }
     draw(&mut data, &trajectories, &arguments)
 }
 
-/// Draws trajectories side by side.
+/// Renders trajectories side by side.
 fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let [width, height] = arguments.size;
     let mut recorder =
@@ -84,7 +87,7 @@ fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> 
     let (width, height) = (width as usize, height as usize);
     let mut both = Picture::new(width * trajectories.len(), height);
     let mut half = Picture::default();
-    let bar = progress::bar(arguments.seconds)?;
+    let bar = command_line::progress_bar(arguments.seconds)?;
     for (record, &time) in trajectories[0].times().iter().enumerate() {
         if !recorder.is_due(time) {
             continue;
@@ -98,10 +101,10 @@ fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> 
             halves.zip(half.as_bytes().chunks_exact(3 * width)).for_each(|(to, from)| to.copy_from_slice(from));
         }
         recorder.push(&both, time)?;
-        bar.set_position(progress::position(time));
+        bar.set_position(command_line::milliseconds(time));
     }
     bar.finish_and_clear();
     let recorded = recorder.finish()?;
-    println!("{}: {} frames, {:.2} s", recorded.path.display(), recorded.frames, recorded.seconds);
+    println!("wrote {}: {} frames, {:.2} s", recorded.path.display(), recorded.frames, recorded.seconds);
     Ok(())
 }

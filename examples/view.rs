@@ -1,19 +1,22 @@
-//! Any model, in a window.
+//! Interactive viewer for any model.
 //!
 //! ```text
 //! cargo run --release --features viewer --example view -- model.xml
 //! ```
 //!
-//! Without a model it is the bundled humanoid. `--keyframe NAME` starts there, `--size WxH` is the size of the window, and
-//! `--trajectory FILE.csv` (any number of times) plays what was recorded of this model. Another model is loaded by dropping its
-//! file onto the window. F1 says what keys and mouse do.
+//! Without a path, the example shows the bundled humanoid. Drop the file of another model onto the window to load it. Press
+//! F1 for the keyboard and mouse controls. Options:
+//!
+//! - `--keyframe NAME`: initial keyframe
+//! - `--size WxH`: size of the window in pixels
+//! - `--trajectory FILE.csv`: plays a recorded trajectory of this model; can be repeated
 
 #[path = "common/mod.rs"]
 mod common;
 
 use std::path::PathBuf;
 
-use common::option;
+use common::command_line;
 use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
@@ -28,7 +31,7 @@ struct Arguments {
 const HELP: &str = "view [MODEL] [--keyframe NAME] [--size WxH] [--trajectory FILE.csv]...";
 
 fn arguments() -> Result<Arguments, String> {
-    option::read(HELP, Arguments::default(), |arguments, option| {
+    command_line::read(HELP, Arguments::default(), |arguments, option| {
         match option.name() {
             "" if arguments.model.is_none() => arguments.model = Some(option.path()?),
             "--keyframe" => arguments.keyframe = Some(option.text()?),
@@ -41,7 +44,7 @@ fn arguments() -> Result<Arguments, String> {
 }
 
 fn main() -> std::process::ExitCode {
-    common::finish(view())
+    common::command_line::exit_code(view())
 }
 
 fn view() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,12 +1,12 @@
-// The engine as it comes, in C: what everything else is measured against. Speaks a line at a time, so that it can take turns with
-// the others: it is told what to do, does it, and answers with the seconds that took and a number made of the result.
+// Reference implementation: the engine called from C. Reads one command per line, so that it can run alternately with others, and
+// answers with the elapsed seconds and a checksum of the result.
 //
 //   engine MODEL.xml [KEYFRAME] < commands
-//   step CALLS                    mj_step under random controls, after an eighth as many
+//   step CALLS                    mj_step under random controls, after a warm-up of CALLS / 8 steps
 //   rollout COUNT STEPS THREADS   COUNT simulations of STEPS each, recording qpos and qvel
-//   transition CALLS              mjd_transitionFD, A and B, by central differences, after one
+//   transition CALLS              mjd_transitionFD of A and B by central differences, after one warm-up call
 //
-// What comes first does not count: it finds the caches as somebody else has left them.
+// Warm-up calls are not timed, because another process may have replaced the contents of the caches.
 #define _GNU_SOURCE
 #include <pthread.h>
 #include <sched.h>
@@ -22,7 +22,7 @@ static mjModel* m;
 static cpu_set_t processors;
 static int key = -1;
 static double* controls;
-static int controls_made;
+static int controls_generated;
 
 static double now(void) {
   struct timespec t;
@@ -30,8 +30,8 @@ static double now(void) {
   return t.tv_sec + 1e-9 * t.tv_nsec;
 }
 
-// Keeps the calling thread to a processor of its own, as all that are compared do.
-static void keep_to(int thread) {
+// Pins the calling thread to a processor, as all implementations do.
+static void pin_to(int thread) {
   int left = thread % CPU_COUNT(&processors), processor = 0;
   while (!CPU_ISSET(processor, &processors) || left-- > 0) {
     processor++;
@@ -42,7 +42,7 @@ static void keep_to(int thread) {
   pthread_setaffinity_np(pthread_self(), sizeof(one), &one);
 }
 
-static void* must(void* p) {
+static void* check(void* p) {
   if (!p) {
     fprintf(stderr, "engine: out of memory\n");
     exit(1);
@@ -50,13 +50,13 @@ static void* must(void* p) {
   return p;
 }
 
-// The controls of `count` steps, up to a tenth of their ranges: the same in all languages.
-static void make_controls(int count) {
-  if (count <= controls_made) {
+// Generates the controls of `count` steps, up to a tenth of their ranges: equal in all languages.
+static void generate_controls(int count) {
+  if (count <= controls_generated) {
     return;
   }
-  controls = must(realloc(controls, sizeof(double) * count * (m->nu ? m->nu : 1)));
-  controls_made = count;
+  controls = check(realloc(controls, sizeof(double) * count * (m->nu ? m->nu : 1)));
+  controls_generated = count;
   uint64_t x = 1;
   for (int i = 0; i < count * m->nu; i++) {
     x = x * 6364136223846793005u + 1442695040888963407u;
@@ -95,7 +95,7 @@ struct share {
 
 static void* simulate(void* argument) {
   struct share* share = argument;
-  keep_to(share->thread);
+  pin_to(share->thread);
   const int width = m->nq + m->nv;
   for (int i = share->first; i < share->last; i++) {
     start(share->d);
@@ -114,11 +114,11 @@ static void rollout(mjData** d, int count, int steps, int threads) {
   struct share shares[64];
   pthread_t ids[64];
   const size_t size = (size_t)count * steps * (m->nq + m->nv);
-  double* states = must(malloc(sizeof(double) * size));
-  make_controls(count * steps);
+  double* states = check(malloc(sizeof(double) * size));
+  generate_controls(count * steps);
   for (int t = 0; t < threads; t++) {
     if (!d[t]) {
-      d[t] = must(mj_makeData(m));
+      d[t] = check(mj_makeData(m));
     }
     shares[t] = (struct share){t, count * t / threads, count * (t + 1) / threads, steps, states, d[t]};
   }
@@ -155,21 +155,21 @@ int main(int argc, char** argv) {
     }
   }
   sched_getaffinity(0, sizeof(processors), &processors);
-  keep_to(0);
-  mjData* d[64] = {must(mj_makeData(m))};
+  pin_to(0);
+  mjData* d[64] = {check(mj_makeData(m))};
   const int nx = 2 * m->nv + m->na;
-  double* a = must(calloc(nx * nx + 1, sizeof(double)));
-  double* b = must(calloc(nx * m->nu + 1, sizeof(double)));
+  double* a = check(calloc(nx * nx + 1, sizeof(double)));
+  double* b = check(calloc(nx * m->nu + 1, sizeof(double)));
   char line[256];
   while (fgets(line, sizeof(line), stdin)) {
     int calls, count, steps, threads;
     if (sscanf(line, "step %d", &calls) == 1) {
-      const int before = calls / 8;
-      make_controls(before + calls);
+      const int warm_up = calls / 8;
+      generate_controls(warm_up + calls);
       start(d[0]);
       double begin = 0;
-      for (int i = 0; i < before + calls; i++) {
-        if (i == before) {
+      for (int i = 0; i < warm_up + calls; i++) {
+        if (i == warm_up) {
           begin = now();
         }
         set_controls(d[0], i);
@@ -187,7 +187,7 @@ int main(int argc, char** argv) {
       }
       printf("%.9e %.17e\n", now() - begin, sum(a, nx * nx));
     } else {
-      fprintf(stderr, "engine: what is %s", line);
+      fprintf(stderr, "engine: unknown command %s", line);
       return 1;
     }
     fflush(stdout);

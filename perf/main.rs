@@ -1,35 +1,32 @@
-//! Everything that this library claims to do faster than others, side by side with them: see `scripts/compare`, which builds and sets up
-//! what this needs.
+//! Speed comparison with other implementations: the engine in C, its Python bindings, SciPy and NumPy. `scripts/compare`
+//! builds and sets up task it requires.
 //!
 //! ```text
 //! cargo bench --bench compare -- --engine target/perf/engine --python target/perf/venv/bin/python --out out
 //! ```
 //!
-//! The others are programs of their own, which wait for their turn: ours, theirs, theirs, ours. Each pair has a ratio; what is
-//! reported is the median of the ratios, and their quartiles. All threads keep to a processor each (see `processor.rs`), and for work in several
-//! a pair counts if the machine had a core for each.
+//! Each reference runs in its own process. The measurements alternate in the order ours, theirs, theirs, ours. Each pair gives a
+//! ratio; the report contains the median and the quartiles of the ratios. Every thread is pinned to a processor (see
+//! `processor.rs`). A multi-threaded pair counts only if the machine provided a core for each thread.
 
-#[path = "../benches/common/balance.rs"]
-mod balance;
-mod cores;
-mod ours;
+mod library;
+#[path = "../benches/common/models.rs"]
+mod models;
 mod peer;
 mod processor;
 mod report;
-#[path = "../benches/common/samples.rs"]
-mod samples;
 
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use balance::Balance;
-use ours::{Ours, Riccatis};
+use library::{Library, RiccatiProblem};
+use models::Balance;
 use peer::Peer;
-use report::{Duel, Report};
+use report::{Comparison, Report};
 
-/// How many pairs of short turns there are for one of rollouts, which take longer.
-const LONGER: usize = 6;
+/// Ratio of the number of pairs of short runs to that of rollouts, which take longer.
+const SHORT_PAIRS_PER_LONG_PAIR: usize = 6;
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
@@ -53,21 +50,21 @@ fn arguments() -> Outcome<Arguments> {
             Long("out") => arguments.out = parser.value()?.into(),
             Long("pairs") => arguments.pairs = parser.value()?.parse::<usize>()?.max(3),
             Long("threads") => arguments.threads = parser.value()?.parse::<usize>()?.clamp(1, 64),
-            Long("bench") => (), // cargo says so
+            Long("bench") => (), // passed by cargo
             _ => return Err(argument.unexpected().into()),
         }
     }
     Ok(arguments)
 }
 
-/// A model, the keyframe that it starts from, and how much is done in a turn: some milliseconds, as what else the machine does changes from
-/// one hundredth of a second to the next. Rollouts take longer, so that threads are worth starting.
+/// Model, initial keyframe, and amount of work per run. A run takes a few milliseconds, because the load of the machine varies
+/// from one hundredth of a second to the next. Rollouts take longer, to amortise the start of the threads.
 struct Task {
     name: &'static str,
     path: PathBuf,
     key: Option<&'static str>,
     steps: usize,
-    /// Of each of 64 rollouts.
+    /// Steps of each of the 64 rollouts.
     rollout_steps: usize,
     systems: usize,
 }
@@ -93,7 +90,7 @@ fn tasks() -> Vec<Task> {
             systems: 2,
         },
     ];
-    if let Some(path) = samples::many_humanoids().map(Path::to_owned) {
+    if let Some(path) = models::many_humanoids().map(Path::to_owned) {
         tasks.push(Task { name: "22 humanoids", path, key: None, steps: 8, rollout_steps: 0, systems: 0 });
     }
     tasks
@@ -107,72 +104,76 @@ fn main() -> Outcome<()> {
     let mut report = Report::default();
 
     for Task { name, path, key, steps, rollout_steps, systems } in tasks() {
-        let mut ours = Ours::new(&path, key, threads)?;
+        let mut ours = Library::new(&path, key, threads)?;
         let mut engine = Peer::start(&arguments.engine, &path, key, None)?;
         let mut python = match &arguments.python {
             Some(python) => Some(Peer::start(python, &path, key, Some("perf/peer.py"))?),
             None => None,
         };
-        let order = format!("step {steps}");
-        let c = Duel::fight(&one, pairs, || ours.step(steps), || engine.ask(&order))?;
-        report.add(format!("step, {name}"), "C", steps, &c.same());
+        let command = format!("step {steps}");
+        let comparison = Comparison::measure(&one, pairs, || ours.step(steps), || engine.run(&command))?;
+        report.add(format!("step, {name}"), "C", steps, &comparison.warn_if_different());
         if let Some(python) = &mut python {
-            let duel = Duel::fight(&one, pairs, || ours.step(steps), || python.ask(&order))?;
-            report.add(format!("step, {name}"), "Python bindings", steps, &duel.same());
+            let comparison = Comparison::measure(&one, pairs, || ours.step(steps), || python.run(&command))?;
+            report.add(format!("step, {name}"), "Python bindings", steps, &comparison.warn_if_different());
         }
         if rollout_steps == 0 {
             continue;
         }
 
         let (count, steps) = (64, rollout_steps);
-        let long = pairs.div_ceil(LONGER);
+        let long = pairs.div_ceil(SHORT_PAIRS_PER_LONG_PAIR);
         let calls = count * steps;
         for pool in &pools {
             let threads = pool.current_num_threads();
-            let order = format!("rollout {count} {steps} {threads}");
-            let what = format!("64 rollouts, {name}, threads: {threads}");
-            let duel = Duel::fight(pool, long, || ours.rollout(count, steps), || engine.ask(&order))?;
-            report.add(what.clone(), "C", calls, &duel.same());
+            let command = format!("rollout {count} {steps} {threads}");
+            let task = format!("64 rollouts, {name}, threads: {threads}");
+            let comparison = Comparison::measure(pool, long, || ours.rollout(count, steps), || engine.run(&command))?;
+            report.add(task.clone(), "C", calls, &comparison.warn_if_different());
             if let Some(python) = &mut python {
-                let duel = Duel::fight(pool, long, || ours.rollout(count, steps), || python.ask(&order))?;
-                report.add(what, "Python bindings", calls, &duel.same());
+                let comparison =
+                    Comparison::measure(pool, long, || ours.rollout(count, steps), || python.run(&command))?;
+                report.add(task, "Python bindings", calls, &comparison.warn_if_different());
             }
         }
         if threads > 1 {
-            let mut others = Ours::new(&path, key, threads)?;
+            let mut others = Library::new(&path, key, threads)?;
             let in_one = || one.install(|| others.rollout(count, steps));
-            let duel = Duel::fight(&all, long, || ours.rollout(count, steps), in_one)?;
-            assert!(duel.is_same_to_the_last_bit(), "the number of threads changes the result");
-            report.add(format!("64 rollouts, {name}, threads: {threads}"), "itself in one", calls, &duel);
+            let comparison = Comparison::measure(&all, long, || ours.rollout(count, steps), in_one)?;
+            assert!(comparison.is_bitwise_equal(), "the number of threads changes the result");
+            report.add(format!("64 rollouts, {name}, threads: {threads}"), "one thread", calls, &comparison);
         }
 
-        let order = format!("transition {systems}");
+        let command = format!("transition {systems}");
         for pool in &pools {
             let threads = pool.current_num_threads();
-            let duel = Duel::fight(pool, pairs, || ours.transition(systems), || engine.ask(&order))?;
-            report.add(format!("linear system, {name}, threads: {threads}"), "C", systems, &duel);
+            let comparison = Comparison::measure(pool, pairs, || ours.transition(systems), || engine.run(&command))?;
+            report.add(format!("linear system, {name}, threads: {threads}"), "C", systems, &comparison);
         }
 
         if let Some(python) = &mut python {
             let balance = if name == "cart-pole" { Balance::cartpole()? } else { Balance::humanoid()? };
-            let mut riccatis = Riccatis::new(balance)?;
+            let mut riccati = RiccatiProblem::new(balance)?;
             fs::create_dir_all(&arguments.out)?;
             let file = std::path::absolute(arguments.out.join("riccati.txt"))?;
-            fs::write(&file, riccatis.text())?;
-            let order = format!("riccati {}", file.display());
-            let duel = Duel::fight(&one, pairs, || riccatis.solve(), || python.ask(&order))?;
-            println!("Riccati, {name}: relative residuals {:.1e} and {:.1e}", duel.ours_made, duel.theirs_made);
-            report.add(format!("Riccati equation, {name}"), "SciPy", 1, &duel);
+            fs::write(&file, riccati.text())?;
+            let command = format!("riccati {}", file.display());
+            let comparison = Comparison::measure(&one, pairs, || riccati.solve(), || python.run(&command))?;
+            println!(
+                "Riccati, {name}: relative residuals {:.1e} and {:.1e}",
+                comparison.our_checksum, comparison.their_checksum
+            );
+            report.add(format!("Riccati equation, {name}"), "SciPy", 1, &comparison);
             fs::remove_file(&file)?;
 
             let calls = 2000;
-            let order = format!("controller {calls}");
-            let duel = Duel::fight(&one, pairs, || ours.controller(calls), || python.ask(&order))?;
-            report.add(format!("LQR's decision, {name}"), "NumPy", calls, &duel.same());
+            let command = format!("controller {calls}");
+            let comparison = Comparison::measure(&one, pairs, || ours.controller(calls), || python.run(&command))?;
+            report.add(format!("LQR control law, {name}"), "NumPy", calls, &comparison.warn_if_different());
         }
     }
     if arguments.python.is_none() {
-        println!("Not compared with Python, SciPy and NumPy: no --python was given.");
+        println!("No comparison with Python, SciPy and NumPy: no --python was given.");
     }
     report.write(&arguments.out)?;
     Ok(())

@@ -1,13 +1,14 @@
-"""The official Python bindings, SciPy and NumPy, which take turns with the others: see engine.c for how they are told what to do.
+"""Reference implementation in Python: the official bindings, SciPy and NumPy. See engine.c for the protocol.
+
 
     peer.py MODEL.xml KEYFRAME|- < commands
     step CALLS
     rollout COUNT STEPS THREADS
-    controller CALLS        an LQR's decision: differentiatePos and a product with a gain
-    riccati FILE            SciPy's solve_discrete_are; the file has A, B, Q and R
+    controller CALLS        LQR control law: differentiatePos and a matrix-vector product
+    riccati FILE            SciPy's solve_discrete_are; the file contains A, B, Q and R
 
-The bindings of 2.2.2 have no `rollout` module, which later versions of them have: its place takes a pool of threads that call
-`mj_step`, which lets go of Python's lock while the engine works, as the module's own threads do.
+The bindings of 2.2.2 lack the `rollout` module of later versions. A pool of threads that call `mj_step` replaces it: the binding
+releases Python's global lock during the call, as that module does.
 """
 
 import os
@@ -29,7 +30,7 @@ MASK = (1 << 64) - 1
 
 
 class Numbers:
-    """The random numbers of engine.c."""
+    """Random number generator, equal to that of engine.c."""
 
     def __init__(self):
         self.x = 1
@@ -40,7 +41,7 @@ class Numbers:
 
 
 class Controls:
-    """Those of engine.c, made when they are first needed."""
+    """Controls, equal to those of engine.c, generated on first use."""
 
     made = np.zeros((0, MODEL.nu))
 
@@ -53,8 +54,8 @@ class Controls:
         return cls.made
 
 
-def keep_to(thread):
-    """Keeps the calling thread to a processor of its own, as all that are compared do."""
+def pin_to(thread):
+    """Pins the calling thread to a processor, as all implementations do."""
     os.sched_setaffinity(0, {PROCESSORS[thread % len(PROCESSORS)]})
 
 
@@ -66,11 +67,11 @@ def start(data):
 
 
 def step(calls):
-    before = calls // 8
-    controls, data = Controls.of(before + calls), DATA[0]
+    warm_up = calls // 8
+    controls, data = Controls.of(warm_up + calls), DATA[0]
     start(data)
-    for i in range(before + calls):
-        if i == before:
+    for i in range(warm_up + calls):
+        if i == warm_up:
             begin = time.perf_counter()
         data.ctrl[:] = controls[i]
         mujoco.mj_step(MODEL, data)
@@ -84,7 +85,7 @@ def rollout(count, steps, threads):
     states = np.zeros((count, steps, MODEL.nq + MODEL.nv))
 
     def simulate(thread):
-        keep_to(thread)
+        pin_to(thread)
         data = DATA[thread]
         qpos, qvel, ctrl = data.qpos, data.qvel, data.ctrl
         for i in range(count * thread // threads, count * (thread + 1) // threads):
@@ -133,7 +134,7 @@ def riccati(path):
 
 
 PROCESSORS = sorted(os.sched_getaffinity(0))
-keep_to(0)
+pin_to(0)
 DATA = [mujoco.MjData(MODEL)]
 POOL = ThreadPoolExecutor(64)
 EQUATIONS = {}

@@ -1,4 +1,4 @@
-//! A program that waits for its turn.
+//! Process that runs a reference implementation on command.
 
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::path::Path;
@@ -8,12 +8,12 @@ use crate::Outcome;
 
 pub(crate) struct Peer {
     child: Child,
-    orders: Option<ChildStdin>,
+    commands: Option<ChildStdin>,
     answers: Lines<BufReader<ChildStdout>>,
 }
 
 impl Peer {
-    /// Starts a program, or a script with the program, for a model.
+    /// Starts a program, or a script with an interpreter, for a model.
     pub(crate) fn start(program: &Path, model: &Path, key: Option<&str>, script: Option<&str>) -> Outcome<Self> {
         let mut command = Command::new(program);
         match script {
@@ -24,7 +24,7 @@ impl Peer {
                 command.arg(model).args(key);
             }
         }
-        // `scripts/compare` names the engine that all are to use.
+        // `scripts/compare` sets this variable, so that all references use the same engine.
         if let (Some(library), true) = (std::env::var_os("COMPARE_PRELOAD"), script.is_some()) {
             command.env("LD_PRELOAD", library);
         }
@@ -34,22 +34,22 @@ impl Peer {
             .spawn()
             .map_err(|error| format!("{}: {error}", program.display()))?;
         let answers = BufReader::new(child.stdout.take().ok_or("no output")?).lines();
-        Ok(Self { orders: child.stdin.take(), child, answers })
+        Ok(Self { commands: child.stdin.take(), child, answers })
     }
 
-    /// The seconds that it took, and the number made of the result.
-    pub(crate) fn ask(&mut self, order: &str) -> Outcome<(f64, f64)> {
-        writeln!(self.orders.as_mut().ok_or("it has ended")?, "{order}")?;
-        let answer = self.answers.next().ok_or_else(|| format!("no answer to: {order}"))??;
-        let (seconds, made) = answer.split_once(' ').ok_or_else(|| format!("not understood: {answer}"))?;
-        Ok((seconds.parse()?, made.parse()?))
+    /// Runs a command. Returns the elapsed seconds and a checksum of the result.
+    pub(crate) fn run(&mut self, command: &str) -> Outcome<(f64, f64)> {
+        writeln!(self.commands.as_mut().ok_or("the process has ended")?, "{command}")?;
+        let answer = self.answers.next().ok_or_else(|| format!("no answer to: {command}"))??;
+        let (seconds, checksum) = answer.split_once(' ').ok_or_else(|| format!("unexpected answer: {answer}"))?;
+        Ok((seconds.parse()?, checksum.parse()?))
     }
 }
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        // The end of its input is the end of the program.
-        drop(self.orders.take());
+        // The process exits at the end of its input.
+        drop(self.commands.take());
         let _ = self.child.wait();
     }
 }

@@ -1,4 +1,4 @@
-//! Ratios, a table and a picture of them.
+//! Ratios of run times, as a table and a chart.
 
 use std::fmt::Write;
 use std::fs;
@@ -7,41 +7,42 @@ use std::path::Path;
 use mujoco_safe::rayon::ThreadPool;
 use plotters::prelude::*;
 
-use crate::{Outcome, cores};
+use crate::{Outcome, processor};
 
-/// What a number made of two results may differ by: the order of a sum.
-const SAME: f64 = 1e-9;
+/// Relative tolerance of checksums, which covers the order of summation.
+const TOLERANCE: f64 = 1e-9;
 
-/// The times of both, run by run, and how often as fast as they we are.
-pub(crate) struct Duel {
+/// Run times of both sides, and their ratios: speed of this crate relative to the reference.
+pub(crate) struct Comparison {
     ours: Vec<f64>,
     theirs: Vec<f64>,
     ratios: Vec<f64>,
-    pub(crate) ours_made: f64,
-    pub(crate) theirs_made: f64,
-    /// Pairs that do not count, for want of cores.
-    left_out: usize,
+    pub(crate) our_checksum: f64,
+    pub(crate) their_checksum: f64,
+    /// Number of pairs discarded for lack of cores.
+    discarded: usize,
 }
 
-/// How many pairs are tried for each that is to count.
-const PATIENCE: usize = 4;
+/// Maximum number of tries per counted pair.
+const MAX_TRIES: usize = 4;
 
-impl Duel {
-    /// In turn, each first every other time; ours on the threads of a pool. The first pair does not count, and others only if there
-    /// is a core for each thread before and after.
-    pub(crate) fn fight(
+impl Comparison {
+    /// Measures both sides alternately, ours on the threads of a pool. Discards the first pair, and every pair for which
+    /// a core per thread was not available before and after.
+    pub(crate) fn measure(
         pool: &ThreadPool,
         pairs: usize,
         mut ours: impl FnMut() -> Outcome<(f64, f64)> + Send,
         mut theirs: impl FnMut() -> Outcome<(f64, f64)>,
     ) -> Outcome<Self> {
         let mut ours = || pool.install(&mut ours);
-        let (_, ours_made) = ours()?;
-        let (_, theirs_made) = theirs()?;
-        let mut duel = Self { ours: vec![], theirs: vec![], ratios: vec![], ours_made, theirs_made, left_out: 0 };
-        let mut were_there = cores::are_there(pool);
-        for pair in 0..PATIENCE * pairs {
-            if duel.ratios.len() == pairs {
+        let (_, our_checksum) = ours()?;
+        let (_, their_checksum) = theirs()?;
+        let mut comparison =
+            Self { ours: vec![], theirs: vec![], ratios: vec![], our_checksum, their_checksum, discarded: 0 };
+        let mut had_cores = processor::has_core_per_thread(pool);
+        for pair in 0..MAX_TRIES * pairs {
+            if comparison.ratios.len() == pairs {
                 break;
             }
             let (our_time, their_time) = if pair % 2 == 0 {
@@ -51,39 +52,41 @@ impl Duel {
                 let first = theirs()?.0;
                 (ours()?.0, first)
             };
-            let are_there_still = cores::are_there(pool);
-            if !(std::mem::replace(&mut were_there, are_there_still) && are_there_still) {
-                duel.left_out += 1;
+            let has_cores = processor::has_core_per_thread(pool);
+            if !(std::mem::replace(&mut had_cores, has_cores) && has_cores) {
+                comparison.discarded += 1;
                 continue;
             }
-            duel.ours.push(our_time);
-            duel.theirs.push(their_time);
-            duel.ratios.push(their_time / our_time);
+            comparison.ours.push(our_time);
+            comparison.theirs.push(their_time);
+            comparison.ratios.push(their_time / our_time);
         }
-        for values in [&mut duel.ours, &mut duel.theirs, &mut duel.ratios] {
+        for values in [&mut comparison.ours, &mut comparison.theirs, &mut comparison.ratios] {
             values.sort_unstable_by(f64::total_cmp);
         }
-        Ok(duel)
+        Ok(comparison)
     }
 
-    pub(crate) fn is_same_to_the_last_bit(&self) -> bool {
-        self.ours_made.to_bits() == self.theirs_made.to_bits()
+    pub(crate) fn is_bitwise_equal(&self) -> bool {
+        self.our_checksum.to_bits() == self.their_checksum.to_bits()
     }
 
-    /// Says so where the results are not the same. Two builds of one engine differ in the last bits, and simulations with contacts
-    /// make more of it.
-    pub(crate) fn same(self) -> Self {
-        let (ours, theirs) = (self.ours_made, self.theirs_made);
-        if (ours - theirs).abs() > SAME * (1.0 + theirs.abs()) {
-            println!("The results of the next are not the same: {ours:e} here and {theirs:e} there. Is it one engine?");
+    /// Prints a warning if the results differ. Two builds of the engine differ in the last bits, which simulations with contacts
+    /// amplify.
+    pub(crate) fn warn_if_different(self) -> Self {
+        let (ours, theirs) = (self.our_checksum, self.their_checksum);
+        if (ours - theirs).abs() > TOLERANCE * (1.0 + theirs.abs()) {
+            println!(
+                "The results of the next task differ: {ours:e} here, {theirs:e} there. Do both use the same engine?"
+            );
         }
         self
     }
 }
 
 struct Row {
-    what: String,
-    whom: &'static str,
+    task: String,
+    reference: &'static str,
     microseconds: [f64; 2],
     quartiles: [f64; 3],
     pairs: usize,
@@ -95,44 +98,44 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    /// Adds a comparison of runs that make this many calls.
-    pub(crate) fn add(&mut self, what: String, whom: &'static str, calls: usize, duel: &Duel) {
-        let pairs = duel.ratios.len();
-        if duel.left_out > 0 {
-            println!("{} pairs of the next are left out: there was not a core for each thread.", duel.left_out);
+    /// Adds a comparison of runs with `calls` calls each.
+    pub(crate) fn add(&mut self, task: String, reference: &'static str, calls: usize, comparison: &Comparison) {
+        let pairs = comparison.ratios.len();
+        if comparison.discarded > 0 {
+            println!("Discarded {} pairs of the next task for lack of a core per thread.", comparison.discarded);
         }
         if pairs == 0 {
-            println!("{what}: not compared with {whom}.");
+            println!("{task}: no comparison with {reference}.");
             return;
         }
         let at = |values: &[f64], quarter: usize| values[(values.len() - 1) * quarter / 4];
-        let microseconds = [&duel.ours, &duel.theirs].map(|times| 1e6 * at(times, 2) / calls as f64);
-        let quartiles = [1, 2, 3].map(|quarter| at(&duel.ratios, quarter));
+        let microseconds = [&comparison.ours, &comparison.theirs].map(|times| 1e6 * at(times, 2) / calls as f64);
+        let quartiles = [1, 2, 3].map(|quarter| at(&comparison.ratios, quarter));
         let [low, median, high] = quartiles;
-        println!("{what}: {median:.3} times as fast as {whom} ({low:.3} to {high:.3})");
-        self.rows.push(Row { what, whom, microseconds, quartiles, pairs });
+        println!("{task}: {median:.3} times as fast as {reference} ({low:.3} to {high:.3})");
+        self.rows.push(Row { task, reference, microseconds, quartiles, pairs });
     }
 
     /// Writes `compare.md` and `compare.svg`.
     pub(crate) fn write(&self, out: &Path) -> Outcome<()> {
         fs::create_dir_all(out)?;
         let mut table = String::from(
-            "| what | beside | ours, µs | theirs, µs | times as fast | quartiles | pairs |\n|---|---|---:|---:|---:|---|---:|\n",
+            "| task | reference | ours, µs | theirs, µs | speed-up | quartiles | pairs |\n|---|---|---:|---:|---:|---|---:|\n",
         );
-        for Row { what, whom, microseconds: [ours, theirs], quartiles: [low, median, high], pairs } in &self.rows {
+        for Row { task, reference, microseconds: [ours, theirs], quartiles: [low, median, high], pairs } in &self.rows {
             writeln!(
                 table,
-                "| {what} | {whom} | {ours:.2} | {theirs:.2} | {median:.3} | {low:.3} to {high:.3} | {pairs} |"
+                "| {task} | {reference} | {ours:.2} | {theirs:.2} | {median:.3} | {low:.3} to {high:.3} | {pairs} |"
             )?;
         }
-        writeln!(table, "\nMedians of pairs, in turn. {}", machine())?;
+        writeln!(table, "\nMedians over alternating pairs. {}", machine())?;
         fs::write(out.join("compare.md"), table)?;
         self.draw(&out.join("compare.svg"))?;
-        println!("written: {0}/compare.md, {0}/compare.svg", out.display());
+        println!("wrote {0}/compare.md and {0}/compare.svg", out.display());
         Ok(())
     }
 
-    /// A bar for each comparison, from 1 to the ratio, on a logarithmic scale.
+    /// Draws a bar from 1 to the ratio for each comparison, on a logarithmic scale.
     fn draw(&self, path: &Path) -> Outcome<()> {
         const LEFT: i32 = 400;
         const RIGHT: i32 = 880;
@@ -146,11 +149,11 @@ impl Report {
             LEFT + (part * f64::from(RIGHT - LEFT)).round() as i32
         };
         let font = |size: i32| ("sans-serif", size).into_font();
-        root.draw_text("times as fast as the other (logarithmic)", &font(13).color(&BLACK), (LEFT, 12))?;
-        for (index, Row { what, whom, quartiles: [low, median, high], .. }) in self.rows.iter().enumerate() {
+        root.draw_text("speed relative to the reference (logarithmic)", &font(13).color(&BLACK), (LEFT, 12))?;
+        for (index, Row { task, reference, quartiles: [low, median, high], .. }) in self.rows.iter().enumerate() {
             let top = 44 + 26 * index as i32;
             let color = if *median >= 0.99 { RGBColor(46, 110, 166) } else { RGBColor(190, 90, 50) };
-            root.draw_text(&format!("{what} / {whom}"), &font(13).color(&BLACK), (10, top + 3))?;
+            root.draw_text(&format!("{task} / {reference}"), &font(13).color(&BLACK), (10, top + 3))?;
             let bar = [(place(1.0), top), (place(*median).max(place(1.0) + 1), top + 16)];
             root.draw(&Rectangle::new(bar, color.filled()))?;
             root.draw(&PathElement::new([(place(*low), top + 8), (place(*high), top + 8)], BLACK))?;
@@ -162,7 +165,8 @@ impl Report {
     }
 }
 
-/// What it was measured on.
+/// Describes the machine and the engine.
+
 fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

@@ -1,14 +1,15 @@
-//! A pole that hangs from a cart is swung up and held: trajectory optimisation, a gain table along the trajectory, and LQR.
+//! Cart-pole swing-up: trajectory optimisation with iLQR, time-varying LQR along the plan, and LQR at the top.
 //!
 //! ```text
 //! cargo run --release --example cartpole_swing_up -- --out out
 //! ```
 //!
-//! The plan is made by the iterative linear-quadratic regulator with controls within their range ([`mujoco_safe::control::ilqr`]).
-//! The simulation begins up to 0.1 rad off where the plan does, so that it does not get far without feedback.
+//! The plan is computed by the iterative linear-quadratic regulator with control limits ([`mujoco_safe::control::ilqr`]). Each
+//! simulation starts up to 0.1 rad away from the start of the plan, so that it fails without feedback. Options:
 //!
-//! `--seeds N` from how many random beginnings (5), `--threads N` with how many threads (all cores), `--out DIR` where the plots
-//! go (none is written without).
+//! - `--seeds N`: number of random initial states (5)
+//! - `--threads N`: number of threads (all cores)
+//! - `--out DIR`: folder for the plot; without it, no plot is written
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -19,9 +20,9 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use common::option;
+use common::command_line;
 use mujoco_safe::sample;
-use swing_up::{SIMULATED, attempt};
+use swing_up::{SIMULATION_DURATION, attempt};
 
 struct Arguments {
     seeds: u64,
@@ -34,7 +35,7 @@ const HELP: &str = "cartpole_swing_up [--seeds N] [--threads N] [--out DIR]";
 fn arguments() -> Result<Arguments, String> {
     let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
     let arguments = Arguments { seeds: 5, threads: cores, out: None };
-    option::read(HELP, arguments, |arguments, option| {
+    command_line::read(HELP, arguments, |arguments, option| {
         match option.name() {
             "--seeds" => arguments.seeds = option.number()?,
             "--threads" => arguments.threads = option.number()?,
@@ -46,7 +47,7 @@ fn arguments() -> Result<Arguments, String> {
 }
 
 fn main() -> std::process::ExitCode {
-    common::finish(run())
+    common::command_line::exit_code(run())
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
@@ -57,18 +58,18 @@ fn run() -> Result<(), Box<dyn Error>> {
         let attempt = attempt(&model, seed, arguments.threads)?;
         let (plan, planned) = (&attempt.plan, attempt.planned(&model));
         println!(
-            "seed {seed}: {} iterations, {}, cost {:.1} → {:.2}; planned {planned} s in {:.3} s, {:.1} times real time; \
-             simulated at {:.0} times; {}",
+            "seed {seed}: {} iterations, {}, cost {:.1} → {:.2}; planned {planned} s in {:.3} s ({:.1} times real time), \
+             simulated at {:.0} times real time; {}",
             plan.costs.len() - 1,
             plan.status,
             plan.costs[0],
             plan.cost(),
             attempt.planning.as_secs_f64(),
             planned / attempt.planning.as_secs_f64(),
-            SIMULATED / attempt.simulating.as_secs_f64(),
+            SIMULATION_DURATION / attempt.simulating.as_secs_f64(),
             match attempt.up_at {
-                Some(time) => format!("up from {time:.2} s on"),
-                None => "not up".to_owned(),
+                Some(time) => format!("upright from {time:.2} s"),
+                None => "not upright".to_owned(),
             }
         );
         attempts.push(attempt);
@@ -80,6 +81,6 @@ fn run() -> Result<(), Box<dyn Error>> {
         println!("wrote {}", path.display());
     }
     let up = attempts.iter().filter(|attempt| attempt.up_at.is_some()).count();
-    println!("{up} of {} poles are up", attempts.len());
-    if up == attempts.len() { Ok(()) } else { Err("a pole is not up".into()) }
+    println!("{up} of {} poles are upright", attempts.len());
+    if up == attempts.len() { Ok(()) } else { Err("not every pole reached the upright position".into()) }
 }

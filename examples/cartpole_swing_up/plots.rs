@@ -1,4 +1,4 @@
-//! The picture: how the poles come up, and how the plans were found.
+//! Plots of the swing-ups and of the convergence of the optimiser.
 
 use std::error::Error;
 use std::path::Path;
@@ -8,7 +8,7 @@ use mujoco_safe::Model;
 use crate::common::chart::{self, Line, PALETTE, Panel};
 use crate::swing_up::Attempt;
 
-/// Angle, position and controls over time, and the cost over the iterations.
+/// Plots angle, position and controls over time, and the cost over the iterations.
 pub fn draw(path: &Path, model: &Model, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
     let color = |index: usize| PALETTE[index % PALETTE.len()];
     let over_time = |value: &dyn Fn(&Attempt, usize) -> f64| -> Vec<Line> {
@@ -20,7 +20,7 @@ pub fn draw(path: &Path, model: &Model, attempts: &[Attempt]) -> Result<(), Box<
         attempts.iter().enumerate().map(line).collect()
     };
     let mut angles = over_time(&|attempt, record| attempt.trajectory.qpos(record)[1]);
-    // What was planned for the first, which began somewhere else.
+    // Add the plan of the first seed, which has another initial state.
     if let Some(attempt) = attempts.first() {
         let states = &attempt.plan.states;
         let points = (0..states.nrows()).map(|row| (row as f64 * model.timestep(), states[(row, 1)])).collect();
@@ -31,9 +31,9 @@ pub fn draw(path: &Path, model: &Model, attempts: &[Attempt]) -> Result<(), Box<
         Line::new(&format!("seed {}", index + 1), color(index), points)
     });
     let panels = [
-        Panel { title: "Angle of the pole", x: "time (s)", y: "angle (rad)", lines: angles, at_least: None },
+        Panel { title: "Pole angle", x: "time (s)", y: "angle (rad)", lines: angles, at_least: None },
         Panel {
-            title: "Position of the cart",
+            title: "Cart position",
             x: "time (s)",
             y: "position (m)",
             lines: over_time(&|attempt, record| attempt.trajectory.qpos(record)[0]),
@@ -43,7 +43,7 @@ pub fn draw(path: &Path, model: &Model, attempts: &[Attempt]) -> Result<(), Box<
             title: "Control",
             x: "time (s)",
             y: "fraction of the motor's range",
-            // Outside of its range the regulator's control is clamped by the engine.
+            // The engine clamps the control to its range.
             lines: over_time(&|attempt, record| attempt.trajectory.ctrl(record)[0].clamp(-1.0, 1.0)),
             at_least: Some((-1.0, 1.0)),
         },

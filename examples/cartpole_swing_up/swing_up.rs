@@ -1,4 +1,4 @@
-//! The swing-up itself: plan, follow, hold.
+//! The swing-up: plan, track the plan, stabilise.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,30 +11,30 @@ use mujoco_safe::{
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// How long the plan is, s.
-const PLANNED: f64 = 2.5;
-/// How long the simulation is, s.
-pub const SIMULATED: f64 = 6.0;
-/// The pole is upright where it leans less, rad, ...
+/// Duration of the plan, s.
+const PLAN_DURATION: f64 = 2.5;
+/// Duration of the simulation, s.
+pub const SIMULATION_DURATION: f64 = 6.0;
+/// Angle within which the pole counts as upright, rad.
 const UPRIGHT: f64 = 0.02;
-/// ... and at rest where it moves less, rad/s, and the cart too, m/s.
+/// Velocity below which the pole, rad/s, and the cart, m/s, count as at rest.
 const AT_REST: f64 = 0.02;
-/// How far a simulation is from the plan when it begins, at most, rad: the plan does not know.
-const UNKNOWN: f64 = 0.1;
+/// Maximum deviation of the simulated initial angle from the planned one, rad.
+const MAX_INITIAL_DEVIATION: f64 = 0.1;
 
-/// What it costs to swing a pole up. The state is `[cart position, pole angle, cart velocity, pole velocity]`.
+/// Cost of a swing-up. The state is `[cart position, pole angle, cart velocity, pole velocity]`.
 ///
-/// The angle costs by its cosine, so that it does not matter which way round the pole comes up.
+/// The angle enters through its cosine, so that both directions of rotation are equivalent.
 struct SwingUp;
 
-/// What each step costs of the controls, of the distance from the middle and of the height that the pole has not got, ...
+// Weights of each step: control, distance from the centre, and missing height of the pole.
 const EFFORT: f64 = 0.02;
 const DISTANCE: f64 = 0.05;
 const HEIGHT: f64 = 0.02;
-/// ... and what the same, and the velocities, cost in the end.
-const LAST_DISTANCE: f64 = 100.0;
-const LAST_HEIGHT: f64 = 1000.0;
-const LAST_VELOCITY: f64 = 50.0;
+// Weights of the final state, which also includes the velocities.
+const FINAL_DISTANCE: f64 = 100.0;
+const FINAL_HEIGHT: f64 = 1000.0;
+const FINAL_VELOCITY: f64 = 50.0;
 
 impl TrajectoryCost for SwingUp {
     fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> f64 {
@@ -43,17 +43,19 @@ impl TrajectoryCost for SwingUp {
         match controls {
             Some(controls) => EFFORT * controls[0].powi(2) + DISTANCE * position.powi(2) + HEIGHT * below,
             None => {
-                LAST_DISTANCE * position.powi(2) + LAST_HEIGHT * below + LAST_VELOCITY * (cart.powi(2) + pole.powi(2))
+                FINAL_DISTANCE * position.powi(2)
+                    + FINAL_HEIGHT * below
+                    + FINAL_VELOCITY * (cart.powi(2) + pole.powi(2))
             }
         }
     }
 
     fn expand(&self, _step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion) {
-        let (distance, height) = if controls.is_some() { (DISTANCE, HEIGHT) } else { (LAST_DISTANCE, LAST_HEIGHT) };
+        let (distance, height) = if controls.is_some() { (DISTANCE, HEIGHT) } else { (FINAL_DISTANCE, FINAL_HEIGHT) };
         expansion.x[0] = 2.0 * distance * state[0];
         expansion.xx[(0, 0)] = 2.0 * distance;
         expansion.x[1] = height * state[1].sin();
-        // Below the middle the cosine is curved the other way; a cost that is not convex would have no best change.
+        // Below the horizontal the cosine has negative curvature. A non-convex cost would have no minimum along the step.
         expansion.xx[(1, 1)] = height * state[1].cos().max(0.0);
         match controls {
             Some(controls) => {
@@ -62,58 +64,58 @@ impl TrajectoryCost for SwingUp {
             }
             None => {
                 for (index, velocity) in state.iter().enumerate().skip(2) {
-                    expansion.x[index] = 2.0 * LAST_VELOCITY * velocity;
-                    expansion.xx[(index, index)] = 2.0 * LAST_VELOCITY;
+                    expansion.x[index] = 2.0 * FINAL_VELOCITY * velocity;
+                    expansion.xx[(index, index)] = 2.0 * FINAL_VELOCITY;
                 }
             }
         }
     }
 }
 
-/// A swing-up from one beginning.
+/// Swing-up from one initial state.
 pub struct Attempt {
-    /// The plan.
+    /// Optimised plan.
     pub plan: IlqrSolution,
-    /// How long it took to find it.
+    /// Time to compute the plan.
     pub planning: Duration,
-    /// What the simulation went through.
+    /// Recorded simulation.
     pub trajectory: Trajectory,
-    /// How long the simulation took.
+    /// Time to run the simulation.
     pub simulating: Duration,
-    /// When the pole has come up and stayed there, s.
+    /// Time from which the pole remains upright, s.
     pub up_at: Option<f64>,
 }
 
 impl Attempt {
-    /// How long the plan is, s.
+    /// Returns the duration of the plan, s.
     pub fn planned(&self, model: &Model) -> f64 {
         self.plan.controls.nrows() as f64 * model.timestep()
     }
 }
 
-/// Plans, and has a simulation follow the plan, from beginnings and with first guesses that follow from the seed. The simulation
-/// begins a little off where the plan does.
+/// Plans a swing-up and simulates it. The seed determines the initial state, the initial guess and the deviation of the
+/// simulation from the plan.
 pub fn attempt(model: &Arc<Model>, seed: u64, threads: usize) -> Result<Attempt> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
     let mut data = Data::new(model.clone())?;
     let timestep = model.timestep();
-    let steps = (PLANNED / timestep).round() as usize;
+    let steps = (PLAN_DURATION / timestep).round() as usize;
 
-    // Hanging, more or less, somewhere on the rail. At first the controls are almost nothing.
+    // Start with a hanging pole somewhere on the rail, and with almost zero controls as the initial guess.
     let hanging = std::f64::consts::PI + between(-0.2, 0.2);
-    let begin = [between(-0.3, 0.3), hanging];
-    data.qpos_mut().copy_from_slice(&begin);
+    let start = [between(-0.3, 0.3), hanging];
+    data.qpos_mut().copy_from_slice(&start);
     let guess = Matrix::from_row_major(steps, 1, (0..steps).map(|_| between(-0.05, 0.05)).collect());
 
     let start = Instant::now();
     let options = IlqrOptions { iterations: 300, tolerance: 1e-5, threads, ..Default::default() };
     let plan = Ilqr::new(model.clone(), options)?.solve(&data, &guess, &SwingUp)?;
-    let mut controller = Follow::new(&data, &plan, threads)?;
+    let mut controller = TrackThenHold::new(&data, &plan, threads)?;
     let planning = start.elapsed();
 
-    data.qpos_mut()[1] += between(-UNKNOWN, UNKNOWN);
-    let simulated = (SIMULATED / timestep).round() as usize;
+    data.qpos_mut()[1] += between(-MAX_INITIAL_DEVIATION, MAX_INITIAL_DEVIATION);
+    let simulated = (SIMULATION_DURATION / timestep).round() as usize;
     let mut trajectory = Trajectory::with_capacity(model, simulated);
     let start = Instant::now();
     trajectory.record(&mut data, &mut controller, simulated)?;
@@ -123,29 +125,29 @@ pub fn attempt(model: &Arc<Model>, seed: u64, threads: usize) -> Result<Attempt>
         let (qpos, qvel) = (trajectory.qpos(record), trajectory.qvel(record));
         lean(qpos[1]).abs() < UPRIGHT && qvel.iter().all(|velocity| velocity.abs() < AT_REST)
     };
-    let down = (0..simulated).rev().find(|&record| !is_up(record)).map_or(0, |record| record + 1);
-    let up_at = (down < simulated).then(|| trajectory.times()[down]);
+    let settled = (0..simulated).rev().find(|&record| !is_up(record)).map_or(0, |record| record + 1);
+    let up_at = (settled < simulated).then(|| trajectory.times()[settled]);
     Ok(Attempt { plan, planning, trajectory, simulating, up_at })
 }
 
-/// How far the pole is from upright, rad: an angle between −π and π.
+/// Returns the angle from upright, rad, wrapped to −π to π.
 pub fn lean(angle: f64) -> f64 {
     angle.sin().atan2(angle.cos())
 }
 
-/// Follows the plan, and then holds the pole.
-struct Follow {
-    table: TimeVaryingLqr,
+/// Controller that tracks the plan, and then stabilises the pole.
+struct TrackThenHold {
+    track: TimeVaryingLqr,
     hold: Lqr,
-    /// When the plan ends, s.
-    until: f64,
+    /// End of the plan, s.
+    plan_end: f64,
 }
 
-impl Follow {
+impl TrackThenHold {
     fn new(data: &Data, plan: &IlqrSolution, threads: usize) -> Result<Self> {
         let model = data.model();
         let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
-        // Upright, on the side of the turns that the plan has come up on.
+        // Linearise at the upright angle, in the revolution in which the plan ends.
         let steps = plan.controls.nrows();
         let end = plan.states.row(steps);
         let mut upright = Data::new(model.clone())?;
@@ -155,16 +157,16 @@ impl Follow {
         let (system, _) = transition.linear_system(&mut upright)?;
         let solution = Lqr::solve(&system, &weights)?;
         let hold = Lqr::with_gain(&upright, Matrix::from(&solution.k))?;
-        // Along the way, deviations cost what they cost the regulator that takes over.
+        // Track the plan with the weights of the final regulator, and use its cost-to-go as the terminal cost.
         let terminal: DMatrix<f64> = solution.p;
         let (states, controls) = (plan.states.clone(), plan.controls.clone());
-        let table = TimeVaryingLqr::along(&mut transition, data, states, controls, &weights, &terminal)?;
-        Ok(Self { table, hold, until: steps as f64 * model.timestep() })
+        let track = TimeVaryingLqr::along(&mut transition, data, states, controls, &weights, &terminal)?;
+        Ok(Self { track, hold, plan_end: steps as f64 * model.timestep() })
     }
 }
 
-impl Controller for Follow {
+impl Controller for TrackThenHold {
     fn control(&mut self, data: &mut Data) -> Result<()> {
-        if data.time() < self.until { self.table.control(data) } else { self.hold.control(data) }
+        if data.time() < self.plan_end { self.track.control(data) } else { self.hold.control(data) }
     }
 }

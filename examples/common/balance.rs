@@ -1,4 +1,4 @@
-//! The humanoid on its left leg, and the regulator that holds it there: what the example `humanoid_lqr` does step by step.
+//! Humanoid balancing on its left leg under LQR, as the example `humanoid_lqr` derives it step by step.
 
 #[path = "../humanoid_lqr/set_point.rs"]
 pub mod set_point;
@@ -10,7 +10,8 @@ use mujoco_safe::{Data, Lqr, Result, sample};
 use set_point::SetPoint;
 use weights::{Dofs, weights};
 
-/// The bundled humanoid at its set-point, the set-point, and its regulator.
+/// Creates the bundled humanoid at its set-point, together with the set-point and its regulator.
+
 pub fn humanoid() -> Result<(Data, SetPoint, Lqr)> {
     let mut data = Data::new(sample::humanoid())?;
     let model = data.model().clone();

@@ -1,4 +1,4 @@
-//! Line charts as SVG.
+//! Line charts in SVG.
 
 use std::error::Error;
 use std::path::Path;
@@ -8,18 +8,18 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::FontFamily;
 
-/// Where charts are drawn.
+/// Drawing area of a chart.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 pub const INK: RGBColor = RGBColor(40, 44, 52);
 const GRID: RGBColor = RGBColor(226, 228, 232);
 
-/// Plotters rounds to whole pixels, which shows in a slow curve; so charts are drawn large, to be scaled down.
+/// Scale factor. Plotters rounds coordinates to whole pixels, so charts are drawn large to keep curves smooth.
 const SCALE: u32 = 3;
 const WIDTH: u32 = 760;
 const LEGEND: u32 = 150;
 
-/// Colours that stay apart for colour-blind eyes (Okabe and Ito, 2008).
+/// Palette suitable for colour blindness (Okabe and Ito, 2008).
 pub const PALETTE: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -30,9 +30,9 @@ pub const PALETTE: [RGBColor; 7] = [
     RGBColor(120, 120, 120),
 ];
 
-/// A line of a chart.
+/// Line of a chart.
 pub struct Line {
-    /// What the legend calls it; empty for no entry.
+    /// Legend entry; empty for none.
     pub label: String,
     pub points: Vec<(f64, f64)>,
     pub color: RGBColor,
@@ -45,17 +45,17 @@ impl Line {
     }
 }
 
-/// One pair of axes.
+/// Pair of axes with its lines.
 pub struct Panel<'a> {
     pub title: &'a str,
     pub x: &'a str,
     pub y: &'a str,
     pub lines: Vec<Line>,
-    /// What the vertical axis shows at least.
+    /// Minimum range of the vertical axis.
     pub at_least: Option<(f64, f64)>,
 }
 
-/// Draws panels one below another, each `height` units high.
+/// Draws panels below each other, each `height` units high.
 pub fn draw(path: &Path, height: u32, panels: &[Panel<'_>]) -> Result<(), Box<dyn Error>> {
     canvas(path, height * panels.len() as u32, |root| {
         for (area, panel) in root.split_evenly((panels.len(), 1)).iter().zip(panels) {
@@ -65,7 +65,7 @@ pub fn draw(path: &Path, height: u32, panels: &[Panel<'_>]) -> Result<(), Box<dy
     })
 }
 
-/// A white picture of this height, to be drawn on.
+/// Creates a white image of this height and draws on it.
 pub fn canvas(
     path: &Path,
     height: u32,
@@ -77,12 +77,12 @@ pub fn canvas(
     root.present().map_err(|error| format!("{}: {error}", path.display()).into())
 }
 
-/// A text style of this size.
+/// Returns the text style for a size.
 pub fn font(size: u32) -> TextStyle<'static> {
     (FontFamily::SansSerif, scaled(size)).into_font().color(&INK)
 }
 
-/// A length in the units of the picture.
+/// Converts a length to pixels of the image.
 pub fn scaled(length: u32) -> u32 {
     SCALE * length
 }
@@ -129,7 +129,7 @@ fn draw_panel(area: &Area<'_>, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> 
     legend(area, &panel.lines)
 }
 
-/// The names of the lines, beside the chart, where they cover nothing.
+/// Draws the legend to the right of the chart.
 fn legend(area: &Area<'_>, lines: &[Line]) -> Result<(), Box<dyn Error>> {
     let left = area.dim_in_pixel().0 as i32 - scaled(LEGEND - 12) as i32;
     for (index, line) in lines.iter().filter(|line| !line.label.is_empty()).enumerate() {
@@ -141,14 +141,14 @@ fn legend(area: &Area<'_>, lines: &[Line]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A number of an axis.
+/// Formats an axis label.
 fn short(value: f64) -> String {
     let rounded = (value * 1e6).round() / 1e6;
-    // The sum of a zero and a negative zero is a zero.
+    // Adding zero turns a negative zero into zero.
     (rounded + 0.0).to_string()
 }
 
-/// The range of some numbers, never empty.
+/// Returns the range of the finite values, never empty.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let widen = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
     let (low, high) = values.filter(|value| value.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), widen);

@@ -1,23 +1,8 @@
-//! What the examples share: plots, command-line options, progress, and how they end.
+//! Code shared by the examples: command line, charts, the viewer window, and a balancing humanoid.
 
-#![allow(dead_code, reason = "each example uses its part")]
+#![allow(dead_code, reason = "each example uses a part of it")]
 
 pub mod balance;
 pub mod chart;
-pub mod option;
-pub mod progress;
+pub mod command_line;
 pub mod window;
-
-use std::error::Error;
-use std::process::ExitCode;
-
-/// How a program ends: an error is told in words, on standard error.
-pub fn finish(result: Result<(), Box<dyn Error>>) -> ExitCode {
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}

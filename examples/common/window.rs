@@ -1,13 +1,13 @@
-//! The window, in programs that are built with one.
+//! Viewer window, if the example is built with the feature `viewer`.
 
 use std::error::Error;
 
 use mujoco_safe::{Controller, Data, Trajectory};
 
 #[cfg(not(feature = "viewer"))]
-const NO_WINDOW: &str = "this program was built without its window; --view needs cargo run --features viewer";
+const NO_WINDOW: &str = "--view requires the viewer: run with `cargo run --features viewer`";
 
-/// Shows a simulation under control, and recorded ones, until the window is closed.
+/// Shows a controlled simulation and recorded trajectories until the window is closed.
 #[cfg(feature = "viewer")]
 pub fn show(
     title: &str,
@@ -19,20 +19,20 @@ pub fn show(
     Ok(())
 }
 
-/// Shows recorded simulations until the window is closed.
+/// Plays recorded trajectories until the window is closed.
 #[cfg(feature = "viewer")]
 pub fn replay(title: &str, data: Data, trajectories: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
     mujoco_safe::viewer::Viewer::new().title(title).trajectories(trajectories).run(data)?;
     Ok(())
 }
 
-/// Says how to get the window.
+/// Returns an error: the viewer is not built.
 #[cfg(not(feature = "viewer"))]
 pub fn replay(_: &str, _: Data, _: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
     Err(NO_WINDOW.into())
 }
 
-/// Says how to get the window.
+/// Returns an error: the viewer is not built.
 #[cfg(not(feature = "viewer"))]
 pub fn show(_: &str, _: Data, _: impl Controller + Send + 'static, _: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
     Err(NO_WINDOW.into())

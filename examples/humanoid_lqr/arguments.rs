@@ -1,24 +1,24 @@
-//! The command line.
+//! Command-line arguments.
 
 use std::path::PathBuf;
 
-use crate::common::option::{self, Given};
+use crate::common::command_line::{self, Argument};
 use crate::simulate::Push;
 
 pub const HELP: &str = "\
-A humanoid on one leg, held by a linear-quadratic regulator.
+A humanoid balances on one leg under a linear-quadratic regulator.
 
-  --model PATH      a model file; the bundled humanoid without
-  --keyframe NAME   the keyframe to balance about (stand_on_left_leg)
-  --torso NAME      the body whose subtree's centre of mass is balanced (torso)
-  --foot NAME       the body over which it is balanced (foot_left)
-  --seconds S       how long to simulate (10)
-  --push FX,FY[,S]  push the torso with this force in N, for S seconds (0.1), after 1 s
-  --noise SIGMA     add normal noise of this deviation to every control (0)
-  --seed N          the seed of the noise (1)
-  --out DIR         where the plots and the trajectory go; nothing is written without
-  --view            show it in a window (built with --features viewer): under control, and as it was recorded
-  --json            print the figures as one JSON object";
+  --model PATH      model file (default: the bundled humanoid)
+  --keyframe NAME   keyframe near which to balance (stand_on_left_leg)
+  --torso NAME      root of the subtree whose centre of mass is balanced (torso)
+  --foot NAME       body over which it is balanced (foot_left)
+  --seconds S       simulated time (10)
+  --push FX,FY[,S]  push the torso with this force in N, for S seconds (0.1), starting at 1 s
+  --noise SIGMA     standard deviation of normal noise on every control (0)
+  --seed N          seed of the noise (1)
+  --out DIR         folder for the plots and the trajectory; without it, no files are written
+  --view            show the simulation and its recordings in a window (requires --features viewer)
+  --json            print the results as one JSON object";
 
 #[derive(Clone, Debug)]
 pub struct Arguments {
@@ -50,7 +50,7 @@ impl Arguments {
             view: false,
             json: false,
         };
-        option::read(HELP, arguments, |arguments, option| {
+        command_line::read(HELP, arguments, |arguments, option| {
             match option.name() {
                 "--model" => arguments.model = Some(option.path()?),
                 "--keyframe" => arguments.keyframe = option.text()?,
@@ -70,7 +70,7 @@ impl Arguments {
     }
 }
 
-fn positive(option: &mut Given<'_>) -> Result<f64, String> {
+fn positive(option: &mut Argument<'_>) -> Result<f64, String> {
     let value: f64 = option.number()?;
     if value.is_finite() && value >= 0.0 {
         Ok(value)
@@ -79,13 +79,13 @@ fn positive(option: &mut Given<'_>) -> Result<f64, String> {
     }
 }
 
-fn push(option: &mut Given<'_>) -> Result<Push, String> {
+fn push(option: &mut Argument<'_>) -> Result<Push, String> {
     let list = option.text()?;
     let numbers: Result<Vec<f64>, String> =
         list.split(',').map(|part| part.trim().parse().map_err(|error| format!("--push {list}: {error}"))).collect();
     match numbers?[..] {
         [x, y] => Ok(Push { force: [x, y], duration: 0.1 }),
         [x, y, duration] => Ok(Push { force: [x, y], duration }),
-        _ => Err("--push: give FX,FY or FX,FY,SECONDS, as in --push 20,0".to_owned()),
+        _ => Err("--push: expected FX,FY or FX,FY,SECONDS, as in --push 20,0".to_owned()),
     }
 }

@@ -1,4 +1,4 @@
-//! The robot itself, at a few moments: its capsules and spheres in parallel projection.
+//! Film strip of a run: the capsules and spheres of the robot in parallel projection.
 
 use std::error::Error;
 use std::path::Path;
@@ -9,17 +9,17 @@ use plotters::prelude::*;
 use crate::common::chart::{canvas, font, scaled};
 use crate::simulate::Run;
 
-/// Height of the picture.
+/// Height of the image.
 const HEIGHT: u32 = 300;
-/// How much of the world a picture shows, m.
+/// Height of the visible part of the world, m.
 const SHOWN: f64 = 2.0;
 
-/// Where the viewer looks from: a little to the front of the robot's left, as unit vectors to the right, up and to the viewer.
+/// Unit vectors of the view, from the front left of the robot: right, up, and towards the viewer.
 const RIGHT: [f64; 3] = [-0.574, 0.819, 0.0];
 const UP: [f64; 3] = [-0.081, -0.057, 0.995];
 const NEAR: [f64; 3] = [0.815, 0.571, 0.099];
 
-/// Draws the robot at each of some records of a run.
+/// Draws the robot at each of the given records.
 pub fn draw(path: &Path, data: &mut Data, run: &Run, records: &[usize]) -> Result<(), Box<dyn Error>> {
     canvas(path, HEIGHT, |root| {
         for (area, &record) in root.split_evenly((1, records.len())).iter().zip(records) {
@@ -60,7 +60,7 @@ struct Limb {
     depth: f64,
 }
 
-/// The capsules and spheres of the robot, the farthest first.
+/// Returns the capsules and spheres of the robot, sorted from back to front.
 fn limbs(data: &Data) -> Vec<Limb> {
     let model = data.model();
     let mut limbs: Vec<Limb> = model
@@ -71,12 +71,12 @@ fn limbs(data: &Data) -> Vec<Limb> {
             let [radius, half, _] = *geom.size();
             let half = if geom.geom_type() == GeomType::Capsule { half } else { 0.0 };
             let (at, turn) = (placed.xpos(), placed.xmat());
-            // A capsule lies along its own z axis: the third column of its rotation.
+            // A capsule extends along its local z axis, the third column of its rotation matrix.
             let end = |sign: f64| std::array::from_fn(|axis| at[axis] + sign * half * turn[3 * axis + 2]);
             let depth = dot(*at, NEAR);
             let material = usize::try_from(model.geom_matid()[geom.index()]).ok();
             let rgba = material.map_or(*geom.rgba(), |material| model.mat_rgba()[material]);
-            // What is farther away is a little paler.
+            // Lighten parts that are further away.
             let shade = |part: f32| {
                 (255.0 * (f64::from(part) + (1.0 - f64::from(part)) * (0.25 - 0.6 * depth).clamp(0.0, 0.45))) as u8
             };

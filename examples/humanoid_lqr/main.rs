@@ -1,14 +1,14 @@
-//! A humanoid balances on one leg.
+//! Humanoid balancing on one leg under LQR.
 //!
 //! ```text
 //! cargo run --release --example humanoid_lqr -- --push 20,0 --out out
 //! ```
 //!
-//! The steps: find a set-point near the keyframe at which the floor carries the weight ([`set_point`]), decide what a
-//! deviation costs ([`weights`]), linearise a step of the simulation there, solve the Riccati equation for the gain, and
-//! simulate ([`simulate`]). `--help` lists the options.
+//! The program finds a set-point near the keyframe at which the floor supports the weight ([`set_point`]), defines the cost of
+//! deviations ([`weights`]), linearises the simulation, solves the Riccati equation for the gain, and simulates ([`simulate`]).
+//! `--help` lists the options.
 //!
-//! The method is that of the LQR tutorial of MuJoCo's Python bindings.
+//! The method follows the LQR tutorial of MuJoCo's Python bindings.
 
 mod arguments;
 #[path = "../common/mod.rs"]
@@ -28,13 +28,13 @@ use simulate::{Disturbance, simulate};
 use weights::{Dofs, weights};
 
 fn main() -> std::process::ExitCode {
-    common::finish(balance())
+    common::command_line::exit_code(balance())
 }
 
 fn balance() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse()?;
-    // `--json` leaves the output to the program that reads it.
-    let say = |text: String| {
+    // With `--json`, standard output contains nothing but the JSON object.
+    let report = |text: String| {
         if !arguments.json {
             println!("{text}");
         }
@@ -48,55 +48,55 @@ fn balance() -> Result<(), Box<dyn Error>> {
     let torso = model.body(&arguments.torso)?;
     let foot = model.body(&arguments.foot)?;
     let keyframe = model.keyframe(&arguments.keyframe)?;
-    say(format!("{model:?}"));
+    report(format!("{model:?}"));
 
-    // 1. Where to balance.
+    // 1. Find the set-point.
     let dofs = Dofs::of(&model, torso, foot);
     let (set_point, sweep) = SetPoint::near(&mut data, keyframe.id())?;
     let weight =
         model.body_mass().iter().sum::<f64>() * model.options().gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
     let ctrl_max = set_point.ctrl.iter().fold(0.0_f64, |most, ctrl| most.max(ctrl.abs()));
     let force_error = set_point.force_error(dofs.free.end..model.nv());
-    say(format!(
-        "keyframe '{}': at rest it would need {:.1} N from outside, of {weight:.1} N",
+    report(format!(
+        "keyframe '{}': at rest it requires an external vertical force of {:.1} N (weight {weight:.1} N)",
         arguments.keyframe, set_point.at_keyframe[2]
     ));
-    say(format!(
-        "moved by {:+.3} mm the floor carries it; the largest control is {ctrl_max:.3}",
+    report(format!(
+        "at {:+.3} mm the floor supports the weight; the largest control is {ctrl_max:.3}",
         set_point.offset * 1e3
     ));
-    say(format!("the motors give the wanted joint forces to {force_error:.1e} N·m"));
+    report(format!("the motors reproduce the required joint forces within {force_error:.1e} N·m"));
 
-    // 2. What happens with constant controls.
+    // 2. Simulate with constant controls.
     let mut constant = |data: &mut Data| data.ctrl_mut().copy_from_slice(&set_point.ctrl);
     let open_loop = simulate(&mut data, &mut constant, &set_point, torso, arguments.seconds, Disturbance::default())?;
-    say(match open_loop.fell_at {
+    report(match open_loop.fell_at {
         Some(time) => format!("with constant controls it falls after {time:.2} s"),
         None => "with constant controls it stays up".to_owned(),
     });
 
-    // 3. What a deviation costs, and how the robot moves about the set-point.
+    // 3. Define the cost, and linearise the simulation at the set-point.
     set_point.apply(&mut data)?;
     let weights = weights(&mut data, torso, foot, &dofs)?;
     let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
 
-    // 4. The gain.
+    // 4. Compute the gain.
     let solution = Lqr::solve(&system, &weights)?;
     let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
-    say(format!(
+    report(format!(
         "Riccati: {} doublings, relative residual {:.1e}, 1 − spectral radius {:.1e}",
         solution.iterations,
         solution.relative_residual,
         1.0 - solution.spectral_radius
     ));
 
-    // 5. Under control.
+    // 5. Simulate under control.
     let disturbance = Disturbance { push: arguments.push, noise: arguments.noise, seed: arguments.seed };
     let run = simulate(&mut data, &mut lqr, &set_point, torso, arguments.seconds, disturbance)?;
-    say(match run.fell_at {
+    report(match run.fell_at {
         Some(time) => format!("under control it falls after {time:.2} s"),
         None => format!(
-            "under control it stands after {:.1} s, its centre of mass at {:.3} m",
+            "under control it stands after {:.1} s, with its centre of mass at {:.3} m",
             data.time(),
             run.final_height()
         ),
@@ -135,13 +135,13 @@ fn balance() -> Result<(), Box<dyn Error>> {
         film::draw(&film, &mut data, &run, &moments.map(|record| record.min(run.trajectory.len() - 1)))?;
         run.trajectory.save_csv(&csv)?;
         for path in [&force, &balance, &film, &csv] {
-            say(format!("wrote {}", path.display()));
+            report(format!("wrote {}", path.display()));
         }
     }
     let upright = run.upright();
     if arguments.view {
         set_point.apply(&mut data)?;
-        common::window::show("A humanoid on one leg", data, lqr, vec![run.trajectory, open_loop.trajectory])?;
+        common::window::show("Humanoid on one leg", data, lqr, vec![run.trajectory, open_loop.trajectory])?;
     }
-    if upright { Ok(()) } else { Err("the humanoid has fallen".into()) }
+    if upright { Ok(()) } else { Err("the humanoid fell".into()) }
 }

@@ -1,4 +1,4 @@
-//! The pictures: force against height, and how the robot held itself.
+//! Plots of the force against height, and of the balancing robot.
 
 use std::error::Error;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::common::chart::{self, Line, PALETTE, Panel};
 use crate::set_point::{SetPoint, Sweep};
 use crate::simulate::Run;
 
-/// The vertical force that inverse dynamics calls for, against the height.
+/// Plots the vertical force of inverse dynamics against the height.
 pub fn force_against_height(
     path: &Path,
     sweep: &Sweep,
@@ -26,7 +26,7 @@ pub fn force_against_height(
         dashed(&format!("best: {best:.3} mm"), 1, vec![(best, lowest), (best, weight)]),
     ];
     let panel = Panel {
-        title: "Vertical force that the keyframe would need from outside",
+        title: "External vertical force at the keyframe",
         x: "vertical offset (mm)",
         y: "force (N)",
         lines,
@@ -39,7 +39,7 @@ fn dashed(label: &str, color: usize, points: Vec<(f64, f64)>) -> Line {
     Line { label: label.to_owned(), points, color: PALETTE[color], dashed: true }
 }
 
-/// Centre of mass, height and controls over time.
+/// Plots the centre of mass and the controls over time.
 pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result<(), Box<dyn Error>> {
     const SHOWN: usize = 6;
     let times = run.trajectory.times();
@@ -54,7 +54,7 @@ pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result
     let height = |run: &Run| -> Vec<(f64, f64)> {
         run.trajectory.times().iter().zip(&run.com).map(|(&time, com)| (time, com[2])).collect()
     };
-    // The controls that work hardest, each by its name.
+    // Select the actuators with the largest effort.
     let effort =
         |index: usize| (0..run.trajectory.len()).map(|record| run.trajectory.ctrl(record)[index].powi(2)).sum::<f64>();
     let mut busiest: Vec<usize> = (0..model.nu()).collect();
@@ -75,10 +75,10 @@ pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result
 
     let panels = [
         Panel {
-            title: "Centre of mass, from where it started",
+            title: "Centre of mass, relative to the start",
             x: "time (s)",
             y: "drift (mm)",
-            lines: vec![drift(0, "forwards (x)", 0), drift(1, "to the left (y)", 1)],
+            lines: vec![drift(0, "forward (x)", 0), drift(1, "left (y)", 1)],
             at_least: Some((-5.0, 5.0)),
         },
         Panel {
@@ -89,7 +89,7 @@ pub fn balance(path: &Path, model: &Model, run: &Run, open_loop: &Run) -> Result
             at_least: Some((0.6, 1.0)),
         },
         Panel {
-            title: &format!("The {SHOWN} busiest controls"),
+            title: &format!("Largest {SHOWN} controls"),
             x: "time (s)",
             y: "control",
             lines: controls,

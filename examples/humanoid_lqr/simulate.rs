@@ -1,4 +1,4 @@
-//! A simulation with pushes and noise, and what is kept of it.
+//! Simulation with pushes and noise.
 
 use mujoco_safe::element::Body;
 use mujoco_safe::{Controller, Data, Result, Trajectory};
@@ -8,21 +8,21 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::set_point::SetPoint;
 
-/// When the push begins, s.
+/// Start of the push, s.
 const PUSH_AT: f64 = 1.0;
-/// The robot has fallen when the centre of mass is below this part of its height at the set-point.
+/// Height of the centre of mass below which the robot counts as fallen, as a fraction of the height at the set-point.
 const FALLEN: f64 = 0.8;
 
-/// A push against the torso.
+/// Horizontal push of the torso.
 #[derive(Clone, Copy, Debug)]
 pub struct Push {
-    /// N, world frame.
+    /// Force, N, world frame.
     pub force: [f64; 2],
-    /// s.
+    /// Duration, s.
     pub duration: f64,
 }
 
-/// What disturbs the robot.
+/// Disturbance of a simulation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disturbance {
     pub push: Option<Push>,
@@ -31,13 +31,13 @@ pub struct Disturbance {
     pub seed: u64,
 }
 
-/// How a simulation went.
+/// Recorded simulation.
 #[derive(Clone, Debug)]
 pub struct Run {
     pub trajectory: Trajectory,
-    /// The centre of mass of the torso's subtree at each record, m.
+    /// Centre of mass of the torso's subtree at each record, m.
     pub com: Vec<[f64; 3]>,
-    /// When it fell, s.
+    /// Time of the fall, s.
     pub fell_at: Option<f64>,
 }
 
@@ -46,13 +46,13 @@ impl Run {
         self.fell_at.is_none()
     }
 
-    /// The height of the centre of mass at the end, m.
+    /// Returns the final height of the centre of mass, m.
     pub fn final_height(&self) -> f64 {
         self.com.last().map_or(0.0, |com| com[2])
     }
 }
 
-/// Simulates from the set-point, for so long or until the robot has fallen.
+/// Simulates from the set-point until the time is over or the robot has fallen.
 pub fn simulate(
     data: &mut Data,
     controller: &mut dyn Controller,
@@ -65,7 +65,7 @@ pub fn simulate(
     let fallen = FALLEN * data.body(torso).subtree_com()[2];
     let steps = (seconds / data.model().timestep()).round() as usize;
     let mut random = Xoshiro256PlusPlus::seed_from_u64(disturbance.seed);
-    let noise = Normal::new(0.0, disturbance.noise).expect("the deviation was checked");
+    let noise = Normal::new(0.0, disturbance.noise).expect("the deviation is finite and not negative");
     let mut run = Run {
         trajectory: Trajectory::with_capacity(data.model(), steps),
         com: Vec::with_capacity(steps),

@@ -1,4 +1,4 @@
-//! What a deviation costs.
+//! Cost weights for balancing on one leg.
 
 use std::ops::Range;
 
@@ -6,54 +6,54 @@ use mujoco_safe::element::{Body, Joint};
 use mujoco_safe::nalgebra::DMatrix;
 use mujoco_safe::{BodyId, Data, JointType, LqrWeights, Model, Result};
 
-/// Keeping the centre of mass over the foot counts most. It is in metres, and the joints are in radians.
+/// Weight of the centre of mass relative to the foot. It dominates: the deviation is in metres, those of joints in radians.
 const BALANCE: f64 = 1000.0;
-/// The joints between the torso and the foot may move a little.
+/// Weight of the joints between torso and foot.
 const BALANCE_JOINT: f64 = 3.0;
-/// The other joints may do what they like.
+/// Weight of the other joints.
 const OTHER_JOINT: f64 = 0.3;
-/// Makes the cost of the state positive definite.
-const ALMOST_NOTHING: f64 = 1e-10;
+/// Small weight on the whole state, which makes its cost positive definite.
+const REGULARISATION: f64 = 1e-10;
 
-/// Which degrees of freedom are what.
+/// Classification of the degrees of freedom.
 #[derive(Clone, Debug)]
 pub struct Dofs {
-    /// The free joint of the root, which has no motor.
+    /// Free joint of the root, which has no motor.
     pub free: Range<usize>,
-    /// The joints on the way from the torso to the foot.
+    /// Joints between the torso and the foot.
     pub balance: Vec<usize>,
-    /// The rest.
+    /// All other joints.
     pub other: Vec<usize>,
 }
 
 impl Dofs {
-    /// Sorts them. By `dofs()`, not by joint ids: behind the free joint the two differ by 5.
+    /// Classifies the degrees of freedom. Uses `dofs()`, because joint ids differ from it by 5 after the free joint.
     pub fn of(model: &Model, torso: Body<'_>, foot: Body<'_>) -> Self {
         let is_free = |joint: &Joint<'_>| joint.joint_type() == JointType::Free;
         let free = model.joints().find(is_free).map_or(0..0, |joint| joint.dofs());
-        let way = way(model, torso.id(), foot.id());
+        let chain = chain(model, torso.id(), foot.id());
         let mut balance: Vec<usize> =
-            way.iter().flat_map(|&body| model.body(body).dofs()).filter(|dof| !free.contains(dof)).collect();
+            chain.iter().flat_map(|&body| model.body(body).dofs()).filter(|dof| !free.contains(dof)).collect();
         balance.sort_unstable();
         let other = (0..model.nv()).filter(|dof| !free.contains(dof) && !balance.contains(dof)).collect();
         Self { free, balance, other }
     }
 }
 
-/// The bodies from the foot up to the torso, without the torso.
-fn way(model: &Model, torso: BodyId, foot: BodyId) -> Vec<BodyId> {
-    let mut way = Vec::new();
+/// Returns the bodies from the foot up to the torso, excluding the torso.
+fn chain(model: &Model, torso: BodyId, foot: BodyId) -> Vec<BodyId> {
+    let mut chain = Vec::new();
     let mut body = foot;
     while body != torso && body.index() != 0 {
-        way.push(body);
+        chain.push(body);
         body = model.body(body).parent();
     }
-    way
+    chain
 }
 
-/// The weights at the present state of `data`.
+/// Computes the weights at the present state of `data`.
 pub fn weights(data: &mut Data, torso: Body<'_>, foot: Body<'_>, dofs: &Dofs) -> Result<LqrWeights> {
-    // How the centre of mass moves against the foot.
+    // Jacobian of the centre of mass relative to the foot.
     let com = data.jac_subtree_com(torso)?;
     let foot = data.jac_body_com(foot)?.translation;
     let difference = com.to_nalgebra() - foot.to_nalgebra();
@@ -67,7 +67,7 @@ pub fn weights(data: &mut Data, torso: Body<'_>, foot: Body<'_>, dofs: &Dofs) ->
     for &dof in &dofs.other {
         position[(dof, dof)] += OTHER_JOINT;
     }
-    let mut q = DMatrix::identity(nx, nx) * ALMOST_NOTHING;
+    let mut q = DMatrix::identity(nx, nx) * REGULARISATION;
     let mut block = q.view_mut((0, 0), (nv, nv));
     block += position;
     Ok(LqrWeights { q, r: DMatrix::identity(nu, nu), s: None })

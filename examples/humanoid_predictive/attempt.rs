@@ -1,4 +1,4 @@
-//! One push, under the regulator and under the planner.
+//! Simulation of one push, under the regulator and under the planner.
 
 use std::time::{Duration, Instant};
 
@@ -8,30 +8,30 @@ use crate::planner::Planner;
 use crate::robot::{Robot, push};
 use crate::simulate::{Disturbance, Run, simulate};
 
-/// What became of a push.
+/// Outcome of one push.
 pub struct Attempt {
     pub seed: u64,
     pub regulated: Run,
     pub planned: Run,
-    /// When each decision was made, and what the future costs that it expected.
+    /// Time of each decision, s, and the predicted cost of the selected rollout.
     pub decisions: Vec<(f64, f64)>,
-    /// How long the planned simulation took, planning included.
+    /// Wall-clock time of the simulation with the planner, including planning.
     pub took: Duration,
 }
 
 impl Attempt {
-    /// Whether the regulator alone has fallen, and the planner has not.
+    /// Returns `true` if the robot fell under the regulator alone, and stood under the planner.
     pub fn succeeded(&self) -> bool {
         !self.regulated.upright() && self.planned.upright()
     }
 
-    /// How many seconds of the simulation there were in a second.
+    /// Returns the ratio of simulated time to wall-clock time.
     pub fn real_time_factor(&self) -> f64 {
         self.planned.trajectory.times().last().copied().unwrap_or(0.0) / self.took.as_secs_f64()
     }
 }
 
-/// Pushes the robot after a second, and simulates what comes of it, for so long or until it has fallen.
+/// Simulates a push after one second, until the time is over or the robot has fallen.
 pub fn attempt(robot: &Robot, newtons: f64, seed: u64, seconds: f64) -> Result<Attempt> {
     let disturbance = Disturbance { push: Some(push(newtons, seed)), ..Disturbance::default() };
     let torso = robot.model.body("torso")?;

@@ -1,15 +1,14 @@
-//! A humanoid is pushed so hard that its linear-quadratic regulator falls; a planner keeps it up.
+//! Predictive sampling for a humanoid: it recovers from pushes that its linear-quadratic regulator alone cannot withstand.
 //!
 //! ```text
 //! cargo run --release --example humanoid_predictive -- --out out
 //! ```
 //!
-//! The planner simulates 32 futures of half a second, 50 times a second, each under the regulator with something random added, and
-//! does what the best of them does ([`planner`]). What is good is that the robot is up and not about to fall over
-//! ([`cost`]); that it takes steps for that is its own idea. The simulation waits for the planner, and the real-time factor says
-//! for how long. `--help` lists the options.
+//! Fifty times a second, the planner simulates 32 rollouts of half a second under the regulator with random additions to the
+//! controls, and applies the best of them ([`planner`]). The cost rewards an upright robot that is not about to fall ([`cost`]);
+//! it does not prescribe steps. The simulation waits for the planner, and the program prints the real-time factor. `--help` lists
+//! the options.
 
-mod arguments;
 mod attempt;
 #[path = "../common/mod.rs"]
 mod common;
@@ -19,22 +18,59 @@ mod film;
 mod planner;
 mod plots;
 mod robot;
-#[allow(dead_code, reason = "the example it belongs to tells more about the run")]
+#[allow(dead_code, reason = "`humanoid_lqr` prints more of the run")]
 #[path = "../humanoid_lqr/simulate.rs"]
 mod simulate;
 
 use std::error::Error;
+use std::path::PathBuf;
 
-use arguments::Arguments;
 use attempt::{Attempt, attempt};
 use common::balance::{set_point, weights};
+use common::command_line;
 use mujoco_safe::Data;
 use mujoco_safe::rayon::ThreadPoolBuilder;
 use planner::{HORIZON, SAMPLES, STEPS};
-use robot::{PUSH, Robot, push};
+use robot::{NEWTONS, PUSH_DURATION, Robot, push};
+
+const HELP: &str = "\
+A humanoid recovers from pushes that its linear-quadratic regulator alone cannot withstand, by predictive sampling.
+
+  --seeds N         number of pushes, each in another direction (5)
+  --newtons F       force of a push of 0.1 s (180)
+  --seconds S       simulated time; the push starts at 1 s (6)
+  --threads N       number of threads for planning (all cores)
+  --out DIR         folder for the plots and the first trajectory; without it, no files are written";
+
+#[derive(Clone, Debug)]
+struct Arguments {
+    seeds: u64,
+    newtons: f64,
+    seconds: f64,
+    threads: usize,
+    out: Option<PathBuf>,
+}
+
+impl Arguments {
+    fn parse() -> Result<Self, String> {
+        let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
+        let arguments = Self { seeds: 5, newtons: NEWTONS, seconds: 6.0, threads: cores, out: None };
+        command_line::read(HELP, arguments, |arguments, option| {
+            match option.name() {
+                "--seeds" => arguments.seeds = option.number()?,
+                "--newtons" => arguments.newtons = option.number()?,
+                "--seconds" => arguments.seconds = option.number()?,
+                "--threads" => arguments.threads = option.number()?,
+                "--out" => arguments.out = Some(option.path()?),
+                _ => return option.unknown(),
+            }
+            Ok(())
+        })
+    }
+}
 
 fn main() -> std::process::ExitCode {
-    common::finish(run())
+    common::command_line::exit_code(run())
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
@@ -42,7 +78,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     let pool = ThreadPoolBuilder::new().num_threads(arguments.threads).build()?;
     let robot = Robot::new()?;
     println!(
-        "{SAMPLES} futures of {HORIZON} s every {} ms, on {} threads; pushes of {} N for {PUSH} s after 1 s",
+        "{SAMPLES} rollouts of {HORIZON} s every {} ms on {} threads; pushes of {} N for {PUSH_DURATION} s, starting at 1 s",
         STEPS as f64 * robot.model.timestep() * 1e3,
         pool.current_num_threads(),
         arguments.newtons
@@ -51,15 +87,15 @@ fn run() -> Result<(), Box<dyn Error>> {
     for seed in 1..=arguments.seeds {
         let attempt = pool.install(|| attempt(&robot, arguments.newtons, seed, arguments.seconds))?;
         let [x, y] = push(arguments.newtons, seed).force;
-        let fate = |fell_at: Option<f64>| match fell_at {
+        let outcome = |fell_at: Option<f64>| match fell_at {
             Some(time) => format!("falls after {time:.2} s"),
             None => "stands".to_owned(),
         };
         println!(
-            "push {seed}, towards {:4.0}°: LQR {}, planned {}; real-time factor {:.2}",
+            "push {seed}, direction {:4.0}°: LQR {}, planner {}; real-time factor {:.2}",
             y.atan2(x).to_degrees(),
-            fate(attempt.regulated.fell_at),
-            fate(attempt.planned.fell_at),
+            outcome(attempt.regulated.fell_at),
+            outcome(attempt.planned.fell_at),
             attempt.real_time_factor()
         );
         attempts.push(attempt);
@@ -76,7 +112,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         plots::draw(&chart, &attempts)?;
         let mut data = Data::new(robot.model.clone())?;
         for (path, run) in [(&planned, &first.planned), (&regulated, &first.regulated)] {
-            // One that falls is out of the picture at the end.
+            // After a fall the robot is outside of the image, so end shortly before it.
             let last = run.trajectory.len() - if run.upright() { 1 } else { 30 };
             let moments = [1.0, 1.2, 1.4, 1.7, 2.0, arguments.seconds];
             let records = moments.map(|time| ((time / robot.model.timestep()) as usize).min(last));
@@ -87,7 +123,11 @@ fn run() -> Result<(), Box<dyn Error>> {
             println!("wrote {}", path.display());
         }
     }
-    let good = attempts.iter().filter(|attempt| attempt.succeeded()).count();
-    println!("{good} of {} pushes felled the regulator and not the planner", attempts.len());
-    if attempts.iter().all(Attempt::succeeded) { Ok(()) } else { Err("not all".into()) }
+    let successes = attempts.iter().filter(|attempt| attempt.succeeded()).count();
+    println!("{successes} of {} pushes toppled the regulator but not the planner", attempts.len());
+    if attempts.iter().all(Attempt::succeeded) {
+        Ok(())
+    } else {
+        Err("the planner did not succeed for every push".into())
+    }
 }

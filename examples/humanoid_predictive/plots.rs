@@ -1,4 +1,4 @@
-//! The pictures: how high the robot is with and without the planner, where it goes, and what the planner expects.
+//! Plots of the height and the drift of the robot, and of the predicted cost.
 
 use std::error::Error;
 use std::path::Path;
@@ -26,21 +26,21 @@ pub fn draw(path: &Path, attempts: &[Attempt]) -> Result<(), Box<dyn Error>> {
     });
     let panels = [
         Panel {
-            title: "Height of the centre of mass: planned, and (dashed) under LQR alone",
+            title: "Height of the centre of mass with the planner and (dashed) under LQR alone",
             x: "time (s)",
             y: "height (m)",
             lines: both(&|com| com[2]),
             at_least: None,
         },
         Panel {
-            title: "How far the centre of mass is from where it was",
+            title: "Horizontal distance of the centre of mass from the start",
             x: "time (s)",
             y: "distance (m)",
             lines: both(&|com| com[0].hypot(com[1])),
             at_least: None,
         },
         Panel {
-            title: "What the planner expects the next half second to cost",
+            title: "Predicted cost of the next half second",
             x: "time (s)",
             y: "logarithm (base 10)",
             lines: expected.collect(),

@@ -1,4 +1,4 @@
-//! The robot, standing on both feet, and the regulator that holds it there.
+//! The robot standing on both feet, and its regulator.
 
 use std::sync::Arc;
 
@@ -8,21 +8,21 @@ use crate::set_point::SetPoint;
 use crate::simulate::Push;
 use crate::weights::{Dofs, weights};
 
-/// How hard a push is, N. From the front, the back or a side the regulator can take 140 N, and from between them 100 N.
+/// Force of a push, N. The regulator alone withstands 140 N along the main axes and 100 N along the diagonals.
 pub const NEWTONS: f64 = 180.0;
-/// How long it lasts, s.
-pub const PUSH: f64 = 0.1;
+/// Duration of a push, s.
+pub const PUSH_DURATION: f64 = 0.1;
 
 pub struct Robot {
     pub model: Arc<Model>,
     pub set_point: SetPoint,
-    /// The height of its centre of mass at the set-point, m.
+    /// Height of the centre of mass at the set-point, m.
     pub height: f64,
     pub lqr: Lqr,
 }
 
 impl Robot {
-    /// Finds where it stands, and its regulator.
+    /// Computes the set-point and the regulator.
     pub fn new() -> Result<Self> {
         let model = Arc::new(sample::humanoid());
         let mut data = Data::new(model.clone())?;
@@ -31,7 +31,7 @@ impl Robot {
         let torso = model.body("torso")?;
         let height = data.body(torso).subtree_com()[2];
 
-        // Both feet count, each as the only one does in the example `humanoid_lqr`.
+        // Sum the weights for both feet, each as in the example `humanoid_lqr`.
         let [left, right] = ["foot_left", "foot_right"].map(|foot| {
             let foot = model.body(foot)?;
             weights(&mut data, torso, foot, &Dofs::of(&model, torso, foot))
@@ -45,9 +45,9 @@ impl Robot {
     }
 }
 
-/// A push in a direction that follows from the seed: as the golden angle goes on, no two are near each other.
+/// Returns the push for a seed. Successive directions differ by the golden angle, so that all directions are well separated.
 pub fn push(newtons: f64, seed: u64) -> Push {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let angle = seed as f64 * GOLDEN_ANGLE;
-    Push { force: [newtons * angle.cos(), newtons * angle.sin()], duration: PUSH }
+    Push { force: [newtons * angle.cos(), newtons * angle.sin()], duration: PUSH_DURATION }
 }

@@ -1,4 +1,4 @@
-//! Sequences of safe calls.
+//! Random sequences of safe calls.
 
 #![no_main]
 
@@ -6,8 +6,7 @@
 mod fuzz;
 
 libfuzzer_sys::fuzz_target!(
-    // The hook that is there aborts at every panic, also at those that the sequences ask for and catch. What they do not catch
-    // aborts all the same.
+    // Removes libFuzzer's panic hook, which aborts even on panics that a sequence provokes and catches. Other panics still abort.
     init: drop(std::panic::take_hook()),
     |bytes: &[u8]| {
         fuzz::Target::Sequences.run(bytes, &mut |_| ());

@@ -1,4 +1,4 @@
-//! Generated and damaged URDF.
+//! Generated and mutated URDF models.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Damaged files of NumPy.
+//! Mutated NumPy archives.
 
 #![no_main]
 

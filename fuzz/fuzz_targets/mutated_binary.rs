@@ -1,4 +1,4 @@
-//! Damaged binary models.
+//! Mutated binary models.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Damaged plain data: JSON and CSV.
+//! Mutated JSON and CSV data.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Damaged texts, and the files that they name.
+//! Mutated model texts and the files that they reference.
 
 #![no_main]
 

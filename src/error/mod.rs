@@ -117,13 +117,12 @@ pub enum Error {
         fields: Vec<LostEdit>,
     },
 
-    /// A moving picture could not be made.
-    #[cfg(feature = "renderer")]
+    /// A recording of frames failed.
     #[error("cannot record {path}: {reason}")]
     Recording {
-        /// What was to be recorded to.
+        /// Output path of the recording.
         path: PathBuf,
-        /// Why not, and what to do.
+        /// Cause of the failure, and a remedy if there is one.
         reason: String,
     },
 

@@ -1,30 +1,32 @@
-//! Which picture belongs to which frame.
+//! Sampling of simulation times at a constant frame rate.
 
 use crate::error::{Error, Result};
 
-/// Turns simulation times into frame numbers. Frame `n` shows the first picture from `n` intervals after the start on, so that
-/// errors do not add up; where there is none for more than an interval, the picture before stays.
+/// Converts simulation times to frame numbers.
+///
+/// Frame `n` shows the first picture at or after `n` intervals from the start, so that rounding errors do not accumulate. If
+/// pictures are further apart than one interval, the previous picture is repeated.
 #[derive(Debug)]
 pub(super) struct Clock {
-    /// From one frame to the next, s of the simulation.
+    /// Simulation time between two frames, s.
     interval: f64,
-    /// The picture that was taken last.
-    last: Option<Taken>,
+    /// Most recently accepted picture.
+    last: Option<Accepted>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Taken {
+struct Accepted {
     time: f64,
     frame: u64,
-    /// When frame 0 would have been.
+    /// Simulation time of frame 0, s.
     start: f64,
 }
 
 impl Clock {
-    /// Sums of timesteps are a little off: so much of an interval may be missing.
+    /// Tolerance as a fraction of an interval. Sums of timesteps have rounding errors.
     const TOLERANCE: f64 = 1e-3;
-    /// A longer gap between two pictures is taken for a mistake.
-    const LONGEST_GAP: f64 = 100_000.0;
+    /// Longest accepted gap between two pictures, in frames. A longer gap is treated as an error of the caller.
+    const MAX_GAP: f64 = 100_000.0;
 
     pub(super) fn new(interval: f64) -> Self {
         Self { interval, last: None }
@@ -34,87 +36,60 @@ impl Clock {
         self.last.is_none_or(|last| time < last.time || self.frame(last, time) >= last.frame as f64 + 1.0)
     }
 
-    /// Takes a picture that is due. Returns for how many frames the one before was shown.
-    pub(super) fn take(&mut self, time: f64) -> Result<u64> {
+    /// Accepts a picture that is due. Returns the number of frames that show the previous picture.
+    pub(super) fn accept(&mut self, time: f64) -> Result<u64> {
         let Some(last) = self.last else {
-            self.last = Some(Taken { time, frame: 0, start: time });
+            self.last = Some(Accepted { time, frame: 0, start: time });
             return Ok(0);
         };
         if time < last.time {
-            // The simulation was reset: the recording goes on.
+            // The simulation was reset. The recording continues with the next frame.
             let frame = last.frame + 1;
-            self.last = Some(Taken { time, frame, start: time - frame as f64 * self.interval });
+            self.last = Some(Accepted { time, frame, start: time - frame as f64 * self.interval });
             return Ok(1);
         }
         let shown = self.gap(last, time)?;
-        self.last = Some(Taken { time, frame: last.frame + shown, ..last });
+        self.last = Some(Accepted { time, frame: last.frame + shown, ..last });
         Ok(shown)
     }
 
-    /// Returns the number of frames that the last picture is shown for if the recording ends at this time: at least one.
+    /// Returns the number of frames that show the last picture if the recording ends at this time: at least one.
     pub(super) fn until(&self, time: f64) -> Result<u64> {
         match self.last {
             Some(last) if time >= last.time => Ok(self.gap(last, time)?.max(1)),
-            // The simulation was reset, or there is no picture.
+            // The simulation was reset, or the recording contains no picture.
             _ => Ok(1),
         }
     }
 
     /// Returns the number of frames from the last picture to this time.
-    fn gap(&self, last: Taken, time: f64) -> Result<u64> {
+    fn gap(&self, last: Accepted, time: f64) -> Result<u64> {
         let frames = self.frame(last, time) - last.frame as f64;
-        if frames <= Self::LONGEST_GAP {
+        if frames <= Self::MAX_GAP {
             return Ok(frames as u64);
         }
         Err(Error::invalid(
             "the time of a picture",
             format!("{time} s"),
-            format!("at most {} s after the one before", Self::LONGEST_GAP * self.interval),
+            format!("at most {} s after the previous picture", Self::MAX_GAP * self.interval),
         ))
     }
 
-    fn frame(&self, last: Taken, time: f64) -> f64 {
+    fn frame(&self, last: Accepted, time: f64) -> f64 {
         ((time - last.start) / self.interval + Self::TOLERANCE).floor()
-    }
-}
-
-/// Frames in the units of a file: hundredths of a second, say. What is rounded off one delay is added to the next.
-#[derive(Debug)]
-pub(super) struct Delays {
-    ticks_per_frame: f64,
-    frames: u64,
-    ticks: u64,
-}
-
-impl Delays {
-    pub(super) fn new(ticks_per_second: f64, frames_per_second: f64) -> Self {
-        Self { ticks_per_frame: ticks_per_second / frames_per_second, frames: 0, ticks: 0 }
-    }
-
-    /// The ticks of so many frames more, in parts that a file has room for.
-    pub(super) fn next(&mut self, shown: u64) -> impl Iterator<Item = u16> + use<> {
-        self.frames += shown;
-        let until = (self.frames as f64 * self.ticks_per_frame).round() as u64;
-        let mut left = until - self.ticks;
-        self.ticks = until;
-        std::iter::from_fn(move || {
-            let part = u16::try_from(left).unwrap_or(u16::MAX);
-            left -= u64::from(part);
-            (part > 0).then_some(part)
-        })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Clock, Delays};
+    use super::Clock;
 
-    /// For each frame the time of the picture that it shows.
+    /// Returns the time of the picture that each frame shows.
     fn frames(clock: &mut Clock, times: impl IntoIterator<Item = f64>) -> Vec<f64> {
         let (mut shown, mut held) = (Vec::new(), None);
         for time in times {
             if clock.is_due(time) {
-                let count = clock.take(time).unwrap();
+                let count = clock.accept(time).unwrap();
                 shown.extend(held.into_iter().flat_map(|held| std::iter::repeat_n(held, count as usize)));
                 held = Some(time);
             }
@@ -124,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_that_do_not_divide_a_frame_do_not_add_up() {
+    fn timesteps_that_do_not_divide_the_interval_accumulate_no_error() {
         let times = (0..=2000).map(|step| f64::from(step) * 0.005);
         let shown = frames(&mut Clock::new(1.0 / 30.0), times);
         assert_eq!(shown.len(), 301);
@@ -135,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn times_that_are_sums_of_timesteps_are_not_a_step_late() {
+    fn rounding_errors_of_summed_timesteps_do_not_delay_a_frame() {
         let mut time = 0.0;
         let sums = (0..5000).map(|_| {
             time += 0.002;
@@ -147,36 +122,27 @@ mod tests {
     }
 
     #[test]
-    fn long_steps_repeat_pictures_and_a_reset_goes_on() {
+    fn long_steps_repeat_pictures_and_a_reset_continues_the_recording() {
         assert_eq!(frames(&mut Clock::new(0.1), [0.0, 0.25, 0.3]), [0.0, 0.0, 0.25, 0.3]);
         assert_eq!(frames(&mut Clock::new(0.1), [5.0, 5.1, 0.0, 0.05, 0.1]), [5.0, 5.1, 0.0, 0.1]);
     }
 
     #[test]
-    fn the_last_picture_lasts_until_the_end() {
+    fn the_last_picture_is_shown_until_the_end() {
         let mut clock = Clock::new(0.1);
-        assert_eq!(clock.until(5.0).unwrap(), 1, "there is no picture");
-        clock.take(2.0).unwrap();
+        assert_eq!(clock.until(5.0).unwrap(), 1, "the clock has no picture");
+        clock.accept(2.0).unwrap();
         let frames = [0.0, 2.0, 2.05, 2.1, 2.15, 5.0].map(|time| clock.until(time).unwrap());
         assert_eq!(frames, [1, 1, 1, 1, 1, 30]);
         clock.until(1e9).unwrap_err();
     }
 
     #[test]
-    fn a_leap_in_time_is_an_error_and_changes_nothing() {
+    fn a_jump_in_time_is_an_error_without_effect() {
         let mut clock = Clock::new(0.1);
-        clock.take(0.0).unwrap();
-        clock.take(1e9).unwrap_err();
-        clock.take(f64::MAX).unwrap_err();
-        assert_eq!(clock.take(0.1).unwrap(), 1);
-    }
-
-    #[test]
-    fn rounded_delays_sum_up_to_the_right_length() {
-        let mut delays = Delays::new(100.0, 30.0);
-        let parts: Vec<u16> = (0..300).flat_map(|_| delays.next(1)).collect();
-        assert_eq!(parts.iter().map(|&part| u32::from(part)).sum::<u32>(), 1000);
-        assert!(parts.iter().all(|part| (3..=4).contains(part)));
-        assert_eq!(delays.next(30_000).collect::<Vec<_>>(), [u16::MAX, 34_465]);
+        clock.accept(0.0).unwrap();
+        clock.accept(1e9).unwrap_err();
+        clock.accept(f64::MAX).unwrap_err();
+        assert_eq!(clock.accept(0.1).unwrap(), 1);
     }
 }

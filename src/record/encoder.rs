@@ -1,17 +1,17 @@
-//! What writes pictures to a file.
+//! Common interface and tools of the encoders: changed regions and frame delays.
 
 use crate::error::Result;
 
-/// Writes pictures of one size, rows from the top, RGB.
+/// Writes pictures of constant size: RGB, rows from top to bottom.
 pub(super) trait Encoder: Send {
-    /// A picture, and for how many frames it is shown: at least one.
-    fn picture(&mut self, rgb: &[u8], shown: u64) -> Result<()>;
+    /// Encodes a picture that is shown for `frames` frames, at least one.
+    fn write(&mut self, rgb: &[u8], frames: u64) -> Result<()>;
 
-    /// Completes the file, which only then is there.
+    /// Completes the file and moves it to its final path.
     fn finish(self: Box<Self>) -> Result<()>;
 }
 
-/// A part of a picture, in pixels.
+/// Rectangular region of a picture, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Rectangle {
     pub(super) left: usize,
@@ -21,8 +21,8 @@ pub(super) struct Rectangle {
 }
 
 impl Rectangle {
-    /// The smallest that has all pixels in it for which `differs` holds; one pixel if there are none.
-    pub(super) fn of_changes(width: usize, height: usize, differs: impl Fn(usize) -> bool) -> Self {
+    /// Returns the bounding rectangle of all pixels for which `differs` returns `true`, or one pixel if there are none.
+    pub(super) fn bounding(width: usize, height: usize, differs: impl Fn(usize) -> bool) -> Self {
         let (mut left, mut right, mut top, mut bottom) = (width, 0, height, 0);
         for row in 0..height {
             let differs = |column: &usize| differs(row * width + column);
@@ -37,7 +37,7 @@ impl Rectangle {
         Self { left, top, width: right - left + 1, height: bottom - top + 1 }
     }
 
-    /// Where its rows are, as pixels of a picture of this width.
+    /// Iterates over the rows of the region, as index ranges into the pixels of a picture of this width.
     pub(super) fn rows(self, picture_width: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
         (self.top..self.top + self.height).map(move |row| {
             let start = row * picture_width + self.left;
@@ -46,21 +46,58 @@ impl Rectangle {
     }
 }
 
+/// Converts frame counts to the time unit of a file format, such as hundredths of a second. The rounding error of each delay is
+/// carried over to the next.
+#[derive(Debug)]
+pub(super) struct Delays {
+    ticks_per_frame: f64,
+    frames: u64,
+    ticks: u64,
+}
+
+impl Delays {
+    pub(super) fn new(ticks_per_second: f64, frames_per_second: f64) -> Self {
+        Self { ticks_per_frame: ticks_per_second / frames_per_second, frames: 0, ticks: 0 }
+    }
+
+    /// Returns the delay for `frames` more frames, in ticks, split into parts that fit into 16 bits.
+    pub(super) fn next(&mut self, frames: u64) -> impl Iterator<Item = u16> + use<> {
+        self.frames += frames;
+        let until = (self.frames as f64 * self.ticks_per_frame).round() as u64;
+        let mut left = until - self.ticks;
+        self.ticks = until;
+        std::iter::from_fn(move || {
+            let part = u16::try_from(left).unwrap_or(u16::MAX);
+            left -= u64::from(part);
+            (part > 0).then_some(part)
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Rectangle;
+    use super::{Delays, Rectangle};
 
     #[test]
-    fn a_rectangle_is_the_smallest_around_what_changed() {
-        let around = |changed: &[usize]| {
-            let Rectangle { left, top, width, height } = Rectangle::of_changes(4, 3, |pixel| changed.contains(&pixel));
+    fn a_rectangle_bounds_all_changed_pixels() {
+        let bounding = |changed: &[usize]| {
+            let Rectangle { left, top, width, height } = Rectangle::bounding(4, 3, |pixel| changed.contains(&pixel));
             [left, top, width, height]
         };
-        assert_eq!(around(&[]), [0, 0, 1, 1]);
-        assert_eq!(around(&[6]), [2, 1, 1, 1]);
-        assert_eq!(around(&[1, 11]), [1, 0, 3, 3]);
-        assert_eq!(around(&[0, 3, 8]), [0, 0, 4, 3]);
-        let rows: Vec<_> = Rectangle::of_changes(4, 3, |pixel| [5, 10].contains(&pixel)).rows(4).collect();
+        assert_eq!(bounding(&[]), [0, 0, 1, 1]);
+        assert_eq!(bounding(&[6]), [2, 1, 1, 1]);
+        assert_eq!(bounding(&[1, 11]), [1, 0, 3, 3]);
+        assert_eq!(bounding(&[0, 3, 8]), [0, 0, 4, 3]);
+        let rows: Vec<_> = Rectangle::bounding(4, 3, |pixel| [5, 10].contains(&pixel)).rows(4).collect();
         assert_eq!(rows, [5..7, 9..11]);
+    }
+
+    #[test]
+    fn rounded_delays_sum_to_the_exact_duration() {
+        let mut delays = Delays::new(100.0, 30.0);
+        let parts: Vec<u16> = (0..300).flat_map(|_| delays.next(1)).collect();
+        assert_eq!(parts.iter().map(|&part| u32::from(part)).sum::<u32>(), 1000);
+        assert!(parts.iter().all(|part| (3..=4).contains(part)));
+        assert_eq!(delays.next(30_000).collect::<Vec<_>>(), [u16::MAX, 34_465]);
     }
 }

@@ -1,4 +1,4 @@
-//! Video, by the program `ffmpeg`.
+//! Video encoded by the program `ffmpeg`.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, Write};
@@ -10,18 +10,18 @@ use super::encoder::Encoder;
 use crate::error::{Error, Result};
 use crate::file::Replacement;
 
-/// Pictures through a pipe to another process.
+/// Encoder that sends raw frames through a pipe to an `ffmpeg` process.
 pub(super) struct Ffmpeg {
     file: Replacement,
     process: Process,
-    /// One picture, with even width and height.
+    /// Buffer for a picture padded to even width and height.
     even: Vec<u8>,
     size: [usize; 2],
     path: PathBuf,
 }
 
 impl Ffmpeg {
-    /// Whether the program is there: known before the simulation begins, not after it.
+    /// Checks that the program can be started, so that a missing program is reported before the simulation runs.
     pub(super) fn check(path: &Path, options: &RecorderOptions) -> Result<()> {
         let mut command = Command::new(&options.ffmpeg);
         command.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -38,7 +38,7 @@ impl Ffmpeg {
         command.args(["-hide_banner", "-nostdin", "-loglevel", "error", "-y"]);
         command.args(["-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", &format!("{width}x{height}")]);
         command.args(["-framerate", &options.frames_per_second.to_string(), "-i", "pipe:0", "-an"]);
-        // Without these, players take the colours of a large picture for others than ffmpeg meant.
+        // Without an explicit colour matrix and range, players decode large frames with the wrong colours.
         command.args(["-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"]);
         command.args([
             "-colorspace",
@@ -51,14 +51,15 @@ impl Ffmpeg {
             "tv",
         ]);
         command.args(&options.ffmpeg_arguments);
-        // The name that it writes to does not tell it the format. In MP4 the table of contents comes first, for browsers.
+        // The temporary file has no extension, so the container is given explicitly. For MP4, `faststart` places the index first,
+        // so that browsers can start before the download ends.
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         command.args(match &*extension {
             "mkv" => &["-f", "matroska"][..],
             "mov" => &["-f", "mov", "-movflags", "+faststart"],
             _ => &["-f", "mp4", "-movflags", "+faststart"],
         });
-        // Without the prefix a name could be taken for an option or a protocol.
+        // Without the prefix, ffmpeg could parse the name as an option or a protocol.
         let mut url = std::ffi::OsString::from("file:");
         url.push(file.temporary_path());
         command.arg(url);
@@ -69,11 +70,11 @@ impl Ffmpeg {
 }
 
 impl Encoder for Ffmpeg {
-    fn picture(&mut self, rgb: &[u8], shown: u64) -> Result<()> {
+    fn write(&mut self, rgb: &[u8], frames: u64) -> Result<()> {
         make_even(rgb, self.size, &mut self.even);
-        for _ in 0..shown {
+        for _ in 0..frames {
             if let Err(error) = self.process.write(&self.even) {
-                // It has ended, and says why.
+                // The process has ended. Its error output contains the reason.
                 let reason = match self.process.end() {
                     Ok((_, message)) if !message.is_empty() => message,
                     _ => error.to_string(),
@@ -93,11 +94,11 @@ impl Encoder for Ffmpeg {
     }
 }
 
-/// The program while it runs. It is waited for whatever happens.
+/// Child process, which is always waited for.
 struct Process {
     child: Child,
     input: Option<BufWriter<ChildStdin>>,
-    /// What it says goes into a file: a pipe that nobody reads would stop it.
+    /// Error output of the process. A file, because a pipe that is never read would block the process.
     messages: File,
 }
 
@@ -105,7 +106,7 @@ impl Process {
     fn start(mut command: Command) -> io::Result<Self> {
         let messages = tempfile::tempfile()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(messages.try_clone()?);
-        // Ctrl-C in the terminal is meant for us, and we end it in order.
+        // In a process group of its own, the child does not receive Ctrl-C from the terminal. This crate ends it.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn()?;
@@ -117,9 +118,9 @@ impl Process {
         self.input.as_mut().map_or(Err(io::ErrorKind::BrokenPipe.into()), |input| input.write_all(bytes))
     }
 
-    /// Closes its input, and waits for its end.
+    /// Closes the input of the process and waits for its exit.
     fn end(&mut self) -> io::Result<(ExitStatus, String)> {
-        // What could not be written any more, it has not missed.
+        // Errors of the final flush are ignored: the exit status reports them.
         drop(self.input.take());
         let status = self.child.wait()?;
         let mut messages = Vec::new();
@@ -132,7 +133,7 @@ impl Process {
 impl Drop for Process {
     fn drop(&mut self) {
         if self.input.is_some() {
-            // Not finished: nobody wants what it would write.
+            // The recording was abandoned, so its output is not needed.
             _ = self.child.kill();
             _ = self.end();
         }
@@ -143,25 +144,25 @@ fn not_started(path: &Path, options: &RecorderOptions, error: &io::Error) -> Err
     let program = options.ffmpeg.display();
     let reason = if error.kind() == io::ErrorKind::NotFound {
         format!(
-            "there is no program {program}; install it (on Debian: apt-get install ffmpeg), set RecorderOptions::ffmpeg, or \
+            "the program {program} was not found; install it (on Debian: apt-get install ffmpeg), set RecorderOptions::ffmpeg, or \
              record a .gif or .png, which need no other program"
         )
     } else {
-        format!("{program} does not start: {error}")
+        format!("{program} cannot be started: {error}")
     };
     Error::Recording { path: path.to_owned(), reason }
 }
 
 fn failed(path: &Path, message: &str) -> Error {
     let advice = if message.contains("Unknown encoder") {
-        "; RecorderOptions::ffmpeg_arguments can name one that it has: `ffmpeg -encoders` lists them"
+        "; choose an available encoder in RecorderOptions::ffmpeg_arguments (`ffmpeg -encoders` lists them)"
     } else {
         ""
     };
     Error::Recording { path: path.to_owned(), reason: format!("ffmpeg failed: {message}{advice}") }
 }
 
-/// Colours are stored for two by two pixels: a last column or row without a neighbour gets a copy of itself.
+/// Pads a picture to even width and height by repeating its last column and row, as 4:2:0 chroma subsampling requires.
 fn make_even(rgb: &[u8], [width, height]: [usize; 2], even: &mut Vec<u8>) {
     even.clear();
     for row in (0..height).chain((height % 2 == 1).then(|| height - 1)) {
@@ -178,7 +179,7 @@ mod tests {
     use super::make_even;
 
     #[test]
-    fn an_odd_row_or_column_is_repeated() {
+    fn the_last_row_or_column_of_an_odd_picture_is_repeated() {
         let pixels = |indices: &[u8]| indices.iter().flat_map(|&index| [index, index + 1, 0]).collect::<Vec<u8>>();
         for (size, picture, expected) in [
             ([2, 2], &[10, 20, 30, 40][..], &[10, 20, 30, 40][..]),

@@ -1,29 +1,29 @@
-//! Which file a path asks for.
+//! File formats of recordings, and file names of numbered sequences.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// What a moving picture is written as.
+/// File format of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {
     /// Numbered PNG files.
     Sequence,
-    /// One PNG file with all pictures in it, without loss: browsers play it, and other programs show the first picture.
+    /// Animated PNG: one lossless file that browsers play. Other programs show its first picture.
     AnimatedPng,
-    /// Animated GIF: 256 colours, and played everywhere.
+    /// Animated GIF: 256 colours, supported everywhere.
     Gif,
-    /// H.264 in MP4, QuickTime or Matroska, by the program `ffmpeg`.
+    /// H.264 video in MP4, QuickTime or Matroska, encoded by the program `ffmpeg`.
     Video,
 }
 
 impl Format {
-    /// What [`Recorder::create`](super::Recorder::create) makes of a path; the table is there.
+    /// Returns the format for a path, by the table in [`Recorder::create`](super::Recorder::create).
     ///
     /// # Errors
     ///
-    /// [`Error::Recording`] for an extension that is none of those.
+    /// [`Error::Recording`] for an unknown extension.
     ///
     /// ```
     /// use mujoco_safe::record::Format;
@@ -47,20 +47,20 @@ impl Format {
             _ => Err(Error::Recording {
                 path: path.to_owned(),
                 reason: format!(
-                    "nothing is known that ends with .{extension}; .gif, .png, .apng, .mp4, .mov, .mkv, a name with a number \
-                     such as frame_%05d.png and a folder are"
+                    "the extension .{extension} is not supported; use .gif, .png, .apng, .mp4, .mov, .mkv, a numbered name such as \
+                     frame_%05d.png, or a folder"
                 ),
             }),
         }
     }
 }
 
-/// Whether pictures go into this folder, which need not exist.
+/// Returns `true` if the path denotes a folder for a sequence. The folder need not exist.
 pub(super) fn is_folder(path: &Path) -> bool {
     path.is_dir() || path.extension().is_none()
 }
 
-/// A path whose file name has a place for a number, such as `frame_%05d.png`.
+/// Path whose file name contains a placeholder for a number, such as `frame_%05d.png`.
 #[derive(Debug)]
 pub(super) struct NumberedName {
     folder: PathBuf,
@@ -70,9 +70,9 @@ pub(super) struct NumberedName {
 }
 
 impl NumberedName {
-    const MOST_DIGITS: usize = 20;
+    const MAX_DIGITS: usize = 20;
 
-    /// The path's own, if it has one.
+    /// Parses a path; `None` if its file name has no placeholder.
     pub(super) fn of(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
         let (start, digits, end) = name.match_indices('%').find_map(|(start, _)| {
@@ -81,7 +81,7 @@ impl NumberedName {
             let digits = match &rest[..length] {
                 "" => 1,
                 zero_padded => {
-                    zero_padded.strip_prefix('0')?.parse().ok().filter(|&digits| digits <= Self::MOST_DIGITS)?
+                    zero_padded.strip_prefix('0')?.parse().ok().filter(|&digits| digits <= Self::MAX_DIGITS)?
                 }
             };
             Some((start, digits, start + 1 + length + 1))
@@ -90,7 +90,7 @@ impl NumberedName {
         Some(Self { folder, before: name[..start].to_owned(), digits, after: name[end..].to_owned() })
     }
 
-    /// That of a folder which says no more.
+    /// Returns the default name `frame_%05d.png` in a folder.
     pub(super) fn in_folder(folder: &Path) -> Self {
         Self { folder: folder.to_owned(), before: "frame_".to_owned(), digits: 5, after: ".png".to_owned() }
     }
@@ -111,7 +111,7 @@ mod tests {
     use super::{Format, NumberedName};
 
     #[test]
-    fn a_number_has_as_many_digits_as_asked_for() {
+    fn a_number_is_padded_to_the_given_digits() {
         let path = |pattern: &str, number| NumberedName::of(Path::new(pattern)).map(|name| name.path(number));
         assert_eq!(path("out/frame_%05d.png", 12).unwrap(), Path::new("out/frame_00012.png"));
         assert_eq!(path("%d.png", 0).unwrap(), Path::new("0.png"));
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn the_extension_decides_in_any_case() {
+    fn the_extension_selects_the_format_in_any_case() {
         for (path, format) in [
             ("a.GIF", Format::Gif),
             ("a.png", Format::AnimatedPng),

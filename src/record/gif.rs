@@ -7,33 +7,33 @@ use std::path::{Path, PathBuf};
 use gif::{DisposalMethod, EncodingError, Frame, Repeat};
 
 use super::RecorderOptions;
-use super::clock::Delays;
-use super::encoder::{Encoder, Rectangle};
+use super::encoder::{Delays, Encoder, Rectangle};
 use super::palette::Palette;
 use crate::error::{Error, Result};
 use crate::file::Replacement;
 
-/// One file, in which every picture but the first is the part that has changed. What stays in it is transparent, which packs well.
+/// Encoder of one GIF file. Every frame but the first contains only the bounding rectangle of the changed pixels. Unchanged
+/// pixels inside the rectangle are transparent, which compresses well.
 pub(super) struct AnimatedGif {
     file: Replacement,
     size: [u16; 2],
     plays: u16,
-    /// Begun with the first picture, whose palette is that of the file.
+    /// Created with the first picture, whose palette becomes the global colour table.
     gif: Option<gif::Encoder<BufWriter<File>>>,
     palette: Palette,
-    /// Pictures since have a palette of their own.
-    repainted: bool,
+    /// `true` once a picture has required another palette, which is then stored with every frame.
+    has_local_palettes: bool,
     delays: Delays,
-    /// What a viewer shows at the moment.
-    screen: Vec<[u8; 3]>,
+    /// Pixels that a viewer shows at present.
+    canvas: Vec<[u8; 3]>,
     indices: Vec<u8>,
-    part: Vec<u8>,
+    region: Vec<u8>,
     path: PathBuf,
 }
 
 impl AnimatedGif {
-    /// Delays are in hundredths of a second, and viewers take one of less than two for ten.
-    pub(super) const MOST_FRAMES_PER_SECOND: f64 = 50.0;
+    /// GIF delays are in hundredths of a second, and viewers replace delays of less than two by ten.
+    pub(super) const MAX_FRAMES_PER_SECOND: f64 = 50.0;
 
     pub(super) fn new(
         path: &Path,
@@ -54,16 +54,16 @@ impl AnimatedGif {
             plays: options.plays,
             gif: None,
             palette: Palette::default(),
-            repainted: false,
+            has_local_palettes: false,
             delays: Delays::new(100.0, options.frames_per_second),
-            screen: Vec::new(),
+            canvas: Vec::new(),
             indices: Vec::new(),
-            part: Vec::new(),
+            region: Vec::new(),
             path: path.to_owned(),
         })
     }
 
-    fn try_picture(&mut self, rgb: &[u8], shown: u64) -> io::Result<()> {
+    fn try_write(&mut self, rgb: &[u8], frames: u64) -> io::Result<()> {
         let (pixels, width) = (rgb.as_chunks::<3>().0, usize::from(self.size[0]));
         if self.gif.is_none() {
             self.palette = Palette::of(pixels, width);
@@ -76,37 +76,37 @@ impl AnimatedGif {
             }
             self.gif = Some(gif);
         }
-        let error = self.palette.paint(pixels, width, &mut self.indices);
-        if !self.palette.suits(error) {
+        let error = self.palette.quantise(pixels, width, &mut self.indices);
+        if !self.palette.fits(error) {
             self.palette = Palette::of(pixels, width);
-            self.palette.paint(pixels, width, &mut self.indices);
-            self.repainted = true;
+            self.palette.quantise(pixels, width, &mut self.indices);
+            self.has_local_palettes = true;
         }
-        for delay in self.delays.next(shown) {
+        for delay in self.delays.next(frames) {
             let (palette, indices) = (&self.palette, &self.indices);
-            let (part, transparent) = if self.screen.is_empty() {
+            let (region, transparent) = if self.canvas.is_empty() {
                 (Rectangle { left: 0, top: 0, width, height: self.size[1].into() }, None)
             } else {
-                let differs = |pixel: usize| self.screen[pixel] != palette.color(indices[pixel]);
-                (Rectangle::of_changes(width, self.size[1].into(), differs), Some(palette.transparent()))
+                let differs = |pixel: usize| self.canvas[pixel] != palette.color(indices[pixel]);
+                (Rectangle::bounding(width, self.size[1].into(), differs), Some(palette.transparent()))
             };
-            self.screen.resize(pixels.len(), [0; 3]);
-            self.part.clear();
-            for pixel in part.rows(width).flatten() {
+            self.canvas.resize(pixels.len(), [0; 3]);
+            self.region.clear();
+            for pixel in region.rows(width).flatten() {
                 let color = palette.color(indices[pixel]);
-                self.part.push(transparent.filter(|_| self.screen[pixel] == color).unwrap_or(indices[pixel]));
-                self.screen[pixel] = color;
+                self.region.push(transparent.filter(|_| self.canvas[pixel] == color).unwrap_or(indices[pixel]));
+                self.canvas[pixel] = color;
             }
             let frame = Frame {
                 delay,
                 dispose: DisposalMethod::Keep,
                 transparent,
-                left: part.left as u16,
-                top: part.top as u16,
-                width: part.width as u16,
-                height: part.height as u16,
-                palette: self.repainted.then(|| palette.table()),
-                buffer: self.part.as_slice().into(),
+                left: region.left as u16,
+                top: region.top as u16,
+                width: region.width as u16,
+                height: region.height as u16,
+                palette: self.has_local_palettes.then(|| palette.table()),
+                buffer: self.region.as_slice().into(),
                 ..Frame::default()
             };
             self.gif.as_mut().map_or(Ok(()), |gif| gif.write_frame(&frame)).map_err(into_io)?;
@@ -123,8 +123,8 @@ impl AnimatedGif {
 }
 
 impl Encoder for AnimatedGif {
-    fn picture(&mut self, rgb: &[u8], shown: u64) -> Result<()> {
-        self.try_picture(rgb, shown).map_err(Error::file(&self.path))
+    fn write(&mut self, rgb: &[u8], frames: u64) -> Result<()> {
+        self.try_write(rgb, frames).map_err(Error::file(&self.path))
     }
 
     fn finish(self: Box<Self>) -> Result<()> {

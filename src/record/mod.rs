@@ -1,7 +1,7 @@
-//! Moving pictures: numbered PNG files, animated PNG and GIF, and video through the program `ffmpeg`.
+//! Recording of video and animations: numbered PNG files, animated PNG and GIF, and video through the program `ffmpeg`.
 //!
-//! A [`Recorder`] goes by the time of the simulation, however long drawing takes. Ask it [whether a picture is
-//! due](Recorder::is_due) before drawing one:
+//! A [`Recorder`] samples pictures by simulation time, independently of the time that rendering takes. Check
+//! [`is_due`](Recorder::is_due) before rendering a picture:
 //!
 //! ```
 //! use mujoco_safe::record::{Recorder, RecorderOptions};
@@ -12,11 +12,11 @@
 //! # let path = folder.path().join("cartpole.gif");
 //! let mut data = Data::new(sample::cartpole())?;
 //! data.qvel_mut()[1] = 2.0;
-//! // The path says what is written: here `cartpole.gif`.
+//! // The extension selects the format, here GIF.
 //! let mut recorder = Recorder::create(&path, RecorderOptions { frames_per_second: 20.0, ..Default::default() })?;
 //! while data.time() < 0.5 {
 //!     if recorder.is_due(data.time()) {
-//!         // A renderer draws better ones.
+//!         // For brevity this draws one pixel; use `render::Renderer` for images of the scene.
 //!         let mut picture = Picture::new(256, 256);
 //!         let (sine, cosine) = data.qpos()[1].sin_cos();
 //!         picture.set_pixel((128.0 + 100.0 * sine) as usize, (128.0 - 100.0 * cosine) as usize, [255; 3]);
@@ -28,16 +28,6 @@
 //! assert_eq!((summary.frames, summary.seconds), (10, 0.5));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `format.rs` | [`Format`]: which file a path asks for |
-//! | `recorder.rs` | [`Recorder`], [`RecorderOptions`] |
-//! | `clock.rs` | which picture belongs to which frame |
-//! | `encoder.rs` | what writes pictures |
-//! | `png.rs` | numbered files, and animated PNG |
-//! | `gif.rs`, `palette.rs` | animated GIF, and its colours |
-//! | `ffmpeg.rs` | video |
 
 #![forbid(unsafe_code)]
 

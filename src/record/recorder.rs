@@ -1,4 +1,4 @@
-//! The recorder, and what can be set about it.
+//! The recorder and its options.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -13,19 +13,18 @@ use crate::error::{Error, Result};
 use crate::file::Replacement;
 use crate::render::Picture;
 
-/// How a moving picture is made. The default is 30 frames per second, as fast as it was, played for ever.
+/// Options of a recording. The default is 30 frames per second, in real time, played in an endless loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecorderOptions {
-    /// Frames per second of the moving picture: up to 1000, and up to 50 in a GIF, because viewers play a faster one slowly.
+    /// Frames per second of the recording: up to 1000, or up to 50 in a GIF, because viewers slow faster ones down.
     pub frames_per_second: f64,
-    /// Seconds of the simulation in a second of the moving picture: 0.1 is slow motion, 2 is twice as fast.
+    /// Simulation time per second of the recording: 0.1 is slow motion, 2 is double speed.
     pub speed: f64,
-    /// How often an animated PNG or GIF is played; 0 is for ever.
+    /// Number of times that an animated PNG or GIF is played; 0 for an endless loop.
     pub plays: u16,
-    /// The program that makes videos, as it is called or where it is.
+    /// Name or path of the program that encodes video.
     pub ffmpeg: PathBuf,
-    /// What the program is told about how to encode. Unless set otherwise: `-c:v libx264 -preset veryfast -crf 18`, which is
-    /// H.264 that looks as it was drawn.
+    /// Encoding arguments of the program. Default: `-c:v libx264 -preset veryfast -crf 18`, visually lossless H.264.
     pub ffmpeg_arguments: Vec<String>,
 }
 
@@ -43,10 +42,10 @@ impl Default for RecorderOptions {
 
 impl RecorderOptions {
     fn check(&self, format: Format) -> Result<()> {
-        let most = if format == Format::Gif { AnimatedGif::MOST_FRAMES_PER_SECOND } else { 1000.0 };
-        // The least keeps a frame short enough to be told.
-        if !(1e-3..=most).contains(&self.frames_per_second) {
-            let expected = format!("from 0.001 to {most}");
+        let maximum = if format == Format::Gif { AnimatedGif::MAX_FRAMES_PER_SECOND } else { 1000.0 };
+        // The lower limit keeps the duration of a frame within the range of the formats.
+        if !(1e-3..=maximum).contains(&self.frames_per_second) {
+            let expected = format!("from 0.001 to {maximum}");
             return Err(Error::invalid("RecorderOptions::frames_per_second", self.frames_per_second, expected));
         }
         if !(1e-9..=1e9).contains(&self.speed) {
@@ -56,70 +55,70 @@ impl RecorderOptions {
     }
 }
 
-/// What was recorded.
+/// Result of a recording.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Summary {
-    /// The file; of a sequence the first.
+    /// Path of the file; for a sequence, of its first file.
     pub path: PathBuf,
-    /// What it is.
+    /// File format.
     pub format: Format,
-    /// How many frames it has, those included that repeat a picture.
+    /// Number of frames, including repetitions of a picture.
     pub frames: u64,
-    /// How long it plays, s.
+    /// Duration, s.
     pub seconds: f64,
 }
 
-/// Makes a moving picture of pictures and the times of the simulation that they show. See the [module](super).
+/// Records pictures together with the simulation times that they show. See the [module](super).
 ///
-/// The file appears when the recording is [finished](Self::finish), whole or not at all; the files of a sequence one by one. A
-/// recorder that is dropped finishes too, so that a program which ends early, by an error or a panic, leaves what it has
-/// recorded.
+/// The file appears at its path when the recording is [finished](Self::finish): complete or not at all. The files of a sequence
+/// appear one by one. Dropping a recorder finishes the recording, so that a program that ends early by an error or a panic
+/// keeps the frames recorded so far.
 pub struct Recorder {
     path: PathBuf,
     format: Format,
     options: RecorderOptions,
     clock: Clock,
     state: State,
-    /// Width and height of all pictures.
+    /// Width and height of all pictures; zero before the first.
     size: [u32; 2],
-    /// The picture that was taken last. How long it is shown, the next one says.
-    held: Vec<u8>,
+    /// Most recent picture. It is encoded when the time of the next picture determines its duration.
+    latest: Vec<u8>,
     frames: u64,
 }
 
 enum State {
-    /// No picture yet. There is a file, unless it is a sequence.
-    Waiting(Option<Replacement>),
+    /// No picture yet. The file exists, except for a sequence.
+    Empty(Option<Replacement>),
     Recording(Box<dyn Encoder>),
-    /// Finished, or failed: nothing more is written.
-    Over,
+    /// Finished or failed. Nothing more is written.
+    Ended,
 }
 
 impl Recorder {
-    /// Begins a recording. The path says what it is:
+    /// Starts a recording. The path determines the format:
     ///
     /// | path | [`Format`] | |
     /// |---|---|---|
-    /// | `walk.png`, `walk.apng` | animated PNG | without loss, large |
+    /// | `walk.png`, `walk.apng` | animated PNG | lossless, large |
     /// | `walk.gif` | animated GIF | 256 colours |
     /// | `walk.mp4`, `walk.mov`, `walk.mkv` | H.264 | small; needs the program `ffmpeg` |
-    /// | `walk/frame_%05d.png` | PNG files | `%05d` stands for the number, with at least five digits, from 0 on |
+    /// | `walk/frame_%05d.png` | PNG files | `%05d` is replaced by the number, with at least five digits, starting at 0 |
     /// | `walk`, `walk/` | PNG files | `frame_%05d.png` in this folder |
     ///
-    /// The folder of a sequence is made if there is none. Its files replace those of the same names; others, such as those of an
-    /// earlier and longer recording, stay.
+    /// For a sequence, the folder is created if necessary. New files replace those of the same name; other files remain, such
+    /// as those of an earlier and longer recording.
     ///
     /// # Errors
     ///
-    /// [`Error::Recording`] for another extension, or without `ffmpeg` for a video. [`Error::File`] if the file cannot be
-    /// written, [`Error::Invalid`] for options that are out of range.
+    /// [`Error::Recording`] for an unknown extension, or for a video without `ffmpeg`. [`Error::File`] if the file cannot be
+    /// written, [`Error::Invalid`] for options out of range.
     pub fn create(path: impl AsRef<Path>, options: RecorderOptions) -> Result<Self> {
         let path = path.as_ref();
         let format = Format::of(path)?;
         options.check(format)?;
         let (path, file) = if format == Format::Sequence {
-            let name = numbered(path);
+            let name = file_names(path);
             if !name.folder().as_os_str().is_empty() {
                 std::fs::create_dir_all(name.folder()).map_err(Error::file(name.folder()))?;
             }
@@ -131,116 +130,118 @@ impl Recorder {
             (path.to_owned(), Some(Replacement::create(path).map_err(Error::file(path))?))
         };
         let clock = Clock::new(options.speed / options.frames_per_second);
-        let state = State::Waiting(file);
-        Ok(Self { path, format, options, clock, state, size: [0; 2], held: Vec::new(), frames: 0 })
+        let state = State::Empty(file);
+        Ok(Self { path, format, options, clock, state, size: [0; 2], latest: Vec::new(), frames: 0 })
     }
 
-    /// What is recorded to.
+    /// Returns the output path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What is written.
+    /// Returns the file format.
     pub fn format(&self) -> Format {
         self.format
     }
 
-    /// How many frames there are so far, those included that repeat a picture.
+    /// Returns the number of frames so far, including repetitions of a picture.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// Whether a picture of this time, in s, would be taken: the first one always, then every
-    /// `speed / frames_per_second` seconds of the simulation. After a reset, which turns time back, the next one is due.
+    /// Returns `true` if [`push`](Self::push) would accept a picture at this time, s: always for the first picture, then every
+    /// `speed / frames_per_second` seconds of simulation time. After a reset of the simulation to an earlier time, the next
+    /// picture is due.
     pub fn is_due(&self, time: f64) -> bool {
         time.is_finite() && self.clock.is_due(time)
     }
 
-    /// Takes a picture that shows the simulation at this time, in s, if [one is due](Self::is_due), and tells whether it was.
+    /// Adds a picture of the simulation at this time, s, if [one is due](Self::is_due). Returns `true` if the picture was
+    /// accepted.
     ///
-    /// Where pictures are farther apart than frames, the one before is shown for longer.
+    /// If pictures are further apart than frames, the previous picture is repeated.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for a picture without pixels or of another size than before, and for a time that is not finite or more
-    /// than 100,000 frames after the one before. The recording may go on.
+    /// [`Error::Invalid`] for an empty picture, for a change of size, and for a time that is not finite or more than 100,000
+    /// frames after the previous picture. The recording can continue.
     ///
-    /// [`Error::File`] or [`Error::Recording`] if it cannot be written. The recording is over then, and nothing is left of it but
-    /// the files of a sequence.
+    /// [`Error::File`] or [`Error::Recording`] if the picture cannot be written. The recording has then ended, and leaves no
+    /// file, except for the files of a sequence.
     pub fn push(&mut self, picture: &Picture, time: f64) -> Result<bool> {
         self.push_rgb(picture.width(), picture.height(), picture.as_bytes(), time)
     }
 
-    /// As [`push`](Self::push), with a picture that is an array: red, green and blue of each pixel, row-major from the top,
-    /// `(height, width, 3)`.
+    /// Adds a picture as [`push`](Self::push) does, from an array of red, green and blue for each pixel, row-major from the
+    /// top, `(height, width, 3)`.
     ///
     /// # Errors
     ///
-    /// As for [`push`](Self::push), and [`Error::Shape`] if `rgb` has not `3 * width * height` elements.
+    /// As for [`push`](Self::push), and [`Error::Shape`] if the length of `rgb` is not `3 * width * height`.
     pub fn push_rgb(&mut self, width: usize, height: usize, rgb: &[u8], time: f64) -> Result<bool> {
         let size = self.check_size(width, height)?;
         Error::check_length("rgb of Recorder::push_rgb", rgb.len(), 3 * width * height)?;
         if !time.is_finite() {
             return Err(Error::invalid("the time of a picture", time, "finite"));
         }
-        if matches!(self.state, State::Over) {
-            return Err(self.is_over());
+        if matches!(self.state, State::Ended) {
+            return Err(self.ended_error());
         }
         if !self.clock.is_due(time) {
             return Ok(false);
         }
-        let shown = self.clock.take(time)?;
-        if let State::Waiting(file) = &mut self.state {
+        let shown = self.clock.accept(time)?;
+        if let State::Empty(file) = &mut self.state {
             let file = file.take();
             self.size = size;
-            self.state = State::Over;
+            self.state = State::Ended;
             self.state = State::Recording(self.encoder(file)?);
         } else {
             self.write(shown)?;
         }
-        self.held.clear();
-        self.held.extend_from_slice(rgb);
+        self.latest.clear();
+        self.latest.extend_from_slice(rgb);
         self.frames += 1;
         Ok(true)
     }
 
-    /// Completes the file, and says what is in it.
+    /// Completes the file and returns a summary.
     ///
     /// # Errors
     ///
-    /// As for [`push_rgb`](Self::push_rgb), and [`Error::Recording`] if there is no picture in it.
+    /// As for [`push_rgb`](Self::push_rgb), and [`Error::Recording`] if the recording has no picture.
     pub fn finish(self) -> Result<Summary> {
         self.finish_after(1)
     }
 
-    /// Completes the file as [`finish`](Self::finish) does, and shows the last picture until the simulation has reached this time,
-    /// in s: the file then lasts as long as the simulation, however seldom a picture was drawn.
+    /// Completes the file as [`finish`](Self::finish) does, and shows the last picture until the given simulation time, s. The
+    /// duration of the file then matches the simulation, however rarely a picture was drawn.
     ///
-    /// A time before that of the last picture adds nothing.
+    /// A time before that of the last picture has no effect.
     ///
     /// # Errors
     ///
-    /// As for [`finish`](Self::finish). [`Error::Invalid`] for a time that is not finite or more than 100,000 frames after the last
-    /// picture; the file then ends with this picture.
+    /// As for [`finish`](Self::finish). [`Error::Invalid`] for a time that is not finite or more than 100,000 frames after the
+    /// last picture; the file then ends with this picture.
     pub fn finish_at(self, time: f64) -> Result<Summary> {
         if !time.is_finite() {
-            return Err(Error::invalid("the time at which a recording ends", time, "finite"));
+            return Err(Error::invalid("the end time of a recording", time, "finite"));
         }
         let shown = self.clock.until(time)?;
         self.finish_after(shown)
     }
 
-    /// Completes the file. The last picture is shown for this number of frames.
+    /// Completes the file, with the last picture shown for `shown` frames.
     fn finish_after(mut self, shown: u64) -> Result<Summary> {
-        if let State::Waiting(_) = self.state {
-            return Err(Error::Recording { path: self.path.clone(), reason: "there was no picture".to_owned() });
+        if let State::Empty(_) = self.state {
+            return Err(Error::Recording { path: self.path.clone(), reason: "no picture was recorded".to_owned() });
         }
-        if let State::Over = self.state {
-            return Err(self.is_over());
+        if let State::Ended = self.state {
+            return Err(self.ended_error());
         }
         self.complete(shown)?;
         let path = match self.format {
-            Format::Sequence => numbered(&self.path).path(0),
+            Format::Sequence => file_names(&self.path).path(0),
             _ => self.path.clone(),
         };
         let seconds = self.frames as f64 / self.options.frames_per_second;
@@ -249,7 +250,7 @@ impl Recorder {
 
     fn check_size(&self, width: usize, height: usize) -> Result<[u32; 2]> {
         let given = || format!("{width} × {height}");
-        // More than an `i32` counts is no picture, and no format has room for it.
+        // No format supports lengths above `i32::MAX`.
         let size = [width, height].map(|length| i32::try_from(length).map_or(0, |length| length as u32));
         if size.contains(&0) {
             return Err(Error::invalid("the size of a picture", given(), format!("from 1 × 1 to {0} × {0}", i32::MAX)));
@@ -258,7 +259,7 @@ impl Recorder {
             [0, 0] => Ok(size),
             before if before == size => Ok(size),
             [width, height] => {
-                let expected = format!("{width} × {height} as that of those before");
+                let expected = format!("{width} × {height}, as the pictures before");
                 Err(Error::invalid("the size of a picture", given(), expected))
             }
         }
@@ -270,37 +271,37 @@ impl Recorder {
             (Format::AnimatedPng, Some(file)) => Box::new(AnimatedPng::new(path, file, size, options)?),
             (Format::Gif, Some(file)) => Box::new(AnimatedGif::new(path, file, size, options)?),
             (Format::Video, Some(file)) => Box::new(Ffmpeg::new(path, file, size, options)?),
-            _ => Box::new(Sequence::new(numbered(path), size)),
+            _ => Box::new(Sequence::new(file_names(path), size)),
         })
     }
 
-    /// Writes the picture that is held.
+    /// Encodes the most recent picture.
     fn write(&mut self, shown: u64) -> Result<()> {
         let State::Recording(encoder) = &mut self.state else { return Ok(()) };
-        let written = encoder.picture(&self.held, shown);
+        let written = encoder.write(&self.latest, shown);
         self.frames += shown - 1;
         if written.is_err() {
-            self.state = State::Over;
+            self.state = State::Ended;
         }
         written
     }
 
-    /// Writes the last picture, which is shown for this number of frames, and the end of the file, if there is one.
+    /// Encodes the most recent picture for `shown` frames, and completes the file if there is one.
     fn complete(&mut self, shown: u64) -> Result<()> {
         self.write(shown)?;
-        match std::mem::replace(&mut self.state, State::Over) {
+        match std::mem::replace(&mut self.state, State::Ended) {
             State::Recording(encoder) => encoder.finish(),
-            State::Waiting(_) | State::Over => Ok(()),
+            State::Empty(_) | State::Ended => Ok(()),
         }
     }
 
-    fn is_over(&self) -> Error {
-        Error::Recording { path: self.path.clone(), reason: "it has failed before".to_owned() }
+    fn ended_error(&self) -> Error {
+        Error::Recording { path: self.path.clone(), reason: "an earlier write failed".to_owned() }
     }
 }
 
-/// The names of a sequence.
-fn numbered(path: &Path) -> NumberedName {
+/// Returns the file name pattern of a sequence.
+fn file_names(path: &Path) -> NumberedName {
     NumberedName::of(path).filter(|_| !format::is_folder(path)).unwrap_or_else(|| NumberedName::in_folder(path))
 }
 

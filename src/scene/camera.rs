@@ -1,4 +1,4 @@
-//! The camera: where a scene is seen from.
+//! Camera of a scene: free, tracking a body, or fixed in the model.
 
 use std::ffi::c_int;
 
@@ -12,40 +12,40 @@ use crate::ffi;
 use crate::id::{BodyId, CameraId, Id};
 use crate::model::Model;
 
-/// What a camera does.
+/// Mode of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[doc(alias = "mjtCamera")]
 pub enum CameraView {
-    /// It looks at a point that the user moves.
+    /// The camera points at [`Camera::lookat`], which the user moves.
     Free,
-    /// It looks at the centre of mass of a body and all below it, which it follows.
+    /// The camera points at the centre of mass of a body's subtree, and follows it.
     #[doc(alias = "trackbodyid")]
     Tracking(BodyId),
-    /// It is a camera of the model's.
+    /// A camera that the model defines.
     #[doc(alias = "fixedcamid")]
     Fixed(CameraId),
-    /// It is what [`Scene::set_viewpoints`] says.
+    /// The viewpoints set by [`Scene::set_viewpoints`].
     User,
 }
 
 engine_enum! {
-    /// What the motion of a mouse does.
+    /// Effect of a mouse motion.
     #[doc(alias = "mjtMouse")]
     MouseAction {
-        /// It rotates, in a vertical plane.
+        /// Rotates in a vertical plane.
         RotateV = mjMOUSE_ROTATE_V,
-        /// It rotates, in a horizontal plane.
+        /// Rotates in a horizontal plane.
         RotateH = mjMOUSE_ROTATE_H,
-        /// It moves, in a vertical plane.
+        /// Moves in a vertical plane.
         MoveV = mjMOUSE_MOVE_V,
-        /// It moves, in a horizontal plane.
+        /// Moves in a horizontal plane.
         MoveH = mjMOUSE_MOVE_H,
-        /// It zooms.
+        /// Zooms.
         Zoom = mjMOUSE_ZOOM,
     }
 }
 
-/// A camera. The numbers are those of the free and of the tracking view.
+/// Abstract camera. The numeric fields apply to the free and the tracking mode.
 ///
 /// ```
 /// use mujoco_safe::scene::{Camera, CameraView};
@@ -60,20 +60,21 @@ engine_enum! {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias = "mjvCamera")]
 pub struct Camera {
-    /// What it does.
+    /// Mode.
     pub view: CameraView,
-    /// The point that it looks at, m, world frame. A tracking camera moves it a fifth of the way to the body at each update.
+    /// Point at the centre of the view, m, world frame. Each update moves that of a tracking camera a fifth of the way to the
+    /// body.
     pub lookat: [f64; 3],
-    /// Its distance from that point, m.
+    /// Distance from the camera to `lookat`, m.
     pub distance: f64,
-    /// The direction that it looks in, about z from x, degrees.
+    /// Horizontal viewing direction, degrees about z, measured from x.
     pub azimuth: f64,
-    /// Its direction above the horizontal, degrees: negative looks down.
+    /// Elevation of the viewing direction above the horizontal, degrees. Negative values look down.
     pub elevation: f64,
 }
 
 impl Default for Camera {
-    /// As in the engine: free, 2 m from the zero point, looking along y and 45° down.
+    /// Returns the engine's default: free, 2 m from the origin, looking along y and 45° down.
     #[doc(alias = "mjv_defaultCamera")]
     fn default() -> Self {
         Self { view: CameraView::Free, lookat: [0.0; 3], distance: 2.0, azimuth: 90.0, elevation: -45.0 }
@@ -81,7 +82,7 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// The free camera that shows the whole model, from the direction of its visual settings.
+    /// Creates a free camera that shows the whole model, in the direction given by the model's visual settings.
     #[doc(alias = "mjv_defaultFreeCamera")]
     pub fn free(model: &Model) -> Self {
         let global = &model.raw().vis.global;
@@ -90,23 +91,23 @@ impl Camera {
         camera
     }
 
-    /// As [`free`](Self::free), following a body.
+    /// Creates a camera as [`free`](Self::free) does, and lets it follow a body.
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[track_caller]
     pub fn tracking(model: &Model, body: BodyId) -> Self {
         model.check_id(body);
         Self { view: CameraView::Tracking(body), ..Self::free(model) }
     }
 
-    /// A camera of the model's.
+    /// Creates a camera that reproduces a camera of the model.
     pub fn fixed(camera: CameraId) -> Self {
         Self { view: CameraView::Fixed(camera), ..Self::default() }
     }
 
-    /// Makes it free, with the middle of the model before it, from the direction that it has.
+    /// Switches to the free mode and centres the model, without a change of direction.
     pub fn align(&mut self, model: &Model) {
         let stat = &model.raw().stat;
         self.view = CameraView::Free;
@@ -114,17 +115,17 @@ impl Camera {
         self.distance = 1.5 * stat.extent;
     }
 
-    /// Moves it as a mouse does: by `[dx, dy]`, in heights of the window, right and down. Does nothing to a camera of the model's.
-    /// A tracking camera does not let itself be pushed off its body.
+    /// Moves the camera in response to a mouse motion `[dx, dy]`, right and down, as fractions of the window height. Has no
+    /// effect on a camera of the model. A tracking camera cannot be moved off its body.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for the scene of another model, [`Error::Invalid`] for numbers that are not finite or would make the
-    /// camera so, [`Error::Engine`] if it is to be pushed in a scene that was not updated.
+    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] if a number is not finite or the moved camera
+    /// would contain such a number, [`Error::Engine`] for a translation in a scene that was never updated.
     ///
     /// # Panics
     ///
-    /// If the body or camera that it views is of another model.
+    /// If the body or the camera in [`view`](Self::view) belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::scene::{Camera, MouseAction, Scene};
@@ -143,7 +144,7 @@ impl Camera {
         scene.check_model(model, "the scene that a camera is moved in")?;
         let mut raw = self.raw(model)?;
         check_motion([dx, dy])?;
-        // SAFETY: an action that there is, and a model of the scene's lineage.
+        // SAFETY: a valid action, and a model that the scene belongs to.
         let status =
             unsafe { guard::mjv_move_camera(model.as_ptr(), action.raw(), dx, dy, scene.as_ptr(), &raw mut raw) };
         ffi::check_without_data("mjv_moveCamera", status)?;
@@ -154,7 +155,7 @@ impl Camera {
         Ok(())
     }
 
-    /// As the engine keeps it.
+    /// Converts the camera to the engine's structure.
     #[track_caller]
     pub(super) fn raw(&self, model: &Model) -> Result<mjvCamera> {
         let (view, fixedcamid, trackbodyid) = match self.view {
@@ -168,7 +169,7 @@ impl Camera {
         Ok(mjvCamera { type_: view as c_int, fixedcamid, trackbodyid, lookat, distance, azimuth, elevation })
     }
 
-    /// Takes over what the engine changed.
+    /// Copies the fields that the engine changes.
     pub(super) fn take(&mut self, raw: &mjvCamera) {
         self.lookat = raw.lookat;
         (self.distance, self.azimuth, self.elevation) = (raw.distance, raw.azimuth, raw.elevation);
@@ -176,7 +177,7 @@ impl Camera {
 
     fn check(&self) -> Result<()> {
         let numbers = [self.distance, self.azimuth, self.elevation];
-        // A scene has single precision.
+        // The scene stores single precision.
         if numbers.iter().chain(&self.lookat).all(|&number| (number as f32).is_finite()) {
             return Ok(());
         }
@@ -190,7 +191,7 @@ fn checked<K: crate::id::ElementKind>(model: &Model, id: Id<K>) -> c_int {
     id.index() as c_int
 }
 
-/// Refuses a motion that is none.
+/// Returns an error unless both numbers are finite.
 pub(super) fn check_motion(motion: [f64; 2]) -> Result<()> {
     if motion.iter().all(|number| number.is_finite()) {
         return Ok(());
@@ -199,32 +200,34 @@ pub(super) fn check_motion(motion: [f64; 2]) -> Result<()> {
 }
 
 impl Scene {
-    /// Puts the eyes where a free camera is, or a tracking one that does not move along: for a picture from elsewhere than the last
-    /// update, without a simulation. Nothing for others, whose poses a simulation has.
+    /// Moves the viewpoints to a camera without a simulation. A tracking camera keeps its `lookat`. Has no effect for the
+    /// other modes, whose poses depend on a simulation.
     #[cfg(feature = "viewer")]
     pub(crate) fn look(&mut self, model: &Model, camera: &Camera) -> Result<()> {
-        self.check_model(model, "the model to look at")?;
+        self.check_model(model, "the model to show")?;
         if !matches!(camera.view, CameraView::Free | CameraView::Tracking(_)) {
             return Ok(());
         }
         let mut raw = Camera { view: CameraView::Free, ..*camera }.raw(model)?;
         let (model, scene) = (model.as_ptr(), self.raw_mut());
-        // SAFETY: a model of the scene's lineage. For a free camera the function reads no simulation.
+        // SAFETY: a model that the scene belongs to. For a free camera the function does not dereference the data.
         let status = unsafe { guard::mjv_update_camera(model, std::ptr::null_mut(), &raw mut raw, scene) };
         ffi::check_without_data("mjv_updateCamera", status)
     }
 
-    /// Brings only the viewpoints up to date. An [`update`](Self::update) puts the middle of an infinite plane near the viewpoints
-    /// of the update before; call this first where there was none, for a single picture say.
+    /// Updates only the viewpoints.
+    ///
+    /// [`update`](Self::update) centres an infinite plane near the viewpoints of the previous update. Call this function first
+    /// if there was no previous update, for example to render a single image.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::OtherModel`] for the data of another model,
-    /// [`Error::Invalid`] for numbers of the camera that are not finite.
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::OtherModel`] for data of another model,
+    /// [`Error::Invalid`] if the camera contains a number that is not finite.
     ///
     /// # Panics
     ///
-    /// If the body or camera that the camera views is of another model.
+    /// If the body or the camera in [`Camera::view`] belongs to another model.
     #[doc(alias = "mjv_updateCamera")]
     pub fn update_camera(&mut self, data: &Data, camera: &mut Camera) -> Result<()> {
         self.check_model(data.model(), "the data to show")?;
@@ -232,8 +235,8 @@ impl Scene {
         let mut raw = camera.raw(data.model())?;
         let scene = self.raw_mut();
         data.call("mjv_updateCamera", |m, d| {
-            // SAFETY: a model and a data that go together, whose poses were computed, and which the function only reads although
-            // its pointer is not const; ids of the model.
+            // SAFETY: the model and the data belong together, the positions were computed, and the ids are valid. The
+            // function only reads the data although its pointer is not const.
             unsafe { guard::mjv_update_camera(m, d.cast_mut(), &raw mut raw, scene) }
         })?;
         camera.take(&raw);

@@ -1,4 +1,4 @@
-//! A geom of a scene, to look at and to repaint.
+//! Geoms and skins of a scene: read access, and changes of the appearance.
 
 use std::fmt;
 
@@ -14,47 +14,48 @@ use crate::id::{
 };
 
 engine_enum! {
-    /// The shape of a geom in a scene: those of a model, and some for decoration.
+    /// Shape of a geom in a scene: the shapes of a model, and shapes for decoration only.
     #[doc(alias = "mjtGeom")]
     SceneGeomType {
-        /// A plane through its origin, normal along z; `size`: half lengths along x and y, 0 for infinite.
+        /// Plane through its origin, normal along z. `size`: half lengths along x and y, 0 for infinite.
         Plane = mjGEOM_PLANE,
-        /// A height field.
+        /// Height field.
         HeightField = mjGEOM_HFIELD,
-        /// A sphere; `size`: three times the radius.
+        /// Sphere. `size`: the radius, three times.
         Sphere = mjGEOM_SPHERE,
-        /// A capsule along z; `size`: twice the radius, half the length of its cylinder.
+        /// Capsule along z. `size`: the radius, twice, and half the length of the cylindrical part.
         Capsule = mjGEOM_CAPSULE,
-        /// An ellipsoid; `size`: its radii.
+        /// Ellipsoid. `size`: the semi-axes.
         Ellipsoid = mjGEOM_ELLIPSOID,
-        /// A cylinder along z; `size`: twice the radius, half the length.
+        /// Cylinder along z. `size`: the radius, twice, and half the length.
         Cylinder = mjGEOM_CYLINDER,
-        /// A box; `size`: half lengths.
+        /// Box. `size`: half lengths.
         Box = mjGEOM_BOX,
-        /// A mesh.
+        /// Triangle mesh.
         Mesh = mjGEOM_MESH,
-        /// An arrow from its origin along z; `size`: twice the radius of its shaft, and a length of which the engine's renderer, and so
-        /// ours, draws only half: a third of it is shaft, a sixth is head.
+        /// Arrow from its origin along z. `size`: the radius of the shaft, twice, and a length. The engine's renderer and this
+        /// crate's draw only half of that length: a third of it as the shaft, a sixth as the head.
         Arrow = mjGEOM_ARROW,
-        /// An arrow of which the head is no wider than the shaft, measured likewise.
+        /// Arrow whose head is no wider than its shaft, with the size of an [`Arrow`](Self::Arrow).
         Arrow1 = mjGEOM_ARROW1,
-        /// An arrow in both directions, measured likewise. It is drawn around its origin, half its length to either side.
+        /// Arrow with two heads, with the size of an [`Arrow`](Self::Arrow). Centred at its origin, half its length to either
+        /// side.
         Arrow2 = mjGEOM_ARROW2,
-        /// A line from its origin along z; `size`: twice the width, the length.
+        /// Line from its origin along z. `size`: the width, twice, and the length.
         Line = mjGEOM_LINE,
-        /// A skin.
+        /// Skin.
         Skin = mjGEOM_SKIN,
-        /// A text without a shape.
+        /// Text label without a shape.
         Label = mjGEOM_LABEL,
-        /// Nothing.
+        /// No shape.
         None = mjGEOM_NONE,
     }
 }
 
-/// The element of the model that a geom of a scene stands for.
+/// Element of the model that a geom of a scene represents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-#[allow(missing_docs, reason = "the kinds of element, by their names")]
+#[allow(missing_docs, reason = "each variant is named after its kind of element")]
 pub enum SceneObject {
     Body(BodyId),
     Joint(JointId),
@@ -86,7 +87,7 @@ impl SceneObject {
     }
 }
 
-/// One geom of a scene. Its numbers are single precision, as a graphics card wants them.
+/// Geom of a scene, in single precision.
 #[derive(Clone, Copy)]
 #[doc(alias = "mjvGeom")]
 pub struct SceneGeom<'s> {
@@ -99,58 +100,58 @@ impl<'s> SceneGeom<'s> {
         Self { raw, lineage }
     }
 
-    /// Its shape.
+    /// Returns the shape.
     #[doc(alias = "type")]
     pub fn geom_type(self) -> SceneGeomType {
         SceneGeomType::of_field(self.raw.type_)
     }
 
-    /// Its measures, as [`SceneGeomType`] says, m.
+    /// Returns the dimensions, m. [`SceneGeomType`] defines them for each shape.
     pub fn size(self) -> [f32; 3] {
         self.raw.size
     }
 
-    /// Its position, m, world frame.
+    /// Returns the position, m, world frame.
     pub fn pos(self) -> [f32; 3] {
         self.raw.pos
     }
 
-    /// Its orientation, world frame: a row-major rotation matrix.
+    /// Returns the orientation, world frame: a row-major rotation matrix.
     pub fn mat(self) -> [f32; 9] {
         self.raw.mat
     }
 
-    /// Red, green, blue and opacity.
+    /// Returns red, green, blue and opacity.
     pub fn rgba(self) -> [f32; 4] {
         self.raw.rgba
     }
 
-    /// Emission.
+    /// Returns the emission coefficient.
     pub fn emission(self) -> f32 {
         self.raw.emission
     }
 
-    /// Specularity.
+    /// Returns the specular coefficient.
     pub fn specular(self) -> f32 {
         self.raw.specular
     }
 
-    /// Shininess.
+    /// Returns the shininess coefficient.
     pub fn shininess(self) -> f32 {
         self.raw.shininess
     }
 
-    /// Reflectance.
+    /// Returns the reflectance coefficient.
     pub fn reflectance(self) -> f32 {
         self.raw.reflectance
     }
 
-    /// Its category.
+    /// Returns the category.
     pub fn category(self) -> Categories {
         Categories::from_bits_truncate(self.raw.category as u32)
     }
 
-    /// The element that it stands for; none for decoration and for what the user added.
+    /// Returns the element that the geom represents; `None` for decoration and for geoms added by the user.
     #[doc(alias = "objtype")]
     #[doc(alias = "objid")]
     pub fn object(self) -> Option<SceneObject> {
@@ -161,46 +162,46 @@ impl<'s> SceneGeom<'s> {
         SceneObject::new(*kind, usize::try_from(self.raw.objid).ok()?, self.lineage)
     }
 
-    /// Its number for segmentation: its index in the scene.
+    /// Returns the segmentation id: the index of the geom in the scene.
     pub fn segid(self) -> usize {
         ffi::size(self.raw.segid)
     }
 
-    /// Its texture.
+    /// Returns the texture.
     #[doc(alias = "texid")]
     pub fn texture(self) -> Option<TextureId> {
         usize::try_from(self.raw.texid).ok().map(|texture| Id::new(texture, self.lineage))
     }
 
-    /// How often a texture of two dimensions is repeated along x and y; 0 without a material.
+    /// Returns the number of repetitions of a two-dimensional texture along x and y; 0 without a material.
     pub fn texrepeat(self) -> [f32; 2] {
         self.raw.texrepeat
     }
 
-    /// Whether the texture is repeated once for each unit of length, whatever the size.
+    /// Returns `true` if `texrepeat` counts repetitions per unit of length instead of per geom.
     pub fn texuniform(self) -> bool {
         self.raw.texuniform != 0
     }
 
-    /// Whether its mesh or skin has texture coordinates.
+    /// Returns `true` if the mesh or skin has texture coordinates.
     pub fn texcoord(self) -> bool {
         self.raw.texcoord != 0
     }
 
-    /// Its mesh, and whether it is shown as its convex hull.
+    /// Returns the mesh, and `true` if its convex hull is shown instead.
     #[doc(alias = "dataid")]
     pub fn mesh(self) -> Option<(MeshId, bool)> {
         let data = self.data(SceneGeomType::Mesh)?;
         Some((Id::new(data / 2, self.lineage), data % 2 == 1))
     }
 
-    /// Its height field.
+    /// Returns the height field.
     #[doc(alias = "dataid")]
     pub fn height_field(self) -> Option<HeightFieldId> {
         self.data(SceneGeomType::HeightField).map(|field| Id::new(field, self.lineage))
     }
 
-    /// The number of the plane among the planes of the model; none for one that the user added.
+    /// Returns the index of the plane among the planes of the model; `None` for a plane added by the user.
     #[doc(alias = "dataid")]
     pub fn plane(self) -> Option<usize> {
         self.data(SceneGeomType::Plane)
@@ -210,11 +211,11 @@ impl<'s> SceneGeom<'s> {
         if self.geom_type() == of { usize::try_from(self.raw.dataid).ok() } else { None }
     }
 
-    /// Its label, which may be empty. One of 99 bytes and more was cut by the engine, which can leave half of a character: that
-    /// half is left out here.
+    /// Returns the label, which may be empty. The engine truncates labels to 99 bytes, possibly inside a character; this
+    /// function omits the incomplete character.
     pub fn label(self) -> &'s str {
         let label = &self.raw.label;
-        // SAFETY: the bytes of an array that outlives `'s`.
+        // SAFETY: the array outlives `'s`, and bytes have no invalid values.
         let label: &'s [u8] = unsafe { ffi::array(label.as_ptr().cast(), label.len()) };
         let label = label.split(|&byte| byte == 0).next().unwrap_or_default();
         match std::str::from_utf8(label) {
@@ -223,18 +224,18 @@ impl<'s> SceneGeom<'s> {
         }
     }
 
-    /// The radius of a sphere around the geom of the model that it stands for, m; 0 for others and for planes.
+    /// Returns the radius of the bounding sphere of the model's geom, m; 0 for other geoms and for planes.
     #[doc(alias = "rbound")]
     pub fn modelrbound(self) -> f32 {
         self.raw.modelrbound
     }
 
-    /// Its distance from the camera, if a renderer past this crate has set it.
+    /// Returns the distance from the camera, if another renderer has set it.
     pub fn camdist(self) -> f32 {
         self.raw.camdist
     }
 
-    /// Whether it is to be drawn as transparent, if a renderer past this crate has set it.
+    /// Returns the flag for transparent rendering, if another renderer has set it.
     pub fn transparent(self) -> bool {
         self.raw.transparent != 0
     }
@@ -254,14 +255,14 @@ impl fmt::Debug for SceneGeom<'_> {
     }
 }
 
-/// One geom of a scene, to repaint.
+/// Mutable view of a geom of a scene, to change its appearance.
 pub struct SceneGeomMut<'s> {
     raw: &'s mut mjvGeom,
     lineage: Lineage,
 }
 
 impl SceneGeomMut<'_> {
-    /// To look at it.
+    /// Returns a read-only view.
     pub fn view(&self) -> SceneGeom<'_> {
         SceneGeom::new(self.raw, self.lineage)
     }
@@ -285,7 +286,7 @@ impl SceneGeomMut<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) for more than 99 bytes, or a NUL byte among them.
+    /// [`Error::Invalid`](crate::Error::Invalid) for more than 99 bytes or a NUL byte.
     pub fn set_label(&mut self, label: &str) -> Result<()> {
         self.raw.label = super::new_geom::label(label)?;
         Ok(())
@@ -298,37 +299,69 @@ impl fmt::Debug for SceneGeomMut<'_> {
     }
 }
 
+/// Skin in the pose of the last update. Its faces are the model's [`skin_face`](crate::Model::skin_face).
+#[derive(Clone, Copy, Debug)]
+pub struct SceneSkin<'s> {
+    /// Identifier.
+    pub skin: SkinId,
+    /// Vertex positions, m, world frame. Zero before the first update, and while the group of the skin is hidden.
+    pub vertices: &'s [[f32; 3]],
+    /// Unit vertex normals. Zero whenever the vertices are.
+    pub normals: &'s [[f32; 3]],
+}
+
 impl Scene {
-    /// How many geoms there are.
+    /// Returns the number of geoms.
     pub fn ngeom(&self) -> usize {
         ffi::size(self.raw().ngeom)
     }
 
-    /// The geoms, in the order in which they were added.
+    /// Iterates over the geoms in the order in which they were added.
     pub fn geoms(&self) -> impl ExactSizeIterator<Item = SceneGeom<'_>> + DoubleEndedIterator + Clone + '_ {
         self.raw_geoms().iter().map(|raw| SceneGeom::new(raw, self.lineage))
     }
 
-    /// One geom.
+    /// Returns a geom by its index.
     ///
     /// # Panics
     ///
-    /// If there is none of this index.
+    /// If the index is out of range.
     #[track_caller]
     pub fn geom(&self, index: usize) -> SceneGeom<'_> {
         SceneGeom::new(&self.raw_geoms()[index], self.lineage)
     }
 
-    /// The geoms, to repaint: a trail of poses that fades, say.
+    /// Iterates over the geoms with mutable access to their appearance, for example to fade a trail of poses.
     pub fn geoms_mut(&mut self) -> impl ExactSizeIterator<Item = SceneGeomMut<'_>> + '_ {
         let lineage = self.lineage;
         let (geoms, count) = (self.raw().geoms, self.ngeom());
-        // SAFETY: as for `raw_geoms`, and `self` is borrowed exclusively.
+        // SAFETY: as in `raw_geoms`, and `self` is borrowed exclusively.
         unsafe { ffi::array_mut(geoms, count) }.iter_mut().map(move |raw| SceneGeomMut { raw, lineage })
     }
 
     fn raw_geoms(&self) -> &[mjvGeom] {
-        // SAFETY: all of the buffer was zeroed, and its first `ngeom` are in use; written to through `&mut self` only.
+        // SAFETY: the whole buffer is initialised, its first `ngeom` entries are in use, and only `&mut self` writes to it.
         unsafe { ffi::array(self.raw().geoms, self.ngeom()) }
+    }
+
+    /// Iterates over all skins of the model. [`update`](Self::update) with
+    /// [`VisualFlags::SKIN`](super::VisualFlags::SKIN) sets their poses.
+    pub fn skins(&self) -> impl ExactSizeIterator<Item = SceneSkin<'_>> + '_ {
+        let raw = self.raw();
+        let count = ffi::size(raw.nskin);
+        // SAFETY: the engine allocated one entry per skin in each array, and filled them when the scene was created.
+        let (starts, lengths) = unsafe { (ffi::array(raw.skinvertadr, count), ffi::array(raw.skinvertnum, count)) };
+        // SAFETY: allocated for all vertices of the model and zeroed when the scene was created; only `&mut self` writes to
+        // them.
+        let (vertices, normals) =
+            unsafe { (ffi::rows(raw.skinvert, self.skin_vertices), ffi::rows(raw.skinnormal, self.skin_vertices)) };
+        starts.iter().zip(lengths).enumerate().map(move |(skin, (&start, &length))| {
+            let range = ffi::size(start)..ffi::size(start) + ffi::size(length);
+            SceneSkin {
+                skin: Id::new(skin, self.lineage),
+                vertices: &vertices[range.clone()],
+                normals: &normals[range],
+            }
+        })
     }
 }

@@ -1,23 +1,25 @@
-//! The lights of a scene.
+//! Lights of a scene.
 
-use mujoco_sys::mjvLight;
+use mujoco_sys::{self as sys, mjvLight};
 
 use super::Scene;
+use crate::data::{Data, Stage};
+use crate::error::Result;
 use crate::ffi;
 
-/// A light in a scene.
+/// Light of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias = "mjvLight")]
 pub struct SceneLight {
-    /// Position, m, world frame. Zero for the headlight, which is where the camera is.
+    /// Position, m, world frame. Zero for the headlight, which is placed at the camera.
     pub pos: [f32; 3],
-    /// Direction, world frame. Zero for the headlight, which shines where the camera looks.
+    /// Direction, world frame. Zero for the headlight, which points along the viewing direction.
     pub dir: [f32; 3],
     /// Constant, linear and quadratic attenuation. Zero for directional lights.
     pub attenuation: [f32; 3],
-    /// Half the angle of the cone of a spot light, degrees. Zero for directional lights.
+    /// Half the opening angle of a spot light, degrees. Zero for directional lights.
     pub cutoff: f32,
-    /// How much a spot light is focused. Zero for directional lights.
+    /// Spot exponent: larger values concentrate the light. Zero for directional lights.
     pub exponent: f32,
     /// Ambient red, green and blue.
     pub ambient: [f32; 3],
@@ -25,11 +27,11 @@ pub struct SceneLight {
     pub diffuse: [f32; 3],
     /// Specular red, green and blue.
     pub specular: [f32; 3],
-    /// Whether it is the headlight.
+    /// Marks the headlight.
     pub headlight: bool,
-    /// Whether it is directional.
+    /// Marks a directional light.
     pub directional: bool,
-    /// Whether it casts shadows.
+    /// Enables shadows of this light.
     pub castshadow: bool,
 }
 
@@ -53,7 +55,7 @@ impl SceneLight {
 }
 
 impl Scene {
-    /// The lights that are on: the headlight if it is, then those of the model.
+    /// Iterates over the active lights: first the headlight if it is active, then those of the model.
     ///
     /// ```
     /// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
@@ -69,5 +71,19 @@ impl Scene {
     /// ```
     pub fn lights(&self) -> impl ExactSizeIterator<Item = SceneLight> + '_ {
         self.raw().lights[..ffi::size(self.raw().nlight)].iter().map(SceneLight::new)
+    }
+
+    /// Updates only the lights.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::OtherModel`] for data of another model.
+    #[doc(alias = "mjv_makeLights")]
+    pub fn update_lights(&mut self, data: &Data) -> Result<()> {
+        self.check_model(data.model(), "the data to show")?;
+        data.check_computed("Scene::update_lights", Stage::Position)?;
+        // SAFETY: the model and the data belong together, and the function only reads them. It cannot fail.
+        unsafe { sys::mjv_makeLights(data.model().as_ptr(), data.as_ptr().cast_mut(), self.raw_mut()) };
+        Ok(())
     }
 }

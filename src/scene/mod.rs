@@ -1,4 +1,6 @@
-//! The abstract picture of a simulation: shapes, lights and eyes, for a renderer to draw. Nothing here draws.
+//! Abstract visualisation: the geoms, lights, skins and cameras of a simulation as a list that a renderer can draw.
+//!
+//! A [`Scene`] holds no graphics resources. The `render` module draws it; any other renderer can read it through the accessors.
 //!
 //! ```
 //! use mujoco_safe::scene::{Camera, Categories, Scene, SceneObject, SceneOptions, VisualFlags};
@@ -13,100 +15,84 @@
 //! scene.update(&mut data, &options, None, &mut camera, Categories::all())?;
 //!
 //! for geom in scene.geoms() {
-//!     // geom.geom_type(), geom.size(), geom.pos(), geom.mat(), geom.rgba() are what to draw.
+//!     // Draw geom.geom_type() with geom.size(), geom.pos(), geom.mat() and geom.rgba().
 //!     if let Some(SceneObject::Joint(joint)) = geom.object() {
 //!         assert!(data.joint(joint).name().is_some());
 //!     }
 //! }
-//! let eye = scene.viewpoint();
-//! assert!(eye.frustum_near > 0.0 && eye.frustum_far > eye.frustum_near);
+//! let viewpoint = scene.viewpoint();
+//! assert!(viewpoint.frustum_near > 0.0 && viewpoint.frustum_far > viewpoint.frustum_near);
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! | file | what is in it |
-//! |---|---|
-//! | `options.rs` | what is shown: [`SceneOptions`], [`VisualFlags`], [`Categories`] |
-//! | `camera.rs` | [`Camera`]: free, tracking, fixed |
-//! | `viewpoint.rs` | the eyes, and the room that the model stands in |
-//! | `geom.rs` | the geoms of a scene |
-//! | `new_geom.rs` | geoms of the user's |
-//! | `light.rs` | lights |
-//! | `skin.rs` | skins |
-//! | `perturbation.rs` | [`Perturbation`]: a body that is pulled with the mouse |
-//! | `select.rs` | what is seen at a place of the window |
-//! | `buffer.rs` | memory for the geoms |
+//! # Models
 //!
-//! # Which model
-//!
-//! A scene belongs to the model that it was made for, to its clones and to every [`Data`] made from them. Another is
-//! [`Error::OtherModel`]; ids of another panic, as everywhere.
+//! A scene belongs to the model that it was created for, to clones of that model and to every [`Data`] created from them.
+//! Data of another model give [`Error::OtherModel`]; ids of another model panic, as everywhere in this crate.
 //!
 //! # Quirks of the engine
 //!
-//! The middle of an infinite plane is put near the eyes of the update before: see [`Scene::update_camera`]. A fixed tendon of
-//! two joints that is limited from zero on, without spring and damping, is drawn as a string between two points that mean
-//! nothing.
+//! The engine centres an infinite plane near the viewpoints of the previous update: see [`Scene::update_camera`]. A limited
+//! fixed tendon that couples two joints, has a lower limit of zero, and has neither stiffness nor damping, is drawn as a
+//! string between two meaningless points.
 
-mod buffer;
 mod camera;
 mod geom;
 mod light;
 mod new_geom;
 mod options;
 mod perturbation;
-mod select;
-mod skin;
+mod selection;
+mod update;
 mod viewpoint;
 
+use std::alloc::{Layout, alloc_zeroed, dealloc};
 use std::ffi::c_int;
 use std::fmt;
 use std::mem::MaybeUninit;
-use std::ops::Range;
-use std::ptr;
+use std::ptr::{self, NonNull};
 
-use mujoco_sys::{self as sys, guard, mjData, mjMAXLIGHT, mjModel, mjvGeom, mjvScene};
+use mujoco_sys::{self as sys, guard, mjvGeom, mjvScene};
 
-use self::buffer::Buffer;
 pub use self::camera::{Camera, CameraView, MouseAction};
-pub use self::geom::{SceneGeom, SceneGeomMut, SceneGeomType, SceneObject};
+pub use self::geom::{SceneGeom, SceneGeomMut, SceneGeomType, SceneObject, SceneSkin};
 pub use self::light::SceneLight;
 pub use self::new_geom::{Connector, NewGeom};
 pub use self::options::{Categories, FrameMode, LabelMode, RenderFlags, SceneOptions, VisualFlags};
 pub use self::perturbation::{Perturbation, PerturbationFlags};
-pub use self::select::Selection;
-pub use self::skin::SceneSkin;
+pub use self::selection::Selection;
 pub use self::viewpoint::{Head, Transform, Viewpoint, align_to_camera};
-use crate::data::{Data, Stage, Warning};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::Lineage;
 use crate::model::Model;
 
-/// The abstract picture of a simulation, with room for a number of geoms. See the [module](self).
+/// Abstract scene with a fixed capacity of geoms. See the [module](self).
 #[doc(alias = "mjvScene")]
 #[doc(alias = "mjv_freeScene")]
 pub struct Scene {
     raw: Box<mjvScene>,
     lineage: Lineage,
-    /// What `raw.geoms` and `raw.geomorder` point at.
+    /// Storage of `raw.geoms` and `raw.geomorder`.
     buffers: (Buffer<mjvGeom>, Buffer<c_int>),
     skin_vertices: usize,
-    /// For each mesh whether it has a convex hull.
-    hulls: Box<[bool]>,
+    /// One entry per mesh: `true` if the compiler built its convex hull.
+    has_convex_hull: Box<[bool]>,
 }
 
-// SAFETY: the engine's structure is memory without thread affinity, and all of it belongs to the scene.
+// SAFETY: the engine's structure is plain memory without thread affinity, and the scene owns all of it.
 unsafe impl Send for Scene {}
-// SAFETY: as above; written to through `&mut Scene` only.
+// SAFETY: as above; only `&mut Scene` writes to it.
 unsafe impl Sync for Scene {}
 
 impl Scene {
-    /// An empty scene for a model, with room for so many geoms. Memory for them is taken as they are used.
+    /// Creates an empty scene for a model, with capacity for `max_geoms` geoms. The operating system commits the memory on
+    /// first use.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for more geoms than a C `int` can count, [`Error::OutOfMemory`] or [`Error::Engine`] if there is no
-    /// memory.
+    /// [`Error::Invalid`] if `max_geoms` exceeds the range of a C `int`, [`Error::OutOfMemory`] or [`Error::Engine`] if
+    /// memory is exhausted.
     ///
     /// ```
     /// use mujoco_safe::{Error, Scene, sample};
@@ -122,7 +108,7 @@ impl Scene {
     pub fn new(model: &Model, max_geoms: usize) -> Result<Self> {
         let Ok(maxgeom) = c_int::try_from(max_geoms) else {
             return Err(Error::invalid(
-                "the room of a scene",
+                "the capacity of a scene",
                 format!("{max_geoms} geoms"),
                 format!("at most {}", c_int::MAX),
             ));
@@ -130,25 +116,25 @@ impl Scene {
         let skin_vertices: usize = model.skin_vertnum().iter().map(|&count| ffi::size(count)).sum();
         if c_int::try_from(3 * skin_vertices).is_err() {
             return Err(Error::Unsupported(format!(
-                "{skin_vertices} vertices of skins are more than the engine can count"
+                "{skin_vertices} skin vertices exceed the range of the engine's indices"
             )));
         }
         let no_memory = || Error::OutOfMemory { function: "mjv_makeScene" };
         let buffers =
             (Buffer::zeroed(max_geoms).ok_or_else(no_memory)?, Buffer::zeroed(max_geoms).ok_or_else(no_memory)?);
         let mut raw = Box::<MaybeUninit<mjvScene>>::new(MaybeUninit::uninit());
-        // SAFETY: a place for the structure, which the function fills with zeros.
+        // SAFETY: a valid place for the structure, which the function fills with zeros.
         unsafe { sys::mjv_defaultScene(raw.as_mut_ptr()) };
-        // SAFETY: initialised above; zeros are numbers and null pointers.
+        // SAFETY: initialised above; all-zero bytes are valid numbers and null pointers.
         let raw = unsafe { Box::from_raw(Box::into_raw(raw).cast::<mjvScene>()) };
-        let hulls = Self::hulls_of(model);
-        let mut scene = Self { raw, lineage: model.lineage(), buffers, skin_vertices, hulls };
-        // SAFETY: a model and an empty scene. What it could allocate before an error, the scene's drop frees.
+        let has_convex_hull = model.mesh_graphadr().iter().map(|&address| address >= 0).collect();
+        let mut scene = Self { raw, lineage: model.lineage(), buffers, skin_vertices, has_convex_hull };
+        // SAFETY: a valid model and an empty scene. If the engine raises an error, dropping the scene frees what it allocated.
         let status = unsafe { guard::mjv_make_scene(model.as_ptr(), &raw mut *scene.raw, 0) };
         ffi::check_without_data("mjv_makeScene", status)?;
         let raw = &mut *scene.raw;
         if skin_vertices > 0 {
-            // SAFETY: allocated for three numbers for each vertex. The engine leaves them as they are until skins are updated.
+            // SAFETY: both arrays have three numbers per vertex. The engine leaves them uninitialised until the first update.
             unsafe {
                 ptr::write_bytes(raw.skinvert, 0, 3 * skin_vertices);
                 ptr::write_bytes(raw.skinnormal, 0, 3 * skin_vertices);
@@ -158,141 +144,27 @@ impl Scene {
         Ok(scene)
     }
 
-    /// How many geoms there is room for.
+    /// Returns the capacity: the maximum number of geoms.
     pub fn max_geoms(&self) -> usize {
         ffi::size(self.raw().maxgeom)
     }
 
-    /// Rebuilds the scene: geoms, lights, skins and viewpoints. Geoms that the user added are removed.
-    ///
-    /// `camera` says where it is seen from; a tracking camera moves along. `perturbation` is shown. `categories` is
-    /// [`Categories::all`] for everything.
-    ///
-    /// The quantities must have been computed: positions, and where contacts or constraints are shown everything. Those of the
-    /// state before, as a step leaves them, will do.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::SceneFull`] if there is not enough room for all geoms, or for more than 100 lights. What there is room for is in
-    /// the scene then, and lights, skins and eyes are up to date: a viewer may go on.
-    ///
-    /// [`Error::NotComputed`] as said above, [`Error::OtherModel`] for the data of another model, [`Error::Invalid`] for numbers
-    /// of the camera or of the perturbation that are not finite. The scene is as it was then. None of these poisons the data.
-    ///
-    /// # Panics
-    ///
-    /// If an id of the camera or of the perturbation is of another model.
-    #[doc(alias = "mjv_updateScene")]
-    pub fn update(
-        &mut self,
-        data: &mut Data,
-        options: &SceneOptions,
-        perturbation: Option<&Perturbation>,
-        camera: &mut Camera,
-        categories: Categories,
-    ) -> Result<()> {
-        self.check_data("Scene::update", data, options)?;
-        let perturbation = perturbation.map(|perturbation| perturbation.raw(data.model())).transpose()?;
-        let mut raw_camera = camera.raw(data.model())?;
-        let pert = perturbation.as_ref().map_or(ptr::null(), ptr::from_ref);
-        let (opt, catmask) = (options.raw(), categories.bits() as c_int);
-        let scene = self.raw_mut();
-        let missing = counting(data, "mjv_updateScene", |m, d| {
-            // SAFETY: a model, a data and a scene that go together, ids of the model, and all that is read was computed.
-            unsafe { guard::mjv_update_scene(m, d, &raw const opt, pert, &raw mut raw_camera, catmask, scene) }
-        })?;
-        camera.take(&raw_camera);
-        if missing {
-            return Err(self.geoms_full());
-        }
-        let lights = usize::from(data.model().raw().vis.headlight.active != 0)
-            + data.model().light_active().iter().filter(|&&active| active != 0).count();
-        let room = mjMAXLIGHT as usize;
-        if lights > room { Err(Error::SceneFull { what: "lights", room }) } else { Ok(()) }
-    }
-
-    /// Adds the geoms of a simulation to those that there are, which may be of another state: several poses in one picture. Where
-    /// they are is returned.
-    ///
-    /// # Errors
-    ///
-    /// As for [`update`](Self::update). In a full scene those that there was room for stay.
-    ///
-    /// # Panics
-    ///
-    /// If an id of the perturbation is of another model.
-    ///
-    /// ```
-    /// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
-    /// use mujoco_safe::{Data, sample};
-    ///
-    /// let mut data = Data::new(sample::humanoid())?;
-    /// data.forward()?;
-    /// let mut scene = Scene::new(data.model(), 1000)?;
-    /// let options = SceneOptions::default();
-    /// let mut camera = Camera::free(data.model());
-    /// scene.update(&mut data, &options, None, &mut camera, Categories::all())?;
-    /// for _ in 0..10 {
-    ///     data.step()?;
-    /// }
-    /// let ghost = scene.add(&mut data, &options, None, Categories::DYNAMIC)?;
-    /// for mut geom in scene.geoms_mut().skip(ghost.start) {
-    ///     let [r, g, b, _] = geom.view().rgba();
-    ///     geom.set_rgba([r, g, b, 0.3]);
-    /// }
-    /// # Ok::<(), mujoco_safe::Error>(())
-    /// ```
-    #[doc(alias = "mjv_addGeoms")]
-    pub fn add(
-        &mut self,
-        data: &mut Data,
-        options: &SceneOptions,
-        perturbation: Option<&Perturbation>,
-        categories: Categories,
-    ) -> Result<Range<usize>> {
-        self.check_data("Scene::add", data, options)?;
-        let perturbation = perturbation.map(|perturbation| perturbation.raw(data.model())).transpose()?;
-        let pert = perturbation.as_ref().map_or(ptr::null(), ptr::from_ref);
-        let (opt, catmask) = (options.raw(), categories.bits() as c_int);
-        let start = self.ngeom();
-        let scene = self.raw_mut();
-        let missing = counting(data, "mjv_addGeoms", |m, d| {
-            // SAFETY: as in `update`.
-            unsafe { guard::mjv_add_geoms(m, d, &raw const opt, pert, catmask, scene) }
-        })?;
-        if missing { Err(self.geoms_full()) } else { Ok(start..self.ngeom()) }
-    }
-
-    /// Brings only the lights up to date.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::OtherModel`] for the data of another model.
-    #[doc(alias = "mjv_makeLights")]
-    pub fn update_lights(&mut self, data: &Data) -> Result<()> {
-        self.check_model(data.model(), "the data to show")?;
-        data.check_computed("Scene::update_lights", Stage::Position)?;
-        // SAFETY: a model and a data that go together, which the function only reads. It cannot fail.
-        unsafe { sys::mjv_makeLights(data.model().as_ptr(), data.as_ptr().cast_mut(), self.raw_mut()) };
-        Ok(())
-    }
-
-    /// Takes all geoms out of the scene.
+    /// Removes all geoms.
     pub fn clear(&mut self) {
         self.raw_mut().ngeom = 0;
     }
 
-    /// Which effects a renderer draws.
+    /// Returns the rendering effects that are enabled.
     pub fn render_flags(&self) -> RenderFlags {
         RenderFlags::from_bits_truncate(options::bits(&self.raw().flags))
     }
 
-    /// Sets which effects a renderer draws.
+    /// Enables exactly these rendering effects.
     pub fn set_render_flags(&mut self, flags: RenderFlags) {
         self.raw_mut().flags = options::bytes(flags.bits());
     }
 
-    /// The engine's structure, for calls past this crate. Those must not make or free the scene.
+    /// Returns the engine's structure, for direct calls of the C functions. Those must not create or free the scene.
     #[inline]
     pub fn as_ptr(&self) -> *const mjvScene {
         &raw const *self.raw
@@ -308,7 +180,7 @@ impl Scene {
         &mut self.raw
     }
 
-    /// Which model it is of.
+    /// Returns the identity of the model family that the scene belongs to.
     #[cfg(feature = "renderer")]
     pub(crate) fn lineage(&self) -> Lineage {
         self.lineage
@@ -317,36 +189,13 @@ impl Scene {
     fn check_model(&self, model: &Model, what: &'static str) -> Result<()> {
         if model.lineage() == self.lineage { Ok(()) } else { Err(Error::OtherModel { what }) }
     }
-
-    /// Refuses a data of which the engine would read what is not there.
-    fn check_data(&self, call: &'static str, data: &Data, options: &SceneOptions) -> Result<()> {
-        let model = data.model();
-        self.check_model(model, "the data to show")?;
-        // The engine takes the groups of skins as they are; loading has checked them.
-        data.check_computed(call, if options.shows_contacts() { Stage::Acceleration } else { Stage::Position })
-    }
-
-    #[cold]
-    fn geoms_full(&self) -> Error {
-        Error::SceneFull { what: "geoms", room: self.max_geoms() }
-    }
-}
-
-/// Makes a call that may find the scene full, and returns whether it did. The engine prints the first such warning through a
-/// buffer that all threads share, so the counter is not zero during the call.
-fn counting(
-    data: &mut Data,
-    function: &'static str,
-    call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
-) -> Result<bool> {
-    data.call_mut_with_warning(Warning::VisualGeomFull, function, call)
 }
 
 impl Drop for Scene {
     fn drop(&mut self) {
-        // Ours, not the engine's.
+        // This crate allocated these two arrays, and frees them itself.
         (self.raw.geoms, self.raw.geomorder) = (ptr::null_mut(), ptr::null_mut());
-        // SAFETY: what is left was allocated by the engine, or is NULL; the function only frees it.
+        // SAFETY: every other pointer was allocated by the engine or is NULL, and the function only frees them.
         unsafe { sys::mjv_freeScene(&raw mut *self.raw) };
     }
 }
@@ -361,5 +210,54 @@ impl fmt::Debug for Scene {
             self.raw().nlight,
             self.raw().nskin
         )
+    }
+}
+
+/// Types for which all-zero bytes are a valid value, and which need no drop.
+///
+/// # Safety
+///
+/// Both conditions must hold for the implementing type.
+unsafe trait Plain {}
+
+// SAFETY: a structure of numbers and arrays of numbers.
+unsafe impl Plain for mjvGeom {}
+// SAFETY: an integer.
+unsafe impl Plain for c_int {}
+
+/// Zero-initialised array.
+///
+/// The engine's own allocation comes uninitialised from `malloc`; the engine then writes labels without a terminator into it
+/// and never sets the fields that only its renderer uses. Zeroed pages are committed on first use, so a large capacity is cheap.
+struct Buffer<T: Plain> {
+    start: NonNull<T>,
+    layout: Layout,
+}
+
+impl<T: Plain> Buffer<T> {
+    /// Allocates an array of this length; `None` if memory is exhausted.
+    fn zeroed(length: usize) -> Option<Self> {
+        let layout = Layout::array::<T>(length).ok()?;
+        if layout.size() == 0 {
+            return Some(Self { start: NonNull::dangling(), layout });
+        }
+        // SAFETY: the size of the layout is not zero.
+        let start = unsafe { alloc_zeroed(layout) };
+        Some(Self { start: NonNull::new(start.cast())?, layout })
+    }
+
+    /// Returns the start of the array in the engine's convention: NULL if it is empty.
+    fn as_ptr(&self) -> *mut T {
+        if self.layout.size() == 0 { ptr::null_mut() } else { self.start.as_ptr() }
+    }
+}
+
+impl<T: Plain> Drop for Buffer<T> {
+    fn drop(&mut self) {
+        if self.layout.size() > 0 {
+            // SAFETY: allocated with this layout, and freed only here.
+
+            unsafe { dealloc(self.start.as_ptr().cast(), self.layout) };
+        }
     }
 }

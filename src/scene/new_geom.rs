@@ -1,4 +1,4 @@
-//! Geoms that the user adds.
+//! Geoms that the user adds to a scene.
 
 use std::ffi::{c_char, c_int};
 use std::ptr;
@@ -10,24 +10,23 @@ use crate::enums::engine_enum;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{HeightFieldId, MeshId, TextureId};
-use crate::model::Model;
 
 engine_enum! {
-    /// The shape of something that reaches from one point to another.
+    /// Shape of a geom that connects two points.
     Connector {
-        /// A capsule; its width is its radius.
+        /// Capsule. The width is its radius.
         Capsule = mjGEOM_CAPSULE,
-        /// A cylinder; its width is its radius.
+        /// Cylinder. The width is its radius.
         Cylinder = mjGEOM_CYLINDER,
-        /// An arrow; its width is the radius of its shaft. It is drawn [only half as long](SceneGeomType::Arrow): to reach a point, give
-        /// one that is twice as far.
+        /// Arrow. The width is the radius of its shaft. It is drawn at [half its length](SceneGeomType::Arrow): to reach a point,
+        /// pass a point at twice the distance.
         Arrow = mjGEOM_ARROW,
-        /// An arrow that is no wider at its head. It is drawn only half as long, as [`Arrow`](Self::Arrow).
+        /// Arrow whose head is no wider than its shaft, drawn at half its length as [`Arrow`](Self::Arrow).
         Arrow1 = mjGEOM_ARROW1,
-        /// An arrow with a head at both ends. It is drawn around the *first* point, [half its length to either
+        /// Arrow with two heads. It is centred at the *first* point and extends [half its length to either
         /// side](SceneGeomType::Arrow2).
         Arrow2 = mjGEOM_ARROW2,
-        /// A line, whose width is that of the model's visual settings.
+        /// Line. Its width is that of the model's visual settings.
         Line = mjGEOM_LINE,
     }
 }
@@ -40,7 +39,7 @@ enum Shape {
     HeightField(HeightFieldId),
 }
 
-/// A geom to add to a scene with [`Scene::push`]: a shape, and what it looks like. Grey and opaque unless said otherwise.
+/// Geom to add to a scene with [`Scene::push`]: shape and appearance. Grey and opaque by default.
 ///
 /// ```
 /// use mujoco_safe::scene::{Connector, NewGeom, Scene};
@@ -56,7 +55,7 @@ enum Shape {
 /// ```
 #[derive(Clone, Debug)]
 #[doc(alias = "mjv_initGeom")]
-#[must_use = "it is shown once it is pushed to a scene"]
+#[must_use = "a new geom is shown only after `Scene::push`"]
 pub struct NewGeom {
     shape: Shape,
     pos: [f64; 3],
@@ -92,54 +91,54 @@ impl NewGeom {
         }
     }
 
-    /// A plane through its position, with its normal along z, and these half lengths along x and y, m; 0 for infinite.
+    /// Creates a plane through its position, with normal z and these half lengths along x and y, m; 0 for infinite.
     pub fn plane(half_lengths: [f64; 2]) -> Self {
         Self::new(Shape::Simple(SceneGeomType::Plane, [half_lengths[0], half_lengths[1], 0.0]))
     }
 
-    /// A sphere of this radius, m.
+    /// Creates a sphere of this radius, m.
     pub fn sphere(radius: f64) -> Self {
         Self::new(Shape::Simple(SceneGeomType::Sphere, [radius; 3]))
     }
 
-    /// A capsule along z: its radius and half the length of its cylinder, m.
+    /// Creates a capsule along z from its radius and half the length of its cylindrical part, m.
     pub fn capsule(radius: f64, half_length: f64) -> Self {
         Self::new(Shape::Simple(SceneGeomType::Capsule, [radius, half_length, 0.0]))
     }
 
-    /// An ellipsoid of these radii, m.
+    /// Creates an ellipsoid with these semi-axes, m.
     pub fn ellipsoid(radii: [f64; 3]) -> Self {
         Self::new(Shape::Simple(SceneGeomType::Ellipsoid, radii))
     }
 
-    /// A cylinder along z: its radius and half its length, m.
+    /// Creates a cylinder along z from its radius and half its length, m.
     pub fn cylinder(radius: f64, half_length: f64) -> Self {
         Self::new(Shape::Simple(SceneGeomType::Cylinder, [radius, half_length, 0.0]))
     }
 
-    /// A box of these half lengths, m.
+    /// Creates a box with these half lengths, m.
     #[doc(alias = "box")]
     #[doc(alias = "mjGEOM_BOX")]
     pub fn cuboid(half_lengths: [f64; 3]) -> Self {
         Self::new(Shape::Simple(SceneGeomType::Box, half_lengths))
     }
 
-    /// A mesh of the model.
+    /// Creates an instance of a mesh of the model.
     pub fn mesh(mesh: MeshId) -> Self {
         Self::new(Shape::Mesh { mesh, hull: false })
     }
 
-    /// The convex hull of a mesh of the model; the mesh itself if the compiler has made no hull.
+    /// Creates an instance of the convex hull of a mesh of the model, or of the mesh itself if the compiler built no hull.
     pub fn convex_hull(mesh: MeshId) -> Self {
         Self::new(Shape::Mesh { mesh, hull: true })
     }
 
-    /// A height field of the model.
+    /// Creates an instance of a height field of the model.
     pub fn height_field(field: HeightFieldId) -> Self {
         Self::new(Shape::HeightField(field))
     }
 
-    /// A text without a shape: the name of a place.
+    /// Creates a text label without a shape, for example to name a place.
     ///
     /// # Errors
     ///
@@ -148,60 +147,61 @@ impl NewGeom {
         Self::new(Shape::Simple(SceneGeomType::Label, [0.1; 3])).label(text)
     }
 
-    /// Something that reaches from one point to another, world frame, m. Its position and orientation follow from them.
+    /// Creates a geom that connects two points, m, world frame. They determine its position and orientation.
     #[doc(alias = "mjv_makeConnector")]
     pub fn connector(shape: Connector, width: f64, from: [f64; 3], to: [f64; 3]) -> Self {
         Self::new(Shape::Connector { shape, width, from, to })
     }
 
-    /// Its position, m, world frame. The zero point if it is not said.
+    /// Sets the position, m, world frame. Default: the origin.
     pub fn pos(mut self, pos: [f64; 3]) -> Self {
         self.pos = pos;
         self
     }
 
-    /// Its orientation, world frame: a row-major rotation matrix. That of the world if it is not said.
+    /// Sets the orientation, world frame, as a row-major rotation matrix. Default: the identity.
     pub fn mat(mut self, mat: [f64; 9]) -> Self {
         self.mat = mat;
         self
     }
 
-    /// Red, green, blue and opacity.
+    /// Sets red, green, blue and opacity.
     pub fn rgba(mut self, rgba: [f32; 4]) -> Self {
         self.rgba = rgba;
         self
     }
 
-    /// Emission, specularity, shininess and reflectance. 0, 0.5, 0.5 and 0 if it is not said.
+    /// Sets emission, specular, shininess and reflectance coefficients. Default: 0, 0.5, 0.5 and 0.
     pub fn surface(mut self, emission: f32, specular: f32, shininess: f32, reflectance: f32) -> Self {
         (self.emission, self.specular) = (emission, specular);
         (self.shininess, self.reflectance) = (shininess, reflectance);
         self
     }
 
-    /// A texture of the model, how often it is repeated along x and y, and whether that is meant for each unit of length.
+    /// Sets a texture of the model and its number of repetitions along x and y, per unit of length if `texuniform`, else per
+    /// geom.
     pub fn texture(mut self, texture: TextureId, texrepeat: [f32; 2], texuniform: bool) -> Self {
         (self.texture, self.texrepeat, self.texuniform) = (Some(texture), texrepeat, texuniform);
         self
     }
 
-    /// Its category. Decoration if it is not said.
+    /// Sets the category. Default: decoration.
     pub fn category(mut self, category: Categories) -> Self {
         self.category = category;
         self
     }
 
-    /// Its label.
+    /// Sets the label.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for more than 99 bytes, or a NUL byte among them.
+    /// [`Error::Invalid`] for more than 99 bytes or a NUL byte.
     pub fn label(mut self, text: &str) -> Result<Self> {
         self.label = label(text)?;
         Ok(self)
     }
 
-    /// Refuses what no renderer can show.
+    /// Returns an error if a renderer cannot draw the geom.
     fn check(&self) -> Result<()> {
         let invalid = |what: &str, value: &dyn std::fmt::Debug, expected: &str| {
             Error::invalid(format!("{what} of a new geom"), format!("{value:?}"), expected)
@@ -211,7 +211,7 @@ impl NewGeom {
             Shape::Simple(_, size) => *size,
             Shape::Connector { width, from, to, .. } => {
                 if !(single(from) && single(to)) {
-                    return Err(invalid("an end", &[from, to], "finite in single precision"));
+                    return Err(invalid("an end point", &[from, to], "finite in single precision"));
                 }
                 [*width; 3]
             }
@@ -226,12 +226,12 @@ impl NewGeom {
         let surface = [self.emission, self.specular, self.shininess, self.reflectance];
         let numbers = self.rgba.iter().chain(&surface).chain(&self.texrepeat);
         if numbers.clone().any(|number| !(number.is_finite() && *number >= 0.0)) {
-            return Err(invalid("the look", &numbers.collect::<Vec<_>>(), "finite and not negative"));
+            return Err(invalid("the appearance", &numbers.collect::<Vec<_>>(), "finite and not negative"));
         }
         Ok(())
     }
 
-    /// Panics for an id of another model.
+    /// Panics if an id belongs to another model.
     #[track_caller]
     fn check_ids(&self, scene: &Scene) {
         let of_scene = match self.shape {
@@ -243,9 +243,9 @@ impl NewGeom {
         assert!(of_scene && texture, "a mesh, height field or texture of a new geom belongs to another model");
     }
 
-    /// As the engine keeps it.
+    /// Converts the geom to the engine's structure.
     fn raw(&self, segid: usize) -> Result<mjvGeom> {
-        // SAFETY: numbers, arrays of numbers.
+        // SAFETY: all-zero bytes are a valid structure of numbers and arrays of numbers.
         let mut geom: mjvGeom = unsafe { std::mem::zeroed() };
         let (geom_type, size, dataid) = match self.shape {
             Shape::Simple(geom_type, size) => (geom_type, Some(size), -1),
@@ -255,11 +255,11 @@ impl NewGeom {
         };
         let size = size.as_ref().map_or(ptr::null(), |size| size.as_ptr());
         let (pos, mat, rgba) = (self.pos.as_ptr(), self.mat.as_ptr(), self.rgba.as_ptr());
-        // SAFETY: three numbers or NULL, three, nine and four; the function cannot fail.
+        // SAFETY: three numbers or NULL, then three, nine and four numbers; the function cannot fail.
         unsafe { sys::mjv_initGeom(&raw mut geom, geom_type.raw(), size, pos, mat, rgba) };
         if let Shape::Connector { shape, width, from: [a0, a1, a2], to: [b0, b1, b2] } = self.shape {
             let geom = &raw mut geom;
-            // SAFETY: a geom that was initialised.
+            // SAFETY: the geom was initialised above.
             let status = unsafe { guard::mjv_make_connector(geom, shape.raw(), width, a0, a1, a2, b0, b1, b2) };
             ffi::check_without_data("mjv_makeConnector", status)?;
         }
@@ -276,7 +276,7 @@ impl NewGeom {
     }
 }
 
-/// A label as the engine keeps it.
+/// Converts a label to the engine's fixed-size array.
 pub(super) fn label(text: &str) -> Result<[c_char; 100]> {
     let mut label = [0; 100];
     if text.len() >= label.len() || text.contains('\0') {
@@ -293,16 +293,16 @@ pub(super) fn label(text: &str) -> Result<[c_char; 100]> {
 }
 
 impl Scene {
-    /// Adds a geom, which stays until the next [`update`](Self::update) or [`clear`](Self::clear). Its index, which is its
-    /// [`segid`](super::SceneGeom::segid) too, is returned.
+    /// Adds a geom, which remains until the next [`update`](Self::update) or [`clear`](Self::clear). Returns its index, which is
+    /// also its [`segid`](super::SceneGeom::segid).
     ///
     /// # Errors
     ///
-    /// [`Error::SceneFull`] if there is no room for it, [`Error::Invalid`] for numbers that cannot be shown.
+    /// [`Error::SceneFull`] if the scene is full, [`Error::Invalid`] for numbers that cannot be drawn.
     ///
     /// # Panics
     ///
-    /// If a mesh, a height field or a texture of the geom belongs to another model.
+    /// If a mesh, height field or texture of the geom belongs to another model.
     pub fn push(&mut self, geom: &NewGeom) -> Result<usize> {
         geom.check_ids(self);
         geom.check()?;
@@ -311,22 +311,20 @@ impl Scene {
             return Err(self.geoms_full());
         }
         let mut raw = geom.raw(index)?;
-        self.without_missing_hull(&mut raw);
-        // SAFETY: there is room for one more in the buffer.
+        self.replace_missing_hull(&mut raw);
+        // SAFETY: the index is below the capacity of the buffer.
         unsafe { *self.raw().geoms.add(index) = raw };
         self.raw_mut().ngeom += 1;
         Ok(index)
     }
 
-    /// A mesh for which the compiler has made no convex hull is shown as it is.
-    fn without_missing_hull(&self, geom: &mut mjvGeom) {
-        if geom.type_ == SceneGeomType::Mesh.raw() && geom.dataid % 2 == 1 && !self.hulls[ffi::size(geom.dataid / 2)] {
+    /// Replaces a convex hull that the compiler has not built by the mesh itself.
+    fn replace_missing_hull(&self, geom: &mut mjvGeom) {
+        if geom.type_ == SceneGeomType::Mesh.raw()
+            && geom.dataid % 2 == 1
+            && !self.has_convex_hull[ffi::size(geom.dataid / 2)]
+        {
             geom.dataid -= 1;
         }
-    }
-
-    /// For each mesh whether it has a convex hull.
-    pub(super) fn hulls_of(model: &Model) -> Box<[bool]> {
-        model.mesh_graphadr().iter().map(|&address| address >= 0).collect()
     }
 }

@@ -1,4 +1,4 @@
-//! What is shown, and how.
+//! Options of visualisation: labels, frames, groups, flags and rendering effects.
 
 use bitflags::bitflags;
 use mujoco_sys::{self as sys, mjvOption};
@@ -6,70 +6,70 @@ use mujoco_sys::{self as sys, mjvOption};
 use crate::enums::engine_enum;
 
 engine_enum! {
-    /// What is labelled.
+    /// Kind of element that carries labels.
     #[doc(alias = "mjtLabel")]
     LabelMode {
-        /// Nothing.
+        /// No labels.
         None = mjLABEL_NONE,
         /// Bodies.
         Body = mjLABEL_BODY,
-        /// Joints, where they are shown.
+        /// Joints, if shown.
         Joint = mjLABEL_JOINT,
         /// Geoms.
         Geom = mjLABEL_GEOM,
         /// Sites.
         Site = mjLABEL_SITE,
-        /// Cameras, where they are shown.
+        /// Cameras, if shown.
         Camera = mjLABEL_CAMERA,
-        /// Lights, where they are shown.
+        /// Lights, if shown.
         Light = mjLABEL_LIGHT,
         /// Tendons.
         Tendon = mjLABEL_TENDON,
-        /// Actuators, where they are shown.
+        /// Actuators, if shown.
         Actuator = mjLABEL_ACTUATOR,
-        /// Equality constraints, where they are shown.
+        /// Equality constraints, if shown.
         Constraint = mjLABEL_CONSTRAINT,
         /// Skins.
         Skin = mjLABEL_SKIN,
         /// The selected body.
         Selection = mjLABEL_SELECTION,
-        /// The coordinates of the selected point, where it is shown.
+        /// Coordinates of the selected point, if shown.
         SelectionPoint = mjLABEL_SELPNT,
-        /// The magnitudes of contact forces, where they are shown.
+        /// Magnitudes of contact forces, if shown.
         ContactForce = mjLABEL_CONTACTFORCE,
     }
 }
 
 engine_enum! {
-    /// Of what the frames are shown, as three cylinders: x red, y green, z blue.
+    /// Kind of object whose frames are drawn, as three cylinders: x red, y green, z blue.
     #[doc(alias = "mjtFrame")]
     FrameMode {
-        /// Of nothing.
+        /// No frames.
         None = mjFRAME_NONE,
-        /// Of bodies.
+        /// Bodies.
         Body = mjFRAME_BODY,
-        /// Of geoms.
+        /// Geoms.
         Geom = mjFRAME_GEOM,
-        /// Of sites.
+        /// Sites.
         Site = mjFRAME_SITE,
-        /// Of cameras, where they are shown.
+        /// Cameras, if shown.
         Camera = mjFRAME_CAMERA,
-        /// Of lights, where they are shown.
+        /// Lights, if shown.
         Light = mjFRAME_LIGHT,
-        /// Of contacts.
+        /// Contacts.
         Contact = mjFRAME_CONTACT,
-        /// Of the world.
+        /// World.
         World = mjFRAME_WORLD,
     }
 }
 
 bitflags! {
-    /// Which parts of a model and its simulation are shown.
+    /// Visible parts of a model and its simulation.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
     #[doc(alias = "mjtVisFlag")]
     pub struct VisualFlags: u32 {
-        /// The convex hulls of meshes in place of the meshes.
+        /// Convex hulls instead of the meshes.
         const CONVEXHULL = 1 << sys::mjVIS_CONVEXHULL;
         /// Textures.
         const TEXTURE = 1 << sys::mjVIS_TEXTURE;
@@ -79,23 +79,23 @@ bitflags! {
         const CAMERA = 1 << sys::mjVIS_CAMERA;
         /// Actuators.
         const ACTUATOR = 1 << sys::mjVIS_ACTUATOR;
-        /// Activations in place of controls, in the shades of actuators.
+        /// Activations instead of controls, in the colours of actuators.
         const ACTIVATION = 1 << sys::mjVIS_ACTIVATION;
         /// Lights.
         const LIGHT = 1 << sys::mjVIS_LIGHT;
         /// Spatial tendons.
         const TENDON = 1 << sys::mjVIS_TENDON;
-        /// The rays of rangefinders.
+        /// Rays of rangefinders.
         const RANGEFINDER = 1 << sys::mjVIS_RANGEFINDER;
-        /// The points of equality constraints.
+        /// Anchor points of equality constraints.
         const CONSTRAINT = 1 << sys::mjVIS_CONSTRAINT;
-        /// Boxes with the inertia of the bodies.
+        /// Equivalent inertia boxes of the bodies.
         const INERTIA = 1 << sys::mjVIS_INERTIA;
-        /// Those boxes, in the size that they have at the density of water.
+        /// Inertia boxes scaled to the density of water.
         const SCLINERTIA = 1 << sys::mjVIS_SCLINERTIA;
         /// Applied forces.
         const PERTFORCE = 1 << sys::mjVIS_PERTFORCE;
-        /// Where a perturbation pulls to.
+        /// Target of a perturbation.
         const PERTOBJ = 1 << sys::mjVIS_PERTOBJ;
         /// Contact points.
         const CONTACTPOINT = 1 << sys::mjVIS_CONTACTPOINT;
@@ -103,15 +103,15 @@ bitflags! {
         const CONTACTFORCE = 1 << sys::mjVIS_CONTACTFORCE;
         /// Contact forces split into normal and friction.
         const CONTACTSPLIT = 1 << sys::mjVIS_CONTACTSPLIT;
-        /// Geoms of moving bodies are more transparent.
+        /// Higher transparency for the geoms of moving bodies.
         const TRANSPARENT = 1 << sys::mjVIS_TRANSPARENT;
         /// Lines from bodies to their joints and parents.
         const AUTOCONNECT = 1 << sys::mjVIS_AUTOCONNECT;
-        /// Centres of mass of whole kinematic trees.
+        /// Centres of mass of kinematic trees.
         const COM = 1 << sys::mjVIS_COM;
-        /// The selected point.
+        /// Selected point.
         const SELECT = 1 << sys::mjVIS_SELECT;
-        /// What does not move.
+        /// Static geoms and sites.
         const STATIC = 1 << sys::mjVIS_STATIC;
         /// Skins.
         const SKIN = 1 << sys::mjVIS_SKIN;
@@ -119,52 +119,52 @@ bitflags! {
 }
 
 bitflags! {
-    /// Which effects a renderer draws. The engine keeps them in the scene.
+    /// Rendering effects. The engine stores them in the scene.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
     #[doc(alias = "mjtRndFlag")]
     pub struct RenderFlags: u32 {
         /// Shadows.
         const SHADOW = 1 << sys::mjRND_SHADOW;
-        /// Edges only.
+        /// Wireframe.
         const WIREFRAME = 1 << sys::mjRND_WIREFRAME;
         /// Reflections.
         const REFLECTION = 1 << sys::mjRND_REFLECTION;
-        /// What is transparent adds its light.
+        /// Additive blending of transparent geoms.
         const ADDITIVE = 1 << sys::mjRND_ADDITIVE;
-        /// The sky.
+        /// Skybox.
         const SKYBOX = 1 << sys::mjRND_SKYBOX;
         /// Fog.
         const FOG = 1 << sys::mjRND_FOG;
         /// Haze at the horizon of infinite planes.
         const HAZE = 1 << sys::mjRND_HAZE;
-        /// Each geom in a random flat shade.
+        /// A random flat colour for each geom.
         const SEGMENT = 1 << sys::mjRND_SEGMENT;
-        /// With [`SEGMENT`](Self::SEGMENT): the shade is the geom's [`segid`](super::SceneGeom::segid) and 1.
+        /// With [`SEGMENT`](Self::SEGMENT): the colour encodes the geom's [`segid`](super::SceneGeom::segid) plus 1.
         const IDCOLOR = 1 << sys::mjRND_IDCOLOR;
-        /// Faces are seen from outside only.
+        /// Back-face culling.
         const CULL_FACE = 1 << sys::mjRND_CULL_FACE;
     }
 }
 
 bitflags! {
-    /// Categories of geoms in a scene.
+    /// Categories of geoms in a scene, as a bit mask.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     #[doc(alias = "mjtCatBit")]
     pub struct Categories: u32 {
-        /// Geoms and sites that do not move.
+        /// Geoms and sites of the world and of bodies fixed to it.
         const STATIC = sys::mjCAT_STATIC;
-        /// Geoms and sites of bodies that move, tendons, skins.
+        /// Geoms and sites of moving bodies, tendons, skins.
         const DYNAMIC = sys::mjCAT_DYNAMIC;
-        /// Everything that is no part of the model: frames, contacts, joints, …
+        /// Decoration that is not part of the model: frames, contacts, joints, …
         const DECOR = sys::mjCAT_DECOR;
     }
 }
 
-/// What of a simulation a [`Scene`](super::Scene) shows.
+/// Options of visualisation for a [`Scene`](super::Scene).
 ///
-/// Elements are shown by group: `geomgroup[2]` is whether geoms of group 2 are. As in the engine a group below 0 counts as 0,
-/// and one beyond 5 as 5.
+/// Groups control the visibility of elements: `geomgroup[2]` shows or hides geoms of group 2. As in the engine, groups below 0
+/// count as 0 and groups above 5 as 5.
 ///
 /// ```
 /// use mujoco_safe::scene::{FrameMode, SceneOptions, VisualFlags};
@@ -179,29 +179,29 @@ bitflags! {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[doc(alias = "mjvOption")]
 pub struct SceneOptions {
-    /// What is labelled.
+    /// Labelled kind of element.
     pub label: LabelMode,
-    /// Of what frames are shown.
+    /// Kind of object whose frames are drawn.
     pub frame: FrameMode,
-    /// Groups of geoms.
+    /// Visibility of each group of geoms.
     pub geomgroup: [bool; 6],
-    /// Groups of sites.
+    /// Visibility of each group of sites.
     pub sitegroup: [bool; 6],
-    /// Groups of joints.
+    /// Visibility of each group of joints.
     pub jointgroup: [bool; 6],
-    /// Groups of tendons.
+    /// Visibility of each group of tendons.
     pub tendongroup: [bool; 6],
-    /// Groups of actuators.
+    /// Visibility of each group of actuators.
     pub actuatorgroup: [bool; 6],
-    /// Groups of skins. A skin of a group that is not shown has a geom in the scene all the same; its vertices are all zero.
+    /// Visibility of each group of skins. A hidden skin still has a geom in the scene, with all vertices at zero.
     pub skingroup: [bool; 6],
-    /// Which parts are shown.
+    /// Visible parts.
     pub flags: VisualFlags,
 }
 
 impl Default for SceneOptions {
-    /// As in the engine: groups 0 to 2, no labels, no frames; textures, tendons, rangefinders, the object of a perturbation, what
-    /// does not move, skins.
+    /// Returns the engine's defaults: groups 0 to 2, no labels, no frames; textures, tendons, rangefinders, the target of a
+    /// perturbation, static geoms, skins.
     #[doc(alias = "mjv_defaultOption")]
     fn default() -> Self {
         let group = [true, true, true, false, false, false];
@@ -240,7 +240,7 @@ impl SceneOptions {
         }
     }
 
-    /// Whether something of the contacts is shown, for which the engine reads their forces.
+    /// Returns `true` if the options show contacts or constraints, for which the engine reads their forces.
     pub(crate) fn shows_contacts(&self) -> bool {
         const FLAGS: VisualFlags =
             VisualFlags::CONTACTPOINT.union(VisualFlags::CONTACTFORCE).union(VisualFlags::CONSTRAINT);
@@ -248,12 +248,12 @@ impl SceneOptions {
     }
 }
 
-/// Bits as the engine keeps them: a byte each.
+/// Expands bits to the engine's representation of one byte each.
 pub(super) fn bytes<const N: usize>(bits: u32) -> [u8; N] {
     std::array::from_fn(|bit| u8::from((bits >> bit) & 1 == 1))
 }
 
-/// And back.
+/// Packs bytes into bits, the inverse of [`bytes`].
 pub(super) fn bits(bytes: &[u8]) -> u32 {
     bytes.iter().enumerate().fold(0, |bits, (bit, &byte)| bits | (u32::from(byte != 0) << bit))
 }

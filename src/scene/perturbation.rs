@@ -1,4 +1,4 @@
-//! The perturbation: a body that is pulled by a spring, as with a mouse.
+//! Perturbation: a selected body pulled by a virtual spring, usually with the mouse.
 
 use std::ffi::c_int;
 
@@ -14,18 +14,18 @@ use crate::math::rot_vec_mat_t;
 use crate::model::Model;
 
 bitflags! {
-    /// What a perturbation does.
+    /// Active parts of a perturbation.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     #[doc(alias = "mjtPertBit")]
     pub struct PerturbationFlags: u32 {
-        /// It pulls the body to a position.
+        /// Pulls the body to a position.
         const TRANSLATE = sys::mjPERT_TRANSLATE;
-        /// It turns the body to an orientation.
+        /// Rotates the body to an orientation.
         const ROTATE = sys::mjPERT_ROTATE;
     }
 }
 
-/// What was added to the applied forces of a body.
+/// Force that was added to `xfrc_applied` of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Applied {
     body: BodyId,
@@ -33,11 +33,11 @@ struct Applied {
     after: [f64; 6],
 }
 
-/// A body that is selected, and maybe pulled or turned by a critically damped spring.
+/// Selected body, optionally pulled or rotated by a critically damped spring.
 ///
-/// In a loop: [`select`](Self::select) what was clicked on, [`init`](Self::init) when the drag begins and set `active`,
-/// [`move_by`](Self::move_by) as the mouse moves, [`apply_pose`](Self::apply_pose) and [`apply_force`](Self::apply_force) before
-/// each step, and clear `active` when the drag ends.
+/// In an interactive loop, [`select`](Self::select) the clicked body. When a drag starts, call [`init`](Self::init) and set
+/// `active`. Call [`move_by`](Self::move_by) for each mouse motion, and [`apply_pose`](Self::apply_pose) and
+/// [`apply_force`](Self::apply_force) before each step. Clear `active` when the drag ends.
 ///
 /// ```
 /// use mujoco_safe::scene::{Perturbation, PerturbationFlags};
@@ -63,27 +63,27 @@ struct Applied {
 #[derive(Clone, Debug, PartialEq)]
 #[doc(alias = "mjvPerturb")]
 pub struct Perturbation {
-    /// The selected body. Only one that is not the world is shown as selected, pulled or turned.
+    /// Selected body. The world body is never highlighted, pulled or rotated.
     pub select: Option<BodyId>,
-    /// The selected skin.
+    /// Selected skin.
     pub skinselect: Option<SkinId>,
-    /// What the perturbation does.
+    /// Active parts of the perturbation.
     pub active: PerturbationFlags,
-    /// What that of a second user does to the same body.
+    /// Active parts of a second user's perturbation of the same body.
     pub active2: PerturbationFlags,
-    /// The position that the body's centre of mass is pulled to, m, world frame.
+    /// Target position of the body's centre of mass, m, world frame.
     pub refpos: [f64; 3],
-    /// The orientation that the body's inertial frame is turned to, `[w, x, y, z]`, world frame.
+    /// Target orientation of the body's inertial frame, `[w, x, y, z]`, world frame.
     pub refquat: [f64; 4],
-    /// The selected point, m, in the body's frame.
+    /// Selected point, m, body frame.
     pub localpos: [f64; 3],
-    /// By how much the position moves with the mouse, m for one height of the window. Set by [`init`](Self::init).
+    /// Displacement for a mouse motion of one window height, m. Set by [`init`](Self::init).
     pub scale: f64,
     applied: Option<Applied>,
 }
 
 impl Default for Perturbation {
-    /// Nothing is selected.
+    /// Returns a perturbation without a selection.
     #[doc(alias = "mjv_defaultPerturb")]
     fn default() -> Self {
         Self {
@@ -101,15 +101,15 @@ impl Default for Perturbation {
 }
 
 impl Perturbation {
-    /// Selects what was found at a place of the window: its body, its skin and the point.
+    /// Selects the body, the skin and the point of a [`Selection`], and deactivates the perturbation.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed.
+    /// [`Error::NotComputed`] if positions have not been computed.
     ///
     /// # Panics
     ///
-    /// If the selection is of another model.
+    /// If the selection belongs to another model.
     pub fn select(&mut self, data: &Data, selection: &Selection) -> Result<()> {
         data.model().check_id(selection.body);
         data.check_computed("Perturbation::select", Stage::Position)?;
@@ -123,44 +123,45 @@ impl Perturbation {
         Ok(())
     }
 
-    /// Selects nothing, and stops.
+    /// Clears the selection and deactivates the perturbation.
     pub fn unselect(&mut self) {
         (self.select, self.skinselect) = (None, None);
         self.stop();
     }
 
-    /// Neither pulls nor turns any more. What [`apply_force`](Self::apply_force) has added stays until its next call, or until
+    /// Deactivates the perturbation. A force added by [`apply_force`](Self::apply_force) persists until its next call, or until
     /// [`remove_force`](Self::remove_force).
     pub fn stop(&mut self) {
         (self.active, self.active2) = (PerturbationFlags::empty(), PerturbationFlags::empty());
     }
 
-    /// Begins where the selected body is, at the scale of the scene's camera. Nothing if no body is selected, or the world.
+    /// Sets the target to the pose of the selected body, and the scale from the scene's camera. Has no effect without a
+    /// selection, or for the world body.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for the scene of another model, [`Error::NotComputed`] before poses were computed,
-    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] for numbers that are not finite. The data stays
+    /// [`Error::OtherModel`] for a scene of another model, [`Error::NotComputed`] if positions have not been computed,
+    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] if a number is not finite. The data stays
     /// usable.
     ///
     /// # Panics
     ///
-    /// If the selected body or skin is of another model than the data.
+    /// If the selected body or skin belongs to another model than the data.
     #[doc(alias = "mjv_initPerturb")]
     pub fn init(&mut self, data: &Data, scene: &Scene) -> Result<()> {
         let model = data.model();
-        scene.check_model(model, "the scene that a perturbation begins in")?;
+        scene.check_model(model, "the scene of a perturbation")?;
         let mut raw = self.raw(model)?;
         data.check_computed("Perturbation::init", Stage::Position)?;
         data.call("mjv_initPerturb", |m, d| {
-            // SAFETY: a model, a data and a scene that go together, poses that were computed, and a body of the model.
+            // SAFETY: the model, the data and the scene belong together, the positions were computed, and the body is valid.
             unsafe { guard::mjv_init_perturb(m, d, scene.as_ptr(), &raw mut raw) }
         })?;
         self.take(&raw)
     }
 
-    /// Moves where it pulls or turns to, as a mouse does: by `[dx, dy]`, in heights of the window. An orientation stays within a
-    /// quarter turn of the body's. [`Zoom`](MouseAction::Zoom) does nothing.
+    /// Moves the target in response to a mouse motion `[dx, dy]`, as fractions of the window height. The target orientation stays
+    /// within 90° of the body's. [`Zoom`](MouseAction::Zoom) has no effect.
     ///
     /// # Errors
     ///
@@ -172,53 +173,53 @@ impl Perturbation {
     #[doc(alias = "mjv_movePerturb")]
     pub fn move_by(&mut self, data: &Data, scene: &Scene, action: MouseAction, [dx, dy]: [f64; 2]) -> Result<()> {
         let model = data.model();
-        scene.check_model(model, "the scene that a perturbation moves in")?;
+        scene.check_model(model, "the scene of a perturbation")?;
         let mut raw = self.raw(model)?;
         data.check_computed("Perturbation::move_by", Stage::Position)?;
         check_motion([dx, dy])?;
         if action == MouseAction::Zoom {
-            // The engine would turn a vector that it has not set.
+            // For this action the engine would rotate an uninitialised vector.
             return Ok(());
         }
         data.call("mjv_movePerturb", |m, d| {
-            // SAFETY: as in `init`, and an action of the engine's; without a selection the engine reads the world body.
+            // SAFETY: as in `init`, with a valid action; without a selection the engine reads the world body.
             unsafe { guard::mjv_move_perturb(m, d, action.raw(), dx, dy, scene.as_ptr(), &raw mut raw) }
         })?;
         self.take(&raw)
     }
 
-    /// Puts the selected body where the perturbation is: the mocap pose of a mocap body at any time, and where `paused` the
-    /// position of a body that floats freely, or of the tree that it belongs to if its root does. Nothing for others, or if
-    /// nothing is [`active`](Self::active). Call [`Data::forward`] afterwards.
+    /// Moves the selected body to the target pose. For a mocap body this sets the mocap pose. While `paused`, it also
+    /// moves a free body, or the kinematic tree that contains the body if the root of the tree has a free joint. Has no
+    /// effect on other bodies, or if [`active`](Self::active) is empty. Call [`Data::forward`] afterwards.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for numbers that are not finite.
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Invalid`] if a number is not finite.
     ///
     /// # Panics
     ///
-    /// If the selected body or skin is of another model.
+    /// If the selected body or skin belongs to another model.
     #[doc(alias = "mjv_applyPerturbPose")]
     pub fn apply_pose(&self, data: &mut Data, paused: bool) -> Result<()> {
         let raw = self.raw(data.model())?;
         data.check_computed("Perturbation::apply_pose", Stage::Position)?;
         data.call_mut("mjv_applyPerturbPose", |m, d| {
-            // SAFETY: a model and a data that go together, poses that were computed, a body of the model.
+            // SAFETY: the model and the data belong together, the positions were computed, and the body is valid.
             unsafe { guard::mjv_apply_perturb_pose(m, d, &raw const raw, paused.into()) }
         })
     }
 
-    /// The force and torque with which it pulls and turns the selected body, as in
-    /// [`xfrc_applied`](Data::xfrc_applied): N and N m, world frame, at the body's centre of mass. Zero if nothing is
-    /// [`active`](Self::active), no body is selected, or the world.
+    /// Computes the force and torque of the spring on the selected body, as in [`xfrc_applied`](Data::xfrc_applied): N and N·m,
+    /// world frame, at the body's centre of mass. Zero if [`active`](Self::active) is empty, without a selection, or for the
+    /// world body.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before velocities were computed, [`Error::Invalid`] for numbers that are not finite.
+    /// [`Error::NotComputed`] if velocities have not been computed, [`Error::Invalid`] if a number is not finite.
     ///
     /// # Panics
     ///
-    /// If the selected body or skin is of another model.
+    /// If the selected body or skin belongs to another model.
     pub fn force(&self, data: &mut Data) -> Result<[f64; 6]> {
         let raw = self.raw(data.model())?;
         data.check_computed("Perturbation::force", Stage::Velocity)?;
@@ -226,19 +227,19 @@ impl Perturbation {
         if (self.active | self.active2).is_empty() {
             return Ok([0.0; 6]);
         }
-        // The engine writes over what was applied.
+        // The engine overwrites the applied force.
         let before = data.xfrc_applied()[body];
         let result = data.call_mut("mjv_applyPerturbForce", |m, d| {
-            // SAFETY: a model and a data that go together, velocities that were computed, a body of the model.
+            // SAFETY: the model and the data belong together, the velocities were computed, and the body is valid.
             unsafe { guard::mjv_apply_perturb_force(m, d, &raw const raw) }
         });
         let force = std::mem::replace(&mut data.xfrc_applied_mut()[body], before);
         result.map(|()| force)
     }
 
-    /// Adds its [`force`](Self::force) to the applied forces of the selected body. What an earlier call added is taken away
-    /// before, so it may be called before each step, and forces that the program applies stay what they are. (The engine would
-    /// write over them.)
+    /// Adds the [`force`](Self::force) to the applied force of the selected body, after removing the force that an earlier call
+    /// added. It can therefore be called before each step, and preserves forces that the program applies. (The engine's function
+    /// overwrites them.)
     ///
     /// # Errors
     ///
@@ -259,8 +260,8 @@ impl Perturbation {
         Ok(())
     }
 
-    /// Takes away what [`apply_force`](Self::apply_force) has added, unless the program has set the applied force of that body
-    /// since.
+    /// Removes the force that [`apply_force`](Self::apply_force) added, unless the program has since set the applied force of
+    /// that body.
     pub fn remove_force(&mut self, data: &mut Data) {
         let Some(Applied { body, before, after }) = self.applied.take() else { return };
         if body.lineage() == data.model().lineage() {
@@ -271,7 +272,7 @@ impl Perturbation {
         }
     }
 
-    /// As the engine keeps it.
+    /// Converts the perturbation to the engine's structure.
     #[track_caller]
     pub(super) fn raw(&self, model: &Model) -> Result<mjvPerturb> {
         let select = self.select.map_or(0, |body| {
@@ -288,7 +289,8 @@ impl Perturbation {
         Ok(mjvPerturb { select, skinselect, active, active2, refpos, refquat, localpos, scale })
     }
 
-    /// Takes over what the engine changed, if it can be used.
+    /// Copies the fields that the engine changed, if they are finite.
+
     fn take(&mut self, raw: &mjvPerturb) -> Result<()> {
         let &mjvPerturb { refpos, refquat, scale, .. } = raw;
         let moved = Self { refpos, refquat, scale, ..self.clone() };

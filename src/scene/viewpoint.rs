@@ -1,4 +1,4 @@
-//! The eyes of a scene, and the room that it stands in.
+//! Viewpoints of a scene, and the transform between model space and room space.
 
 use mujoco_sys::{self as sys, guard, mjvGLCamera};
 
@@ -8,25 +8,25 @@ use crate::error::{Error, Result};
 use crate::ffi;
 use crate::model::Model;
 
-/// One eye: a pose and a frustum, in single precision.
+/// Viewpoint of one eye: pose and frustum, in single precision.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[doc(alias = "mjvGLCamera")]
 pub struct Viewpoint {
     /// Position, m.
     pub pos: [f32; 3],
-    /// The direction in which it looks.
+    /// Viewing direction.
     pub forward: [f32; 3],
-    /// The direction that is up in the picture.
+    /// Upward direction of the image.
     pub up: [f32; 3],
-    /// The middle of the frustum's near side, right of `forward`, m. Its width follows from its height and the window.
+    /// Centre of the near plane, m to the right of `forward`. The width follows from the height and the aspect ratio.
     pub frustum_center: f32,
-    /// The lower edge of the near side, m.
+    /// Lower edge of the near plane, m.
     pub frustum_bottom: f32,
-    /// Its upper edge, m.
+    /// Upper edge of the near plane, m.
     pub frustum_top: f32,
-    /// The distance of the near side, m.
+    /// Distance of the near plane, m.
     pub frustum_near: f32,
-    /// The distance of the far side, m.
+    /// Distance of the far plane, m.
     pub frustum_far: f32,
 }
 
@@ -49,48 +49,48 @@ impl Viewpoint {
     }
 }
 
-/// The head that has the two eyes, in double precision.
+/// Pose of the head midway between the two eyes, in double precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Head {
     /// Position, m.
     pub pos: [f64; 3],
-    /// The direction in which it looks.
+    /// Viewing direction.
     pub forward: [f64; 3],
-    /// The direction that is up.
+    /// Upward direction.
     pub up: [f64; 3],
 }
 
-/// How a model stands in the room of the viewer: for virtual reality. First it is turned, then shifted, then scaled.
+/// Transform from model space to room space, for virtual reality. The model is rotated, then translated, then scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// The shift, m.
+    /// Translation, m.
     pub translate: [f32; 3],
-    /// The turn, `[w, x, y, z]`.
+    /// Rotation, `[w, x, y, z]`.
     pub rotate: [f32; 4],
-    /// The scale.
+    /// Scale factor.
     pub scale: f32,
 }
 
 impl Scene {
-    /// The left and the right eye. They are the same for a camera whose distance of the eyes is zero, and zero before the first
-    /// update.
+    /// Returns the viewpoints of the left and the right eye. They are equal if the camera has no interpupillary distance, and
+    /// zero before the first update.
     pub fn viewpoints(&self) -> [Viewpoint; 2] {
         [0, 1].map(|eye| Viewpoint::new(&self.raw().camera[eye]))
     }
 
-    /// The middle between the eyes: what a picture with one eye is drawn from.
+    /// Returns the average of both viewpoints, from which a monoscopic image is rendered.
     #[doc(alias = "mjv_averageCamera")]
     pub fn viewpoint(&self) -> Viewpoint {
         let [left, right] = &self.raw().camera;
-        // SAFETY: two valid structures, of which it makes a third.
+        // SAFETY: two valid structures; the function returns their average by value.
         Viewpoint::new(&unsafe { sys::mjv_averageCamera(left, right) })
     }
 
-    /// Sets the eyes, which an update with [`CameraView::User`](super::CameraView::User) leaves as they are.
+    /// Sets the viewpoints. An update with [`CameraView::User`](super::CameraView::User) keeps them.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless the numbers are finite, the near side is before the eye and the far side behind it.
+    /// [`Error::Invalid`] unless all numbers are finite, 0 < near < far, and bottom < top.
     pub fn set_viewpoints(&mut self, viewpoints: [Viewpoint; 2]) -> Result<()> {
         for viewpoint in &viewpoints {
             let ordered = viewpoint.frustum_near > 0.0 && viewpoint.frustum_far > viewpoint.frustum_near;
@@ -106,7 +106,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The height of the frustum at a distance of 1, the mean over the eyes.
+    /// Returns the height of the frustum at unit distance, averaged over the eyes.
     ///
     /// # Errors
     ///
@@ -114,13 +114,13 @@ impl Scene {
     #[doc(alias = "mjv_frustumHeight")]
     pub fn frustum_height(&self) -> Result<f64> {
         let mut height = 0.0;
-        // SAFETY: a scene, and a place for the result.
+        // SAFETY: a valid scene, and a valid place for the result.
         let status = unsafe { guard::mjv_frustum_height(self.as_ptr(), &raw mut height) };
         ffi::check_without_data("mjv_frustumHeight", status)?;
         Ok(height)
     }
 
-    /// The middle between the eyes in the model's frame.
+    /// Returns the pose of the head in model space.
     ///
     /// # Errors
     ///
@@ -130,8 +130,7 @@ impl Scene {
         self.head("mjv_cameraInModel", guard::mjv_camera_in_model)
     }
 
-    /// The middle between the eyes in the frame of the room, which is the model's unless there is a
-    /// [`transform`](Self::transform).
+    /// Returns the pose of the head in room space, which equals model space without a [`transform`](Self::transform).
     ///
     /// # Errors
     ///
@@ -148,23 +147,23 @@ impl Scene {
     ) -> Result<Head> {
         let mut head = Head { pos: [0.0; 3], forward: [0.0; 3], up: [0.0; 3] };
         let (pos, forward, up) = (head.pos.as_mut_ptr(), head.forward.as_mut_ptr(), head.up.as_mut_ptr());
-        // SAFETY: one of the two functions above, with three places for three numbers.
+        // SAFETY: one of the two functions above, with three arrays of three numbers.
         ffi::check_without_data(function, unsafe { call(pos, forward, up, self.as_ptr()) })?;
         Ok(head)
     }
 
-    /// How the model stands in the room; `None` for as it is.
+    /// Returns the transform from model space to room space, if one is set.
     pub fn transform(&self) -> Option<Transform> {
         let &sys::mjvScene { enabletransform, translate, rotate, scale, .. } = self.raw();
         (enabletransform != 0).then_some(Transform { translate, rotate, scale })
     }
 
-    /// Sets how the model stands in the room. An update takes it away, unless its camera is
+    /// Sets the transform from model space to room space. An update removes it, unless its camera is
     /// [`CameraView::User`](super::CameraView::User).
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless the numbers are finite, the quaternion is not zero and the scale is from 0.01 to 100.
+    /// [`Error::Invalid`] unless all numbers are finite, the quaternion is not zero and the scale is in 0.01 to 100.
     #[doc(alias = "enabletransform")]
     pub fn set_transform(&mut self, transform: Option<Transform>) -> Result<()> {
         let Some(Transform { translate, rotate, scale }) = transform else {
@@ -184,13 +183,13 @@ impl Scene {
         Ok(())
     }
 
-    /// Moves the model in the room as a mouse does: by `[dx, dy]`, in heights of the window. Nothing without a
-    /// [`transform`](Self::transform). `roomup` is what is up in the room.
+    /// Moves the model in room space in response to a mouse motion `[dx, dy]`, as fractions of the window height. Has no
+    /// effect without a [`transform`](Self::transform). `roomup` is the upward direction of the room.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for another model, [`Error::Invalid`] for numbers that are not finite or would make the transform
-    /// so, [`Error::Engine`] for a scene with a transform before its first update.
+    /// [`Error::OtherModel`] for another model, [`Error::Invalid`] if a number is not finite or the moved transform would be
+    /// invalid, [`Error::Engine`] for a scene with a transform before its first update.
     #[doc(alias = "mjv_moveModel")]
     pub fn move_model(
         &mut self,
@@ -202,7 +201,7 @@ impl Scene {
         self.check_model(model, "the model to move")?;
         check_motion([dx, dy])?;
         let before = self.transform();
-        // SAFETY: an action that there is, three numbers, a scene of the model's lineage.
+        // SAFETY: a valid action, three numbers, and a model that the scene belongs to.
         let status =
             unsafe { guard::mjv_move_model(model.as_ptr(), action.raw(), dx, dy, roomup.as_ptr(), self.raw_mut()) };
         ffi::check_without_data("mjv_moveModel", status)?;
@@ -214,21 +213,21 @@ impl Scene {
         Ok(())
     }
 
-    /// A pose of the room in the model's frame: position, and orientation `[w, x, y, z]`.
+    /// Converts a pose from room space to model space: position, m, and orientation `[w, x, y, z]`.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) rules out.
+    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) prevents.
     #[doc(alias = "mjv_room2model")]
     pub fn room_to_model(&self, pos: [f64; 3], quat: [f64; 4]) -> Result<([f64; 3], [f64; 4])> {
         self.convert("mjv_room2model", guard::mjv_room2model, pos, quat)
     }
 
-    /// A pose of the model in the frame of the room: position, and orientation `[w, x, y, z]`.
+    /// Converts a pose from model space to room space: position, m, and orientation `[w, x, y, z]`.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) rules out.
+    /// [`Error::Engine`] if the scale is too small, which [`set_transform`](Self::set_transform) prevents.
     #[doc(alias = "mjv_model2room")]
     pub fn model_to_room(&self, pos: [f64; 3], quat: [f64; 4]) -> Result<([f64; 3], [f64; 4])> {
         self.convert("mjv_model2room", guard::mjv_model2room, pos, quat)
@@ -243,14 +242,14 @@ impl Scene {
     ) -> Result<([f64; 3], [f64; 4])> {
         let (mut to_pos, mut to_quat) = ([0.0; 3], [0.0; 4]);
         let (from, to) = ((pos.as_ptr(), quat.as_ptr()), (to_pos.as_mut_ptr(), to_quat.as_mut_ptr()));
-        // SAFETY: one of the two functions above, with three and four numbers, and as many places.
+        // SAFETY: one of the two functions above, with arrays of three and four numbers for inputs and outputs.
         ffi::check_without_data(function, unsafe { call(to.0, to.1, from.0, from.1, self.as_ptr()) })?;
         Ok((to_pos, to_quat))
     }
 }
 
-/// A vector turned about z by the angle between y and the horizontal part of `forward`: what is ahead of a mouse in what is ahead
-/// of a camera.
+/// Rotates a vector about z by the angle from y to the horizontal component of `forward`. This maps the forward direction of a
+/// mouse to that of the camera.
 ///
 /// ```
 /// use mujoco_safe::scene::align_to_camera;
@@ -261,7 +260,7 @@ impl Scene {
 #[doc(alias = "mjv_alignToCamera")]
 pub fn align_to_camera(vec: [f64; 3], forward: [f64; 3]) -> [f64; 3] {
     let mut res = [0.0; 3];
-    // SAFETY: three numbers each; the function cannot fail.
+    // SAFETY: arrays of three numbers; the function cannot fail.
     unsafe { sys::mjv_alignToCamera(res.as_mut_ptr(), vec.as_ptr(), forward.as_ptr()) };
     res
 }

@@ -1,4 +1,4 @@
-//! Trajectories as text: a header line, and a line for each record.
+//! Trajectories as CSV: a header line and one line per record.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -9,11 +9,11 @@ use crate::file;
 use crate::model::Model;
 
 impl Trajectory {
-    /// Writes the records as text with a header line. Reading them back gives the same numbers, bit for bit.
+    /// Writes the records as CSV with a header line. Reading the file restores every number bit for bit.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be written; one that was there before is as it was.
+    /// [`Error::File`] if the file cannot be written; an existing file is then unchanged.
     pub fn save_csv(&self, path: impl AsRef<Path>) -> Result<()> {
         file::replace(path.as_ref(), |out| self.write_csv(out))
     }
@@ -26,7 +26,7 @@ impl Trajectory {
         for record in 0..self.len() {
             write!(out, "{}", self.times[record])?;
             for value in self.state(record).iter().chain(self.ctrl(record)) {
-                // Rust prints the shortest digits that read back as the same number.
+                // `Display` prints the shortest decimal that parses to the same number.
                 write!(out, ",{value}")?;
             }
             writeln!(out)?;
@@ -34,12 +34,12 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Reads what [`save_csv`](Self::save_csv) wrote, for simulations of this model.
+    /// Reads a file written by [`save_csv`](Self::save_csv), for simulations of this model.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, is a pipe or a device, is of a model of other sizes, or has something other than numbers in it;
-    /// the text names the line.
+    /// [`Error::File`] if the file cannot be read, is a pipe or a device, belongs to a model with other sizes, or contains
+    /// a cell that is not a number. The message contains the line number.
     pub fn load_csv(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::read_csv(model, path).map_err(Error::file(path))
@@ -55,7 +55,7 @@ impl Trajectory {
         if header.trim_end() != expected {
             let (found, columns) = (header.split(',').count(), sizes.state() + sizes.nu + 1);
             return Err(bad(format!(
-                "line 1 is not the header of this model's trajectories ({columns} columns from 'time' on, found {found})"
+                "line 1 is not the header of this model's trajectories: expected {columns} columns starting with 'time', found {found}"
             )));
         }
         for (index, line) in lines.enumerate() {

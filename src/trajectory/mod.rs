@@ -1,10 +1,4 @@
-//! Recorded states: times, states and controls.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `csv.rs` | files of text |
-//! | `npz.rs` | files of NumPy (feature `npz`) |
-//! | `serde.rs` | the records as plain data, checked on their way in (feature `serde`) |
+//! Recorded trajectories: times, states and controls, with import and export as CSV, NumPy archives and serde data.
 
 mod csv;
 #[cfg(feature = "npz")]
@@ -17,7 +11,7 @@ use crate::data::Data;
 use crate::error::{Error, Result};
 use crate::model::Model;
 
-/// What a simulation went through: at each recorded moment the time, the physics state `[qpos; qvel; act]` and the controls.
+/// Recorded simulation: the time, the physics state `[qpos; qvel; act]` and the controls of each record.
 ///
 /// ```
 /// use mujoco_safe::{Data, RandomController, Trajectory, sample};
@@ -33,9 +27,9 @@ use crate::model::Model;
 pub struct Trajectory {
     sizes: Sizes,
     times: Vec<f64>,
-    /// One state behind another.
+    /// States `[qpos; qvel; act]`, concatenated.
     states: Vec<f64>,
-    /// One vector of controls behind another.
+    /// Controls, concatenated.
     controls: Vec<f64>,
 }
 
@@ -56,7 +50,7 @@ impl Sizes {
         self.nq + self.nv + self.na
     }
 
-    /// The names of the columns of a file.
+    /// Returns the column names of a file.
     fn columns(self) -> impl Iterator<Item = String> {
         let part = |name: &'static str, count: usize| (0..count).map(move |index| format!("{name}{index}"));
         std::iter::once("time".to_owned())
@@ -77,13 +71,13 @@ fn other_sizes(what: &'static str, expected: Sizes, found: Sizes) -> Error {
 }
 
 impl Trajectory {
-    /// An empty one, for simulations of this model.
+    /// Creates an empty trajectory for simulations of this model.
     pub fn new(model: &Model) -> Self {
         Self { sizes: Sizes::of(model), times: Vec::new(), states: Vec::new(), controls: Vec::new() }
     }
 
-    /// Returns an empty trajectory with room for this many records, so that [`push`](Self::push) allocates nothing up to there.
-    /// If there is no memory for so many, it has no room, and grows with its records.
+    /// Creates an empty trajectory with capacity for `records` records, so that [`push`](Self::push) does not allocate up to
+    /// that number. If the memory is not available, the trajectory has no capacity and grows on demand.
     pub fn with_capacity(model: &Model, records: usize) -> Self {
         let mut trajectory = Self::new(model);
         let Self { sizes, times, states, controls } = &mut trajectory;
@@ -96,7 +90,7 @@ impl Trajectory {
         Self::new(model)
     }
 
-    /// Records the present time, state and controls.
+    /// Appends the present time, state and controls.
     ///
     /// # Errors
     ///
@@ -114,11 +108,11 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Takes `steps` steps under a controller and records each moment before its step, with the controls that were set for it.
+    /// Performs `steps` steps under a controller. Records each state before its step, with the controls applied in that step.
     ///
     /// # Errors
     ///
-    /// Those of the controller and of [`Data::step`]; what was recorded up to there stays.
+    /// Errors of the controller and of [`Data::step`]; earlier records are kept.
     pub fn record(&mut self, data: &mut Data, controller: &mut (impl Controller + ?Sized), steps: usize) -> Result<()> {
         for _ in 0..steps {
             controller.control(data)?;
@@ -128,85 +122,85 @@ impl Trajectory {
         Ok(())
     }
 
-    /// The number of records.
+    /// Returns the number of records.
     pub fn len(&self) -> usize {
         self.times.len()
     }
 
-    /// Whether there is none.
+    /// Returns `true` if there are no records.
     pub fn is_empty(&self) -> bool {
         self.times.is_empty()
     }
 
-    /// All times, s.
+    /// Returns all times, s.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// All states, one `[qpos; qvel; act]` behind another.
+    /// Returns all states `[qpos; qvel; act]`, concatenated.
     pub fn states(&self) -> &[f64] {
         &self.states
     }
 
-    /// All controls, one vector behind another.
+    /// Returns all controls, concatenated.
     pub fn controls(&self) -> &[f64] {
         &self.controls
     }
 
-    /// The state `[qpos; qvel; act]` of a record.
+    /// Returns the state `[qpos; qvel; act]` of a record.
     ///
     /// # Panics
     ///
-    /// If there is no such record.
+    /// If the record does not exist.
     pub fn state(&self, record: usize) -> &[f64] {
         self.check(record);
         &self.states[record * self.sizes.state()..][..self.sizes.state()]
     }
 
-    /// The positions of a record.
+    /// Returns the positions of a record.
     ///
     /// # Panics
     ///
-    /// If there is no such record.
+    /// If the record does not exist.
     pub fn qpos(&self, record: usize) -> &[f64] {
         &self.state(record)[..self.sizes.nq]
     }
 
-    /// The velocities of a record.
+    /// Returns the velocities of a record.
     ///
     /// # Panics
     ///
-    /// If there is no such record.
+    /// If the record does not exist.
     pub fn qvel(&self, record: usize) -> &[f64] {
         &self.state(record)[self.sizes.nq..][..self.sizes.nv]
     }
 
-    /// The controls of a record.
+    /// Returns the controls of a record.
     ///
     /// # Panics
     ///
-    /// If there is no such record.
+    /// If the record does not exist.
     pub fn ctrl(&self, record: usize) -> &[f64] {
         self.check(record);
         &self.controls[record * self.sizes.nu..][..self.sizes.nu]
     }
 
-    /// Refuses a model that the records do not fit.
+    /// Returns an error unless the sizes of the model match the records.
     pub(crate) fn check_sizes(&self, model: &Model) -> Result<()> {
         let sizes = Sizes::of(model);
         if sizes == self.sizes {
             return Ok(());
         }
-        Err(other_sizes("the simulation to apply to (state, controls)", self.sizes, sizes))
+        Err(other_sizes("the simulation to set (state, controls)", self.sizes, sizes))
     }
 
-    /// Before a product that could wrap round to another record.
+    /// Checks an index before the multiplication with the width of a record, which could overflow.
     #[track_caller]
     fn check(&self, record: usize) {
-        assert!(record < self.len(), "record {record} of a trajectory of {}", self.len());
+        assert!(record < self.len(), "index out of range: record {record} of a trajectory of {} records", self.len());
     }
 
-    /// Sets a simulation to a record: time, state and controls.
+    /// Sets the time, state and controls of a simulation to those of a record.
     ///
     /// # Errors
     ///
@@ -214,7 +208,7 @@ impl Trajectory {
     ///
     /// # Panics
     ///
-    /// If there is no such record.
+    /// If the record does not exist.
     pub fn apply(&self, record: usize, data: &mut Data) -> Result<()> {
         self.check_sizes(data.model())?;
         data.set_physics_state(self.state(record))?;

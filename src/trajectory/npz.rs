@@ -1,7 +1,8 @@
-//! Trajectories as files of NumPy: an archive (ZIP) of the arrays `time`, `qpos`, `qvel`, `act` and `ctrl`.
+//! Trajectories as NumPy archives (`.npz`): a ZIP archive of the arrays `time`, `qpos`, `qvel`, `act` and `ctrl`.
 //!
-//! The archive is the crate zip's business. The arrays in it are a header of text and the numbers; the crates for those
-//! allocate what a header asks for, or multiply its sizes unchecked, so that a damaged file would end the program.
+//! The crate `zip` reads the archive. The arrays, a text header followed by the numbers, are parsed here: existing crates
+//! allocate the size in the header without a limit, or multiply its dimensions unchecked, so that a damaged file would end the
+//! program.
 
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
@@ -15,33 +16,34 @@ use crate::error::{Error, Result};
 use crate::file;
 use crate::model::Model;
 
-/// What every array begins with: the magic text, and version 1.0 of the format.
+/// Start of every array: the magic string and version 1.0 of the format.
 const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
-/// The numbers begin at a multiple of this.
+/// Alignment of the numbers within a file, bytes.
 const ALIGNMENT: usize = 64;
-/// Bytes of a header. An array of numbers has a short one.
-const LONGEST_HEADER: u32 = 1 << 16;
+/// Maximum length of a header, bytes. Headers of plain numeric arrays are short.
+const MAX_HEADER: u32 = 1 << 16;
 
-/// The bytes that the arrays of a file may unpack to: this many, and as many times the size of the file. Numbers of a simulation
-/// seldom pack to a tenth of their size; a file that unpacks to a thousand times its size is made to use up memory.
-const FREE_BYTES: u64 = 64 << 20;
-const MOST_UNPACKING: u64 = 100;
+/// Unpacked size of all arrays that is allowed for a file of any size, bytes.
+const MIN_LIMIT: u64 = 64 << 20;
+/// Ratio of unpacked size to file size that is always allowed. Simulation data rarely compress to less than a tenth; a file that
+/// expands a thousandfold is a decompression bomb.
+const MAX_EXPANSION: u64 = 100;
 
-/// The arrays of a file, the times aside, and their numbers in a record.
+/// Returns the names of the arrays other than `time`, and their widths.
 fn arrays(sizes: Sizes) -> [(&'static str, usize); 4] {
     [("qpos", sizes.nq), ("qvel", sizes.nv), ("act", sizes.na), ("ctrl", sizes.nu)]
 }
 
 impl Trajectory {
-    /// Writes the records as NumPy's `.npz`, which Python reads with `numpy.load`: the arrays `time` of shape `(n)`, s, `qpos`
-    /// `(n, nq)`, `qvel` `(n, nv)`, `act` `(n, na)` and `ctrl` `(n, nu)`, of `n` records each. Reading them back gives the same
-    /// numbers, bit for bit.
+    /// Writes the records as a NumPy archive (`.npz`), which Python reads with `numpy.load`. It contains the arrays `time` of
+    /// shape `(n)`, s, `qpos` `(n, nq)`, `qvel` `(n, nv)`, `act` `(n, na)` and `ctrl` `(n, nu)` for `n` records. Reading the
+    /// file restores every number bit for bit.
     ///
-    /// Needs the feature `npz`.
+    /// Requires the feature `npz`.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be written; one that was there before is as it was.
+    /// [`Error::File`] if the file cannot be written; an existing file is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Data, RandomController, Trajectory, sample};
@@ -63,7 +65,7 @@ impl Trajectory {
 
     fn write_npz(&self, out: &mut (impl Write + Seek)) -> io::Result<()> {
         let mut archive = ZipWriter::new(out);
-        // As NumPy does it: not compressed, and with room for more than 4 GiB.
+        // Like `numpy.savez`: uncompressed, with 64-bit sizes.
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
         archive.start_file("time.npy", options)?;
         write_array(&mut archive, &format!("({},)", self.len()), [self.times()])?;
@@ -81,16 +83,17 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Reads what [`save_npz`](Self::save_npz) wrote, or a file of NumPy's with these arrays (`numpy.savez`,
-    /// `numpy.savez_compressed`), for simulations of this model. Other arrays in the file are left alone. The arrays may
-    /// unpack to 64 MiB, or to a hundred times the size of the file if that is more, so that a small file cannot take all memory.
+    /// Reads a file written by [`save_npz`](Self::save_npz), or by `numpy.savez` or `numpy.savez_compressed` with these arrays,
+    /// for simulations of this model. Other arrays in the file are ignored. The arrays may unpack to 64 MiB, or to a hundred
+    /// times the size of the file if that is more, so that a small file cannot exhaust the memory.
     ///
-    /// Needs the feature `npz`.
+    /// Requires the feature `npz`.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, or has one of another shape than this model's or of
-    /// something other than double precision, which the text names, has two arrays of one name, or unpacks to more than is allowed.
+    /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, contains an array with another shape
+    /// than this model's or another type than double precision, contains two arrays of the same name, or unpacks to more than
+    /// the limit. The message names the array.
     pub fn load_npz(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::read_npz(model, path).map_err(Error::file(path))
@@ -98,7 +101,7 @@ impl Trajectory {
 
     fn read_npz(model: &Model, path: &Path) -> io::Result<Self> {
         let file = file::open_regular(path)?;
-        let mut allowed = file.metadata()?.len().saturating_mul(MOST_UNPACKING).max(FREE_BYTES);
+        let mut allowed = file.metadata()?.len().saturating_mul(MAX_EXPANSION).max(MIN_LIMIT);
         let mut archive = ZipArchive::new(io::BufReader::new(file))?;
         if archive.has_duplicate_names() {
             return Err(io::Error::new(io::ErrorKind::InvalidData, "two arrays have the same name"));
@@ -113,9 +116,9 @@ impl Trajectory {
         for (name, width) in arrays(sizes) {
             let values = read_array(&mut archive, &mut allowed, name, |shape| match shape {
                 &[rows, columns] if (rows, columns) == (records, width) => {
-                    rows.checked_mul(columns).ok_or_else(|| "smaller".to_owned())
+                    rows.checked_mul(columns).ok_or_else(|| "fewer values".to_owned())
                 }
-                _ => Err(format!("({records}, {width}) for the records of 'time' and this model")),
+                _ => Err(format!("({records}, {width}) to match 'time' and this model")),
             })?;
             parts.push((values, width));
         }
@@ -131,10 +134,10 @@ impl Trajectory {
     }
 }
 
-/// Writes an array of NumPy's: its header, and its rows.
+/// Writes an array in the NumPy format: its header and its rows.
 fn write_array<'a>(out: &mut impl Write, shape: &str, rows: impl IntoIterator<Item = &'a [f64]>) -> io::Result<()> {
     let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
-    // The magic text, the header's length, the header, and a line's end.
+    // Magic string, length of the header, header, and newline.
     let length = MAGIC.len() + 2 + header.len() + 1;
     header.extend(std::iter::repeat_n(' ', length.next_multiple_of(ALIGNMENT) - length));
     header.push('\n');
@@ -151,11 +154,11 @@ fn write_array<'a>(out: &mut impl Write, shape: &str, rows: impl IntoIterator<It
     Ok(())
 }
 
-/// Says that an array is shorter than its shape.
-const FEWER: &str = "has not as many numbers as its shape says";
+/// Error text for an array whose length disagrees with its shape.
+const LENGTH_MISMATCH: &str = "has a length that disagrees with its shape";
 
-/// Reads an array of an archive, and takes its bytes off those that are allowed. `length` returns the number of values in an array
-/// of a shape, or else the shape that is right.
+/// Reads an array of an archive, and subtracts its size from the allowed bytes. `length` returns the number of values for a
+/// shape, or the expected shape if the given one is wrong.
 fn read_array(
     archive: &mut ZipArchive<impl Read + Seek>,
     allowed: &mut u64,
@@ -164,29 +167,29 @@ fn read_array(
 ) -> io::Result<Vec<f64>> {
     let bad = |text: &str| io::Error::new(io::ErrorKind::InvalidData, format!("the array '{name}' {text}"));
     let mut array = archive.by_name(&format!("{name}.npy")).map_err(|error| match error {
-        ZipError::FileNotFound => bad("is not in the file"),
+        ZipError::FileNotFound => bad("is missing from the file"),
         error => io::Error::from(error),
     })?;
     let mut start = [0; MAGIC.len()];
     array.read_exact(&mut start)?;
     if start[..6] != MAGIC[..6] {
-        return Err(bad("is not one of NumPy's"));
+        return Err(bad("is not in the NumPy format"));
     }
     let mut size = [0; 4];
-    // Two bytes of length in version 1, four in later ones.
+    // The length has two bytes in version 1 and four in later versions.
     array.read_exact(&mut size[..if start[6] == 1 { 2 } else { 4 }])?;
     let size = u32::from_le_bytes(size);
-    if size > LONGEST_HEADER {
-        return Err(bad("has a header of another form"));
+    if size > MAX_HEADER {
+        return Err(bad("has an unsupported header"));
     }
     let mut header = vec![0; size as usize];
     array.read_exact(&mut header)?;
-    let header = Header::parse(&String::from_utf8_lossy(&header)).ok_or_else(|| bad("has a header of another form"))?;
+    let header = Header::parse(&String::from_utf8_lossy(&header)).ok_or_else(|| bad("has an unsupported header"))?;
     if header.descr != "<f8" {
-        return Err(bad(&format!("is of the type '{}', but must be of double precision ('<f8')", header.descr)));
+        return Err(bad(&format!("has the type '{}', but must have double precision ('<f8')", header.descr)));
     }
     if header.fortran_order {
-        return Err(bad("is in Fortran's order, but must be in C's (numpy.ascontiguousarray)"));
+        return Err(bad("is in Fortran order, but must be in C order (numpy.ascontiguousarray)"));
     }
     let length = length(&header.shape).map_err(|expected| {
         let shape = header.shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
@@ -194,23 +197,24 @@ fn read_array(
     })?;
     let size = length.checked_mul(8).ok_or_else(|| bad("is too large"))?;
     let Some(rest) = allowed.checked_sub(size as u64) else {
-        let is_there = size as u64 <= array.size();
+        let fits_in_file = size as u64 <= array.size();
         let text =
-            format!("unpacks to {size} bytes, and all arrays may to {MOST_UNPACKING} times the size of the file");
-        return Err(bad(if is_there { &text } else { FEWER }));
+            format!("unpacks to {size} bytes; the limit for all arrays is {MAX_EXPANSION} times the size of the file");
+        return Err(bad(if fits_in_file { &text } else { LENGTH_MISMATCH }));
     };
     *allowed = rest;
-    // Grows with what is there, whatever the header says.
+    // Grows with the bytes that exist, regardless of the size in the header.
     let mut bytes = Vec::new();
     array.by_ref().take(size as u64).read_to_end(&mut bytes)?;
-    // At its end the archive checks its sum.
+    // Reading past the end makes the archive verify its checksum.
     if bytes.len() != size || array.read(&mut [0])? != 0 {
-        return Err(bad(FEWER));
+        return Err(bad(LENGTH_MISMATCH));
     }
     Ok(bytes.as_chunks().0.iter().map(|&value| f64::from_le_bytes(value)).collect())
 }
 
-/// What the header of an array says: a dictionary in Python's notation.
+/// Fields of an array's header, which is a Python dictionary literal.
+
 #[derive(Debug, PartialEq)]
 struct Header {
     descr: String,
@@ -245,7 +249,7 @@ mod tests {
     use super::Header;
 
     #[test]
-    fn headers_are_read_in_any_order_and_spacing() {
+    fn headers_are_parsed_in_any_order_and_spacing() {
         let expected = |descr: &str, fortran_order, shape: &[usize]| {
             Some(Header { descr: descr.to_owned(), fortran_order, shape: shape.to_vec() })
         };

@@ -1,4 +1,4 @@
-//! Trajectories as plain data. What comes in is checked, because the records are looked up by their sizes.
+//! Trajectories as serde data. Deserialisation validates the sizes, because they index the records.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use super::{Sizes, Trajectory};
 use crate::serialise::MOST_WITHOUT_VALUES;
 
-/// What is written: the sizes of a state, and then the values of [`Trajectory`].
+/// Serialised form: the sizes of a state, followed by the values of [`Trajectory`].
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Trajectory", deny_unknown_fields)]
 struct Records<'t> {
@@ -30,8 +30,9 @@ impl Serialize for Trajectory {
 }
 
 impl<'de> Deserialize<'de> for Trajectory {
-    /// An error if there are not as many values as the sizes and the number of times ask for, or if a size is above 2²⁰: a
-    /// trajectory without records has no values to prove its sizes, which decide how long the header of a text is.
+    /// Returns an error unless the number of values matches the sizes and the number of times, or if a size is above 2²⁰. The
+    /// limit exists because a trajectory without records has no values that confirm its sizes, and the sizes determine the
+    /// length of a CSV header.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let Records { nq, nv, na, nu, times, states, controls } = Records::deserialize(deserializer)?;
         if let Some(size) = [nq, nv, na, nu].into_iter().find(|&size| size > MOST_WITHOUT_VALUES) {

@@ -117,7 +117,7 @@ fn the_programs_write_their_plots_where_they_are_told() {
     // So far the push has not come: nothing falls, which is not what the program is for.
     let output = program("humanoid_predictive", &["--seeds", "1", "--seconds", "0.1", "--threads", "2", "--out", to]);
     assert!(!output.status.success(), "{}", text(&output.stdout));
-    assert!(text(&output.stdout).contains("LQR stands, planned stands"), "{}", text(&output.stdout));
+    assert!(text(&output.stdout).contains("LQR stands, planner stands"), "{}", text(&output.stdout));
     for plot in
         ["cartpole_swing_up.svg", "humanoid_predictive.svg", "humanoid_predictive_film.svg", "humanoid_pushed_film.svg"]
     {

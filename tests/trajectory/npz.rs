@@ -165,19 +165,19 @@ fn what_does_not_fit_is_named() {
         (with(2, shaped("(4,)", &[0.0; 4])), "'qvel' has shape (4), but must have (2, 2)"),
         (with(3, shaped("(2, 1)", &[0.0; 2])), "'act' has shape (2, 1), but must have (2, 0)"),
         (with(4, shaped("(2, 2)", &[0.0; 4])), "'ctrl' has shape (2, 2), but must have (2, 1)"),
-        (with(1, header("<f4", "False")), "'qpos' is of the type '<f4'"),
-        (with(1, header(">f8", "False")), "'qpos' is of the type '>f8'"),
-        (with(1, header("<f8", "True")), "'qpos' is in Fortran's order"),
-        (with(1, shaped("(2, 2)", &[0.0; 3])), "'qpos' has not as many numbers"),
-        (with(1, shaped("(2, 2)", &[0.0; 5])), "'qpos' has not as many numbers"),
+        (with(1, header("<f4", "False")), "'qpos' has the type '<f4'"),
+        (with(1, header(">f8", "False")), "'qpos' has the type '>f8'"),
+        (with(1, header("<f8", "True")), "'qpos' is in Fortran order"),
+        (with(1, shaped("(2, 2)", &[0.0; 3])), "'qpos' has a length that disagrees with its shape"),
+        (with(1, shaped("(2, 2)", &[0.0; 5])), "'qpos' has a length that disagrees with its shape"),
         // No memory is taken for what is not there.
-        (with(0, shaped("(1000000000000000,)", &[0.0; 2])), "'time' has not as many numbers"),
+        (with(0, shaped("(1000000000000000,)", &[0.0; 2])), "'time' has a length that disagrees with its shape"),
         (with(0, shaped("(4611686018427387904,)", &[0.0; 2])), "'time' is too large"),
-        (with(1, b"no array at all".to_vec()), "'qpos' is not one of NumPy's"),
-        (with(1, npy("{}", &[])), "'qpos' has a header of another form"),
-        (with(1, b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec()), "'qpos' has a header of another form"),
+        (with(1, b"no array at all".to_vec()), "'qpos' is not in the NumPy format"),
+        (with(1, npy("{}", &[])), "'qpos' has an unsupported header"),
+        (with(1, b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec()), "'qpos' has an unsupported header"),
         (with(1, b"\x93NUM".to_vec()), "t.npz"),
-        (archive(&good[..4], CompressionMethod::Stored), "'ctrl' is not in the file"),
+        (archive(&good[..4], CompressionMethod::Stored), "'ctrl' is missing from the file"),
         (b"no archive".to_vec(), "t.npz"),
         (Vec::new(), "t.npz"),
     ];
@@ -190,7 +190,7 @@ fn what_does_not_fit_is_named() {
     while let Some(at) = twice.windows(4).position(|name| name == b"timf") {
         twice[at + 3] = b'e';
     }
-    let more = [(bomb, "'time' has not as many numbers"), (twice, "two arrays have the same name")];
+    let more = [(bomb, "'time' has a length that disagrees with its shape"), (twice, "two arrays have the same name")];
     for (file, expected) in cases.into_iter().chain(more) {
         fs::write(&path, file).unwrap();
         let text = Trajectory::load_npz(&model, &path).unwrap_err().to_string();
@@ -252,7 +252,7 @@ fn names_with_folders_and_arrays_in_them_are_left_alone() {
     assert_eq!(Trajectory::load_npz(&model, &path).unwrap().states(), [1.0, 2.0, 3.0, 4.0]);
     fs::write(&path, archive(&[&good[..2], &good[3..]].concat(), CompressionMethod::Stored)).unwrap();
     let text = Trajectory::load_npz(&model, &path).unwrap_err().to_string();
-    assert!(text.contains("'time' is not in the file"), "{text}");
+    assert!(text.contains("'time' is missing from the file"), "{text}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 

@@ -1,15 +1,19 @@
-//! Rollouts on several machines: each MPI rank simulates a share, in all its threads, and the first collects the final states.
+//! Distributed rollouts: each MPI rank simulates its share on all of its threads, and rank 0 gathers the final states.
 //!
 //! ```text
-//! scripts/mpi                                         # installs Open MPI, builds, and runs this with two ranks
+//! scripts/mpi                                         # installs Open MPI, builds, and runs this example with two ranks
 //! mpirun -n 2 target/release/mujoco-safe-mpi --check
 //! ```
 //!
-//! `--rollouts N` how many humanoids (64), `--steps N` how long each is simulated (100), `--seed N` for other controls (1),
-//! `--check` has the first rank do all of it alone as well, and compares.
+//! Options:
 //!
-//! What a rollout is made of depends on its number alone, not on who simulates it. So the states are the same for any
-//! number of ranks and of threads, to the last bit, as long as the ranks have the same engine and processors alike.
+//! - `--rollouts N`: number of rollouts (64)
+//! - `--steps N`: steps of each rollout (100)
+//! - `--seed N`: seed of the controls (1)
+//! - `--check`: repeats all rollouts on rank 0 and compares the states
+//!
+//! The inputs of a rollout depend only on its index. The final states are therefore bitwise equal for any number of ranks and
+//! threads, if all ranks use the same engine and the same kind of processor.
 
 use std::error::Error;
 use std::ops::Range;
@@ -47,12 +51,12 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
     Ok(arguments)
 }
 
-/// The share of a rank.
+/// Returns the rollouts of a rank.
 fn share(all: usize, rank: usize, ranks: usize) -> Range<usize> {
     all * rank / ranks..all * (rank + 1) / ranks
 }
 
-/// The states in which some of the rollouts end, one after the other.
+/// Simulates some of the rollouts and returns their final states, concatenated.
 fn final_states(model: &Arc<Model>, which: Range<usize>, arguments: &Arguments) -> Result<Vec<f64>, Box<dyn Error>> {
     let mut data = Data::new(model.clone())?;
     data.reset_to_key("stand")?;
@@ -77,7 +81,7 @@ fn final_states(model: &Arc<Model>, which: Range<usize>, arguments: &Arguments) 
     Ok(last.flatten().copied().collect())
 }
 
-/// A number that changes with any bit of the states (FNV-1a).
+/// Hashes the bits of the states (FNV-1a).
 fn digest(states: &[f64]) -> u64 {
     let bytes = states.iter().flat_map(|value| value.to_bits().to_le_bytes());
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
@@ -85,8 +89,8 @@ fn digest(states: &[f64]) -> u64 {
 
 fn run() -> Result<(), Box<dyn Error>> {
     let arguments = arguments()?;
-    // Threads work beside the one that speaks to MPI.
-    let (universe, _) = mpi::initialize_with_threading(Threading::Funneled).ok_or("MPI was initialised before")?;
+    // Only this thread calls MPI; the workers do not.
+    let (universe, _) = mpi::initialize_with_threading(Threading::Funneled).ok_or("MPI is already initialised")?;
     let world = universe.world();
     let (rank, ranks) = (usize::try_from(world.rank())?, usize::try_from(world.size())?);
     let model = Arc::new(sample::humanoid());
@@ -115,9 +119,9 @@ fn run() -> Result<(), Box<dyn Error>> {
     if arguments.check {
         let alone = final_states(&model, 0..arguments.rollouts, &arguments)?;
         if !alone.iter().zip(&all).all(|(alone, all)| alone.to_bits() == all.to_bits()) || alone.len() != all.len() {
-            return Err("a single process ends in other states".into());
+            return Err("a single process computes different states".into());
         }
-        println!("A single process ends in the same states, to the last bit.");
+        println!("A single process computes bitwise equal states.");
     }
     Ok(())
 }

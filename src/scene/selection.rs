@@ -1,4 +1,4 @@
-//! What is seen at a place of the window.
+//! Picking: the geom or skin at a point of the window.
 
 use mujoco_sys::guard;
 
@@ -7,32 +7,35 @@ use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::id::{BodyId, GeomId, Id, SkinId};
 
-/// What was found at a place of the window.
+/// Result of picking a point of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Selection {
-    /// The body: that of the geom, or the one that moves the vertex of the skin most.
+    /// Body of the geom, or the body with the largest weight on the vertex of the skin.
     pub body: BodyId,
-    /// The geom, unless a skin was found.
+    /// Geom, unless the ray hit a skin first.
     pub geom: Option<GeomId>,
-    /// The skin, unless a geom was found.
+    /// Skin, unless the ray hit a geom first.
     pub skin: Option<SkinId>,
-    /// The point, m, world frame.
+    /// Intersection point, m, world frame.
     pub point: [f64; 3],
 }
 
 impl Scene {
-    /// What is seen at a place of the window: the first geom or skin on a ray from the camera of the last
-    /// [`update`](Self::update). `aspectratio` is the width of the window divided by its height. `relx` and `rely` say where: 0 to
-    /// 1, from the left and from below.
+    /// Casts a ray from the camera of the last [`update`](Self::update) through a point of the window, and returns the first
+    /// geom or skin that it hits. `aspectratio` is the width of the window divided by its height. `relx` and `rely` are the
+    /// coordinates of the point, 0 to 1, from the left and from the bottom.
     ///
-    /// Whatever of the geoms and skins the options show can be found: groups of geoms, what does not move, skins. Decoration,
-    /// tendons and sites are not found; planes and height fields are in any group.
+    /// The ray hits the geoms and skins that `options` show, according to the groups of geoms, [`VisualFlags::STATIC`] and
+    /// [`VisualFlags::SKIN`]. It ignores decoration, tendons and sites, and hits planes and height fields in every group.
+    ///
+    /// [`VisualFlags::STATIC`]: super::VisualFlags::STATIC
+    /// [`VisualFlags::SKIN`]: super::VisualFlags::SKIN
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed, [`Error::Engine`] before the first update (the data stays usable),
-    /// [`Error::OtherModel`] for the data of another model, [`Error::Invalid`] for numbers that are not finite, [`Error::Unsupported`] if the model has a
-    /// height field with more rows than columns, as for [`Data::ray`].
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Engine`] before the first update (the data stays
+    /// usable), [`Error::OtherModel`] for data of another model, [`Error::Invalid`] if a number is not finite,
+    /// [`Error::Unsupported`] if the model has a height field with more rows than columns, as for [`Data::ray`].
     ///
     /// ```
     /// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
@@ -45,7 +48,7 @@ impl Scene {
     /// camera.lookat = *data.body("torso")?.xpos();
     /// let options = SceneOptions::default();
     /// scene.update(&mut data, &options, None, &mut camera, Categories::all())?;
-    /// let found = scene.select(&data, &options, 1.5, [0.5, 0.5])?.expect("the torso");
+    /// let found = scene.select(&data, &options, 1.5, [0.5, 0.5])?.expect("the torso is at the centre");
     /// assert_eq!(data.body(found.body).name(), Some("torso"));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
@@ -62,14 +65,14 @@ impl Scene {
         data.check_computed("Scene::select", Stage::Position)?;
         if let Some(geom) = model.first_geom_unsafe_for_rays() {
             return Err(Error::Unsupported(format!(
-                "selecting with the height field of geom {geom}: MuJoCo 2.2.2 reads beyond one with more rows than columns, or \
-                 with less than two of either; turn the field by 90°"
+                "cannot select with the height field of geom {geom}: MuJoCo 2.2.2 reads out of bounds if a height field has more \
+                 rows than columns, or fewer than two of either; rotate the field by 90°"
             )));
         }
         let finite = [aspectratio, relx, rely].iter().all(|number| number.is_finite());
         if !(finite && self.viewpoint().is_finite()) {
             return Err(Error::invalid(
-                "where to select",
+                "the point to select",
                 format!("aspect ratio {aspectratio}, at {:?} in the view of {:?}", [relx, rely], self.viewpoint()),
                 "finite",
             ));
@@ -79,12 +82,12 @@ impl Scene {
         let (at, ids) = (point.as_mut_ptr(), (&raw mut geom, &raw mut skin, &raw mut body));
         data.call("mjv_select", |m, d| {
             let opt = &raw const options;
-            // SAFETY: a model, a data and a scene that go together, poses that were computed, a place for three numbers and three
-            // places for indices.
+            // SAFETY: the model, the data and the scene belong together, the positions were computed, and the outputs are valid
+            // places for three numbers and three indices.
             unsafe { guard::mjv_select(m, d, opt, aspectratio, relx, rely, scene, at, ids.0, ids.1, ids.2) }
         })?;
         let index = |index: i32| usize::try_from(index).ok();
-        // A vertex of a skin that no bone moves has no body.
+        // The engine returns no body for a vertex of a skin without bones.
         Ok(index(body).map(|body| Selection {
             body: Id::new(body, self.lineage),
             geom: index(geom).map(|geom| Id::new(geom, self.lineage)),

@@ -1,4 +1,4 @@
-//! What the others are compared with.
+//! Workloads of this crate, equivalent to those of the references.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -15,9 +15,9 @@ use mujoco_safe::{
 use nalgebra::DMatrix;
 
 use crate::Outcome;
-use crate::balance::Balance;
+use crate::models::Balance;
 
-/// The random numbers of `engine.c`.
+/// Random number generator, equal to that of `engine.c`.
 struct Numbers(u64);
 
 impl Numbers {
@@ -27,7 +27,7 @@ impl Numbers {
     }
 }
 
-pub(crate) struct Ours {
+pub(crate) struct Library {
     data: Data,
     start: Vec<f64>,
     controls: Vec<f64>,
@@ -39,7 +39,7 @@ pub(crate) struct Ours {
     lqr: Lqr,
 }
 
-impl Ours {
+impl Library {
     pub(crate) fn new(path: &Path, key: Option<&str>, threads: usize) -> Outcome<Self> {
         let model = Arc::new(Model::from_xml_path(path)?);
         let mut data = Data::new(model.clone())?;
@@ -64,8 +64,8 @@ impl Ours {
         })
     }
 
-    /// Controls for this many steps, up to a tenth of their ranges.
-    fn make_controls(&mut self, steps: usize) {
+    /// Generates controls for this many steps, up to a tenth of their ranges.
+    fn generate_controls(&mut self, steps: usize) {
         let model = self.data.model();
         let nu = model.nu();
         if self.controls.len() < steps * nu {
@@ -81,13 +81,13 @@ impl Ours {
     }
 
     pub(crate) fn step(&mut self, calls: usize) -> Outcome<(f64, f64)> {
-        let before = calls / 8;
-        self.make_controls(before + calls);
+        let warm_up = calls / 8;
+        self.generate_controls(warm_up + calls);
         self.restart()?;
         let nu = self.data.model().nu();
         let mut begin = Instant::now();
-        for call in 0..before + calls {
-            if call == before {
+        for call in 0..warm_up + calls {
+            if call == warm_up {
                 begin = Instant::now();
             }
             self.data.ctrl_mut().copy_from_slice(&self.controls[call * nu..(call + 1) * nu]);
@@ -96,9 +96,9 @@ impl Ours {
         Ok((begin.elapsed().as_secs_f64(), self.data.qpos().iter().sum()))
     }
 
-    /// On the threads of the present pool.
+    /// Runs rollouts on the threads of the current pool.
     pub(crate) fn rollout(&mut self, count: usize, steps: usize) -> Outcome<(f64, f64)> {
-        self.make_controls(count * steps);
+        self.generate_controls(count * steps);
         let model = self.data.model();
         let (nq, width) = (model.nq(), model.state_size(StateSpec::PHYSICS));
         self.states.resize(count * (steps + 1) * width, 0.0);
@@ -114,7 +114,7 @@ impl Ours {
         Ok((seconds, last[..nq].iter().sum()))
     }
 
-    /// On the threads of the present pool. As with steps, what comes first does not count: see `engine.c`.
+    /// Linearises on the threads of the current pool. As for steps, the first call is not timed: see `engine.c`.
     pub(crate) fn transition(&mut self, calls: usize) -> Outcome<(f64, f64)> {
         self.restart()?;
         let Self { data, transitions, a, b, .. } = self;
@@ -142,15 +142,15 @@ impl Ours {
     }
 }
 
-/// A Riccati equation, again and again.
-pub(crate) struct Riccatis {
+/// Riccati equation to solve repeatedly.
+pub(crate) struct RiccatiProblem {
     system: StateSpace,
     weights: LqrWeights,
     workspace: RiccatiWorkspace,
     solution: RiccatiSolution,
 }
 
-impl Riccatis {
+impl RiccatiProblem {
     pub(crate) fn new(mut balance: Balance) -> Outcome<Self> {
         let system = balance.system()?;
         let (workspace, solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
@@ -165,7 +165,7 @@ impl Riccatis {
         Ok((begin.elapsed().as_secs_f64(), self.solution.relative_residual))
     }
 
-    /// Their shapes in the first line, and then one of A, B, Q and R in each.
+    /// Serialises the problem: one line with the shapes, then one line each for A, B, Q and R.
     pub(crate) fn text(&self) -> String {
         let (a, b) = (self.system.a.to_nalgebra().clone_owned(), self.system.b.to_nalgebra().clone_owned());
         let matrices: [DMatrix<f64>; 4] = [a, b, self.weights.q.clone(), self.weights.r.clone()];

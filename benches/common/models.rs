@@ -1,31 +1,34 @@
-//! The two problems of balance that the control benches solve: the humanoid on its left leg, and the cart-pole.
+//! Models of the benchmarks: two balance problems, and the engine's 22 humanoids.
+
+use std::path::Path;
 
 use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Result, StateSpace, sample};
 use nalgebra::{DMatrix, DVector, dvector};
 
-/// A simulation at its set-point, controls included, and what deviations from it cost.
+/// Simulation at a set-point, including controls, with the cost weights of deviations.
 pub(crate) struct Balance {
     pub(crate) data: Data,
     pub(crate) weights: LqrWeights,
 }
 
 impl Balance {
-    /// The cart-pole, upright: 4 states, 1 control.
+    /// Creates the upright cart-pole: 4 states, 1 control.
     pub(crate) fn cartpole() -> Result<Self> {
         let q = DMatrix::from_diagonal(&dvector![1.0, 10.0, 1.0, 5.0]);
         let weights = LqrWeights { q, r: DMatrix::identity(1, 1), s: None };
         Ok(Self { data: Data::new(sample::cartpole())?, weights })
     }
 
-    /// The humanoid, standing on its left leg: 54 states, 21 controls. A centre of mass that is not over the foot costs most,
-    /// then the joints that keep it there, then the others; where it stands costs next to nothing.
+    /// Creates the humanoid standing on its left leg: 54 states, 21 controls. The cost is dominated by the centre of mass
+    /// relative to the foot, followed by the joints of the leg and the abdomen, then the other joints; the global
+    /// position costs almost nothing.
     pub(crate) fn humanoid() -> Result<Self> {
         let mut data = Data::new(sample::humanoid())?;
         let key = data.model().keyframe("stand_on_left_leg")?.id();
         let model = data.model().clone();
         let nv = model.nv();
 
-        // The forces that hold it still, at the height at which the vertical one vanishes, because the floor gives it.
+        // Inverse dynamics at rest. At the right height the vertical force vanishes, because the floor supplies it.
         let mut forces_at = |height: f64| -> Result<DVector<f64>> {
             data.reset_to_key(key)?;
             data.forward()?;
@@ -68,8 +71,15 @@ impl Balance {
         Ok(Self { data, weights: LqrWeights { q, r: DMatrix::identity(model.nu(), model.nu()), s: None } })
     }
 
-    /// The system about the set-point.
+    /// Linearises the simulation at the set-point.
     pub(crate) fn system(&mut self) -> Result<StateSpace> {
         self.data.transition_fd(Lqr::EPS, Differences::Central)
     }
+}
+
+/// Returns the path of the engine's sample model with 22 humanoids, if it is installed
+/// (`apt-get install libmujoco-samples`).
+pub(crate) fn many_humanoids() -> Option<&'static Path> {
+    let path = Path::new("/usr/share/mujoco/model/humanoid/22_humanoids.xml");
+    path.exists().then_some(path)
 }

@@ -1,0 +1,128 @@
+//! Rebuilding the contents of a scene from a simulation.
+
+use std::ffi::c_int;
+use std::ops::Range;
+use std::ptr;
+
+use mujoco_sys::{guard, mjMAXLIGHT};
+
+use super::{Camera, Categories, Perturbation, Scene, SceneOptions};
+use crate::data::{Data, Stage, Warning};
+use crate::error::{Error, Result};
+
+impl Scene {
+    /// Rebuilds the scene: geoms, lights, skins and viewpoints. Removes geoms that were added with [`push`](Self::push).
+    ///
+    /// `camera` is the camera to view the scene from; a tracking camera moves with its body. `perturbation` is drawn if
+    /// `options` enable it. `categories` restricts the geoms; [`Categories::all`] includes everything.
+    ///
+    /// The required results must have been computed: positions, and all stages if contacts or constraints are shown. Results
+    /// of the previous state, as [`Data::step`] leaves them, are sufficient.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::SceneFull`] if the capacity is too small for all geoms, or if there are more than 100 lights. The scene then
+    /// contains as many as fit, and lights, skins and viewpoints are up to date, so a viewer can continue.
+    ///
+    /// [`Error::NotComputed`] if a required result is missing, [`Error::OtherModel`] for data of another model,
+    /// [`Error::Invalid`] if the camera or the perturbation contains a number that is not finite. The scene is then unchanged.
+    /// None of these errors poisons the data.
+    ///
+    /// # Panics
+    ///
+    /// If an id in the camera or the perturbation belongs to another model.
+    #[doc(alias = "mjv_updateScene")]
+    pub fn update(
+        &mut self,
+        data: &mut Data,
+        options: &SceneOptions,
+        perturbation: Option<&Perturbation>,
+        camera: &mut Camera,
+        categories: Categories,
+    ) -> Result<()> {
+        self.check_data("Scene::update", data, options)?;
+        let perturbation = perturbation.map(|perturbation| perturbation.raw(data.model())).transpose()?;
+        let mut raw_camera = camera.raw(data.model())?;
+        let pert = perturbation.as_ref().map_or(ptr::null(), ptr::from_ref);
+        let (opt, catmask) = (options.raw(), categories.bits() as c_int);
+        let scene = self.raw_mut();
+        let is_full = data.call_mut_with_warning(Warning::VisualGeomFull, "mjv_updateScene", |m, d| {
+            // SAFETY: the model, the data and the scene belong together, the ids are valid, and every array that the function
+            // reads was computed.
+            unsafe { guard::mjv_update_scene(m, d, &raw const opt, pert, &raw mut raw_camera, catmask, scene) }
+        })?;
+        camera.take(&raw_camera);
+        if is_full {
+            return Err(self.geoms_full());
+        }
+        let lights = usize::from(data.model().raw().vis.headlight.active != 0)
+            + data.model().light_active().iter().filter(|&&active| active != 0).count();
+        let capacity = mjMAXLIGHT as usize;
+        if lights > capacity { Err(Error::SceneFull { what: "lights", room: capacity }) } else { Ok(()) }
+    }
+
+    /// Appends the geoms of a simulation to the scene and returns their indices. The data may have another state than that of
+    /// the last [`update`](Self::update), so that one image can show several poses.
+    ///
+    /// # Errors
+    ///
+    /// As for [`update`](Self::update). A full scene keeps the geoms that fit.
+    ///
+    /// # Panics
+    ///
+    /// If an id in the perturbation belongs to another model.
+    ///
+    /// ```
+    /// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// let mut scene = Scene::new(data.model(), 1000)?;
+    /// let options = SceneOptions::default();
+    /// let mut camera = Camera::free(data.model());
+    /// scene.update(&mut data, &options, None, &mut camera, Categories::all())?;
+    /// for _ in 0..10 {
+    ///     data.step()?;
+    /// }
+    /// let ghost = scene.add(&mut data, &options, None, Categories::DYNAMIC)?;
+    /// for mut geom in scene.geoms_mut().skip(ghost.start) {
+    ///     let [r, g, b, _] = geom.view().rgba();
+    ///     geom.set_rgba([r, g, b, 0.3]);
+    /// }
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mjv_addGeoms")]
+    pub fn add(
+        &mut self,
+        data: &mut Data,
+        options: &SceneOptions,
+        perturbation: Option<&Perturbation>,
+        categories: Categories,
+    ) -> Result<Range<usize>> {
+        self.check_data("Scene::add", data, options)?;
+        let perturbation = perturbation.map(|perturbation| perturbation.raw(data.model())).transpose()?;
+        let pert = perturbation.as_ref().map_or(ptr::null(), ptr::from_ref);
+        let (opt, catmask) = (options.raw(), categories.bits() as c_int);
+        let start = self.ngeom();
+        let scene = self.raw_mut();
+        let is_full = data.call_mut_with_warning(Warning::VisualGeomFull, "mjv_addGeoms", |m, d| {
+            // SAFETY: as in `update`.
+            unsafe { guard::mjv_add_geoms(m, d, &raw const opt, pert, catmask, scene) }
+        })?;
+        if is_full { Err(self.geoms_full()) } else { Ok(start..self.ngeom()) }
+    }
+
+    /// Returns an error unless the data belongs to the model and contains every result that the engine reads.
+    fn check_data(&self, call: &'static str, data: &Data, options: &SceneOptions) -> Result<()> {
+        let model = data.model();
+        self.check_model(model, "the data to show")?;
+        // The engine does not clamp the groups of skins. Loading a model rejects groups out of range.
+        data.check_computed(call, if options.shows_contacts() { Stage::Acceleration } else { Stage::Position })
+    }
+
+    #[cold]
+    pub(super) fn geoms_full(&self) -> Error {
+        Error::SceneFull { what: "geoms", room: self.max_geoms() }
+    }
+}
