@@ -28,7 +28,7 @@ const ZOO_XML: &str = include_str!("../models/zoo.xml");
 pub(crate) fn subjects() -> &'static [Subject] {
     static SUBJECTS: OnceLock<Vec<Subject>> = OnceLock::new();
     SUBJECTS.get_or_init(|| {
-        let zoo = Model::from_xml_str(ZOO_XML).expect("the zoo loads");
+        let zoo = Model::from_xml_str(ZOO_XML).unwrap();
         let mut subjects: Vec<_> = [("cartpole", sample::cartpole()), ("humanoid", sample::humanoid()), ("zoo", zoo)]
             .map(|(name, model)| Subject { name: name.to_owned(), model: Arc::new(model) })
             .into();
@@ -136,7 +136,7 @@ impl Twins {
         let model = subject.model.clone();
         Self {
             name: subject.name.clone(),
-            ours: Data::new(model.clone()).expect("there is memory"),
+            ours: Data::new(model.clone()).unwrap(),
             raw: Raw::new(&model),
             controller: RandomController::new(1),
             random: Xoshiro256PlusPlus::seed_from_u64(2),
@@ -176,7 +176,7 @@ impl Twins {
 
     /// Gives both random controls.
     pub(crate) fn control(&mut self) {
-        self.controller.control(&mut self.ours).expect("controls can be set");
+        self.controller.control(&mut self.ours).unwrap();
         self.raw.write(|d| d.ctrl, self.ours.ctrl());
     }
 

@@ -13,7 +13,7 @@ use crate::{attempt, planner, robot, swing_up};
 
 /// Swings a pole up, and checks that everything on the way is what it should be.
 fn swing_up(model: &Arc<Model>, seed: u64) {
-    let attempt = swing_up::attempt(model, seed, 2).expect("it is stable");
+    let attempt = swing_up::attempt(model, seed, 2).unwrap();
     let plan = &attempt.plan;
     assert!(attempt.up_at.is_some_and(|time| time < 4.5), "seed {seed}: up from {:?} s on", attempt.up_at);
     assert!(plan.costs.windows(2).all(|pair| pair[1] < pair[0]), "seed {seed}: {:?}", plan.costs);
@@ -24,11 +24,11 @@ fn swing_up(model: &Arc<Model>, seed: u64) {
     assert!(trajectory.qpos(0)[1].cos() < -0.9);
     assert!((0..trajectory.len()).all(|record| trajectory.qpos(record)[0].abs() < 1.0), "seed {seed} leaves the rail");
     // What is planned is what happens without a disturbance.
-    let mut data = Data::new(model.clone()).expect("there is memory");
-    data.set_physics_state(plan.states.row(0)).expect("the shape fits");
+    let mut data = Data::new(model.clone()).unwrap();
+    data.set_physics_state(plan.states.row(0)).unwrap();
     for controls in plan.controls.rows() {
         data.ctrl_mut().copy_from_slice(controls);
-        data.step().expect("stable");
+        data.step().unwrap();
     }
     assert_eq!(data.physics_state(), plan.states.row(plan.states.nrows() - 1), "seed {seed}");
     assert!(swing_up::lean(data.qpos()[1]).abs() < 0.1, "seed {seed} plans to be at {}", data.qpos()[1]);
@@ -63,9 +63,9 @@ fn the_pushes_go_everywhere() {
 
 #[test]
 fn the_planner_keeps_a_humanoid_up_that_the_regulator_does_not() {
-    let robot = Robot::new().expect("there is a regulator");
+    let robot = Robot::new().unwrap();
     // The regulator falls soon under this one.
-    let attempt = attempt::attempt(&robot, NEWTONS, 5, 2.2).expect("it is stable");
+    let attempt = attempt::attempt(&robot, NEWTONS, 5, 2.2).unwrap();
     assert!(attempt.regulated.fell_at.is_some(), "the regulator can take this push");
     assert!(attempt.planned.upright(), "it fell at {:?} s", attempt.planned.fell_at);
     assert_eq!(attempt.decisions.len(), attempt.planned.trajectory.len().div_ceil(planner::STEPS));
@@ -77,9 +77,9 @@ fn the_planner_keeps_a_humanoid_up_that_the_regulator_does_not() {
 #[test]
 #[ignore = "takes minutes"]
 fn the_planner_keeps_the_humanoid_up_for_every_push() {
-    let robot = Robot::new().expect("there is a regulator");
+    let robot = Robot::new().unwrap();
     for seed in 1..=5 {
-        let attempt = attempt::attempt(&robot, NEWTONS, seed, 6.0).expect("it is stable");
+        let attempt = attempt::attempt(&robot, NEWTONS, seed, 6.0).unwrap();
         let fates = (attempt.regulated.fell_at, attempt.planned.fell_at);
         assert!(
             attempt.succeeded(),
@@ -92,7 +92,7 @@ fn the_planner_keeps_the_humanoid_up_for_every_push() {
 
 /// A program, in the profile of this test.
 fn program(name: &str, arguments: &[&str]) -> Output {
-    let executable: PathBuf = std::env::current_exe().expect("this test runs");
+    let executable: PathBuf = std::env::current_exe().unwrap();
     let examples = executable.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples");
     let program = examples.join(name);
     if !program.exists() {
@@ -100,7 +100,7 @@ fn program(name: &str, arguments: &[&str]) -> Output {
         let built = Command::new(env!("CARGO")).args(["build", "--quiet", "--example", name]).status();
         assert!(built.expect("cargo runs").success(), "the example does not build");
     }
-    Command::new(program).args(arguments).output().expect("the program starts")
+    Command::new(program).args(arguments).output().unwrap()
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -109,9 +109,9 @@ fn text(bytes: &[u8]) -> String {
 
 #[test]
 fn the_programs_write_their_plots_where_they_are_told() {
-    let scratch = tempfile::tempdir().expect("the temporary directory can be written to");
+    let scratch = tempfile::tempdir().unwrap();
     let out = scratch.path().join("made/on/demand");
-    let to = out.to_str().expect("a plain path");
+    let to = out.to_str().unwrap();
     let output = program("cartpole_swing_up", &["--seeds", "1", "--out", to]);
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
     // So far the push has not come: nothing falls, which is not what the program is for.
@@ -121,11 +121,11 @@ fn the_programs_write_their_plots_where_they_are_told() {
     for plot in
         ["cartpole_swing_up.svg", "humanoid_predictive.svg", "humanoid_predictive_film.svg", "humanoid_pushed_film.svg"]
     {
-        let svg = std::fs::read_to_string(out.join(plot)).expect("the plot is there");
+        let svg = std::fs::read_to_string(out.join(plot)).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{plot} is no SVG");
     }
     let trajectory = Trajectory::load_csv(&sample::humanoid(), out.join("humanoid_predictive.csv"));
-    assert_eq!(trajectory.expect("it reads back").len(), 20);
+    assert_eq!(trajectory.unwrap().len(), 20);
 }
 
 #[test]

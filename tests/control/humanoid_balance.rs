@@ -25,16 +25,16 @@ struct Balance {
 impl Balance {
     fn new(model: Model, keyframe: &str, foot: &str) -> Self {
         let model = Arc::new(model);
-        let mut data = Data::new(model.clone()).expect("there is memory");
-        let (torso, foot) = (model.body("torso").expect("it has a torso"), model.body(foot).expect("it has this foot"));
+        let mut data = Data::new(model.clone()).unwrap();
+        let (torso, foot) = (model.body("torso").unwrap(), model.body(foot).unwrap());
         let dofs = Dofs::of(&model, torso, foot);
-        let keyframe = model.keyframe(keyframe).expect("it has this keyframe").id();
-        let (set_point, sweep) = SetPoint::near(&mut data, keyframe).expect("the engine computes");
-        set_point.apply(&mut data).expect("the engine computes");
-        let weights = weights(&mut data, torso, foot, &dofs).expect("the engine computes");
-        let system = data.transition_fd(Lqr::EPS, Differences::Central).expect("the engine computes");
-        let solution = Lqr::solve(&system, &weights).expect("there is a regulator");
-        let lqr = Lqr::with_gain(&data, Matrix::from(&solution.k)).expect("the shapes fit");
+        let keyframe = model.keyframe(keyframe).unwrap().id();
+        let (set_point, sweep) = SetPoint::near(&mut data, keyframe).unwrap();
+        set_point.apply(&mut data).unwrap();
+        let weights = weights(&mut data, torso, foot, &dofs).unwrap();
+        let system = data.transition_fd(Lqr::EPS, Differences::Central).unwrap();
+        let solution = Lqr::solve(&system, &weights).unwrap();
+        let lqr = Lqr::with_gain(&data, Matrix::from(&solution.k)).unwrap();
         let (residual, spectral_radius) = (solution.relative_residual, solution.spectral_radius);
         Self { data, set_point, sweep, dofs, lqr, residual, spectral_radius }
     }
@@ -45,9 +45,8 @@ impl Balance {
 
     fn simulate(&mut self, seconds: f64, disturbance: Disturbance) -> Run {
         let model = self.data.model().clone();
-        let torso = model.body("torso").expect("it has a torso");
-        simulate(&mut self.data, &mut self.lqr, &self.set_point, torso, seconds, disturbance)
-            .expect("the engine computes")
+        let torso = model.body("torso").unwrap();
+        simulate(&mut self.data, &mut self.lqr, &self.set_point, torso, seconds, disturbance).unwrap()
     }
 
     fn pushed(&mut self, force: [f64; 2]) -> Run {
@@ -64,7 +63,7 @@ fn the_floor_carries_the_weight_within_a_millimetre_of_the_keyframe() {
     // Less force on the way down, all of the weight in the air.
     let weight = balance.data.model().body_mass().iter().sum::<f64>() * 9.81;
     assert!(balance.sweep.forces.windows(2).all(|pair| pair[0] <= pair[1] + 1e-9));
-    assert!((balance.sweep.forces.last().expect("it was swept") - weight).abs() < 1e-6 * weight);
+    assert!((balance.sweep.forces.last().unwrap() - weight).abs() < 1e-6 * weight);
     // The tutorial's point: at the keyframe itself an unphysical force of more than half the weight would be needed.
     assert!(balance.set_point.at_keyframe[2] > 0.5 * weight);
 }
@@ -141,15 +140,15 @@ fn with_constant_controls_it_falls() {
     let ctrl = balance.set_point.ctrl.clone();
     let mut constant = move |data: &mut Data| data.ctrl_mut().copy_from_slice(&ctrl);
     let model = balance.data.model().clone();
-    let torso = model.body("torso").expect("it has a torso");
+    let torso = model.body("torso").unwrap();
     let run = simulate(&mut balance.data, &mut constant, &balance.set_point, torso, 10.0, Disturbance::default());
-    let fell_at = run.expect("the engine computes").fell_at.expect("nothing holds it");
+    let fell_at = run.unwrap().fell_at.expect("nothing holds it");
     assert!(fell_at < 3.0, "it fell only after {fell_at} s");
 }
 
 /// The program, in the profile of this test.
 fn program(arguments: &[&str]) -> Output {
-    let executable: PathBuf = std::env::current_exe().expect("this test runs");
+    let executable: PathBuf = std::env::current_exe().unwrap();
     let examples = executable.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples");
     let program = examples.join("humanoid_lqr");
     if !program.exists() {
@@ -157,7 +156,7 @@ fn program(arguments: &[&str]) -> Output {
         let built = Command::new(env!("CARGO")).args(["build", "--quiet", "--example", "humanoid_lqr"]).status();
         assert!(built.expect("cargo runs").success(), "the example does not build");
     }
-    Command::new(program).args(arguments).output().expect("the program starts")
+    Command::new(program).args(arguments).output().unwrap()
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -170,7 +169,7 @@ struct Scratch(PathBuf);
 impl Scratch {
     fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("mujoco-safe-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("the temporary directory can be written to");
+        std::fs::create_dir_all(&path).unwrap();
         Self(path)
     }
 }
@@ -187,10 +186,10 @@ fn the_program_prints_its_figures_as_one_json_object_and_writes_nothing_unasked(
     assert!(output.status.success(), "{}", text(&output.stderr));
     let figures: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
     assert_eq!(figures["upright"], true);
-    assert_eq!(figures["A"].as_array().expect("a matrix").len(), 54);
-    assert_eq!(figures["K"][0].as_array().expect("a matrix").len(), 54);
-    assert!(figures["offset"].as_f64().expect("a number").abs() < 1e-3);
-    assert!(figures["residual"].as_f64().expect("a number") < 1e-10);
+    assert_eq!(figures["A"].as_array().unwrap().len(), 54);
+    assert_eq!(figures["K"][0].as_array().unwrap().len(), 54);
+    assert!(figures["offset"].as_f64().unwrap().abs() < 1e-3);
+    assert!(figures["residual"].as_f64().unwrap() < 1e-10);
     assert!(figures["open_loop_fell_at"].is_number());
 }
 
@@ -198,14 +197,13 @@ fn the_program_prints_its_figures_as_one_json_object_and_writes_nothing_unasked(
 fn the_program_writes_its_plots_and_the_trajectory_where_it_is_told() {
     let scratch = Scratch::new("plots");
     let out = scratch.0.join("made/on/demand");
-    let output = program(&["--seconds", "1", "--out", out.to_str().expect("a plain path")]);
+    let output = program(&["--seconds", "1", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     for plot in ["humanoid_force.svg", "humanoid_balance.svg", "humanoid_film.svg"] {
-        let svg = std::fs::read_to_string(out.join(plot)).expect("the plot is there");
+        let svg = std::fs::read_to_string(out.join(plot)).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{plot} is no SVG");
     }
-    let trajectory =
-        mujoco_safe::Trajectory::load_csv(&sample::humanoid(), out.join("humanoid.csv")).expect("it reads back");
+    let trajectory = mujoco_safe::Trajectory::load_csv(&sample::humanoid(), out.join("humanoid.csv")).unwrap();
     assert_eq!(trajectory.len(), 200);
 }
 
@@ -221,8 +219,8 @@ fn the_program_takes_any_humanoid_by_its_path() {
         .replace("name=\"stand_on_left_leg\"", "name=\"crane\"")
         .replace("mass=\"2.8\"", "mass=\"3.08\"")
         .replace("solref=\".015 1\"", "solref=\".012 1\"");
-    std::fs::write(&path, other).expect("the temporary directory can be written to");
-    let path = path.to_str().expect("a plain path");
+    std::fs::write(&path, other).unwrap();
+    let path = path.to_str().unwrap();
     let output = program(&["--model", path, "--keyframe", "crane", "--torso", "chest_of_other", "--foot", "left_sole"]);
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
 }
@@ -241,8 +239,8 @@ fn the_program_balances_the_engines_own_sample_humanoid() {
     let scratch = Scratch::new("sample");
     let path = scratch.0.join("one_leg.xml");
     let keyframe = format!("<keyframe><key name=\"one_leg\" qpos=\"{SAMPLE_ON_ONE_LEG}\"/></keyframe></mujoco>");
-    std::fs::write(&path, xml.replace("</mujoco>", &keyframe)).expect("the temporary directory can be written to");
-    let path = path.to_str().expect("a plain path");
+    std::fs::write(&path, xml.replace("</mujoco>", &keyframe)).unwrap();
+    let path = path.to_str().unwrap();
     for push in ["20,0", "0,20"] {
         let output = program(&["--model", path, "--keyframe", "one_leg", "--foot", "left_foot", "--push", push]);
         assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));

@@ -12,18 +12,18 @@ use nalgebra::{DMatrix, DVector};
 use super::{Random, assert_close, cartpole, springs};
 
 fn solve(data: &Data, options: IlqrOptions, controls: &Matrix, cost: &dyn TrajectoryCost) -> IlqrSolution {
-    Ilqr::new(data.model().clone(), options).expect("good options").solve(data, controls, cost).expect("it is stable")
+    Ilqr::new(data.model().clone(), options).unwrap().solve(data, controls, cost).unwrap()
 }
 
 /// Two masses on springs, which begin somewhere.
 fn displaced() -> (Data, QuadraticCost, LqrWeights, DMatrix<f64>) {
     let model = Arc::new(springs());
-    let mut data = Data::new(model.clone()).expect("there is memory");
-    data.set_physics_state(&[0.3, -0.2, 0.1, 0.4]).expect("the shape fits");
+    let mut data = Data::new(model.clone()).unwrap();
+    data.set_physics_state(&[0.3, -0.2, 0.1, 0.4]).unwrap();
     let mut weights = LqrWeights::diagonal(&[1.0, 2.0, 0.1, 0.2], &[0.05, 0.1]);
     weights.s = Some(DMatrix::from_row_slice(4, 2, &[0.01, 0.0, 0.0, 0.02, 0.0, 0.0, 0.01, 0.0]));
     let terminal = DMatrix::identity(4, 4) * 3.0;
-    let cost = QuadraticCost::new(model, &[0.0; 4], weights.clone(), terminal.clone()).expect("it fits");
+    let cost = QuadraticCost::new(model, &[0.0; 4], weights.clone(), terminal.clone()).unwrap();
     (data, cost, weights, terminal)
 }
 
@@ -36,11 +36,11 @@ fn a_linear_system_with_a_quadratic_cost_is_solved_in_one_iteration_as_the_recur
     assert_eq!(solution.costs.len(), 2, "{:?}", solution.costs);
 
     let begin = DVector::from_vec(data.physics_state());
-    let system = data.transition_fd(1e-6, Differences::Central).expect("stable");
+    let system = data.transition_fd(1e-6, Differences::Central).unwrap();
     let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
-    let mut recursion = RiccatiRecursion::new(&terminal, 2).expect("it is symmetric");
+    let mut recursion = RiccatiRecursion::new(&terminal, 2).unwrap();
     for step in (0..STEPS).rev() {
-        let gain = recursion.step_back(&a, &b, &weights).expect("all is positive");
+        let gain = recursion.step_back(&a, &b, &weights).unwrap();
         assert_close(&solution.gains[step].to_nalgebra(), gain, 1e-6);
     }
     let cost_to_go = begin.dot(&(recursion.p() * &begin));
@@ -58,7 +58,7 @@ fn far() -> (Data, QuadraticCost) {
     let data = cartpole();
     let weights = LqrWeights::diagonal(&[1.0, 0.1, 0.0, 0.0], &[1e-4]);
     let terminal = DMatrix::identity(4, 4) * 10.0;
-    let cost = QuadraticCost::new(data.model().clone(), &[0.6, 0.0, 0.0, 0.0], weights, terminal).expect("it fits");
+    let cost = QuadraticCost::new(data.model().clone(), &[0.6, 0.0, 0.0, 0.0], weights, terminal).unwrap();
     (data, cost)
 }
 
@@ -93,11 +93,11 @@ fn simulated_cost(data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> 
     let mut data = data.clone();
     let mut total = 0.0;
     // The engine would cut off what a difference adds to a control at the end of its range.
-    data.edit_model(|model| model.actuator_ctrlrange_mut().fill([-10.0, 10.0])).expect("a copy");
+    data.edit_model(|model| model.actuator_ctrlrange_mut().fill([-10.0, 10.0])).unwrap();
     for (step, controls) in controls.rows().enumerate() {
         total += cost.value(step, &data.physics_state(), Some(controls));
         data.ctrl_mut().copy_from_slice(controls);
-        data.step().expect("stable");
+        data.step().unwrap();
     }
     total + cost.value(controls.nrows(), &data.physics_state(), None)
 }
@@ -117,7 +117,7 @@ fn the_cost_only_falls_and_is_that_of_the_trajectory_which_is_that_of_a_simulati
         for step in 0..80 {
             assert_eq!(data.physics_state(), solution.states.row(step));
             data.ctrl_mut().copy_from_slice(solution.controls.row(step));
-            data.step().expect("stable");
+            data.step().unwrap();
         }
         assert_eq!(data.physics_state(), solution.states.row(80));
         assert!((solution.cost() - simulated_cost(&cartpole(), &solution.controls, &cost)).abs() < 1e-9);
@@ -138,15 +138,15 @@ fn the_number_of_threads_changes_no_bit() {
 #[test]
 fn a_solver_can_be_used_again_and_follows_edits_of_the_model() {
     let (mut data, cost) = far();
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
     let begin = Matrix::zeros(60, 1);
-    let first = solver.solve(&data, &begin, &cost).expect("it is stable");
+    let first = solver.solve(&data, &begin, &cost).unwrap();
     let original = data.clone();
-    data.edit_model(|model| model.actuator_gear_mut()[0][0] = 20.0).expect("a copy");
-    let weaker = solver.solve(&data, &begin, &cost).expect("it is stable");
+    data.edit_model(|model| model.actuator_gear_mut()[0][0] = 20.0).unwrap();
+    let weaker = solver.solve(&data, &begin, &cost).unwrap();
     assert!(weaker.cost() > 1.01 * first.cost());
     assert_eq!(weaker.controls, solve(&data, IlqrOptions::default(), &begin, &cost).controls);
-    assert_eq!(solver.solve(&original, &begin, &cost).expect("it is stable").controls, first.controls);
+    assert_eq!(solver.solve(&original, &begin, &cost).unwrap().controls, first.controls);
 }
 
 #[test]
@@ -155,11 +155,11 @@ fn forces_and_time_are_those_of_the_simulation_that_it_begins_in() {
     data.qfrc_applied_mut()[0] = 5.0;
     data.set_time(3.0);
     let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(60, 1), &cost);
-    let mut follow = solution.controller(&data).expect("it fits");
+    let mut follow = solution.controller(&data).unwrap();
     assert_eq!((follow.start(), follow.steps()), (3.0, 60));
     for _ in 0..60 {
-        follow.control(&mut data).expect("the shapes fit");
-        data.step().expect("stable");
+        follow.control(&mut data).unwrap();
+        data.step().unwrap();
     }
     let end = DVector::from_vec(data.physics_state()) - DVector::from_column_slice(solution.states.row(60));
     assert!(end.norm() < 1e-9, "{end}");
@@ -224,7 +224,7 @@ fn derivatives_that_lead_nowhere_end_the_search_where_it_began() {
     // A control that costs the less the larger it is, where nothing bounds it.
     let spoil = |expansion: &mut CostExpansion| (expansion.u[0], expansion.uu[(0, 0)]) = (-1.0, -1.0);
     let endless = Spoilt(spoil, 0.0);
-    let data = Data::new(springs()).expect("there is memory");
+    let data = Data::new(springs()).unwrap();
     let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(10, 2), &endless);
     assert_eq!((solution.status, solution.costs.len()), (IlqrStatus::NoDescent, 1));
 }
@@ -232,7 +232,7 @@ fn derivatives_that_lead_nowhere_end_the_search_where_it_began() {
 #[test]
 fn a_cost_that_is_no_number_or_changes_shapes_is_an_error() {
     let data = cartpole();
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
     let mut error = |spoilt: Spoilt| solver.solve(&data, &Matrix::zeros(3, 1), &spoilt).unwrap_err();
     for value in [f64::NAN, f64::INFINITY] {
         assert!(matches!(error(Spoilt(|_| (), value)), Error::Invalid { .. }));
@@ -259,8 +259,8 @@ fn a_cost_that_is_no_number_or_changes_shapes_is_an_error() {
 
 #[test]
 fn a_beginning_that_is_unstable_is_an_error_of_the_simulation() {
-    let data = Data::new(springs()).expect("there is memory");
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    let data = Data::new(springs()).unwrap();
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
     for control in [f64::NAN, 1e300] {
         let controls = Matrix::from_row_major(5, 2, vec![control; 10]);
         let cost = Spoilt(|_| (), 0.0);
@@ -268,8 +268,8 @@ fn a_beginning_that_is_unstable_is_an_error_of_the_simulation() {
     }
     // It goes on as if nothing had been.
     let (data, cost, ..) = displaced();
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
-    let again = solver.solve(&data, &Matrix::zeros(20, 2), &cost).expect("it is stable");
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
+    let again = solver.solve(&data, &Matrix::zeros(20, 2), &cost).unwrap();
     assert_eq!(again.status, IlqrStatus::Converged);
 }
 
@@ -287,7 +287,7 @@ fn gradient(
         if index < nv {
             let mut velocity = vec![0.0; nv];
             velocity[index] = 1.0;
-            model.integrate_pos(&mut state[..nq], &velocity, eps).expect("the shapes fit");
+            model.integrate_pos(&mut state[..nq], &velocity, eps).unwrap();
         } else {
             state[nq + index - nv] += eps;
         }
@@ -314,17 +314,17 @@ fn the_derivatives_of_a_quadratic_cost_are_those_of_its_values_rotations_include
     let mut weights = LqrWeights { q: random.positive(nx, 0.1), r: random.positive(nu, 0.1), s: None };
     weights.s = Some(random.matrix(nx, nu));
     let terminal = random.positive(nx, 0.1);
-    let mut data = Data::new(model.clone()).expect("there is memory");
-    data.reset_to_key("squat").expect("there is this key");
+    let mut data = Data::new(model.clone()).unwrap();
+    data.reset_to_key("squat").unwrap();
     let target = data.physics_state();
     let controls: Vec<f64> = random.vector(nu).as_slice().to_vec();
     let cost = QuadraticCost::new(model.clone(), &target, weights.clone(), terminal.clone())
         .and_then(|cost| cost.with_controls(&controls))
-        .expect("it fits");
+        .unwrap();
     assert_eq!((cost.value(0, &target, Some(&controls)), cost.value(9, &target, None)), (0.0, 0.0));
 
     let velocity: Vec<f64> = random.vector(27).as_slice().to_vec();
-    model.integrate_pos(data.qpos_mut(), &velocity, 0.5).expect("the shapes fit");
+    model.integrate_pos(data.qpos_mut(), &velocity, 0.5).unwrap();
     data.qvel_mut().copy_from_slice(&velocity);
     let (state, ctrl) = (data.physics_state(), random.vector(nu).as_slice().to_vec());
     for controls in [Some(&ctrl[..]), None] {
@@ -340,7 +340,7 @@ fn the_derivatives_of_a_quadratic_cost_are_those_of_its_values_rotations_include
         assert_close(&expansion.xx, &(expected * 2.0), 1e-12);
         if controls.is_some() {
             assert_close(&expansion.uu, &(&weights.r * 2.0), 1e-12);
-            assert_close(&expansion.xu, &(weights.s.as_ref().expect("there is one") * 2.0), 1e-12);
+            assert_close(&expansion.xu, &(weights.s.as_ref().unwrap() * 2.0), 1e-12);
         }
     }
 }

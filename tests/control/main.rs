@@ -75,7 +75,7 @@ fn weights() -> LqrWeights {
 }
 
 fn cartpole() -> Data {
-    Data::new(sample::cartpole()).expect("there is memory")
+    Data::new(sample::cartpole()).unwrap()
 }
 
 /// Two masses on springs between walls, with a motor on each: its steps are linear. Nothing limits the motors.
@@ -87,5 +87,5 @@ fn springs() -> Model {
               <geom size="0.1" mass="0.5"/></body></body>
         </worldbody><actuator><motor joint="left"/><motor joint="right" gear="2"/></actuator></mujoco>"#,
     )
-    .expect("the springs load")
+    .unwrap()
 }

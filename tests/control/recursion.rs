@@ -24,9 +24,9 @@ fn upright() -> (DMatrix<f64>, DMatrix<f64>) {
 #[test]
 fn over_a_long_time_the_first_gain_is_that_of_scipy() {
     let (a, b) = upright();
-    let mut recursion = RiccatiRecursion::new(&DMatrix::zeros(4, 4), 1).expect("it is symmetric");
+    let mut recursion = RiccatiRecursion::new(&DMatrix::zeros(4, 4), 1).unwrap();
     for _ in 0..5000 {
-        recursion.step_back(&a, &b, &weights()).expect("all is positive");
+        recursion.step_back(&a, &b, &weights()).unwrap();
     }
     // SciPy's solve_discrete_are.
     let k = dmatrix![-0.46741668449941, -5.5927150414698, -0.8436677105895, -1.4448668569023];
@@ -46,8 +46,8 @@ fn from_the_solution_of_the_equation_the_recursion_does_not_move() {
         let (a, b) = (random.matrix(size, size), random.matrix(size, 2));
         let weights = LqrWeights { q: random.positive(size, 0.1), r: random.positive(2, 0.1), s: None };
         let solution = Riccati::new(&a, &b, &weights.q, &weights.r).solve().expect("controllable");
-        let mut recursion = RiccatiRecursion::new(&solution.p, 2).expect("it is symmetric");
-        assert_close(recursion.step_back(&a, &b, &weights).expect("all is positive"), &solution.k, 1e-9);
+        let mut recursion = RiccatiRecursion::new(&solution.p, 2).unwrap();
+        assert_close(recursion.step_back(&a, &b, &weights).unwrap(), &solution.k, 1e-9);
         assert_close(recursion.p(), &solution.p, 1e-9);
     }
 }
@@ -95,7 +95,7 @@ impl Problem {
         h += map.transpose() * &self.terminal * &map * 2.0;
         g += map.transpose() * &self.terminal * &offset * 2.0;
         c += offset.dot(&(&self.terminal * &offset));
-        let u = -h.clone().cholesky().expect("the cost is convex").solve(&g);
+        let u = -h.clone().cholesky().unwrap().solve(&g);
         let cost = 0.5 * u.dot(&(&h * &u)) + g.dot(&u) + c;
         (u, cost)
     }
@@ -109,9 +109,8 @@ fn the_gains_give_the_controls_and_the_cost_of_the_whole_problem_solved_at_once(
         let begin = Random::new(seed + 100).vector(n);
         let (expected, cost) = problem.solve(&begin);
 
-        let mut recursion = RiccatiRecursion::new(&problem.terminal, m).expect("it is symmetric");
-        let back =
-            |(a, b, weights): &(_, _, _)| recursion.step_back(a, b, weights).expect("the cost is convex").clone();
+        let mut recursion = RiccatiRecursion::new(&problem.terminal, m).unwrap();
+        let back = |(a, b, weights): &(_, _, _)| recursion.step_back(a, b, weights).unwrap().clone();
         let mut gains: Vec<DMatrix<f64>> = problem.systems.iter().rev().map(back).collect();
         gains.reverse();
         assert!((begin.dot(&(recursion.p() * &begin)) - cost).abs() <= 1e-9 * cost, "the cost to go of problem {seed}");
@@ -128,10 +127,10 @@ fn the_gains_give_the_controls_and_the_cost_of_the_whole_problem_solved_at_once(
 #[test]
 fn no_weight_of_the_controls_is_needed_where_the_state_after_them_costs() {
     // One step to bring the state to zero.
-    let mut recursion = RiccatiRecursion::new(&DMatrix::identity(2, 2), 2).expect("it is symmetric");
+    let mut recursion = RiccatiRecursion::new(&DMatrix::identity(2, 2), 2).unwrap();
     let a = dmatrix![1.0, 2.0; 3.0, 4.0];
     let weights = LqrWeights::diagonal(&[0.0, 0.0], &[0.0, 0.0]);
-    let gain = recursion.step_back(&a, &DMatrix::<f64>::identity(2, 2), &weights).expect("the end costs").clone();
+    let gain = recursion.step_back(&a, &DMatrix::<f64>::identity(2, 2), &weights).unwrap().clone();
     assert_close(&gain, &a, 1e-15);
     assert!(recursion.p().norm() < 1e-15);
 }
@@ -148,8 +147,8 @@ fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
             weights
         })
     };
-    let begin = || RiccatiRecursion::new(&DMatrix::identity(3, 3), 2).expect("it is symmetric");
-    begin().step_back(&good().0, &good().1, &good().2).expect("it is good");
+    let begin = || RiccatiRecursion::new(&DMatrix::identity(3, 3), 2).unwrap();
+    begin().step_back(&good().0, &good().1, &good().2).unwrap();
 
     let wrong = |matrix, expected, got| RiccatiError::WrongShape { matrix, expected, got };
     let shapes: [(Spoil, RiccatiError); 5] = [
@@ -171,7 +170,7 @@ fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
         (|_, b, _| b[(2, 1)] = f64::INFINITY, RiccatiMatrix::B),
         (|_, _, weights| weights.q[(2, 1)] = f64::NAN, RiccatiMatrix::Q),
         (|_, _, weights| weights.r[(1, 0)] = f64::NAN, RiccatiMatrix::R),
-        (|_, _, weights| weights.s.as_mut().expect("there is one")[(2, 1)] = f64::NAN, RiccatiMatrix::S),
+        (|_, _, weights| weights.s.as_mut().unwrap()[(2, 1)] = f64::NAN, RiccatiMatrix::S),
     ];
     for (spoil, at_fault) in values {
         let (mut a, mut b, mut weights) = good();
@@ -212,7 +211,7 @@ fn the_cost_of_the_end_is_checked_like_the_others() {
 #[test]
 fn a_cost_that_falls_without_end_is_told() {
     let one = DMatrix::identity(1, 1);
-    let mut recursion = RiccatiRecursion::new(&dmatrix![-2.0], 1).expect("it is symmetric");
+    let mut recursion = RiccatiRecursion::new(&dmatrix![-2.0], 1).unwrap();
     let error = recursion.step_back(&one, &one, &LqrWeights::diagonal(&[1.0], &[1.0])).unwrap_err();
     assert_eq!(error, RiccatiError::NoLeastCost { smallest_eigenvalue: -1.0 });
     assert!(error.to_string().contains("positive semidefinite"), "{error}");

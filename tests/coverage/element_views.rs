@@ -29,8 +29,8 @@ const EXCEPTIONS: [(&str, &str); 7] = [
 fn words() -> BTreeSet<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/element");
     let mut words = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).expect("the views' source") {
-        let text = std::fs::read_to_string(entry.expect("a file").path()).expect("text");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let text = std::fs::read_to_string(entry.unwrap().path()).unwrap();
         for line in text.lines().filter(|line| !line.trim_start().starts_with("//")) {
             let line = line.split("#[doc").next().unwrap_or_default();
             words.extend(line.split(|letter: char| !letter.is_alphanumeric() && letter != '_').map(str::to_owned));

@@ -26,7 +26,7 @@ const WRITTEN: [(&str, &str, &str); 1] = [("Data", "time", "Data::set_time")];
 
 /// The generated accessors' names.
 fn accessors(file: &str) -> Vec<String> {
-    let text = std::fs::read_to_string(root().join("src/generated").join(file)).expect("a generated file");
+    let text = std::fs::read_to_string(root().join("src/generated").join(file)).unwrap();
     let starts = text.lines().filter_map(|line| line.trim().strip_prefix("pub fn "));
     starts.filter_map(|rest| rest.split('(').next()).map(str::to_owned).collect()
 }
@@ -36,8 +36,8 @@ fn setters() -> BTreeMap<String, String> {
     let mut setters = BTreeMap::new();
     for (_, text) in sources("src/element") {
         for block in text.split("\nfields!(").skip(1) {
-            let kind = block.split(" on ").next().expect("a kind");
-            let body = block.split("\n});").next().expect("the end of the block");
+            let kind = block.split(" on ").next().unwrap();
+            let body = block.split("\n});").next().unwrap();
             for line in body.lines().map(str::trim) {
                 let Some((_, rest)) = line.split_once(" = ") else { continue };
                 let Some((array, setter)) = rest.trim_end_matches(';').split_once(", ") else { continue };

@@ -39,7 +39,7 @@ fn rows() -> Vec<Row> {
 
 /// The functions that the bindings declare.
 fn declared() -> BTreeSet<String> {
-    let bindings = std::fs::read_to_string(root().join("mujoco-sys/src/bindings/v2_2_2.rs")).expect("the bindings");
+    let bindings = std::fs::read_to_string(root().join("mujoco-sys/src/bindings/v2_2_2.rs")).unwrap();
     let names = bindings.lines().filter_map(|line| line.trim().strip_prefix("pub fn "));
     names.filter_map(|rest| rest.split('(').next()).filter(|name| name.starts_with("mj")).map(str::to_owned).collect()
 }

@@ -14,9 +14,9 @@ fn declared() -> BTreeMap<(String, String), Vec<String>> {
     let mut declared: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
     for (_, text) in sources("src/element") {
         for block in text.split("\nfields!(").skip(1) {
-            let (head, body) = block.split_once('{').expect("a block");
-            let (kind, owner) = head.trim().split_once(" on ").expect("a kind and its owner");
-            let body = body.split("\n});").next().expect("the end of the block");
+            let (head, body) = block.split_once('{').unwrap();
+            let (kind, owner) = head.trim().split_once(" on ").unwrap();
+            let body = body.split("\n});").next().unwrap();
             let names =
                 body.lines().filter_map(|line| line.strip_prefix("    ")).filter_map(|line| line.split_once(": "));
             let names = names

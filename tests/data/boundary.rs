@@ -1,5 +1,5 @@
-//! Every way across the boundary to the engine, once or a few times: small enough for memcheck (`scripts/memcheck`), which
-//! then finds accesses outside of its memory, uses of what is not initialised, and blocks that nobody frees.
+//! Every kind of call across the boundary to C, a few times each: small enough for valgrind's memcheck (`scripts/memcheck`), which
+//! detects invalid accesses, uses of uninitialised memory and leaks.
 
 #![forbid(unsafe_code)]
 
@@ -13,7 +13,7 @@ use mujoco_safe::{
 
 use crate::touch_all;
 
-/// Something of every kind that the engine has arrays for.
+/// A model with an element of every kind for which the engine has arrays.
 const EVERYTHING: &str = r#"<mujoco>
   <size nuserdata="3" nuser_body="1" nuser_jnt="1" nuser_geom="1" nuser_site="1" nuser_cam="1" nuser_tendon="1"
         nuser_actuator="1" nuser_sensor="1" njmax="80" nconmax="20"/>
@@ -70,7 +70,7 @@ fn everything() -> Model {
     Model::from_xml_str(EVERYTHING).unwrap()
 }
 
-/// A folder of this process and test, that is removed at the end.
+/// A folder of this process and test, removed on drop.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -137,11 +137,11 @@ fn every_view_prints() {
 }
 
 #[test]
-fn loading_and_its_errors() {
+fn loading_saving_and_their_errors() {
     let folder = Folder::new("loading");
     let path = folder.0.join("model.xml");
     std::fs::write(&path, sample::CARTPOLE_XML).unwrap();
-    // The tests of this file load models at the same time, and the engine keeps the XML of the last one only.
+    // Other tests load models at the same time, and the engine keeps the XML of the last model only.
     let model = (0..1000)
         .find_map(|_| {
             let model = Model::from_xml_path(&path).unwrap();

@@ -18,9 +18,8 @@ const SAME_BITS: bool = cfg!(all(target_arch = "x86_64", target_os = "linux", ta
 
 /// The recording for a model, unless it is of another engine.
 fn recorded(model: &str) -> Option<Value> {
-    let recording: Value =
-        serde_json::from_str(include_str!("../oracle/recorded.json")).expect("the recording is JSON");
-    let (engine, running) = (recording["engine"].as_str().expect("a version"), engine_version().to_string());
+    let recording: Value = serde_json::from_str(include_str!("../oracle/recorded.json")).unwrap();
+    let (engine, running) = (recording["engine"].as_str().unwrap(), engine_version().to_string());
     if engine != running {
         println!("skipped: recorded with MuJoCo {engine}, running with {running}");
         return None;
@@ -85,13 +84,13 @@ fn sizes_are_those_that_python_sees() {
 fn trajectories_are_those_that_python_steps() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model).expect("there is memory");
+        let mut data = Data::new(model).unwrap();
         let mut samples = items(&recorded["trajectory"]).iter();
         for step in 0..1000 {
             for (index, ctrl) in data.ctrl_mut().iter_mut().enumerate() {
                 *ctrl = 0.3 * (f64::from(step) * 0.1 + index as f64).sin();
             }
-            data.step().expect("a step");
+            data.step().unwrap();
             if (step + 1) % 50 != 0 {
                 continue;
             }
@@ -113,13 +112,13 @@ fn trajectories_are_those_that_python_steps() {
 fn the_forces_that_hold_a_pose_are_those_that_python_finds() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model).expect("there is memory");
+        let mut data = Data::new(model).unwrap();
         for pose in items(&recorded["poses"]) {
-            let keyframe = pose["keyframe"].as_str().expect("a name");
+            let keyframe = pose["keyframe"].as_str().unwrap();
             reset(&mut data, keyframe);
-            data.forward().expect("forward dynamics");
+            data.forward().unwrap();
             data.qacc_mut().fill(0.0);
-            data.inverse().expect("inverse dynamics");
+            data.inverse().unwrap();
             let what = format!("{name}, '{keyframe}': qfrc_inverse");
             assert_same(&what, data.qfrc_inverse(), &numbers(&pose["qfrc_inverse"]), 1e-9);
         }
@@ -130,18 +129,18 @@ fn the_forces_that_hold_a_pose_are_those_that_python_finds() {
 fn contacts_are_those_that_python_finds() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model.clone()).expect("there is memory");
+        let mut data = Data::new(model.clone()).unwrap();
         for pose in items(&recorded["poses"]) {
-            let keyframe = pose["keyframe"].as_str().expect("a name");
+            let keyframe = pose["keyframe"].as_str().unwrap();
             reset(&mut data, keyframe);
-            data.forward().expect("forward dynamics");
+            data.forward().unwrap();
             let contacts = items(&pose["contacts"]);
             assert_eq!(data.contacts().len(), contacts.len(), "{name}, '{keyframe}'");
             for (contact, recorded) in data.contacts().zip(contacts) {
                 let what = format!("{name}, '{keyframe}', contact {}", contact.index());
                 let names = contact.geoms().map(|geom| model.geom(geom).name());
                 assert_eq!([recorded["geoms"][0].as_str(), recorded["geoms"][1].as_str()], names, "{what}");
-                let force = contact.force().expect("computed");
+                let force = contact.force().unwrap();
                 assert_same(&what, &[contact.dist()], &[number(&recorded["dist"])], 1e-9);
                 assert_same(&what, contact.pos(), &numbers(&recorded["pos"]), 1e-9);
                 assert_same(&what, &[force.force, force.torque].concat(), &numbers(&recorded["force"]), 1e-9);
@@ -154,25 +153,25 @@ fn contacts_are_those_that_python_finds() {
 fn jacobians_are_those_that_python_finds() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model.clone()).expect("there is memory");
-        data.reset_to_key(model.nkey() - 1).expect("a last keyframe");
-        data.forward().expect("forward dynamics");
+        let mut data = Data::new(model.clone()).unwrap();
+        data.reset_to_key(model.nkey() - 1).unwrap();
+        data.forward().unwrap();
         let near = |what: &str, ours: &Matrix, theirs: &Value| {
             assert_eq!(ours.shape(), (3, model.nv()), "{what}");
             assert_same(what, ours.as_slice(), &numbers(theirs), 1e-12);
         };
-        for (body, recorded) in recorded["jacobians"]["bodies"].as_object().expect("an object") {
+        for (body, recorded) in recorded["jacobians"]["bodies"].as_object().unwrap() {
             let what = format!("{name}, body '{body}'");
-            let id = model.body(body).expect("there is such a body");
-            let frame = data.jac_body(id).expect("computed");
+            let id = model.body(body).unwrap();
+            let frame = data.jac_body(id).unwrap();
             near(&what, &frame.translation, &recorded["translation"]);
             near(&what, &frame.rotation, &recorded["rotation"]);
-            near(&what, &data.jac_body_com(id).expect("computed").translation, &recorded["com"]);
-            near(&what, &data.jac_subtree_com(id).expect("computed"), &recorded["subtree_com"]);
+            near(&what, &data.jac_body_com(id).unwrap().translation, &recorded["com"]);
+            near(&what, &data.jac_subtree_com(id).unwrap(), &recorded["subtree_com"]);
         }
-        for (site, recorded) in recorded["jacobians"]["sites"].as_object().expect("an object") {
+        for (site, recorded) in recorded["jacobians"]["sites"].as_object().unwrap() {
             let what = format!("{name}, site '{site}'");
-            let frame = data.jac_site(model.site(site).expect("there is such a site")).expect("computed");
+            let frame = data.jac_site(model.site(site).unwrap()).unwrap();
             near(&what, &frame.translation, &recorded["translation"]);
             near(&what, &frame.rotation, &recorded["rotation"]);
         }
@@ -183,11 +182,11 @@ fn jacobians_are_those_that_python_finds() {
 fn linearisations_are_those_that_python_finds() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model).expect("there is memory");
+        let mut data = Data::new(model).unwrap();
         if name == "humanoid" {
             reset(&mut data, "stand_on_left_leg");
         }
-        let mut system = data.transition_fd(1e-6, Differences::Central).expect("it can be linearised");
+        let mut system = data.transition_fd(1e-6, Differences::Central).unwrap();
         // The engine subtracts the readings the wrong way round, which is corrected here and not there.
         system.d.as_mut_slice().iter_mut().for_each(|value| *value = -*value);
         let recorded = &recorded["linearisation"];

@@ -123,9 +123,9 @@ fn a_matrix_is_printed_row_by_row() {
 
 #[test]
 fn matrices_of_another_shape_are_not_written_to() {
-    let mut data = Data::new(HUMANOID.clone()).expect("there is memory");
-    data.forward().expect("forward dynamics");
-    let torso = data.model().body("torso").expect("there is a torso").id();
+    let mut data = Data::new(HUMANOID.clone()).unwrap();
+    data.forward().unwrap();
+    let torso = data.model().body("torso").unwrap().id();
     let nv = data.model().nv();
     for (rows, columns) in [(nv, 3), (3, nv - 1), (3, nv + 1), (2, nv), (1, 3 * nv), (0, 0)] {
         let mut wrong = Matrix::zeros(rows, columns);
@@ -134,7 +134,7 @@ fn matrices_of_another_shape_are_not_written_to() {
             data.jac_body_into(torso, None, Some(&mut wrong)),
             data.jac_subtree_com_into(torso, &mut wrong),
         ] {
-            let error = result.expect_err("a wrong shape");
+            let error = result.unwrap_err();
             assert!(
                 matches!(error, Error::Shape { expected, found, .. } if expected == (3, nv) && found == (rows, columns)),
                 "{error}"

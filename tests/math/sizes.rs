@@ -7,7 +7,7 @@ use mujoco_safe::{Error, Matrix, Result};
 /// `call(sizes)` goes through with the sizes that are given, and is an [`Error::Shape`] if one of them is one less or one more.
 #[track_caller]
 fn checks<const N: usize, T>(right: [usize; N], mut call: impl FnMut([usize; N]) -> Result<T>) {
-    call(right).map(drop).expect("the right sizes");
+    call(right).map(drop).unwrap();
     for at in 0..N {
         for wrong in [right[at] + 1, right[at] - 1] {
             let mut sizes = right;

@@ -81,7 +81,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
         if matches!(segment, Some(Segment { object: Some(SceneObject::Actuator(_)), .. })) {
             return View::Outline;
         }
-        let seen = segment.map(|segment| of_model(scene.geom(segment.geom)).expect("nothing but geoms"));
+        let seen = segment.map(|segment| of_model(scene.geom(segment.geom)).unwrap());
         let met = all.meet(pixel);
         if met.view != View::Outline {
             let is_there = met.geom == seen || seen.is_some_and(|geom| all.distance(geom, met.direction) <= met.far());

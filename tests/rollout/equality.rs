@@ -57,7 +57,7 @@ fn rollout(case: &Case) -> Rollout<'_> {
 
 #[track_caller]
 fn assert_gives(rollout: &Rollout<'_>, expected: &Expected) {
-    let result = rollout.run().expect("the sizes are right");
+    let result = rollout.run().unwrap();
     for (index, outcome) in result.outcomes().iter().enumerate() {
         assert!(outcome.is_ok(), "rollout {index}: {outcome:?}");
     }

@@ -21,7 +21,7 @@ use mujoco_safe::{Controller, Data, Model, RandomController, StateSpec, sample};
 
 /// A pool of so many threads.
 fn pool(threads: usize) -> ThreadPool {
-    ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started")
+    ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
 }
 
 /// The bits, so that a NaN equals itself and a zero does not equal a negative one.
@@ -54,14 +54,14 @@ impl Case {
         let (mut initial, mut controls) = (Vec::new(), Vec::new());
         for index in 0..count {
             let mut random = RandomController::new(index as u64);
-            let mut data = Data::new(model.clone()).expect("there is memory");
+            let mut data = Data::new(model.clone()).unwrap();
             for _ in 0..5 * index {
-                random.control(&mut data).expect("it has controls");
-                data.step().expect("it is stable");
+                random.control(&mut data).unwrap();
+                data.step().unwrap();
             }
             initial.extend(data.state(spec));
             for _ in 0..steps {
-                random.control(&mut data).expect("it has controls");
+                random.control(&mut data).unwrap();
                 controls.extend_from_slice(data.ctrl());
             }
         }
@@ -73,7 +73,7 @@ impl Case {
         vec![
             Self::new(sample::cartpole(), 13, 60),
             Self::new(sample::humanoid(), 7, 25),
-            Self::new(Model::from_xml_path(every_element).expect("it compiles"), 6, 20),
+            Self::new(Model::from_xml_path(every_element).unwrap(), 6, 20),
         ]
     }
 
@@ -91,12 +91,12 @@ impl Case {
     fn expected(&self) -> Expected {
         let mut expected = Expected::default();
         for index in 0..self.count {
-            let mut data = Data::new(self.model.clone()).expect("there is memory");
-            data.set_state(self.spec, self.initial_of(index)).expect("it has the right length");
+            let mut data = Data::new(self.model.clone()).unwrap();
+            data.set_state(self.spec, self.initial_of(index)).unwrap();
             expected.states.extend(data.physics_state());
             for step in 0..self.steps {
                 data.ctrl_mut().copy_from_slice(self.controls_of(index, step));
-                data.step().expect("it is stable");
+                data.step().unwrap();
                 expected.sensordata.extend_from_slice(data.sensordata());
                 expected.states.extend(data.physics_state());
             }

@@ -15,7 +15,7 @@ use mujoco_safe::{Cone, Data, Error, Model, sample};
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
 
 fn every_element() -> Model {
-    Model::from_xml_str(EVERY_ELEMENT).expect("the model with every element loads")
+    Model::from_xml_str(EVERY_ELEMENT).unwrap()
 }
 
 fn everything(label: LabelMode, frame: FrameMode) -> SceneOptions {
@@ -74,7 +74,7 @@ fn worked<T>(result: Result<T, Error>) -> bool {
 /// Tries everything that reads a simulation: what shows no contacts, what shows them, what takes velocities.
 fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
     let model = data.model().clone();
-    let body = model.body("free_ball").expect("it is there").id();
+    let body = model.body("free_ball").unwrap().id();
     let mut camera = Camera::tracking(&model, body);
     let mut perturbation = Perturbation::default();
     perturbation.select = Some(body);

@@ -107,14 +107,14 @@ fn scenes_are_the_engines_under_all_options() {
         let forces = twins.ours.xfrc_applied().as_flattened().to_vec();
         twins.raw.write(|d| d.xfrc_applied, &forces);
 
-        let mut ours = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut ours = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let mut camera = Camera::free(&twins.model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let perturbation = perturbation(&twins.model);
         for options in all_options(twins.model.ngeom() < 100) {
             for pert in [None, Some(&perturbation)] {
-                ours.update(&mut twins.ours, &options, pert, &mut camera, Categories::all()).expect("a scene");
+                ours.update(&mut twins.ours, &options, pert, &mut camera, Categories::all()).unwrap();
                 theirs.update(&twins.raw, &options, pert, &mut raw_camera);
                 let skins = options.flags.contains(VisualFlags::SKIN);
                 assert_same_scene(&format!("{}, {options:?}", twins.name), &ours, &theirs, skins);
@@ -150,12 +150,12 @@ fn scenes_are_the_engines_under_all_options() {
 fn geoms_are_seen_as_the_engine_has_them() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
-        let mut scene = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut scene = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let options = SceneOptions { flags: VisualFlags::all(), label: LabelMode::Geom, ..SceneOptions::default() };
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let mut camera = Camera::free(&twins.model);
-        scene.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("a scene");
+        scene.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
         theirs.update(&twins.raw, &options, None, &mut raw_camera);
         assert_eq!(scene.geoms().len(), theirs.geoms().len());
         for (index, (ours, theirs)) in scene.geoms().zip(theirs.geoms()).enumerate() {
@@ -213,7 +213,7 @@ fn position(raw: i32) -> usize {
 fn geoms_are_added_as_the_engine_adds_them() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
-        let mut ours = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut ours = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
         let raw_options = raw_options(&options);
@@ -222,13 +222,13 @@ fn geoms_are_added_as_the_engine_adds_them() {
         let mut end = 0;
         for bits in 0..8 {
             let categories = Categories::from_bits_truncate(bits);
-            let range = ours.add(&mut twins.ours, &options, Some(&perturbation), categories).expect("there is room");
+            let range = ours.add(&mut twins.ours, &options, Some(&perturbation), categories).unwrap();
             assert_eq!((range.start, range.end), (end, ours.ngeom()));
             end = range.end;
             let (opt, pert) = (&raw const raw_options, &raw const raw_perturbation);
             c!(mjv_addGeoms(twins.raw.m(), twins.raw.d, opt, pert, bits as i32, &raw mut *theirs.0));
         }
-        ours.update_lights(&twins.ours).expect("poses were computed");
+        ours.update_lights(&twins.ours).unwrap();
         c!(mjv_makeLights(twins.raw.m(), twins.raw.d, &raw mut *theirs.0));
         assert_same_scene(&subject.name, &ours, &theirs, false);
     }
@@ -239,16 +239,16 @@ fn a_full_scene_is_reported_and_has_what_there_was_room_for() {
     let mut twins = Twins::in_motion(&scene_subjects()[0]);
     let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
     let mut camera = Camera::free(&twins.model);
-    let mut whole = Scene::new(&twins.model, 20_000).expect("there is memory");
-    whole.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("there is room");
+    let mut whole = Scene::new(&twins.model, 20_000).unwrap();
+    whole.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
     let needed = whole.ngeom();
     // What comes last in this model are the contacts, all of which are shown.
-    let mut exact = Scene::new(&twins.model, needed).expect("there is memory");
-    exact.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("there is room");
+    let mut exact = Scene::new(&twins.model, needed).unwrap();
+    exact.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
     assert_eq!(twins.ours.warning(Warning::VisualGeomFull).number, 0);
 
     for room in [0, 1, 7, needed / 2, needed - 1] {
-        let mut ours = Scene::new(&twins.model, room).expect("there is memory");
+        let mut ours = Scene::new(&twins.model, room).unwrap();
         let mut theirs = RawScene::new(&twins.raw, room as i32);
         let mut camera = Camera::free(&twins.model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));

@@ -13,7 +13,7 @@ const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
 
 /// All but the largest models, and the one with every element.
 pub(crate) fn scene_subjects() -> Vec<Subject> {
-    let every = Model::from_xml_str(EVERY_ELEMENT).expect("the model with every element loads");
+    let every = Model::from_xml_str(EVERY_ELEMENT).unwrap();
     let others = usual_subjects().map(|subject| Subject { name: subject.name.clone(), model: subject.model.clone() });
     let every = Subject { name: "every element".to_owned(), model: Arc::new(every) };
     std::iter::once(every).chain(others).collect()

@@ -14,7 +14,7 @@ fn trajectory() -> (Data, Trajectory) {
 }
 
 fn error<T: serde::de::DeserializeOwned>(value: Value) -> String {
-    from_value::<T>(value).err().expect("it is not consistent").to_string()
+    from_value::<T>(value).err().unwrap().to_string()
 }
 
 #[test]

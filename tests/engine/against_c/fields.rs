@@ -144,14 +144,14 @@ impl Engine {
             Seen::Number(number) => Some((*name, *number as usize)),
             Seen::Array { .. } => None,
         });
-        let bytes = usize::try_from(bytes).expect("a size is not negative");
+        let bytes = usize::try_from(bytes).unwrap();
         Self { sizes: sizes.collect(), buffer: buffer.addr()..buffer.addr() + bytes }
     }
 
     /// As for a model, but of constraints only those that there are: an accessor hands out no more.
     fn of_data(model: &Pairs, raw: &mjData) -> Self {
         let mut engine = Self::new(model, raw.buffer, raw.nbuffer);
-        engine.sizes.insert("njmax", usize::try_from(raw.nefc).expect("a size is not negative"));
+        engine.sizes.insert("njmax", usize::try_from(raw.nefc).unwrap());
         engine
     }
 
@@ -212,7 +212,7 @@ impl Engine {
 /// The models of this file's tests: those of the other files here, and one with an element of every kind and type.
 fn models() -> impl Iterator<Item = (String, Arc<Model>)> {
     let every = Model::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml"));
-    let every = ("every_element".to_owned(), Arc::new(every.expect("a model of our own loads")));
+    let every = ("every_element".to_owned(), Arc::new(every.unwrap()));
     subjects().iter().map(|subject| (subject.name.clone(), subject.model.clone())).chain([every])
 }
 

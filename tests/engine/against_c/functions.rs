@@ -31,20 +31,20 @@ fn jacobians_are_the_engines() {
         for body in chosen(model.bodies()) {
             let (what, id) = (format!("{}, {body:?}", twins.name), body.index() as i32);
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacBody(m, d, jacp, jacr, id)));
-            assert_same_pair(&what, &ours.jac_body(body).expect("computed"), &theirs);
+            assert_same_pair(&what, &ours.jac_body(body).unwrap(), &theirs);
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacBodyCom(m, d, jacp, jacr, id)));
-            assert_same_pair(&what, &ours.jac_body_com(body).expect("computed"), &theirs);
+            assert_same_pair(&what, &ours.jac_body_com(body).unwrap(), &theirs);
             let point = [0.1 * f64::from(id), -0.2, 0.3];
             let theirs = pair(nv, |jacp, jacr| c!(mj_jac(m, d, jacp, jacr, point.as_ptr(), id)));
-            assert_same_pair(&what, &ours.jac(body, point).expect("computed"), &theirs);
+            assert_same_pair(&what, &ours.jac(body, point).unwrap(), &theirs);
         }
         for geom in chosen(model.geoms()) {
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacGeom(m, d, jacp, jacr, geom.index() as i32)));
-            assert_same_pair(&format!("{geom:?}"), &ours.jac_geom(geom).expect("computed"), &theirs);
+            assert_same_pair(&format!("{geom:?}"), &ours.jac_geom(geom).unwrap(), &theirs);
         }
         for site in chosen(model.sites()) {
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacSite(m, d, jacp, jacr, site.index() as i32)));
-            assert_same_pair(&format!("{site:?}"), &ours.jac_site(site).expect("computed"), &theirs);
+            assert_same_pair(&format!("{site:?}"), &ours.jac_site(site).unwrap(), &theirs);
         }
     }
 }
@@ -57,7 +57,7 @@ fn jacobians_of_subtrees_are_the_engines() {
         for body in bodies {
             let mut theirs = vec![0.0; 3 * twins.model.nv()];
             c!(mj_jacSubtreeCom(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), body.index() as i32));
-            let ours = twins.ours.jac_subtree_com(body).expect("computed");
+            let ours = twins.ours.jac_subtree_com(body).unwrap();
             assert_same(&format!("{}, {body:?}", twins.name), ours.as_slice(), &theirs);
         }
     }
@@ -68,11 +68,11 @@ fn a_jacobian_alone_is_that_of_the_pair() {
     for subject in small_subjects() {
         let twins = Twins::in_motion(subject);
         for body in twins.model.bodies() {
-            let both = twins.ours.jac_body(body).expect("computed");
+            let both = twins.ours.jac_body(body).unwrap();
             let (mut translation, mut rotation) =
                 (Matrix::zeros(3, twins.model.nv()), Matrix::zeros(3, twins.model.nv()));
-            twins.ours.jac_body_into(body, Some(&mut translation), None).expect("computed");
-            twins.ours.jac_body_into(body, None, Some(&mut rotation)).expect("computed");
+            twins.ours.jac_body_into(body, Some(&mut translation), None).unwrap();
+            twins.ours.jac_body_into(body, None, Some(&mut rotation)).unwrap();
             assert_eq!((translation, rotation), (both.translation, both.rotation), "{}, {body:?}", twins.name);
         }
     }
@@ -85,17 +85,17 @@ fn the_inertia_matrix_is_the_engines() {
         let nv = twins.model.nv();
         let mut theirs = vec![0.0; nv * nv];
         c!(mj_fullM(twins.raw.m(), theirs.as_mut_ptr(), twins.raw.data().qM));
-        assert_same(&twins.name, twins.ours.full_m().expect("computed").as_slice(), &theirs);
+        assert_same(&twins.name, twins.ours.full_m().unwrap().as_slice(), &theirs);
 
         let vector = twins.numbers(nv);
         let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-        twins.ours.mul_m(&mut ours, &vector).expect("computed");
+        twins.ours.mul_m(&mut ours, &vector).unwrap();
         c!(mj_mulM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vector.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
 
         let vectors = twins.numbers(3 * nv);
         let (mut ours, mut theirs) = (vec![0.0; 3 * nv], vec![0.0; 3 * nv]);
-        twins.ours.solve_m(&mut ours, &vectors).expect("computed");
+        twins.ours.solve_m(&mut ours, &vectors).unwrap();
         c!(mj_solveM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vectors.as_ptr(), 3));
         assert_same(&twins.name, &ours, &theirs);
     }
@@ -110,12 +110,12 @@ fn differences_and_sums_of_positions_are_the_engines() {
         let mut to = twins.ours.qpos().to_vec();
         let mut theirs = to.clone();
         assert_eq!(to.len(), nq);
-        twins.model.integrate_pos(&mut to, &velocity, 0.7).expect("the lengths are right");
+        twins.model.integrate_pos(&mut to, &velocity, 0.7).unwrap();
         c!(mj_integratePos(twins.raw.m(), theirs.as_mut_ptr(), velocity.as_ptr(), 0.7));
         assert_same(&twins.name, &to, &theirs);
 
         let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-        twins.model.differentiate_pos(&mut ours, 0.3, &from, &to).expect("the lengths are right");
+        twins.model.differentiate_pos(&mut ours, 0.3, &from, &to).unwrap();
         c!(mj_differentiatePos(twins.raw.m(), theirs.as_mut_ptr(), 0.3, from.as_ptr(), to.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
     }
@@ -150,13 +150,13 @@ fn contacts_and_their_forces_are_the_engines() {
             assert_eq!(contact.is_active(), theirs.efc_address >= 0, "{what}");
             let mut wrench = [0.0; 6];
             c!(mj_contactForce(twins.raw.m(), twins.raw.d, index as i32, wrench.as_mut_ptr()));
-            let ours = contact.force().expect("computed");
+            let ours = contact.force().unwrap();
             assert_same(&what, &ours.force, &wrench[..3]);
             assert_same(&what, &ours.torque, &wrench[3..]);
 
             let mut world = [0.0; 3];
             c!(mju_mulMatTVec(world.as_mut_ptr(), theirs.frame.as_ptr(), wrench.as_ptr(), 3, 3));
-            for (ours, theirs) in contact.force_in_world().expect("computed").iter().zip(world) {
+            for (ours, theirs) in contact.force_in_world().unwrap().iter().zip(world) {
                 assert!((ours - theirs).abs() <= 1e-12 * (1.0 + theirs.abs()), "{what}: {ours} and {theirs}");
             }
             seen += 1;
@@ -211,7 +211,7 @@ fn linearisations_are_the_engines() {
             let mut alone = Matrix::zeros(nx, nu);
             let outputs = TransitionOutputs { b: Some(&mut alone), ..Default::default() };
             let mut again = Twins::in_motion(subject);
-            again.ours.transition_fd_into(1e-6, differences, outputs).expect("the engine can linearise it");
+            again.ours.transition_fd_into(1e-6, differences, outputs).unwrap();
             assert_same(&format!("B alone of {}", twins.name), alone.as_slice(), b.as_slice());
         }
     }

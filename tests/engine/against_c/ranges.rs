@@ -31,7 +31,7 @@ const ARM: &str = r#"<mujoco>
 
 #[test]
 fn length_ranges_are_the_engines() {
-    let original = Model::from_xml_str(ARM).expect("the arm loads");
+    let original = Model::from_xml_str(ARM).unwrap();
     let mut ranges = Vec::new();
     for (mode, maxforce, uselimit) in [
         (LengthRangeMode::All, 0.0, false),
@@ -44,7 +44,7 @@ fn length_ranges_are_the_engines() {
         for index in 0..2 {
             let mut model = original.clone();
             let options = LengthRangeOptions { mode, maxforce, uselimit, ..Default::default() };
-            let id = model.id_at(index).expect("there are two");
+            let id = model.id_at(index).unwrap();
             let ours = model.edit().set_length_range(id, &options).expect("it settles");
 
             if uselimit && index == 1 {

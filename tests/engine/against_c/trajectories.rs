@@ -41,7 +41,7 @@ fn a_trajectory_is_the_engines_with_every_integrator_solver_and_cone() {
                 let changed = model.edit().options(|options| {
                     (options.integrator, options.solver, options.cone) = (integrator, solver, cone);
                 });
-                changed.expect("these are options");
+                changed.unwrap();
                 let name = format!("humanoid with {integrator:?}, {solver:?}, {cone:?}");
                 let mut twins = Twins::new(&Subject { name, model: Arc::new(model) });
                 let mut contacts = 0;
@@ -59,7 +59,7 @@ fn a_trajectory_is_the_engines_with_every_integrator_solver_and_cone() {
 
 /// What the arrays of a data hold, except that of contacts, of which the engine leaves parts as they were in its local variables.
 fn arrays(data: &sys::mjData, model: &Model) -> Vec<u8> {
-    let length = usize::try_from(data.nbuffer).expect("a length");
+    let length = usize::try_from(data.nbuffer).unwrap();
     // SAFETY: that is how long the buffer is, all of which the engine sets to zero when it makes it.
     let mut bytes = unsafe { read(data.buffer.cast::<u8>(), 0, length) };
     let contacts = data.contact as usize - data.buffer as usize;
@@ -75,7 +75,7 @@ fn a_step_leaves_every_byte_as_the_engines_does() {
         for enable in [EnableFlags::empty(), EnableFlags::ENERGY | EnableFlags::FWDINV] {
             let mut model = sample::humanoid();
             let changed = model.edit().options(|options| (options.integrator, options.enable) = (integrator, enable));
-            changed.expect("these are options");
+            changed.unwrap();
             let name = format!("humanoid with {integrator:?} and {enable:?}");
             let mut twins = Twins::new(&Subject { name: name.clone(), model: Arc::new(model) });
             let (mut contacts, mut differences) = (0, 0.0);
@@ -130,11 +130,11 @@ fn the_halves_of_a_step_are_the_engines() {
         let mut twins = Twins::new(subject);
         twins.shake();
         for step in 1..=steps(subject) / 10 {
-            twins.ours.step1().expect("the first half");
+            twins.ours.step1().unwrap();
             c!(mj_step1(twins.raw.m(), twins.raw.d));
             twins.assert_same_state(&format!("in the middle of step {step}"));
             twins.control();
-            twins.ours.step2().expect("the second half");
+            twins.ours.step2().unwrap();
             c!(mj_step2(twins.raw.m(), twins.raw.d));
             twins.assert_same_state(&format!("after step {step}"));
         }
@@ -163,7 +163,7 @@ fn inverse_dynamics_are_the_engines() {
         let accelerations = twins.numbers(nv);
         twins.ours.qacc_mut().copy_from_slice(&accelerations);
         twins.raw.write(|d| d.qacc, &accelerations);
-        twins.ours.inverse().expect("inverse dynamics");
+        twins.ours.inverse().unwrap();
         c!(mj_inverse(twins.raw.m(), twins.raw.d));
         let theirs = twins.raw.values(|d| d.qfrc_inverse, nv);
         crate::twins::assert_same(&twins.name, twins.ours.qfrc_inverse(), &theirs);
@@ -175,14 +175,14 @@ fn inverse_dynamics_are_the_engines() {
 fn a_reset_is_the_engines() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
-        twins.ours.reset().expect("a reset");
+        twins.ours.reset().unwrap();
         c!(mj_resetData(twins.raw.m(), twins.raw.d));
         twins.assert_same_state("after reset");
         for key in 0..twins.model.nkey() {
             twins.shake();
             twins.control();
             twins.step();
-            twins.ours.reset_to_key(key).expect("there is such a keyframe");
+            twins.ours.reset_to_key(key).unwrap();
             c!(mj_resetDataKeyframe(twins.raw.m(), twins.raw.d, key as i32));
             let when = format!("after reset to keyframe {key}");
             twins.assert_same_state(&when);
@@ -205,7 +205,7 @@ fn warnings_are_counted_as_the_engine_counts_them() {
         (r#"<size nconmax="100" njmax="5"/>"#, Warning::ConstraintFull, sys::mjWARN_CNSTRFULL),
     ] {
         let xml = sample::HUMANOID_XML.replacen("<option ", &format!("{size}<option "), 1);
-        let model = Arc::new(Model::from_xml_str(&xml).expect("a humanoid with little room"));
+        let model = Arc::new(Model::from_xml_str(&xml).unwrap());
         let mut twins = Twins::new(&Subject { name: format!("humanoid with {size}"), model });
         for step in 1..=300 {
             twins.control();

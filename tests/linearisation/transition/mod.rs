@@ -9,11 +9,11 @@ use mujoco_safe::{Data, Matrix, StateSpace, sample};
 
 /// The humanoid on its left leg, held by its actuators, in contact with the floor.
 fn standing() -> Data {
-    let mut data = Data::new(sample::humanoid()).expect("there is memory");
-    data.reset_to_key("stand_on_left_leg").expect("the key exists");
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("stand_on_left_leg").unwrap();
     // It sinks into the floor as far as its weight asks for.
     data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.05 * (i as f64).sin());
-    (0..5).for_each(|_| data.step().expect("stable"));
+    (0..5).for_each(|_| data.step().unwrap());
     assert!(data.nefc() > 0);
     data
 }

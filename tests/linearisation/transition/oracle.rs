@@ -20,14 +20,14 @@ impl Oracle {
                 options.iterations = options.iterations.max(200);
             })
         })
-        .expect("a copy")
-        .expect("good options");
+        .unwrap()
+        .unwrap();
         Self { inputs: data.state(StateSpec::INTEGRATION), data }
     }
 
     /// Next state and sensors, after a step from beside the state.
     fn step(&mut self, nudge: &dyn Fn(&mut Data, f64), by: f64) -> (Vec<f64>, Vec<f64>) {
-        self.data.set_state(StateSpec::INTEGRATION, &self.inputs).expect("the right length");
+        self.data.set_state(StateSpec::INTEGRATION, &self.inputs).unwrap();
         nudge(&mut self.data, by);
         // SAFETY: a data and its own model.
         unsafe { sys::mj_step(self.data.model().as_ptr(), self.data.as_mut_ptr()) };
@@ -40,7 +40,7 @@ impl Oracle {
         let (right, right_sensors) = self.step(nudge, width);
         let (left, left_sensors) = self.step(nudge, -width);
         let mut column = vec![0.0; nv];
-        model.differentiate_pos(&mut column, 2.0 * width, &left[..nq], &right[..nq]).expect("the right lengths");
+        model.differentiate_pos(&mut column, 2.0 * width, &left[..nq], &right[..nq]).unwrap();
         let rest = right[nq..].iter().zip(&left[nq..]).chain(right_sensors.iter().zip(&left_sensors));
         column.extend(rest.map(|(right, left)| (right - left) / (2.0 * width)));
         column
@@ -67,7 +67,7 @@ pub(crate) fn linear_system(data: &Data) -> StateSpace {
             if index < nv {
                 let mut direction = vec![0.0; nv];
                 direction[index] = 1.0;
-                model.integrate_pos(data.qpos_mut(), &direction, by).expect("the right lengths");
+                model.integrate_pos(data.qpos_mut(), &direction, by).unwrap();
             } else if index < 2 * nv {
                 data.qvel_mut()[index - nv] += by;
             } else if index < 2 * nv + na {

@@ -49,11 +49,11 @@ impl Setting {
             name: text("name"),
             model: PathBuf::from(sample::SYSTEM_MODELS).join(text("model")),
             steps: number(&row["steps"]) as usize,
-            lookat: numbers(&row["lookat"]).try_into().expect("three coordinates"),
+            lookat: numbers(&row["lookat"]).try_into().unwrap(),
             distance: number(&row["distance"]),
             azimuth: number(&row["azimuth"]),
             elevation: number(&row["elevation"]),
-            visual: row["visual"].as_array().expect("flags").iter().map(flag).collect(),
+            visual: row["visual"].as_array().unwrap().iter().map(flag).collect(),
         }
     }
 
@@ -64,28 +64,28 @@ impl Setting {
 
     /// In the state in which the engine's renderer has drawn it.
     pub fn as_drawn(&self) -> Data {
-        let mut data = Data::new(self.model()).expect("a simulation");
+        let mut data = Data::new(self.model()).unwrap();
         let state = &read("engine/states.json")[&self.name];
         data.qpos_mut().copy_from_slice(&numbers(&state["qpos"]));
         data.qvel_mut().copy_from_slice(&numbers(&state["qvel"]));
         data.act_mut().copy_from_slice(&numbers(&state["act"]));
-        data.forward().expect("a state that can be computed");
+        data.forward().unwrap();
         data
     }
 
     /// In the state after its steps, by this engine.
     pub fn after_steps(&self) -> Data {
-        let mut data = Data::new(self.model()).expect("a simulation");
+        let mut data = Data::new(self.model()).unwrap();
         for _ in 0..self.steps {
-            data.step().expect("a stable simulation");
+            data.step().unwrap();
         }
-        data.forward().expect("a state that can be computed");
+        data.forward().unwrap();
         data
     }
 
     /// What is to be drawn of it.
     pub fn scene(&self, data: &mut Data) -> Scene {
-        let mut scene = Scene::new(data.model(), 20_000).expect("room for the scene");
+        let mut scene = Scene::new(data.model(), 20_000).unwrap();
         scene
             .update(data, &self.options(), None, &mut self.camera(), Categories::all())
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
@@ -117,9 +117,9 @@ fn read(name: &str) -> Value {
 }
 
 fn number(value: &Value) -> f64 {
-    value.as_f64().expect("a number")
+    value.as_f64().unwrap()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("numbers").iter().map(number).collect()
+    value.as_array().unwrap().iter().map(number).collect()
 }

@@ -24,7 +24,7 @@ fn every_element() -> &'static Subject {
     static SUBJECT: OnceLock<Subject> = OnceLock::new();
     SUBJECT.get_or_init(|| {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
-        let model = Arc::new(Model::from_xml_path(path).expect("it is valid"));
+        let model = Arc::new(Model::from_xml_path(path).unwrap());
         Subject { name: "every_element.xml".to_owned(), model }
     })
 }
@@ -107,7 +107,7 @@ use check_fields;
 /// An index of the engine's.
 fn int(array: *const i32, index: usize) -> usize {
     // SAFETY: as for the other arrays.
-    usize::try_from(unsafe { *array.add(index) }).expect("not negative")
+    usize::try_from(unsafe { *array.add(index) }).unwrap()
 }
 
 /// An integer of the engine's.

@@ -45,7 +45,7 @@ fn names_of_every_kind_are_the_engines() {
                 // SAFETY: a valid model, and a type and an index that the engine checks; a name is a C string or NULL.
                 let name = unsafe { sys::mj_id2name(m, object as i32, index as i32) };
                 // SAFETY: as above.
-                (!name.is_null()).then(|| unsafe { CStr::from_ptr(name) }.to_str().expect("the names are UTF-8"))
+                (!name.is_null()).then(|| unsafe { CStr::from_ptr(name) }.to_str().unwrap())
             };
             let count = subject.model.count(kind);
             // Nothing is left out: past the last element, the engine has no name either.
@@ -62,10 +62,10 @@ fn lookups_of_every_kind_are_the_engines() {
         ($subject:ident: $($one:ident, $many:ident, $object:ident;)*) => {$(
             for element in $subject.model.$many() {
                 let Some(name) = element.name() else { continue };
-                let name_c = CString::new(name).expect("it came from C");
+                let name_c = CString::new(name).unwrap();
                 // SAFETY: a valid model and string.
                 let index = unsafe { sys::mj_name2id($subject.model.as_ptr(), sys::$object as i32, name_c.as_ptr()) };
-                let found = $subject.model.$one(name).expect("it has this name");
+                let found = $subject.model.$one(name).unwrap();
                 assert_eq!(found.index() as i32, index, "{}: {element:?}", $subject.name);
                 assert_eq!(found.id(), element.id(), "{}: {element:?}", $subject.name);
             }
