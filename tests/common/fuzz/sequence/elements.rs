@@ -183,7 +183,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             results.fold(Ok(()), Result::and)
         })?
     }),
-    ("the integer_setters of the model", |scene, bytes| {
+    ("integer setters of the model", |scene, bytes| {
         let chosen: Vec<_> =
             (0..4).map(|_| (integer_setters()[bytes.below(integer_setters().len())], arguments(bytes))).collect();
         scene.data.edit_model(|model| {
