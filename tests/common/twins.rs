@@ -1,4 +1,4 @@
-//! A simulation of the library's and one of C's, which go through the same.
+//! Twins: a simulation of the library and a simulation of C with the same inputs.
 
 use std::sync::{Arc, OnceLock};
 

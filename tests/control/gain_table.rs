@@ -1,4 +1,4 @@
-//! The regulator along a trajectory.
+//! Regulators along trajectories.
 
 use mujoco_safe::{
     Controller, Data, Differences, Lqr, Matrix, StateSpace, StateSpec, TimeVaryingLqr, Transition, TransitionOptions,
@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::{Random, assert_close, cartpole, weights};
 
-/// What a simulation goes through under controls that are zero, from its present state; it is where it began afterwards.
+/// Simulates without controls from the present state, and restores the state. Returns the trajectory.
 fn passive(data: &mut Data, steps: usize) -> (Matrix, Matrix) {
     let begin = data.state(StateSpec::INTEGRATION);
     let mut states = Matrix::zeros(steps + 1, data.model().state_size(StateSpec::PHYSICS));
@@ -24,7 +24,7 @@ fn transition(data: &Data) -> Transition {
     Transition::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() }).unwrap()
 }
 
-/// The regulator of a pole that swings down and up again, twice.
+/// Returns the regulator along a pole that swings down and up twice.
 fn swinging(data: &mut Data) -> TimeVaryingLqr {
     data.qpos_mut()[1] = 0.6;
     let (states, controls) = passive(data, 200);
@@ -37,7 +37,7 @@ fn the_gains_are_those_of_the_systems_along_the_trajectory() {
     let mut data = cartpole();
     let follow = swinging(&mut data);
     assert_eq!((follow.steps(), follow.states().shape(), follow.controls().shape()), (200, (201, 4), (200, 1)));
-    // Linearised by the engine, one at a time.
+    // The engine linearises the states one at a time.
     let systems: Vec<StateSpace> = (0..200)
         .map(|step| {
             data.set_physics_state(follow.states().row(step)).unwrap();
@@ -48,12 +48,12 @@ fn the_gains_are_those_of_the_systems_along_the_trajectory() {
     for (found, expected) in follow.gains().iter().zip(&expected) {
         assert_close(&found.to_nalgebra(), &expected.to_nalgebra(), 1e-5);
     }
-    // They change along the way.
+    // The gains change along the trajectory.
     assert!((follow.gains()[0].to_nalgebra() - follow.gains()[60].to_nalgebra()).norm() > 0.1);
 }
 
 #[test]
-fn at_a_set_point_with_a_long_way_to_go_the_gain_is_that_of_the_regulator() {
+fn far_from_the_end_the_gain_at_a_set_point_is_that_of_the_regulator() {
     let mut data = cartpole();
     let lqr = Lqr::at_present_state(&mut data, &weights()).unwrap();
     let (states, controls) = (Matrix::zeros(3001, 4), Matrix::zeros(3000, 1));
@@ -61,11 +61,11 @@ fn at_a_set_point_with_a_long_way_to_go_the_gain_is_that_of_the_regulator() {
         TimeVaryingLqr::along(&mut transition(&data), &data, states, controls, &weights(), &DMatrix::zeros(4, 4))
             .unwrap();
     assert_close(&follow.gains()[0].to_nalgebra(), &lqr.gain().to_nalgebra(), 1e-6);
-    assert!(follow.gains()[2999].to_nalgebra().norm() < 1e-9, "what is done last has no time to pay");
+    assert!(follow.gains()[2999].to_nalgebra().norm() < 1e-9, "the last control cannot reduce the cost");
 }
 
 #[test]
-fn a_simulation_that_is_pushed_off_the_trajectory_comes_back_to_it() {
+fn a_disturbed_simulation_returns_to_the_trajectory() {
     let mut data = cartpole();
     let mut follow = swinging(&mut data);
     let deviation = |follow: Option<&mut TimeVaryingLqr>| {
@@ -89,7 +89,7 @@ fn a_simulation_that_is_pushed_off_the_trajectory_comes_back_to_it() {
 }
 
 #[test]
-fn the_row_follows_from_the_time() {
+fn the_row_is_determined_by_the_time() {
     let mut data = cartpole();
     data.set_time(5.0);
     let mut follow = swinging(&mut data);
@@ -115,7 +115,7 @@ fn the_row_follows_from_the_time() {
     follow.set_start(0.0);
     data.set_time(1.0);
     assert_eq!(follow.row(&data), 100);
-    // Time that was added up from steps is a little off.
+    // Time accumulated over steps has rounding errors.
     data.set_time(0.0);
     for step in 0..150 {
         assert_eq!(follow.row(&data), step);
@@ -124,7 +124,7 @@ fn the_row_follows_from_the_time() {
 }
 
 #[test]
-fn before_the_start_and_from_the_end_on_the_first_and_the_last_row_are_used() {
+fn times_outside_of_the_table_use_the_first_or_last_row() {
     let mut data = cartpole();
     let mut random = Random::new(3);
     let mut matrix = |rows: usize, columns: usize| {
@@ -146,7 +146,7 @@ fn before_the_start_and_from_the_end_on_the_first_and_the_last_row_are_used() {
 }
 
 #[test]
-fn a_single_row_is_the_regulator_about_a_set_point_rotations_included() {
+fn a_table_of_one_row_is_the_regulator_about_a_set_point() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     let (nx, nu) = (54, 21);
@@ -176,10 +176,10 @@ fn controls_stay_within_their_ranges() {
         follow.control(&mut data).unwrap();
         assert_eq!(data.ctrl()[0], -(follow.gains()[0][(0, 0)] * position).signum());
     }
-    // A range with its ends in the wrong order makes no panic.
+    // A range with reversed limits does not panic.
     data.edit_model(|model| model.actuator_ctrlrange_mut()[0] = [1.0, -1.0]).unwrap();
     follow.control(&mut data).unwrap();
-    // Where there is no range, nothing is cut off.
+    // Without a range, controls are not clamped.
     let springs = super::springs();
     let mut data = Data::new(springs).unwrap();
     let far = Matrix::from_rows(&[[100.0, 0.0, 0.0, 0.0], [100.0, 0.0, 0.0, 0.0]]);

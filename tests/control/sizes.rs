@@ -1,4 +1,4 @@
-//! One wrong size at a time.
+//! Size checks, one wrong size at a time.
 
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost, TrajectoryCost};
 use mujoco_safe::{Controller, Data, Error, LqrWeights, Matrix, TimeVaryingLqr, Transition, TransitionOptions, sample};
@@ -16,7 +16,7 @@ fn assert_shape<T>(result: Result<T, Error>, expected: (usize, usize), found: (u
 }
 
 #[test]
-fn of_a_table_of_gains() {
+fn a_gain_table_checks_sizes() {
     let data = cartpole();
     let table = |states: (usize, usize), controls: (usize, usize), count: usize, gain: (usize, usize)| {
         let gains = vec![Matrix::zeros(gain.0, gain.1); count];
@@ -39,7 +39,7 @@ fn of_a_table_of_gains() {
 }
 
 #[test]
-fn of_a_regulator_along_a_trajectory() {
+fn a_time_varying_regulator_checks_sizes() {
     let data = cartpole();
     let mut transition = Transition::new(data.model().clone(), TransitionOptions::default()).unwrap();
     let mut along = |states: (usize, usize), controls: (usize, usize), weights: LqrWeights, end: (usize, usize)| {
@@ -63,7 +63,7 @@ fn of_a_regulator_along_a_trajectory() {
 }
 
 #[test]
-fn of_the_simulation_that_is_controlled() {
+fn a_regulator_checks_the_simulation() {
     let data = cartpole();
     let gains = vec![Matrix::zeros(1, 4)];
     let mut follow = TimeVaryingLqr::with_gains(&data, Matrix::zeros(2, 4), Matrix::zeros(1, 1), gains).unwrap();
@@ -75,7 +75,7 @@ fn of_the_simulation_that_is_controlled() {
 }
 
 #[test]
-fn of_a_quadratic_cost() {
+fn a_quadratic_cost_checks_sizes() {
     let cost = |state: usize, weights: LqrWeights, end: (usize, usize)| {
         QuadraticCost::new(sample::cartpole(), &vec![0.0; state], weights, DMatrix::zeros(end.0, end.1))
     };
@@ -90,20 +90,20 @@ fn of_a_quadratic_cost() {
 
 #[test]
 #[should_panic = "a state of 3 numbers for a QuadraticCost of states of 4"]
-fn of_a_state_that_costs() {
+fn a_quadratic_cost_checks_the_state() {
     let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).unwrap();
     cost.value(0, &[0.0; 3], None);
 }
 
 #[test]
 #[should_panic = "2 controls for a QuadraticCost of 1"]
-fn of_controls_that_cost() {
+fn a_quadratic_cost_checks_the_controls() {
     let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).unwrap();
     cost.value(0, &[0.0; 4], Some(&[0.0; 2]));
 }
 
 #[test]
-fn of_a_search() {
+fn ilqr_checks_sizes() {
     let data = cartpole();
     let cost = QuadraticCost::new(data.model().clone(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).unwrap();
     let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
@@ -113,7 +113,7 @@ fn of_a_search() {
 }
 
 #[test]
-fn of_options_that_make_no_sense() {
+fn invalid_options_are_errors() {
     let good = IlqrOptions::default;
     for options in [
         IlqrOptions { threads: 0, ..good() },

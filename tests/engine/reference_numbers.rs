@@ -1,8 +1,8 @@
 //! Published and independently computed figures: the cart-pole of the reference's LQR tutorial, whose linearisation, gain and
-//! closed loop were computed with the official Python bindings and SciPy, and the engine's own sample humanoid.
+//! closed loop were computed with the official Python bindings and SciPy, and the engine's sample humanoid.
 //!
-//! The tests of the sample humanoid need the package `libmujoco-samples` and pass without it, with a note.
-#![allow(clippy::unreadable_literal, reason = "figures as they were published")]
+//! The tests of the sample humanoid need the package `libmujoco-samples`, and are skipped with a note without it.
+#![allow(clippy::unreadable_literal, reason = "figures as published")]
 
 use std::path::Path;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ mod cartpole {
         Lqr::at_present_state(&mut upright(), &weights()).unwrap()
     }
 
-    /// Steps under the regulator, and counts how often it asks for more than the motor gives.
+    /// Steps with the regulator, and counts the steps in which its control exceeds the motor's range.
     fn regulate(data: &mut Data, lqr: &mut Lqr, steps: usize) -> usize {
         let mut saturated = 0;
         for _ in 0..steps {
@@ -63,7 +63,7 @@ mod cartpole {
     }
 
     #[test]
-    fn the_linearisation_about_the_upright_position_is_the_published_one() {
+    fn the_linearisation_at_the_upright_position_is_the_published_one() {
         let StateSpace { a, b, .. } = linearised(&mut upright());
         assert_eq!((a.shape(), b.shape()), ((4, 4), (4, 1)));
         assert_all_near("A", a.as_slice(), A.as_flattened(), 1e-12);
@@ -71,7 +71,7 @@ mod cartpole {
     }
 
     #[test]
-    fn the_gain_the_cost_and_the_closed_loop_are_those_of_scipy() {
+    fn the_gain_the_cost_and_the_closed_loop_equal_scipys() {
         let system = linearised(&mut upright());
         let solution = Lqr::solve(&system, &weights()).unwrap();
         assert_all_near("K", solution.k.as_slice(), &K, 1e-8);
@@ -102,7 +102,7 @@ mod cartpole {
     }
 
     #[test]
-    fn from_a_small_angle_the_closed_loop_ends_at_the_recorded_state() {
+    fn the_closed_loop_from_a_small_angle_ends_at_the_recorded_state() {
         let mut data = upright();
         data.qpos_mut()[1] = 0.01;
         let saturated = regulate(&mut data, &mut regulator(), 1000);
@@ -115,7 +115,7 @@ mod cartpole {
     }
 
     #[test]
-    fn from_larger_angles_the_pole_returns_while_the_motor_saturates_for_the_recorded_steps() {
+    fn from_larger_angles_the_motor_saturates_for_the_recorded_steps() {
         for (angle, saturations) in [(0.1, 0), (0.2, 1), (0.3, 2), (0.5, 4)] {
             let mut data = upright();
             data.qpos_mut()[1] = angle;
@@ -130,7 +130,7 @@ mod cartpole {
     }
 
     #[test]
-    fn a_push_of_5_newtons_is_recovered_from_and_one_of_10_is_not() {
+    fn the_pole_recovers_from_5_newtons_but_not_from_10() {
         for (newtons, stands) in [(5.0, true), (10.0, false)] {
             let mut data = upright();
             let mut lqr = regulator();
@@ -167,7 +167,7 @@ mod sample_humanoid {
     fn humanoid() -> Option<Arc<Model>> {
         let path = Path::new(sample::SYSTEM_MODELS).join("humanoid/humanoid.xml");
         if !path.exists() {
-            println!("skipped: there is no {} (package libmujoco-samples)", path.display());
+            println!("skipped: missing {} (package libmujoco-samples)", path.display());
             return None;
         }
         Some(Arc::new(Model::from_xml_path(&path).unwrap()))
@@ -186,7 +186,7 @@ mod sample_humanoid {
     }
 
     #[test]
-    fn its_sizes_weight_and_names_are_the_recorded_ones() {
+    fn sizes_weight_and_names_are_the_recorded_ones() {
         let Some(model) = humanoid() else { return };
         assert_eq!((model.nq(), model.nv(), model.nu(), model.na()), (28, 27, 21, 0));
         assert_eq!((model.nbody(), model.njnt(), model.nkey()), (17, 22, 0));
@@ -204,7 +204,7 @@ mod sample_humanoid {
     }
 
     #[test]
-    fn its_fall_from_the_reference_position_is_the_recorded_one() {
+    fn the_fall_from_the_reference_position_is_the_recorded_one() {
         let Some(model) = humanoid() else { return };
         let mut data = stepped(&model, 0);
         let first = (1..=100).find(|_| {
@@ -228,20 +228,20 @@ mod sample_humanoid {
     }
 
     #[test]
-    fn dropped_from_two_metres_it_lies_where_recorded() {
+    fn the_drop_from_two_metres_ends_at_the_recorded_state() {
         let Some(model) = humanoid() else { return };
         let mut data = stepped(&model, 0);
         data.qpos_mut()[2] = 2.0;
         for _ in 0..400 {
             data.step().unwrap();
         }
-        // A fall of two seconds amplifies the last bits: seven digits.
+        // A fall of two seconds amplifies rounding errors: seven digits remain.
         assert_near("z", data.qpos()[2], 0.2792032523, 1e-7);
         assert_eq!(data.ncon(), 7);
     }
 
     #[test]
-    fn its_jacobians_are_the_recorded_ones() {
+    fn jacobians_are_the_recorded_ones() {
         let Some(model) = humanoid() else { return };
         let mut data = stepped(&model, 1);
         let torso = model.body("torso").unwrap();
@@ -259,7 +259,7 @@ mod sample_humanoid {
     }
 
     #[test]
-    fn its_linearisation_has_the_recorded_norms() {
+    fn the_linearisation_has_the_recorded_norms() {
         let Some(model) = humanoid() else { return };
         let system = stepped(&model, 0).transition_fd(1e-6, Differences::Central).unwrap();
         assert_eq!((system.a.shape(), system.b.shape()), ((54, 54), (54, 21)));

@@ -1,4 +1,4 @@
-//! Rollouts and batches against a plain loop over `Data::step`, one simulation after another, each in a `Data` of its own.
+//! Rollouts and batches against a plain loop over `Data::step`, with a separate `Data` for each simulation.
 #![forbid(unsafe_code)]
 
 #[macro_use]
@@ -19,24 +19,24 @@ use std::sync::Arc;
 use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder};
 use mujoco_safe::{Controller, Data, Model, RandomController, StateSpec, sample};
 
-/// A pool of so many threads.
+/// Returns a pool of this number of threads.
 fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
 }
 
-/// The bits, so that a NaN equals itself and a zero does not equal a negative one.
+/// Returns the bits, so that NaN equals itself and zero differs from negative zero.
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-/// What rollouts are to give.
+/// Expected results of rollouts.
 #[derive(Default, PartialEq, Debug)]
 struct Expected {
     states: Vec<f64>,
     sensordata: Vec<f64>,
 }
 
-/// A model, where each rollout begins, and its controls.
+/// A model, initial states and controls.
 struct Case {
     model: Arc<Model>,
     count: usize,
@@ -47,7 +47,7 @@ struct Case {
 }
 
 impl Case {
-    /// Initial states that follow a second of random motion, and random controls.
+    /// Returns a case with initial states from random motion, and random controls.
     fn new(model: Model, count: usize, steps: usize) -> Self {
         let model = Arc::new(model);
         let spec = StateSpec::INTEGRATION;
@@ -87,7 +87,7 @@ impl Case {
         &self.controls[(index * self.steps + step) * nu..][..nu]
     }
 
-    /// The plain loop.
+    /// Computes the expected results in a plain loop.
     fn expected(&self) -> Expected {
         let mut expected = Expected::default();
         for index in 0..self.count {

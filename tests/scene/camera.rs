@@ -1,4 +1,4 @@
-//! Cameras, eyes, and the room that a model stands in.
+//! Cameras, viewpoints, and the transform of the model.
 
 use mujoco_safe::Data;
 use mujoco_safe::scene::{
@@ -23,7 +23,7 @@ fn assert_same_camera(what: &str, ours: &Camera, theirs: &mjvCamera) {
 }
 
 #[test]
-fn cameras_move_as_the_engines() {
+fn cameras_move_like_in_c() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
         let model = twins.model.clone();
@@ -58,7 +58,7 @@ fn cameras_move_as_the_engines() {
 }
 
 #[test]
-fn eyes_are_the_engines() {
+fn viewpoints_equal_c() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
         let mut ours = Scene::new(&twins.model, 20_000).unwrap();
@@ -86,7 +86,7 @@ fn eyes_are_the_engines() {
                 theirs.0.enabletransform = 1;
                 (theirs.0.translate, theirs.0.rotate, theirs.0.scale) = (translate, rotate, scale);
             }
-            same_room(&ours, &theirs.0);
+            assert_same_transform(&ours, &theirs.0);
         }
         for action in ACTIONS {
             let motion = twins.numbers(2);
@@ -97,13 +97,13 @@ fn eyes_are_the_engines() {
             let moved = ours.transform().unwrap();
             assert_eq!((moved.translate, moved.rotate), (theirs.0.translate, theirs.0.rotate));
             assert_eq!(moved.scale, theirs.0.scale);
-            same_room(&ours, &theirs.0);
+            assert_same_transform(&ours, &theirs.0);
         }
     }
 }
 
 #[track_caller]
-fn same_room(ours: &Scene, theirs: &mjvScene) {
+fn assert_same_transform(ours: &Scene, theirs: &mjvScene) {
     let three = |fill: &mut dyn FnMut(*mut f64, *mut f64, *mut f64)| {
         let mut head = [[0.0; 3]; 3];
         let [pos, forward, up] = &mut head;
@@ -130,7 +130,7 @@ fn same_room(ours: &Scene, theirs: &mjvScene) {
 }
 
 #[test]
-fn vectors_are_aligned_to_the_camera_as_by_the_engine() {
+fn vectors_are_aligned_to_the_camera_like_in_c() {
     for forward in [[1.0, 0.0, 0.0], [0.3, -0.4, 2.0], [0.0, 0.0, 1.0]] {
         let (vec, mut raw) = ([0.1, 0.7, -0.2], [0.0; 3]);
         c!(mjv_alignToCamera(raw.as_mut_ptr(), vec.as_ptr(), forward.as_ptr()));
@@ -139,7 +139,7 @@ fn vectors_are_aligned_to_the_camera_as_by_the_engine() {
 }
 
 #[test]
-fn a_scene_may_go_to_another_thread() {
+fn a_scene_is_send() {
     let mut data = Data::new(mujoco_safe::sample::humanoid()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();

@@ -1,4 +1,4 @@
-//! Bodies that are pulled.
+//! Bodies pulled with the mouse.
 
 use mujoco_safe::scene::{
     Camera, Categories, MouseAction, Perturbation, PerturbationFlags, Scene, SceneOptions, Selection,
@@ -22,7 +22,7 @@ const FLAGS: [PerturbationFlags; 4] =
     [PerturbationFlags::empty(), PerturbationFlags::TRANSLATE, PerturbationFlags::ROTATE, PerturbationFlags::all()];
 
 #[test]
-fn perturbations_are_the_engines() {
+fn perturbations_equal_c() {
     let mut posed = 0;
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
@@ -79,7 +79,7 @@ fn perturbations_are_the_engines() {
 }
 
 #[test]
-fn forces_of_the_program_stay_what_they_are() {
+fn perturbations_keep_the_callers_forces() {
     let mut data = mujoco_safe::Data::new(mujoco_safe::sample::humanoid()).unwrap();
     data.forward().unwrap();
     let [torso, head] = ["torso", "head"].map(|name| data.model().body(name).unwrap().id());
@@ -94,7 +94,7 @@ fn forces_of_the_program_stay_what_they_are() {
     let force = perturbation.force(&mut data).unwrap();
     assert!(force.iter().all(|&force| force != 0.0));
     let sum: [f64; 6] = std::array::from_fn(|i| own[i] + force[i]);
-    // However often it is applied, it is there once.
+    // Applying it repeatedly has the effect of applying it once.
     for _ in 0..3 {
         perturbation.apply_force(&mut data).unwrap();
         assert_eq!(data.xfrc_applied()[torso.index()], sum);
@@ -105,22 +105,22 @@ fn forces_of_the_program_stay_what_they_are() {
     perturbation.apply_force(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[torso.index()], own);
     assert_ne!(data.xfrc_applied()[head.index()], own);
-    // The program sets a force anew.
+    // The caller sets another force.
     data.xfrc_applied_mut()[head.index()] = [0.0; 6];
     let force = perturbation.force(&mut data).unwrap();
     perturbation.apply_force(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[head.index()], force);
-    // It stops.
+    // The perturbation ends.
     perturbation.stop();
     perturbation.apply_force(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[head.index()], [0.0; 6]);
-    // The program has set a force, which is not the perturbation's to take away.
+    // The force that the caller set is not cleared by the perturbation.
     perturbation.active = PerturbationFlags::TRANSLATE;
     perturbation.apply_force(&mut data).unwrap();
     data.xfrc_applied_mut()[head.index()] = own;
     perturbation.remove_force(&mut data);
     assert_eq!(data.xfrc_applied()[head.index()], own);
-    // The world is not pulled.
+    // The world cannot be pulled.
     perturbation.select = Some(data.model().body(0).unwrap().id());
     perturbation.apply_force(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[0], [0.0; 6]);

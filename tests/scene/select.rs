@@ -1,4 +1,4 @@
-//! What is seen at a place of the window.
+//! Selection of the object at a point of the window.
 
 use mujoco_safe::RayOptions;
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions, VisualFlags};
@@ -8,7 +8,7 @@ use crate::raw::{RawScene, filled, raw_options, scene_subjects};
 use crate::twins::{Twins, assert_same, c};
 
 #[test]
-fn what_is_selected_is_what_the_engine_selects() {
+fn selections_equal_c() {
     let (mut geoms, mut skins, mut nothing) = (0, 0, 0);
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
@@ -51,7 +51,7 @@ fn what_is_selected_is_what_the_engine_selects() {
                     continue;
                 };
                 geoms += 1;
-                // The same ray, made of the camera's frame.
+                // The same ray, computed from the camera frame.
                 let left = [0, 1, 2].map(|i| {
                     let (j, k) = ((i + 1) % 3, (i + 2) % 3);
                     head.up[j] * head.forward[k] - head.up[k] * head.forward[j]
@@ -65,7 +65,7 @@ fn what_is_selected_is_what_the_engine_selects() {
                 };
                 let hit = twins.ours.ray(head.pos, direction, &ray_options).unwrap().unwrap();
                 let at = [0, 1, 2].map(|i| head.pos[i] + hit.distance * direction[i]);
-                // The eyes have single precision, so at an edge the ray may meet another geom.
+                // The camera frame has single precision, so the ray may meet another geom at an edge.
                 let near = (0..3).all(|i| (at[i] - found.point[i]).abs() < 1e-4 * (1.0 + at[i].abs()));
                 assert!(near || hit.geom != geom, "{}: {at:?} and {:?}", subject.name, found.point);
             }

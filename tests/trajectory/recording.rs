@@ -1,4 +1,4 @@
-//! Trajectories that are recorded, written to a CSV file, read back and applied.
+//! Recording, CSV files and replay.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use crate::arbitrary::{BALL, CARTPOLE, any_model, any_number, bits};
 
-/// A file of this test's own, removed at its end.
+/// A file of one test, removed on drop.
 struct Scratch(PathBuf);
 
 impl Scratch {
@@ -23,7 +23,7 @@ impl Drop for Scratch {
     }
 }
 
-/// Any number that a file must keep. A NaN is kept as a NaN, but not with its sign and payload, which no text has.
+/// Any number that a file must preserve. NaN is preserved without its sign and payload, which text cannot represent.
 fn any_recorded_number() -> impl Strategy<Value = f64> {
     any_number().prop_filter("a number", |value| !value.is_nan())
 }
@@ -32,7 +32,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn a_trajectory_is_read_back_from_its_file_bit_for_bit(
+    fn a_trajectory_round_trips_through_csv_bit_for_bit(
         model in any_model(),
         records in 0..4_usize,
         numbers in prop::collection::vec(any_recorded_number(), 300),
@@ -57,7 +57,7 @@ proptest! {
 }
 
 #[test]
-fn the_file_has_a_header_and_a_line_for_each_record() {
+fn a_csv_file_has_a_header_and_a_line_per_record() {
     let mut data = Data::new(CARTPOLE.clone()).unwrap();
     let mut trajectory = Trajectory::new(data.model());
     let mut push = |data: &mut Data| data.ctrl_mut()[0] = 0.25;
@@ -72,7 +72,7 @@ fn the_file_has_a_header_and_a_line_for_each_record() {
 }
 
 #[test]
-fn a_nan_is_read_back_as_one() {
+fn nan_round_trips_through_csv() {
     let mut data = Data::new(CARTPOLE.clone()).unwrap();
     data.qpos_mut()[0] = f64::NAN;
     let mut trajectory = Trajectory::new(data.model());
@@ -84,7 +84,7 @@ fn a_nan_is_read_back_as_one() {
 }
 
 #[test]
-fn a_file_that_is_none_of_this_model_names_the_line() {
+fn a_malformed_csv_file_is_an_error_that_names_the_line() {
     let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0\n";
     for (text, expected) in [
         (String::new(), "line 1 is not the header"),
@@ -101,7 +101,7 @@ fn a_file_that_is_none_of_this_model_names_the_line() {
 }
 
 #[test]
-fn applying_a_record_goes_on_from_there() {
+fn a_simulation_continues_from_an_applied_record() {
     let mut data = Data::new(CARTPOLE.clone()).unwrap();
     data.qpos_mut()[1] = 0.2;
     let mut trajectory = Trajectory::with_capacity(data.model(), 20);

@@ -1,15 +1,15 @@
-//! Constraints, forces, velocities and accelerations of objects, square roots of the inertia matrix.
+//! Constraints, forces, velocities and accelerations of objects, and square roots of the inertia matrix.
 
 use mujoco_safe::{Axes, Frame, Motion, Stage};
 
 use crate::twins::{Twins, assert_same, c, small_subjects, usual_subjects};
 
 #[test]
-fn square_roots_of_the_inertia_matrix_are_the_engines() {
+fn square_roots_of_the_inertia_matrix_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
-        // Of the engine's functions, that for the square root itself has a mistake; half of a solution of a product is it.
+        // The engine's square root has a defect. Half of a solution of a product is a square root as well.
         let vector = twins.numbers(nv);
         let (mut ours, mut product, mut theirs) = (vec![0.0; nv], vec![0.0; nv], vec![0.0; nv]);
         twins.ours.mul_m2(&mut ours, &vector).unwrap();
@@ -36,7 +36,7 @@ fn square_roots_of_the_inertia_matrix_are_the_engines() {
 }
 
 #[test]
-fn sums_with_the_inertia_matrix_are_the_engines() {
+fn sums_with_the_inertia_matrix_equal_c() {
     for subject in small_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
@@ -47,7 +47,7 @@ fn sums_with_the_inertia_matrix_are_the_engines() {
         c!(mj_addM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), null(), null(), null()));
         assert_same(&twins.name, sum.as_slice(), &theirs);
 
-        // Sparse, to rows that are empty, then to those that are there: the matrix once and twice.
+        // Sparse sums, first to empty rows, then to existing rows: the matrix once and twice.
         let mut rownnz = vec![0; nv];
         let rowadr: Vec<i32> = (0..nv as i32).map(|row| row * nv as i32).collect();
         let (mut values, mut colind) = (vec![0.0; nv * nv], vec![0; nv * nv]);
@@ -69,7 +69,7 @@ fn sums_with_the_inertia_matrix_are_the_engines() {
 }
 
 #[test]
-fn products_with_the_jacobian_of_the_constraints_are_the_engines() {
+fn products_with_the_constraint_jacobian_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let (nv, nefc) = (twins.model.nv(), twins.ours.nefc());
@@ -99,7 +99,7 @@ fn products_with_the_jacobian_of_the_constraints_are_the_engines() {
 }
 
 #[test]
-fn velocities_and_accelerations_of_objects_are_the_engines() {
+fn velocities_and_accelerations_of_objects_equal_c() {
     for subject in small_subjects() {
         let mut twins = Twins::in_motion(subject);
         twins.ours.rne_post_constraint().unwrap();
@@ -129,7 +129,7 @@ fn velocities_and_accelerations_of_objects_are_the_engines() {
 }
 
 #[test]
-fn forces_on_bodies_and_points_in_them_are_the_engines() {
+fn forces_on_bodies_and_points_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
@@ -163,7 +163,7 @@ fn forces_on_bodies_and_points_in_them_are_the_engines() {
 }
 
 #[test]
-fn the_matrix_of_angular_momentum_gives_the_engines_momenta() {
+fn the_angular_momentum_matrix_equals_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         twins.ours.subtree_vel().unwrap();
@@ -184,7 +184,7 @@ fn the_matrix_of_angular_momentum_gives_the_engines_momenta() {
 }
 
 #[test]
-fn masses_and_quaternions_are_the_engines() {
+fn masses_and_quaternions_equal_c() {
     for subject in small_subjects() {
         let mut twins = Twins::in_motion(subject);
         assert_same(&twins.name, &[twins.model.total_mass()], &[c!(mj_getTotalmass(twins.raw.m()))]);

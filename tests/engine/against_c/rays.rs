@@ -6,7 +6,7 @@ use mujoco_safe::{GeomType, RayOptions};
 use crate::twins::{Twins, assert_same, c, usual_subjects};
 
 #[test]
-fn rays_are_the_engines() {
+fn rays_equal_c() {
     let mut hits = 0;
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
@@ -43,13 +43,13 @@ fn rays_are_the_engines() {
 }
 
 #[test]
-fn rays_on_one_geom_are_the_engines() {
+fn rays_on_one_geom_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let model = twins.model.clone();
         for geom in model.geoms().take(40) {
             for _ in 0..10 {
-                // Towards the geom from a point near it.
+                // From a nearby point towards the geom.
                 let numbers = twins.numbers(3);
                 let centre = twins.ours.geom_xpos()[geom.index()];
                 let direction = [numbers[0], numbers[1], numbers[2]];

@@ -1,4 +1,4 @@
-//! Every kind that has fields in a simulation.
+//! Fields of elements in a simulation.
 
 use mujoco_safe::element::WrapPoint;
 use mujoco_safe::sys::{self, mjData, mjModel};
@@ -6,7 +6,7 @@ use mujoco_safe::sys::{self, mjData, mjModel};
 use super::{Bits, check_fields, every_element, int, joint_sizes, on_data, on_model, raw, span};
 use crate::twins::{Twins, read, usual_subjects};
 
-/// Some numbers of the engine's, as bits.
+/// Returns numbers of an engine array, as bits.
 fn at(array: *const f64, start: usize, length: usize) -> Vec<u64> {
     // SAFETY: the engine's arrays have a row for each element.
     unsafe { read(array, start, length) }.bits()
@@ -16,16 +16,16 @@ fn mocap(m: &mjModel, body: usize) -> Option<usize> {
     usize::try_from(raw(m.body_mocapid, body)).ok()
 }
 
-/// Where an actuator's activation is: those with dynamics have one, in the order of the actuators.
+/// Returns the index of an actuator's activation: actuators with dynamics have activations, in the order of the actuators.
 fn activation(m: &mjModel, actuator: usize) -> Option<usize> {
     let has_one = |at: usize| raw(m.actuator_dyntype, at) as u32 != sys::mjDYN_NONE;
     has_one(actuator).then(|| (0..actuator).filter(|at| has_one(*at)).count())
 }
 
-/// A row of the tendons' Jacobian in full, by the engine's own two layouts.
+/// Returns a dense row of the tendon Jacobian, from either of the engine's layouts.
 fn tendon_jacobian(m: &mjModel, d: &mjData, tendon: usize) -> Vec<f64> {
     let nv = m.nv as usize;
-    // SAFETY: a valid model, and arrays of the size that the engine gave them.
+    // SAFETY: the model is valid, and the arrays have the engine's sizes.
     unsafe {
         if sys::mj_isSparse(m) == 0 {
             return read(d.ten_J, nv * tendon, nv);
@@ -39,13 +39,13 @@ fn tendon_jacobian(m: &mjModel, d: &mjData, tendon: usize) -> Vec<f64> {
     }
 }
 
-/// What a point is at, and where, as bits.
+/// Returns the object and the position of a wrap point, as bits.
 fn raw_point(point: &WrapPoint) -> (i32, Option<Vec<u64>>) {
     match point {
         WrapPoint::Site { xpos } => (-1, Some(xpos.bits())),
         WrapPoint::Geom { geom, xpos } => (geom.index() as i32, Some(xpos.bits())),
         WrapPoint::Pulley => (-2, None),
-        other => panic!("a new kind of point: {other:?}"),
+        other => panic!("unexpected wrap point: {other:?}"),
     }
 }
 
@@ -55,7 +55,7 @@ fn engine_point(d: &mjData, point: usize) -> (i32, Option<Vec<u64>>) {
 }
 
 #[test]
-fn fields_of_elements_in_a_simulation_are_the_engines() {
+fn fields_of_elements_in_a_simulation_equal_c() {
     for subject in usual_subjects().chain([every_element()]) {
         let mut twins = Twins::in_motion(subject);
         twins.ours.inverse().unwrap();
