@@ -1,4 +1,5 @@
-//! A humanoid balances on one leg. The modules of the example `humanoid_lqr` are included here; the program itself is run at the end.
+//! A humanoid balances on one leg. The modules of the example `humanoid_lqr` are included here; the program itself is run at
+//! the end.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -59,7 +60,7 @@ fn the_equilibrium_height_is_within_a_millimetre_of_the_keyframe() {
     let offset = balance.set_point.offset;
     assert!(offset.abs() < 0.9e-3, "the best offset is {offset} m");
     assert_eq!((balance.sweep.heights.first(), balance.sweep.heights.last()), (Some(&-1e-3), Some(&1e-3)));
-    // The force is smaller while the keyframe sinks, and equals the weight in the air.
+    // The force decreases as the pose is lowered, and equals the weight in the air.
     let weight = balance.data.model().body_mass().iter().sum::<f64>() * 9.81;
     assert!(balance.sweep.forces.windows(2).all(|pair| pair[0] <= pair[1] + 1e-9));
     assert!((balance.sweep.forces.last().unwrap() - weight).abs() < 1e-6 * weight);

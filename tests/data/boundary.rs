@@ -1,5 +1,5 @@
-//! Every kind of call across the boundary to C, a few times each: small enough for valgrind's memcheck (`scripts/memcheck`), which
-//! detects invalid accesses, uses of uninitialised memory and leaks.
+//! Every kind of call across the boundary to C, a few times each: small enough for valgrind's memcheck (`scripts/memcheck`),
+//! which detects invalid accesses, uses of uninitialised memory and leaks.
 
 #![forbid(unsafe_code)]
 

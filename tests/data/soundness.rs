@@ -1,6 +1,6 @@
-//! Ways to crash the engine or to obtain wrong results silently. Each is tried here from safe code, and is an error, a panic with a
-//! message, or gives the right result. The documentation of `Data`, `ModelMut` and `Callbacks` has the cases that do not compile;
-//! the chapter `promises` of the documentation lists the tests of longer cases.
+//! Ways to crash the engine or to obtain wrong results silently. Each is tried here from safe code, and is an error, a panic
+//! with a message, or gives the right result. The documentation of `Data`, `ModelMut` and `Callbacks` has the cases that do not
+//! compile; the chapter `promises` of the documentation lists the tests of longer cases.
 
 #![forbid(unsafe_code)]
 

@@ -65,8 +65,8 @@ fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
         }
         table
     };
-    // SAFETY: loading a model through the library has installed the handlers; the name and the table are valid, and the buffer has
-    // the given length.
+    // SAFETY: loading a model through the library has installed the handlers; the name and the table are valid, and the buffer
+    // has the given length.
     let status =
         unsafe { guard::mj_load_xml(name.as_ptr(), &raw const *table, message.as_mut_ptr(), 1000, &raw mut model) };
     assert!(status == guard::OK && !model.is_null(), "the engine cannot load {}", path.display());

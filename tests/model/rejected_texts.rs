@@ -395,7 +395,7 @@ fn texts_that_once_crashed_the_compiler_are_rejected() {
     for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if path.extension().is_some_and(|extension| extension == "xml") {
             let text = std::fs::read_to_string(&path).unwrap();
-            let expected = text.strip_prefix("<!-- refused: ").unwrap().split(" -->").next().unwrap();
+            let expected = text.strip_prefix("<!-- rejected: ").unwrap().split(" -->").next().unwrap();
             let error = Model::from_xml_path(&path).unwrap_err();
             assert!(matches!(error, Error::Load { .. }) && error.to_string().contains(expected), "{path:?}: {error}");
             tried += 1;

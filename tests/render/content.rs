@@ -1,5 +1,5 @@
-//! Contents of pictures: every shape, decoration and label of the model is visible, edits become visible with an upload, and invalid
-//! numbers affect only the objects that have them.
+//! Contents of pictures: every shape, decoration and label of the model is visible, edits become visible with an upload, and
+//! invalid numbers affect only the objects that have them.
 //!
 //! The pictures are saved to the folder in the environment variable `MUJOCO_SAFE_PICTURES`, if set.
 #![forbid(unsafe_code)]
@@ -125,7 +125,11 @@ fn edited_assets_are_visible_after_an_upload() {
         save(&after, &format!("edited {what}"));
         // A renderer created after the edit gives the same picture.
         let mut other = self::renderer(data.model(), SIZE);
-        assert_eq!(difference(&after, &picture(&mut other, &mut data)), 0.0, "{what}: differs from a new renderer's picture");
+        assert_eq!(
+            difference(&after, &picture(&mut other, &mut data)),
+            0.0,
+            "{what}: differs from a new renderer's picture"
+        );
     }
 }
 

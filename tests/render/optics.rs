@@ -1,4 +1,5 @@
-//! Pixels against the formulae of optics: colours, light, transparency, fog, mirrors and shadows, independent of the implementation.
+//! Pixels against the formulae of optics: colours, light, transparency, fog, mirrors and shadows, independent of the
+//! implementation.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::render::{Lighting, Picture, Renderer, RendererOptions};
@@ -189,11 +190,7 @@ fn a_shadow_is_where_light_is_blocked() {
         // From below the ball, at 45°.
         stage.look([0.0; 3], 1.5, 0.0, -45.0);
         let shaded = stage.rgb();
-        assert_eq!(
-            middle(&shaded),
-            [0; 3],
-            "a light adds nothing in its shadow, not even its ambient part"
-        );
+        assert_eq!(middle(&shaded), [0; 3], "a light adds nothing in its shadow, not even its ambient part");
         assert!(shaded.pixel(2, 32)[0] > 100, "beside the shadow {:?}", shaded.pixel(2, 32));
         stage.scene.set_render_flags(stage.scene.render_flags() & !RenderFlags::SHADOW);
         assert!(middle(&stage.rgb())[0] > 100, "without shadows");

@@ -1,6 +1,7 @@
 //! Depth and segmentation pictures agree with rays through the same pixels.
 //!
-//! The engine's rays meet the exact shapes. Each scene is checked at 1000 random pixels, and at 1000 more that do not show the floor:
+//! The engine's rays meet the exact shapes. Each scene is checked at 1000 random pixels, and at 1000 more that do not show the
+//! floor:
 //!
 //! - Away from outlines, the picture shows the geom that the ray meets first, or a geom at most 1/3000 behind it.
 //! - Where the angle between ray and surface is at least 15°, the depth is right within 1/3000: 1 mm at 3 m. At smaller angles a
@@ -25,8 +26,8 @@ const PRECISION: f64 = 1e-3 / 3.0;
 /// Smallest angle between a ray and a surface at which depth has that precision, degrees.
 const STEEP: f64 = 15.0;
 
-/// A model of the engine's package, its number of steps, and the free camera: lookat, distance in metres, azimuth and elevation in
-/// degrees.
+/// A model of the engine's package, its number of steps, and the free camera: lookat, distance in metres, azimuth and elevation
+/// in degrees.
 struct Subject(&'static str, usize, [f64; 3], f64, f64, f64);
 
 /// The models and cameras of the comparison with the engine's pictures.

@@ -12,7 +12,7 @@ const MOST_RECORDS: usize = 6;
 #[cfg(not(feature = "npz"))]
 pub(super) fn mutated_archive(_bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     log("built without the feature npz");
-    Verdict::Refused
+    Verdict::Rejected
 }
 
 /// Returns a trajectory of arbitrary numbers.
@@ -198,7 +198,7 @@ mod damaged {
 
     pub(crate) fn mutated_archive(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
         let model = models::model(models::choose(bytes));
-        let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Refused };
+        let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Rejected };
         let folder = tempfile::tempdir().expect("no temporary folder");
         let path = folder.path().join("trajectory.npz");
         trajectory(&mut data, bytes).save_npz(&path).expect("a file is written");
@@ -216,7 +216,7 @@ mod damaged {
         }
         std::fs::write(&path, file).expect("a file is written");
         log("load_npz");
-        let Ok(loaded) = Trajectory::load_npz(model, &path) else { return Verdict::Refused };
+        let Ok(loaded) = Trajectory::load_npz(model, &path) else { return Verdict::Rejected };
         let _ = data.reset();
         use_trajectory(&loaded, &mut data, log);
         log("save_npz, load_npz");

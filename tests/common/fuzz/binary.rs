@@ -42,7 +42,7 @@ pub(super) fn mutated_binary(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -
     log("from_binary");
     match Model::from_binary(&mutant) {
         Ok(model) => use_model(model, log),
-        Err(_) => Verdict::Refused,
+        Err(_) => Verdict::Rejected,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Fuzz targets: each maps bytes to a verdict. A case is reproducible because the bytes decide everything.
 //!
-//! `tests/fuzz` derives the bytes from seeds; the targets of cargo-fuzz in `fuzz/` derive them from the coverage of earlier bytes.
+//! `tests/fuzz` derives the bytes from seeds; the targets of cargo-fuzz in `fuzz/` derive them from the coverage of earlier
+//! bytes.
 
 #![forbid(unsafe_code)]
 #![allow(unreachable_pub, dead_code, reason = "included by several programs, each of which uses some of it")]
@@ -34,7 +35,7 @@ pub enum Verdict {
     /// The model was loaded and the calls were made. Calls may have returned errors.
     Worked,
     /// The model was rejected.
-    Refused,
+    Rejected,
 }
 
 /// A fuzz target.

@@ -12,7 +12,7 @@ pub(super) fn mutated_plain(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) ->
     #[cfg(feature = "serde")]
     return json::mutated_json(bytes, log);
     #[cfg(not(feature = "serde"))]
-    Verdict::Refused
+    Verdict::Rejected
 }
 
 /// Unexpected words.
@@ -72,7 +72,7 @@ fn damage(text: &mut String, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
 
 fn mutated_csv(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     let model = models::model(models::choose(bytes));
-    let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Refused };
+    let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Rejected };
     let folder = tempfile::tempdir().expect("no temporary folder");
     let path = folder.path().join("trajectory.csv");
     trajectory(&mut data, bytes).save_csv(&path).expect("a file is written");
@@ -82,7 +82,7 @@ fn mutated_csv(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     }
     std::fs::write(&path, text).expect("a file is written");
     log("load_csv");
-    let Ok(loaded) = Trajectory::load_csv(model, &path) else { return Verdict::Refused };
+    let Ok(loaded) = Trajectory::load_csv(model, &path) else { return Verdict::Rejected };
     let _ = data.reset();
     use_trajectory(&loaded, &mut data, log);
     Verdict::Worked
@@ -106,7 +106,7 @@ mod json {
 
     pub(super) fn mutated_json(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
         let model = models::model(models::choose(bytes));
-        let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Refused };
+        let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Rejected };
         let worked = match bytes.below(8) {
             0 => loaded(&model.options(), bytes, log).map(|mut options: Options| {
                 options.iterations = options.iterations.min(MOST_ITERATIONS);
@@ -123,7 +123,8 @@ mod json {
             3 | 4 => {
                 let trajectory = trajectory(&mut data, bytes);
                 let _ = data.reset();
-                loaded(&trajectory, bytes, log).map(|trajectory: Trajectory| use_trajectory(&trajectory, &mut data, log))
+                loaded(&trajectory, bytes, log)
+                    .map(|trajectory: Trajectory| use_trajectory(&trajectory, &mut data, log))
             }
             5 => {
                 let (rows, columns) = (bytes.below(5), bytes.below(5));
@@ -151,7 +152,7 @@ mod json {
             _ => None,
         };
         if worked.is_none() {
-            return Verdict::Refused;
+            return Verdict::Rejected;
         }
         log("steps");
         for _ in 0..2 {

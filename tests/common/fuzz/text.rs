@@ -190,7 +190,7 @@ pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)
         }
         Err(error) => {
             log(&error.to_string());
-            Verdict::Refused
+            Verdict::Rejected
         }
     }
 }

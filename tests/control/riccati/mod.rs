@@ -1,8 +1,9 @@
-//! The Riccati solver: closed-form solutions, solutions checked by formulas that share no code with the solver (`solutions.rs`), a
-//! published benchmark collection (`collection.rs`), and the errors of unsolvable equations (`failures.rs`).
+//! The Riccati solver: closed-form solutions, solutions checked by formulas that share no code with the solver
+//! (`solutions.rs`), a published benchmark collection (`collection.rs`), and the errors of unsolvable equations
+//! (`failures.rs`).
 //!
-//! The textbook systems are from the collection DAREX (Abels and Benner 1999), written from their formulas. Random systems come from
-//! a small generator with fixed seeds.
+//! The textbook systems are from the collection DAREX (Abels and Benner 1999), written from their formulas. Random systems come
+//! from a small generator with fixed seeds.
 #![allow(
     clippy::many_single_char_names,
     clippy::unreadable_literal,

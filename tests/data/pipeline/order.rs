@@ -94,7 +94,8 @@ fn all() -> Vec<Part> {
     IN_ORDER.into_iter().chain(OTHERS).chain(more()).collect()
 }
 
-/// Returns the two models with all solvers, cones and storages, with and without the no-slip solver, and every optional computation.
+/// Returns the two models with all solvers, cones and storages, with and without the no-slip solver, and every optional
+/// computation.
 fn subjects() -> impl Iterator<Item = (String, Data)> {
     let every = Model::from_xml_str(include_str!("../../models/every_element.xml")).unwrap();
     let models = [("every element", every), ("humanoid", sample::humanoid()), ("adhesion", adhesion())];

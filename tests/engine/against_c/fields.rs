@@ -148,7 +148,8 @@ impl Engine {
         Self { sizes: sizes.collect(), buffer: buffer.addr()..buffer.addr() + bytes }
     }
 
-    /// Returns the sizes of a simulation: those of the model, but with the current number of constraints, to which accessors are limited.
+    /// Returns the sizes of a simulation: those of the model, but with the current number of constraints, to which accessors
+    /// are limited.
     fn of_data(model: &Pairs, raw: &mjData) -> Self {
         let mut engine = Self::new(model, raw.buffer, raw.nbuffer);
         engine.sizes.insert("njmax", usize::try_from(raw.nefc).unwrap());
@@ -260,7 +261,8 @@ fn mutable_accessors_return_the_engines_memory() {
 
         let mut data = Data::new(model).unwrap();
         data.forward().unwrap_or_else(|error| panic!("{name}: {error}"));
-        // The arrays keep their address; the borrow of the copied struct, with its warnings and solver statistics, ends immediately.
+        // The arrays keep their address; the borrow of the copied struct, with its warnings and solver statistics, ends
+        // immediately.
         let raw = *raw_data(&data);
         let pairs: Pairs = data_writers! { writing_pairs data, raw: };
         Engine::of_data(&sizes, &raw).compare(&name, "Data", &pairs);

@@ -57,7 +57,8 @@ fn trajectories_with_every_integrator_solver_and_cone_equal_c() {
     }
 }
 
-/// Returns the contents of the arrays of a data, except contacts: the engine copies uninitialised parts of local variables to them.
+/// Returns the contents of the arrays of a data, except contacts: the engine copies uninitialised parts of local variables to
+/// them.
 fn arrays(data: &sys::mjData, model: &Model) -> Vec<u8> {
     let length = usize::try_from(data.nbuffer).unwrap();
     // SAFETY: the buffer has this length, and the engine zeroes all of it on creation.

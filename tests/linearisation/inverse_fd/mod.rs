@@ -1,5 +1,5 @@
-//! The derivatives of inverse dynamics: against differences of the engine's function called directly, against the inertia
-//! matrix, and against formulae; and what of the simulation stays as it was.
+//! Derivatives of inverse dynamics: against finite differences of the engine's function, the inertia matrix and formulae. The
+//! simulation is restored.
 
 mod contract;
 mod numbers;
@@ -13,7 +13,7 @@ static ZOO: LazyLock<Arc<Model>> =
 
 const EPS: f64 = 1e-6;
 
-/// Simulations in motion, with accelerations that are not zero, and controls.
+/// Returns simulations in motion, with nonzero accelerations and controls.
 fn subjects() -> impl Iterator<Item = Data> {
     [Arc::new(sample::cartpole()), Arc::new(sample::humanoid()), ZOO.clone()].into_iter().map(|model| {
         let mut data = Data::new(model).unwrap();

@@ -1,4 +1,4 @@
-//! What every method promises.
+//! Properties of every method.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ fn cartpole() -> Data {
     data
 }
 
-/// Every kind of element, in motion.
+/// Returns the model with most kinds of element, in motion.
 fn zoo() -> Data {
     let model = Model::from_xml_str(include_str!("../../models/zoo.xml")).unwrap();
     let mut data = Data::new(model).unwrap();
@@ -43,8 +43,8 @@ fn with_options(mut data: Data, change: impl FnOnce(&mut Options)) -> Data {
 }
 
 #[test]
-fn columns_are_those_of_the_engine_to_the_last_bit() {
-    // With the integrator Implicit the engine takes a factor from the step before, which does not belong to the control.
+fn columns_equal_the_engine_bit_for_bit() {
+    // With the implicit integrator, the engine uses a factor from the previous step, which does not depend on the control.
     for mut data in [cartpole(), standing(), with_options(zoo(), |options| options.integrator = Integrator::Euler)] {
         for differences in [Differences::Central, Differences::Forward] {
             let options =
@@ -58,19 +58,19 @@ fn columns_are_those_of_the_engine_to_the_last_bit() {
 }
 
 #[test]
-fn with_the_implicit_integrator_columns_are_nearer_to_the_truth_than_the_engine() {
+fn columns_with_the_implicit_integrator_are_more_accurate_than_the_engine() {
     let mut data = zoo();
     let truth = oracle::linear_system(&data);
     let [columns, engine] =
         [TransitionMethod::Columns, TransitionMethod::Engine].map(|method| by(&mut data, method, 1));
-    // What changes an activation changes the derivative of its muscle's force by velocity.
+    // An activation changes the derivative of its muscle's force by velocity.
     let muscle = (6, 26);
     let error = |system: &StateSpace| (system.a[muscle] - truth.a[muscle]).abs();
     assert!(error(&columns) < 1e-3 * error(&engine), "{:e}, {:e}", error(&columns), error(&engine));
 }
 
 #[test]
-fn a_control_at_the_end_of_its_range_is_moved_to_one_side_by_all_methods() {
+fn all_methods_perturb_a_control_at_its_limit_inwards() {
     let mut data = standing();
     let [low, high] = data.model().actuator_ctrlrange()[0];
     data.ctrl_mut()[0] = high;
@@ -83,7 +83,7 @@ fn a_control_at_the_end_of_its_range_is_moved_to_one_side_by_all_methods() {
 }
 
 #[test]
-fn through_inverse_dynamics_is_near_the_engine_and_nearer_to_the_truth() {
+fn the_implicit_method_is_more_accurate_than_the_engine() {
     for mut data in [standing(), cartpole()] {
         let truth = oracle::linear_system(&data);
         let inverse = by(&mut data, TransitionMethod::Inverse, 1);
@@ -96,7 +96,7 @@ fn through_inverse_dynamics_is_near_the_engine_and_nearer_to_the_truth() {
 }
 
 #[test]
-fn forward_differences_are_near_central_ones() {
+fn forward_differences_are_close_to_central_differences() {
     let mut data = standing();
     let central = by(&mut data, TransitionMethod::Inverse, 1);
     let options = TransitionOptions { differences: Differences::Forward, ..Default::default() };
@@ -106,7 +106,7 @@ fn forward_differences_are_near_central_ones() {
 }
 
 #[test]
-fn the_number_of_threads_changes_no_bit() {
+fn the_result_does_not_depend_on_the_number_of_threads() {
     for mut data in [cartpole(), standing(), zoo()] {
         for method in METHODS {
             let one = by(&mut data, method, 1);
@@ -118,8 +118,8 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
-fn the_pool_that_the_call_is_made_in_changes_no_bit() {
-    // Called from within a pool, with fewer threads than asked for, or with none to spare.
+fn the_result_does_not_depend_on_the_surrounding_pool() {
+    // Called within a pool with fewer threads than requested, or with no free threads.
     for mut data in [standing(), zoo()] {
         for method in METHODS {
             let one = by(&mut data, method, 1);
@@ -132,7 +132,7 @@ fn the_pool_that_the_call_is_made_in_changes_no_bit() {
 }
 
 #[test]
-fn a_workspace_that_has_failed_linearises_the_next_state_as_a_new_one() {
+fn a_workspace_is_usable_after_a_failure() {
     let mut data = standing();
     for method in METHODS {
         let options = TransitionOptions { method, threads: 2, ..Default::default() };
@@ -147,7 +147,7 @@ fn a_workspace_that_has_failed_linearises_the_next_state_as_a_new_one() {
 }
 
 #[test]
-fn outputs_that_are_left_out_change_nothing_of_the_others() {
+fn omitted_outputs_do_not_affect_other_outputs() {
     let mut data = standing();
     for method in METHODS {
         for threads in [1, 2] {
@@ -166,7 +166,7 @@ fn outputs_that_are_left_out_change_nothing_of_the_others() {
     }
 }
 
-/// All that a simulation holds, as text.
+/// Returns all contents of a simulation.
 fn everything(data: &Data) -> (Vec<f64>, Vec<f64>, String) {
     (
         data.state(StateSpec::INTEGRATION),
@@ -176,7 +176,7 @@ fn everything(data: &Data) -> (Vec<f64>, Vec<f64>, String) {
 }
 
 #[test]
-fn the_simulation_is_as_before_to_the_last_bit() {
+fn the_simulation_is_restored_bit_for_bit() {
     for mut data in [cartpole(), standing(), zoo()] {
         for method in METHODS {
             for threads in [1, 2] {
@@ -185,13 +185,13 @@ fn the_simulation_is_as_before_to_the_last_bit() {
                 transition.linear_system(&mut data).unwrap();
                 assert_eq!(everything(&data), before);
 
-                // Accelerations beyond all bounds are an error of the step.
+                // Huge accelerations are an error of the step.
                 let mut wild = data.clone();
                 wild.qfrc_applied_mut().fill(1e300);
                 let before = everything(&wild);
                 assert!(matches!(transition.linear_system(&mut wild), Err(Error::Unstable(_))), "{method:?}");
                 assert_eq!(everything(&wild), before);
-                // And none for the next one.
+                // The next linearisation succeeds.
                 transition.linear_system(&mut data).unwrap();
             }
         }
@@ -199,7 +199,7 @@ fn the_simulation_is_as_before_to_the_last_bit() {
 }
 
 #[test]
-fn where_the_theorem_does_not_hold_differences_take_its_place_and_say_so() {
+fn unsupported_models_fall_back_to_differences_with_a_report() {
     for (data, fallback) in [
         (with_options(cartpole(), |options| options.integrator = Integrator::Rk4), Fallback::RungeKutta),
         (with_options(standing(), |options| options.integrator = Integrator::Implicit), Fallback::ImplicitIntegrator),
@@ -227,7 +227,7 @@ fn where_the_theorem_does_not_hold_differences_take_its_place_and_say_so() {
 }
 
 #[test]
-fn the_engine_does_not_differentiate_runge_kutta_and_columns_do() {
+fn columns_support_runge_kutta_and_the_engine_does_not() {
     let mut data = with_options(cartpole(), |options| options.integrator = Integrator::Rk4);
     let options = TransitionOptions { method: TransitionMethod::Engine, ..Default::default() };
     let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
@@ -236,7 +236,7 @@ fn the_engine_does_not_differentiate_runge_kutta_and_columns_do() {
 }
 
 #[test]
-fn callbacks_are_part_of_what_is_linearised() {
+fn linearisations_include_callbacks() {
     let mut data = cartpole();
     data.ctrl_mut()[0] = -0.5 * data.qpos()[1];
     let before = data.state(StateSpec::INTEGRATION);
@@ -251,7 +251,7 @@ fn callbacks_are_part_of_what_is_linearised() {
 }
 
 #[test]
-fn a_model_that_was_changed_is_followed() {
+fn edits_of_the_model_are_followed() {
     let mut data = cartpole();
     for method in METHODS {
         let mut transition = workspace(&data, TransitionOptions { method, ..Default::default() });
@@ -264,7 +264,7 @@ fn a_model_that_was_changed_is_followed() {
 }
 
 #[test]
-fn along_a_trajectory_each_row_is_as_if_alone() {
+fn linearisations_along_a_trajectory_equal_single_linearisations() {
     let mut data = standing();
     let (mut states, mut controls) = (Vec::new(), Vec::new());
     for knot in 0..5 {

@@ -1,10 +1,10 @@
-//! Each feature of the engine that a step depends on, alone: through inverse dynamics, against extrapolated differences.
+//! Each feature of the engine that affects a step, alone: the implicit method against extrapolated differences.
 
 use mujoco_safe::{Data, Model, StateSpace, Transition, TransitionMethod, TransitionOptions};
 
 use super::{assert_near, oracle};
 
-/// A chain of three links, with what a feature adds to the options, to the world, to the links and outside of the bodies.
+/// Returns a chain of three links, with the feature's additions to the options, the world, the links and the model.
 fn chain(option: &str, world: &str, links: &str, rest: &str) -> String {
     format!(
         r#"<mujoco>
@@ -32,7 +32,7 @@ fn chain(option: &str, world: &str, links: &str, rest: &str) -> String {
     )
 }
 
-/// A body that may fall on the floor.
+/// Returns a body that may fall on the floor.
 fn ball(option: &str, joint: &str, geom: &str, rest: &str) -> String {
     format!(
         r#"<mujoco>
@@ -46,7 +46,7 @@ fn ball(option: &str, joint: &str, geom: &str, rest: &str) -> String {
     )
 }
 
-/// In motion, with controls and activations.
+/// Returns a simulation in motion, with controls and activations.
 fn moving(xml: &str, steps: usize) -> Data {
     let mut data = Data::new(Model::from_xml_str(xml).unwrap_or_else(|error| panic!("{error}: {xml}"))).unwrap();
     data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.3 + 0.1 * i as f64);
@@ -139,7 +139,7 @@ fn actuators_of_each_kind_alone() {
         let rest = format!(
             r#"<tendon><spatial name="s"><site site="anchor"/><site site="tip"/></spatial></tendon><actuator>{actuator}</actuator>"#
         );
-        // An engine that does not know the transmission says so when it loads.
+        // An engine without this transmission rejects it when loading.
         let xml = chain("", "", r#"damping="0.2""#, &rest);
         if actuator.contains("refsite") && Model::from_xml_str(&xml).is_err() {
             continue;

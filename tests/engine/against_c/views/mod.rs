@@ -75,8 +75,8 @@ impl<T: Bits> Bits for Vec<T> {
     }
 }
 
-/// Compares each field of each view with `array[start; length]` of the engine, or with an expression, and asserts that every listed
-/// field of the view is compared.
+/// Compares each field of each view with `array[start; length]` of the engine, or with an expression, and asserts that every
+/// listed field of the view is compared.
 macro_rules! check_fields {
     ($name:expr, $views:expr, |$view:ident, $i:ident| {
         $($field:ident: $array:expr, [$start:expr; $length:expr];)*
