@@ -91,7 +91,7 @@ fn the_planner_survives_every_push() {
 }
 
 /// Runs an example in the profile of this test.
-fn program(name: &str, arguments: &[&str]) -> Output {
+pub(crate) fn program(name: &str, arguments: &[&str]) -> Output {
     let executable: PathBuf = std::env::current_exe().unwrap();
     let examples = executable.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples");
     let program = examples.join(name);
@@ -103,7 +103,7 @@ fn program(name: &str, arguments: &[&str]) -> Output {
     Command::new(program).args(arguments).output().unwrap()
 }
 
-fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 

@@ -1,12 +1,12 @@
 //! A humanoid balances on one leg. The modules of the example `humanoid_lqr` are included here; the program itself is run at
 //! the end.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 use std::sync::Arc;
 
 use mujoco_safe::{Data, Differences, Lqr, Matrix, Model, sample};
 
+use crate::examples::{program, text};
 use crate::set_point::{SetPoint, Sweep};
 use crate::simulate::{Disturbance, Push, Run, simulate};
 use crate::weights::{Dofs, weights};
@@ -146,43 +146,9 @@ fn the_humanoid_falls_with_constant_controls() {
     assert!(fell_at < 3.0, "the humanoid fell only after {fell_at} s");
 }
 
-/// Runs the example in the profile of this test.
-fn program(arguments: &[&str]) -> Output {
-    let executable: PathBuf = std::env::current_exe().unwrap();
-    let examples = executable.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples");
-    let program = examples.join("humanoid_lqr");
-    if !program.exists() {
-        // `cargo test --test control` alone does not build the examples.
-        let built = Command::new(env!("CARGO")).args(["build", "--quiet", "--example", "humanoid_lqr"]).status();
-        assert!(built.expect("cargo runs").success(), "the example does not build");
-    }
-    Command::new(program).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// A temporary directory, removed on drop.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mujoco-safe-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 #[test]
 fn the_example_prints_one_json_object_and_writes_no_files() {
-    let output = program(&["--json", "--seconds", "2"]);
+    let output = program("humanoid_lqr", &["--json", "--seconds", "2"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let figures: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a single JSON object");
     assert_eq!(figures["upright"], true);
@@ -195,9 +161,9 @@ fn the_example_prints_one_json_object_and_writes_no_files() {
 
 #[test]
 fn the_example_writes_its_plots_and_trajectory_to_the_given_directory() {
-    let scratch = Scratch::new("plots");
-    let out = scratch.0.join("made/on/demand");
-    let output = program(&["--seconds", "1", "--out", out.to_str().unwrap()]);
+    let scratch = tempfile::tempdir().unwrap();
+    let out = scratch.path().join("made/on/demand");
+    let output = program("humanoid_lqr", &["--seconds", "1", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     for plot in ["humanoid_force.svg", "humanoid_balance.svg", "humanoid_film.svg"] {
         let svg = std::fs::read_to_string(out.join(plot)).unwrap();
@@ -210,8 +176,8 @@ fn the_example_writes_its_plots_and_trajectory_to_the_given_directory() {
 #[test]
 fn the_example_accepts_other_humanoids() {
     // The bundled humanoid under other names, with a head 10 % heavier, on a harder floor.
-    let scratch = Scratch::new("other");
-    let path = scratch.0.join("other.xml");
+    let scratch = tempfile::tempdir().unwrap();
+    let path = scratch.path().join("other.xml");
     let other = sample::HUMANOID_XML
         .replace("name=\"torso\"", "name=\"chest_of_other\"")
         .replace("body=\"torso\"", "body=\"chest_of_other\"")
@@ -221,7 +187,10 @@ fn the_example_accepts_other_humanoids() {
         .replace("solref=\".015 1\"", "solref=\".012 1\"");
     std::fs::write(&path, other).unwrap();
     let path = path.to_str().unwrap();
-    let output = program(&["--model", path, "--keyframe", "crane", "--torso", "chest_of_other", "--foot", "left_sole"]);
+    let output = program(
+        "humanoid_lqr",
+        &["--model", path, "--keyframe", "crane", "--torso", "chest_of_other", "--foot", "left_sole"],
+    );
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
@@ -236,13 +205,14 @@ fn the_example_balances_the_engines_sample_humanoid() {
         eprintln!("skipped: {} is not installed (libmujoco-samples)", sample.display());
         return;
     };
-    let scratch = Scratch::new("sample");
-    let path = scratch.0.join("one_leg.xml");
+    let scratch = tempfile::tempdir().unwrap();
+    let path = scratch.path().join("one_leg.xml");
     let keyframe = format!("<keyframe><key name=\"one_leg\" qpos=\"{SAMPLE_ON_ONE_LEG}\"/></keyframe></mujoco>");
     std::fs::write(&path, xml.replace("</mujoco>", &keyframe)).unwrap();
     let path = path.to_str().unwrap();
     for push in ["20,0", "0,20"] {
-        let output = program(&["--model", path, "--keyframe", "one_leg", "--foot", "left_foot", "--push", push]);
+        let output =
+            program("humanoid_lqr", &["--model", path, "--keyframe", "one_leg", "--foot", "left_foot", "--push", push]);
         assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
         assert!(text(&output.stdout).contains("with constant controls it falls"));
     }
@@ -258,7 +228,7 @@ fn the_example_reports_invalid_arguments() {
         (&["--push", "1"], "--push 20,0"),
         (&["--speed"], "--help lists the options"),
     ] {
-        let output = program(arguments);
+        let output = program("humanoid_lqr", arguments);
         let message = text(&output.stderr);
         assert!(!output.status.success(), "{arguments:?} was accepted");
         assert!(message.contains(expected), "{arguments:?}: {message}");

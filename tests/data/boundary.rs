@@ -3,7 +3,6 @@
 
 #![forbid(unsafe_code)]
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use mujoco_safe::{
@@ -70,23 +69,6 @@ fn everything() -> Model {
     Model::from_xml_str(EVERYTHING).unwrap()
 }
 
-/// A folder of this process and test, removed on drop.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mujoco_safe_boundary_{name}_{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 #[test]
 fn every_accessor_reads_initialised_memory_at_every_stage() {
     for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
@@ -138,28 +120,28 @@ fn every_view_prints() {
 
 #[test]
 fn loading_saving_and_their_errors() {
-    let folder = Folder::new("loading");
-    let path = folder.0.join("model.xml");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.xml");
     std::fs::write(&path, sample::CARTPOLE_XML).unwrap();
     // Other tests load models at the same time, and the engine keeps the XML of the last model only.
     let model = (0..1000)
         .find_map(|_| {
             let model = Model::from_xml_path(&path).unwrap();
-            match model.save_xml(folder.0.join("saved.xml")) {
+            match model.save_xml(folder.path().join("saved.xml")) {
                 Err(Error::XmlReplaced) => None,
                 saved => Some(saved.map(|()| model).unwrap()),
             }
         })
         .unwrap();
-    assert!(model.save_xml(folder.0.join("no/such/folder.xml")).is_err());
-    assert!(model.save_xml(&folder.0).is_err());
-    model.save_binary(folder.0.join("saved.mjb")).unwrap();
+    assert!(model.save_xml(folder.path().join("no/such/folder.xml")).is_err());
+    assert!(model.save_xml(folder.path()).is_err());
+    model.save_binary(folder.path().join("saved.mjb")).unwrap();
     let bytes = model.to_binary().unwrap();
     assert!(Model::from_binary(&bytes[..bytes.len() / 2]).is_err());
     assert!(Model::from_binary(b"").is_err());
-    let _ = Model::from_binary_path(folder.0.join("saved.mjb"));
-    assert_eq!(Model::from_xml_path(folder.0.join("saved.xml")).unwrap().nv(), 2);
-    assert!(matches!(model.save_xml(folder.0.join("again.xml")), Err(Error::XmlReplaced)));
+    let _ = Model::from_binary_path(folder.path().join("saved.mjb"));
+    assert_eq!(Model::from_xml_path(folder.path().join("saved.xml")).unwrap().nv(), 2);
+    assert!(matches!(model.save_xml(folder.path().join("again.xml")), Err(Error::XmlReplaced)));
     for xml in ["", "<mujoco", "<mujoco><worldbod/></mujoco>", "<mujoco><worldbody><geom/></worldbody></mujoco>"] {
         assert!(matches!(Model::from_xml_str(xml), Err(Error::Load { .. })), "{xml}");
     }
@@ -308,9 +290,9 @@ fn controllers_states_and_trajectories() {
     trajectory.apply(1, &mut data).unwrap();
     let state = data.state(StateSpec::INTEGRATION);
     data.set_state(StateSpec::INTEGRATION, &state).unwrap();
-    let folder = Folder::new("trajectory");
-    trajectory.save_csv(folder.0.join("t.csv")).unwrap();
-    assert_eq!(Trajectory::load_csv(data.model(), folder.0.join("t.csv")).unwrap(), trajectory);
+    let folder = tempfile::tempdir().unwrap();
+    trajectory.save_csv(folder.path().join("t.csv")).unwrap();
+    assert_eq!(Trajectory::load_csv(data.model(), folder.path().join("t.csv")).unwrap(), trajectory);
 }
 
 #[test]

@@ -1,26 +1,13 @@
 //! Recording, CSV files and replay.
 
-use std::path::PathBuf;
-
 use mujoco_safe::{Data, Error, StateSpec, Trajectory};
 use proptest::prelude::*;
 
 use crate::arbitrary::{BALL, CARTPOLE, any_model, any_number, bits};
 
-/// A file of one test, removed on drop.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str) -> Self {
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-        Self(folder.join(format!("{name}-{}.csv", std::process::id())))
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
+/// Returns the path of a temporary file, which is removed on drop.
+fn csv_path() -> tempfile::TempPath {
+    tempfile::NamedTempFile::new().unwrap().into_temp_path()
 }
 
 /// Any number that a file must preserve. NaN is preserved without its sign and payload, which text cannot represent.
@@ -46,9 +33,9 @@ proptest! {
             data.set_state(spec, &state).unwrap();
             trajectory.push(&data).unwrap();
         }
-        let file = Scratch::new("any");
-        trajectory.save_csv(&file.0).unwrap();
-        let again = Trajectory::load_csv(&model, &file.0).unwrap();
+        let path = csv_path();
+        trajectory.save_csv(&path).unwrap();
+        let again = Trajectory::load_csv(&model, &path).unwrap();
         prop_assert_eq!(again.len(), records);
         prop_assert_eq!(bits(again.times()), bits(trajectory.times()));
         prop_assert_eq!(bits(again.states()), bits(trajectory.states()));
@@ -62,9 +49,9 @@ fn a_csv_file_has_a_header_and_a_line_per_record() {
     let mut trajectory = Trajectory::new(data.model());
     let mut push = |data: &mut Data| data.ctrl_mut()[0] = 0.25;
     trajectory.record(&mut data, &mut push, 2).unwrap();
-    let file = Scratch::new("header");
-    trajectory.save_csv(&file.0).unwrap();
-    let text = std::fs::read_to_string(&file.0).unwrap();
+    let path = csv_path();
+    trajectory.save_csv(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "time,qpos0,qpos1,qvel0,qvel1,ctrl0");
     assert_eq!(lines[1], "0,0,0,0,0,0.25");
@@ -77,9 +64,9 @@ fn nan_round_trips_through_csv() {
     data.qpos_mut()[0] = f64::NAN;
     let mut trajectory = Trajectory::new(data.model());
     trajectory.push(&data).unwrap();
-    let file = Scratch::new("nan");
-    trajectory.save_csv(&file.0).unwrap();
-    let again = Trajectory::load_csv(data.model(), &file.0).unwrap();
+    let path = csv_path();
+    trajectory.save_csv(&path).unwrap();
+    let again = Trajectory::load_csv(data.model(), &path).unwrap();
     assert!(again.qpos(0)[0].is_nan() && again.qpos(0)[1] == 0.0);
 }
 
@@ -93,9 +80,9 @@ fn a_malformed_csv_file_is_an_error_that_names_the_line() {
         (format!("{header}0,0,0,0,0\n"), "line 2 has 5 columns, not 6"),
         (format!("{header}0,0,0,0,0,0,0\n"), "line 2 has 7 columns, not 6"),
     ] {
-        let file = Scratch::new("wrong");
-        std::fs::write(&file.0, text).unwrap();
-        let error = Trajectory::load_csv(&CARTPOLE, &file.0).unwrap_err();
+        let path = csv_path();
+        std::fs::write(&path, text).unwrap();
+        let error = Trajectory::load_csv(&CARTPOLE, &path).unwrap_err();
         assert!(matches!(error, Error::File { .. }) && error.to_string().contains(expected), "{error}");
     }
 }

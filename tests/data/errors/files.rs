@@ -6,21 +6,12 @@ use mujoco_safe::{LoadOptions, Model, Trajectory, sample};
 
 use super::text_of;
 
-/// A file of this process and test, removed on drop.
-struct File(PathBuf);
-
-impl File {
-    fn new(name: &str, content: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mujoco_safe_errors_{}_{name}", std::process::id()));
-        std::fs::write(&path, content).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for File {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
+/// Returns a temporary folder, and the path of a file in it.
+fn file(name: &str, content: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, content).unwrap();
+    (folder, path)
 }
 
 #[test]
@@ -59,8 +50,8 @@ fn malformed_xml_is_an_error_with_its_line() {
     text_of(Model::from_xml_str(""), &["cannot load the XML given"]);
     text_of(Model::from_xml_str("not XML at all"), &["cannot load the XML given"]);
     text_of(Model::from_xml_str("<html/>"), &["html"]);
-    let file = File::new("broken.xml", "<mujoco>\n\n  <worldbod/></mujoco>");
-    text_of(Model::from_xml_path(&file.0), &["broken.xml", "'worldbod'", "line 3"]);
+    let (_folder, path) = file("broken.xml", "<mujoco>\n\n  <worldbod/></mujoco>");
+    text_of(Model::from_xml_path(&path), &["broken.xml", "'worldbod'", "line 3"]);
     // The engine's examples use a buffer of a hundred bytes for this message.
     let long = "n".repeat(300);
     text_of(Model::from_xml_str(&format!("<mujoco><worldbody><body><{long}/></body></worldbody></mujoco>")), &[&long]);
@@ -85,8 +76,8 @@ fn empty_duplicate_and_misnamed_files_are_errors() {
 fn a_malformed_csv_trajectory_is_an_error_with_its_line() {
     let model = sample::cartpole();
     let load = |content: &str| {
-        let file = File::new("damaged.csv", content);
-        Trajectory::load_csv(&model, &file.0)
+        let (_folder, path) = file("damaged.csv", content);
+        Trajectory::load_csv(&model, &path)
     };
     let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0\n";
     assert_eq!(load(&format!("{header}0,1,2,3,4,5\n")).unwrap().len(), 1);
