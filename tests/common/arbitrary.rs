@@ -8,25 +8,25 @@ use mujoco_safe::{Model, sample};
 use proptest::prelude::*;
 
 pub(crate) static ZOO: LazyLock<Arc<Model>> =
-    LazyLock::new(|| Arc::new(Model::from_xml_str(include_str!("../models/zoo.xml")).expect("the zoo loads")));
+    LazyLock::new(|| Arc::new(Model::from_xml_str(include_str!("../models/zoo.xml")).unwrap()));
 pub(crate) static HUMANOID: LazyLock<Arc<Model>> = LazyLock::new(|| Arc::new(sample::humanoid()));
 pub(crate) static CARTPOLE: LazyLock<Arc<Model>> = LazyLock::new(|| Arc::new(sample::cartpole()));
-/// Something that moves, without actuators or sensors.
+/// A free ball, without actuators or sensors.
 pub(crate) static BALL: LazyLock<Arc<Model>> = LazyLock::new(|| {
     let xml = r#"<mujoco><worldbody><body><freejoint/><geom size=".1"/></body></worldbody></mujoco>"#;
-    Arc::new(Model::from_xml_str(xml).expect("a ball"))
+    Arc::new(Model::from_xml_str(xml).unwrap())
 });
-/// Nothing that moves.
+/// A static geom, without degrees of freedom.
 pub(crate) static ROCK: LazyLock<Arc<Model>> = LazyLock::new(|| {
     let xml = r#"<mujoco><worldbody><geom size=".1"/></worldbody></mujoco>"#;
-    Arc::new(Model::from_xml_str(xml).expect("a rock"))
+    Arc::new(Model::from_xml_str(xml).unwrap())
 });
 
 pub(crate) fn any_model() -> impl Strategy<Value = Arc<Model>> {
     prop::sample::select(vec![&ZOO, &HUMANOID, &CARTPOLE, &BALL, &ROCK]).prop_map(|model| (**model).clone())
 }
 
-/// Any double at all, with the odd ones often.
+/// Any double, with a high share of special values.
 pub(crate) fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),

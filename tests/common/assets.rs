@@ -1,8 +1,8 @@
-//! Small files of every kind that a model can name, written by hand.
+//! Small handwritten files of every kind that a model can name.
 
-/// The corners of a tetrahedron.
-pub const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.1]];
-/// Its faces, seen from outside against the clock.
+/// The vertices of a tetrahedron.
+pub const VERTICES: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.1]];
+/// The faces of the tetrahedron, counter-clockwise seen from outside.
 pub const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
 fn floats(values: impl IntoIterator<Item = f32>) -> Vec<u8> {
@@ -13,38 +13,38 @@ fn integers(values: impl IntoIterator<Item = u32>) -> Vec<u8> {
     values.into_iter().flat_map(u32::to_le_bytes).collect()
 }
 
-/// Binary STL: a header of 80 bytes, the number of faces, and for each its normal, three corners, and two bytes.
+/// Binary STL: a header of 80 bytes, the number of faces, and for each face its normal, three vertices, and two bytes.
 pub fn stl() -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend(integers([4]));
     for face in FACES {
         bytes.extend(floats([0.0; 3]));
-        bytes.extend(face.iter().flat_map(|&corner| floats(CORNERS[corner as usize])));
+        bytes.extend(face.iter().flat_map(|&corner| floats(VERTICES[corner as usize])));
         bytes.extend([0, 0]);
     }
     bytes
 }
 
-/// OBJ: text, whose indices begin with 1.
+/// OBJ: text, with indices from 1.
 pub fn obj() -> Vec<u8> {
-    let corners = CORNERS.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+    let corners = VERTICES.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
     let faces = FACES.map(|[a, b, c]| format!("f {} {} {}\n", a + 1, b + 1, c + 1)).concat();
     (corners + &faces).into_bytes()
 }
 
-/// The engine's own format: how many corners, normals, texture coordinates and faces, and then those.
+/// The engine's mesh format: the numbers of vertices, normals, texture coordinates and faces, and then the arrays.
 pub fn msh() -> Vec<u8> {
     let mut bytes = integers([4, 0, 0, 4]);
-    bytes.extend(floats(CORNERS.into_iter().flatten()));
+    bytes.extend(floats(VERTICES.into_iter().flatten()));
     bytes.extend(integers(FACES.into_iter().flatten()));
     bytes
 }
 
-/// The engine's format of skins: how many corners, texture coordinates, faces and bones, then the first three, and for each bone
-/// a name in 40 bytes, a position, a quaternion, and which corners it moves, how much.
+/// The engine's skin format: the numbers of vertices, texture coordinates, faces and bones, then the first three arrays, and for
+/// each bone a name of 40 bytes, a position, a quaternion, and its vertices with their weights.
 pub fn skn(body: &str) -> Vec<u8> {
     let mut bytes = integers([4, 0, 4, 1]);
-    bytes.extend(floats(CORNERS.into_iter().flatten()));
+    bytes.extend(floats(VERTICES.into_iter().flatten()));
     bytes.extend(integers(FACES.into_iter().flatten()));
     bytes.extend(body.bytes().chain(std::iter::repeat(0)).take(40));
     bytes.extend(floats([0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0]));
@@ -53,14 +53,14 @@ pub fn skn(body: &str) -> Vec<u8> {
     bytes
 }
 
-/// The engine's format of height fields: rows, columns, heights.
+/// The engine's height field format: rows, columns, heights.
 pub fn height_field() -> Vec<u8> {
     let mut bytes = integers([3, 2]);
     bytes.extend(floats([0.0, 1.0, 2.0, 3.0, 4.0, 8.0]));
     bytes
 }
 
-/// The engine's format of textures: width, height, colours.
+/// The engine's texture format: width, height, colours.
 pub fn texture() -> Vec<u8> {
     let mut bytes = integers([2, 1]);
     bytes.extend([10, 20, 30, 40, 50, 60]);
@@ -75,7 +75,7 @@ pub fn png(colour: png::ColorType, width: u32, height: u32, samples: &[u8]) -> V
     bytes
 }
 
-/// The name of every file that [`MODEL`] and [`PART`] name, and what is in it.
+/// Names and contents of all files that [`MODEL`] and [`PART`] name.
 pub fn all() -> Vec<(&'static str, Vec<u8>)> {
     let colours: Vec<u8> = (0..4 * 4 * 3).map(|index| index * 5).collect();
     vec![
@@ -132,7 +132,7 @@ pub const URDF: &str = r#"<robot name="arm">
   </joint>
 </robot>"#;
 
-/// A folder with every file of [`all`], [`MODEL`] and [`URDF`].
+/// Returns a folder with every file of [`all`], [`MODEL`] and [`URDF`].
 pub fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, content) in all() {
@@ -141,7 +141,7 @@ pub fn folder() -> tempfile::TempDir {
         std::fs::write(path, content).unwrap();
     }
     std::fs::write(folder.path().join("model.xml"), MODEL).unwrap();
-    // A URDF looks for its meshes beside itself.
+    // The meshes of a URDF are searched beside it.
     std::fs::write(folder.path().join("arm.urdf"), URDF).unwrap();
     std::fs::write(folder.path().join("solid.stl"), stl()).unwrap();
     folder

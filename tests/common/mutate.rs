@@ -1,30 +1,30 @@
-//! Damaged binary models, the same ones in every run: a mutant is made from a valid file, a kind of damage and a seed.
+//! Damaged binary models, reproducible from a valid file, a kind of damage and a seed.
 //!
-//! Where things are in the file comes straight from the table of fields in `mujoco-sys`, not from the crate's own reader, so
-//! that a mistake in one is not repeated in the other.
+//! The layout of the file is derived from the table of fields in `mujoco-sys` and not from the crate's reader, so that an error
+//! in the reader is not repeated here.
 
 #![allow(unreachable_pub, dead_code, reason = "included by several tests, each of which uses some of it")]
 
-/// What is done to the file.
+/// A kind of damage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// One to four bits or bytes anywhere.
+    /// Changes one to four bits or bytes anywhere.
     Anywhere,
-    /// The same, but not in the textures, which are most of a typical file.
+    /// Changes one to four bits or bytes outside of the textures, which take most of a typical file.
     OutsideTextures,
-    /// One to three of the header's integers and the model's sizes.
+    /// Changes one to three integers of the header and the model's sizes.
     Sizes,
-    /// One to four bits or integers of the options, the visual settings and the statistics.
+    /// Changes one to four bits or integers of the options, the visual settings and the statistics.
     Options,
-    /// One to four elements of one or more integer arrays.
+    /// Changes one to four elements of integer arrays.
     Integers,
-    /// One to four elements of arrays of bytes other than textures: flags, names, texts.
+    /// Changes one to four elements of byte arrays other than textures: flags, names, texts.
     Bytes,
-    /// One to four real numbers become special ones.
+    /// Replaces one to four real numbers by special values.
     Reals,
-    /// The end is missing.
+    /// Removes the end.
     Truncation,
-    /// There is something after the end, or inserted.
+    /// Appends or inserts bytes.
     Extension,
 }
 
@@ -40,7 +40,7 @@ pub const DAMAGES: [Damage; 9] = [
     Damage::Extension,
 ];
 
-/// Where a file's parts are.
+/// The layout of a file.
 pub struct Map {
     integers: Vec<(usize, usize)>,
     bytes: Vec<(usize, usize)>,
@@ -54,7 +54,7 @@ const HEADER: usize = 4 * (4 + 58);
 const STRUCTS: usize = 240 + 560 + 56;
 
 impl Map {
-    /// Of a file that is known to be valid.
+    /// Returns the layout of a valid file.
     pub fn new(file: &[u8]) -> Self {
         let rows: Vec<Vec<&str>> = FIELDS.lines().skip(1).map(|line| line.split('\t').collect()).collect();
         let names: Vec<&str> = rows.iter().filter(|row| row[..2] == ["Model", "size"]).map(|row| row[3]).collect();
@@ -89,7 +89,7 @@ impl Map {
         map
     }
 
-    /// The file with some damage.
+    /// Returns a damaged copy of a file.
     pub fn mutant(&self, file: &[u8], damage: Damage, seed: u64) -> Vec<u8> {
         let mut random =
             Random(seed.wrapping_mul(2).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ damage as u64);
@@ -164,7 +164,7 @@ impl Map {
     }
 }
 
-/// Flips a bit or replaces a byte, somewhere in the given range.
+/// Flips a bit or replaces a byte in the given range.
 fn flip(file: &mut [u8], start: usize, length: usize, random: &mut Random) {
     let at = start + random.below(length.min(file.len() - start));
     if random.below(2) == 0 {
@@ -174,7 +174,7 @@ fn flip(file: &mut [u8], start: usize, length: usize, random: &mut Random) {
     }
 }
 
-/// Gives an integer a value that is a little wrong, or very.
+/// Changes an integer by a small or large amount.
 fn disturb(file: &mut [u8], at: usize, random: &mut Random) {
     let old = i32::from_ne_bytes(file[at..at + 4].try_into().unwrap());
     let value = match random.below(10) {

@@ -1,9 +1,8 @@
-//! Prints every view of every element, and so reads every field: whatever a model has where an id, a type or an address is
-//! expected must be one.
+//! Prints every view of every element, which reads every field: ids, types and addresses in the model must be valid.
 
 use mujoco_safe::{Data, Model};
 
-/// How much text that makes.
+/// Returns the length of the printed text.
 pub(crate) fn print_all(model: &Model, data: &Data) -> usize {
     let mut length = 0;
     macro_rules! print {

@@ -1,5 +1,5 @@
-//! Reads, and writes back, every number behind every generated accessor: under memcheck, whatever is not initialised or lies
-//! outside of the engine's memory is found.
+//! Reads and writes back every number behind every generated accessor. Under memcheck, this detects uninitialised memory and
+//! accesses outside of the engine's memory.
 
 use std::hint::black_box;
 
@@ -9,16 +9,16 @@ use mujoco_safe::{Data, MatrixView, MatrixViewMut, Model, ModelMut};
 #[path = "fields.rs"]
 mod fields;
 
-/// Something that an accessor returns.
+/// The return type of an accessor.
 trait Touch: Sized {
-    /// How many of its numbers are not zero.
+    /// Returns the number of nonzero values.
     fn touch(self) -> usize;
 
-    /// Gives every number the value of the function, if it may be written to.
+    /// Writes values of the function to every number, if writable.
     fn write(self, _: &mut dyn FnMut() -> f64) {}
 }
 
-/// What the engine's arrays are made of.
+/// Types of elements of the engine's arrays.
 trait Number: PartialEq + Default + Copy {
     fn from_f64(value: f64) -> Self;
 }
@@ -34,28 +34,28 @@ macro_rules! numbers {
 }
 numbers!(f64 f32 i32 u8);
 
-/// A jump that depends on the value, which is what memcheck looks at.
+/// Branches on the value, because memcheck reports uninitialised values in branches.
 #[inline(never)]
-#[allow(clippy::bool_to_int_with_if, reason = "a conversion is no jump, and memcheck would say nothing")]
-fn look<T: PartialEq + Default>(value: T) -> usize {
+#[allow(clippy::bool_to_int_with_if, reason = "memcheck reports branches, not conversions")]
+fn branch<T: PartialEq + Default>(value: T) -> usize {
     if black_box(value) == T::default() { 0 } else { 1 }
 }
 
 impl Touch for usize {
     fn touch(self) -> usize {
-        look(self)
+        branch(self)
     }
 }
 
 impl Touch for f64 {
     fn touch(self) -> usize {
-        look(self)
+        branch(self)
     }
 }
 
 impl<T: Number> Touch for &[T] {
     fn touch(self) -> usize {
-        self.iter().map(|&value| look(value)).sum()
+        self.iter().map(|&value| branch(value)).sum()
     }
 }
 
@@ -106,7 +106,7 @@ impl Touch for MatrixViewMut<'_> {
     }
 }
 
-/// A function that reads all of what the accessors return.
+/// Defines a function that reads the results of all accessors.
 macro_rules! reading {
     ($(#[$doc:meta])* $function:ident($owner:ty): $($name:ident)*) => {
         $(#[$doc])*
@@ -116,15 +116,16 @@ macro_rules! reading {
     };
 }
 
-/// A function that writes to all of it, the list of their names, and a function that writes to the one of an index.
+/// Defines a function that writes to all arrays, a list of the writers' names, and a function that writes to the array of an
+/// index.
 macro_rules! writing {
     ($(#[$doc:meta])* $function:ident($owner:ty), $list:ident, $write:ident: $($name:ident($field:ident))*) => {
         reading! { $(#[$doc])* $function($owner): $($name)* }
 
-        #[allow(dead_code, reason = "included by several tests, of which one writes")]
+        #[allow(dead_code, reason = "the fuzzer uses it")]
         pub(crate) const $list: &[&str] = &[$(stringify!($name)),*];
 
-        /// Writes to the array that is at this place of the list.
+        /// Writes to the array of this index in the list.
         #[allow(dead_code, reason = "idem")]
         pub(crate) fn $write(owner: $owner, index: usize, value: &mut dyn FnMut() -> f64) {
             let mut at = 0;
@@ -134,7 +135,7 @@ macro_rules! writing {
                 }
                 at += 1;
             )*
-            panic!("there are only {at} arrays");
+            panic!("index out of range for {at} arrays");
         }
     };
 }
@@ -148,10 +149,10 @@ data_readers! { reading
     data(&Data):
 }
 model_writers! { writing
-    /// Writes to all that may be written to in a model.
+    /// Writes to all writable arrays of a model.
     model_mut(&mut ModelMut<'_>), MODEL_MUT, write_model:
 }
 data_writers! { writing
-    /// Writes to all that may be written to in a simulation.
+    /// Writes to all writable arrays of a simulation.
     data_mut(&mut Data), DATA_MUT, write_data:
 }

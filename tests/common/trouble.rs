@@ -1,10 +1,10 @@
-//! Models that make the engine fail, warn, or refuse.
+//! Models for which the engine fails or warns.
 
 #![allow(unreachable_pub, dead_code, reason = "included by several tests, each of which uses some of it")]
 
 use mujoco_safe::{Data, Model, Result};
 
-/// A ball that falls on a floor, with a stack of so many numbers.
+/// Returns a ball that falls on a floor, with a stack of this size.
 pub fn with_stack(nstack: u32) -> Result<Model> {
     Model::from_xml_str(&format!(
         r#"<mujoco><size nstack="{nstack}"/><worldbody>
@@ -13,7 +13,7 @@ pub fn with_stack(nstack: u32) -> Result<Model> {
     ))
 }
 
-/// That ball, with so small a stack that the engine runs out of it when it meets the floor.
+/// Returns the ball with a stack that overflows when the ball meets the floor.
 pub fn overflowing() -> Model {
     (10..5000)
         .step_by(10)
@@ -25,7 +25,7 @@ pub fn overflowing() -> Model {
         .expect("a stack that is large enough to fall and too small to land")
 }
 
-/// Four balls on a floor, with room for two contacts.
+/// Returns four balls on a floor, with room for two contacts.
 pub fn crowded() -> Model {
     let balls = [0, 1, 2, 3].map(|x| format!(r#"<body pos="{x} 0 .09"><freejoint/><geom size=".1"/></body>"#)).concat();
     Model::from_xml_str(&format!(
@@ -34,7 +34,7 @@ pub fn crowded() -> Model {
     .unwrap()
 }
 
-/// A pendulum whose length and name tell which one it is.
+/// Returns a pendulum whose length and names depend on the number.
 pub fn pendulum(number: u64) -> String {
     format!(
         r#"<mujoco model="number {number}"><worldbody><body name="b{number}"><joint name="j{number}" axis="0 1 0"/>

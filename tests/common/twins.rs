@@ -1,4 +1,4 @@
-//! A simulation of the library's and one of C's, which go through the same.
+//! Twins: a simulation of the library and a simulation of C with the same inputs.
 
 use std::sync::{Arc, OnceLock};
 
@@ -10,13 +10,13 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// A call in C.
 macro_rules! c {
     ($function:ident($($argument:expr),* $(,)?)) => {
-        // SAFETY: every test calls with the model and data of one pair of twins, and with arrays of the engine's own sizes.
+        // SAFETY: every test passes the model and data of one pair of twins, and arrays of the engine's sizes.
         unsafe { mujoco_safe::sys::$function($($argument),*) }
     };
 }
 pub(crate) use c;
 
-/// A model to compare on.
+/// A model for comparisons.
 pub(crate) struct Subject {
     pub(crate) name: String,
     pub(crate) model: Arc<Model>,
@@ -24,11 +24,11 @@ pub(crate) struct Subject {
 
 const ZOO_XML: &str = include_str!("../models/zoo.xml");
 
-/// The models of this file's first paragraph, loaded once.
+/// Returns the bundled models, the zoo and the engine's models, loaded once.
 pub(crate) fn subjects() -> &'static [Subject] {
     static SUBJECTS: OnceLock<Vec<Subject>> = OnceLock::new();
     SUBJECTS.get_or_init(|| {
-        let zoo = Model::from_xml_str(ZOO_XML).expect("the zoo loads");
+        let zoo = Model::from_xml_str(ZOO_XML).unwrap();
         let mut subjects: Vec<_> = [("cartpole", sample::cartpole()), ("humanoid", sample::humanoid()), ("zoo", zoo)]
             .map(|(name, model)| Subject { name: name.to_owned(), model: Arc::new(model) })
             .into();
@@ -47,38 +47,38 @@ pub(crate) fn subjects() -> &'static [Subject] {
     })
 }
 
-/// All but the largest, whose simulations take hundreds of megabytes each.
+/// Returns all models except the largest, whose simulations take hundreds of megabytes each.
 pub(crate) fn usual_subjects() -> impl Iterator<Item = &'static Subject> {
     subjects().iter().filter(|subject| subject.model.nv() <= 1000)
 }
 
-/// Those small enough for what takes time with the square of the size.
+/// Returns models small enough for computations of quadratic cost.
 pub(crate) fn small_subjects() -> impl Iterator<Item = &'static Subject> {
     subjects().iter().filter(|subject| subject.model.nv() <= 50)
 }
 
-/// `length` values from `start` on, in the engine's memory.
+/// Returns `length` values of an engine array from `start` on.
 ///
 /// # Safety
 ///
-/// The engine's array has that many.
+/// The array has these values.
 pub(crate) unsafe fn read<T: Copy>(array: *const T, start: usize, length: usize) -> Vec<T> {
     // SAFETY: the caller's promise.
     (start..start + length).map(|index| unsafe { *array.add(index) }).collect()
 }
 
-/// Bits, so that −0 is not 0 and a number that is none equals itself.
+/// Returns the bits, so that −0 differs from 0 and NaN equals itself.
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-/// The library's values are the engine's.
+/// Asserts that the library's values are the engine's, bit for bit.
 #[track_caller]
 pub(crate) fn assert_same(what: &str, ours: &[f64], theirs: &[f64]) {
     assert!(bits(ours) == bits(theirs), "{what}: the library has {ours:?}, the engine {theirs:?}");
 }
 
-/// A simulation made and used by C alone.
+/// A simulation that C alone creates and uses.
 pub(crate) struct Raw {
     pub(crate) d: *mut mjData,
     model: Arc<Model>,
@@ -87,7 +87,7 @@ pub(crate) struct Raw {
 impl Raw {
     pub(crate) fn new(model: &Arc<Model>) -> Self {
         let d = c!(mj_makeData(model.as_ptr()));
-        assert!(!d.is_null(), "the engine has no memory");
+        assert!(!d.is_null(), "mj_makeData failed");
         Self { d, model: model.clone() }
     }
 
@@ -96,12 +96,12 @@ impl Raw {
     }
 
     pub(crate) fn data(&self) -> &mjData {
-        // SAFETY: made in `new`, deleted in `drop`, and no call in C goes on while the reference is in use.
+        // SAFETY: created in `new` and deleted in `drop`; no call in C runs during the borrow.
         unsafe { &*self.d }
     }
 
     pub(crate) fn values(&self, array: impl Fn(&mjData) -> *const f64, length: usize) -> Vec<f64> {
-        // SAFETY: the tests give each array with its own size.
+        // SAFETY: the tests pass each array with its size.
         unsafe { read(array(self.data()), 0, length) }
     }
 
@@ -120,7 +120,7 @@ impl Drop for Raw {
     }
 }
 
-/// The two simulations, and the random numbers that both get.
+/// The two simulations, and the random numbers that both receive.
 pub(crate) struct Twins {
     pub(crate) name: String,
     pub(crate) model: Arc<Model>,
@@ -131,12 +131,12 @@ pub(crate) struct Twins {
 }
 
 impl Twins {
-    /// At rest in the reference position.
+    /// Returns twins at rest in the reference position.
     pub(crate) fn new(subject: &Subject) -> Self {
         let model = subject.model.clone();
         Self {
             name: subject.name.clone(),
-            ours: Data::new(model.clone()).expect("there is memory"),
+            ours: Data::new(model.clone()).unwrap(),
             raw: Raw::new(&model),
             controller: RandomController::new(1),
             random: Xoshiro256PlusPlus::seed_from_u64(2),
@@ -144,11 +144,11 @@ impl Twins {
         }
     }
 
-    /// In motion: from random velocities, after some steps under random controls and forces, with all quantities computed.
+    /// Returns twins in motion, after steps from random velocities with random controls and forces, with everything computed.
     pub(crate) fn in_motion(subject: &Subject) -> Self {
         let mut twins = Self::new(subject);
         twins.shake();
-        // The largest model takes 5 ms for a step.
+        // The largest model takes 5 ms per step.
         let steps = if twins.model.nv() > 1000 { 5 } else { 60 };
         for _ in 0..steps {
             twins.control();
@@ -158,12 +158,12 @@ impl Twins {
         twins
     }
 
-    /// Numbers between -1 and 1.
+    /// Returns numbers between -1 and 1.
     pub(crate) fn numbers(&mut self, length: usize) -> Vec<f64> {
         (0..length).map(|_| self.random.random::<f64>() * 2.0 - 1.0).collect()
     }
 
-    /// Gives both random velocities and forces.
+    /// Sets the same random velocities and forces on both.
     pub(crate) fn shake(&mut self) {
         let nv = self.model.nv();
         let velocities: Vec<f64> = self.numbers(nv).iter().map(|number| 0.2 * number).collect();
@@ -174,9 +174,9 @@ impl Twins {
         self.raw.write(|d| d.qfrc_applied, &forces);
     }
 
-    /// Gives both random controls.
+    /// Sets the same random controls on both.
     pub(crate) fn control(&mut self) {
-        self.controller.control(&mut self.ours).expect("controls can be set");
+        self.controller.control(&mut self.ours).unwrap();
         self.raw.write(|d| d.ctrl, self.ours.ctrl());
     }
 
@@ -190,7 +190,7 @@ impl Twins {
         c!(mj_forward(self.raw.m(), self.raw.d));
     }
 
-    /// Both have the same time, state, inputs and warnings.
+    /// Asserts equal time, state, inputs and warnings.
     #[track_caller]
     pub(crate) fn assert_same_state(&self, when: &str) {
         let (model, ours, raw) = (&self.model, &self.ours, &self.raw);
@@ -204,13 +204,13 @@ impl Twins {
         let warmstart = raw.values(|d| d.qacc_warmstart, nv);
         assert_same(&format!("{name}, {when}: qacc_warmstart"), ours.qacc_warmstart(), &warmstart);
         for index in 0..sys::mjNWARNING as usize {
-            // SAFETY: the library's data is valid, and nothing writes to it meanwhile.
+            // SAFETY: the library's data is valid, and nothing writes to it during the borrow.
             let (ours, raw) = (unsafe { (*ours.as_ptr()).warning[index] }, raw.data().warning[index]);
             assert_eq!((ours.number, ours.lastinfo), (raw.number, raw.lastinfo), "{name}, {when}: warning {index}");
         }
     }
 
-    /// Both have computed the same, as far as the outcome of forward dynamics goes.
+    /// Asserts equal results of forward dynamics.
     #[track_caller]
     pub(crate) fn assert_same_dynamics(&self, when: &str) {
         let (model, ours, raw) = (&self.model, &self.ours, &self.raw);

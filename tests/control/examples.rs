@@ -1,6 +1,6 @@
-//! The examples of control beyond the regulator reach their goals. Their own files are used here; the programs are run at the end.
+//! The control examples reach their goals. Their modules are included here; the programs are run at the end.
 //!
-//! What takes minutes is left out unless it is asked for: `cargo test --release --test control -- --ignored`.
+//! Tests that take minutes are ignored by default: `cargo test --release --test control -- --ignored`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -11,43 +11,43 @@ use mujoco_safe::{Data, Model, Trajectory, sample};
 use crate::robot::{NEWTONS, Robot};
 use crate::{attempt, planner, robot, swing_up};
 
-/// Swings a pole up, and checks that everything on the way is what it should be.
+/// Swings a pole up, and checks the plan and the trajectory.
 fn swing_up(model: &Arc<Model>, seed: u64) {
-    let attempt = swing_up::attempt(model, seed, 2).expect("it is stable");
+    let attempt = swing_up::attempt(model, seed, 2).unwrap();
     let plan = &attempt.plan;
     assert!(attempt.up_at.is_some_and(|time| time < 4.5), "seed {seed}: up from {:?} s on", attempt.up_at);
     assert!(plan.costs.windows(2).all(|pair| pair[1] < pair[0]), "seed {seed}: {:?}", plan.costs);
     assert!(plan.controls.as_slice().iter().all(|ctrl| ctrl.abs() <= 1.0), "seed {seed}");
     assert!(plan.controls.as_slice().iter().any(|ctrl| ctrl.abs() == 1.0), "seed {seed} never presses against a limit");
-    // It hangs at first, and on the way the cart stays on the rail.
+    // The pole hangs at first, and the cart stays on the rail.
     let trajectory = &attempt.trajectory;
     assert!(trajectory.qpos(0)[1].cos() < -0.9);
     assert!((0..trajectory.len()).all(|record| trajectory.qpos(record)[0].abs() < 1.0), "seed {seed} leaves the rail");
-    // What is planned is what happens without a disturbance.
-    let mut data = Data::new(model.clone()).expect("there is memory");
-    data.set_physics_state(plan.states.row(0)).expect("the shape fits");
+    // Without disturbance, the motion is the planned motion.
+    let mut data = Data::new(model.clone()).unwrap();
+    data.set_physics_state(plan.states.row(0)).unwrap();
     for controls in plan.controls.rows() {
         data.ctrl_mut().copy_from_slice(controls);
-        data.step().expect("stable");
+        data.step().unwrap();
     }
     assert_eq!(data.physics_state(), plan.states.row(plan.states.nrows() - 1), "seed {seed}");
     assert!(swing_up::lean(data.qpos()[1]).abs() < 0.1, "seed {seed} plans to be at {}", data.qpos()[1]);
 }
 
 #[test]
-fn a_pole_is_swung_up_and_held() {
+fn the_pole_is_swung_up_and_held() {
     swing_up(&Arc::new(sample::cartpole()), 1);
 }
 
 #[test]
 #[ignore = "takes a minute"]
-fn a_pole_is_swung_up_and_held_from_every_beginning() {
+fn the_pole_is_swung_up_and_held_for_every_seed() {
     let model = Arc::new(sample::cartpole());
     (1..=5).for_each(|seed| swing_up(&model, seed));
 }
 
 #[test]
-fn the_pushes_go_everywhere() {
+fn pushes_cover_all_directions() {
     let mut angles: Vec<f64> = (1..=5)
         .map(|seed| {
             let [x, y] = robot::push(100.0, seed).force;
@@ -62,24 +62,24 @@ fn the_pushes_go_everywhere() {
 }
 
 #[test]
-fn the_planner_keeps_a_humanoid_up_that_the_regulator_does_not() {
-    let robot = Robot::new().expect("there is a regulator");
-    // The regulator falls soon under this one.
-    let attempt = attempt::attempt(&robot, NEWTONS, 5, 2.2).expect("it is stable");
+fn the_planner_survives_a_push_that_the_regulator_does_not() {
+    let robot = Robot::new().unwrap();
+    // The regulator falls soon after this push.
+    let attempt = attempt::attempt(&robot, NEWTONS, 5, 2.2).unwrap();
     assert!(attempt.regulated.fell_at.is_some(), "the regulator can take this push");
-    assert!(attempt.planned.upright(), "it fell at {:?} s", attempt.planned.fell_at);
+    assert!(attempt.planned.upright(), "the humanoid fell at {:?} s", attempt.planned.fell_at);
     assert_eq!(attempt.decisions.len(), attempt.planned.trajectory.len().div_ceil(planner::STEPS));
-    // Before the push, which comes after a second, it stands as still as under the regulator.
+    // Before the push, after one second, the humanoid stands as still as under the regulator.
     let moved = |com: &[[f64; 3]]| (com[199][0] - com[0][0]).hypot(com[199][1] - com[0][1]);
     assert!(moved(&attempt.planned.com) < moved(&attempt.regulated.com) + 0.01);
 }
 
 #[test]
 #[ignore = "takes minutes"]
-fn the_planner_keeps_the_humanoid_up_for_every_push() {
-    let robot = Robot::new().expect("there is a regulator");
+fn the_planner_survives_every_push() {
+    let robot = Robot::new().unwrap();
     for seed in 1..=5 {
-        let attempt = attempt::attempt(&robot, NEWTONS, seed, 6.0).expect("it is stable");
+        let attempt = attempt::attempt(&robot, NEWTONS, seed, 6.0).unwrap();
         let fates = (attempt.regulated.fell_at, attempt.planned.fell_at);
         assert!(
             attempt.succeeded(),
@@ -90,46 +90,46 @@ fn the_planner_keeps_the_humanoid_up_for_every_push() {
     }
 }
 
-/// A program, in the profile of this test.
-fn program(name: &str, arguments: &[&str]) -> Output {
-    let executable: PathBuf = std::env::current_exe().expect("this test runs");
+/// Runs an example in the profile of this test.
+pub(crate) fn program(name: &str, arguments: &[&str]) -> Output {
+    let executable: PathBuf = std::env::current_exe().unwrap();
     let examples = executable.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples");
     let program = examples.join(name);
     if !program.exists() {
-        // `cargo test --test control` alone builds no examples.
+        // `cargo test --test control` alone does not build the examples.
         let built = Command::new(env!("CARGO")).args(["build", "--quiet", "--example", name]).status();
         assert!(built.expect("cargo runs").success(), "the example does not build");
     }
-    Command::new(program).args(arguments).output().expect("the program starts")
+    Command::new(program).args(arguments).output().unwrap()
 }
 
-fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
 #[test]
-fn the_programs_write_their_plots_where_they_are_told() {
-    let scratch = tempfile::tempdir().expect("the temporary directory can be written to");
+fn examples_write_their_plots_to_the_given_directory() {
+    let scratch = tempfile::tempdir().unwrap();
     let out = scratch.path().join("made/on/demand");
-    let to = out.to_str().expect("a plain path");
+    let to = out.to_str().unwrap();
     let output = program("cartpole_swing_up", &["--seeds", "1", "--out", to]);
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
-    // So far the push has not come: nothing falls, which is not what the program is for.
+    // The run ends before the push, so neither falls.
     let output = program("humanoid_predictive", &["--seeds", "1", "--seconds", "0.1", "--threads", "2", "--out", to]);
     assert!(!output.status.success(), "{}", text(&output.stdout));
     assert!(text(&output.stdout).contains("LQR stands, planner stands"), "{}", text(&output.stdout));
     for plot in
         ["cartpole_swing_up.svg", "humanoid_predictive.svg", "humanoid_predictive_film.svg", "humanoid_pushed_film.svg"]
     {
-        let svg = std::fs::read_to_string(out.join(plot)).expect("the plot is there");
+        let svg = std::fs::read_to_string(out.join(plot)).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{plot} is no SVG");
     }
     let trajectory = Trajectory::load_csv(&sample::humanoid(), out.join("humanoid_predictive.csv"));
-    assert_eq!(trajectory.expect("it reads back").len(), 20);
+    assert_eq!(trajectory.unwrap().len(), 20);
 }
 
 #[test]
-fn the_programs_say_what_is_wrong_with_their_arguments() {
+fn examples_report_invalid_arguments() {
     for (name, arguments, expected) in [
         ("cartpole_swing_up", ["--seeds", "many"], "--seeds many"),
         ("cartpole_swing_up", ["--speed", "1"], "--help lists the options"),

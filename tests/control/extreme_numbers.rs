@@ -1,4 +1,4 @@
-//! Matrices and models that no program wants: each gives a result or an error, in bounded time.
+//! Extreme matrices and degenerate models: each gives a result or an error, in bounded time.
 
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
 use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiRecursion};
@@ -19,7 +19,7 @@ const SMALL: [&str; 3] = [
     r#"<mujoco><worldbody><site name="s"/></worldbody><actuator><general site="s" dyntype="integrator"/></actuator></mujoco>"#,
 ];
 
-/// Matrices of a size: constant, diagonal, rank one, with one odd entry.
+/// Returns matrices of a size: constant, diagonal, and with a single special entry.
 fn matrices(rows: usize, columns: usize) -> Vec<DMatrix<f64>> {
     let mut matrices = Vec::new();
     for number in NUMBERS {
@@ -34,7 +34,7 @@ fn matrices(rows: usize, columns: usize) -> Vec<DMatrix<f64>> {
     matrices
 }
 
-/// A solution is finite. An error is fine, too.
+/// Asserts that a solution is finite. An error is allowed.
 fn check_solution(result: Result<mujoco_safe::control::riccati::RiccatiSolution, RiccatiError>) -> bool {
     let Ok(solution) = result else { return false };
     assert!(solution.p.iter().chain(solution.k.iter()).all(|value| value.is_finite()), "{solution:?}");
@@ -44,7 +44,7 @@ fn check_solution(result: Result<mujoco_safe::control::riccati::RiccatiSolution,
 
 #[test]
 #[allow(clippy::many_single_char_names, reason = "A, B, Q, R and S are the symbols of the field")]
-fn riccati_equations_of_any_numbers_end_with_finite_numbers_or_an_error() {
+fn riccati_equations_of_any_numbers_give_finite_solutions_or_errors() {
     let mut solved = 0;
     for (states, controls) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 1), (3, 2)] {
         let good = [
@@ -72,7 +72,7 @@ fn riccati_equations_of_any_numbers_end_with_finite_numbers_or_an_error() {
                 }
             }
         }
-        // All of one kind at once.
+        // The same number in all matrices.
         for number in NUMBERS {
             let [a, b, q, r, s] = good.each_ref().map(|matrix| matrix.map(|_| number));
             solved += usize::from(check_solution(Riccati::new(&a, &b, &q, &r).with_cross_term(&s).solve()));
@@ -85,7 +85,7 @@ fn riccati_equations_of_any_numbers_end_with_finite_numbers_or_an_error() {
 }
 
 #[test]
-fn regulators_of_models_with_nothing_to_regulate_are_results_or_errors() {
+fn regulators_of_degenerate_models_are_results_or_errors() {
     for xml in SMALL {
         let mut data = Data::new(Model::from_xml_str(xml).unwrap()).unwrap();
         let (nx, nu) = (2 * data.model().nv() + data.model().na(), data.model().nu());
@@ -128,7 +128,7 @@ fn regulators_of_models_with_nothing_to_regulate_are_results_or_errors() {
 }
 
 #[test]
-fn weights_gains_and_targets_of_any_numbers_reach_no_panic() {
+fn weights_gains_and_targets_of_any_numbers_do_not_panic() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     let system = data.transition_fd(1e-6, Differences::Central).unwrap();
     for number in NUMBERS {
@@ -172,7 +172,7 @@ fn weights_gains_and_targets_of_any_numbers_reach_no_panic() {
         }
         data.reset().unwrap();
     }
-    // Systems whose matrices do not fit each other.
+    // Systems whose matrices have inconsistent shapes.
     for (a, b) in [((4, 4), (3, 1)), ((4, 3), (4, 1)), ((0, 0), (4, 1)), ((4, 4), (0, 0))] {
         let system = StateSpace { a: Matrix::zeros(a.0, a.1), b: Matrix::zeros(b.0, b.1), ..system.clone() };
         assert!(Lqr::solve(&system, &super::weights()).is_err());
@@ -181,7 +181,7 @@ fn weights_gains_and_targets_of_any_numbers_reach_no_panic() {
 }
 
 #[test]
-fn tables_and_searches_of_hostile_states_are_errors_or_finite() {
+fn gain_tables_and_ilqr_from_extreme_states_are_finite_or_errors() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
     for number in NUMBERS {

@@ -1,4 +1,4 @@
-//! The regulator along a trajectory.
+//! Regulators along trajectories.
 
 use mujoco_safe::{
     Controller, Data, Differences, Lineariser, Lqr, Matrix, StateSpace, StateSpec, TimeVaryingLqr, TransitionOptions,
@@ -8,29 +8,28 @@ use nalgebra::DMatrix;
 
 use super::{Random, assert_close, cartpole, weights};
 
-/// What a simulation goes through under controls that are zero, from its present state; it is where it began afterwards.
+/// Simulates without controls from the present state, and restores the state. Returns the trajectory.
 fn passive(data: &mut Data, steps: usize) -> (Matrix, Matrix) {
     let begin = data.state(StateSpec::INTEGRATION);
     let mut states = Matrix::zeros(steps + 1, data.model().state_size(StateSpec::PHYSICS));
     for step in 0..=steps {
-        data.physics_state_into(states.row_mut(step)).expect("the shape fits");
-        data.step().expect("stable");
+        data.physics_state_into(states.row_mut(step)).unwrap();
+        data.step().unwrap();
     }
-    data.set_state(StateSpec::INTEGRATION, &begin).expect("the shape fits");
+    data.set_state(StateSpec::INTEGRATION, &begin).unwrap();
     (states, Matrix::zeros(steps, data.model().nu()))
 }
 
 fn transition(data: &Data) -> Lineariser {
-    Lineariser::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() })
-        .expect("there is memory")
+    Lineariser::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() }).unwrap()
 }
 
-/// The regulator of a pole that swings down and up again, twice.
+/// Returns the regulator along a pole that swings down and up twice.
 fn swinging(data: &mut Data) -> TimeVaryingLqr {
     data.qpos_mut()[1] = 0.6;
     let (states, controls) = passive(data, 200);
     let terminal = DMatrix::identity(4, 4) * 10.0;
-    TimeVaryingLqr::along(&mut transition(data), data, states, controls, &weights(), &terminal).expect("it is good")
+    TimeVaryingLqr::along(&mut transition(data), data, states, controls, &weights(), &terminal).unwrap()
 }
 
 #[test]
@@ -38,36 +37,35 @@ fn the_gains_are_those_of_the_systems_along_the_trajectory() {
     let mut data = cartpole();
     let follow = swinging(&mut data);
     assert_eq!((follow.steps(), follow.states().shape(), follow.controls().shape()), (200, (201, 4), (200, 1)));
-    // Linearised by the engine, one at a time.
+    // The engine linearises the states one at a time.
     let systems: Vec<StateSpace> = (0..200)
         .map(|step| {
-            data.set_physics_state(follow.states().row(step)).expect("the shape fits");
-            data.transition_fd(1e-6, Differences::Central).expect("stable")
+            data.set_physics_state(follow.states().row(step)).unwrap();
+            data.transition_fd(1e-6, Differences::Central).unwrap()
         })
         .collect();
-    let expected =
-        TimeVaryingLqr::solve(systems.iter(), &weights(), &(DMatrix::identity(4, 4) * 10.0)).expect("it is good");
+    let expected = TimeVaryingLqr::solve(systems.iter(), &weights(), &(DMatrix::identity(4, 4) * 10.0)).unwrap();
     for (found, expected) in follow.gains().iter().zip(&expected) {
         assert_close(&found.to_nalgebra(), &expected.to_nalgebra(), 1e-5);
     }
-    // They change along the way.
+    // The gains change along the trajectory.
     assert!((follow.gains()[0].to_nalgebra() - follow.gains()[60].to_nalgebra()).norm() > 0.1);
 }
 
 #[test]
-fn at_a_set_point_with_a_long_way_to_go_the_gain_is_that_of_the_regulator() {
+fn far_from_the_end_the_gain_at_a_set_point_is_that_of_the_regulator() {
     let mut data = cartpole();
-    let lqr = Lqr::at_present_state(&mut data, &weights()).expect("there is a regulator");
+    let lqr = Lqr::at_present_state(&mut data, &weights()).unwrap();
     let (states, controls) = (Matrix::zeros(3001, 4), Matrix::zeros(3000, 1));
     let follow =
         TimeVaryingLqr::along(&mut transition(&data), &data, states, controls, &weights(), &DMatrix::zeros(4, 4))
-            .expect("it is good");
+            .unwrap();
     assert_close(&follow.gains()[0].to_nalgebra(), &lqr.gain().to_nalgebra(), 1e-6);
-    assert!(follow.gains()[2999].to_nalgebra().norm() < 1e-9, "what is done last has no time to pay");
+    assert!(follow.gains()[2999].to_nalgebra().norm() < 1e-9, "the last control cannot reduce the cost");
 }
 
 #[test]
-fn a_simulation_that_is_pushed_off_the_trajectory_comes_back_to_it() {
+fn a_disturbed_simulation_returns_to_the_trajectory() {
     let mut data = cartpole();
     let mut follow = swinging(&mut data);
     let deviation = |follow: Option<&mut TimeVaryingLqr>| {
@@ -78,8 +76,8 @@ fn a_simulation_that_is_pushed_off_the_trajectory_comes_back_to_it() {
             None => Box::new(|_: &mut Data| ()),
         };
         for _ in 0..200 {
-            controller.control(&mut data).expect("the shapes fit");
-            data.step().expect("stable");
+            controller.control(&mut data).unwrap();
+            data.step().unwrap();
         }
         data.qpos().to_vec()
     };
@@ -91,7 +89,7 @@ fn a_simulation_that_is_pushed_off_the_trajectory_comes_back_to_it() {
 }
 
 #[test]
-fn the_row_follows_from_the_time() {
+fn the_row_is_determined_by_the_time() {
     let mut data = cartpole();
     data.set_time(5.0);
     let mut follow = swinging(&mut data);
@@ -117,16 +115,16 @@ fn the_row_follows_from_the_time() {
     follow.set_start(0.0);
     data.set_time(1.0);
     assert_eq!(follow.row(&data), 100);
-    // Time that was added up from steps is a little off.
+    // Time accumulated over steps has rounding errors.
     data.set_time(0.0);
     for step in 0..150 {
         assert_eq!(follow.row(&data), step);
-        data.step().expect("stable");
+        data.step().unwrap();
     }
 }
 
 #[test]
-fn before_the_start_and_from_the_end_on_the_first_and_the_last_row_are_used() {
+fn times_outside_of_the_table_use_the_first_or_last_row() {
     let mut data = cartpole();
     let mut random = Random::new(3);
     let mut matrix = |rows: usize, columns: usize| {
@@ -134,13 +132,12 @@ fn before_the_start_and_from_the_end_on_the_first_and_the_last_row_are_used() {
     };
     let (states, controls) = (matrix(4, 4), matrix(3, 1));
     let gains: Vec<Matrix> = (0..3).map(|_| matrix(1, 4)).collect();
-    let mut follow =
-        TimeVaryingLqr::with_gains(&data, states.clone(), controls.clone(), gains.clone()).expect("it fits");
+    let mut follow = TimeVaryingLqr::with_gains(&data, states.clone(), controls.clone(), gains.clone()).unwrap();
     data.qpos_mut().copy_from_slice(&[0.02, -0.03]);
     data.qvel_mut().copy_from_slice(&[0.05, 0.01]);
     for (time, row, step) in [(-3.0, 0, 0), (0.0, 0, 0), (0.01, 1, 1), (0.02, 2, 2), (0.03, 3, 2), (9.0, 3, 2)] {
         data.set_time(time);
-        follow.control(&mut data).expect("the shapes fit");
+        follow.control(&mut data).unwrap();
         let state = [data.qpos()[0], data.qpos()[1], data.qvel()[0], data.qvel()[1]];
         let feedback: f64 = (0..4).map(|i| gains[step][(0, i)] * (state[i] - states[(row, i)])).sum();
         let expected = controls[(step, 0)] - feedback;
@@ -149,23 +146,23 @@ fn before_the_start_and_from_the_end_on_the_first_and_the_last_row_are_used() {
 }
 
 #[test]
-fn a_single_row_is_the_regulator_about_a_set_point_rotations_included() {
-    let mut data = Data::new(sample::humanoid()).expect("there is memory");
-    data.reset_to_key("squat").expect("there is this key");
+fn a_table_of_one_row_is_the_regulator_about_a_set_point() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
     let (nx, nu) = (54, 21);
     let mut random = Random::new(5);
     let gain = Matrix::from_row_major(nu, nx, (0..nu * nx).map(|_| 0.01 * random.number()).collect());
-    let mut lqr = Lqr::with_gain(&data, gain.clone()).expect("it fits");
+    let mut lqr = Lqr::with_gain(&data, gain.clone()).unwrap();
     let state = data.physics_state();
     let states = Matrix::from_row_major(2, state.len(), [state.clone(), state].concat());
     let controls = Matrix::from_row_major(1, nu, data.ctrl().to_vec());
-    let mut follow = TimeVaryingLqr::with_gains(&data, states, controls, vec![gain]).expect("it fits");
+    let mut follow = TimeVaryingLqr::with_gains(&data, states, controls, vec![gain]).unwrap();
     for _ in 0..20 {
-        data.step().expect("stable");
+        data.step().unwrap();
     }
-    lqr.control(&mut data).expect("the shapes fit");
+    lqr.control(&mut data).unwrap();
     let expected: Vec<f64> = data.ctrl().iter().map(|ctrl| ctrl.clamp(-1.0, 1.0)).collect();
-    follow.control(&mut data).expect("the shapes fit");
+    follow.control(&mut data).unwrap();
     assert_eq!(data.ctrl(), expected);
     assert!(expected.iter().any(|ctrl| *ctrl != 0.0));
 }
@@ -176,18 +173,18 @@ fn controls_stay_within_their_ranges() {
     let mut follow = swinging(&mut data);
     for position in [1e3, -1e3] {
         data.qpos_mut()[0] = position;
-        follow.control(&mut data).expect("the shapes fit");
+        follow.control(&mut data).unwrap();
         assert_eq!(data.ctrl()[0], -(follow.gains()[0][(0, 0)] * position).signum());
     }
-    // A range with its ends in the wrong order makes no panic.
-    data.edit_model(|model| model.actuator_ctrlrange_mut()[0] = [1.0, -1.0]).expect("a copy");
-    follow.control(&mut data).expect("the shapes fit");
-    // Where there is no range, nothing is cut off.
+    // A range with reversed limits does not panic.
+    data.edit_model(|model| model.actuator_ctrlrange_mut()[0] = [1.0, -1.0]).unwrap();
+    follow.control(&mut data).unwrap();
+    // Without a range, controls are not clamped.
     let springs = super::springs();
-    let mut data = Data::new(springs).expect("there is memory");
+    let mut data = Data::new(springs).unwrap();
     let far = Matrix::from_rows(&[[100.0, 0.0, 0.0, 0.0], [100.0, 0.0, 0.0, 0.0]]);
     let gains = vec![Matrix::from_rows(&[[1.0, 0.0, 0.0, 0.0], [0.0; 4]])];
-    let mut pull = TimeVaryingLqr::with_gains(&data, far, Matrix::zeros(1, 2), gains).expect("it fits");
-    pull.control(&mut data).expect("the shapes fit");
+    let mut pull = TimeVaryingLqr::with_gains(&data, far, Matrix::zeros(1, 2), gains).unwrap();
+    pull.control(&mut data).unwrap();
     assert_eq!(data.ctrl(), [100.0, 0.0]);
 }

@@ -1,17 +1,17 @@
-//! The main job: a humanoid on one leg. The steps are those of the example `humanoid_lqr`, whose files are used here; the
-//! program itself is run at the end.
+//! A humanoid balances on one leg. The modules of the example `humanoid_lqr` are included here; the program itself is run at
+//! the end.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 use std::sync::Arc;
 
 use mujoco_safe::{Data, Differences, Lqr, Matrix, Model, sample};
 
+use crate::examples::{program, text};
 use crate::set_point::{SetPoint, Sweep};
 use crate::simulate::{Disturbance, Push, Run, simulate};
 use crate::weights::{Dofs, weights};
 
-/// A robot and the regulator that holds it.
+/// A robot and its regulator.
 struct Balance {
     data: Data,
     set_point: SetPoint,
@@ -25,16 +25,16 @@ struct Balance {
 impl Balance {
     fn new(model: Model, keyframe: &str, foot: &str) -> Self {
         let model = Arc::new(model);
-        let mut data = Data::new(model.clone()).expect("there is memory");
-        let (torso, foot) = (model.body("torso").expect("it has a torso"), model.body(foot).expect("it has this foot"));
+        let mut data = Data::new(model.clone()).unwrap();
+        let (torso, foot) = (model.body("torso").unwrap(), model.body(foot).unwrap());
         let dofs = Dofs::of(&model, torso, foot);
-        let keyframe = model.keyframe(keyframe).expect("it has this keyframe").id();
-        let (set_point, sweep) = SetPoint::near(&mut data, keyframe).expect("the engine computes");
-        set_point.apply(&mut data).expect("the engine computes");
-        let weights = weights(&mut data, torso, foot, &dofs).expect("the engine computes");
-        let system = data.transition_fd(Lqr::EPS, Differences::Central).expect("the engine computes");
-        let solution = Lqr::solve(&system, &weights).expect("there is a regulator");
-        let lqr = Lqr::with_gain(&data, Matrix::from(&solution.k)).expect("the shapes fit");
+        let keyframe = model.keyframe(keyframe).unwrap().id();
+        let (set_point, sweep) = SetPoint::near(&mut data, keyframe).unwrap();
+        set_point.apply(&mut data).unwrap();
+        let weights = weights(&mut data, torso, foot, &dofs).unwrap();
+        let system = data.transition_fd(Lqr::EPS, Differences::Central).unwrap();
+        let solution = Lqr::solve(&system, &weights).unwrap();
+        let lqr = Lqr::with_gain(&data, Matrix::from(&solution.k)).unwrap();
         let (residual, spectral_radius) = (solution.relative_residual, solution.spectral_radius);
         Self { data, set_point, sweep, dofs, lqr, residual, spectral_radius }
     }
@@ -45,9 +45,8 @@ impl Balance {
 
     fn simulate(&mut self, seconds: f64, disturbance: Disturbance) -> Run {
         let model = self.data.model().clone();
-        let torso = model.body("torso").expect("it has a torso");
-        simulate(&mut self.data, &mut self.lqr, &self.set_point, torso, seconds, disturbance)
-            .expect("the engine computes")
+        let torso = model.body("torso").unwrap();
+        simulate(&mut self.data, &mut self.lqr, &self.set_point, torso, seconds, disturbance).unwrap()
     }
 
     fn pushed(&mut self, force: [f64; 2]) -> Run {
@@ -56,16 +55,16 @@ impl Balance {
 }
 
 #[test]
-fn the_floor_carries_the_weight_within_a_millimetre_of_the_keyframe() {
+fn the_equilibrium_height_is_within_a_millimetre_of_the_keyframe() {
     let balance = Balance::of_the_bundled_model();
     let offset = balance.set_point.offset;
     assert!(offset.abs() < 0.9e-3, "the best offset is {offset} m");
     assert_eq!((balance.sweep.heights.first(), balance.sweep.heights.last()), (Some(&-1e-3), Some(&1e-3)));
-    // Less force on the way down, all of the weight in the air.
+    // The force decreases as the pose is lowered, and equals the weight in the air.
     let weight = balance.data.model().body_mass().iter().sum::<f64>() * 9.81;
     assert!(balance.sweep.forces.windows(2).all(|pair| pair[0] <= pair[1] + 1e-9));
-    assert!((balance.sweep.forces.last().expect("it was swept") - weight).abs() < 1e-6 * weight);
-    // The tutorial's point: at the keyframe itself an unphysical force of more than half the weight would be needed.
+    assert!((balance.sweep.forces.last().unwrap() - weight).abs() < 1e-6 * weight);
+    // At the keyframe itself, the pose would need an unphysical force of more than half the weight: the point of the tutorial.
     assert!(balance.set_point.at_keyframe[2] > 0.5 * weight);
 }
 
@@ -81,7 +80,7 @@ fn the_motors_can_hold_the_set_point() {
 }
 
 #[test]
-fn the_joints_of_the_standing_leg_and_the_trunk_are_found_by_their_dofs() {
+fn dofs_of_the_standing_leg_and_the_trunk_are_classified() {
     let balance = Balance::of_the_bundled_model();
     let model = balance.data.model();
     let mut by_name: Vec<usize> = model
@@ -107,113 +106,78 @@ fn the_riccati_equation_is_solved_and_the_closed_loop_is_stable() {
 }
 
 #[test]
-fn it_stands_for_thirty_seconds() {
+fn the_humanoid_stands_for_thirty_seconds() {
     let run = Balance::of_the_bundled_model().simulate(30.0, Disturbance::default());
-    assert!(run.upright(), "it fell at {:?} s", run.fell_at);
+    assert!(run.upright(), "the humanoid fell at {:?} s", run.fell_at);
     assert_eq!(run.trajectory.len(), 6000);
-    assert!((run.final_height() - run.com[0][2]).abs() < 0.01, "it ends at {} m", run.final_height());
+    assert!((run.final_height() - run.com[0][2]).abs() < 0.01, "final height {} m", run.final_height());
 }
 
 #[test]
-fn it_stands_in_spite_of_noise_for_every_seed() {
+fn the_humanoid_stands_with_noise_for_every_seed() {
     let mut balance = Balance::of_the_bundled_model();
     for seed in 1..=5 {
         let run = balance.simulate(10.0, Disturbance { noise: 0.05, seed, ..Disturbance::default() });
-        assert!(run.upright(), "with seed {seed} it fell at {:?} s", run.fell_at);
+        assert!(run.upright(), "with seed {seed} the humanoid fell at {:?} s", run.fell_at);
     }
 }
 
 #[test]
-fn it_recovers_from_pushes_in_every_direction() {
+fn the_humanoid_recovers_from_pushes_in_every_direction() {
     let mut balance = Balance::of_the_bundled_model();
     for force in [[20.0, 0.0], [-20.0, 0.0], [0.0, 20.0], [0.0, -20.0]] {
         let run = balance.pushed(force);
-        assert!(run.upright(), "pushed with {force:?} N it fell at {:?} s", run.fell_at);
+        assert!(run.upright(), "pushed with {force:?} N the humanoid fell at {:?} s", run.fell_at);
     }
-    // The push is felt: the same run without it is another.
+    // The push has an effect: the run without a push differs.
     let (pushed, calm) = (balance.pushed([20.0, 0.0]), balance.simulate(10.0, Disturbance::default()));
     assert_ne!(pushed.trajectory, calm.trajectory);
 }
 
 #[test]
-fn with_constant_controls_it_falls() {
+fn the_humanoid_falls_with_constant_controls() {
     let mut balance = Balance::of_the_bundled_model();
     let ctrl = balance.set_point.ctrl.clone();
     let mut constant = move |data: &mut Data| data.ctrl_mut().copy_from_slice(&ctrl);
     let model = balance.data.model().clone();
-    let torso = model.body("torso").expect("it has a torso");
+    let torso = model.body("torso").unwrap();
     let run = simulate(&mut balance.data, &mut constant, &balance.set_point, torso, 10.0, Disturbance::default());
-    let fell_at = run.expect("the engine computes").fell_at.expect("nothing holds it");
-    assert!(fell_at < 3.0, "it fell only after {fell_at} s");
-}
-
-/// The program, in the profile of this test.
-fn program(arguments: &[&str]) -> Output {
-    let executable: PathBuf = std::env::current_exe().expect("this test runs");
-    let examples = executable.parent().and_then(Path::parent).expect("a test lies in deps/").join("examples");
-    let program = examples.join("humanoid_lqr");
-    if !program.exists() {
-        // `cargo test --test control` alone builds no examples.
-        let built = Command::new(env!("CARGO")).args(["build", "--quiet", "--example", "humanoid_lqr"]).status();
-        assert!(built.expect("cargo runs").success(), "the example does not build");
-    }
-    Command::new(program).args(arguments).output().expect("the program starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// A file in a directory of its own, which is removed at the end.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mujoco-safe-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("the temporary directory can be written to");
-        Self(path)
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
+    let fell_at = run.unwrap().fell_at.expect("the humanoid must fall");
+    assert!(fell_at < 3.0, "the humanoid fell only after {fell_at} s");
 }
 
 #[test]
-fn the_program_prints_its_figures_as_one_json_object_and_writes_nothing_unasked() {
-    let output = program(&["--json", "--seconds", "2"]);
+fn the_example_prints_one_json_object_and_writes_no_files() {
+    let output = program("humanoid_lqr", &["--json", "--seconds", "2"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let figures: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else");
+    let figures: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a single JSON object");
     assert_eq!(figures["upright"], true);
-    assert_eq!(figures["A"].as_array().expect("a matrix").len(), 54);
-    assert_eq!(figures["K"][0].as_array().expect("a matrix").len(), 54);
-    assert!(figures["offset"].as_f64().expect("a number").abs() < 1e-3);
-    assert!(figures["residual"].as_f64().expect("a number") < 1e-10);
+    assert_eq!(figures["A"].as_array().unwrap().len(), 54);
+    assert_eq!(figures["K"][0].as_array().unwrap().len(), 54);
+    assert!(figures["offset"].as_f64().unwrap().abs() < 1e-3);
+    assert!(figures["residual"].as_f64().unwrap() < 1e-10);
     assert!(figures["open_loop_fell_at"].is_number());
 }
 
 #[test]
-fn the_program_writes_its_plots_and_the_trajectory_where_it_is_told() {
-    let scratch = Scratch::new("plots");
-    let out = scratch.0.join("made/on/demand");
-    let output = program(&["--seconds", "1", "--out", out.to_str().expect("a plain path")]);
+fn the_example_writes_its_plots_and_trajectory_to_the_given_directory() {
+    let scratch = tempfile::tempdir().unwrap();
+    let out = scratch.path().join("made/on/demand");
+    let output = program("humanoid_lqr", &["--seconds", "1", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     for plot in ["humanoid_force.svg", "humanoid_balance.svg", "humanoid_film.svg"] {
-        let svg = std::fs::read_to_string(out.join(plot)).expect("the plot is there");
+        let svg = std::fs::read_to_string(out.join(plot)).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{plot} is no SVG");
     }
-    let trajectory =
-        mujoco_safe::Trajectory::load_csv(&sample::humanoid(), out.join("humanoid.csv")).expect("it reads back");
+    let trajectory = mujoco_safe::Trajectory::load_csv(&sample::humanoid(), out.join("humanoid.csv")).unwrap();
     assert_eq!(trajectory.len(), 200);
 }
 
 #[test]
-fn the_program_takes_any_humanoid_by_its_path() {
-    // Our own under other names, 10 % heavier in the head, on a floor that is harder.
-    let scratch = Scratch::new("other");
-    let path = scratch.0.join("other.xml");
+fn the_example_accepts_other_humanoids() {
+    // The bundled humanoid under other names, with a head 10 % heavier, on a harder floor.
+    let scratch = tempfile::tempdir().unwrap();
+    let path = scratch.path().join("other.xml");
     let other = sample::HUMANOID_XML
         .replace("name=\"torso\"", "name=\"chest_of_other\"")
         .replace("body=\"torso\"", "body=\"chest_of_other\"")
@@ -221,37 +185,41 @@ fn the_program_takes_any_humanoid_by_its_path() {
         .replace("name=\"stand_on_left_leg\"", "name=\"crane\"")
         .replace("mass=\"2.8\"", "mass=\"3.08\"")
         .replace("solref=\".015 1\"", "solref=\".012 1\"");
-    std::fs::write(&path, other).expect("the temporary directory can be written to");
-    let path = path.to_str().expect("a plain path");
-    let output = program(&["--model", path, "--keyframe", "crane", "--torso", "chest_of_other", "--foot", "left_sole"]);
+    std::fs::write(&path, other).unwrap();
+    let path = path.to_str().unwrap();
+    let output = program(
+        "humanoid_lqr",
+        &["--model", path, "--keyframe", "crane", "--torso", "chest_of_other", "--foot", "left_sole"],
+    );
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
-/// A pose on the left leg for the engine's own sample humanoid, which has other joints and no keyframe. Found for this test.
+/// A pose on the left leg, found for this test: the engine's sample humanoid has other joints and no keyframe.
 const SAMPLE_ON_ONE_LEG: &str = "0 0 1.25785 0.98186988 -0.18944998 -0.00623 -0.0012 0 0 0.34907 -0.03491 0 -0.7854 -1.309 0 0 \
                                  0.06108 0 -0.09266 -0.13963 -0.0364 0.10425 0 0 0 0 0 0";
 
 #[test]
-fn the_program_balances_the_engines_own_sample_humanoid() {
+fn the_example_balances_the_engines_sample_humanoid() {
     let sample = Path::new(sample::SYSTEM_MODELS).join("humanoid/humanoid.xml");
     let Ok(xml) = std::fs::read_to_string(&sample) else {
         eprintln!("skipped: {} is not installed (libmujoco-samples)", sample.display());
         return;
     };
-    let scratch = Scratch::new("sample");
-    let path = scratch.0.join("one_leg.xml");
+    let scratch = tempfile::tempdir().unwrap();
+    let path = scratch.path().join("one_leg.xml");
     let keyframe = format!("<keyframe><key name=\"one_leg\" qpos=\"{SAMPLE_ON_ONE_LEG}\"/></keyframe></mujoco>");
-    std::fs::write(&path, xml.replace("</mujoco>", &keyframe)).expect("the temporary directory can be written to");
-    let path = path.to_str().expect("a plain path");
+    std::fs::write(&path, xml.replace("</mujoco>", &keyframe)).unwrap();
+    let path = path.to_str().unwrap();
     for push in ["20,0", "0,20"] {
-        let output = program(&["--model", path, "--keyframe", "one_leg", "--foot", "left_foot", "--push", push]);
+        let output =
+            program("humanoid_lqr", &["--model", path, "--keyframe", "one_leg", "--foot", "left_foot", "--push", push]);
         assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
         assert!(text(&output.stdout).contains("with constant controls it falls"));
     }
 }
 
 #[test]
-fn the_program_says_what_is_wrong_with_its_arguments() {
+fn the_example_reports_invalid_arguments() {
     for (arguments, expected) in [
         (&["--foot", "foot_lft"][..], "did you mean 'foot_left'"),
         (&["--keyframe", "crane"], "known names: squat, stand_on_left_leg, stand"),
@@ -260,7 +228,7 @@ fn the_program_says_what_is_wrong_with_its_arguments() {
         (&["--push", "1"], "--push 20,0"),
         (&["--speed"], "--help lists the options"),
     ] {
-        let output = program(arguments);
+        let output = program("humanoid_lqr", arguments);
         let message = text(&output.stderr);
         assert!(!output.status.success(), "{arguments:?} was accepted");
         assert!(message.contains(expected), "{arguments:?}: {message}");

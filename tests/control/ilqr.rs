@@ -1,4 +1,4 @@
-//! Trajectories of least cost.
+//! Iterative LQR.
 
 use std::sync::Arc;
 
@@ -12,23 +12,23 @@ use nalgebra::{DMatrix, DVector};
 use super::{Random, assert_close, cartpole, springs};
 
 fn solve(data: &Data, options: IlqrOptions, controls: &Matrix, cost: &dyn TrajectoryCost) -> IlqrSolution {
-    Ilqr::new(data.model().clone(), options).expect("good options").solve(data, controls, cost).expect("it is stable")
+    Ilqr::new(data.model().clone(), options).unwrap().solve(data, controls, cost).unwrap()
 }
 
-/// Two masses on springs, which begin somewhere.
+/// Returns two masses on springs, away from equilibrium.
 fn displaced() -> (Data, QuadraticCost, LqrWeights, DMatrix<f64>) {
     let model = Arc::new(springs());
-    let mut data = Data::new(model.clone()).expect("there is memory");
-    data.set_physics_state(&[0.3, -0.2, 0.1, 0.4]).expect("the shape fits");
+    let mut data = Data::new(model.clone()).unwrap();
+    data.set_physics_state(&[0.3, -0.2, 0.1, 0.4]).unwrap();
     let mut weights = LqrWeights::diagonal(&[1.0, 2.0, 0.1, 0.2], &[0.05, 0.1]);
     weights.s = Some(DMatrix::from_row_slice(4, 2, &[0.01, 0.0, 0.0, 0.02, 0.0, 0.0, 0.01, 0.0]));
     let terminal = DMatrix::identity(4, 4) * 3.0;
-    let cost = QuadraticCost::new(model, &[0.0; 4], weights.clone(), terminal.clone()).expect("it fits");
+    let cost = QuadraticCost::new(model, &[0.0; 4], weights.clone(), terminal.clone()).unwrap();
     (data, cost, weights, terminal)
 }
 
 #[test]
-fn a_linear_system_with_a_quadratic_cost_is_solved_in_one_iteration_as_the_recursion_solves_it() {
+fn a_linear_quadratic_problem_is_solved_in_one_iteration() {
     const STEPS: usize = 40;
     let (mut data, cost, weights, terminal) = displaced();
     let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(STEPS, 2), &cost);
@@ -36,11 +36,11 @@ fn a_linear_system_with_a_quadratic_cost_is_solved_in_one_iteration_as_the_recur
     assert_eq!(solution.costs.len(), 2, "{:?}", solution.costs);
 
     let begin = DVector::from_vec(data.physics_state());
-    let system = data.transition_fd(1e-6, Differences::Central).expect("stable");
+    let system = data.transition_fd(1e-6, Differences::Central).unwrap();
     let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
-    let mut recursion = RiccatiRecursion::new(&terminal, 2).expect("it is symmetric");
+    let mut recursion = RiccatiRecursion::new(&terminal, 2).unwrap();
     for step in (0..STEPS).rev() {
-        let gain = recursion.step_back(&a, &b, &weights).expect("all is positive");
+        let gain = recursion.step_back(&a, &b, &weights).unwrap();
         assert_close(&solution.gains[step].to_nalgebra(), gain, 1e-6);
     }
     let cost_to_go = begin.dot(&(recursion.p() * &begin));
@@ -53,17 +53,17 @@ fn a_linear_system_with_a_quadratic_cost_is_solved_in_one_iteration_as_the_recur
     );
 }
 
-/// Where the cart-pole is to be, and how much a little of each costs.
+/// Returns a cart-pole with a distant target, and its cost.
 fn far() -> (Data, QuadraticCost) {
     let data = cartpole();
     let weights = LqrWeights::diagonal(&[1.0, 0.1, 0.0, 0.0], &[1e-4]);
     let terminal = DMatrix::identity(4, 4) * 10.0;
-    let cost = QuadraticCost::new(data.model().clone(), &[0.6, 0.0, 0.0, 0.0], weights, terminal).expect("it fits");
+    let cost = QuadraticCost::new(data.model().clone(), &[0.6, 0.0, 0.0, 0.0], weights, terminal).unwrap();
     (data, cost)
 }
 
 #[test]
-fn controls_stay_within_their_ranges_and_press_against_them_where_that_pays() {
+fn controls_satisfy_the_conditions_of_a_constrained_minimum() {
     let (data, cost) = far();
     let options = IlqrOptions { tolerance: 1e-14, ..Default::default() };
     let solution = solve(&data, options, &Matrix::zeros(80, 1), &cost);
@@ -72,7 +72,7 @@ fn controls_stay_within_their_ranges_and_press_against_them_where_that_pays() {
     let (held, free): (Vec<usize>, Vec<usize>) = (0..80).partition(|&step| controls[step].abs() == 1.0);
     assert!(held.len() > 5 && free.len() > 20, "{} are held", held.len());
 
-    // The conditions of a minimum, by differences of the cost of whole simulations.
+    // The conditions of a minimum, by finite differences of the cost of whole simulations.
     let value = |step: usize, change: f64| {
         let mut changed = solution.controls.clone();
         changed[(step, 0)] += change;
@@ -88,22 +88,22 @@ fn controls_stay_within_their_ranges_and_press_against_them_where_that_pays() {
     }
 }
 
-/// The cost of a simulation under these controls, clamped or not.
+/// Returns the cost of a simulation with these controls.
 fn simulated_cost(data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> f64 {
     let mut data = data.clone();
     let mut total = 0.0;
-    // The engine would cut off what a difference adds to a control at the end of its range.
-    data.edit_model(|model| model.actuator_ctrlrange_mut().fill([-10.0, 10.0])).expect("a copy");
+    // The engine would clamp the perturbation of a control at the limit of its range.
+    data.edit_model(|model| model.actuator_ctrlrange_mut().fill([-10.0, 10.0])).unwrap();
     for (step, controls) in controls.rows().enumerate() {
         total += cost.value(step, &data.physics_state(), Some(controls));
         data.ctrl_mut().copy_from_slice(controls);
-        data.step().expect("stable");
+        data.step().unwrap();
     }
     total + cost.value(controls.nrows(), &data.physics_state(), None)
 }
 
 #[test]
-fn the_cost_only_falls_and_is_that_of_the_trajectory_which_is_that_of_a_simulation() {
+fn the_cost_decreases_and_is_that_of_a_simulation() {
     let (data, cost) = far();
     for iterations in [0, 1, 3, 200] {
         let options = IlqrOptions { iterations, ..Default::default() };
@@ -117,7 +117,7 @@ fn the_cost_only_falls_and_is_that_of_the_trajectory_which_is_that_of_a_simulati
         for step in 0..80 {
             assert_eq!(data.physics_state(), solution.states.row(step));
             data.ctrl_mut().copy_from_slice(solution.controls.row(step));
-            data.step().expect("stable");
+            data.step().unwrap();
         }
         assert_eq!(data.physics_state(), solution.states.row(80));
         assert!((solution.cost() - simulated_cost(&cartpole(), &solution.controls, &cost)).abs() < 1e-9);
@@ -125,7 +125,7 @@ fn the_cost_only_falls_and_is_that_of_the_trajectory_which_is_that_of_a_simulati
 }
 
 #[test]
-fn the_number_of_threads_changes_no_bit() {
+fn the_result_does_not_depend_on_the_number_of_threads() {
     let (data, cost) = far();
     let by = |threads| solve(&data, IlqrOptions { threads, ..Default::default() }, &Matrix::zeros(60, 1), &cost);
     let (one, three) = (by(1), by(3));
@@ -136,36 +136,36 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
-fn a_solver_can_be_used_again_and_follows_edits_of_the_model() {
+fn a_reused_solver_follows_edits_of_the_model() {
     let (mut data, cost) = far();
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
     let begin = Matrix::zeros(60, 1);
-    let first = solver.solve(&data, &begin, &cost).expect("it is stable");
+    let first = solver.solve(&data, &begin, &cost).unwrap();
     let original = data.clone();
-    data.edit_model(|model| model.actuator_gear_mut()[0][0] = 20.0).expect("a copy");
-    let weaker = solver.solve(&data, &begin, &cost).expect("it is stable");
+    data.edit_model(|model| model.actuator_gear_mut()[0][0] = 20.0).unwrap();
+    let weaker = solver.solve(&data, &begin, &cost).unwrap();
     assert!(weaker.cost() > 1.01 * first.cost());
     assert_eq!(weaker.controls, solve(&data, IlqrOptions::default(), &begin, &cost).controls);
-    assert_eq!(solver.solve(&original, &begin, &cost).expect("it is stable").controls, first.controls);
+    assert_eq!(solver.solve(&original, &begin, &cost).unwrap().controls, first.controls);
 }
 
 #[test]
-fn forces_and_time_are_those_of_the_simulation_that_it_begins_in() {
+fn applied_forces_and_time_are_those_of_the_initial_simulation() {
     let (mut data, cost) = far();
     data.qfrc_applied_mut()[0] = 5.0;
     data.set_time(3.0);
     let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(60, 1), &cost);
-    let mut follow = solution.controller(&data).expect("it fits");
+    let mut follow = solution.controller(&data).unwrap();
     assert_eq!((follow.start(), follow.steps()), (3.0, 60));
     for _ in 0..60 {
-        follow.control(&mut data).expect("the shapes fit");
-        data.step().expect("stable");
+        follow.control(&mut data).unwrap();
+        data.step().unwrap();
     }
     let end = DVector::from_vec(data.physics_state()) - DVector::from_column_slice(solution.states.row(60));
     assert!(end.norm() < 1e-9, "{end}");
 }
 
-/// The pole hangs still, and costs less the higher it is.
+/// A cost that decreases with the height of the pole, which hangs at rest.
 struct Higher;
 
 impl TrajectoryCost for Higher {
@@ -191,7 +191,7 @@ impl TrajectoryCost for Higher {
 }
 
 #[test]
-fn a_cost_of_ones_own_need_not_be_convex() {
+fn a_custom_cost_may_be_nonconvex() {
     let mut data = cartpole();
     data.qpos_mut()[1] = 3.0;
     let solution = solve(&data, IlqrOptions::default(), &Matrix::from_row_major(50, 1, vec![0.1; 50]), &Higher);
@@ -199,10 +199,10 @@ fn a_cost_of_ones_own_need_not_be_convex() {
     assert!(solution.cost() < 0.6 * solution.costs[0], "{:?}: {:?}", solution.status, solution.costs);
 }
 
-/// What can be wrong with a cost.
-struct Spoilt(fn(&mut CostExpansion), f64);
+/// A cost with wrong derivatives or values.
+struct Wrong(fn(&mut CostExpansion), f64);
 
-impl TrajectoryCost for Spoilt {
+impl TrajectoryCost for Wrong {
     fn value(&self, _: usize, state: &[f64], _: Option<&[f64]>) -> f64 {
         self.1 + state[0]
     }
@@ -214,28 +214,28 @@ impl TrajectoryCost for Spoilt {
 }
 
 #[test]
-fn derivatives_that_lead_nowhere_end_the_search_where_it_began() {
+fn wrong_derivatives_end_the_search_at_the_initial_controls() {
     let data = cartpole();
-    // The cart costs more to the right, but the derivative says less.
-    let lie = Spoilt(|expansion| expansion.x[0] = -1.0, 0.0);
+    // The cost increases to the right, but the derivative has the opposite sign.
+    let lie = Wrong(|expansion| expansion.x[0] = -1.0, 0.0);
     let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(10, 1), &lie);
     assert_eq!((solution.status, solution.costs.len()), (IlqrStatus::NoDescent, 1));
     assert_eq!(solution.controls, Matrix::zeros(10, 1));
-    // A control that costs the less the larger it is, where nothing bounds it.
+    // The cost decreases with a control that is not limited.
     let spoil = |expansion: &mut CostExpansion| (expansion.u[0], expansion.uu[(0, 0)]) = (-1.0, -1.0);
-    let endless = Spoilt(spoil, 0.0);
-    let data = Data::new(springs()).expect("there is memory");
+    let endless = Wrong(spoil, 0.0);
+    let data = Data::new(springs()).unwrap();
     let solution = solve(&data, IlqrOptions::default(), &Matrix::zeros(10, 2), &endless);
     assert_eq!((solution.status, solution.costs.len()), (IlqrStatus::NoDescent, 1));
 }
 
 #[test]
-fn a_cost_that_is_no_number_or_changes_shapes_is_an_error() {
+fn a_nan_cost_or_a_changed_shape_is_an_error() {
     let data = cartpole();
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
-    let mut error = |spoilt: Spoilt| solver.solve(&data, &Matrix::zeros(3, 1), &spoilt).unwrap_err();
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
+    let mut error = |spoilt: Wrong| solver.solve(&data, &Matrix::zeros(3, 1), &spoilt).unwrap_err();
     for value in [f64::NAN, f64::INFINITY] {
-        assert!(matches!(error(Spoilt(|_| (), value)), Error::Invalid { .. }));
+        assert!(matches!(error(Wrong(|_| (), value)), Error::Invalid { .. }));
     }
     for spoil in [
         (|expansion| expansion.x[3] = f64::NAN) as fn(&mut CostExpansion),
@@ -244,7 +244,7 @@ fn a_cost_that_is_no_number_or_changes_shapes_is_an_error() {
         |expansion| expansion.uu[(0, 0)] = f64::NAN,
         |expansion| expansion.xu[(3, 0)] = f64::NAN,
     ] {
-        assert!(matches!(error(Spoilt(spoil, 0.0)), Error::Invalid { .. }));
+        assert!(matches!(error(Wrong(spoil, 0.0)), Error::Invalid { .. }));
     }
     for spoil in [
         (|expansion| expansion.x = DVector::zeros(3)) as fn(&mut CostExpansion),
@@ -253,27 +253,27 @@ fn a_cost_that_is_no_number_or_changes_shapes_is_an_error() {
         |expansion| expansion.uu = DMatrix::zeros(0, 0),
         |expansion| expansion.xu = DMatrix::zeros(1, 4),
     ] {
-        assert!(matches!(error(Spoilt(spoil, 0.0)), Error::Shape { .. }));
+        assert!(matches!(error(Wrong(spoil, 0.0)), Error::Shape { .. }));
     }
 }
 
 #[test]
-fn a_beginning_that_is_unstable_is_an_error_of_the_simulation() {
-    let data = Data::new(springs()).expect("there is memory");
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+fn an_unstable_initial_simulation_is_an_error() {
+    let data = Data::new(springs()).unwrap();
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
     for control in [f64::NAN, 1e300] {
         let controls = Matrix::from_row_major(5, 2, vec![control; 10]);
-        let cost = Spoilt(|_| (), 0.0);
+        let cost = Wrong(|_| (), 0.0);
         assert!(matches!(solver.solve(&data, &controls, &cost), Err(Error::Unstable(_))), "{control}");
     }
-    // It goes on as if nothing had been.
+    // The search has no lasting effect.
     let (data, cost, ..) = displaced();
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
-    let again = solver.solve(&data, &Matrix::zeros(20, 2), &cost).expect("it is stable");
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
+    let again = solver.solve(&data, &Matrix::zeros(20, 2), &cost).unwrap();
     assert_eq!(again.status, IlqrStatus::Converged);
 }
 
-/// The gradient by differences in the tangent space, and by the controls.
+/// Returns the gradient by finite differences in the tangent space, and by the controls.
 fn gradient(
     model: &Model,
     cost: &QuadraticCost,
@@ -287,7 +287,7 @@ fn gradient(
         if index < nv {
             let mut velocity = vec![0.0; nv];
             velocity[index] = 1.0;
-            model.integrate_pos(&mut state[..nq], &velocity, eps).expect("the shapes fit");
+            model.integrate_pos(&mut state[..nq], &velocity, eps).unwrap();
         } else {
             state[nq + index - nv] += eps;
         }
@@ -307,24 +307,24 @@ fn gradient(
 }
 
 #[test]
-fn the_derivatives_of_a_quadratic_cost_are_those_of_its_values_rotations_included() {
+fn the_derivatives_of_a_quadratic_cost_equal_finite_differences() {
     let model = Arc::new(sample::humanoid());
     let (nx, nu) = (54, 21);
     let mut random = Random::new(8);
     let mut weights = LqrWeights { q: random.positive(nx, 0.1), r: random.positive(nu, 0.1), s: None };
     weights.s = Some(random.matrix(nx, nu));
     let terminal = random.positive(nx, 0.1);
-    let mut data = Data::new(model.clone()).expect("there is memory");
-    data.reset_to_key("squat").expect("there is this key");
+    let mut data = Data::new(model.clone()).unwrap();
+    data.reset_to_key("squat").unwrap();
     let target = data.physics_state();
     let controls: Vec<f64> = random.vector(nu).as_slice().to_vec();
     let cost = QuadraticCost::new(model.clone(), &target, weights.clone(), terminal.clone())
         .and_then(|cost| cost.with_controls(&controls))
-        .expect("it fits");
+        .unwrap();
     assert_eq!((cost.value(0, &target, Some(&controls)), cost.value(9, &target, None)), (0.0, 0.0));
 
     let velocity: Vec<f64> = random.vector(27).as_slice().to_vec();
-    model.integrate_pos(data.qpos_mut(), &velocity, 0.5).expect("the shapes fit");
+    model.integrate_pos(data.qpos_mut(), &velocity, 0.5).unwrap();
     data.qvel_mut().copy_from_slice(&velocity);
     let (state, ctrl) = (data.physics_state(), random.vector(nu).as_slice().to_vec());
     for controls in [Some(&ctrl[..]), None] {
@@ -333,20 +333,20 @@ fn the_derivatives_of_a_quadratic_cost_are_those_of_its_values_rotations_include
         let (x, u) = gradient(&model, &cost, &state, controls);
         assert!((&expansion.x - &x).norm() < 1e-6 * x.norm(), "{} instead of {x}", expansion.x);
         assert!((&expansion.u - &u).norm() <= 1e-6 * u.norm().max(1e-9), "{} instead of {u}", expansion.u);
-        // Where nothing deviates, the second derivatives are the weights, twice.
+        // At the target, the second derivatives are twice the weights.
         let mut expansion = CostExpansion::zeros(&model);
         cost.expand(0, &target, controls, &mut expansion);
         let expected = if controls.is_some() { &weights.q } else { &terminal };
         assert_close(&expansion.xx, &(expected * 2.0), 1e-12);
         if controls.is_some() {
             assert_close(&expansion.uu, &(&weights.r * 2.0), 1e-12);
-            assert_close(&expansion.xu, &(weights.s.as_ref().expect("there is one") * 2.0), 1e-12);
+            assert_close(&expansion.xu, &(weights.s.as_ref().unwrap() * 2.0), 1e-12);
         }
     }
 }
 
 #[test]
-fn a_status_says_what_it_means() {
+fn a_status_has_a_message() {
     let texts =
         [IlqrStatus::Converged, IlqrStatus::NoDescent, IlqrStatus::IterationLimit].map(|status| status.to_string());
     assert_eq!(texts, ["converged", "no step size lowers the cost", "reached the maximum number of iterations"]);

@@ -1,7 +1,7 @@
-//! Control along trajectories: the Riccati recursion, the table of gains, and trajectories of least cost.
+//! Control: Riccati equations, regulators, gain tables, iterative LQR, and the control examples.
 #![forbid(unsafe_code)]
 
-#[allow(dead_code, reason = "the example it belongs to tells how long it took")]
+#[allow(dead_code, reason = "the example uses the rest")]
 #[path = "../../examples/humanoid_predictive/attempt.rs"]
 mod attempt;
 #[path = "../../examples/humanoid_predictive/cost.rs"]
@@ -14,7 +14,7 @@ mod robot;
 mod set_point;
 #[path = "../../examples/humanoid_lqr/simulate.rs"]
 mod simulate;
-#[allow(dead_code, reason = "the example it belongs to tells how long it took")]
+#[allow(dead_code, reason = "the example uses the rest")]
 #[path = "../../examples/cartpole_swing_up/swing_up.rs"]
 mod swing_up;
 #[path = "../../examples/humanoid_lqr/weights.rs"]
@@ -35,7 +35,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Normal random numbers, the same every time.
+/// Reproducible normal random numbers.
 struct Random(Xoshiro256PlusPlus);
 
 impl Random {
@@ -55,7 +55,7 @@ impl Random {
         DMatrix::from_fn(rows, columns, |_, _| self.number())
     }
 
-    /// A symmetric matrix whose eigenvalues are at least `least`.
+    /// Returns a symmetric matrix whose eigenvalues are at least `least`.
     fn positive(&mut self, size: usize, least: f64) -> DMatrix<f64> {
         let factor = self.matrix(size, size);
         &factor * factor.transpose() + DMatrix::identity(size, size) * least
@@ -69,16 +69,16 @@ fn assert_close(found: &DMatrix<f64>, expected: &DMatrix<f64>, tolerance: f64) {
     assert!(error <= tolerance, "relative error {error:e}: {found} instead of {expected}");
 }
 
-/// The weights of the worked example of the cart-pole.
+/// Returns the weights of the worked example of the cart-pole.
 fn weights() -> LqrWeights {
     LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0])
 }
 
 fn cartpole() -> Data {
-    Data::new(sample::cartpole()).expect("there is memory")
+    Data::new(sample::cartpole()).unwrap()
 }
 
-/// Two masses on springs between walls, with a motor on each: its steps are linear. Nothing limits the motors.
+/// Returns two masses on springs between walls, with an unlimited motor on each. The steps are linear.
 fn springs() -> Model {
     Model::from_xml_str(
         r#"<mujoco><option gravity="0 0 0" timestep="0.02"/><worldbody>
@@ -87,5 +87,5 @@ fn springs() -> Model {
               <geom size="0.1" mass="0.5"/></body></body>
         </worldbody><actuator><motor joint="left"/><motor joint="right" gear="2"/></actuator></mujoco>"#,
     )
-    .expect("the springs load")
+    .unwrap()
 }

@@ -1,6 +1,6 @@
-//! The recursion against SciPy's figures, and against the same problem written as one large system of linear equations.
-#![allow(clippy::many_single_char_names, reason = "these are the symbols of the field")]
-#![allow(clippy::unreadable_literal, reason = "figures are as they are printed where they come from")]
+//! The Riccati recursion against SciPy, and against the same problem as one linear system.
+#![allow(clippy::many_single_char_names, reason = "symbols of the literature")]
+#![allow(clippy::unreadable_literal, reason = "figures as published")]
 
 use mujoco_safe::LqrWeights;
 use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiMatrix, RiccatiRecursion};
@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, dmatrix};
 
 use super::{Random, assert_close, weights};
 
-/// The upright cart-pole, as the reference's documentation prints it.
+/// Returns the upright cart-pole of the reference's documentation.
 fn upright() -> (DMatrix<f64>, DMatrix<f64>) {
     (
         dmatrix![
@@ -22,11 +22,11 @@ fn upright() -> (DMatrix<f64>, DMatrix<f64>) {
 }
 
 #[test]
-fn over_a_long_time_the_first_gain_is_that_of_scipy() {
+fn over_a_long_horizon_the_first_gain_equals_scipys() {
     let (a, b) = upright();
-    let mut recursion = RiccatiRecursion::new(&DMatrix::zeros(4, 4), 1).expect("it is symmetric");
+    let mut recursion = RiccatiRecursion::new(&DMatrix::zeros(4, 4), 1).unwrap();
     for _ in 0..5000 {
-        recursion.step_back(&a, &b, &weights()).expect("all is positive");
+        recursion.step_back(&a, &b, &weights()).unwrap();
     }
     // SciPy's solve_discrete_are.
     let k = dmatrix![-0.46741668449941, -5.5927150414698, -0.8436677105895, -1.4448668569023];
@@ -40,19 +40,19 @@ fn over_a_long_time_the_first_gain_is_that_of_scipy() {
 }
 
 #[test]
-fn from_the_solution_of_the_equation_the_recursion_does_not_move() {
+fn the_solution_of_the_equation_is_a_fixed_point() {
     let mut random = Random::new(1);
     for size in [1, 3, 8] {
         let (a, b) = (random.matrix(size, size), random.matrix(size, 2));
         let weights = LqrWeights { q: random.positive(size, 0.1), r: random.positive(2, 0.1), s: None };
         let solution = Riccati::new(&a, &b, &weights.q, &weights.r).solve().expect("controllable");
-        let mut recursion = RiccatiRecursion::new(&solution.p, 2).expect("it is symmetric");
-        assert_close(recursion.step_back(&a, &b, &weights).expect("all is positive"), &solution.k, 1e-9);
+        let mut recursion = RiccatiRecursion::new(&solution.p, 2).unwrap();
+        assert_close(recursion.step_back(&a, &b, &weights).unwrap(), &solution.k, 1e-9);
         assert_close(recursion.p(), &solution.p, 1e-9);
     }
 }
 
-/// A system that changes with time, and the cost of it.
+/// A time-varying system and its cost.
 struct Problem {
     systems: Vec<(DMatrix<f64>, DMatrix<f64>, LqrWeights)>,
     terminal: DMatrix<f64>,
@@ -63,7 +63,7 @@ impl Problem {
         let mut random = Random::new(seed);
         let mut step = |_| {
             let (a, b) = (random.matrix(n, n), random.matrix(n, m));
-            // One positive matrix for both, so that the cost is never negative.
+            // One positive definite matrix for states and controls, so that the cost is never negative.
             let all = random.positive(n + m, 0.5);
             let block = |row, column, rows, columns| all.view((row, column), (rows, columns)).into_owned();
             let s = cross.then(|| block(0, n, n, m));
@@ -72,10 +72,10 @@ impl Problem {
         Self { systems: (0..steps).map(&mut step).collect(), terminal: random.positive(n, 0.0) }
     }
 
-    /// The best controls of all steps one behind another, and what they cost, from the normal equations of the whole.
+    /// Returns the stacked optimal controls of all steps, and their cost, from the normal equations.
     fn solve(&self, begin: &DVector<f64>) -> (DVector<f64>, f64) {
         let (n, m, steps) = (begin.len(), self.systems[0].1.ncols(), self.systems.len());
-        // The state is `offset + map u`, with the controls of all steps in u; the cost is `½ uᵀ H u + gᵀ u + c`.
+        // The states are `offset + map u`, with the stacked controls u; the cost is `½ uᵀ H u + gᵀ u + c`.
         let (mut offset, mut map) = (begin.clone(), DMatrix::zeros(n, m * steps));
         let (mut h, mut g, mut c) = (DMatrix::zeros(m * steps, m * steps), DVector::zeros(m * steps), 0.0);
         for (step, (a, b, weights)) in self.systems.iter().enumerate() {
@@ -95,23 +95,22 @@ impl Problem {
         h += map.transpose() * &self.terminal * &map * 2.0;
         g += map.transpose() * &self.terminal * &offset * 2.0;
         c += offset.dot(&(&self.terminal * &offset));
-        let u = -h.clone().cholesky().expect("the cost is convex").solve(&g);
+        let u = -h.clone().cholesky().unwrap().solve(&g);
         let cost = 0.5 * u.dot(&(&h * &u)) + g.dot(&u) + c;
         (u, cost)
     }
 }
 
 #[test]
-fn the_gains_give_the_controls_and_the_cost_of_the_whole_problem_solved_at_once() {
+fn the_gains_give_the_optimum_of_the_whole_problem() {
     for (seed, sizes, cross) in [(1, (2, 1), false), (2, (3, 2), false), (3, (4, 2), true), (4, (1, 3), true)] {
         let (n, m) = sizes;
         let problem = Problem::new(seed, 5, sizes, cross);
         let begin = Random::new(seed + 100).vector(n);
         let (expected, cost) = problem.solve(&begin);
 
-        let mut recursion = RiccatiRecursion::new(&problem.terminal, m).expect("it is symmetric");
-        let back =
-            |(a, b, weights): &(_, _, _)| recursion.step_back(a, b, weights).expect("the cost is convex").clone();
+        let mut recursion = RiccatiRecursion::new(&problem.terminal, m).unwrap();
+        let back = |(a, b, weights): &(_, _, _)| recursion.step_back(a, b, weights).unwrap().clone();
         let mut gains: Vec<DMatrix<f64>> = problem.systems.iter().rev().map(back).collect();
         gains.reverse();
         assert!((begin.dot(&(recursion.p() * &begin)) - cost).abs() <= 1e-9 * cost, "the cost to go of problem {seed}");
@@ -126,21 +125,21 @@ fn the_gains_give_the_controls_and_the_cost_of_the_whole_problem_solved_at_once(
 }
 
 #[test]
-fn no_weight_of_the_controls_is_needed_where_the_state_after_them_costs() {
-    // One step to bring the state to zero.
-    let mut recursion = RiccatiRecursion::new(&DMatrix::identity(2, 2), 2).expect("it is symmetric");
+fn controls_need_no_weight_if_they_affect_a_weighted_state() {
+    // One step brings the state to zero.
+    let mut recursion = RiccatiRecursion::new(&DMatrix::identity(2, 2), 2).unwrap();
     let a = dmatrix![1.0, 2.0; 3.0, 4.0];
     let weights = LqrWeights::diagonal(&[0.0, 0.0], &[0.0, 0.0]);
-    let gain = recursion.step_back(&a, &DMatrix::<f64>::identity(2, 2), &weights).expect("the end costs").clone();
+    let gain = recursion.step_back(&a, &DMatrix::<f64>::identity(2, 2), &weights).unwrap().clone();
     assert_close(&gain, &a, 1e-15);
     assert!(recursion.p().norm() < 1e-15);
 }
 
-/// What is wrong with A, B and the weights.
-type Spoil = fn(&mut DMatrix<f64>, &mut DMatrix<f64>, &mut LqrWeights);
+/// Corrupts A, B or the weights.
+type Corrupt = fn(&mut DMatrix<f64>, &mut DMatrix<f64>, &mut LqrWeights);
 
 #[test]
-fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
+fn an_invalid_matrix_is_an_error_that_names_it() {
     let good = || {
         (DMatrix::<f64>::identity(3, 3), DMatrix::from_element(3, 2, 0.5), {
             let mut weights = LqrWeights::diagonal(&[1.0; 3], &[1.0; 2]);
@@ -148,11 +147,11 @@ fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
             weights
         })
     };
-    let begin = || RiccatiRecursion::new(&DMatrix::identity(3, 3), 2).expect("it is symmetric");
-    begin().step_back(&good().0, &good().1, &good().2).expect("it is good");
+    let begin = || RiccatiRecursion::new(&DMatrix::identity(3, 3), 2).unwrap();
+    begin().step_back(&good().0, &good().1, &good().2).unwrap();
 
     let wrong = |matrix, expected, got| RiccatiError::WrongShape { matrix, expected, got };
-    let shapes: [(Spoil, RiccatiError); 5] = [
+    let shapes: [(Corrupt, RiccatiError); 5] = [
         (|a, _, _| *a = DMatrix::zeros(3, 4), wrong(RiccatiMatrix::A, (3, 3), (3, 4))),
         (|_, b, _| *b = DMatrix::zeros(3, 3), wrong(RiccatiMatrix::B, (3, 2), (3, 3))),
         (|_, _, weights| weights.q = DMatrix::zeros(2, 3), wrong(RiccatiMatrix::Q, (3, 3), (2, 3))),
@@ -166,12 +165,12 @@ fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
         assert_eq!(recursion.step_back(&a, &b, &weights).unwrap_err(), expected);
         assert_eq!((recursion.p(), recursion.k()), (begin().p(), begin().k()));
     }
-    let values: [(Spoil, RiccatiMatrix); 5] = [
+    let values: [(Corrupt, RiccatiMatrix); 5] = [
         (|a, _, _| a[(2, 1)] = f64::NAN, RiccatiMatrix::A),
         (|_, b, _| b[(2, 1)] = f64::INFINITY, RiccatiMatrix::B),
         (|_, _, weights| weights.q[(2, 1)] = f64::NAN, RiccatiMatrix::Q),
         (|_, _, weights| weights.r[(1, 0)] = f64::NAN, RiccatiMatrix::R),
-        (|_, _, weights| weights.s.as_mut().expect("there is one")[(2, 1)] = f64::NAN, RiccatiMatrix::S),
+        (|_, _, weights| weights.s.as_mut().unwrap()[(2, 1)] = f64::NAN, RiccatiMatrix::S),
     ];
     for (spoil, at_fault) in values {
         let (mut a, mut b, mut weights) = good();
@@ -182,7 +181,7 @@ fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
             "{error}"
         );
     }
-    let lopsided: [(Spoil, RiccatiMatrix); 2] = [
+    let lopsided: [(Corrupt, RiccatiMatrix); 2] = [
         (|_, _, weights| weights.q[(0, 1)] = 0.1, RiccatiMatrix::Q),
         (|_, _, weights| weights.r[(0, 1)] = 0.1, RiccatiMatrix::R),
     ];
@@ -195,7 +194,7 @@ fn each_matrix_at_fault_is_named_and_nothing_is_changed() {
 }
 
 #[test]
-fn the_cost_of_the_end_is_checked_like_the_others() {
+fn the_terminal_cost_is_checked() {
     let error = |terminal: DMatrix<f64>| RiccatiRecursion::new(&terminal, 1).unwrap_err();
     let wrong = RiccatiError::WrongShape { matrix: RiccatiMatrix::P, expected: (2, 2), got: (2, 3) };
     assert_eq!(error(DMatrix::zeros(2, 3)), wrong);
@@ -210,9 +209,9 @@ fn the_cost_of_the_end_is_checked_like_the_others() {
 }
 
 #[test]
-fn a_cost_that_falls_without_end_is_told() {
+fn an_unbounded_cost_is_an_error() {
     let one = DMatrix::identity(1, 1);
-    let mut recursion = RiccatiRecursion::new(&dmatrix![-2.0], 1).expect("it is symmetric");
+    let mut recursion = RiccatiRecursion::new(&dmatrix![-2.0], 1).unwrap();
     let error = recursion.step_back(&one, &one, &LqrWeights::diagonal(&[1.0], &[1.0])).unwrap_err();
     assert_eq!(error, RiccatiError::NoLeastCost { smallest_eigenvalue: -1.0 });
     assert!(error.to_string().contains("positive semidefinite"), "{error}");

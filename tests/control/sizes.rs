@@ -1,4 +1,4 @@
-//! One wrong size at a time.
+//! Size checks, one wrong size at a time.
 
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost, TrajectoryCost};
 use mujoco_safe::control::riccati::RiccatiError;
@@ -17,7 +17,7 @@ fn assert_shape<T>(result: Result<T, Error>, expected: (usize, usize), found: (u
 }
 
 #[test]
-fn of_a_table_of_gains() {
+fn a_gain_table_checks_sizes() {
     let data = cartpole();
     let table = |states: (usize, usize), controls: (usize, usize), count: usize, gain: (usize, usize)| {
         let gains = vec![Matrix::zeros(gain.0, gain.1); count];
@@ -28,7 +28,7 @@ fn of_a_table_of_gains() {
             gains,
         )
     };
-    table((4, 4), (3, 1), 3, (1, 4)).expect("it fits");
+    table((4, 4), (3, 1), 3, (1, 4)).unwrap();
     assert_shape(table((3, 4), (3, 1), 3, (1, 4)), (4, 4), (3, 4));
     assert_shape(table((4, 5), (3, 1), 3, (1, 4)), (4, 4), (4, 5));
     assert_shape(table((4, 4), (3, 2), 3, (1, 4)), (3, 1), (3, 2));
@@ -40,14 +40,14 @@ fn of_a_table_of_gains() {
 }
 
 #[test]
-fn of_a_regulator_along_a_trajectory() {
+fn a_time_varying_regulator_checks_sizes() {
     let data = cartpole();
-    let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).expect("there is memory");
+    let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
     let mut along = |states: (usize, usize), controls: (usize, usize), weights: LqrWeights, end: (usize, usize)| {
         let (states, controls) = (Matrix::zeros(states.0, states.1), Matrix::zeros(controls.0, controls.1));
         TimeVaryingLqr::along(&mut transition, &data, states, controls, &weights, &DMatrix::zeros(end.0, end.1))
     };
-    along((4, 4), (3, 1), weights(), (4, 4)).expect("it fits");
+    along((4, 4), (3, 1), weights(), (4, 4)).unwrap();
     assert_shape(along((3, 4), (3, 1), weights(), (4, 4)), (4, 4), (3, 4));
     assert_shape(along((4, 3), (3, 1), weights(), (4, 4)), (4, 4), (4, 3));
     assert_shape(along((4, 4), (3, 2), weights(), (4, 4)), (3, 1), (3, 2));
@@ -65,24 +65,23 @@ fn of_a_regulator_along_a_trajectory() {
 }
 
 #[test]
-fn of_the_simulation_that_is_controlled() {
+fn a_regulator_checks_the_simulation() {
     let data = cartpole();
     let gains = vec![Matrix::zeros(1, 4)];
-    let mut follow =
-        TimeVaryingLqr::with_gains(&data, Matrix::zeros(2, 4), Matrix::zeros(1, 1), gains).expect("it fits");
-    let mut other = Data::new(sample::humanoid()).expect("there is memory");
+    let mut follow = TimeVaryingLqr::with_gains(&data, Matrix::zeros(2, 4), Matrix::zeros(1, 1), gains).unwrap();
+    let mut other = Data::new(sample::humanoid()).unwrap();
     assert_shape(follow.control(&mut other), (55, 1), (4, 1));
     // Two motors on two joints.
-    let mut two_motors = Data::new(super::springs()).expect("there is memory");
+    let mut two_motors = Data::new(super::springs()).unwrap();
     assert_shape(follow.control(&mut two_motors), (2, 1), (1, 1));
 }
 
 #[test]
-fn of_a_quadratic_cost() {
+fn a_quadratic_cost_checks_sizes() {
     let cost = |state: usize, weights: LqrWeights, end: (usize, usize)| {
         QuadraticCost::new(sample::cartpole(), &vec![0.0; state], weights, DMatrix::zeros(end.0, end.1))
     };
-    let good = cost(4, weights(), (4, 4)).expect("it fits");
+    let good = cost(4, weights(), (4, 4)).unwrap();
     assert_shape(good.with_controls(&[0.0; 2]), (1, 1), (2, 1));
     assert_shape(cost(3, weights(), (4, 4)), (4, 1), (3, 1));
     assert_shape(cost(4, LqrWeights::diagonal(&[1.0; 5], &[1.0]), (4, 4)), (4, 4), (5, 5));
@@ -93,30 +92,30 @@ fn of_a_quadratic_cost() {
 
 #[test]
 #[should_panic = "the state has 3 entries, but the QuadraticCost is for 4"]
-fn of_a_state_that_costs() {
-    let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
+fn a_quadratic_cost_checks_the_state() {
+    let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).unwrap();
     cost.value(0, &[0.0; 3], None);
 }
 
 #[test]
 #[should_panic = "there are 2 controls, but the QuadraticCost is for 1"]
-fn of_controls_that_cost() {
-    let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
+fn a_quadratic_cost_checks_the_controls() {
+    let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).unwrap();
     cost.value(0, &[0.0; 4], Some(&[0.0; 2]));
 }
 
 #[test]
-fn of_a_search() {
+fn ilqr_checks_sizes() {
     let data = cartpole();
-    let cost = QuadraticCost::new(data.model().clone(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).expect("it fits");
-    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).expect("good options");
+    let cost = QuadraticCost::new(data.model().clone(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).unwrap();
+    let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default()).unwrap();
     assert_shape(solver.solve(&data, &Matrix::zeros(3, 2), &cost), (3, 1), (3, 2));
     assert!(matches!(solver.solve(&data, &Matrix::zeros(0, 1), &cost), Err(Error::Invalid { .. })));
     assert!(matches!(solver.solve(&cartpole(), &Matrix::zeros(3, 1), &cost), Err(Error::OtherModel { .. })));
 }
 
 #[test]
-fn of_options_that_make_no_sense() {
+fn invalid_options_are_errors() {
     let good = IlqrOptions::default;
     for options in [
         IlqrOptions { threads: 0, ..good() },
@@ -130,5 +129,5 @@ fn of_options_that_make_no_sense() {
         assert!(matches!(Ilqr::new(sample::cartpole(), options), Err(Error::Invalid { .. })));
     }
     let options = IlqrOptions { iterations: 7, ..good() };
-    assert_eq!(Ilqr::new(sample::cartpole(), options.clone()).expect("good options").options(), &options);
+    assert_eq!(Ilqr::new(sample::cartpole(), options.clone()).unwrap().options(), &options);
 }

@@ -1,23 +1,21 @@
-//! That named access leaves nothing out: every array with a row for each element of a kind, or for what elements are made of, is
-//! read by a view.
+//! Completeness of the views: every array with a row per element, or per part of an element, is read by a view.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The engine's own list of its arrays.
+/// The engine's list of its arrays.
 const TABLE: &str = include_str!("../../mujoco-sys/fields/v2_2_2.tsv");
 
-/// Sizes whose arrays belong to no element: the sparse matrices, the constraints and contacts of the moment, and what is the
-/// user's or holds the names.
+/// Sizes whose arrays belong to no element: sparse matrices, current constraints and contacts, user data and names.
 const OF_NO_ELEMENT: [&str; 6] = ["nM", "nD", "njmax", "nconmax", "nuserdata", "nnames"];
 
-/// What no view reads, and why.
+/// Arrays that no view reads, and the reasons.
 const EXCEPTIONS: [(&str, &str); 7] = [
     ("dof_bodyid", "the body of the degree of freedom's joint: `Joint::body`"),
     ("dof_jntid", "the inverse of `Joint::dofs`"),
     (
         "efc_JT_rownnz",
-        "a row of the transposed constraint Jacobian, whose columns are the constraints of the moment: `Data::efc_JT`",
+        "a row of the transposed constraint Jacobian, whose columns are the current constraints: `Data::efc_JT`",
     ),
     ("efc_JT_rowadr", "idem"),
     ("efc_JT_rowsuper", "idem"),
@@ -25,12 +23,12 @@ const EXCEPTIONS: [(&str, &str); 7] = [
     ("efc_JT", "idem"),
 ];
 
-/// The words in the code of the views, without its comments.
+/// Returns the words in the code of the views, without comments.
 fn words() -> BTreeSet<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/element");
     let mut words = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).expect("the views' source") {
-        let text = std::fs::read_to_string(entry.expect("a file").path()).expect("text");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let text = std::fs::read_to_string(entry.unwrap().path()).unwrap();
         for line in text.lines().filter(|line| !line.trim_start().starts_with("//")) {
             let line = line.split("#[doc").next().unwrap_or_default();
             words.extend(line.split(|letter: char| !letter.is_alphanumeric() && letter != '_').map(str::to_owned));

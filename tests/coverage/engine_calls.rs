@@ -1,16 +1,16 @@
-//! The gates of `src/data/call.rs` decide about poisoning, so no call on a simulation may pass them by.
+//! Calls on a simulation go through the functions of `src/data/call.rs`, which decide about poisoning.
 
 use std::fs;
 use std::path::Path;
 
-/// Calls without a simulation to poison although the engine's function has an argument for one, and why.
+/// Engine functions with an `mjData` argument that are called without a simulation to poison, and the reasons.
 const EXEMPT: [(&str, &str); 3] = [
-    ("mj_makeData", "there is no simulation before it"),
-    ("mj_setConst", "the data is a scratch one, which is dropped"),
+    ("mj_makeData", "no simulation exists before the call"),
+    ("mj_setConst", "the data is temporary and dropped"),
     ("mjv_updateCamera", "a free camera needs no data: the argument is NULL"),
 ];
 
-/// The functions of the shim that take or make an `mjData`, by their names in C.
+/// Returns the functions of the shim that take or create an `mjData`, by their names in C.
 fn functions_of_data() -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = fs::read_to_string(root.join("mujoco-sys/src/guard.rs")).unwrap();
@@ -22,7 +22,7 @@ fn functions_of_data() -> Vec<String> {
     of_data.collect()
 }
 
-/// Each Rust file of a folder.
+/// Returns the text of each Rust file of a folder.
 fn sources(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let texts = entries.flat_map(|path| match path.extension().and_then(|extension| extension.to_str()) {
@@ -34,7 +34,7 @@ fn sources(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn the_gate_without_data_is_used_for_no_call_on_a_simulation() {
+fn no_call_on_a_simulation_bypasses_poisoning() {
     const GATE: &str = "check_without_data(\"";
     let of_data = functions_of_data();
     assert!(of_data.len() > 50, "the declarations of the shim are not read: {of_data:?}");
@@ -43,7 +43,7 @@ fn the_gate_without_data_is_used_for_no_call_on_a_simulation() {
         for rest in text.split(GATE).skip(1) {
             let function = rest.split('"').next().unwrap();
             let exempt = EXEMPT.iter().any(|(name, _)| *name == function);
-            assert!(exempt || !of_data.iter().any(|name| name == function), "{function} goes past the gates");
+            assert!(exempt || !of_data.iter().any(|name| name == function), "{function} bypasses the checks");
             found += 1;
         }
     }

@@ -1,4 +1,4 @@
-//! What the engine's headers say of a field is found by the field's name, and a wrong name leads to the right one.
+//! Lookup of the documentation of the engine's fields.
 
 #![forbid(unsafe_code)]
 
@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 use mujoco_safe::{Data, Error, Field, Model, Options, Statistics, Visual};
 
-/// A struct's two functions.
+/// The two functions of a struct.
 struct Docs {
     of: fn(&str) -> mujoco_safe::Result<String>,
     all: Vec<Field>,
@@ -23,7 +23,7 @@ fn structures() -> [Docs; 5] {
 }
 
 #[test]
-fn every_field_that_is_listed_is_found_by_its_name() {
+fn every_listed_field_is_found_by_its_name() {
     for Docs { of, all } in structures() {
         for field in &all {
             assert_eq!(of(field.name).unwrap(), format!("{}: {}", field.name, field.docs));
@@ -34,7 +34,7 @@ fn every_field_that_is_listed_is_found_by_its_name() {
 }
 
 #[test]
-fn shapes_are_made_of_numbers_and_of_the_models_own_sizes() {
+fn shapes_consist_of_numbers_and_sizes_of_the_model() {
     let sizes: HashSet<_> = Model::fields().filter(|field| !field.is_array).map(|field| field.name).collect();
     for field in structures().iter().flat_map(|docs| &docs.all) {
         for factor in field.rows.split('*').chain(field.columns.split('*')) {
@@ -48,7 +48,7 @@ fn shapes_are_made_of_numbers_and_of_the_models_own_sizes() {
 }
 
 #[test]
-fn a_wrong_name_leads_to_those_that_are_near() {
+fn a_wrong_name_suggests_similar_names() {
     let error = Model::field_docs("nvv").unwrap_err();
     assert!(matches!(&error, Error::NoSuchField { structure: "Model", name, .. } if name == "nvv"));
     assert!(error.to_string().starts_with("mjModel has no field 'nvv', did you mean 'nv'"), "{error}");

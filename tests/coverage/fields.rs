@@ -1,4 +1,4 @@
-//! Every field of the engine's structs: what reads it here, and what writes it.
+//! Every field of the engine's structs, and its readers and writers in the library.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -21,23 +21,23 @@ const BY_HAND: [(&str, &str, &str); 10] = [
     ("Data", "solver_nnz", "Data::solver_nnz"),
 ];
 
-/// What is written to in another way than by a `_mut` accessor.
+/// Fields that are not written by a `_mut` accessor, and their writers.
 const WRITTEN: [(&str, &str, &str); 1] = [("Data", "time", "Data::set_time")];
 
-/// The generated accessors' names.
+/// Returns the names of the generated accessors.
 fn accessors(file: &str) -> Vec<String> {
-    let text = std::fs::read_to_string(root().join("src/generated").join(file)).expect("a generated file");
+    let text = std::fs::read_to_string(root().join("src/generated").join(file)).unwrap();
     let starts = text.lines().filter_map(|line| line.trim().strip_prefix("pub fn "));
     starts.filter_map(|rest| rest.split('(').next()).map(str::to_owned).collect()
 }
 
-/// Checked setters of single elements, by the array that they write to: `jnt_limited` → `JointMut::set_limited`.
+/// Returns the checked setters of single elements by the array that they write: `jnt_limited` → `JointMut::set_limited`.
 fn setters() -> BTreeMap<String, String> {
     let mut setters = BTreeMap::new();
     for (_, text) in sources("src/element") {
         for block in text.split("\nfields!(").skip(1) {
-            let kind = block.split(" on ").next().expect("a kind");
-            let body = block.split("\n});").next().expect("the end of the block");
+            let kind = block.split(" on ").next().unwrap();
+            let body = block.split("\n});").next().unwrap();
             for line in body.lines().map(str::trim) {
                 let Some((_, rest)) = line.split_once(" = ") else { continue };
                 let Some((array, setter)) = rest.trim_end_matches(';').split_once(", ") else { continue };
@@ -58,7 +58,7 @@ struct Struct {
     writers: Vec<String>,
 }
 
-/// What reads a field, and what writes it.
+/// Returns the reader and the writer of a field.
 fn access(of: &Struct, field: &Field, setters: &BTreeMap<String, String>) -> (Option<String>, Option<String>) {
     let hand = |table: &[(&str, &str, &str)]| {
         table

@@ -1,4 +1,4 @@
-//! Every function of the engine's header, against `functions.tsv`: where it is here, or why it is not.
+//! Every function of the engine's header, against `functions.tsv`: its equivalent in the library, or the reason why it has none.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -7,11 +7,11 @@ use crate::{is_committed, root, sources};
 
 const TABLE: &str = include_str!("functions.tsv");
 
-/// Whole families that are left out, and why.
+/// Families of functions that are left out, and the reasons.
 const FAMILIES: [(&str, &str); 2] =
     [("mjr_", "drawing with OpenGL"), ("mjui_", "the user interface of the engine's own viewer")];
 
-/// The part of the table for what 2.2.2 lacks.
+/// The part of the table for functions that 2.2.2 lacks.
 const NEWER: &str = "Of newer engines";
 
 struct Row {
@@ -37,9 +37,9 @@ fn rows() -> Vec<Row> {
     rows
 }
 
-/// The functions that the bindings declare.
+/// Returns the functions that the bindings declare.
 fn declared() -> BTreeSet<String> {
-    let bindings = std::fs::read_to_string(root().join("mujoco-sys/src/bindings/v2_2_2.rs")).expect("the bindings");
+    let bindings = std::fs::read_to_string(root().join("mujoco-sys/src/bindings/v2_2_2.rs")).unwrap();
     let names = bindings.lines().filter_map(|line| line.trim().strip_prefix("pub fn "));
     names.filter_map(|rest| rest.split('(').next()).filter(|name| name.starts_with("mj")).map(str::to_owned).collect()
 }
@@ -49,7 +49,7 @@ fn family(name: &str) -> Option<&'static str> {
 }
 
 #[test]
-fn every_function_of_the_header_is_here_or_left_out_with_a_reason() {
+fn every_function_of_the_header_is_wrapped_or_has_a_reason() {
     let rows = rows();
     let listed: BTreeSet<String> =
         rows.iter().filter(|row| !row.section.starts_with(NEWER)).map(|row| row.name.to_owned()).collect();
@@ -66,11 +66,11 @@ fn every_function_of_the_header_is_here_or_left_out_with_a_reason() {
 }
 
 #[test]
-fn whoever_knows_the_name_in_c_finds_the_function() {
+fn every_wrapper_has_the_c_name_as_an_alias() {
     let sources = sources("src");
     let missing: Vec<&str> = rows()
         .into_iter()
-        // A value, such as the life of a model, has no function to carry the name.
+        // A value, such as a model, has no function that could carry the alias.
         .filter(|row| {
             row.here
                 .iter()

@@ -1,4 +1,4 @@
-//! Every kind of element and every field that the named access of MuJoCo.jl has, against `kinds.tsv`: what it is called here.
+//! Every kind of element and every field of MuJoCo.jl's named access, against `kinds.tsv`, which has the names of this library.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -9,14 +9,14 @@ use crate::{is_committed, sources};
 
 const TABLE: &str = include_str!("kinds.tsv");
 
-/// The fields of each kind, on a model or on a simulation, as the sources declare them.
+/// Returns the fields of each kind, on a model or on a simulation, as declared in the sources.
 fn declared() -> BTreeMap<(String, String), Vec<String>> {
     let mut declared: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
     for (_, text) in sources("src/element") {
         for block in text.split("\nfields!(").skip(1) {
-            let (head, body) = block.split_once('{').expect("a block");
-            let (kind, owner) = head.trim().split_once(" on ").expect("a kind and its owner");
-            let body = body.split("\n});").next().expect("the end of the block");
+            let (head, body) = block.split_once('{').unwrap();
+            let (kind, owner) = head.trim().split_once(" on ").unwrap();
+            let body = body.split("\n});").next().unwrap();
             let names =
                 body.lines().filter_map(|line| line.strip_prefix("    ")).filter_map(|line| line.split_once(": "));
             let names = names
@@ -28,7 +28,7 @@ fn declared() -> BTreeMap<(String, String), Vec<String>> {
     declared
 }
 
-/// Kind, owner, the field in MuJoCo.jl, the fields here.
+/// Returns the rows of the table: kind, owner, field in MuJoCo.jl, fields of this library.
 fn rows() -> impl Iterator<Item = [&'static str; 4]> {
     TABLE.lines().map(|line| {
         let cells: Vec<&str> = line.split('\t').collect();
@@ -41,7 +41,7 @@ fn every_field_of_the_reference_is_here() {
     let declared = declared();
     for [kind, owner, field, here] in rows() {
         let fields = declared.get(&(kind.to_owned(), owner.to_owned()));
-        // A sensor in a simulation has no fields there.
+        // Sensors have no fields in a simulation.
         for name in here.split(", ").filter(|name| !name.is_empty()) {
             assert!(
                 fields.is_some_and(|fields| fields.iter().any(|field| field == name)),

@@ -28,7 +28,7 @@ fn is_test(path: &str) -> bool {
 
 #[test]
 fn every_test_that_is_named_exists() {
-    let chapter = std::fs::read_to_string(root().join("docs/promises.md")).expect("the chapter");
+    let chapter = std::fs::read_to_string(root().join("docs/promises.md")).unwrap();
     let mut named = 0;
     for name in chapter.split('`').skip(1).step_by(2) {
         let is_path = name.contains('/') && !name.contains([' ', '<']) && !name.starts_with("scripts/fuzz ");

@@ -1,9 +1,8 @@
-//! Every way across the boundary to the engine, once or a few times: small enough for memcheck (`scripts/memcheck`), which
-//! then finds accesses outside of its memory, uses of what is not initialised, and blocks that nobody frees.
+//! Every kind of call across the boundary to C, a few times each: small enough for valgrind's memcheck (`scripts/memcheck`),
+//! which detects invalid accesses, uses of uninitialised memory and leaks.
 
 #![forbid(unsafe_code)]
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use mujoco_safe::{
@@ -13,7 +12,7 @@ use mujoco_safe::{
 
 use crate::touch_all;
 
-/// Something of every kind that the engine has arrays for.
+/// A model with an element of every kind for which the engine has arrays.
 const EVERYTHING: &str = r#"<mujoco>
   <size nuserdata="3" nuser_body="1" nuser_jnt="1" nuser_geom="1" nuser_site="1" nuser_cam="1" nuser_tendon="1"
         nuser_actuator="1" nuser_sensor="1" njmax="80" nconmax="20"/>
@@ -70,23 +69,6 @@ fn everything() -> Model {
     Model::from_xml_str(EVERYTHING).unwrap()
 }
 
-/// A folder of this process and test, that is removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mujoco_safe_boundary_{name}_{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 #[test]
 fn every_accessor_reads_initialised_memory_at_every_stage() {
     for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
@@ -137,29 +119,29 @@ fn every_view_prints() {
 }
 
 #[test]
-fn loading_and_its_errors() {
-    let folder = Folder::new("loading");
-    let path = folder.0.join("model.xml");
+fn loading_saving_and_their_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.xml");
     std::fs::write(&path, sample::CARTPOLE_XML).unwrap();
-    // The tests of this file load models at the same time, and the engine keeps the XML of the last one only.
+    // Other tests load models at the same time, and the engine keeps the XML of the last model only.
     let model = (0..1000)
         .find_map(|_| {
             let model = Model::from_xml_path(&path).unwrap();
-            match model.save_xml(folder.0.join("saved.xml")) {
+            match model.save_xml(folder.path().join("saved.xml")) {
                 Err(Error::XmlReplaced) => None,
                 saved => Some(saved.map(|()| model).unwrap()),
             }
         })
         .unwrap();
-    assert!(model.save_xml(folder.0.join("no/such/folder.xml")).is_err());
-    assert!(model.save_xml(&folder.0).is_err());
-    model.save_binary(folder.0.join("saved.mjb")).unwrap();
+    assert!(model.save_xml(folder.path().join("no/such/folder.xml")).is_err());
+    assert!(model.save_xml(folder.path()).is_err());
+    model.save_binary(folder.path().join("saved.mjb")).unwrap();
     let bytes = model.to_binary().unwrap();
     assert!(Model::from_binary(&bytes[..bytes.len() / 2]).is_err());
     assert!(Model::from_binary(b"").is_err());
-    let _ = Model::from_binary_path(folder.0.join("saved.mjb"));
-    assert_eq!(Model::from_xml_path(folder.0.join("saved.xml")).unwrap().nv(), 2);
-    assert!(matches!(model.save_xml(folder.0.join("again.xml")), Err(Error::XmlReplaced)));
+    let _ = Model::from_binary_path(folder.path().join("saved.mjb"));
+    assert_eq!(Model::from_xml_path(folder.path().join("saved.xml")).unwrap().nv(), 2);
+    assert!(matches!(model.save_xml(folder.path().join("again.xml")), Err(Error::XmlReplaced)));
     for xml in ["", "<mujoco", "<mujoco><worldbod/></mujoco>", "<mujoco><worldbody><geom/></worldbody></mujoco>"] {
         assert!(matches!(Model::from_xml_str(xml), Err(Error::Load { .. })), "{xml}");
     }
@@ -308,9 +290,9 @@ fn controllers_states_and_trajectories() {
     trajectory.apply(1, &mut data).unwrap();
     let state = data.state(StateSpec::INTEGRATION);
     data.set_state(StateSpec::INTEGRATION, &state).unwrap();
-    let folder = Folder::new("trajectory");
-    trajectory.save_csv(folder.0.join("t.csv")).unwrap();
-    assert_eq!(Trajectory::load_csv(data.model(), folder.0.join("t.csv")).unwrap(), trajectory);
+    let folder = tempfile::tempdir().unwrap();
+    trajectory.save_csv(folder.path().join("t.csv")).unwrap();
+    assert_eq!(Trajectory::load_csv(data.model(), folder.path().join("t.csv")).unwrap(), trajectory);
 }
 
 #[test]

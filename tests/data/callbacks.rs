@@ -1,4 +1,4 @@
-//! Closures in the middle of a step: what each can do, that none can do more, and that they reach no other simulation.
+//! Callbacks: their effect on a step, and their scope.
 
 #![forbid(unsafe_code)]
 
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mujoco_safe::{Callbacks, Data, Differences, Error, Integrator, Model, Stage, StateSpec, UnstableField, sample};
 
-/// A motor, and a user actuator of each kind, on a mass that slides.
+/// A sliding mass with a motor and a user actuator of each kind.
 const SLIDER: &str = r#"<mujoco>
   <option gravity="0 0 0"/>
   <worldbody>
@@ -30,7 +30,7 @@ fn slider() -> Data {
 }
 
 #[test]
-fn a_control_callback_is_a_controller_bit_for_bit() {
+fn a_control_callback_equals_a_controller_bit_for_bit() {
     let push = |data: &Data| 30.0 * data.qpos()[1] + 5.0 * data.qvel()[1];
     let mut with_callback = Data::new(sample::cartpole()).unwrap();
     with_callback.qpos_mut()[1] = 0.2;
@@ -47,7 +47,7 @@ fn a_control_callback_is_a_controller_bit_for_bit() {
 }
 
 #[test]
-fn runge_kutta_calls_the_control_four_times_a_step() {
+fn runge_kutta_calls_the_control_callback_four_times_per_step() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap().unwrap();
     let mut calls = 0;
@@ -56,7 +56,7 @@ fn runge_kutta_calls_the_control_four_times_a_step() {
 }
 
 #[test]
-fn applied_forces_of_a_control_callback_act_in_the_same_step() {
+fn forces_applied_in_a_control_callback_act_in_the_same_step() {
     let mut data = slider();
     let callbacks = Callbacks::new().control(|moment| {
         moment.qfrc_applied_mut()[0] = 2.0;
@@ -67,7 +67,7 @@ fn applied_forces_of_a_control_callback_act_in_the_same_step() {
 }
 
 #[test]
-fn passive_forces_are_added_to_those_of_the_engine() {
+fn passive_forces_are_added_to_the_engines_forces() {
     let mut data = slider();
     data.edit_model(|model| model.dof_damping_mut()[0] = 4.0).unwrap();
     data.qvel_mut()[0] = 1.0;
@@ -77,7 +77,7 @@ fn passive_forces_are_added_to_those_of_the_engine() {
 }
 
 #[test]
-fn user_actuators_have_the_gain_the_bias_and_the_dynamics_of_the_closures() {
+fn user_actuators_use_the_gain_bias_and_dynamics_callbacks() {
     let mut data = slider();
     let gain = data.model().actuator("gain").unwrap().id();
     let bias = data.model().actuator("bias").unwrap().id();
@@ -101,7 +101,7 @@ fn user_actuators_have_the_gain_the_bias_and_the_dynamics_of_the_closures() {
     assert_eq!(data.actuator(gain).force(), 7.0 * 3.0 * 2.0);
     assert_eq!(data.actuator(bias).force(), -1.0);
     assert_eq!(data.act(), [10.0 * 0.5 * data.model().timestep()]);
-    // Without them, the engine's own values.
+    // Without callbacks, the engine's own values apply.
     data.reset().unwrap();
     data.ctrl_mut().fill(1.0);
     data.step().unwrap();
@@ -109,7 +109,7 @@ fn user_actuators_have_the_gain_the_bias_and_the_dynamics_of_the_closures() {
 }
 
 #[test]
-fn user_sensors_are_filled_in_at_their_stage() {
+fn user_sensors_are_written_at_their_stage() {
     let mut data = slider();
     data.ctrl_mut()[0] = 2.0;
     data.qvel_mut()[0] = 0.5;
@@ -132,7 +132,7 @@ fn user_sensors_are_filled_in_at_their_stage() {
 }
 
 #[test]
-fn a_contact_filter_decides_instead_of_the_engine() {
+fn a_contact_filter_replaces_the_engines_rule() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("stand").unwrap();
     data.forward().unwrap();
@@ -140,11 +140,11 @@ fn a_contact_filter_decides_instead_of_the_engine() {
     data.with_callbacks(Callbacks::new().contact_filter(|_, _, _| false), |data| data.forward()).unwrap();
     assert_eq!(data.ncon(), 0);
     data.with_callbacks(Callbacks::new().contact_filter(|_, _, _| true), |data| data.forward()).unwrap();
-    assert!(data.ncon() > 10, "parts of one body collide: {}", data.ncon());
+    assert!(data.ncon() > 10, "geoms of one body collide: {}", data.ncon());
 }
 
 #[test]
-fn a_panic_is_an_error_of_the_call_that_ran_it() {
+fn a_panic_in_a_callback_is_an_error_of_the_call() {
     let callbacks = || -> [(&str, Callbacks<'static>); 7] {
         [
             ("control", Callbacks::new().control(|_| panic!("no control"))),
@@ -172,14 +172,14 @@ fn a_panic_is_an_error_of_the_call_that_ran_it() {
             }
             other => panic!("{name}: {other:?}"),
         }
-        // Nothing is left of it.
+        // The panic has no lasting effect.
         data.reset().unwrap();
         data.step().unwrap();
     }
 }
 
 #[test]
-fn a_control_that_is_not_a_number_is_an_error_and_not_a_step_without_control() {
+fn a_nan_control_from_a_callback_is_an_error() {
     let mut data = slider();
     let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[1] = f64::NAN);
     match data.with_callbacks(callbacks, |data| data.step()) {
@@ -192,17 +192,17 @@ fn a_control_that_is_not_a_number_is_an_error_and_not_a_step_without_control() {
 }
 
 #[test]
-fn forces_that_are_not_numbers_are_an_error() {
+fn nan_forces_from_a_callback_are_an_error() {
     let mut data = slider();
     let callbacks = Callbacks::new().passive(|moment| moment.qfrc_passive_mut()[0] = f64::NAN);
     assert!(matches!(data.with_callbacks(callbacks, |data| data.step()), Err(Error::Unstable(_))));
 }
 
 #[test]
-fn what_is_not_computed_yet_is_refused_in_the_middle_of_a_step() {
+fn results_not_yet_computed_are_rejected_inside_a_callback() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("stand").unwrap();
-    data.step().unwrap(); // everything was computed once, for an earlier state
+    data.step().unwrap(); // computes everything, for an earlier state
     let foot = data.model().body("foot_left").unwrap().id();
     let (mut filtered, mut controlled) = (0, 0);
     let callbacks = Callbacks::new()
@@ -224,7 +224,7 @@ fn what_is_not_computed_yet_is_refused_in_the_middle_of_a_step() {
 }
 
 #[test]
-fn another_simulation_is_not_called_for() {
+fn other_simulations_do_not_call_the_callbacks() {
     let calls = AtomicUsize::new(0);
     let count = || {
         calls.fetch_add(1, Ordering::Relaxed);
@@ -233,7 +233,7 @@ fn another_simulation_is_not_called_for() {
     let mut other = data.clone();
     let callbacks = Callbacks::new().control(|moment| {
         count();
-        // In the middle of this one: another, a clone of this one, and a model that the engine simulates to compile it.
+        // Inside the callback: another simulation, a clone of this one, and a model that the engine simulates while compiling.
         other.step().unwrap();
         assert!(Model::from_xml_str(SLIDER).is_ok());
         assert_eq!(moment.stage(), Stage::Velocity);
@@ -246,13 +246,13 @@ fn another_simulation_is_not_called_for() {
         });
     });
     assert_eq!(calls.load(Ordering::Relaxed), 1);
-    // And after the scope, not for this one either.
+    // After the scope, this simulation has no callbacks either.
     data.step().unwrap();
     assert_eq!(calls.load(Ordering::Relaxed), 1);
 }
 
 #[test]
-fn they_go_with_the_simulation_into_another_thread() {
+fn callbacks_move_with_the_simulation_to_another_thread() {
     let mut data = slider();
     let mut threads = Vec::new();
     let callbacks = Callbacks::new().control(|_| threads.push(std::thread::current().id()));
@@ -263,7 +263,7 @@ fn they_go_with_the_simulation_into_another_thread() {
 }
 
 #[test]
-fn a_simulation_that_is_swapped_out_of_the_scope_leaves_them_behind() {
+fn a_simulation_swapped_out_of_the_scope_loses_its_callbacks() {
     let calls = AtomicUsize::new(0);
     let (mut data, mut other) = (slider(), slider());
     let callbacks = Callbacks::new().control(|_| {
@@ -276,7 +276,7 @@ fn a_simulation_that_is_swapped_out_of_the_scope_leaves_them_behind() {
 }
 
 #[test]
-fn a_panic_of_the_scope_itself_takes_them_away() {
+fn a_panic_in_the_scope_removes_the_callbacks() {
     let calls = AtomicUsize::new(0);
     let mut data = slider();
     let callbacks = Callbacks::new().control(|_| {
@@ -291,7 +291,7 @@ fn a_panic_of_the_scope_itself_takes_them_away() {
 }
 
 #[test]
-fn a_scope_within_a_scope_has_its_own() {
+fn a_nested_scope_has_its_own_callbacks() {
     let (outer, inner) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let mut data = slider();
     data.with_callbacks(Callbacks::new().control(|_| _ = outer.fetch_add(1, Ordering::Relaxed)), |data| {
@@ -304,7 +304,7 @@ fn a_scope_within_a_scope_has_its_own() {
     assert_eq!((outer.into_inner(), inner.into_inner()), (1, 1));
 }
 
-/// How often the closure of a scope is called in a step at its end, after something was done in the scope.
+/// Returns the number of calls to a scope's closure in a step at its end, after running `within` in the scope.
 fn calls_after(within: impl FnOnce(&mut Data)) -> usize {
     let calls = AtomicUsize::new(0);
     let callbacks = Callbacks::new().control(|_| _ = calls.fetch_add(1, Ordering::Relaxed));
@@ -316,9 +316,9 @@ fn calls_after(within: impl FnOnce(&mut Data)) -> usize {
 }
 
 #[test]
-fn a_panic_of_a_scope_within_a_scope_leaves_the_outer_one_its_closures() {
+fn a_panic_in_a_nested_scope_keeps_the_outer_callbacks() {
     let calls = calls_after(|data| {
-        // So often that a chain of ended scopes would be too long to be dropped.
+        // A chain of this many ended scopes would be too long to drop recursively.
         for _ in 0..200_000 {
             let inner = std::panic::AssertUnwindSafe(|| {
                 data.with_callbacks(Callbacks::new(), |_| std::panic::resume_unwind(Box::new("out of the scope")));
@@ -330,7 +330,7 @@ fn a_panic_of_a_scope_within_a_scope_leaves_the_outer_one_its_closures() {
 }
 
 #[test]
-fn a_simulation_that_was_swapped_out_of_an_inner_scope_has_the_closures_of_the_outer_one() {
+fn a_simulation_swapped_out_of_a_nested_scope_has_the_outer_callbacks() {
     let calls = calls_after(|data| {
         let mut other = slider();
         data.with_callbacks(Callbacks::new(), |data| std::mem::swap(data, &mut other));
@@ -340,7 +340,7 @@ fn a_simulation_that_was_swapped_out_of_an_inner_scope_has_the_closures_of_the_o
 }
 
 #[test]
-fn a_feedback_law_is_part_of_what_is_linearised() {
+fn a_linearisation_includes_a_feedback_callback() {
     // x'' = −k x by a control callback: A[v, x] = −h k.
     let mut data = slider();
     let stiffness = 40.0;
@@ -350,7 +350,7 @@ fn a_feedback_law_is_part_of_what_is_linearised() {
 }
 
 #[test]
-fn a_feedback_law_leaves_the_controls_as_they_were_before_a_linearisation() {
+fn a_linearisation_restores_the_controls_that_a_callback_wrote() {
     let mut data = slider();
     data.ctrl_mut()[0] = 0.25;
     let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = -40.0 * moment.qpos()[0]);
@@ -359,7 +359,7 @@ fn a_feedback_law_leaves_the_controls_as_they_were_before_a_linearisation() {
 }
 
 #[test]
-fn a_simulation_can_be_cloned_in_each_of_them() {
+fn a_simulation_can_be_cloned_in_every_callback() {
     fn check(data: &Data) {
         let mut clone = data.try_clone().unwrap();
         assert_eq!(

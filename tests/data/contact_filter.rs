@@ -13,14 +13,14 @@ fn contacts(data: &Data) -> Contacts {
     data.contacts().map(|contact| (contact.geoms().map(|geom| geom.index()), contact.dist())).collect()
 }
 
-/// The engine's sample models, as far as they are installed, and our own.
+/// Returns the engine's sample models, if installed, and our own.
 fn models() -> Vec<Model> {
     let installed = sample::system_models().into_iter().filter_map(|path| Model::from_xml_path(path).ok());
     let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
     installed.chain([sample::humanoid(), Model::from_xml_path(every_element).unwrap()]).collect()
 }
 
-/// The state in which there are more contacts: the reference, or the first keyframe.
+/// Returns a simulation at the first keyframe, or else at the reference: the state with more contacts.
 fn dense(model: &Model) -> Data {
     let mut data = Data::new(model.clone()).unwrap();
     if model.nkey() > 0 {
@@ -30,10 +30,10 @@ fn dense(model: &Model) -> Data {
 }
 
 #[test]
-fn a_filter_that_passes_on_what_it_is_told_changes_nothing() {
+fn a_filter_that_returns_its_argument_changes_nothing() {
     // The engine applies its own rule only in a process that never had a filter.
     if !child::is_child() {
-        return child::passes("contact_filter::a_filter_that_passes_on_what_it_is_told_changes_nothing");
+        return child::passes("contact_filter::a_filter_that_returns_its_argument_changes_nothing");
     }
     let mut cases: Vec<(Data, Contacts)> = Vec::new();
     for mut model in models() {
@@ -51,7 +51,7 @@ fn a_filter_that_passes_on_what_it_is_told_changes_nothing() {
         let callbacks = Callbacks::new().contact_filter(|_, _, collide| collide);
         data.with_callbacks(callbacks, |data| data.forward()).unwrap();
         assert_eq!(contacts(&data), expected, "{:?}", data.model());
-        // And a simulation without a filter, in the process that had one.
+        // A simulation without a filter, in a process that has used one, behaves the same.
         let mut without = dense(data.model());
         without.forward().unwrap();
         assert_eq!(contacts(&without), expected, "{:?}", data.model());

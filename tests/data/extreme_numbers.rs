@@ -1,4 +1,4 @@
-//! Numbers that no one would write, in every array that can be written to: errors are allowed, a crash or a hang is not.
+//! Extreme numbers in every writable array: a step may return an error, but must not crash or hang.
 
 #![forbid(unsafe_code)]
 
@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use mujoco_safe::{Controller, Data, Differences, Error, Integrator, Model, RandomController, Solver, sample};
 
-/// Everything that collides by the general algorithm, and a body that follows the mouse.
+/// A model of all geoms that the general collision algorithm handles, and a mocap body.
 const COLLIDERS: &str = include_str!("../models/colliders.xml");
 
-/// Every number that a caller can write, replaced by what no one would: errors are allowed, nothing else.
+/// Overwrites every writable number of a simulation. Only errors are allowed.
 #[test]
 fn no_number_in_a_simulation_crashes_or_hangs_a_step() {
     let numbers = [f64::NAN, f64::INFINITY, -1e300, 1e9, 0.0];
@@ -121,7 +121,7 @@ fn no_number_in_a_model_crashes_or_hangs_a_step() {
                         data.transition_fd(1e-6, Differences::Forward).map(drop)
                     };
                     if let Err(error) = run() {
-                        // One model has a rangefinder and a height field, whose orientation may be out of all bounds.
+                        // One model has a rangefinder and a height field, whose orientation may become invalid.
                         assert!(
                             matches!(error, Error::Unstable(_) | Error::Engine { .. } | Error::Unsupported(_)),
                             "{error}"

@@ -1,4 +1,4 @@
-//! One wrong size at a time, rows that are none, and the ids of another model, for what is computed from a state.
+//! Arguments of functions of the state: one wrong size at a time, invalid sparse rows, and ids of another model.
 #![forbid(unsafe_code)]
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -71,7 +71,7 @@ fn matrices_of_a_wrong_shape_are_errors() {
 }
 
 #[test]
-fn a_jacobian_of_point_and_axis_may_be_left_out() {
+fn each_jacobian_of_point_and_axis_is_optional() {
     let mut data = in_contact();
     let nv = data.model().nv();
     let body = data.model().bodies().last().unwrap().id();
@@ -84,13 +84,13 @@ fn a_jacobian_of_point_and_axis_may_be_left_out() {
     data.jac_point_axis_into(body, [0.1, 0.2, 0.3], [0.0, 1.0, 0.0], None, None).unwrap();
 }
 
-/// A change that makes rows bad.
+/// A change that invalidates the rows.
 type Change<'a> = &'a dyn Fn(&mut Rows);
 
 /// A call that must panic.
 type Call = Box<dyn FnMut(&mut Data)>;
 
-/// A sparse matrix of a row for each degree of freedom.
+/// A sparse matrix with one row per degree of freedom.
 #[derive(Clone)]
 struct Rows {
     values: Vec<f64>,
@@ -106,7 +106,7 @@ impl Rows {
 }
 
 #[test]
-fn sparse_rows_that_the_engine_would_leave_are_errors() {
+fn sparse_rows_out_of_bounds_are_errors() {
     let mut data = in_contact();
     let nv = data.model().nv();
     let good = Rows {
@@ -144,11 +144,11 @@ fn sparse_rows_that_the_engine_would_leave_are_errors() {
         let error = changed(change).add(&mut data).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{what}: {error}");
     }
-    data.forward().expect("and the data is as good as before");
+    data.forward().expect("the data is unchanged");
 }
 
 #[test]
-fn accelerations_of_objects_are_not_those_of_an_earlier_state() {
+fn accelerations_of_an_earlier_state_are_not_returned() {
     let mut data = in_contact();
     let torso = FrameId::Body(data.model().body("torso").unwrap().id());
     let told = |data: &Data| data.object_acceleration(torso, Axes::World);
@@ -188,8 +188,8 @@ fn ids_of_another_model_panic() {
 }
 
 #[test]
-fn a_length_range_that_would_never_be_found_is_an_error() {
-    // The compiler of the engine does not return for such a muscle; without one it is asked for by hand.
+fn a_length_range_that_does_not_converge_is_an_error() {
+    // The engine's compiler does not return for such a muscle. Without one, the length range is computed on request.
     let xml = r#"<mujoco>
         <option timestep="0.1"/>
         <worldbody><body>
@@ -226,7 +226,7 @@ fn a_length_range_that_would_never_be_found_is_an_error() {
 }
 
 #[test]
-fn all_quantities_can_be_written_down() {
+fn print_to_writes_every_quantity() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     let folder = std::env::temp_dir().join(format!("print_to_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
@@ -243,7 +243,7 @@ fn all_quantities_can_be_written_down() {
 }
 
 #[test]
-fn a_keyframe_is_set_in_the_model_of_one_simulation() {
+fn set_keyframe_changes_the_model_of_one_simulation_only() {
     let model = std::sync::Arc::new(sample::humanoid());
     let mut data = Data::new(model.clone()).unwrap();
     for _ in 0..10 {

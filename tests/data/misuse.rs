@@ -1,5 +1,4 @@
-//! What a hostile or mistaken caller can try without `unsafe`, and what must become of it: an error or a panic with a sentence,
-//! never a crash, a hang or a wrong number.
+//! Misuse without `unsafe`: the result is an error or a panic with a message, never a crash, a hang or a wrong number.
 
 #![forbid(unsafe_code)]
 
@@ -11,7 +10,7 @@ use mujoco_safe::{
     RandomController, Solver, StateSpec, Trajectory, TransitionOutputs, sample,
 };
 
-/// The text of the panic that `action` must end with.
+/// Returns the message with which `action` must panic.
 fn panic_text<T>(action: impl FnOnce() -> T) -> String {
     let payload = catch_unwind(AssertUnwindSafe(action)).err().expect("no panic");
     payload.downcast_ref::<String>().cloned().or_else(|| payload.downcast_ref::<&str>().map(|&s| s.to_owned())).unwrap()
@@ -23,18 +22,18 @@ fn squatting() -> Data {
     data
 }
 
-/// Everything that collides by the general algorithm, and a body that follows the mouse.
+/// A model of all geoms that the general collision algorithm handles, and a mocap body.
 const COLLIDERS: &str = include_str!("../models/colliders.xml");
 
-// The engine clears nq + nv + na numbers in a row of 2 nv + na when the last control can be moved to neither side.
+// The engine clears nq + nv + na numbers in a row of 2 nv + na when the last control cannot be perturbed in either direction.
 #[test]
-fn a_control_beyond_its_range_does_not_spoil_the_linearisation() {
+fn a_clamped_control_does_not_corrupt_the_linearisation() {
     let mut data = squatting();
     let nu = data.model().nu();
     for differences in [Differences::Forward, Differences::Central] {
         data.reset_to_key("squat").unwrap();
         data.qpos_mut()[0] = 0.5;
-        data.ctrl_mut()[nu - 1] = 1.0; // the limit, which acts as any control beyond it does
+        data.ctrl_mut()[nu - 1] = 1.0; // the limit, which has the same effect as a control beyond it
         data.set_time(3.0);
         let before = data.state(StateSpec::INTEGRATION);
         let good = data.transition_fd(1e-6, Differences::Central).unwrap();
@@ -55,12 +54,12 @@ fn a_control_beyond_its_range_does_not_spoil_the_linearisation() {
             assert!(worst < 1e-5, "{worst}");
         }
         let last = |row: usize| system.b[(row, nu - 1)];
-        assert!((0..system.b.nrows()).all(|row| last(row) == 0.0), "a control that is clamped has no effect");
+        assert!((0..system.b.nrows()).all(|row| last(row) == 0.0), "a clamped control has no effect");
     }
 }
 
 #[test]
-fn a_control_beyond_its_range_gives_the_matrices_that_each_alone_has() {
+fn a_clamped_control_does_not_depend_on_the_requested_matrices() {
     let mut model = Model::from_xml_str(COLLIDERS).unwrap();
     model.edit().options(|options| options.tolerance = 0.0).unwrap();
     let mut data = Data::new(model).unwrap();
@@ -77,7 +76,7 @@ fn a_control_beyond_its_range_gives_the_matrices_that_each_alone_has() {
 }
 
 #[test]
-fn linearising_leaves_the_time() {
+fn linearising_keeps_the_time() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     data.set_time(1.5);
     data.transition_fd(1e-6, Differences::Central).unwrap();
@@ -85,7 +84,7 @@ fn linearising_leaves_the_time() {
 }
 
 #[test]
-fn the_second_half_of_a_step_needs_a_first_half_of_its_own() {
+fn step2_requires_its_own_step1() {
     for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
         let mut model = sample::humanoid();
         model.edit().options(|options| options.solver = solver).unwrap();
@@ -121,7 +120,7 @@ fn the_second_half_of_a_step_needs_a_first_half_of_its_own() {
 }
 
 #[test]
-fn options_changed_between_the_halves_of_a_step_are_refused_until_the_first_half_is_made_again() {
+fn step2_is_rejected_after_a_change_of_options() {
     let mut data = squatting();
     let changes: [fn(&mut mujoco_safe::Options); 5] = [
         |options| options.solver = Solver::Pgs,
@@ -185,11 +184,11 @@ fn matrices_whose_size_overflows_panic() {
 }
 
 #[test]
-fn a_record_whose_place_overflows_is_no_record() {
+fn an_overflowing_record_index_panics() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     let mut trajectory = Trajectory::new(data.model());
     trajectory.push(&data).unwrap();
-    let wrapped = 1_usize << (usize::BITS - 2); // times 4 numbers a state: 0
+    let wrapped = 1_usize << (usize::BITS - 2); // times 4 numbers per state: 0
     assert!(panic_text(|| trajectory.state(wrapped).len()).contains("of a trajectory of 1"));
     assert!(panic_text(|| trajectory.ctrl(1).len()).contains("of a trajectory of 1"));
     assert!(panic_text(|| trajectory.apply(wrapped, &mut data)).contains("of a trajectory of 1"));
@@ -199,8 +198,8 @@ fn a_record_whose_place_overflows_is_no_record() {
     assert!(matches!(trajectory.apply(0, &mut other), Err(Error::Shape { .. })));
 }
 
-/// Two models whose vectors have equal lengths, made of other joints.
-fn lookalikes() -> (Model, Model) {
+/// Returns two models whose vectors have equal lengths but whose joints differ.
+fn models_of_equal_sizes() -> (Model, Model) {
     let model = |joints: &str, actuator: &str| {
         Model::from_xml_str(&format!(
             r#"<mujoco><worldbody><body>{joints}<geom size=".1"/></body></worldbody><actuator>{actuator}</actuator></mujoco>"#
@@ -221,8 +220,8 @@ fn lookalikes() -> (Model, Model) {
 }
 
 #[test]
-fn a_regulator_does_not_take_a_lookalike_for_its_model() {
-    let (first, second) = lookalikes();
+fn a_regulator_rejects_a_model_of_equal_sizes() {
+    let (first, second) = models_of_equal_sizes();
     let first = Data::new(first).unwrap();
     let mut second = Data::new(second).unwrap();
     let mut lqr = Lqr::with_gain(&first, Matrix::zeros(2, 8)).unwrap();
@@ -241,7 +240,7 @@ fn a_target_of_another_model_panics() {
 }
 
 #[test]
-fn ids_of_another_model_panic_wherever_they_go() {
+fn ids_of_another_model_panic_in_every_function() {
     let other = sample::humanoid();
     let (body, geom, joint) = (other.body(1).unwrap().id(), other.geom(0).unwrap().id(), other.joint(0).unwrap().id());
     let mut data = squatting();
@@ -264,13 +263,13 @@ fn ids_of_another_model_panic_wherever_they_go() {
 }
 
 #[test]
-fn data_of_separately_loaded_models_are_not_copied_and_clones_are() {
+fn copying_between_separately_loaded_models_is_an_error() {
     let (mut a, b) = (squatting(), squatting());
     assert!(matches!(a.copy_from(&b), Err(Error::OtherModel { .. })));
     a.clone_from(&b);
     assert!(Arc::ptr_eq(a.model(), b.model()));
 
-    // A clone whose options differ: the state comes over, what was computed does not count.
+    // A clone with other options: copying transfers the state, but no computed results.
     let mut edited = a.clone();
     edited.edit_model(|model| model.options(|options| options.cone = mujoco_safe::Cone::Elliptic)).unwrap().unwrap();
     edited.step().unwrap();
@@ -284,7 +283,7 @@ fn data_of_separately_loaded_models_are_not_copied_and_clones_are() {
 }
 
 #[test]
-fn an_edit_that_panics_leaves_a_simulation_that_works() {
+fn a_simulation_works_after_a_panic_in_an_edit() {
     let mut data = squatting();
     data.step().unwrap();
     let weak = Arc::downgrade(data.model());
@@ -296,14 +295,14 @@ fn an_edit_that_panics_leaves_a_simulation_that_works() {
         })),
         "in the closure"
     );
-    assert!(!Arc::ptr_eq(&shared, data.model()), "what others share stays as it was");
+    assert!(!Arc::ptr_eq(&shared, data.model()), "the shared model is unchanged");
     assert!(shared.body_mass()[1] < 100.0);
     assert_eq!(data.model().body_mass()[1], 100.0);
     drop(shared);
     assert!(weak.upgrade().is_none());
     data.step().unwrap();
 
-    // A weak reference alone makes a copy, too: it could be upgraded later.
+    // A weak reference alone causes a copy, too, because it could be upgraded later.
     let weak = Arc::downgrade(data.model());
     data.edit_model(|_| ()).unwrap();
     assert!(weak.upgrade().is_none());
@@ -311,7 +310,7 @@ fn an_edit_that_panics_leaves_a_simulation_that_works() {
 }
 
 #[test]
-fn models_without_joints_or_without_anything_work_in_every_call() {
+fn empty_models_and_models_without_joints_work_in_every_call() {
     for xml in [
         "<mujoco/>",
         r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/><body mocap="true"><geom size=".1"/></body></worldbody></mujoco>"#,
@@ -350,7 +349,7 @@ fn models_without_joints_or_without_anything_work_in_every_call() {
 }
 
 #[test]
-fn unknown_flags_are_refused_or_empty() {
+fn unknown_flags_are_rejected() {
     let mut model = sample::cartpole();
     let error = model.edit().options(|options| options.enable = mujoco_safe::EnableFlags::from_bits_retain(1 << 20));
     assert!(error.unwrap_err().to_string().contains("unknown bits"));
@@ -362,11 +361,11 @@ fn unknown_flags_are_refused_or_empty() {
 }
 
 #[test]
-fn trajectories_in_text_from_strangers_are_errors_or_can_be_replayed() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn untrusted_csv_trajectories_are_errors_or_can_be_replayed() {
+    let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.csv");
     let model = sample::cartpole();
-    let mut data = Data::new(model.clone()).expect("there is memory");
+    let mut data = Data::new(model.clone()).unwrap();
     let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0";
     let numbers = "9,".repeat(1_000_000);
     for (text, loads) in [
@@ -385,7 +384,7 @@ fn trajectories_in_text_from_strangers_are_errors_or_can_be_replayed() {
         (format!("{header}\n-1,0,0,0,0,0\n-1,0,0,0,0,0\n-2,0,0,0,0,0"), true),
         (format!("{header}\nNaN,inf,-inf,1e400,-1e-400,5e-324\n1e308,0,0,0,0,0"), true),
     ] {
-        std::fs::write(&path, &text).expect("a file");
+        std::fs::write(&path, &text).unwrap();
         let start = &text[..text.len().min(60)];
         let read = Trajectory::load_csv(&model, &path);
         assert_eq!(read.is_ok(), loads, "{start}");
@@ -393,13 +392,13 @@ fn trajectories_in_text_from_strangers_are_errors_or_can_be_replayed() {
         for record in 0..read.len() {
             let _ = read.apply(record, &mut data);
             let _ = data.step();
-            data.reset().expect("a reset");
+            data.reset().unwrap();
         }
-        read.save_csv(&path).expect("a file");
-        let again = Trajectory::load_csv(&model, &path).expect("what was saved is loaded");
+        read.save_csv(&path).unwrap();
+        let again = Trajectory::load_csv(&model, &path).unwrap();
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert_eq!((bits(again.times()), bits(again.states())), (bits(read.times()), bits(read.states())), "{start}");
     }
-    std::fs::write(&path, b"time,\xff\xfe\n").expect("a file");
+    std::fs::write(&path, b"time,\xff\xfe\n").unwrap();
     assert!(Trajectory::load_csv(&model, &path).is_err());
 }

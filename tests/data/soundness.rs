@@ -1,7 +1,6 @@
-//! The ways in which programs bring the engine down, or get a wrong answer from it without a word: each is tried here from
-//! safe code, and is an error, a panic that says what was wrong, or a right answer. What does not even compile is in the
-//! documentation of `Data`, `ModelMut` and `Callbacks`; what needs more than a few lines has a file of its own, which the chapter
-//! `promises` of the documentation names.
+//! Ways to crash the engine or to obtain wrong results silently. Each is tried here from safe code, and is an error, a panic
+//! with a message, or gives the right result. The documentation of `Data`, `ModelMut` and `Callbacks` has the cases that do not
+//! compile; the chapter `promises` of the documentation lists the tests of longer cases.
 
 #![forbid(unsafe_code)]
 
@@ -12,7 +11,7 @@ use mujoco_safe::{
 
 use crate::trouble;
 
-/// The humanoid, squatting, with everything computed.
+/// Returns the humanoid in a squat, with everything computed.
 fn squatting() -> Data {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
@@ -33,7 +32,7 @@ mod memory {
     use super::*;
 
     #[test]
-    fn a_solver_or_a_layout_changed_between_the_halves_of_a_step() {
+    fn a_solver_or_layout_changed_between_step1_and_step2() {
         let changes: [fn(&mut mujoco_safe::Options); 5] = [
             |options| options.solver = Solver::Pgs,
             |options| options.noslip_iterations = 5,
@@ -51,7 +50,7 @@ mod memory {
     }
 
     #[test]
-    fn contact_forces_read_by_another_cone_than_they_were_computed_with() {
+    fn contact_forces_decoded_with_another_cone() {
         let mut data = squatting();
         change(&mut data, |options| options.cone = Cone::Elliptic);
         data.forward().unwrap();
@@ -67,12 +66,12 @@ mod memory {
     }
 
     #[test]
-    fn a_part_of_the_pipeline_without_the_one_before() {
+    fn a_pipeline_stage_without_its_predecessor() {
         let mut data = squatting();
         change(&mut data, |options| options.solver = Solver::Pgs);
         data.forward().unwrap();
         data.make_constraint().unwrap();
-        // The dual matrix is that of the constraints before.
+        // The dual matrix belongs to the earlier constraints.
         is_not_computed(&data.fwd_constraint());
         let mut fresh = Data::new(sample::humanoid()).unwrap();
         is_not_computed(&fresh.make_constraint());
@@ -80,7 +79,7 @@ mod memory {
     }
 
     #[test]
-    fn a_copy_between_simulations_with_other_options() {
+    fn copying_between_simulations_with_other_options() {
         let source = squatting();
         let mut target = source.clone();
         change(&mut target, |options| (options.cone, options.jacobian) = (Cone::Elliptic, JacobianStorage::Sparse));
@@ -91,11 +90,11 @@ mod memory {
     }
 
     #[test]
-    fn a_data_of_another_model() {
+    fn a_simulation_of_another_model() {
         let mut data = squatting();
         let other = Data::new(sample::cartpole()).unwrap();
         assert!(matches!(data.copy_from(&other), Err(Error::OtherModel { .. })));
-        // The same text loaded again is another model, too: the engine's own signature would be the same.
+        // The same text loaded again is another model, although the engine's signature would be the same.
         let again = Data::new(sample::humanoid()).unwrap();
         assert!(matches!(data.copy_from(&again), Err(Error::OtherModel { .. })));
     }
@@ -141,11 +140,11 @@ mod memory {
     }
 }
 
-mod the_end_of_the_process {
+mod crashes {
     use super::*;
 
     #[test]
-    fn flags_that_the_engine_does_not_know() {
+    fn unknown_flags() {
         let mut data = squatting();
         let result = data.edit_model(|model| {
             model.options(|options| options.enable = mujoco_safe::EnableFlags::from_bits_retain(1 << 30))
@@ -154,7 +153,7 @@ mod the_end_of_the_process {
     }
 
     #[test]
-    fn a_directory_that_does_not_exist() {
+    fn saving_to_a_missing_directory() {
         let model = sample::cartpole();
         assert!(matches!(model.save_binary("no/such/folder/model.mjb"), Err(Error::File { .. })));
         assert!(matches!(
@@ -174,11 +173,11 @@ mod the_end_of_the_process {
     }
 }
 
-mod wrong_answers_without_a_word {
+mod silent_errors {
     use super::*;
 
     #[test]
-    fn an_unstable_state_that_is_reset() {
+    fn an_automatic_reset_of_an_unstable_state() {
         let mut data = squatting();
         data.set_time(3.0);
         data.qvel_mut()[7] = f64::INFINITY;
@@ -195,7 +194,7 @@ mod wrong_answers_without_a_word {
     }
 
     #[test]
-    fn a_keyframe_that_is_not_there() {
+    fn a_missing_keyframe() {
         let mut data = squatting();
         let before = data.qpos().to_vec();
         assert!(matches!(data.reset_to_key(99), Err(Error::NoSuchIndex { index: 99, .. })));
@@ -204,7 +203,7 @@ mod wrong_answers_without_a_word {
     }
 
     #[test]
-    fn forces_of_the_step_before() {
+    fn contact_forces_of_the_previous_step() {
         let mut data = squatting();
         assert!(data.contacts().next().unwrap().force().is_ok());
         data.step1().unwrap();
@@ -213,7 +212,7 @@ mod wrong_answers_without_a_word {
     }
 
     #[test]
-    fn the_xml_of_the_model_that_was_loaded_last() {
+    fn the_xml_of_the_last_loaded_model() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("model.xml");
         let first = sample::cartpole();
@@ -223,7 +222,7 @@ mod wrong_answers_without_a_word {
     }
 
     #[test]
-    fn a_control_that_is_no_number() {
+    fn a_nan_control() {
         let mut data = squatting();
         data.ctrl_mut()[3] = f64::NAN;
         match data.step() {
@@ -235,22 +234,22 @@ mod wrong_answers_without_a_word {
     }
 
     #[test]
-    fn a_message_that_is_cut() {
+    fn a_truncated_error_message() {
         let name = "n".repeat(200);
         let text = format!(r#"<mujoco><worldbody><geom size="1" material="{name}"/></worldbody></mujoco>"#);
         assert!(Model::from_xml_str(&text).unwrap_err().to_string().contains(&name));
     }
 
     #[test]
-    fn a_matrix_that_is_read_column_by_column() {
-        // Row 1 of M is that of the second degree of freedom, and M is symmetric; a Jacobian is not.
+    fn a_jacobian_read_in_column_major_order() {
+        // Row 1 of M belongs to the second degree of freedom, and M is symmetric; a Jacobian is not.
         let data = squatting();
         let jacobian = data.jac_body_com(data.model().body("foot_left").unwrap()).unwrap().translation;
         let point = data.xipos()[data.model().body("foot_left").unwrap().index()];
         for (row, transposed) in jacobian.rows().zip(jacobian.transposed().column_iter()) {
             assert!(row.iter().eq(transposed.iter()));
         }
-        // A shift of the root along z moves the point along z only.
+        // A translation of the root along z moves the point along z only.
         assert_eq!([0, 1, 2].map(|axis| jacobian[(axis, 2)]), [0.0, 0.0, 1.0], "{point:?}");
     }
 }

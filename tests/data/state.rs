@@ -9,29 +9,29 @@ use crate::arbitrary::{BALL, ROCK, ZOO, any_model, any_number, bits};
 
 #[test]
 fn without_actuators_b_and_d_have_rows_and_no_columns() {
-    let mut data = Data::new(BALL.clone()).expect("there is memory");
-    let StateSpace { a, b, c, d } = data.transition_fd(1e-6, Differences::Central).expect("a linearisation");
+    let mut data = Data::new(BALL.clone()).unwrap();
+    let StateSpace { a, b, c, d } = data.transition_fd(1e-6, Differences::Central).unwrap();
     assert_eq!([a.shape(), b.shape(), c.shape(), d.shape()], [(12, 12), (12, 0), (0, 12), (0, 0)]);
-    // A free body: its velocity stays, and moves it by the time step.
+    // The velocity of a free body is constant, and changes its position in proportion to the time step.
     assert!((a[(0, 6)] - 0.002).abs() < 1e-9 && (a[(6, 6)] - 1.0).abs() < 1e-9, "{a:?}");
     assert_eq!(b.to_nalgebra().shape(), (12, 0));
 }
 
 #[test]
-fn without_joints_everything_is_empty_and_nothing_fails() {
-    let mut data = Data::new(ROCK.clone()).expect("there is memory");
+fn without_joints_every_call_succeeds_with_empty_results() {
+    let mut data = Data::new(ROCK.clone()).unwrap();
     let model = data.model().clone();
-    data.step().expect("a step");
-    data.forward().expect("forward dynamics");
-    data.inverse().expect("inverse dynamics");
+    data.step().unwrap();
+    data.forward().unwrap();
+    data.inverse().unwrap();
     assert_eq!((model.nq(), model.nv(), model.nu()), (0, 0, 0));
     assert!(data.qpos().is_empty() && data.qvel_mut().is_empty() && data.physics_state().is_empty());
-    assert_eq!(data.full_m().expect("computed").shape(), (0, 0));
-    data.mul_m(&mut [], &[]).expect("no numbers");
-    data.solve_m(&mut [], &[]).expect("no numbers");
-    model.integrate_pos(&mut [], &[], 1.0).expect("no numbers");
-    model.differentiate_pos(&mut [], 1.0, &[], &[]).expect("no numbers");
-    let jacobian = data.jac_body(model.body("world").expect("there is a world")).expect("computed");
+    assert_eq!(data.full_m().unwrap().shape(), (0, 0));
+    data.mul_m(&mut [], &[]).unwrap();
+    data.solve_m(&mut [], &[]).unwrap();
+    model.integrate_pos(&mut [], &[], 1.0).unwrap();
+    model.differentiate_pos(&mut [], 1.0, &[], &[]).unwrap();
+    let jacobian = data.jac_body(model.body("world").unwrap()).unwrap();
     assert_eq!(jacobian.translation.shape(), (3, 0));
     assert_eq!(data.contacts().len(), 0);
     assert_eq!((model.joints().len(), model.keyframes().len()), (0, 0));
@@ -39,27 +39,27 @@ fn without_joints_everything_is_empty_and_nothing_fails() {
 
 #[test]
 fn without_joints_a_linearisation_has_no_states() {
-    let mut data = Data::new(ROCK.clone()).expect("there is memory");
-    let StateSpace { a, b, c, d } = data.transition_fd(1e-6, Differences::Forward).expect("a linearisation");
+    let mut data = Data::new(ROCK.clone()).unwrap();
+    let StateSpace { a, b, c, d } = data.transition_fd(1e-6, Differences::Forward).unwrap();
     assert_eq!([a.shape(), b.shape(), c.shape(), d.shape()], [(0, 0); 4]);
 }
 
 #[test]
-fn no_output_at_all_is_no_error() {
-    let mut data = Data::new(ZOO.clone()).expect("there is memory");
-    data.transition_fd_into(1e-6, Differences::Forward, TransitionOutputs::default()).expect("nothing to do");
+fn a_linearisation_without_outputs_succeeds() {
+    let mut data = Data::new(ZOO.clone()).unwrap();
+    data.transition_fd_into(1e-6, Differences::Forward, TransitionOutputs::default()).unwrap();
 }
 
 fn all_parts() -> impl Strategy<Value = StateSpec> {
     any::<u32>().prop_map(StateSpec::from_bits_truncate)
 }
 
-/// Numbers for a model's whole state.
+/// Numbers for the whole state of any model.
 fn any_numbers() -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec(any_number(), 300)
 }
 
-/// The numbers of the whole state, each array by itself, as the engine's documentation orders them.
+/// Returns each array of the whole state, in the order of the engine's documentation.
 fn parts(data: &Data) -> Vec<(StateSpec, Vec<f64>)> {
     vec![
         (StateSpec::TIME, vec![data.time()]),
@@ -78,17 +78,17 @@ fn parts(data: &Data) -> Vec<(StateSpec, Vec<f64>)> {
 
 proptest! {
     #[test]
-    fn a_state_that_was_set_is_read_back_bit_for_bit(model in any_model(), spec in all_parts(), numbers in any_numbers()) {
-        let mut data = Data::new(model.clone()).expect("there is memory");
+    fn set_state_and_state_round_trip_bit_for_bit(model in any_model(), spec in all_parts(), numbers in any_numbers()) {
+        let mut data = Data::new(model.clone()).unwrap();
         let before = parts(&data);
         let state: Vec<f64> = numbers.iter().copied().cycle().take(model.state_size(spec)).collect();
-        data.set_state(spec, &state).expect("the length is right");
+        data.set_state(spec, &state).unwrap();
         prop_assert_eq!(bits(&data.state(spec)), bits(&state));
         let mut again = vec![0.0; state.len()];
-        data.state_into(spec, &mut again).expect("the length is right");
+        data.state_into(spec, &mut again).unwrap();
         prop_assert_eq!(bits(&again), bits(&state));
 
-        // The parts that are meant lie one behind another; the others are as they were.
+        // The selected parts are contiguous; the other parts are unchanged.
         let mut rest = &state[..];
         for ((part, after), (_, before)) in parts(&data).into_iter().zip(before) {
             prop_assert_eq!(model.state_size(part), after.len());
@@ -104,8 +104,8 @@ proptest! {
     }
 
     #[test]
-    fn a_state_of_another_length_is_refused_and_changes_nothing(model in any_model(), spec in all_parts(), more in 1..5_usize) {
-        let mut data = Data::new(model.clone()).expect("there is memory");
+    fn a_state_of_a_wrong_length_is_rejected_and_changes_nothing(model in any_model(), spec in all_parts(), more in 1..5_usize) {
+        let mut data = Data::new(model.clone()).unwrap();
         let before = data.state(StateSpec::all());
         let size = model.state_size(spec);
         for wrong in [Some(size + more), size.checked_sub(more)].into_iter().flatten() {
@@ -117,28 +117,28 @@ proptest! {
     }
 
     #[test]
-    fn the_difference_undoes_the_sum_of_positions(
+    fn differentiate_pos_inverts_integrate_pos(
         model in any_model(),
         velocities in prop::collection::vec(-1.0..1.0_f64, 40),
         turns in prop::collection::vec(-1.0..1.0_f64, 40),
         dt in prop_oneof![0.01..1.5_f64, -1.5..-0.01_f64],
     ) {
         let nv = model.nv();
-        // From a position that is turned, so that quaternions are general.
+        // The start is a rotated position, so that quaternions are general.
         let mut from = model.qpos0().to_vec();
-        model.integrate_pos(&mut from, &turns[..nv], 1.0).expect("the lengths are right");
+        model.integrate_pos(&mut from, &turns[..nv], 1.0).unwrap();
         let mut to = from.clone();
-        model.integrate_pos(&mut to, &velocities[..nv], dt).expect("the lengths are right");
+        model.integrate_pos(&mut to, &velocities[..nv], dt).unwrap();
         let mut found = vec![0.0; nv];
-        // Rotations stay below half a turn: |velocity| ≤ √3, |dt| ≤ 1.5.
-        model.differentiate_pos(&mut found, dt, &from, &to).expect("the lengths are right");
+        // Rotations are below half a turn: |velocity| ≤ √3, |dt| ≤ 1.5.
+        model.differentiate_pos(&mut found, dt, &from, &to).unwrap();
         for (found, expected) in found.iter().zip(&velocities) {
             prop_assert!((found - expected).abs() < 1e-9 / dt.abs(), "{} and {}", found, expected);
         }
     }
 
     #[test]
-    fn the_sum_undoes_the_difference_of_positions(
+    fn integrate_pos_inverts_differentiate_pos(
         model in any_model(),
         first in prop::collection::vec(-1.5..1.5_f64, 40),
         second in prop::collection::vec(-1.5..1.5_f64, 40),
@@ -146,14 +146,14 @@ proptest! {
         let nv = model.nv();
         let [from, to] = [first, second].map(|turns| {
             let mut qpos = model.qpos0().to_vec();
-            model.integrate_pos(&mut qpos, &turns[..nv], 1.0).expect("the lengths are right");
+            model.integrate_pos(&mut qpos, &turns[..nv], 1.0).unwrap();
             qpos
         });
         let (mut velocity, mut arrived) = (vec![0.0; nv], from.clone());
-        model.differentiate_pos(&mut velocity, 2.0, &from, &to).expect("the lengths are right");
-        model.integrate_pos(&mut arrived, &velocity, 2.0).expect("the lengths are right");
+        model.differentiate_pos(&mut velocity, 2.0, &from, &to).unwrap();
+        model.integrate_pos(&mut arrived, &velocity, 2.0).unwrap();
         for joint in model.joints() {
-            // A quaternion and its negative are the same orientation.
+            // A quaternion and its negative represent the same orientation.
             let quaternion = match joint.joint_type().nq() {
                 7 => joint.qpos_range().start + 3..joint.qpos_range().end,
                 4 => joint.qpos_range(),

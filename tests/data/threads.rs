@@ -1,4 +1,4 @@
-//! One model, any number of threads.
+//! One model in many threads.
 #![forbid(unsafe_code)]
 
 use std::sync::{Arc, Barrier};
@@ -12,7 +12,7 @@ fn is_send<T: Send>() {}
 fn is_sync<T: Sync>() {}
 
 #[test]
-fn models_are_shared_and_simulations_are_sent_between_threads() {
+fn models_and_simulations_are_send_and_sync() {
     is_send::<Model>();
     is_sync::<Model>();
     is_send::<Data>();
@@ -21,16 +21,16 @@ fn models_are_shared_and_simulations_are_sent_between_threads() {
     is_sync::<Error>();
 }
 
-/// A second of random motion.
+/// Records a second of random motion.
 fn motion(model: &Arc<Model>, seed: u64) -> Trajectory {
-    let mut data = Data::new(model.clone()).expect("there is memory");
+    let mut data = Data::new(model.clone()).unwrap();
     let mut trajectory = Trajectory::new(model);
-    trajectory.record(&mut data, &mut RandomController::new(seed), 200).expect("it is stable");
+    trajectory.record(&mut data, &mut RandomController::new(seed), 200).unwrap();
     trajectory
 }
 
 #[test]
-fn simulations_of_one_model_in_several_threads_are_those_of_one_thread() {
+fn simulations_in_several_threads_equal_those_in_one_thread() {
     let model = Arc::new(sample::humanoid());
     let alone: Vec<Trajectory> = (0..8).map(|seed| motion(&model, seed)).collect();
     let together: Vec<Trajectory> = thread::scope(|scope| {
@@ -42,23 +42,23 @@ fn simulations_of_one_model_in_several_threads_are_those_of_one_thread() {
                 })
             })
             .collect();
-        threads.into_iter().map(|thread| thread.join().expect("it does not panic")).collect()
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
-    assert!(alone == together, "the same seeds gave other motions");
+    assert!(alone == together, "the same seeds gave different motions");
     assert!(alone[0] != alone[1], "different seeds gave the same motion");
 }
 
 #[test]
-fn models_load_in_several_threads_at_once_and_each_error_stays_in_its_own() {
+fn models_load_in_several_threads_and_errors_do_not_mix() {
     thread::scope(|scope| {
         for index in 0..4 {
             scope.spawn(move || {
                 for _ in 0..20 {
                     let good = format!(r#"<mujoco><worldbody><geom name="g{index}" size=".1"/></worldbody></mujoco>"#);
                     let bad = format!("<mujoco><worldbody><wrong{index}/></worldbody></mujoco>");
-                    let model = Model::from_xml_str(&good).expect("it is valid");
-                    assert_eq!(model.geom(0).expect("there is one").name(), Some(&*format!("g{index}")));
-                    let error = Model::from_xml_str(&bad).expect_err("it is not valid").to_string();
+                    let model = Model::from_xml_str(&good).unwrap();
+                    assert_eq!(model.geom(0).unwrap().name(), Some(&*format!("g{index}")));
+                    let error = Model::from_xml_str(&bad).unwrap_err().to_string();
                     assert!(error.contains(&format!("'wrong{index}'")), "{error}");
                 }
             });
@@ -67,20 +67,20 @@ fn models_load_in_several_threads_at_once_and_each_error_stays_in_its_own() {
 }
 
 #[test]
-fn a_simulation_is_read_by_several_threads_at_once() {
-    let mut data = Data::new(sample::humanoid()).expect("there is memory");
-    data.reset_to_key("stand").expect("it has this keyframe");
-    data.forward().expect("the engine computes");
-    let torso = data.model().body("torso").expect("it has a torso").id();
-    let expected = data.jac_body_com(torso).expect("positions are computed");
+fn several_threads_can_read_one_simulation() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("stand").unwrap();
+    data.forward().unwrap();
+    let torso = data.model().body("torso").unwrap().id();
+    let expected = data.jac_body_com(torso).unwrap();
     thread::scope(|scope| {
         for _ in 0..4 {
-            scope.spawn(|| assert_eq!(data.jac_body_com(torso).expect("positions are computed"), expected));
+            scope.spawn(|| assert_eq!(data.jac_body_com(torso).unwrap(), expected));
         }
     });
 }
 
-/// What all threads of a storm share.
+/// Models and a folder shared by all threads.
 struct Shared {
     humanoid: Arc<Model>,
     overflowing: Arc<Model>,
@@ -88,27 +88,27 @@ struct Shared {
     folder: tempfile::TempDir,
 }
 
-/// What a job came to: a text, and the bits of numbers.
+/// The result of a job: a text, and the bits of numbers.
 type Outcome = (String, Vec<u64>);
 
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-fn moved(model: &Arc<Model>, seed: u64) -> Outcome {
+fn motion_outcome(model: &Arc<Model>, seed: u64) -> Outcome {
     let trajectory = motion(model, seed);
     (format!("{} records", trajectory.len()), bits(trajectory.states()))
 }
 
-/// One of each kind of work. A number tells the models, the seeds and the errors of one thread from those of another.
+/// One job of each kind. The number distinguishes the models, seeds and errors of one thread from those of another.
 const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
-    |shared, number| moved(&shared.humanoid, number),
-    |_, number| moved(&Arc::new(Model::from_xml_str(&trouble::pendulum(number)).unwrap()), number),
+    |shared, number| motion_outcome(&shared.humanoid, number),
+    |_, number| motion_outcome(&Arc::new(Model::from_xml_str(&trouble::pendulum(number)).unwrap()), number),
     |_, number| {
         let bad = format!("<mujoco><worldbody>\n<wrong{number}/></worldbody></mujoco>");
         (Model::from_xml_str(&bad).unwrap_err().to_string(), vec![])
     },
-    // The engine raises an error, and goes on after a reset.
+    // The engine raises an error, and works after a reset.
     |shared, _| {
         let mut data = Data::new(shared.overflowing.clone()).unwrap();
         let failures = [(); 3].map(|()| {
@@ -126,13 +126,13 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
         (0..20).for_each(|_| data.step().unwrap());
         (format!("{:?}", data.warning(Warning::ContactFull)), bits(&data.physics_state()))
     },
-    // A number that is none, in one of the simulations only.
+    // A NaN in one simulation only.
     |shared, number| {
         let mut data = Data::new(shared.humanoid.clone()).unwrap();
         data.qvel_mut()[number as usize] = f64::NAN;
         (data.step().unwrap_err().to_string(), vec![])
     },
-    // Saving. The engine keeps the XML of the last model of the whole process only.
+    // Saving as XML. The engine keeps the XML of the last model of the process only.
     |shared, number| {
         let path = shared.folder.path().join(format!("{number}.xml"));
         for _ in 0..10_000 {
@@ -146,12 +146,12 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
                 }
             }
         }
-        panic!("other threads loaded a model in between, every time");
+        panic!("other threads loaded a model between each load and save");
     },
     |shared, number| {
         let bytes = shared.crowded.to_binary().unwrap();
         let error = Model::from_binary(&bytes[..bytes.len() - 1 - number as usize]).unwrap_err().to_string();
-        (error, moved(&Arc::new(Model::from_binary(&bytes).unwrap()), number).1)
+        (error, motion_outcome(&Arc::new(Model::from_binary(&bytes).unwrap()), number).1)
     },
     |_, number| {
         let mut data = Data::new(Model::from_xml_str(&trouble::pendulum(number)).unwrap()).unwrap();
@@ -161,7 +161,7 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
 ];
 
 #[test]
-fn everything_at_once_in_many_threads_is_what_it_is_in_one() {
+fn concurrent_jobs_give_the_results_of_sequential_jobs() {
     const THREADS: u64 = 6;
     let shared = Shared {
         humanoid: Arc::new(sample::humanoid()),
@@ -171,7 +171,7 @@ fn everything_at_once_in_many_threads_is_what_it_is_in_one() {
     };
     let expected: Vec<Vec<Outcome>> =
         (0..THREADS).map(|number| JOBS.iter().map(|job| job(&shared, number)).collect()).collect();
-    // The jobs do what they are here for.
+    // The jobs have the intended results.
     let texts: Vec<&str> = expected[3].iter().map(|(text, _)| text.as_str()).collect();
     assert!(texts[2].contains("'wrong3'") && texts[2].contains("line 2"), "{}", texts[2]);
     assert!(texts[3].contains("Stack overflow"), "{}", texts[3]);
@@ -185,18 +185,18 @@ fn everything_at_once_in_many_threads_is_what_it_is_in_one() {
             let (shared, expected, barrier) = (&shared, &expected[number as usize], &barrier);
             scope.spawn(move || {
                 barrier.wait();
-                // Each begins with another job.
+                // Each thread starts with another job.
                 for index in (0..2 * JOBS.len()).map(|index| (index + number as usize) % JOBS.len()) {
                     let (text, numbers) = JOBS[index](shared, number);
                     assert_eq!(text, expected[index].0, "job {index} of thread {number}");
-                    assert!(numbers == expected[index].1, "job {index} of thread {number} gave other numbers");
+                    assert!(numbers == expected[index].1, "job {index} of thread {number} gave different numbers");
                 }
             });
         }
     });
 }
 
-/// Something of a thread that loads and simulates when the thread has ended, and its other thread-locals with it.
+/// A thread-local that loads and simulates in its destructor, after the thread's other thread-locals.
 struct Late(Option<Data>);
 
 impl Drop for Late {
@@ -209,12 +209,12 @@ impl Drop for Late {
 }
 
 #[test]
-fn a_thread_that_is_ending_can_still_load_and_simulate() {
+fn a_thread_local_destructor_can_load_and_simulate() {
     thread_local! {
         static LATE: std::cell::RefCell<Option<Late>> = const { std::cell::RefCell::new(None) };
     }
     let ended = thread::spawn(|| {
-        // First of all, so that it is dropped last.
+        // Initialised first, so that it is dropped last.
         LATE.set(Some(Late(None)));
         LATE.with_borrow_mut(|late| late.as_mut().unwrap().0 = Some(Data::new(sample::cartpole()).unwrap()));
     });

@@ -1,4 +1,4 @@
-//! All elements of a kind.
+//! Iteration over all elements of a kind.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use mujoco_safe::{Kind, sample};
 use crate::{every_element, simulation, zoo};
 
 #[test]
-fn each_kind_has_as_many_elements_as_the_model_says_in_order() {
+fn each_kind_iterates_over_all_elements_in_order() {
     macro_rules! check {
         ($model:ident: $($many:ident = $count:ident, $kind:ident;)*) => {$(
             assert_eq!($model.$many().len(), $model.$count(), stringify!($many));
@@ -28,7 +28,7 @@ fn each_kind_has_as_many_elements_as_the_model_says_in_order() {
 }
 
 #[test]
-fn the_zoo_has_the_names_that_its_text_gives() {
+fn names_are_those_of_the_xml() {
     let model = zoo();
     let names = |kind| model.names(kind).collect::<Vec<_>>();
     assert_eq!(names(Kind::Body), ["world", "hand", "other_hand", "crate", "base", "shoulder", "elbow"]);
@@ -40,7 +40,7 @@ fn the_zoo_has_the_names_that_its_text_gives() {
 }
 
 #[test]
-fn iteration_goes_backwards_too_and_knows_its_length() {
+fn iterators_are_double_ended_and_exact_size() {
     let model = zoo();
     let mut joints = model.joints();
     assert_eq!(joints.next_back().map(|joint| joint.index()), Some(4));
@@ -51,7 +51,7 @@ fn iteration_goes_backwards_too_and_knows_its_length() {
 }
 
 #[test]
-fn the_left_joints_of_the_humanoid_are_found_by_their_names() {
+fn joints_can_be_filtered_by_name() {
     let model = sample::humanoid();
     let left = model.joints().filter(|joint| joint.name().is_some_and(|name| name.contains("left")));
     assert_eq!(left.count(), 9);

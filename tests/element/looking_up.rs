@@ -1,4 +1,4 @@
-//! What can be looked up and by what.
+//! Lookup by name, index, id and view.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -8,11 +8,11 @@ use mujoco_safe::{BodyId, Data, Error, JointId, KeyframeId, Kind, SensorId, samp
 use crate::{every_element, zoo};
 
 #[test]
-fn a_name_an_index_an_id_and_a_view_lead_to_the_same_element() {
+fn a_name_an_index_an_id_and_a_view_find_the_same_element() {
     let model = zoo();
-    let data = Data::new(model.clone()).expect("there is memory");
+    let data = Data::new(model.clone()).unwrap();
     for (index, name) in [(0, Some("crate")), (1, Some("rail")), (2, Some("shoulder")), (3, Some("elbow")), (4, None)] {
-        let by_index = model.joint(index).expect("there are five joints");
+        let by_index = model.joint(index).unwrap();
         assert_eq!((by_index.index(), by_index.name()), (index, name));
         assert_eq!(model.joint(by_index.id()).id(), by_index.id());
         assert_eq!(model.joint(by_index).id(), by_index.id());
@@ -20,23 +20,23 @@ fn a_name_an_index_an_id_and_a_view_lead_to_the_same_element() {
         assert_eq!(model.joint(data.joint(by_index)).id(), by_index.id());
         assert_eq!(JointId::from(by_index), by_index.id());
         if let Some(name) = name {
-            assert_eq!(model.joint(name).expect("it has this name").id(), by_index.id());
-            assert_eq!(model.joint(&name.to_owned()).expect("it has this name").id(), by_index.id());
-            assert_eq!(data.joint(name).expect("it has this name").id(), by_index.id());
-            assert_eq!(model.id::<mujoco_safe::kind::Joint>(name).expect("it has this name"), by_index.id());
+            assert_eq!(model.joint(name).unwrap().id(), by_index.id());
+            assert_eq!(model.joint(&name.to_owned()).unwrap().id(), by_index.id());
+            assert_eq!(data.joint(name).unwrap().id(), by_index.id());
+            assert_eq!(model.id::<mujoco_safe::kind::Joint>(name).unwrap(), by_index.id());
             assert_eq!(model.name(by_index.id()), Some(name));
         }
     }
 }
 
 #[test]
-fn every_name_of_every_kind_leads_back_to_its_element() {
+fn every_name_finds_its_element() {
     macro_rules! check {
         ($model:ident, $data:ident: $($one:ident, $many:ident;)*) => {$(
             for element in $model.$many() {
                 let Some(name) = element.name() else { continue };
-                assert_eq!($model.$one(name).expect("it has this name").id(), element.id());
-                assert_eq!($data.$one(name).expect("it has this name").id(), element.id());
+                assert_eq!($model.$one(name).unwrap().id(), element.id());
+                assert_eq!($data.$one(name).unwrap().id(), element.id());
             }
         )*};
     }
@@ -44,15 +44,15 @@ fn every_name_of_every_kind_leads_back_to_its_element() {
         ($model:ident: $($one:ident, $many:ident;)*) => {$(
             for element in $model.$many() {
                 let Some(name) = element.name() else { continue };
-                assert_eq!($model.$one(name).expect("it has this name").id(), element.id());
+                assert_eq!($model.$one(name).unwrap().id(), element.id());
                 assert_eq!($model.$one(element).id(), element.id());
-                assert_eq!($model.$one(element.index()).expect("it is there").name(), Some(name));
+                assert_eq!($model.$one(element.index()).unwrap().name(), Some(name));
             }
             assert!($model.$one("no such name").is_err() && $model.$one(usize::MAX).is_err());
         )*};
     }
     for model in [zoo(), Arc::new(every_element()), Arc::new(sample::humanoid()), Arc::new(sample::cartpole())] {
-        let data = Data::new(model.clone()).expect("there is memory");
+        let data = Data::new(model.clone()).unwrap();
         check!(model, data: body, bodies; joint, joints; geom, geoms; site, sites; camera, cameras; light, lights;
             tendon, tendons; actuator, actuators; sensor, sensors;);
         check_in_model!(model: mesh, meshes; skin, skins; height_field, height_fields; texture, textures;
@@ -64,64 +64,64 @@ fn every_name_of_every_kind_leads_back_to_its_element() {
 #[test]
 fn elements_of_different_kinds_may_share_a_name() {
     let model = zoo();
-    assert_eq!(model.body("crate").expect("a body").index(), 3);
-    assert_eq!(model.joint("crate").expect("a joint").index(), 0);
-    assert_eq!(model.site("crate").expect("a site").index(), 1);
-    assert_eq!(model.actuator("rail").expect("an actuator").index(), 0);
-    assert_eq!(model.joint("rail").expect("a joint").index(), 1);
+    assert_eq!(model.body("crate").unwrap().index(), 3);
+    assert_eq!(model.joint("crate").unwrap().index(), 0);
+    assert_eq!(model.site("crate").unwrap().index(), 1);
+    assert_eq!(model.actuator("rail").unwrap().index(), 0);
+    assert_eq!(model.joint("rail").unwrap().index(), 1);
 }
 
 #[test]
 fn an_index_beyond_the_last_element_is_an_error_with_the_count() {
     let model = zoo();
-    let error = model.sensor(10).expect_err("there are ten, from 0");
+    let error = model.sensor(10).unwrap_err();
     assert!(matches!(error, Error::NoSuchIndex { kind: Kind::Sensor, index: 10, count: 10 }), "{error:?}");
     assert_eq!(error.to_string(), "there is no sensor 10: the model has 10, counted from 0");
     assert!(model.joint(usize::MAX).is_err());
-    assert!(model.id_at::<mujoco_safe::kind::Body>(1 << 32).is_err(), "an index is not cut to 32 bits");
+    assert!(model.id_at::<mujoco_safe::kind::Body>(1 << 32).is_err(), "an index is not truncated to 32 bits");
 }
 
 #[test]
-fn ids_are_values_that_can_be_kept_compared_and_hashed() {
+fn ids_can_be_stored_compared_and_hashed() {
     let model = zoo();
     let ids: HashSet<BodyId> = model.bodies().map(|body| body.id()).collect();
     assert_eq!(ids.len(), model.nbody());
-    assert!(ids.contains(&model.body("base").expect("there is a base").id()));
-    let kept: SensorId = model.sensor("elbow").expect("there is an elbow").id();
+    assert!(ids.contains(&model.body("base").unwrap().id()));
+    let kept: SensorId = model.sensor("elbow").unwrap().id();
     assert_eq!(kept.index(), 1);
 }
 
 #[test]
-fn ids_fit_clones_of_the_model_and_edited_copies_of_simulations() {
+fn ids_are_valid_for_clones_and_edited_models() {
     let model = zoo();
-    let elbow = model.joint("elbow").expect("there is an elbow").id();
+    let elbow = model.joint("elbow").unwrap().id();
     let copy = (*model).clone();
     assert_eq!(copy.joint(elbow).name(), Some("elbow"));
-    let mut data = Data::new(model.clone()).expect("there is memory");
-    data.edit_model(|model| model.joint_mut(elbow).set_stiffness(4.0)).expect("there is memory");
+    let mut data = Data::new(model.clone()).unwrap();
+    data.edit_model(|model| model.joint_mut(elbow).set_stiffness(4.0)).unwrap();
     assert_eq!(data.joint(elbow).in_model().stiffness(), 4.0);
 }
 
 #[test]
 #[should_panic(expected = "belongs to another model")]
-fn an_id_of_a_model_that_was_loaded_separately_panics() {
-    let elbow = zoo().joint("elbow").expect("there is an elbow").id();
+fn an_id_of_a_separately_loaded_model_panics() {
+    let elbow = zoo().joint("elbow").unwrap().id();
     zoo().joint(elbow);
 }
 
 #[test]
-fn keyframes_are_keys_of_a_reset() {
+fn a_reset_accepts_keyframe_names_indices_ids_and_views() {
     let model = zoo();
-    let mut data = Data::new(model.clone()).expect("there is memory");
-    let lifted: KeyframeId = model.keyframe("lifted").expect("there is a keyframe").id();
-    data.reset_to_key("lifted").expect("there is a keyframe");
+    let mut data = Data::new(model.clone()).unwrap();
+    let lifted: KeyframeId = model.keyframe("lifted").unwrap().id();
+    data.reset_to_key("lifted").unwrap();
     let by_name = data.physics_state();
     assert_eq!((data.time(), data.qpos()[2]), (1.5, 0.6));
-    data.reset_to_key(1).expect("there is a keyframe");
+    data.reset_to_key(1).unwrap();
     assert_ne!(data.physics_state(), by_name);
-    data.reset_to_key(lifted).expect("there is a keyframe");
+    data.reset_to_key(lifted).unwrap();
     assert_eq!(data.physics_state(), by_name);
-    data.reset_to_key(model.keyframe(lifted)).expect("there is a keyframe");
+    data.reset_to_key(model.keyframe(lifted)).unwrap();
     assert_eq!(data.physics_state(), by_name);
 }
 
@@ -134,8 +134,8 @@ fn an_id_of_every_kind_of_another_model_panics() {
             let used = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
                 model.$one(id);
             }));
-            let message = used.expect_err("the id is of another model");
-            let message = message.downcast_ref::<String>().expect("a message");
+            let message = used.unwrap_err();
+            let message = message.downcast_ref::<String>().unwrap();
             assert!(message.contains("belongs to another model"), "{}: {message}", stringify!($one));
         )*};
     }

@@ -1,8 +1,8 @@
-//! Mass and inertia of a body.
+//! Mass and inertia of bodies.
 
 use mujoco_safe::{Data, Error, Model};
 
-/// Two bodies, one on the other, whose geoms have a density.
+/// Returns two linked bodies whose geoms have a density.
 fn arm(upper: f64, lower: f64) -> Model {
     let xml = format!(
         r#"<mujoco><worldbody><body name="upper" pos="0 0 2"><joint axis="0 1 0"/><joint axis="1 0 0"/>
@@ -14,7 +14,7 @@ fn arm(upper: f64, lower: f64) -> Model {
     Model::from_xml_str(&xml).unwrap()
 }
 
-/// The accelerations of a model in some state.
+/// Returns the accelerations of a model in a fixed state.
 fn accelerations(model: &Model) -> Vec<f64> {
     let mut data = Data::new(model.clone()).unwrap();
     data.qpos_mut()[..2].copy_from_slice(&[0.3, -0.2]);
@@ -33,7 +33,7 @@ fn assert_close(found: &[f64], expected: &[f64], what: &str) {
 }
 
 #[test]
-fn a_scaled_mass_is_that_of_a_scaled_density() {
+fn scaling_the_mass_equals_scaling_the_density() {
     for factor in [0.3, 1.0, 7.0] {
         let mut model = arm(500.0, 800.0);
         let mut edit = model.edit();
@@ -52,7 +52,7 @@ fn a_scaled_mass_is_that_of_a_scaled_density() {
         assert_close(&[model.statistics().meaninertia], &[compiled.statistics().meaninertia], "meaninertia");
         assert_close(&[model.statistics().meanmass], &[compiled.statistics().meanmass], "meanmass");
         assert_close(&accelerations(&model), &accelerations(&compiled), "qacc");
-        // The mass alone is another body.
+        // Scaling the mass without the inertia gives a different body.
         if factor != 1.0 {
             let mut model = arm(500.0, 800.0);
             let mass = model.body("lower").unwrap().mass();
@@ -69,7 +69,7 @@ fn a_scaled_mass_is_that_of_a_scaled_density() {
 }
 
 #[test]
-fn a_factor_that_makes_no_mass_is_an_error_and_changes_nothing() {
+fn an_invalid_scale_is_an_error_that_changes_nothing() {
     let mut model = arm(500.0, 800.0);
     let before = model.to_binary().unwrap();
     for factor in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX] {

@@ -1,10 +1,10 @@
-//! How a view is printed.
+//! Printed views.
 
 use mujoco_safe::{Data, sample};
 
 use crate::{simulation, zoo};
 
-/// The text behind a field's name in a listing.
+/// Returns the text after a field's name in a listing.
 fn field<'t>(listing: &'t str, name: &str) -> &'t str {
     listing
         .lines()
@@ -14,16 +14,16 @@ fn field<'t>(listing: &'t str, name: &str) -> &'t str {
 }
 
 #[test]
-fn a_torso_lists_its_kind_index_name_and_every_field_of_the_reference() {
-    let mut data = Data::new(sample::humanoid()).expect("there is memory");
-    data.step().expect("a step");
+fn a_view_lists_its_kind_index_name_and_every_field_of_mujoco_jl() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.step().unwrap();
     for name in ["subtree_linvel", "subtree_angmom", "cacc", "cfrc_int", "cfrc_ext"] {
-        let listing = data.body("torso").expect("there is a torso").to_string();
+        let listing = data.body("torso").unwrap().to_string();
         assert_eq!(field(&listing, name), "(not computed)", "a step does not compute {name}");
     }
-    data.subtree_vel().expect("velocities");
-    data.rne_post_constraint().expect("forces");
-    let torso = data.body("torso").expect("there is a torso");
+    data.subtree_vel().unwrap();
+    data.rne_post_constraint().unwrap();
+    let torso = data.body("torso").unwrap();
     let listing = torso.to_string();
     assert!(listing.starts_with("Body:\nindex: "), "{listing}");
     assert_eq!(field(&listing, "name"), "\"torso\"");
@@ -55,9 +55,9 @@ fn a_torso_lists_its_kind_index_name_and_every_field_of_the_reference() {
 
 #[test]
 fn numbers_are_listed_with_four_significant_digits() {
-    let mut data = Data::new(sample::humanoid()).expect("there is memory");
-    data.step().expect("a step");
-    let torso = data.body("torso").expect("there is a torso");
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.step().unwrap();
+    let torso = data.body("torso").unwrap();
     let listing = torso.to_string();
     for (name, values) in [("subtree_com", &torso.subtree_com()[..]), ("cinert", torso.cinert()), ("crb", torso.crb())]
     {
@@ -66,35 +66,35 @@ fn numbers_are_listed_with_four_significant_digits() {
         for (text, value) in listed.into_iter().zip(values) {
             let digits = text.split('e').next().unwrap_or_default().trim_start_matches(['-', '0', '.']);
             assert!(digits.chars().filter(char::is_ascii_digit).count() <= 5, "{name}: {text} for {value}");
-            let listed: f64 = text.parse().expect("a number");
+            let listed: f64 = text.parse().unwrap();
             assert!((listed - value).abs() <= 0.5e-3 * value.abs(), "{name}: {text} for {value}");
         }
     }
 }
 
 #[test]
-fn an_element_without_a_name_and_fields_without_values_are_listed_as_such() {
+fn missing_names_and_values_are_listed_as_such() {
     let model = sample::cartpole();
-    let listing = model.joint("slider").expect("there is a slider").to_string();
+    let listing = model.joint("slider").unwrap().to_string();
     assert_eq!(field(&listing, "user"), "[]");
     assert_eq!(field(&listing, "joint_type"), "Slide");
     assert_eq!(field(&listing, "qpos_range"), "0..1");
     assert_eq!(field(&listing, "limited"), "true");
     assert_eq!(field(&listing, "range"), "[-1.0, 1.0]");
-    let listing = zoo().joint(4).expect("five joints").to_string();
+    let listing = zoo().joint(4).unwrap().to_string();
     assert_eq!(field(&listing, "name"), "(none)");
 }
 
 #[test]
-fn debug_texts_are_one_line_with_kind_index_and_name() {
+fn debug_output_is_one_line_with_kind_index_and_name() {
     let model = zoo();
     let mut data = simulation();
-    assert_eq!(format!("{:?}", model.joint("elbow").expect("an elbow")), "joint 3 'elbow'");
-    assert_eq!(format!("{:?}", model.joint(4).expect("five joints")), "joint 4");
-    assert_eq!(format!("{:?}", model.joint("elbow").expect("an elbow").id()), "joint 3");
-    assert_eq!(format!("{:?}", data.camera("overview").expect("a camera")), "camera 0 'overview'");
-    assert_eq!(format!("{:?}", data.sensor_mut("touch").expect("a sensor")), "sensor 5 'touch'");
-    assert_eq!(format!("{:?}", model.keyframe("lifted").expect("a keyframe")), "keyframe 0 'lifted'");
+    assert_eq!(format!("{:?}", model.joint("elbow").unwrap()), "joint 3 'elbow'");
+    assert_eq!(format!("{:?}", model.joint(4).unwrap()), "joint 4");
+    assert_eq!(format!("{:?}", model.joint("elbow").unwrap().id()), "joint 3");
+    assert_eq!(format!("{:?}", data.camera("overview").unwrap()), "camera 0 'overview'");
+    assert_eq!(format!("{:?}", data.sensor_mut("touch").unwrap()), "sensor 5 'touch'");
+    assert_eq!(format!("{:?}", model.keyframe("lifted").unwrap()), "keyframe 0 'lifted'");
     assert_eq!(
         format!("{model:?}"),
         "Model: 7 bodies, 5 joints, 8 geoms, 6 actuators, 10 sensors, 3 tendons, 2 keyframes (nq 14, nv 12, nu 6)"

@@ -1,4 +1,4 @@
-//! Where the numbers of an element are, and what it belongs to.
+//! Index ranges of elements, and their parents.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use mujoco_safe::{JointType, sample};
 use crate::zoo;
 
 #[test]
-fn a_joint_has_the_positions_and_degrees_of_freedom_of_its_type() {
+fn a_joint_has_the_positions_and_dofs_of_its_type() {
     let model = zoo();
     let expected = [
         ("crate", JointType::Free, 0..7, 0..6),
@@ -16,7 +16,7 @@ fn a_joint_has_the_positions_and_degrees_of_freedom_of_its_type() {
         ("elbow", JointType::Hinge, 12..13, 10..11),
     ];
     for (name, joint_type, qpos, dofs) in expected {
-        let joint = model.joint(name).expect("it has this name");
+        let joint = model.joint(name).unwrap();
         assert_eq!((joint.joint_type(), joint.qpos_range(), joint.dofs()), (joint_type, qpos, dofs), "{name}");
     }
     assert_eq!((model.nq(), model.nv()), (14, 12));
@@ -33,24 +33,24 @@ fn the_ranges_of_all_joints_cover_each_index_once() {
 }
 
 #[test]
-fn a_joint_behind_a_free_joint_is_not_its_own_degree_of_freedom() {
+fn after_a_free_joint_joint_and_dof_indices_differ() {
     let model = sample::humanoid();
-    let knee = model.joint("left_knee").expect("there is a left knee");
+    let knee = model.joint("left_knee").unwrap();
     assert_eq!(knee.dofs(), knee.index() + 5..knee.index() + 6);
     assert_eq!(knee.qpos_range(), knee.index() + 6..knee.index() + 7);
 }
 
 #[test]
-fn elements_know_the_elements_that_they_hang_on() {
+fn elements_have_their_parents() {
     let model = zoo();
-    let body = |name: &str| model.body(name).expect("there is such a body");
+    let body = |name: &str| model.body(name).unwrap();
     assert_eq!(body("elbow").parent(), body("shoulder").id());
     assert_eq!(body("elbow").root(), body("base").id());
     assert_eq!(body("world").parent(), body("world").id());
-    assert_eq!(model.joint("shoulder").expect("a joint").body(), body("shoulder").id());
-    assert_eq!(model.geom("pulley").expect("a geom").body(), body("base").id());
-    assert_eq!(model.site("crate").expect("a site").body(), body("crate").id());
-    assert_eq!(model.camera("overview").expect("a camera").body(), body("world").id());
+    assert_eq!(model.joint("shoulder").unwrap().body(), body("shoulder").id());
+    assert_eq!(model.geom("pulley").unwrap().body(), body("base").id());
+    assert_eq!(model.site("crate").unwrap().body(), body("crate").id());
+    assert_eq!(model.camera("overview").unwrap().body(), body("world").id());
     assert_eq!((body("elbow").njnt(), body("base").ngeom()), (2, 2));
     assert_eq!([body("hand").mocap(), body("other_hand").mocap(), body("base").mocap()], [Some(0), Some(1), None]);
 }

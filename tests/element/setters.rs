@@ -1,5 +1,5 @@
-//! Switches, masks and the few integers of a model that may be written to: each setter writes its own element's place and nothing
-//! else, refuses what the engine cannot take, and leaves a model that can be stepped.
+//! Setters of flags, masks and other integers of a model: each setter writes only its element's value, rejects values that the
+//! engine does not support, and leaves a model that can be stepped.
 
 use mujoco_safe::{Cone, Data, Error, JacobianStorage, Model, ModelMut, Solver, sample};
 use rand::{RngExt, SeedableRng};
@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::{every_element, zoo};
 
-/// Each value in turn at each element of a kind: what the engine's array has afterwards, and what the view reads.
+/// Sets each value at each element of a kind, and compares the engine's array and the view.
 macro_rules! round_trip {
     ($($one:ident, $one_mut:ident, $many:ident { $($field:ident, $set:ident, $array:ident, $values:expr;)* })*) => {$($(
         let mut model = every_element();
@@ -17,16 +17,16 @@ macro_rules! round_trip {
             for value in $values {
                 let mut expected = model.$array().to_vec();
                 expected[index] = value.into();
-                model.edit().$one_mut(index).expect("it is there").$set(value);
+                model.edit().$one_mut(index).unwrap().$set(value);
                 assert_eq!(model.$array(), expected, "{} {index}", stringify!($array));
-                assert_eq!(model.$one(index).expect("it is there").$field(), value);
+                assert_eq!(model.$one(index).unwrap().$field(), value);
             }
         }
     )*)*};
 }
 
 #[test]
-fn every_switch_and_mask_is_written_at_its_own_place() {
+fn every_setter_writes_only_its_own_value() {
     let bools = [true, false, true];
     let masks = [0, 1, -1, i32::MIN, i32::MAX, 6];
     round_trip! {
@@ -67,7 +67,7 @@ fn every_switch_and_mask_is_written_at_its_own_place() {
     }
 }
 
-/// The same for setters that refuse some values.
+/// Does the same for setters that reject some values.
 macro_rules! checked {
     ($($one:ident, $one_mut:ident, $many:ident, $field:ident, $set:ident, $array:ident: $right:expr, $wrong:expr;)*) => {$(
         let mut model = every_element();
@@ -76,27 +76,27 @@ macro_rules! checked {
             for value in $right {
                 let mut expected = model.$array().to_vec();
                 expected[index] = value;
-                model.edit().$one_mut(index).expect("it is there").$set(value).expect("a right value");
+                model.edit().$one_mut(index).unwrap().$set(value).unwrap();
                 assert_eq!(model.$array(), expected);
-                assert_eq!(model.$one(index).expect("it is there").$field(), value);
+                assert_eq!(model.$one(index).unwrap().$field(), value);
             }
             let before = model.$array().to_vec();
             for value in $wrong {
-                let element = format!("{:?}", model.$one(index).expect("it is there"));
-                let error = model.edit().$one_mut(index).expect("it is there").$set(value).expect_err("a wrong value");
+                let element = format!("{:?}", model.$one(index).unwrap());
+                let error = model.edit().$one_mut(index).unwrap().$set(value).unwrap_err();
                 assert!(matches!(error, Error::Invalid { .. }), "{error:?}");
                 let text = error.to_string();
                 for part in [stringify!($field), &element, &value.to_string(), "one of"] {
                     assert!(text.contains(part), "{text}");
                 }
-                assert_eq!(model.$array(), before, "nothing is written");
+                assert_eq!(model.$array(), before, "a rejected value is not written");
             }
         }
     )*};
 }
 
 #[test]
-fn wrong_dimensions_and_groups_are_errors_that_name_the_right_ones() {
+fn invalid_values_are_errors_that_list_the_valid_values() {
     let (dimensions, wrong) = ([1, 3, 4, 6], [0, 2, 5, 7, -1, i32::MIN, i32::MAX]);
     checked! {
         geom, geom_mut, geoms, condim, set_condim, geom_condim: dimensions, wrong;
@@ -104,7 +104,7 @@ fn wrong_dimensions_and_groups_are_errors_that_name_the_right_ones() {
         skin, skin_mut, skins, group, set_group, skin_group: 0..6, [-1, 6, 1000, i32::MIN, i32::MAX];
     }
     let mut model = every_element();
-    let error = model.edit().geom_mut("ball").expect("a ball").set_condim(2).expect_err("there is no such dimension");
+    let error = model.edit().geom_mut("ball").unwrap().set_condim(2).unwrap_err();
     let text = error.to_string();
     assert!(
         text.starts_with("condim of geom ") && text.ends_with(" 'ball' is 2, but must be one of 1, 3, 4, 6"),
@@ -112,37 +112,37 @@ fn wrong_dimensions_and_groups_are_errors_that_name_the_right_ones() {
     );
 }
 
-/// Everything that can be switched on, and every contact as large as it may be.
-fn everything_on(model: &mut Model) {
+/// Enables every flag, and gives every contact the largest dimension.
+fn enable_everything(model: &mut Model) {
     let mut edit = model.edit();
     for index in 0..edit.njnt() {
-        edit.joint_mut(index).expect("a joint").set_limited(true);
+        edit.joint_mut(index).unwrap().set_limited(true);
     }
     for index in 0..edit.ngeom() {
-        let mut geom = edit.geom_mut(index).expect("a geom");
+        let mut geom = edit.geom_mut(index).unwrap();
         geom.set_contype(-1);
         geom.set_conaffinity(-1);
-        geom.set_condim(6).expect("a right value");
+        geom.set_condim(6).unwrap();
         geom.set_priority(index as i32);
     }
     for index in 0..edit.npair() {
-        edit.pair_mut(index).expect("a pair").set_dim(6).expect("a right value");
+        edit.pair_mut(index).unwrap().set_dim(6).unwrap();
     }
     for index in 0..edit.ntendon() {
-        edit.tendon_mut(index).expect("a tendon").set_limited(true);
+        edit.tendon_mut(index).unwrap().set_limited(true);
     }
     for index in 0..edit.neq() {
-        edit.equality_mut(index).expect("an equality").set_active(true);
+        edit.equality_mut(index).unwrap().set_active(true);
     }
     for index in 0..edit.nu() {
-        let mut actuator = edit.actuator_mut(index).expect("an actuator");
+        let mut actuator = edit.actuator_mut(index).unwrap();
         actuator.set_ctrllimited(true);
         actuator.set_forcelimited(true);
         actuator.set_actlimited(true);
     }
 }
 
-/// The models here, those of the engine's package that are quickly stepped, and some whose constraints have next to no room.
+/// Returns our models, the engine's models that step quickly, and models with small constraint buffers.
 fn subjects() -> Vec<Model> {
     let mut subjects = vec![(*zoo()).clone(), every_element(), sample::humanoid(), sample::cartpole()];
     subjects.extend(
@@ -155,21 +155,21 @@ fn subjects() -> Vec<Model> {
         let text = include_str!("../models/every_element.xml")
             .replace("njmax=\"300\" nconmax=\"60\"", &format!("njmax=\"{njmax}\" nconmax=\"{nconmax}\""));
         assert!(text.contains(&format!("njmax=\"{njmax}\"")));
-        // With less room, a model with an adhesive actuator is refused.
+        // With a smaller buffer, a model with an adhesion actuator is rejected.
         let adhesion = "<adhesion name=\"stick\" body=\"gripper\" gain=\"3\" ctrlrange=\"0 1\"/>";
         let text = if njmax < 100 { text.replace(adhesion, "") } else { text };
         assert_eq!(text.contains("<adhesion"), njmax >= 100);
-        subjects.push(Model::from_xml_str(&text).expect("it is valid"));
+        subjects.push(Model::from_xml_str(&text).unwrap());
     }
     subjects
 }
 
-/// What the engine makes of such models is an error at worst, also with an adhesive actuator and a full constraint buffer.
+/// An error is allowed, also with an adhesion actuator and a full constraint buffer.
 #[test]
-fn a_model_with_everything_switched_on_steps_or_gives_an_error() {
+fn a_model_with_everything_enabled_steps_or_returns_an_error() {
     let mut steps = 0;
     for mut model in subjects() {
-        everything_on(&mut model);
+        enable_everything(&mut model);
         for (cone, jacobian, solver) in [
             (Cone::Pyramidal, JacobianStorage::Dense, Solver::Newton),
             (Cone::Elliptic, JacobianStorage::Sparse, Solver::Newton),
@@ -178,12 +178,12 @@ fn a_model_with_everything_switched_on_steps_or_gives_an_error() {
         ] {
             let mut edit = model.edit();
             edit.options(|options| (options.cone, options.jacobian, options.solver) = (cone, jacobian, solver))
-                .expect("valid options");
-            let mut data = Data::new(model.clone()).expect("there is memory");
+                .unwrap();
+            let mut data = Data::new(model.clone()).unwrap();
             for _ in 0..15 {
                 match data.step() {
                     Ok(()) => steps += 1,
-                    Err(_) => data.reset().expect("a reset"),
+                    Err(_) => data.reset().unwrap(),
                 }
             }
         }
@@ -192,24 +192,24 @@ fn a_model_with_everything_switched_on_steps_or_gives_an_error() {
 }
 
 #[test]
-fn switches_thrown_at_random_between_steps_do_no_harm() {
+fn random_values_set_between_steps_cause_no_crash() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
     let mut steps = 0;
     for model in subjects() {
-        let mut data = Data::new(model).expect("there is memory");
+        let mut data = Data::new(model).unwrap();
         for _ in 0..40 {
-            data.edit_model(|model| throw_switches(model, &mut random)).expect("there is memory");
+            data.edit_model(|model| set_random_values(model, &mut random)).unwrap();
             match data.step() {
                 Ok(()) => steps += 1,
-                Err(_) => data.reset().expect("a reset"),
+                Err(_) => data.reset().unwrap(),
             }
         }
     }
     assert!(steps > 200, "only {steps} steps came about");
 }
 
-/// A random element of each kind gets random values.
-fn throw_switches(model: &mut ModelMut<'_>, random: &mut Xoshiro256PlusPlus) {
+/// Sets random values on a random element of each kind.
+fn set_random_values(model: &mut ModelMut<'_>, random: &mut Xoshiro256PlusPlus) {
     const DIMENSIONS: [i32; 4] = [1, 3, 4, 6];
     let mut one_of = |count: usize| random.random_range(0..count.max(1));
     let [joint, geom, pair, tendon, equality, actuator] =
@@ -221,11 +221,11 @@ fn throw_switches(model: &mut ModelMut<'_>, random: &mut Xoshiro256PlusPlus) {
     if let Ok(mut geom) = model.geom_mut(geom) {
         geom.set_contype(bits as i32);
         geom.set_conaffinity(other_bits as i32);
-        geom.set_condim(DIMENSIONS[dimension]).expect("a right value");
+        geom.set_condim(DIMENSIONS[dimension]).unwrap();
         geom.set_priority(bits as i32 - 4);
     }
     if let Ok(mut pair) = model.pair_mut(pair) {
-        pair.set_dim(DIMENSIONS[dimension]).expect("a right value");
+        pair.set_dim(DIMENSIONS[dimension]).unwrap();
     }
     if let Ok(mut tendon) = model.tendon_mut(tendon) {
         tendon.set_limited(also == 1);
@@ -241,52 +241,52 @@ fn throw_switches(model: &mut ModelMut<'_>, random: &mut Xoshiro256PlusPlus) {
 }
 
 #[test]
-fn switches_thrown_on_a_live_simulation_change_its_next_step() {
-    let mut data = Data::new(sample::humanoid()).expect("there is memory");
+fn values_set_on_a_simulation_affect_its_next_step() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
     for _ in 0..300 {
-        data.step().expect("a step");
+        data.step().unwrap();
     }
     let contacts = data.ncon();
     assert!(contacts > 0, "the humanoid lies on the floor");
     data.edit_model(|model| {
         for index in 0..model.ngeom() {
-            let mut geom = model.geom_mut(index).expect("a geom");
+            let mut geom = model.geom_mut(index).unwrap();
             geom.set_contype(0);
             geom.set_conaffinity(0);
         }
     })
-    .expect("there is memory");
-    data.forward().expect("forward dynamics");
+    .unwrap();
+    data.forward().unwrap();
     assert_eq!(data.ncon(), 0);
     data.edit_model(|model| {
-        let mut floor = model.geom_mut("floor").expect("a floor");
+        let mut floor = model.geom_mut("floor").unwrap();
         floor.set_contype(1);
         floor.set_conaffinity(1);
         for index in 0..model.ngeom() {
-            let mut geom = model.geom_mut(index).expect("a geom");
+            let mut geom = model.geom_mut(index).unwrap();
             geom.set_conaffinity(1);
-            geom.set_condim(1).expect("a right value");
+            geom.set_condim(1).unwrap();
         }
     })
-    .expect("there is memory");
-    data.forward().expect("forward dynamics");
+    .unwrap();
+    data.forward().unwrap();
     assert!(data.ncon() > 0);
     assert!(data.contacts().all(|contact| contact.dim() == 1));
 }
 
 #[test]
-fn an_equality_that_was_compiled_inactive_holds_once_it_is_active() {
+fn an_equality_compiled_as_inactive_can_be_activated() {
     let text = "<mujoco><option gravity='0 0 0'/><worldbody>
         <body name='a'><joint name='a' type='slide'/><geom size='0.1' contype='0' conaffinity='0'/></body>
         <body name='b'><joint name='b' type='slide'/><geom size='0.1' contype='0' conaffinity='0'/></body></worldbody>
         <equality><joint name='tie' joint1='a' joint2='b' active='false'/></equality></mujoco>";
-    let mut data = Data::new(Model::from_xml_str(text).expect("it is valid")).expect("there is memory");
+    let mut data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
     let mut gap = |active| {
-        data.reset().expect("a reset");
-        data.edit_model(|model| model.equality_mut("tie").expect("a tie").set_active(active)).expect("there is memory");
-        data.joint_mut("a").expect("a joint").qvel_mut()[0] = 1.0;
+        data.reset().unwrap();
+        data.edit_model(|model| model.equality_mut("tie").unwrap().set_active(active)).unwrap();
+        data.joint_mut("a").unwrap().qvel_mut()[0] = 1.0;
         for _ in 0..500 {
-            data.step().expect("a step");
+            data.step().unwrap();
         }
         (data.qpos()[0] - data.qpos()[1]).abs()
     };

@@ -1,11 +1,11 @@
-//! What an unknown name is told.
+//! Errors of unknown names.
 
 use mujoco_safe::{Error, Kind, sample};
 
 use crate::{every_element, simulation, unknown, zoo};
 
 #[test]
-fn the_error_proposes_the_nearest_name_and_lists_all() {
+fn the_error_suggests_the_nearest_name_and_lists_all_names() {
     let text = unknown(zoo().joint("elbwo"));
     assert_eq!(
         text,
@@ -17,36 +17,36 @@ fn the_error_proposes_the_nearest_name_and_lists_all() {
 }
 
 #[test]
-fn the_error_has_the_names_for_programs_too() {
+fn the_error_variant_has_the_names() {
     let Err(Error::NoSuchName { kind, name, known }) = sample::humanoid().keyframe("handstand").map(|_| ()) else {
-        panic!("there is no such keyframe")
+        panic!("expected NoSuchName")
     };
     assert_eq!((kind, name.as_str()), (Kind::Keyframe, "handstand"));
     assert_eq!(known, ["squat", "stand_on_left_leg", "stand"]);
 }
 
 #[test]
-fn a_kind_without_names_says_so() {
+fn the_error_of_a_kind_without_names_says_so() {
     let text = unknown(sample::cartpole().tendon("rope"));
     assert_eq!(text, "there is no tendon named 'rope' (none of this kind has a name)");
 }
 
 #[test]
-fn the_empty_name_is_nobodys() {
-    // The engine itself finds the first element without a name under it.
+fn the_empty_name_finds_nothing() {
+    // The engine itself would return the first unnamed element.
     unknown(zoo().joint(""));
     unknown(zoo().geom(""));
     unknown(simulation().light(""));
 }
 
 #[test]
-fn a_name_with_a_nul_in_it_is_not_cut_there() {
+fn a_name_is_not_truncated_at_a_nul_character() {
     unknown(zoo().joint("elbow\0"));
     unknown(zoo().joint("elbow\0x"));
 }
 
 #[test]
-fn names_are_compared_whole_and_by_case() {
+fn names_are_compared_exactly() {
     for name in ["Elbow", "elbow ", "elbo", "elbows", "ellenbogen ‐ coude"] {
         unknown(zoo().joint(name));
     }
@@ -57,12 +57,12 @@ fn a_mutable_lookup_gives_the_same_error() {
     let mut data = simulation();
     assert!(unknown(data.joint_mut("elbwo")).contains("'elbow'"));
     assert!(data.sensor_mut(99).is_err());
-    let text = data.edit_model(|model| unknown(model.geom_mut("grund"))).expect("there is memory");
+    let text = data.edit_model(|model| unknown(model.geom_mut("grund"))).unwrap();
     assert!(text.contains("'ground'"), "{text}");
 }
 
 #[test]
-fn every_kind_proposes_its_own_names() {
+fn every_kind_suggests_its_own_names() {
     let model = every_element();
     for (text, kind, near) in [
         (unknown(model.equality("gearde")), "equality", "geared"),

@@ -1,12 +1,12 @@
-//! What the official Python bindings compute for the bundled models, recorded by `tests/oracle/record.py`, is what we compute.
+//! Numbers for the bundled models against the official Python bindings, recorded by `tests/oracle/record.py`.
 //!
-//! The bindings bring the official build of the engine, 2.2.2 like the library that is linked here. For models of this size
-//! (dense, without long chains of sums that a compiler may reorder) it and Debian's build agree bit for bit on x86-64 Linux,
-//! through a fall and all its impacts, and that is what is asserted there. Elsewhere sine and cosine may come from another
-//! libm with another last bit: quantities of a single state are then compared to 1e-9 of their size, finite differences to
-//! 1e-6, and a trajectory for 300 steps, before the impacts have blown a last bit up.
+//! The bindings include the official build of the engine, 2.2.2 like the library linked here. For models of this size (dense,
+//! without long sums that a compiler may reorder) it agrees with Debian's build bit for bit on x86-64 Linux, through a fall and
+//! all its impacts, and the tests assert that. On other platforms another libm may differ in the last bit of sine and cosine:
+//! quantities of a single state are then compared to 1e-9 relative, finite differences to 1e-6, and a trajectory for 300 steps,
+//! before impacts amplify the differences.
 //!
-//! The recording is of 2.2.2 alone, so with another engine these tests have nothing to say, and pass.
+//! The recording is for 2.2.2 only. With another engine the tests pass without checking anything.
 
 use std::sync::Arc;
 
@@ -16,11 +16,10 @@ use serde_json::Value;
 /// Whether the recording was made with this libm.
 const SAME_BITS: bool = cfg!(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"));
 
-/// The recording for a model, unless it is of another engine.
+/// Returns the recording for a model, unless it is of another engine.
 fn recorded(model: &str) -> Option<Value> {
-    let recording: Value =
-        serde_json::from_str(include_str!("../oracle/recorded.json")).expect("the recording is JSON");
-    let (engine, running) = (recording["engine"].as_str().expect("a version"), engine_version().to_string());
+    let recording: Value = serde_json::from_str(include_str!("../oracle/recorded.json")).unwrap();
+    let (engine, running) = (recording["engine"].as_str().unwrap(), engine_version().to_string());
     if engine != running {
         println!("skipped: recorded with MuJoCo {engine}, running with {running}");
         return None;
@@ -44,12 +43,12 @@ fn items(value: &Value) -> &[Value] {
     value.as_array().unwrap_or_else(|| panic!("not an array: {value}"))
 }
 
-/// The same numbers, or near enough where the bits need not be the same: the largest difference is held against the largest
-/// number, or 1.
+/// Asserts equal numbers, bit for bit if possible on this platform. Otherwise the largest difference is compared relative to the
+/// largest number, or 1.
 #[track_caller]
-#[allow(clippy::float_cmp, reason = "the point of it")]
+#[allow(clippy::float_cmp, reason = "bits are compared on purpose")]
 fn assert_same(what: &str, ours: &[f64], theirs: &[f64], tolerance: f64) {
-    assert_eq!(ours.len(), theirs.len(), "{what}: as many numbers");
+    assert_eq!(ours.len(), theirs.len(), "{what}: length");
     let size = theirs.iter().fold(1.0_f64, |size, value| size.max(value.abs()));
     for (index, (ours, theirs)) in ours.iter().zip(theirs).enumerate() {
         let near = (ours - theirs).abs() <= tolerance * size;
@@ -57,14 +56,14 @@ fn assert_same(what: &str, ours: &[f64], theirs: &[f64], tolerance: f64) {
     }
 }
 
-/// The data at a recorded keyframe, which has no name for the reference position.
+/// Resets to a recorded keyframe; the recording of the reference position has no name.
 fn reset(data: &mut Data, keyframe: &str) {
     let result = if keyframe.is_empty() { data.reset() } else { data.reset_to_key(keyframe) };
     result.unwrap_or_else(|error| panic!("{error}"));
 }
 
 #[test]
-fn sizes_are_those_that_python_sees() {
+fn sizes_equal_pythons() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
         for (size, ours) in [
@@ -82,16 +81,16 @@ fn sizes_are_those_that_python_sees() {
 }
 
 #[test]
-fn trajectories_are_those_that_python_steps() {
+fn trajectories_equal_pythons() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model).expect("there is memory");
+        let mut data = Data::new(model).unwrap();
         let mut samples = items(&recorded["trajectory"]).iter();
         for step in 0..1000 {
             for (index, ctrl) in data.ctrl_mut().iter_mut().enumerate() {
                 *ctrl = 0.3 * (f64::from(step) * 0.1 + index as f64).sin();
             }
-            data.step().expect("a step");
+            data.step().unwrap();
             if (step + 1) % 50 != 0 {
                 continue;
             }
@@ -110,16 +109,16 @@ fn trajectories_are_those_that_python_steps() {
 }
 
 #[test]
-fn the_forces_that_hold_a_pose_are_those_that_python_finds() {
+fn inverse_dynamics_equal_pythons() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model).expect("there is memory");
+        let mut data = Data::new(model).unwrap();
         for pose in items(&recorded["poses"]) {
-            let keyframe = pose["keyframe"].as_str().expect("a name");
+            let keyframe = pose["keyframe"].as_str().unwrap();
             reset(&mut data, keyframe);
-            data.forward().expect("forward dynamics");
+            data.forward().unwrap();
             data.qacc_mut().fill(0.0);
-            data.inverse().expect("inverse dynamics");
+            data.inverse().unwrap();
             let what = format!("{name}, '{keyframe}': qfrc_inverse");
             assert_same(&what, data.qfrc_inverse(), &numbers(&pose["qfrc_inverse"]), 1e-9);
         }
@@ -127,21 +126,21 @@ fn the_forces_that_hold_a_pose_are_those_that_python_finds() {
 }
 
 #[test]
-fn contacts_are_those_that_python_finds() {
+fn contacts_equal_pythons() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model.clone()).expect("there is memory");
+        let mut data = Data::new(model.clone()).unwrap();
         for pose in items(&recorded["poses"]) {
-            let keyframe = pose["keyframe"].as_str().expect("a name");
+            let keyframe = pose["keyframe"].as_str().unwrap();
             reset(&mut data, keyframe);
-            data.forward().expect("forward dynamics");
+            data.forward().unwrap();
             let contacts = items(&pose["contacts"]);
             assert_eq!(data.contacts().len(), contacts.len(), "{name}, '{keyframe}'");
             for (contact, recorded) in data.contacts().zip(contacts) {
                 let what = format!("{name}, '{keyframe}', contact {}", contact.index());
                 let names = contact.geoms().map(|geom| model.geom(geom).name());
                 assert_eq!([recorded["geoms"][0].as_str(), recorded["geoms"][1].as_str()], names, "{what}");
-                let force = contact.force().expect("computed");
+                let force = contact.force().unwrap();
                 assert_same(&what, &[contact.dist()], &[number(&recorded["dist"])], 1e-9);
                 assert_same(&what, contact.pos(), &numbers(&recorded["pos"]), 1e-9);
                 assert_same(&what, &[force.force, force.torque].concat(), &numbers(&recorded["force"]), 1e-9);
@@ -151,28 +150,28 @@ fn contacts_are_those_that_python_finds() {
 }
 
 #[test]
-fn jacobians_are_those_that_python_finds() {
+fn jacobians_equal_pythons() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model.clone()).expect("there is memory");
-        data.reset_to_key(model.nkey() - 1).expect("a last keyframe");
-        data.forward().expect("forward dynamics");
+        let mut data = Data::new(model.clone()).unwrap();
+        data.reset_to_key(model.nkey() - 1).unwrap();
+        data.forward().unwrap();
         let near = |what: &str, ours: &Matrix, theirs: &Value| {
             assert_eq!(ours.shape(), (3, model.nv()), "{what}");
             assert_same(what, ours.as_slice(), &numbers(theirs), 1e-12);
         };
-        for (body, recorded) in recorded["jacobians"]["bodies"].as_object().expect("an object") {
+        for (body, recorded) in recorded["jacobians"]["bodies"].as_object().unwrap() {
             let what = format!("{name}, body '{body}'");
-            let id = model.body(body).expect("there is such a body");
-            let frame = data.jac_body(id).expect("computed");
+            let id = model.body(body).unwrap();
+            let frame = data.jac_body(id).unwrap();
             near(&what, &frame.translation, &recorded["translation"]);
             near(&what, &frame.rotation, &recorded["rotation"]);
-            near(&what, &data.jac_body_com(id).expect("computed").translation, &recorded["com"]);
-            near(&what, &data.jac_subtree_com(id).expect("computed"), &recorded["subtree_com"]);
+            near(&what, &data.jac_body_com(id).unwrap().translation, &recorded["com"]);
+            near(&what, &data.jac_subtree_com(id).unwrap(), &recorded["subtree_com"]);
         }
-        for (site, recorded) in recorded["jacobians"]["sites"].as_object().expect("an object") {
+        for (site, recorded) in recorded["jacobians"]["sites"].as_object().unwrap() {
             let what = format!("{name}, site '{site}'");
-            let frame = data.jac_site(model.site(site).expect("there is such a site")).expect("computed");
+            let frame = data.jac_site(model.site(site).unwrap()).unwrap();
             near(&what, &frame.translation, &recorded["translation"]);
             near(&what, &frame.rotation, &recorded["rotation"]);
         }
@@ -180,15 +179,15 @@ fn jacobians_are_those_that_python_finds() {
 }
 
 #[test]
-fn linearisations_are_those_that_python_finds() {
+fn linearisations_equal_pythons() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
-        let mut data = Data::new(model).expect("there is memory");
+        let mut data = Data::new(model).unwrap();
         if name == "humanoid" {
             reset(&mut data, "stand_on_left_leg");
         }
-        let mut system = data.transition_fd(1e-6, Differences::Central).expect("it can be linearised");
-        // The engine subtracts the readings the wrong way round, which is corrected here and not there.
+        let mut system = data.transition_fd(1e-6, Differences::Central).unwrap();
+        // The engine's differences of the sensors have the wrong sign, which the library corrects.
         system.d.as_mut_slice().iter_mut().for_each(|value| *value = -*value);
         let recorded = &recorded["linearisation"];
         for (what, ours) in [("a", &system.a), ("b", &system.b), ("c", &system.c), ("d", &system.d)] {

@@ -1,8 +1,8 @@
 //! Published and independently computed figures: the cart-pole of the reference's LQR tutorial, whose linearisation, gain and
-//! closed loop were computed with the official Python bindings and SciPy, and the engine's own sample humanoid.
+//! closed loop were computed with the official Python bindings and SciPy, and the engine's sample humanoid.
 //!
-//! The tests of the sample humanoid need the package `libmujoco-samples` and pass without it, with a note.
-#![allow(clippy::unreadable_literal, reason = "figures as they were published")]
+//! The tests of the sample humanoid need the package `libmujoco-samples`, and are skipped with a note without it.
+#![allow(clippy::unreadable_literal, reason = "figures as published")]
 
 use std::path::Path;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ mod cartpole {
     const K: [f64; 4] = [-0.46741668449941, -5.5927150414698, -0.8436677105895, -1.4448668569023];
 
     fn linearised(data: &mut Data) -> StateSpace {
-        data.transition_fd(1e-6, Differences::Central).expect("it can be linearised")
+        data.transition_fd(1e-6, Differences::Central).unwrap()
     }
 
     fn weights() -> LqrWeights {
@@ -44,26 +44,26 @@ mod cartpole {
     }
 
     fn upright() -> Data {
-        Data::new(sample::cartpole()).expect("there is memory")
+        Data::new(sample::cartpole()).unwrap()
     }
 
     fn regulator() -> Lqr {
-        Lqr::at_present_state(&mut upright(), &weights()).expect("there is a regulator")
+        Lqr::at_present_state(&mut upright(), &weights()).unwrap()
     }
 
-    /// Steps under the regulator, and counts how often it asks for more than the motor gives.
+    /// Steps with the regulator, and counts the steps in which its control exceeds the motor's range.
     fn regulate(data: &mut Data, lqr: &mut Lqr, steps: usize) -> usize {
         let mut saturated = 0;
         for _ in 0..steps {
-            lqr.control(data).expect("controls");
+            lqr.control(data).unwrap();
             saturated += usize::from(data.ctrl()[0].abs() > 1.0);
-            data.step().expect("a step");
+            data.step().unwrap();
         }
         saturated
     }
 
     #[test]
-    fn the_linearisation_about_the_upright_position_is_the_published_one() {
+    fn the_linearisation_at_the_upright_position_is_the_published_one() {
         let StateSpace { a, b, .. } = linearised(&mut upright());
         assert_eq!((a.shape(), b.shape()), ((4, 4), (4, 1)));
         assert_all_near("A", a.as_slice(), A.as_flattened(), 1e-12);
@@ -71,9 +71,9 @@ mod cartpole {
     }
 
     #[test]
-    fn the_gain_the_cost_and_the_closed_loop_are_those_of_scipy() {
+    fn the_gain_the_cost_and_the_closed_loop_equal_scipys() {
         let system = linearised(&mut upright());
-        let solution = Lqr::solve(&system, &weights()).expect("there is a solution");
+        let solution = Lqr::solve(&system, &weights()).unwrap();
         assert_all_near("K", solution.k.as_slice(), &K, 1e-8);
         let p = [180.2819066017, 2907.909272519, 166.5472641831, 37.13361185153];
         for (index, expected) in p.into_iter().enumerate() {
@@ -83,7 +83,7 @@ mod cartpole {
 
         let closed = system.a.to_nalgebra() - system.b.to_nalgebra() * &solution.k;
         let mut eigenvalues: Vec<Complex<f64>> = closed.complex_eigenvalues().iter().copied().collect();
-        eigenvalues.sort_by(|x, y| (x.re, x.im).partial_cmp(&(y.re, y.im)).expect("numbers"));
+        eigenvalues.sort_by(|x, y| (x.re, x.im).partial_cmp(&(y.re, y.im)).unwrap());
         let expected = [
             (0.2259216435108, 0.0),
             (0.9835493713954, -0.0118444062628),
@@ -102,7 +102,7 @@ mod cartpole {
     }
 
     #[test]
-    fn from_a_small_angle_the_closed_loop_ends_at_the_recorded_state() {
+    fn the_closed_loop_from_a_small_angle_ends_at_the_recorded_state() {
         let mut data = upright();
         data.qpos_mut()[1] = 0.01;
         let saturated = regulate(&mut data, &mut regulator(), 1000);
@@ -115,7 +115,7 @@ mod cartpole {
     }
 
     #[test]
-    fn from_larger_angles_the_pole_returns_while_the_motor_saturates_for_the_recorded_steps() {
+    fn from_larger_angles_the_motor_saturates_for_the_recorded_steps() {
         for (angle, saturations) in [(0.1, 0), (0.2, 1), (0.3, 2), (0.5, 4)] {
             let mut data = upright();
             data.qpos_mut()[1] = angle;
@@ -130,13 +130,13 @@ mod cartpole {
     }
 
     #[test]
-    fn a_push_of_5_newtons_is_recovered_from_and_one_of_10_is_not() {
+    fn the_pole_recovers_from_5_newtons_but_not_from_10() {
         for (newtons, stands) in [(5.0, true), (10.0, false)] {
             let mut data = upright();
             let mut lqr = regulator();
-            data.body_mut("pole").expect("there is a pole").xfrc_applied_mut()[0] = newtons;
+            data.body_mut("pole").unwrap().xfrc_applied_mut()[0] = newtons;
             regulate(&mut data, &mut lqr, 10);
-            data.body_mut("pole").expect("there is a pole").xfrc_applied_mut()[0] = 0.0;
+            data.body_mut("pole").unwrap().xfrc_applied_mut()[0] = 0.0;
             let mut leaning = 0.0_f64;
             for _ in 0..1000 {
                 regulate(&mut data, &mut lqr, 1);
@@ -154,7 +154,7 @@ mod cartpole {
         let mut data = upright();
         data.qpos_mut()[1] = 0.01;
         for _ in 0..500 {
-            data.step().expect("a step");
+            data.step().unwrap();
         }
         assert_all_near("qpos", data.qpos(), &[-0.13082244121084702, 2.8006690225199105], 1e-9);
         assert_all_near("qvel", data.qvel(), &[-0.021304306514575953, 0.05158143442483461], 1e-9);
@@ -167,16 +167,16 @@ mod sample_humanoid {
     fn humanoid() -> Option<Arc<Model>> {
         let path = Path::new(sample::SYSTEM_MODELS).join("humanoid/humanoid.xml");
         if !path.exists() {
-            println!("skipped: there is no {} (package libmujoco-samples)", path.display());
+            println!("skipped: missing {} (package libmujoco-samples)", path.display());
             return None;
         }
-        Some(Arc::new(Model::from_xml_path(&path).expect("the engine's own model loads")))
+        Some(Arc::new(Model::from_xml_path(&path).unwrap()))
     }
 
     fn stepped(model: &Arc<Model>, steps: usize) -> Data {
-        let mut data = Data::new(model.clone()).expect("there is memory");
+        let mut data = Data::new(model.clone()).unwrap();
         for _ in 0..steps {
-            data.step().expect("a step");
+            data.step().unwrap();
         }
         data
     }
@@ -186,29 +186,29 @@ mod sample_humanoid {
     }
 
     #[test]
-    fn its_sizes_weight_and_names_are_the_recorded_ones() {
+    fn sizes_weight_and_names_are_the_recorded_ones() {
         let Some(model) = humanoid() else { return };
         assert_eq!((model.nq(), model.nv(), model.nu(), model.na()), (28, 27, 21, 0));
         assert_eq!((model.nbody(), model.njnt(), model.nkey()), (17, 22, 0));
         assert_near("the time step", model.timestep(), 0.005, 0.0);
-        let weight = -model.options().gravity[2] * model.body("torso").expect("there is a torso").subtreemass();
+        let weight = -model.options().gravity[2] * model.body("torso").unwrap().subtreemass();
         assert_near("the weight", weight, 400.6798481841, 1e-9);
 
-        assert_eq!(model.joint("left_knee").expect("there is a left knee").qpos_range(), 19..20);
+        assert_eq!(model.joint("left_knee").unwrap().qpos_range(), 19..20);
         let left = model.joints().filter(|joint| joint.name().is_some_and(|name| name.contains("left")));
         assert_eq!(left.count(), 9);
 
-        let mut data = Data::new(model).expect("there is memory");
-        data.reset().expect("a reset");
+        let mut data = Data::new(model).unwrap();
+        data.reset().unwrap();
         assert_eq!(data.qpos()[..4], [0.0, 0.0, 1.5, 1.0]);
     }
 
     #[test]
-    fn its_fall_from_the_reference_position_is_the_recorded_one() {
+    fn the_fall_from_the_reference_position_is_the_recorded_one() {
         let Some(model) = humanoid() else { return };
         let mut data = stepped(&model, 0);
         let first = (1..=100).find(|_| {
-            data.step().expect("a step");
+            data.step().unwrap();
             data.ncon() > 0
         });
         assert_eq!(first, Some(43), "the step of the first contact");
@@ -217,51 +217,51 @@ mod sample_humanoid {
         assert_near("time", data.time(), 0.5000000000000003, 0.0);
         assert_eq!((data.ncon(), data.nefc()), (6, 28));
         assert_all_near("qpos", &data.qpos()[..3], &[0.0933876646755869, -1.5e-16, 1.2568522676643226], 1e-9);
-        let contact = data.contacts().next().expect("there are six");
+        let contact = data.contacts().next().unwrap();
         assert_near("dist", contact.dist(), -0.00036072820205, 1e-12);
         assert_all_near("pos", contact.pos(), &[-0.0798542295, -0.1097356442, -0.00018036], 1e-8);
         assert_all_near("normal", contact.normal(), &[0.0, 0.0, 1.0], 1e-15);
         assert_eq!(contact.geoms().map(|geom| model.geom(geom).name()), [Some("floor"), Some("right_right_foot")]);
-        let force = contact.force().expect("computed");
+        let force = contact.force().unwrap();
         assert_all_near("force", &force.force, &[57.0754954, -2.5662983, 0.2591644], 1e-6);
         assert_all_near("torque", &force.torque, &[0.0; 3], 0.0);
     }
 
     #[test]
-    fn dropped_from_two_metres_it_lies_where_recorded() {
+    fn the_drop_from_two_metres_ends_at_the_recorded_state() {
         let Some(model) = humanoid() else { return };
         let mut data = stepped(&model, 0);
         data.qpos_mut()[2] = 2.0;
         for _ in 0..400 {
-            data.step().expect("a step");
+            data.step().unwrap();
         }
-        // A fall of two seconds amplifies the last bits: seven digits.
+        // A fall of two seconds amplifies rounding errors: seven digits remain.
         assert_near("z", data.qpos()[2], 0.2792032523, 1e-7);
         assert_eq!(data.ncon(), 7);
     }
 
     #[test]
-    fn its_jacobians_are_the_recorded_ones() {
+    fn jacobians_are_the_recorded_ones() {
         let Some(model) = humanoid() else { return };
         let mut data = stepped(&model, 1);
-        let torso = model.body("torso").expect("there is a torso");
+        let torso = model.body("torso").unwrap();
         let com = *data.body(torso).subtree_com();
         assert_all_near("subtree_com", &com, &[0.015685595769818515, 0.0, 1.0672691968325632], 1e-12);
 
-        let subtree = data.jac_subtree_com(torso).expect("computed");
+        let subtree = data.jac_subtree_com(torso).unwrap();
         let row = [1.0000000000000002, 0.0, 0.0, 0.0, -0.4327308031674367, 2.378e-18];
         assert_all_near("jac_subtree_com, row 0", &subtree.row(0)[..6], &row, 1e-12);
         assert_near("its norm", norm(&subtree), 1.885334862905384, 1e-12);
 
-        let com = data.jac_body_com(torso).expect("computed");
+        let com = data.jac_body_com(torso).unwrap();
         assert_near("jac_body_com, translation", norm(&com.translation), 1.7333003029, 1e-9);
         assert_near("jac_body_com, rotation", norm(&com.rotation), 1.7320508076, 1e-9);
     }
 
     #[test]
-    fn its_linearisation_has_the_recorded_norms() {
+    fn the_linearisation_has_the_recorded_norms() {
         let Some(model) = humanoid() else { return };
-        let system = stepped(&model, 0).transition_fd(1e-6, Differences::Central).expect("it can be linearised");
+        let system = stepped(&model, 0).transition_fd(1e-6, Differences::Central).unwrap();
         assert_eq!((system.a.shape(), system.b.shape()), ((54, 54), (54, 21)));
         assert_near("A", norm(&system.a), 8.02075917, 1e-7);
         assert_near("B", norm(&system.b), 21.58531543, 1e-7);

@@ -1,4 +1,4 @@
-//! The parent: hands out seeds to children, and finds out how they end.
+//! The parent process: passes seeds to child processes and classifies their ends.
 
 use std::io::{self, Read as _, Write as _};
 use std::ops::Range;
@@ -10,21 +10,21 @@ use std::time::{Duration, Instant};
 
 use crate::fuzz::Target;
 use crate::report::{Counts, Finding, Report};
-use crate::worker::{self, MISBEHAVE, PANICKED, REFUSED, WORKED};
+use crate::worker::{self, MISBEHAVE, PANICKED, REJECTED, WORKED};
 
-/// Cases in one child: each child has to load its models anew.
+/// Cases per child. Each child has to load its models.
 const LARGEST_BATCH: u64 = 5000;
-/// A case that takes longer hangs.
+/// Time after which a case is considered to hang.
 const LONGEST_CASE: Duration = Duration::from_secs(20);
 /// Address space of a child, KiB.
 const MEMORY: u64 = 4 << 20;
-/// A child that does nothing but crash would go on for ever.
+/// Largest number of findings, because a child that always crashes would never finish.
 const MOST_FINDINGS: usize = 1000;
 
 const USAGE: &str = "usage: campaign [--sequences N] [--binaries N] [--texts N] [--mjcf N] [--urdf N] [--archives N] [--plain N] \
                      [--first SEED] [--jobs N] [--progress]";
 
-/// What is to be done.
+/// A campaign: the number of cases per target, and its options.
 pub struct Campaign {
     cases: Vec<(Target, u64)>,
     first: u64,
@@ -33,7 +33,7 @@ pub struct Campaign {
 }
 
 impl Campaign {
-    /// The cases of `cargo test`.
+    /// Returns the cases of `cargo test`.
     pub fn bounded() -> Self {
         let cases = vec![
             (Target::Sequences, 3000),
@@ -69,8 +69,8 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Whether each thing that a child must not do is found.
-    pub fn finds_what_there_is() -> bool {
+    /// Returns whether every kind of misbehaviour of a child is detected.
+    pub fn detects_misbehaviour() -> bool {
         let folder = Folder::new(MISBEHAVE);
         let (counts, mut findings) = run_batch(MISBEHAVE, 0..worker::MISDEEDS, &folder.0, Duration::from_secs(3));
         findings.sort_by_key(|(seed, _)| *seed);
@@ -146,7 +146,7 @@ impl Campaign {
     }
 }
 
-/// An empty folder in which the children run: nothing may be written there that was not asked for.
+/// An empty folder in which the children run, and in which only expected files may appear.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -168,7 +168,7 @@ impl Drop for Folder {
     }
 }
 
-/// Runs the cases in as many children as it takes.
+/// Runs the cases in as many children as necessary.
 fn run_batch(target: &str, mut seeds: Range<u64>, folder: &Path, longest: Duration) -> (Counts, Vec<(u64, Finding)>) {
     let (mut counts, mut findings) = (Counts::default(), Vec::new());
     while !seeds.is_empty() && findings.len() < MOST_FINDINGS {
@@ -179,7 +179,7 @@ fn run_batch(target: &str, mut seeds: Range<u64>, folder: &Path, longest: Durati
     (counts, findings)
 }
 
-/// Runs cases in a child, and returns the first that has not been run.
+/// Runs cases in a child, and returns the first case that has not been run.
 fn run_child(
     target: &str,
     seeds: Range<u64>,
@@ -188,7 +188,7 @@ fn run_child(
     counts: &mut Counts,
     findings: &mut Vec<(u64, Finding)>,
 ) -> io::Result<u64> {
-    // A byte that no one may read.
+    // A byte that no case may read.
     let (stdin, mut writer) = io::pipe()?;
     writer.write_all(b"?")?;
     drop(writer);
@@ -199,7 +199,7 @@ fn run_child(
         .arg(std::env::current_exe()?)
         .args(["worker", target, &seeds.start.to_string(), &seeds.end.to_string()])
         .current_dir(folder)
-        // A child that crashes leaves its temporary files behind.
+        // A child that crashes leaves its temporary files.
         .env("TMPDIR", folder)
         .stdin(stdin)
         .stdout(Stdio::piped())
@@ -213,7 +213,7 @@ fn run_child(
             Ok(mark) => {
                 match mark {
                     WORKED => counts.worked += 1,
-                    REFUSED => counts.refused += 1,
+                    REJECTED => counts.rejected += 1,
                     PANICKED => findings.push((seed, Finding::Panic)),
                     // The case printed to standard output or standard error.
                     _ => {
@@ -260,7 +260,7 @@ fn end(status: ExitStatus) -> Finding {
     Finding::Exit { code: status.code().unwrap_or(-1) }
 }
 
-/// The bytes that the child writes, as they come.
+/// Returns a channel of the bytes that the child writes.
 fn marks(child: &mut Child) -> mpsc::Receiver<u8> {
     let mut output = child.stdout.take().expect("the child's output is a pipe");
     let (sender, receiver) = mpsc::channel();

@@ -1,8 +1,7 @@
-//! Fuzzing: safe calls, damaged binary models and damaged texts, in child processes, so that a crash is counted and not
-//! suffered.
+//! Fuzzing of safe calls, binary models and texts in child processes, so that a crash is a finding and does not end the campaign.
 //!
-//! Run by `cargo test`, it does a bounded number of cases, the same ones each time. `scripts/fuzz` does as many as it is told.
-//! A case that was found is repeated, with a list of the calls in it, by
+//! `cargo test` runs a bounded number of fixed cases. `scripts/fuzz` runs as many as requested. A finding is reproduced, with a
+//! list of its calls, by
 //!
 //! ```text
 //! cargo test --test fuzz -- case sequences 123
@@ -51,7 +50,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What `cargo test` runs: with the options that it passes on to every test program.
+/// Runs what `cargo test` runs, with the options that it passes to every test program.
 fn bounded(words: &[&str]) -> ExitCode {
     if words.contains(&"--list") {
         println!("fuzz: test");
@@ -66,7 +65,7 @@ fn bounded(words: &[&str]) -> ExitCode {
         println!("fuzz: nothing to run");
         return ExitCode::SUCCESS;
     }
-    if !Campaign::finds_what_there_is() {
+    if !Campaign::detects_misbehaviour() {
         return ExitCode::FAILURE;
     }
     Campaign::bounded().run()

@@ -1,11 +1,11 @@
-//! What was found, as a table.
+//! Findings and counts as a table.
 
 use std::fmt;
 use std::time::Duration;
 
 use crate::fuzz::Target;
 
-/// What no case may do.
+/// A forbidden behaviour of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
     Crash {
@@ -16,9 +16,9 @@ pub enum Finding {
     },
     Hang,
     Panic,
-    /// Something was read from standard input.
+    /// The case read from standard input.
     StandardInput,
-    /// Something was written to standard output.
+    /// The case wrote to standard output or standard error.
     Print,
 }
 
@@ -26,8 +26,8 @@ pub enum Finding {
 pub struct Counts {
     pub cases: u64,
     pub worked: u64,
-    pub refused: u64,
-    /// How long the slowest case took, with the time to start a process, and which it was.
+    pub rejected: u64,
+    /// Duration and seed of the slowest case, including the start of a process.
     pub slowest: (Duration, u64),
 }
 
@@ -40,7 +40,7 @@ pub struct Report {
 }
 
 impl Report {
-    pub const HEADING: &'static str = "             cases    worked   refused  crashes   exits   hangs  panics   stdin   prints  seconds  slowest (seed)";
+    pub const HEADING: &'static str = "             cases    worked  rejected  crashes   exits   hangs  panics   stdin   prints  seconds  slowest (seed)";
 
     pub fn new(target: Target) -> Self {
         Self { target, counts: Counts::default(), findings: Vec::new(), files: Vec::new(), seconds: 0.0 }
@@ -49,7 +49,7 @@ impl Report {
     pub fn add(&mut self, counts: &Counts, findings: Vec<(u64, Finding)>) {
         self.counts.cases += counts.cases;
         self.counts.worked += counts.worked;
-        self.counts.refused += counts.refused;
+        self.counts.rejected += counts.rejected;
         self.counts.slowest = self.counts.slowest.max(counts.slowest);
         self.findings.extend(findings);
         self.findings.sort_by_key(|(seed, _)| *seed);
@@ -60,7 +60,7 @@ impl Report {
         &self.findings
     }
 
-    /// Files that appeared without anyone asking for them.
+    /// Records unexpected files.
     pub fn unexpected_files(&mut self, files: Vec<String>) {
         self.files = files;
     }
@@ -73,10 +73,10 @@ impl Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |is: fn(&Finding) -> bool| self.findings.iter().filter(|(_, finding)| is(finding)).count();
-        let Counts { cases, worked, refused, slowest } = &self.counts;
+        let Counts { cases, worked, rejected, slowest } = &self.counts;
         write!(
             f,
-            "{:10} {cases:>7} {worked:>9} {refused:>9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8.1} {:>6.2} s ({})",
+            "{:10} {cases:>7} {worked:>9} {rejected:>9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8.1} {:>6.2} s ({})",
             self.target.name(),
             count(|finding| matches!(finding, Finding::Crash { .. })),
             count(|finding| matches!(finding, Finding::Exit { .. })),

@@ -1,4 +1,4 @@
-//! Band matrices, against the same as dense ones.
+//! Band matrices against dense matrices.
 
 use mujoco_safe::math::{self, BandShape};
 use mujoco_safe::{Error, Matrix};
@@ -12,7 +12,7 @@ use crate::{assert_near, numbers, random};
 const SHAPES: [(usize, usize, usize); 9] =
     [(1, 1, 0), (5, 1, 0), (6, 2, 0), (6, 3, 1), (7, 3, 7), (8, 4, 3), (4, 9, 1), (0, 0, 0), (9, 2, 2)];
 
-/// A positive definite matrix that is zero outside of the band.
+/// Returns a positive definite matrix that is zero outside of the band.
 fn banded(random: &mut impl Rng, shape: BandShape) -> DMatrix<f64> {
     let n = shape.ntotal();
     let mut full = definite(random, n) + DMatrix::from_diagonal_element(n, n, 3.0 * n as f64);
@@ -25,8 +25,8 @@ fn banded(random: &mut impl Rng, shape: BandShape) -> DMatrix<f64> {
     full
 }
 
-fn kept(full: &DMatrix<f64>, shape: BandShape) -> Vec<f64> {
-    // The places that are not used have numbers that must not be.
+fn band_of(full: &DMatrix<f64>, shape: BandShape) -> Vec<f64> {
+    // Unused elements have numbers that must not be used.
     let mut band = vec![f64::NAN; shape.len()];
     math::dense2band(&mut band, &Matrix::from(full), shape).unwrap();
     band
@@ -42,10 +42,10 @@ fn subjects() -> impl Iterator<Item = (BandShape, DMatrix<f64>)> {
 }
 
 #[test]
-fn a_band_matrix_is_the_dense_one() {
+fn conversions_between_band_and_dense_round_trip() {
     for (shape, full) in subjects() {
         let n = shape.ntotal();
-        let band = kept(&full, shape);
+        let band = band_of(&full, shape);
         assert_eq!(band.len(), (n - shape.ndense()) * shape.nband() + shape.ndense() * n);
         let mut dense = Matrix::from_row_major(n, n, vec![9.0; n * n]);
         math::band2dense(&mut dense, &band, shape, true).unwrap();
@@ -59,10 +59,10 @@ fn a_band_matrix_is_the_dense_one() {
 }
 
 #[test]
-fn products_are_those_of_the_dense_matrix() {
+fn products_equal_dense_products() {
     let mut random = random(31);
     for (shape, full) in subjects() {
-        let band = kept(&full, shape);
+        let band = band_of(&full, shape);
         for nvec in [0, 1, 3] {
             let vec = Matrix::from_row_major(nvec, shape.ntotal(), numbers(&mut random, nvec * shape.ntotal()));
             let mut res = Matrix::zeros(nvec, shape.ntotal());
@@ -76,7 +76,7 @@ fn products_are_those_of_the_dense_matrix() {
 }
 
 #[test]
-fn factors_and_solutions_are_those_of_the_dense_matrix() {
+fn factors_and_solutions_equal_dense_ones() {
     let mut random = random(32);
     for (shape, full) in subjects() {
         let n = shape.ntotal();
@@ -84,7 +84,7 @@ fn factors_and_solutions_are_those_of_the_dense_matrix() {
         let sum =
             &full + DMatrix::from_diagonal_element(n, n, diagadd) + diagmul * DMatrix::from_diagonal(&full.diagonal());
         let cholesky = sum.cholesky().unwrap();
-        let mut band = kept(&full, shape);
+        let mut band = band_of(&full, shape);
         let smallest = math::chol_factor_band(&mut band, shape, diagadd, diagmul).unwrap().unwrap();
         let expected = cholesky.l().diagonal().iter().map(|value| value * value).fold(f64::INFINITY, f64::min);
         assert!(smallest == expected || (smallest - expected).abs() < 1e-10 * expected, "{smallest}, {expected}");
@@ -111,7 +111,7 @@ fn a_matrix_that_is_not_positive_definite_has_no_factor() {
 }
 
 #[test]
-fn shapes_that_cannot_be_are_refused() {
+fn invalid_shapes_are_rejected() {
     for (ntotal, nband, ndense) in [(3, 2, 4), (3, 0, 2), (usize::MAX, 2, 0), (usize::MAX, 1, 1)] {
         let error = BandShape::new(ntotal, nband, ndense).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{error}");
@@ -121,17 +121,17 @@ fn shapes_that_cannot_be_are_refused() {
 
 #[test]
 #[should_panic(expected = "row 3 of a band matrix of 3 rows")]
-fn a_row_that_is_not_there_has_no_diagonal() {
+fn the_diagonal_of_a_row_out_of_range_panics() {
     BandShape::new(3, 2, 1).unwrap().band_diag(3);
 }
 
 proptest! {
     #[test]
-    fn of_any_shape_the_solution_solves(ntotal in 0_usize..12, nband in 1_usize..14, ndense in 0_usize..12, seed: u64) {
+    fn solutions_satisfy_the_equation_for_any_shape(ntotal in 0_usize..12, nband in 1_usize..14, ndense in 0_usize..12, seed: u64) {
         let shape = BandShape::new(ntotal, nband, ndense.min(ntotal)).unwrap();
         let mut random = random(seed);
         let full = banded(&mut random, shape);
-        let mut band = kept(&full, shape);
+        let mut band = band_of(&full, shape);
         math::chol_factor_band(&mut band, shape, 0.0, 0.0).unwrap().unwrap();
         let vec = numbers(&mut random, ntotal);
         let mut res = vec![0.0; ntotal];

@@ -1,5 +1,5 @@
-//! Quadratic programmes in a box: the conditions of Karush, Kuhn and Tucker, which a point satisfies exactly where it is the
-//! minimum, and numbers of scipy's.
+//! Quadratic programs with box constraints: the Karush–Kuhn–Tucker conditions, which are necessary and sufficient for the
+//! minimum, and SciPy's numbers.
 
 use mujoco_safe::math::{self, BoxQp, BoxQpStatus};
 use mujoco_safe::{Error, Matrix};
@@ -12,7 +12,7 @@ const H: [[f64; 4]; 4] = [[4.0, 1.0, 0.5, -1.0], [1.0, 3.0, -0.5, 0.25], [0.5, -
 const G: [f64; 4] = [-8.0, 1.5, -6.0, 2.0];
 
 #[test]
-fn solutions_are_scipys() {
+fn solutions_equal_scipys() {
     // scipy.optimize.lsq_linear(Lᵀ, −L⁻¹ g, bounds, method="bvls") of scipy 1.15.3.
     let mut solver = BoxQp::new(4);
     let mut x = [0.0; 4];
@@ -21,7 +21,7 @@ fn solutions_are_scipys() {
     assert_eq!(solution.status, BoxQpStatus::Solved);
     assert_eq!(solution.index, [1, 2, 3]);
     assert_near(&x, &[1.5, -0.561_748_585_572_843_9, 2.518_011_845_827_439_6, -0.222_993_281_471_003_83], 1e-12);
-    // Every coordinate is held; the start is outside.
+    // Every coordinate is at a bound; the start is infeasible.
     let mut x = [100.0, -100.0, 0.0, 0.0];
     let solution = solver.solve(&mut x, &H, &G, Some(&[-1.0, -0.2, -3.0, -0.1]), Some(&[1.5, 2.0, 1.25, 0.4])).unwrap();
     assert_eq!((solution.status, solution.index.len(), solution.factor.shape()), (BoxQpStatus::Solved, 0, (0, 0)));
@@ -29,7 +29,7 @@ fn solutions_are_scipys() {
 }
 
 #[test]
-fn without_bounds_it_is_a_linear_system() {
+fn without_bounds_the_solution_is_that_of_the_linear_system() {
     let mut random = random(40);
     for n in [0, 1, 3, 12] {
         let h = definite(&mut random, n);
@@ -50,21 +50,21 @@ fn without_bounds_it_is_a_linear_system() {
 }
 
 #[test]
-fn a_matrix_without_a_minimum_is_told() {
+fn an_indefinite_matrix_is_reported() {
     for corner in [-1.0, 0.0, f64::NAN] {
         let mut x = [0.0; 2];
         let solution =
             BoxQp::new(2).solve(&mut x, &[[1.0, 0.0], [0.0, corner]], &[1.0, 1.0], None, None).unwrap().status;
         assert_eq!(solution, BoxQpStatus::NotPositiveDefinite, "{corner}");
     }
-    // Numbers that cannot be computed with come to an end.
+    // Numbers on which computations break down must still terminate.
     let h = [[f64::INFINITY, 0.0], [0.0, 1.0]];
     let status = BoxQp::new(2).solve(&mut [0.0; 2], &h, &[1.0, 1.0], None, None).unwrap().status;
     assert_ne!(status, BoxQpStatus::Solved);
 }
 
 #[test]
-fn bounds_that_bound_nothing_and_bounds_that_leave_nothing() {
+fn infinite_bounds_and_equal_bounds() {
     let mut solver = BoxQp::new(1);
     let mut x = [0.0];
     let none = [f64::NEG_INFINITY];
@@ -75,7 +75,7 @@ fn bounds_that_bound_nothing_and_bounds_that_leave_nothing() {
 }
 
 #[test]
-fn what_is_no_problem_is_refused() {
+fn invalid_problems_are_rejected() {
     let mut solver = BoxQp::new(1);
     let mut solve = |x: f64, g: f64, lower: f64, upper: f64| {
         solver.solve(&mut [x], &[[1.0]], &[g], Some(&[lower]), Some(&[upper])).map(|solution| solution.status)
@@ -95,7 +95,7 @@ fn what_is_no_problem_is_refused() {
 
 proptest! {
     #[test]
-    fn the_solution_satisfies_the_conditions_of_a_minimum(n in 1_usize..12, seed: u64, scale in -6_i32..7) {
+    fn solutions_satisfy_the_kkt_conditions(n in 1_usize..12, seed: u64, scale in -6_i32..7) {
         let mut random = random(seed);
         let scale = 10_f64.powi(scale);
         let h = Matrix::from(&(definite(&mut random, n) * scale));

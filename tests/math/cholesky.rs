@@ -1,4 +1,4 @@
-//! Cholesky's factorisation, against nalgebra's and the engine's.
+//! Cholesky factorisation against nalgebra and the engine.
 
 use mujoco_safe::{Matrix, math};
 use nalgebra::{DMatrix, DVector};
@@ -6,7 +6,7 @@ use rand::Rng;
 
 use crate::{assert_near, assert_same, c, numbers, random};
 
-/// Symmetric and positive definite.
+/// Returns a symmetric positive definite matrix.
 pub(crate) fn definite(random: &mut impl Rng, n: usize) -> DMatrix<f64> {
     let root = DMatrix::from_vec(n, n, numbers(random, n * n));
     &root * root.transpose() + DMatrix::identity(n, n)
@@ -17,7 +17,7 @@ fn lower(factor: &Matrix) -> DMatrix<f64> {
 }
 
 #[test]
-fn factors_and_solutions_are_nalgebras() {
+fn factors_and_solutions_equal_nalgebras() {
     let mut random = random(20);
     for n in [0, 1, 2, 5, 17] {
         let full = definite(&mut random, n);
@@ -36,7 +36,7 @@ fn factors_and_solutions_are_nalgebras() {
 }
 
 #[test]
-fn updates_are_factors_of_the_sum_and_the_difference() {
+fn updates_and_downdates_equal_factors_of_the_sum_and_difference() {
     let mut random = random(21);
     for n in [1, 2, 6, 13] {
         let full = definite(&mut random, n);
@@ -54,7 +54,7 @@ fn updates_are_factors_of_the_sum_and_the_difference() {
 }
 
 #[test]
-fn a_matrix_of_too_low_a_rank_has_the_engines_factor() {
+fn a_rank_deficient_matrix_has_the_engines_factor() {
     // Of rank 2.
     let mut ours = Matrix::from_rows(&[[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 2.0]]);
     let mut theirs = ours.as_slice().to_vec();
@@ -68,7 +68,7 @@ fn a_matrix_of_too_low_a_rank_has_the_engines_factor() {
 }
 
 #[test]
-fn numbers_that_are_none_go_through() {
+fn nan_propagates() {
     let mut mat = Matrix::from_rows(&[[f64::NAN, 0.0], [0.0, 1.0]]);
     math::chol_factor(&mut mat, 1e-15).unwrap();
     let mut vec = [1.0, 1.0];

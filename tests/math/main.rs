@@ -1,5 +1,5 @@
-//! The mathematics: each function against the engine's own where there is one, called directly, and against nalgebra, an
-//! identity or numbers of scipy's; and each size check with one wrong size at a time.
+//! Mathematical functions: against the engine's functions where they exist, and against nalgebra, identities or SciPy's
+//! numbers; and their size checks.
 
 #[path = "../common/arbitrary.rs"]
 mod arbitrary;
@@ -22,7 +22,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// A call in C.
 macro_rules! c {
     ($function:ident($($argument:expr),* $(,)?)) => {
-        // SAFETY: every test calls with arrays of the sizes that it names.
+        // SAFETY: every test passes arrays of the required sizes.
         unsafe { mujoco_safe::sys::$function($($argument),*) }
     };
 }
@@ -32,7 +32,7 @@ fn random(seed: u64) -> Xoshiro256PlusPlus {
     Xoshiro256PlusPlus::seed_from_u64(seed)
 }
 
-/// Numbers between −1 and 1.
+/// Returns numbers between −1 and 1.
 fn numbers(random: &mut impl Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| random.random_range(-1.0..1.0)).collect()
 }
@@ -41,14 +41,14 @@ fn array<const N: usize>(random: &mut impl Rng) -> [f64; N] {
     std::array::from_fn(|_| random.random_range(-1.0..1.0))
 }
 
-/// A quaternion of length 1.
+/// Returns a unit quaternion.
 fn unit(random: &mut impl Rng) -> [f64; 4] {
     let quat: [f64; 4] = array(random);
     let length = quat.iter().map(|value| value * value).sum::<f64>().sqrt();
     quat.map(|value| value / length)
 }
 
-/// Bit for bit.
+/// Asserts equality bit for bit.
 #[track_caller]
 fn assert_same(ours: &[f64], theirs: &[f64]) {
     let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();

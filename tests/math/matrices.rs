@@ -1,4 +1,4 @@
-//! Dense matrices, against nalgebra's.
+//! Dense matrices against nalgebra.
 
 use mujoco_safe::{Data, Matrix, MatrixView, MatrixViewMut, math, sample};
 
@@ -17,7 +17,7 @@ fn assert_is(ours: &Matrix, theirs: &nalgebra::DMatrix<f64>) {
 }
 
 #[test]
-fn products_are_nalgebras() {
+fn products_equal_nalgebras() {
     let mut random = random(10);
     for (r, k, s) in SHAPES {
         let (a, b) = (matrix(&mut random, r, k), matrix(&mut random, k, s));
@@ -60,7 +60,7 @@ fn products_are_nalgebras() {
 }
 
 #[test]
-fn products_are_the_engines() {
+fn products_equal_c() {
     let mut random = random(11);
     let (a, b) = (matrix(&mut random, 6, 7), matrix(&mut random, 7, 5));
     let (mut ours, mut theirs) = (Matrix::zeros(6, 5), [0.0; 30]);
@@ -70,7 +70,7 @@ fn products_are_the_engines() {
 }
 
 #[test]
-fn a_form_of_two_vectors_is_the_product_of_all_three() {
+fn a_bilinear_form_equals_the_product() {
     let mut random = random(12);
     for n in [0, 1, 4, 9] {
         let mat = matrix(&mut random, n, n);
@@ -99,11 +99,11 @@ fn symmetric_parts_and_identities() {
 }
 
 #[test]
-fn arrays_of_the_engine_are_matrices() {
+fn arrays_of_the_engine_are_usable_as_matrices() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.qvel_mut()[5] = 0.7;
     data.forward().unwrap();
-    // The spatial velocity of the last body is that of its degrees of freedom, along their axes.
+    // The spatial velocity of the last body is the combination of the velocities of its degrees of freedom along their axes.
     let mut all = [0.0; 6];
     let root = &data.cdof()[..6];
     math::mul_mat_t_vec(&mut all, root, &data.qvel()[..6]).unwrap();
@@ -111,7 +111,7 @@ fn arrays_of_the_engine_are_matrices() {
 }
 
 #[test]
-fn views_of_slices_and_arrays_are_written_to_and_read() {
+fn views_of_slices_and_arrays_are_readable_and_writable() {
     let mut values = [0.0; 6];
     let view = MatrixView::from_row_major(2, 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     let mut target = MatrixViewMut::from_row_major(3, 2, &mut values);
@@ -126,6 +126,6 @@ fn views_of_slices_and_arrays_are_written_to_and_read() {
 
 #[test]
 #[should_panic(expected = "a matrix of 2 rows and 3 columns needs 6 values, not 5")]
-fn a_view_of_too_few_values_is_refused() {
+fn a_view_of_too_few_values_panics() {
     MatrixViewMut::from_row_major(2, 3, &mut [0.0; 5]);
 }

@@ -1,4 +1,4 @@
-//! What 2.2.2 lacks, against the same functions of a newer engine: numbers recorded from the Python module of MuJoCo 3.1.6.
+//! Functions that 2.2.2 lacks, against the Python module of MuJoCo 3.1.6, from which the numbers were recorded.
 
 use mujoco_safe::Matrix;
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
@@ -15,7 +15,7 @@ const FULL: [[f64; 5]; 5] = [
 ];
 
 #[test]
-fn band_matrices_are_kept_and_factorised_as_there() {
+fn band_matrices_and_factors_equal_the_newer_engine() {
     let shape = BandShape::new(5, 2, 1).unwrap();
     let mut band = vec![0.0; shape.len()];
     math::dense2band(&mut band, &FULL, shape).unwrap();
@@ -57,7 +57,7 @@ fn band_matrices_are_kept_and_factorised_as_there() {
 }
 
 #[test]
-fn a_quadratic_programme_has_the_solution_and_the_factor_that_it_has_there() {
+fn quadratic_programs_equal_the_newer_engine() {
     let h = [[4.0, 1.0, 0.5, -1.0], [1.0, 3.0, -0.5, 0.25], [0.5, -0.5, 2.0, 0.3], [-1.0, 0.25, 0.3, 5.0]];
     let (lower, upper) = ([-1.0, -3.0, -3.0, -0.25], [1.5, 2.0, 10.0, 4.0]);
     let (mut x, mut solver) = ([0.0; 4], BoxQp::new(4));
@@ -75,7 +75,7 @@ fn a_quadratic_programme_has_the_solution_and_the_factor_that_it_has_there() {
 }
 
 #[test]
-fn derivatives_of_quaternions_are_those_of_there() {
+fn derivatives_of_quaternions_equal_the_newer_engine() {
     let derivative = math::sub_quat_derivative(&[0.5, -0.5, 0.5, 0.5], &[0.8, 0.0, 0.6, 0.0]);
     let da = [
         0.991_358_697_981_812_6,
@@ -121,7 +121,7 @@ fn derivatives_of_quaternions_are_those_of_there() {
 }
 
 #[test]
-fn euler_angles_about_moving_and_standing_axes_are_those_of_there() {
+fn euler_angles_equal_the_newer_engine() {
     let quat = [0.232_649_028_605_833_9, -0.435_530_330_865_275_3, -0.306_014_489_582_654, 0.813_967_378_062_913_1];
     assert_near(&math::euler2quat(&[0.3, -1.1, 2.4], "xYz").unwrap(), &quat, 1e-15);
 }

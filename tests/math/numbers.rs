@@ -1,4 +1,4 @@
-//! Functions of numbers, forces of contacts, rays: against formulae, and the engine.
+//! Scalar functions, friction pyramids and rays, against formulae and the engine.
 
 use mujoco_safe::math::{self, SkinHit};
 use mujoco_safe::{Error, GeomType};
@@ -7,7 +7,7 @@ use rand::RngExt;
 use crate::{array, assert_near, assert_same, c, numbers, random};
 
 #[test]
-fn a_spring_and_damper_moves_as_the_equation_says() {
+fn a_spring_and_damper_follows_its_equation() {
     let mut random = random(70);
     for (kp, kv) in [(4.0, 0.5), (4.0, 4.0), (4.0, 9.0), (0.0, 2.0)] {
         let (pos0, vel0) = (random.random_range(-1.0..1.0), random.random_range(-1.0..1.0));
@@ -21,7 +21,7 @@ fn a_spring_and_damper_moves_as_the_equation_says() {
 }
 
 #[test]
-fn muscles_are_the_engines() {
+fn muscles_equal_c() {
     // Recorded from the engine's Python module, version 2.2.2.
     let prm = [0.75, 1.05, -1.0, 200.0, 0.5, 1.6, 1.5, 1.3, 1.2];
     let lengthrange = [0.1, 0.4];
@@ -36,7 +36,7 @@ fn the_sigmoid_is_a_smooth_step() {
 }
 
 #[test]
-fn haltons_sequence_mirrors_the_digits() {
+fn the_halton_sequence_reverses_the_digits() {
     for base in [2_u32, 3, 10] {
         for index in 0..200_u32 {
             let (mut rest, mut place, mut expected) = (index, 1.0, 0.0);
@@ -48,7 +48,7 @@ fn haltons_sequence_mirrors_the_digits() {
             assert_near(&[math::halton(index, base).unwrap()], &[expected], 1e-15);
         }
     }
-    // The engine would divide by zero, never end, or take them for negative numbers.
+    // The engine would divide by zero, never return, or treat them as negative numbers.
     for (index, base) in [(5, 0), (5, 1), (5, 1 << 31), (1 << 31, 2)] {
         assert!(matches!(math::halton(index, base), Err(Error::Invalid { .. })), "{index}, {base}");
     }
@@ -56,12 +56,12 @@ fn haltons_sequence_mirrors_the_digits() {
 }
 
 #[test]
-fn pyramids_are_the_engines_and_their_inverse() {
+fn pyramids_equal_c_and_invert() {
     let mut random = random(71);
     for dim in [3, 4, 6] {
         let mu: Vec<f64> = numbers(&mut random, dim - 1).iter().map(|value| 1.5 + value).collect();
         let mut force = numbers(&mut random, dim);
-        force[0] = 20.0; // firmly pressed, so inside of the pyramid
+        force[0] = 20.0; // a large normal force, so inside the pyramid
         let (mut pyramid, mut theirs) = (vec![0.0; 2 * (dim - 1)], vec![0.0; 2 * (dim - 1)]);
         math::encode_pyramid(&mut pyramid, &force, &mu).unwrap();
         c!(mju_encodePyramid(theirs.as_mut_ptr(), force.as_ptr(), mu.as_ptr(), dim as i32));
@@ -79,7 +79,7 @@ fn pyramids_are_the_engines_and_their_inverse() {
 }
 
 #[test]
-fn rays_meet_shapes_where_they_are() {
+fn rays_meet_shapes_at_the_right_distance() {
     let upright = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let size = [0.3, 0.4, 0.5];
     let down = [0.0, 0.0, -2.0];
@@ -87,7 +87,7 @@ fn rays_meet_shapes_where_they_are() {
     for (kind, distance) in [
         (GeomType::Plane, 1.5),
         (GeomType::Sphere, 1.35),
-        (GeomType::Capsule, 1.15), // half a length of 0.4 and a radius of 0.3
+        (GeomType::Capsule, 1.15), // half length 0.4 plus radius 0.3
         (GeomType::Ellipsoid, 1.25),
         (GeomType::Cylinder, 1.3),
         (GeomType::Box, 1.25),
@@ -99,7 +99,7 @@ fn rays_meet_shapes_where_they_are() {
     for kind in [GeomType::Mesh, GeomType::HeightField] {
         assert!(matches!(from_above(kind), Err(Error::Invalid { .. })));
     }
-    // Shapes of no sense are missed or met, and nothing else; rays of no sense are refused.
+    // Invalid shapes may be missed or met. Invalid rays are rejected.
     let mut random = random(72);
     for kind in [GeomType::Plane, GeomType::Sphere, GeomType::Capsule, GeomType::Ellipsoid, GeomType::Box] {
         for value in [0.0, f64::NAN, f64::INFINITY, -1.0] {

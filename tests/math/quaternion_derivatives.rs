@@ -1,4 +1,4 @@
-//! The derivatives of differences and sums of quaternions, against differences of the engine's functions.
+//! Derivatives of quaternion subtraction and integration against finite differences of the engine's functions.
 
 use mujoco_safe::math;
 
@@ -6,7 +6,7 @@ use crate::{array, assert_near, c, random, unit};
 
 const EPS: f64 = 1e-6;
 
-/// `quat`, turned about its own axis `axis` by `angle`.
+/// Returns `quat` rotated about its local axis `axis` by `angle`.
 fn turned(quat: &[f64; 4], axis: usize, angle: f64) -> [f64; 4] {
     let mut vel = [0.0; 3];
     vel[axis] = angle;
@@ -25,7 +25,7 @@ fn difference(qa: &[f64; 4], qb: &[f64; 4]) -> [f64; 3] {
     res
 }
 
-/// Row `i`, column `j`: component `i` of the central difference by argument `j`.
+/// Returns the central differences: row `i`, column `j` is component `i` by argument `j`.
 fn by_differences(of: impl Fn(usize, f64) -> [f64; 3]) -> [f64; 9] {
     let columns = [0, 1, 2].map(|j| {
         let (plus, minus) = (of(j, EPS), of(j, -EPS));
@@ -35,11 +35,11 @@ fn by_differences(of: impl Fn(usize, f64) -> [f64; 3]) -> [f64; 9] {
 }
 
 #[test]
-fn sub_quat_changes_as_its_derivative_says() {
+fn the_derivative_of_sub_quat_equals_differences() {
     let mut random = random(60);
     for trial in 0..200 {
         let qb = unit(&mut random);
-        // Near to each other, far, and equal.
+        // Close to each other, distant, and equal.
         let scale = [1.0, 1e-2, 1e-3, 1e-4, 0.0][trial % 5];
         let vector: [f64; 3] = array::<3>(&mut random).map(|value| 1.7 * value);
         let qa = integrated(&qb, &vector, scale);
@@ -50,7 +50,7 @@ fn sub_quat_changes_as_its_derivative_says() {
 }
 
 #[test]
-fn quat_integrate_changes_as_its_derivative_says() {
+fn the_derivative_of_quat_integrate_equals_differences() {
     let mut random = random(61);
     for trial in 0..200 {
         let quat = unit(&mut random);
@@ -72,8 +72,8 @@ fn quat_integrate_changes_as_its_derivative_says() {
 }
 
 #[test]
-fn the_series_for_small_angles_goes_on_where_the_formula_ends() {
-    // On both sides of the border between them, which is at 10⁻³.
+fn the_series_for_small_angles_is_continuous_with_the_formula() {
+    // On both sides of the threshold between the series and the formula, 10⁻³.
     let q = [1.0, 0.0, 0.0, 0.0];
     let axis = [0.6, -0.48, 0.64];
     let at = |angle: f64| {

@@ -1,4 +1,4 @@
-//! Quaternions, poses, spatial vectors, eigenvalues: against the engine, nalgebra and scipy.
+//! Quaternions, poses, spatial vectors and eigenvalues against the engine, nalgebra and SciPy.
 
 use mujoco_safe::Error;
 use mujoco_safe::math::{self, Pose};
@@ -15,7 +15,7 @@ fn numbers(quat: &UnitQuaternion<f64>) -> [f64; 4] {
 }
 
 #[test]
-fn quaternions_are_nalgebras() {
+fn quaternions_equal_nalgebras() {
     let mut random = random(50);
     for _ in 0..100 {
         let (p, q) = (unit(&mut random), unit(&mut random));
@@ -37,7 +37,7 @@ fn quaternions_are_nalgebras() {
         let mut turned = q;
         math::quat_integrate(&mut turned, &vec, 0.7);
         assert_near(&turned, &numbers(&(y * UnitQuaternion::from_scaled_axis(0.7 * vector))), 1e-14);
-        // The derivative is that of a rotation in the world's frame.
+        // The derivative belongs to a rotation in the world frame.
         let eps = 1e-6;
         let later = UnitQuaternion::from_scaled_axis(eps * vector) * y;
         let difference = [0, 1, 2, 3].map(|at| (numbers(&later)[at] - q[at]) / eps);
@@ -51,7 +51,7 @@ fn quaternions_are_nalgebras() {
 }
 
 #[test]
-fn quaternions_are_the_engines() {
+fn quaternions_equal_c() {
     let mut random = random(51);
     let (p, q, vec): (_, _, [f64; 3]) = (unit(&mut random), unit(&mut random), array(&mut random));
     let mut theirs = [0.0; 9];
@@ -71,8 +71,8 @@ fn quaternions_are_the_engines() {
 }
 
 #[test]
-fn euler_angles_are_scipys() {
-    // scipy 1.15.3, Rotation.from_euler; there capital letters are the moving axes.
+fn euler_angles_equal_scipys() {
+    // scipy 1.15.3, Rotation.from_euler, where capital letters are intrinsic axes.
     let rigid = [
         ("xyz", [0.378_251_062_430_539_1, -0.435_530_330_865_275_3, -0.306_014_489_582_654, 0.757_360_282_053_409_3]),
         ("XYZ", [0.232_649_028_605_833_9, 0.527_858_849_335_889_9, -0.068_531_541_029_943_02, 0.813_967_378_062_913_1]),
@@ -91,13 +91,13 @@ fn euler_angles_are_scipys() {
         let sign = (ours[0] * quat[0]).signum();
         assert_near(&ours.map(|value| sign * value), &quat, 1e-15);
     }
-    // Moving and standing axes may be mixed: two about z, one of which the other does not move.
+    // Intrinsic and extrinsic axes may be mixed: two rotations about z, one of which does not rotate the other's axis.
     let mixed = math::euler2quat(&[0.4, 0.5, 0.0], "zZx").unwrap();
     assert_near(&mixed, &math::axis_angle2quat(&[0.0, 0.0, 1.0], 0.9), 1e-15);
 }
 
 #[test]
-fn sequences_of_axes_that_are_none_are_refused() {
+fn invalid_axis_sequences_are_rejected() {
     for seq in ["", "xy", "xyzx", "xyw", "xy ", "é1", "xy\0"] {
         let error = math::euler2quat(&[0.0; 3], seq).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{seq:?}: {error}");
@@ -125,7 +125,7 @@ fn poses_are_isometries() {
 }
 
 #[test]
-fn vectors_turn_with_matrices() {
+fn matrices_rotate_vectors() {
     let mut random = random(53);
     let (a, b): ([f64; 3], [f64; 3]) = (array(&mut random), array(&mut random));
     assert_near(&math::cross(&a, &b), Vector3::from(a).cross(&Vector3::from(b)).as_slice(), 1e-15);
@@ -137,7 +137,7 @@ fn vectors_turn_with_matrices() {
 
 #[test]
 fn power_does_not_depend_on_the_frame() {
-    // A motion and a force, taken elsewhere and turned, do the same work.
+    // A motion and a force, expressed at another point and in other axes, have the same power.
     let mut random = random(54);
     for _ in 0..20 {
         let (motion, force): ([f64; 6], [f64; 6]) = (array(&mut random), array(&mut random));
@@ -154,7 +154,7 @@ fn power_does_not_depend_on_the_frame() {
 }
 
 #[test]
-fn eigenvalues_are_nalgebras() {
+fn eigenvalues_equal_nalgebras() {
     let mut random = random(55);
     for _ in 0..50 {
         let half = Matrix3::from_row_slice(&array::<9>(&mut random));
@@ -165,7 +165,7 @@ fn eigenvalues_are_nalgebras() {
         assert_near(&found.eigval, &expected, 1e-10);
         let vectors = Matrix3::from_row_slice(&found.eigvec);
         let again = vectors * Matrix3::from_diagonal(&found.eigval.into()) * vectors.transpose();
-        // The engine ends with the rotation that would be smaller than 1.5·10⁻⁶.
+        // The engine stops at rotations smaller than 1.5·10⁻⁶.
         assert_near(again.as_slice(), full.as_slice(), 1e-5);
         assert_near(&[vectors.determinant()], &[1.0], 1e-12);
         assert_same(&math::quat2mat(&found.quat), &found.eigvec);

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use crate::arbitrary::{HUMANOID, any_number, bits};
 
-/// Rows and columns from none to six, and as many numbers.
+/// Shapes from zero to six rows and columns, with their numbers.
 fn any_matrix() -> impl Strategy<Value = (usize, usize, Vec<f64>)> {
     (0..7_usize, 0..7_usize).prop_flat_map(|(rows, columns)| {
         (Just(rows), Just(columns), prop::collection::vec(any_number(), rows * columns))
@@ -18,7 +18,7 @@ fn any_matrix() -> impl Strategy<Value = (usize, usize, Vec<f64>)> {
 
 proptest! {
     #[test]
-    fn a_matrix_has_its_values_row_by_row((rows, columns, values) in any_matrix()) {
+    fn a_matrix_stores_its_values_row_by_row((rows, columns, values) in any_matrix()) {
         let matrix = Matrix::from_row_major(rows, columns, values.clone());
         prop_assert_eq!(matrix.shape(), (rows, columns));
         prop_assert_eq!(bits(matrix.as_slice()), bits(&values));
@@ -32,7 +32,7 @@ proptest! {
     }
 
     #[test]
-    fn nalgebra_sees_each_value_in_its_place((rows, columns, values) in any_matrix()) {
+    fn nalgebra_views_have_each_value_in_its_place((rows, columns, values) in any_matrix()) {
         let matrix = Matrix::from_row_major(rows, columns, values);
         let (copy, transposed) = (matrix.to_nalgebra(), matrix.transposed());
         prop_assert_eq!((copy.shape(), transposed.shape()), ((rows, columns), (columns, rows)));
@@ -45,7 +45,7 @@ proptest! {
     }
 
     #[test]
-    fn to_nalgebra_and_back_is_the_same_matrix((rows, columns, values) in any_matrix()) {
+    fn conversion_to_nalgebra_and_back_keeps_the_matrix((rows, columns, values) in any_matrix()) {
         let matrix = Matrix::from_row_major(rows, columns, values.clone());
         prop_assert_eq!(bits(Matrix::from(&matrix.to_nalgebra()).as_slice()), bits(&values));
         prop_assert_eq!(Matrix::from(&matrix.to_nalgebra()).shape(), (rows, columns));
@@ -62,11 +62,11 @@ proptest! {
     }
 
     #[test]
-    fn the_transpose_multiplies_as_the_matrix_without_a_copy(
+    fn the_transposed_view_multiplies_like_the_matrix(
         (rows, columns, values) in any_matrix(),
         vector in prop::collection::vec(-1e3..1e3_f64, 7),
     ) {
-        // Moderate numbers, so that the order of a sum does not matter.
+        // Moderate numbers, so that the order of summation does not matter.
         let values: Vec<f64> = values.iter().map(|value| if value.abs() < 1e3 { *value } else { 1.0 }).collect();
         let matrix = Matrix::from_row_major(rows, columns, values);
         let vector = nalgebra::DVector::from_column_slice(&vector[..columns]);
@@ -81,13 +81,13 @@ proptest! {
 
 #[test]
 #[should_panic(expected = "needs 6 values, not 5")]
-fn values_that_do_not_fill_the_shape_panic() {
+fn values_that_do_not_match_the_shape_panic() {
     let _ = Matrix::from_row_major(2, 3, vec![0.0; 5]);
 }
 
 #[test]
 #[should_panic(expected = "row 2 of a matrix with 2 rows")]
-fn a_row_beyond_the_last_panics() {
+fn a_row_out_of_range_panics() {
     let _ = Matrix::zeros(2, 3).row(2);
 }
 
@@ -99,12 +99,12 @@ fn a_matrix_without_rows_has_no_row_0() {
 
 #[test]
 #[should_panic(expected = "index out of bounds")]
-fn a_column_beyond_the_last_is_not_the_next_row() {
+fn a_column_out_of_range_panics() {
     let _ = Matrix::zeros(2, 3)[(0, 3)];
 }
 
 #[test]
-fn a_matrix_without_columns_has_rows_without_values() {
+fn a_matrix_without_columns_has_empty_rows() {
     let matrix = Matrix::zeros(3, 0);
     assert_eq!((matrix.row(2), matrix.as_slice(), matrix.shape()), (&[][..], &[][..], (3, 0)));
     assert_eq!(matrix.transposed().shape(), (0, 3));
@@ -122,10 +122,10 @@ fn a_matrix_is_printed_row_by_row() {
 }
 
 #[test]
-fn matrices_of_another_shape_are_not_written_to() {
-    let mut data = Data::new(HUMANOID.clone()).expect("there is memory");
-    data.forward().expect("forward dynamics");
-    let torso = data.model().body("torso").expect("there is a torso").id();
+fn matrices_of_a_wrong_shape_are_not_written_to() {
+    let mut data = Data::new(HUMANOID.clone()).unwrap();
+    data.forward().unwrap();
+    let torso = data.model().body("torso").unwrap().id();
     let nv = data.model().nv();
     for (rows, columns) in [(nv, 3), (3, nv - 1), (3, nv + 1), (2, nv), (1, 3 * nv), (0, 0)] {
         let mut wrong = Matrix::zeros(rows, columns);
@@ -134,7 +134,7 @@ fn matrices_of_another_shape_are_not_written_to() {
             data.jac_body_into(torso, None, Some(&mut wrong)),
             data.jac_subtree_com_into(torso, &mut wrong),
         ] {
-            let error = result.expect_err("a wrong shape");
+            let error = result.unwrap_err();
             assert!(
                 matches!(error, Error::Shape { expected, found, .. } if expected == (3, nv) && found == (rows, columns)),
                 "{error}"

@@ -1,13 +1,13 @@
-//! Each size check, with one wrong size at a time.
+//! Size checks, one wrong size at a time.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::math::{self, BandShape, BoxQp};
 use mujoco_safe::{Error, Matrix, Result};
 
-/// `call(sizes)` goes through with the sizes that are given, and is an [`Error::Shape`] if one of them is one less or one more.
+/// Asserts that `call(sizes)` succeeds with the given sizes, and is an [`Error::Shape`] if any size is one less or one more.
 #[track_caller]
 fn checks<const N: usize, T>(right: [usize; N], mut call: impl FnMut([usize; N]) -> Result<T>) {
-    call(right).map(drop).expect("the right sizes");
+    call(right).map(drop).unwrap();
     for at in 0..N {
         for wrong in [right[at] + 1, right[at] - 1] {
             let mut sizes = right;
@@ -27,7 +27,7 @@ fn m(nrows: usize, ncols: usize) -> Matrix {
 }
 
 #[test]
-fn of_vectors() {
+fn vector_functions_check_sizes() {
     checks([3, 3], |[a, b]| math::copy(&mut v(a), &v(b)));
     checks([3, 3], |[a, b]| math::f2n(&mut v(a), &vec![0.0; b]));
     checks([3, 3], |[a, b]| math::n2f(&mut vec![0.0; a], &v(b)));
@@ -42,7 +42,7 @@ fn of_vectors() {
 }
 
 #[test]
-fn of_matrices() {
+fn matrix_functions_check_sizes() {
     checks([2, 2, 3, 3], |[r, mr, mc, c]| math::mul_mat_vec(&mut v(r), &m(mr, mc), &v(c)));
     checks([3, 2, 3, 2], |[r, mr, mc, c]| math::mul_mat_t_vec(&mut v(r), &m(mr, mc), &v(c)));
     checks([3, 3, 3, 3], |[a, mr, mc, b]| math::mul_vec_mat_vec(&v(a), &m(mr, mc), &v(b)));
@@ -58,7 +58,7 @@ fn of_matrices() {
 }
 
 #[test]
-fn of_factorisations() {
+fn factorisations_check_sizes() {
     checks([3, 3], |[a, b]| math::chol_factor(&mut m(a, b), 1e-15));
     checks([3, 3, 3, 3], |[a, b, c, d]| math::chol_solve(&mut v(a), &m(b, c), &v(d)));
     checks([3, 3, 3], |[a, b, c]| math::chol_solve_in_place(&m(a, b), &mut v(c)));
@@ -75,7 +75,7 @@ fn of_factorisations() {
 }
 
 #[test]
-fn of_quadratic_programmes() {
+fn quadratic_programs_check_sizes() {
     checks([2, 2, 2, 2, 2, 2], |[x, hr, hc, g, lower, upper]| {
         let h = Matrix::from(&nalgebra::DMatrix::identity(hr, hc));
         BoxQp::new(2)
@@ -85,17 +85,17 @@ fn of_quadratic_programmes() {
 }
 
 #[test]
-fn of_pyramids() {
+fn pyramids_check_sizes() {
     checks([4, 3, 2], |[pyramid, force, mu]| math::encode_pyramid(&mut v(pyramid), &v(force), &v(mu)));
     checks([3, 4, 2], |[force, pyramid, mu]| math::decode_pyramid(&mut v(force), &v(pyramid), &v(mu)));
-    // Without friction the engine reads one number of the pyramid, however many there are.
+    // Without friction the engine reads one number of the pyramid, whatever its length.
     checks([1, 1], |[pyramid, force]| math::encode_pyramid(&mut v(pyramid), &v(force), &[]));
     checks([1, 1], |[force, pyramid]| math::decode_pyramid(&mut v(force), &v(pyramid), &[]));
 }
 
 #[test]
-fn beyond_what_the_engine_can_count_is_an_error() {
-    // Matrices without numbers may have more rows than a C int counts.
+fn sizes_beyond_a_c_int_are_errors() {
+    // Matrices without numbers may have more rows than a C int holds.
     let (rows, columns) = (m(1 << 40, 0), m(0, 1 << 40));
     for result in [
         math::mul_mat_mat(&mut m(0, 0), &columns, &rows),

@@ -1,15 +1,15 @@
-//! Vectors: the engine's results to the last bit.
+//! Vector functions against the engine, bit for bit.
 
 use mujoco_safe::math;
 use nalgebra::DVector;
 
 use crate::{assert_near, assert_same, c, numbers, random};
 
-/// Shorter and longer than what the engine takes at once.
+/// Lengths below and above the engine's unrolled blocks.
 const LENGTHS: [usize; 6] = [0, 1, 3, 4, 11, 64];
 
 #[test]
-fn reductions_are_the_engines() {
+fn reductions_equal_c() {
     let mut random = random(1);
     for n in LENGTHS {
         let (a, b) = (numbers(&mut random, n), numbers(&mut random, n));
@@ -29,7 +29,7 @@ fn reductions_are_the_engines() {
 }
 
 #[test]
-fn sums_and_multiples_are_the_engines() {
+fn sums_and_multiples_equal_c() {
     let mut random = random(2);
     for n in LENGTHS {
         let (a, b) = (numbers(&mut random, n), numbers(&mut random, n));
@@ -51,7 +51,7 @@ fn sums_and_multiples_are_the_engines() {
         math::add_scl(&mut ours, &a, &b, -0.3).unwrap();
         c!(mju_addScl(result, p, q, -0.3, count));
         assert_same(&ours, &theirs);
-        // And those that go on from what is there.
+        // Functions that accumulate into the result.
         math::add_to(&mut ours, &a).unwrap();
         c!(mju_addTo(result, p, count));
         assert_same(&ours, &theirs);
@@ -76,7 +76,7 @@ fn a_difference_and_a_sum_have_the_right_signs() {
 }
 
 #[test]
-fn normalize_is_the_engines_and_leaves_an_empty_vector_alone() {
+fn normalize_equals_c_and_accepts_an_empty_vector() {
     let mut random = random(3);
     for n in [1, 2, 5, 40] {
         for scale in [1.0, 1e-20] {
@@ -114,7 +114,7 @@ fn filling_copying_and_converting() {
 }
 
 #[test]
-fn sorting_orders_as_the_standard_library_does() {
+fn sorting_equals_the_standard_library() {
     let mut random = random(4);
     for n in LENGTHS {
         let mut ours = numbers(&mut random, n);
@@ -128,14 +128,14 @@ fn sorting_orders_as_the_standard_library_does() {
         theirs.sort_unstable();
         assert_eq!(ours, theirs);
     }
-    // With a number that is none, whatever comes out has the same numbers.
+    // With NaN, the order is unspecified, but the numbers are the same.
     let mut list = [3.0, f64::NAN, 1.0];
     math::insertion_sort(&mut list).unwrap();
     assert!(list.contains(&3.0) && list.contains(&1.0) && list.iter().any(|value| value.is_nan()));
 }
 
 #[test]
-fn bad_numbers_are_those_that_the_engine_calls_bad() {
+fn bad_numbers_are_those_of_the_engine() {
     for x in [0.0, 1e10, -1e10, 1.000_001e10, -1.000_001e10, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, f64::MIN] {
         assert_eq!(math::is_bad(x), c!(mju_isBad(x)) != 0, "{x}");
     }

@@ -1,11 +1,11 @@
-//! Numbers of a model that are changed after compilation: a simulation is that of a model that was compiled with them.
+//! Edited models: a simulation of an edited model equals that of a model compiled with the same numbers.
 
 #![forbid(unsafe_code)]
 
 use mujoco_safe::element::SameFrame;
 use mujoco_safe::{Data, Error, Matrix, Model, ModelMut, sample};
 
-/// A free body, a body on slides and one on a ball joint: what the engine has shortcuts for.
+/// A free body, a body on slide joints and a body on a ball joint: the cases for which the engine caches flags.
 fn model(inertial: &str, geom: &str, site: &str, joint: &str) -> Model {
     Model::from_xml_str(&format!(
         r#"<mujoco>
@@ -33,7 +33,7 @@ fn plain() -> Model {
     model(INERTIAL, GEOM, "", "axis='1 0 0'")
 }
 
-/// The state after a while of turning and falling, and the poses on the way.
+/// Returns the state and the poses along a simulation in which the bodies turn and fall.
 fn run(model: Model) -> Vec<f64> {
     let mut data = Data::new(model).unwrap();
     data.qvel_mut().iter_mut().zip(1..).for_each(|(velocity, i)| *velocity = 0.3 * f64::from(i));
@@ -66,7 +66,7 @@ fn check(name: &str, compiled: Model, updates: bool, edit: impl Fn(&mut ModelMut
         assert_eq!(edited.dof_simplenum(), compiled.dof_simplenum(), "{name}");
         assert_eq!(edited.geom_rbound(), compiled.geom_rbound(), "{name}");
     }
-    // What is saved must be a valid model.
+    // A saved model must be valid.
     let edited = Model::from_binary(&edited.to_binary().unwrap()).unwrap();
     for (edited, compiled) in run(edited).into_iter().zip(run(compiled)) {
         assert!((edited - compiled).abs() < 1e-9, "{name}, updated: {updates}: {edited} but {compiled}");
@@ -74,7 +74,7 @@ fn check(name: &str, compiled: Model, updates: bool, edit: impl Fn(&mut ModelMut
 }
 
 #[test]
-fn a_simulation_of_an_edited_model_is_that_of_one_that_was_compiled_so() {
+fn an_edited_model_simulates_like_a_model_compiled_with_its_numbers() {
     for updates in [false, true] {
         check("nothing", plain(), updates, |_| ());
         let axis = "axis='1 0 0'";
@@ -115,7 +115,7 @@ fn a_simulation_of_an_edited_model_is_that_of_one_that_was_compiled_so() {
 }
 
 #[test]
-fn shortcuts_that_were_taken_back_are_found_again() {
+fn cleared_flags_are_recomputed_when_they_apply_again() {
     let xml = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml"));
     for xml in [sample::HUMANOID_XML, &xml.unwrap()] {
         let compiled = Model::from_xml_str(xml).unwrap();
@@ -155,7 +155,7 @@ fn two_slides_along_one_axis_are_coupled() {
     }
 }
 
-/// A model with one body that has this inertia, and a child that is fixed to it.
+/// Returns a model of one body with this inertia, and a child fixed to it.
 fn carrier(inertial: &str, child: &str) -> mujoco_safe::Result<Model> {
     Model::from_xml_str(&format!(
         r#"<mujoco><worldbody>
@@ -165,7 +165,7 @@ fn carrier(inertial: &str, child: &str) -> mujoco_safe::Result<Model> {
 }
 
 #[test]
-fn a_moving_body_without_mass_or_inertia_is_refused_where_the_compiler_refuses_it() {
+fn a_moving_body_without_mass_or_inertia_is_rejected_like_in_the_compiler() {
     const GOOD: &str = r#"mass="1" diaginertia="1 1 1""#;
     for (mass, inertia, what) in [
         (0.0, [1.0; 3], "mass"),
@@ -184,8 +184,8 @@ fn a_moving_body_without_mass_or_inertia_is_refused_where_the_compiler_refuses_i
             Err(Error::Invalid { what: found, .. }) => assert_eq!(found, format!("the {what} of body 'carrier'")),
             other => panic!("{mass}, {inertia:?}: {other:?}"),
         }
-        assert_eq!(edit.body_subtreemass(), before, "nothing has changed");
-        // Good numbers make the model usable again.
+        assert_eq!(edit.body_subtreemass(), before, "the model is unchanged");
+        // Valid numbers make the model usable again.
         edit.body_mut("carrier").unwrap().set_mass(2.0);
         *edit.body_mut("carrier").unwrap().inertia_mut() = [1.0; 3];
         edit.update_constants().unwrap();
@@ -193,10 +193,10 @@ fn a_moving_body_without_mass_or_inertia_is_refused_where_the_compiler_refuses_i
 }
 
 #[test]
-fn a_moving_body_without_mass_may_carry_a_fixed_one_that_has_it() {
+fn a_moving_body_without_mass_may_carry_a_fixed_child_with_mass() {
     const NOTHING: &str = r#"mass="0" diaginertia="0 0 0""#;
     const BALL: &str = r#"<geom size=".1"/>"#;
-    assert!(carrier(NOTHING, "").is_err(), "the compiler refuses the body alone");
+    assert!(carrier(NOTHING, "").is_err(), "the compiler rejects the body alone");
     let mut model = carrier(NOTHING, BALL).unwrap();
     model.edit().update_constants().unwrap();
     let child = model.body("carrier").unwrap().index() + 1;

@@ -1,10 +1,10 @@
-//! Models that are valid, and with which the engine itself runs out of its arrays: they are refused, or end in an error.
+//! Valid models that overflow the engine's arrays or break its algorithms: they are rejected, or a call returns an error.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::{Data, Error, Model, NewContact, RayOptions};
 
-/// A ball that an adhesion actuator sticks to the floor, with room for so many constraints. It starts above the floor: the
-/// engine's compiler takes a step, which already needs the room.
+/// Returns a ball that an adhesion actuator sticks to the floor, with these sizes. The ball starts above the floor, because the
+/// engine's compiler takes a step, which needs room for the constraints already.
 fn sticky(njmax: &str) -> String {
     format!(
         r#"<mujoco>
@@ -19,17 +19,17 @@ fn sticky(njmax: &str) -> String {
 }
 
 #[test]
-fn an_adhesion_actuator_with_little_room_for_constraints_is_refused() {
+fn an_adhesion_actuator_with_a_small_constraint_buffer_is_rejected() {
     for njmax in ["njmax='0'", "njmax = \"3\"", "njmax=\" 99 \""] {
         let error = Model::from_xml_str(&sticky(njmax)).unwrap_err();
         assert!(matches!(&error, Error::Load { message, .. } if message.contains("njmax")), "{error}");
     }
 }
 
-/// The binary model, with another `njmax`. A file can say so, though no text can.
+/// Returns the binary model with another `njmax`, which a binary file can contain although the compiler rejects it in a text.
 fn binary_with_njmax(model: &Model, njmax: i32) -> Vec<u8> {
     let mut bytes = model.to_binary().unwrap();
-    // Four integers of header, and then the sizes, in the order of the engine's own list.
+    // The header is four integers long; the sizes follow in the order of the engine's list.
     let table = include_str!("../../mujoco-sys/fields/v2_2_2.tsv");
     let sizes: Vec<&str> =
         table.lines().filter_map(|line| line.strip_prefix("Model\tsize\tint\t")?.split('\t').next()).collect();
@@ -40,12 +40,12 @@ fn binary_with_njmax(model: &Model, njmax: i32) -> Vec<u8> {
 }
 
 #[test]
-fn an_adhesion_actuator_with_a_full_constraint_buffer_is_an_error_and_not_a_write_out_of_bounds() {
+fn an_adhesion_actuator_with_a_full_constraint_buffer_is_an_error() {
     let model = Model::from_xml_str(&sticky("njmax=\"100\"")).unwrap();
     for njmax in 1..4 {
         let mut data = Data::new(Model::from_binary(&binary_with_njmax(&model, njmax)).unwrap()).unwrap();
         for _ in 0..3 {
-            let error = (0..200).find_map(|_| data.step().err()).expect("one contact needs four constraints");
+            let error = (0..200).find_map(|_| data.step().err()).expect("a contact needs four constraints");
             assert!(error.to_string().contains("constraint buffer is full"), "{error}");
             assert!(matches!(data.step(), Err(Error::Poisoned { .. })));
             data.reset().unwrap();
@@ -61,12 +61,12 @@ fn an_adhesion_actuator_with_room_for_its_constraints_works() {
     for _ in 0..500 {
         data.step().unwrap();
     }
-    assert!(data.contacts().next().expect("it lies on the floor").force().unwrap().force[0] > 0.0);
+    assert!(data.contacts().next().expect("the ball lies on the floor").force().unwrap().force[0] > 0.0);
     assert_eq!(data.warning(mujoco_safe::Warning::ConstraintFull).number, 0);
 }
 
 #[test]
-fn a_fixed_tendon_that_has_a_joint_twice_is_refused() {
+fn a_fixed_tendon_with_a_duplicate_joint_is_rejected() {
     let error = Model::from_xml_str(
         r#"<mujoco>
              <worldbody><body><joint name="hinge"/><geom size=".1"/></body></worldbody>
@@ -81,7 +81,7 @@ fn a_fixed_tendon_that_has_a_joint_twice_is_refused() {
 }
 
 #[test]
-fn a_timestep_with_which_time_does_not_go_on_is_refused() {
+fn a_timestep_that_is_not_positive_is_rejected() {
     for timestep in ["0", "-0.01", "nan"] {
         let error = Model::from_xml_str(&format!("<mujoco><option timestep=\"{timestep}\"/></mujoco>")).unwrap_err();
         assert!(error.to_string().contains("timestep"), "{timestep}: {error}");
@@ -89,12 +89,12 @@ fn a_timestep_with_which_time_does_not_go_on_is_refused() {
 }
 
 #[test]
-fn a_model_of_every_element_has_none_of_these() {
+fn a_model_with_every_element_passes_these_checks() {
     Model::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml")).unwrap();
 }
 
 #[test]
-fn a_rangefinder_that_would_read_beyond_a_height_field_is_refused() {
+fn a_rangefinder_that_would_read_beyond_a_height_field_is_rejected() {
     for (rows, columns, loads) in [(3, 3, true), (3, 9, true), (9, 3, false)] {
         let xml = format!(
             r#"<mujoco>
@@ -116,7 +116,7 @@ fn a_rangefinder_that_would_read_beyond_a_height_field_is_refused() {
     }
 }
 
-/// A height field, without the heights.
+/// Returns a height field without heights.
 fn field(rows: u32, columns: u32, size: &str) -> String {
     format!(
         r#"<mujoco>
@@ -127,7 +127,7 @@ fn field(rows: u32, columns: u32, size: &str) -> String {
 }
 
 #[test]
-fn a_ray_on_a_height_field_of_sizes_out_of_all_bounds_is_refused() {
+fn a_ray_on_a_height_field_of_extreme_size_is_rejected() {
     for (size, point, direction, ok) in [
         ("1e308 1e308 1 1", [0.0, 0.0, 0.5], [0.95, 1.0, 0.0], false),
         ("5e-324 5e-324 1 1", [-5e-324, -1.0, 0.5], [0.0, 1.0, 0.0], false),
@@ -149,16 +149,16 @@ fn a_ray_on_a_height_field_of_sizes_out_of_all_bounds_is_refused() {
     }
 }
 
-/// Three axes of which the last has numbers so large that the products with the others are infinite, of either sign.
-const NO_ROTATION: [f64; 9] = [1e160, 1e160, 1e160, 1e160, -1e160, -1e160, 0.0, 0.0, 0.0];
+/// Axes whose third has components so large that products with the other two are infinite, of either sign.
+const EXTREME_AXES: [f64; 9] = [1e160, 1e160, 1e160, 1e160, -1e160, -1e160, 0.0, 0.0, 0.0];
 
 #[test]
-fn a_ray_on_a_height_field_that_is_turned_by_no_rotation_is_refused() {
+fn a_ray_on_a_height_field_whose_axes_are_no_rotation_is_rejected() {
     let mut model = Model::from_xml_str(&field(99, 99, "1 1 1 1")).unwrap();
     model.edit().hfield_data_mut().fill(1.0);
     let mut data = Data::new(model).unwrap();
     data.forward().unwrap();
-    data.geom_xmat_mut()[0] = NO_ROTATION;
+    data.geom_xmat_mut()[0] = EXTREME_AXES;
     let geom = data.model().geom("field").unwrap().id();
     for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.3, 0.0]] {
         let point = [0.5e160, -0.5e160, 0.0];
@@ -167,8 +167,8 @@ fn a_ray_on_a_height_field_that_is_turned_by_no_rotation_is_refused() {
     }
 }
 
-/// What a rangefinder looks at.
-const SEEN: &str = r#"<mujoco>
+/// A rangefinder that points at a rotated height field.
+const RANGEFINDER: &str = r#"<mujoco>
     <asset><hfield name="field" nrow="3" ncol="9" size="1.25 1.75 .5 .1"/></asset>
     <worldbody>
       <geom name="field" type="hfield" hfield="field" quat=".8 .6 0 0"/>
@@ -178,22 +178,22 @@ const SEEN: &str = r#"<mujoco>
   </mujoco>"#;
 
 #[test]
-fn a_rangefinder_on_a_height_field_that_is_turned_by_no_rotation_is_an_error() {
-    let mut data = Data::new(Model::from_xml_str(SEEN).unwrap()).unwrap();
+fn a_rangefinder_on_a_height_field_whose_axes_are_no_rotation_is_an_error() {
+    let mut data = Data::new(Model::from_xml_str(RANGEFINDER).unwrap()).unwrap();
     data.step().unwrap();
     data.edit_model(|model| model.geom_quat_mut()[0] = [1e80, 1e80, 0.0, 0.0]).unwrap();
     assert!(matches!(data.step(), Err(Error::Unsupported(_))));
     data.edit_model(|model| model.geom_quat_mut()[0] = [1.0, 0.0, 0.0, 0.0]).unwrap();
     data.forward().unwrap();
-    data.geom_xmat_mut()[0] = NO_ROTATION;
+    data.geom_xmat_mut()[0] = EXTREME_AXES;
     assert!(matches!(data.sensor_pos(), Err(Error::Unsupported(_))));
 }
 
 #[test]
-fn a_binary_model_with_a_rangefinder_that_would_read_beyond_a_height_field_is_refused() {
-    let mut bytes = Model::from_xml_str(SEEN).unwrap().to_binary().unwrap();
+fn a_binary_model_whose_rangefinder_would_read_beyond_a_height_field_is_rejected() {
+    let mut bytes = Model::from_xml_str(RANGEFINDER).unwrap().to_binary().unwrap();
     Model::from_binary(&bytes).unwrap();
-    // Rows and columns follow the sizes.
+    // The rows and columns are stored after the sizes.
     let sizes: Vec<u8> = [1.25_f64, 1.75, 0.5, 0.1].iter().flat_map(|size| size.to_le_bytes()).collect();
     let at = bytes.windows(sizes.len()).position(|window| window == sizes).unwrap() + sizes.len();
     assert_eq!(bytes[at..at + 8], [3, 0, 0, 0, 9, 0, 0, 0]);
@@ -203,7 +203,7 @@ fn a_binary_model_with_a_rangefinder_that_would_read_beyond_a_height_field_is_re
 }
 
 #[test]
-fn a_box_that_was_given_no_inside_is_an_error_where_a_sphere_or_a_capsule_meets_it() {
+fn a_degenerate_box_in_contact_with_a_sphere_or_a_capsule_is_an_error() {
     for other in ["sphere", "capsule"] {
         let model = Model::from_xml_str(&format!(
             r#"<mujoco><worldbody>
@@ -226,7 +226,7 @@ fn a_box_that_was_given_no_inside_is_an_error_where_a_sphere_or_a_capsule_meets_
     }
 }
 
-/// A free body of two geoms that overlap.
+/// Returns a free body with two overlapping geoms.
 fn body_of_two_geoms(rest: &str) -> String {
     format!(
         r#"<mujoco><option jacobian="sparse" solver="PGS"/><size njmax="12"/><worldbody>
@@ -236,10 +236,10 @@ fn body_of_two_geoms(rest: &str) -> String {
 }
 
 #[test]
-fn two_geoms_of_one_simple_body_make_no_contact_in_a_sparse_jacobian() {
+fn two_geoms_of_one_body_make_no_contact_in_a_sparse_jacobian() {
     let pair = r#"<pair geom1="one" geom2="other" condim="6"/>"#;
     let model = Model::from_xml_str(&body_of_two_geoms(&format!("<contact>{pair}</contact>"))).unwrap();
-    // Its frame is that of its inertia.
+    // The body frame coincides with the inertia frame.
     assert_eq!(model.body_simple(), [1, 1]);
     let mut data = Data::new(model).unwrap();
     for _ in 0..10 {
@@ -249,7 +249,7 @@ fn two_geoms_of_one_simple_body_make_no_contact_in_a_sparse_jacobian() {
 }
 
 #[test]
-fn a_contact_that_is_added_between_two_geoms_of_one_body_is_refused() {
+fn adding_a_contact_between_two_geoms_of_one_body_is_an_error() {
     let mut data = Data::new(Model::from_xml_str(&body_of_two_geoms("")).unwrap()).unwrap();
     data.forward().unwrap();
     let geoms = ["one", "other"].map(|geom| data.model().geom(geom).unwrap().id());
@@ -258,7 +258,7 @@ fn a_contact_that_is_added_between_two_geoms_of_one_body_is_refused() {
 }
 
 #[test]
-fn shapes_without_a_pose_are_an_error_where_the_engine_would_look_for_their_contacts_for_ever() {
+fn colliding_geoms_with_an_invalid_pose_is_an_error() {
     let model = Model::from_xml_str(
         r#"<mujoco><worldbody>
              <body><freejoint/><geom type="ellipsoid" size=".1 .2 .3"/></body>
@@ -279,9 +279,9 @@ fn shapes_without_a_pose_are_an_error_where_the_engine_would_look_for_their_cont
     data.step().unwrap();
 }
 
-/// The box and its pose are those of a call sequence on which libccd searched without end.
+/// The box and its pose come from a call sequence on which libccd did not terminate.
 #[test]
-fn a_box_of_a_million_kilometres_on_a_height_field_is_an_error_and_no_endless_search() {
+fn a_box_of_a_million_kilometres_on_a_height_field_is_an_error() {
     let model = Model::from_xml_str(
         r#"<mujoco><asset><hfield name="field" nrow="3" ncol="3" size="1 1 .15 .1"/></asset>
            <worldbody>

@@ -1,4 +1,4 @@
-//! What is loaded is what the engine loads from the disk.
+//! Loading gives the same model as the engine's own loader.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use mujoco_safe::{Data, LoadOptions, Model};
 use crate::{assets, bytes, bytes_in_c, bytes_in_c_with_files, folder, from_memory};
 
 #[test]
-fn meshes_images_height_fields_and_skins_load_from_memory_as_from_the_disk() {
+fn assets_in_memory_load_like_assets_on_the_disk() {
     let folder = folder();
     let model = from_memory(assets::MODEL, &assets::all()).unwrap();
     let in_c = bytes_in_c(&folder.path().join("model.xml"));
@@ -15,7 +15,7 @@ fn meshes_images_height_fields_and_skins_load_from_memory_as_from_the_disk() {
     let on_disk = Model::from_xml_path(folder.path().join("model.xml")).unwrap();
     assert!(bytes(&on_disk) == bytes(&model));
 
-    // As the official Python bindings of this engine have it (`MjModel.from_xml_string(xml, assets)`).
+    // Values of the official Python bindings of this engine (`MjModel.from_xml_string(xml, assets)`).
     assert_eq!((model.nmesh(), model.nskin(), model.nhfield(), model.ntex()), (3, 1, 2, 2));
     assert_eq!(model.mesh_vertnum(), [4, 12, 4]);
     assert_eq!(model.mesh_facenum(), [4, 4, 4]);
@@ -27,7 +27,7 @@ fn meshes_images_height_fields_and_skins_load_from_memory_as_from_the_disk() {
 }
 
 #[test]
-fn a_file_is_found_by_its_name_alone_whatever_folder_and_case_it_is_given_with() {
+fn a_file_in_memory_is_found_by_its_name_without_folder_and_case() {
     let expected = bytes(&from_memory(assets::MODEL, &assets::all()).unwrap());
     let rename = |rename: fn(&str) -> String| {
         let files = assets::all();
@@ -40,13 +40,13 @@ fn a_file_is_found_by_its_name_alone_whatever_folder_and_case_it_is_given_with()
     assert!(rename(|name| format!("/some/where/else/{name}")) == expected);
     assert!(rename(|name| format!("C:\\somewhere\\{}", name.replace('/', "\\"))) == expected);
     assert!(rename(str::to_uppercase) == expected);
-    // Whether the compiler cuts folders off makes no difference.
+    // The compiler's option to strip paths makes no difference.
     let stripped = assets::MODEL.replace("<compiler ", r#"<compiler strippath="true" "#);
     assert!(bytes(&from_memory(&stripped, &assets::all()).unwrap()) == expected);
 }
 
 #[test]
-fn a_file_that_is_not_in_memory_is_looked_for_on_the_disk() {
+fn a_file_missing_in_memory_is_loaded_from_the_disk() {
     let folder = folder();
     let xml = format!(
         r#"<mujoco><compiler meshdir="{}/meshes/"/><asset><mesh file="solid.stl"/><mesh name="other" file="solid.msh"/></asset>
@@ -54,13 +54,13 @@ fn a_file_that_is_not_in_memory_is_looked_for_on_the_disk() {
         folder.path().display()
     );
     assert_eq!(Model::from_xml_str(&xml).unwrap().nmesh(), 2);
-    // What is in memory comes first.
+    // Files in memory take precedence.
     let larger =
         [("solid.stl", [&assets::stl()[..80], &[5, 0, 0, 0], &assets::stl()[84..], &assets::stl()[84..134]].concat())];
     assert_eq!(from_memory(&xml, &larger).unwrap().mesh_facenum(), [5, 4]);
 }
 
-/// As `Model::from_xml_path_with`, and as the engine loads it with its own virtual file system, which must be the same.
+/// Loads a model with `Model::from_xml_path_with` and with the engine's virtual file system, and asserts that both are equal.
 fn with_files(path: &Path, files: &[(&str, &[u8])]) -> Model {
     let model = Model::from_xml_path_with(path, &LoadOptions::default().with_files(files)).unwrap();
     let in_c = bytes_in_c_with_files(path, files);
@@ -69,13 +69,13 @@ fn with_files(path: &Path, files: &[(&str, &[u8])]) -> Model {
 }
 
 #[test]
-fn for_a_file_on_the_disk_files_in_memory_win_and_others_come_from_beside_it() {
+fn files_in_memory_take_precedence_over_files_beside_the_model() {
     let folder = folder();
     let path = folder.path().join("model.xml");
     let on_disk = Model::from_xml_path(&path).unwrap();
     assert!(bytes(&with_files(&path, &[])) == bytes(&on_disk));
 
-    // An included text that is in memory only, and names a mesh on the disk and one in memory.
+    // An included text that exists in memory only and names a mesh on the disk and a mesh in memory.
     let mixed = folder.path().join("mixed.xml");
     std::fs::write(&mixed, assets::MODEL.replace("part.xml", "sub/OTHER.xml")).unwrap();
     let part = assets::PART.replace("solid.msh", "only_here.msh");
@@ -84,7 +84,7 @@ fn for_a_file_on_the_disk_files_in_memory_win_and_others_come_from_beside_it() {
     assert!(Model::from_xml_path_with(&mixed, &LoadOptions::default().with_files(&files[..1])).is_err());
     assert!(Model::from_xml_path(&mixed).is_err());
 
-    // Memory wins over the disk.
+    // Memory takes precedence over the disk.
     let larger = [&assets::stl()[..80], &[5, 0, 0, 0], &assets::stl()[84..], &assets::stl()[84..134]].concat();
     assert_eq!(with_files(&path, &[("solid.stl", &larger)]).mesh_facenum(), [5, 4, 4]);
     let lower = assets::PART.replace("size=\"1 1 1 .1\"", "size=\"1 1 2 .1\"");
@@ -92,14 +92,14 @@ fn for_a_file_on_the_disk_files_in_memory_win_and_others_come_from_beside_it() {
 }
 
 #[test]
-fn the_file_itself_always_comes_from_the_disk() {
+fn the_model_file_is_always_read_from_the_disk() {
     let folder = folder();
     let path = folder.path().join("model.xml");
-    // To the engine this would be the model; here it is one of the files that the model may name.
+    // The engine would load this file as the model; here it is only a file that the model may name.
     let model =
         Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&[("model.xml", b"<mujoco/>")])).unwrap();
     assert!(bytes(&model) == bytes(&Model::from_xml_path(&path).unwrap()));
-    // So is a file of the same name in another directory.
+    // The same holds for a file of the same name in another directory.
     std::fs::create_dir(folder.path().join("parts")).unwrap();
     let ball = "<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>";
     std::fs::write(folder.path().join("parts/model.xml"), ball).unwrap();
@@ -111,7 +111,7 @@ fn the_file_itself_always_comes_from_the_disk() {
 }
 
 #[test]
-fn a_robot_in_urdf_loads_from_a_path_and_from_memory() {
+fn a_urdf_robot_loads_from_a_path_and_from_memory() {
     let folder = folder();
     let path = folder.path().join("arm.urdf");
     let model = Model::from_xml_path(&path).unwrap();
@@ -119,13 +119,13 @@ fn a_robot_in_urdf_loads_from_a_path_and_from_memory() {
     assert_eq!(bytes(&model), in_c[..bytes(&model).len()]);
     let in_memory = from_memory(assets::URDF, &[("meshes/solid.stl", assets::stl())]).unwrap();
     assert!(bytes(&in_memory) == bytes(&model));
-    // As the official Python bindings have it: what is only to be seen is left out.
+    // Like the official Python bindings, the loader discards visual geoms.
     assert_eq!((model.njnt(), model.nbody(), model.nmesh(), model.ngeom()), (1, 2, 1, 1));
     assert_eq!(model.joint("hinge").map(|_| model.jnt_range().to_vec()).unwrap(), [[-1.0, 1.0]]);
 }
 
 #[test]
-fn as_many_files_as_the_engine_has_room_for_can_be_given() {
+fn more_files_than_the_engine_can_hold_are_an_error() {
     let names: Vec<String> = (0..1999).map(|index| format!("{index}.txt")).collect();
     let files: Vec<(&str, &[u8])> = names.iter().map(|name| (name.as_str(), &b"text"[..])).collect();
     Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(&files[..1998])).unwrap();

@@ -24,26 +24,26 @@ use std::sync::{Mutex, PoisonError};
 use assets::folder;
 use mujoco_safe::{LoadOptions, Model};
 
-/// Loads a text with files that are owned.
+/// Loads a text with owned files.
 fn from_memory(xml: &str, files: &[(&str, Vec<u8>)]) -> mujoco_safe::Result<Model> {
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (*name, content.as_slice())).collect();
     Model::from_xml_str_with(xml, &LoadOptions::default().with_files(&files))
 }
 
-/// The whole model, every array of it, as the engine writes it.
+/// Returns the whole model as the engine saves it.
 fn bytes(model: &Model) -> Vec<u8> {
     model.to_binary().unwrap()
 }
 
-/// Held while a model is loaded past the library, which replaces the XML tree that the engine keeps for saving.
+/// Serialises raw loads, which bypass the library and replace the XML tree that the engine keeps for saving.
 static RAW_LOADS: Mutex<()> = Mutex::new(());
 
-/// What the engine itself loads from a path, as bytes.
+/// Returns the bytes of a model that the engine loads from a path.
 fn bytes_in_c(path: &Path) -> Vec<u8> {
     bytes_in_c_with_files(path, &[])
 }
 
-/// The same, with files in its own virtual file system.
+/// Returns the bytes of a model that the engine loads from a path, with files in its virtual file system.
 fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
     use std::ffi::CString;
     use std::ptr;
@@ -54,7 +54,7 @@ fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
     let name = CString::new(path.to_str().unwrap()).unwrap();
     let (mut model, mut message) = (ptr::null_mut(), [0; 1000]);
     let mut table = Box::<sys::mjVFS>::new_uninit();
-    // SAFETY: the engine makes an empty table of it, in which the files are of the sizes that are given, and filled.
+    // SAFETY: the engine initialises the table; each file is created with the length of its content and then filled.
     let mut table = unsafe {
         sys::mj_defaultVFS(table.as_mut_ptr());
         let mut table = table.assume_init();
@@ -65,12 +65,12 @@ fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
         }
         table
     };
-    // SAFETY: the handlers are in place since a model was loaded through the library; the name and the table are valid, and the
-    // buffer has the length that is given.
+    // SAFETY: loading a model through the library has installed the handlers; the name and the table are valid, and the buffer
+    // has the given length.
     let status =
         unsafe { guard::mj_load_xml(name.as_ptr(), &raw const *table, message.as_mut_ptr(), 1000, &raw mut model) };
     assert!(status == guard::OK && !model.is_null(), "the engine cannot load {}", path.display());
-    // SAFETY: a valid model, a buffer of the size that the engine asks for, and the table and the model are freed once.
+    // SAFETY: the model is valid, the buffer has the size that the engine reports, and the table and the model are freed once.
     unsafe {
         sys::mj_deleteVFS(&raw mut *table);
         let size = sys::mj_sizeModel(model);

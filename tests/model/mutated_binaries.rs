@@ -1,4 +1,4 @@
-//! Damaged binary models are errors, or models that work: nothing in between.
+//! Damaged binary models are rejected or work.
 
 #![forbid(unsafe_code)]
 
@@ -9,8 +9,8 @@ use crate::print_all::print_all;
 use mujoco_safe::scene::{Camera, Categories, FrameMode, LabelMode, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::{Data, Error, Model, sample};
 
-/// What becomes of the bytes; whether they are still a model.
-fn try_it(bytes: &[u8]) -> bool {
+/// Loads and simulates a binary model, and returns whether it was accepted.
+fn load_and_simulate(bytes: &[u8]) -> bool {
     let model = match Model::from_binary(bytes) {
         Ok(model) => model,
         Err(error) => {
@@ -18,12 +18,12 @@ fn try_it(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    // Numbers may have become anything, so a step may fail, as long as it comes back.
+    // Any number may have changed, so a step may fail, but must return.
     let mut data = match Data::new(model.clone()) {
         Ok(data) => data,
-        // A stack of gigabytes is possible, but not on every machine.
+        // The stack may take gigabytes, which not every machine can provide.
         Err(Error::Engine { .. } | Error::OutOfMemory { .. }) => return true,
-        Err(error) => panic!("a model that was accepted has no simulation: {error}"),
+        Err(error) => panic!("an accepted model has no simulation: {error}"),
     };
     assert!(print_all(&model, &data) > 0);
     for _ in 0..10 {
@@ -40,7 +40,7 @@ fn try_it(bytes: &[u8]) -> bool {
     true
 }
 
-/// Shows all that there is, and looks for something in it.
+/// Builds the scene with everything visible, and selects in it.
 fn show(data: &mut Data) {
     let model = data.model().clone();
     let mut scene = Scene::new(&model, 5000).unwrap();
@@ -62,33 +62,33 @@ fn show(data: &mut Data) {
         match scene.update(data, &options, None, &mut camera, Categories::all()) {
             Ok(()) => assert!(scene.geoms().all(|geom| geom.label().len() < 100)),
             Err(Error::SceneFull { .. } | Error::NotComputed { .. } | Error::Poisoned { .. }) => (),
-            Err(error) => panic!("a model that was accepted cannot be shown: {error}"),
+            Err(error) => panic!("the scene of an accepted model fails: {error}"),
         }
-        // The ray may be one that is none.
+        // The ray may be invalid.
         let _ = scene.select(data, &options, 1.0, [0.5; 2]);
     }
 }
 
 fn mutations(model: &Model, seeds: std::ops::Range<u64>) {
     let good = model.to_binary().unwrap();
-    assert!(try_it(&good), "the model itself");
+    assert!(load_and_simulate(&good), "the original model");
     let map = Map::new(&good);
     let mut accepted = 0;
     for damage in DAMAGES {
         for seed in seeds.clone() {
             let mutant = map.mutant(&good, damage, seed);
-            let outcome = catch_unwind(AssertUnwindSafe(|| try_it(&mutant)));
+            let outcome = catch_unwind(AssertUnwindSafe(|| load_and_simulate(&mutant)));
             let is_model = outcome.unwrap_or_else(|_| panic!("{damage:?}, seed {seed}"));
             assert!(!(is_model && matches!(damage, Damage::Truncation | Damage::Extension)), "{damage:?}, seed {seed}");
             accepted += usize::from(is_model);
         }
     }
-    println!("{accepted} mutations were still models");
+    println!("{accepted} mutations were accepted");
 }
 
 #[test]
-fn mutated_models_are_errors_or_work() {
-    // Nine kinds of damage: more than 500 mutations.
+fn mutated_binary_models_are_errors_or_work() {
+    // Nine kinds of damage, so more than 500 mutations.
     mutations(&sample::cartpole(), 0..20);
     mutations(&sample::humanoid(), 0..20);
     let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
@@ -96,11 +96,11 @@ fn mutated_models_are_errors_or_work() {
 }
 
 #[test]
-fn every_short_beginning_of_a_file_is_an_error() {
+fn every_truncated_binary_model_is_an_error() {
     let good = sample::cartpole().to_binary().unwrap();
     for length in (0..1000).chain((1000..good.len()).step_by(997)) {
-        assert!(!try_it(&good[..length]), "the first {length} bytes");
+        assert!(!load_and_simulate(&good[..length]), "the first {length} bytes");
     }
     let long = [&good[..], b"x"].concat();
-    assert!(!try_it(&long), "a byte too many");
+    assert!(!load_and_simulate(&long), "an extra byte");
 }

@@ -1,4 +1,4 @@
-//! Files that cannot be used are errors that name them, and never end the program.
+//! Unusable files are errors that name them.
 
 use mujoco_safe::{Error, LoadOptions, Model};
 
@@ -9,7 +9,7 @@ fn error(xml: &str, files: &[(&str, &[u8])]) -> String {
 }
 
 #[test]
-fn names_that_the_engine_cannot_keep_are_refused() {
+fn file_names_that_the_engine_cannot_store_are_rejected() {
     let long = "n".repeat(1000);
     for (name, expected) in [
         ("", "named with 0 bytes"),
@@ -29,7 +29,7 @@ fn names_that_the_engine_cannot_keep_are_refused() {
 }
 
 #[test]
-fn two_files_that_the_engine_cannot_tell_apart_are_refused() {
+fn two_files_of_the_same_name_for_the_engine_are_rejected() {
     for names in [["a.stl", "a.stl"], ["one/a.stl", "two/a.stl"], ["a.stl", "A.STL"], ["one\\a.stl", "a.stl"]] {
         let error = error("<mujoco/>", &[(names[0], b"content"), (names[1], b"content")]);
         assert!(error.contains(names[1]) && error.contains("given twice"), "{error}");
@@ -39,10 +39,10 @@ fn two_files_that_the_engine_cannot_tell_apart_are_refused() {
 }
 
 #[test]
-fn files_without_content_or_with_too_much_are_refused() {
+fn empty_files_and_files_of_2_gib_are_rejected() {
     let message = error("<mujoco/>", &[("a.stl", b"")]);
     assert!(message.contains("'a.stl' is empty"), "{message}");
-    // Never touched, so it is memory in name only.
+    // The pages are never touched, so the array takes no memory.
     let huge = vec![0; 1 << 31];
     let message = error("<mujoco/>", &[("a.stl", &huge)]);
     assert!(message.contains("'a.stl' is 2147483648 bytes long, but must be smaller than 2 GiB"), "{message}");
@@ -56,14 +56,14 @@ fn a_damaged_file_is_an_error() {
         let (name, content) = &all[index];
         let longer = [content.as_slice(), b"123"].concat();
         let mut bad: Vec<&[u8]> = vec![b"x", &content[..content.len() / 2]];
-        // The readers of text and of PNG stop where the file should.
+        // The readers of text and of PNG stop at the end of the content.
         if !name.ends_with("obj") && !name.ends_with("png") {
             bad.extend([&content[..content.len() - 1], &longer]);
         }
         for bad in bad {
             let mut files = all.clone();
             files[index].1 = bad.to_vec();
-            // Half a text may be whole.
+            // A truncated text may still be complete.
             match from_memory(assets::MODEL, &files) {
                 Ok(_) => assert!(name.ends_with("obj"), "{name}, {} bytes of {}", bad.len(), content.len()),
                 Err(error) => {
@@ -76,34 +76,34 @@ fn a_damaged_file_is_an_error() {
 }
 
 #[test]
-fn a_file_that_is_missing_is_an_error_that_names_it() {
+fn loading_with_a_missing_file_names_the_file() {
     let all = assets::all();
     for index in 0..all.len() {
         let mut files = all.clone();
         let (name, _) = files.remove(index);
         let error = from_memory(assets::MODEL, &files).unwrap_err().to_string();
-        // Of an image the compiler tells the name of the texture or height field.
+        // For an image, the compiler's message has the name of the texture or height field.
         let stem = name.rsplit('/').next().unwrap().split('.').next().unwrap();
         assert!(error.contains("cannot load the given XML") && error.contains(stem), "{name}: {error}");
     }
 }
 
 #[test]
-fn a_file_in_memory_or_on_the_disk_is_looked_at_however_the_model_is_loaded() {
+fn damaged_files_are_rejected_by_every_way_of_loading() {
     let folder = folder();
     let path = folder.path().join("model.xml");
     let mut damaged = assets::msh();
     let last = damaged.len() - 4;
     damaged[last..].copy_from_slice(&9_u32.to_ne_bytes());
-    let told = |result: mujoco_safe::Result<Model>| {
+    let assert_rejected = |result: mujoco_safe::Result<Model>| {
         let error = result.unwrap_err().to_string();
         assert!(error.contains("model.xml") || error.contains("part.xml"), "{error}");
         assert!(error.contains("'solid.msh' has a face with a nonexistent vertex"), "{error}");
     };
-    told(Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&[("solid.msh", &damaged)])));
+    assert_rejected(Model::from_xml_path_with(&path, &LoadOptions::default().with_files(&[("solid.msh", &damaged)])));
     std::fs::write(folder.path().join("meshes/solid.msh"), &damaged).unwrap();
-    told(Model::from_xml_path(&path));
-    told(Model::from_xml_path_with(
+    assert_rejected(Model::from_xml_path(&path));
+    assert_rejected(Model::from_xml_path_with(
         &path,
         &LoadOptions::default().with_files(&[("part.xml", assets::PART.as_bytes())]),
     ));
@@ -129,10 +129,10 @@ fn a_file_in_memory_or_on_the_disk_is_looked_at_however_the_model_is_loaded() {
 }
 
 #[test]
-fn file_names_that_end_the_engine_are_refused_on_the_disk_too_and_leave_the_loader_open() {
+fn file_names_that_crash_the_engine_are_rejected_and_loading_still_works() {
     let folder = folder();
     let path = folder.path().join("bad.xml");
-    // With a muscle the compiler is asked twice.
+    // With a muscle the compiler runs twice.
     let muscle = "<worldbody><body><joint name='j' range='-1 1' limited='true'/><geom size='.1' pos='.2 0 0'/></body></worldbody>
                   <actuator><muscle joint='j'/></actuator>";
     for muscle in ["", muscle] {
@@ -152,7 +152,7 @@ fn file_names_that_end_the_engine_are_refused_on_the_disk_too_and_leave_the_load
 }
 
 #[test]
-fn names_too_short_for_an_extension_are_refused_and_short_ones_are_not() {
+fn file_names_too_short_for_an_extension_are_rejected() {
     let folder = folder();
     for (asset, name) in [
         ("<mesh name='a' file='a'/>", "a"),
@@ -165,7 +165,7 @@ fn names_too_short_for_an_extension_are_refused_and_short_ones_are_not() {
         let message = error(&format!("<mujoco><asset>{asset}</asset></mujoco>"), &[(name, b"content")]);
         assert!(message.contains(&format!("'{name}' has a name too short for an extension")), "{message}");
     }
-    // What the compiler cuts the end off is the whole path.
+    // The compiler removes the extension from the whole path.
     let path = folder.path().join("short.xml");
     std::fs::write(folder.path().join("a"), assets::height_field()).unwrap();
     let text = "<mujoco><asset><hfield file='a' size='1 1 1 1'/></asset></mujoco>";
@@ -185,7 +185,7 @@ fn rangefinder(field: &str) -> String {
 }
 
 #[test]
-fn a_height_field_that_a_rangefinder_would_read_beyond_is_refused_wherever_its_size_is() {
+fn a_height_field_that_a_rangefinder_would_read_beyond_is_rejected_for_every_source() {
     let raw = |rows: u32, columns: u32| {
         let mut bytes = [rows, columns].map(u32::to_ne_bytes).concat();
         bytes.extend((0..rows * columns).flat_map(|cell| (cell as f32).to_ne_bytes()));
@@ -199,20 +199,20 @@ fn a_height_field_that_a_rangefinder_would_read_beyond_is_refused_wherever_its_s
     let path = folder.path().join("model.xml");
     for (rows, columns) in [(3, 2), (40, 39), (1, 4), (2, 2), (2, 5), (39, 40)] {
         let good = rows >= 2 && rows <= columns;
-        let told = |what: &str, result: mujoco_safe::Result<Model>| match result {
+        let check = |what: &str, result: mujoco_safe::Result<Model>| match result {
             Ok(_) => assert!(good, "{what}: {rows}, {columns}"),
             Err(error) => {
                 let expected = format!("beyond a height field of {rows} rows and {columns} columns");
                 assert!(!good && error.to_string().contains(&expected), "{what}: {error}");
             }
         };
-        told("text", Model::from_xml_str(&rangefinder(&format!("nrow='{rows}' ncol='{columns}'"))));
+        check("text", Model::from_xml_str(&rangefinder(&format!("nrow='{rows}' ncol='{columns}'"))));
         for (name, content) in [("a.raw", raw(rows, columns)), ("a.png", image(rows, columns))] {
             let text = rangefinder(&format!("file='{name}'"));
-            told("memory", from_memory(&text, &[(name, content.clone())]));
+            check("memory", from_memory(&text, &[(name, content.clone())]));
             std::fs::write(&path, &text).unwrap();
             std::fs::write(folder.path().join(name), &content).unwrap();
-            told("disk", Model::from_xml_path(&path));
+            check("disk", Model::from_xml_path(&path));
             let no_rangefinder = text.replace("rangefinder site='s'", "clock");
             assert_eq!(from_memory(&no_rangefinder, &[(name, content)]).unwrap().hfield_ncol(), [columns as i32]);
         }
@@ -220,7 +220,7 @@ fn a_height_field_that_a_rangefinder_would_read_beyond_is_refused_wherever_its_s
 }
 
 #[test]
-fn sizes_whose_product_wraps_a_c_int_are_refused() {
+fn sizes_whose_product_overflows_a_c_int_are_rejected() {
     // 65537 × 65537 is 131073 in 32 bits, and 46341 × 46341 is negative.
     for side in [65_537_u32, 46_341] {
         let wrapped = side.wrapping_mul(side) & 0x7fff_ffff;
@@ -248,7 +248,7 @@ fn sizes_whose_product_wraps_a_c_int_are_refused() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_file_of_the_kernel_or_a_device_is_an_error_at_once_wherever_a_text_names_it() {
+fn a_special_file_is_an_error_wherever_a_text_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("link.stl");
     std::os::unix::fs::symlink("/proc/version", &link).unwrap();
@@ -257,7 +257,7 @@ fn a_file_of_the_kernel_or_a_device_is_an_error_at_once_wherever_a_text_names_it
     let socket = folder.path().join("socket.stl");
     let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
     let special = [
-        // Reading this one waits for the next message of the kernel.
+        // Reading this file blocks until the kernel's next message.
         "/proc/kmsg",
         "/proc/version",
         "/proc/self/environ",
@@ -291,10 +291,10 @@ fn a_file_of_the_kernel_or_a_device_is_an_error_at_once_wherever_a_text_names_it
 }
 
 #[test]
-fn a_file_beyond_two_gibibytes_is_an_error_before_it_is_read() {
+fn a_file_of_more_than_2_gib_is_rejected_before_it_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("huge.xml");
-    // A hole: the file takes no room on the disk.
+    // A sparse file, which takes no space on the disk.
     std::fs::File::create(&path).unwrap().set_len((1 << 31) + 1).unwrap();
     for result in [Model::from_xml_path(&path), Model::from_binary_path(&path)] {
         let error = result.unwrap_err();

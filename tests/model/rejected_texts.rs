@@ -1,11 +1,11 @@
-//! Texts on which the engine's own compiler crashes, hangs, or reads what it should not: each is an error.
+//! Texts on which the engine's compiler crashes, hangs or reads out of bounds: each is rejected.
 
 #![forbid(unsafe_code)]
 
 use mujoco_safe::{Data, Error, LoadOptions, Model};
 
 #[test]
-fn files_that_include_each_other_without_end_are_refused() {
+fn recursive_includes_are_rejected() {
     let load = |names: usize, body: &str, end: &str| {
         let texts: Vec<(String, String)> = (0..names)
             .map(|file| {
@@ -26,7 +26,7 @@ fn files_that_include_each_other_without_end_are_refused() {
 }
 
 #[test]
-fn a_bad_file_name_in_an_included_file_does_not_lock_the_loader() {
+fn a_bad_file_name_in_an_included_file_leaves_loading_usable() {
     let dir = std::env::temp_dir().join(format!("mujoco_safe_include_{}", std::process::id()));
     std::fs::create_dir_all(&dir).unwrap();
     let part = dir.join("part.xml");
@@ -45,7 +45,7 @@ fn a_bad_file_name_in_an_included_file_does_not_lock_the_loader() {
 }
 
 #[test]
-fn texts_on_which_the_compiler_crashes_are_refused() {
+fn texts_that_crash_the_compiler_are_rejected() {
     for (xml, expected) in [
         ("<mujoco>\0</mujoco>", "NUL byte"),
         (
@@ -82,9 +82,9 @@ fn texts_on_which_the_compiler_crashes_are_refused() {
     Model::from_xml_str("<mujoco/>").unwrap();
 }
 
-/// The compiler's own step writes to the wrong place then, which must not be seen in the model.
+/// The compiler's trial step writes to the wrong place in scratch memory, which must not affect the model.
 #[test]
-fn adhesion_on_more_contacts_than_there_is_room_for_compiles_the_same_model_and_fails_in_a_step() {
+fn adhesion_on_more_contacts_than_njmax_allows_fails_in_a_step() {
     let ball = |x: usize| format!("<body pos='{x} 0 .09'><freejoint/><geom size='.1' condim='6'/></body>");
     let balls: String = (0..40).map(ball).collect();
     let model = |room: usize, jacobian: &str| {
@@ -111,7 +111,7 @@ fn adhesion_on_more_contacts_than_there_is_room_for_compiles_the_same_model_and_
 }
 
 #[test]
-fn names_may_be_anything() {
+fn names_may_contain_any_characters() {
     let long = "n".repeat(5000);
     let xml = format!(
         r#"<mujoco><worldbody><body name="{long}"><joint name="Gelenk äöü &#x2713;"/><geom size=".1"/><geom size=".1" name=""/></body></worldbody></mujoco>"#
@@ -125,7 +125,7 @@ fn names_may_be_anything() {
     assert!(matches!(model.joint(usize::MAX), Err(Error::NoSuchIndex { .. })));
     assert!(matches!(model.joint(1 << 32), Err(Error::NoSuchIndex { .. })));
 
-    // Latin 1, which is no UTF-8: the element is there, its name is not.
+    // Latin 1, which is not UTF-8: the element exists, its name is not returned.
     let path = std::env::temp_dir().join(format!("mujoco_safe_latin_{}.xml", std::process::id()));
     std::fs::write(&path, b"<mujoco><worldbody><geom name='\xe4' size='.1'/></worldbody></mujoco>").unwrap();
     let model = Model::from_xml_path(&path).unwrap();
@@ -135,7 +135,7 @@ fn names_may_be_anything() {
 }
 
 #[test]
-fn sizes_without_measure_are_errors() {
+fn extreme_sizes_are_errors() {
     for size in [
         "njmax='1000000000'",
         "njmax='46341' nstack='1000000'",
@@ -176,7 +176,7 @@ fn msh(header: [i32; 4], vertices: &[f32], faces: &[i32]) -> Vec<u8> {
     [integers(&header), reals(vertices), integers(faces)].concat()
 }
 
-/// A skin of one bone, the world.
+/// Returns a skin of one bone, the world.
 fn skin(header: [i32; 4], faces: &[i32], vertices_of_bone: i32) -> Vec<u8> {
     let mut name = *b"world                                   ";
     name[5..].fill(0);
@@ -192,7 +192,7 @@ fn png(width: u32, height: u32) -> Vec<u8> {
     file
 }
 
-/// A text with an asset, and with a geom that uses it.
+/// Returns a text with an asset and a geom that uses it.
 fn with_asset(asset: &str) -> String {
     let kind = asset[1..].split(' ').next().unwrap();
     let geom = match kind {
@@ -204,7 +204,7 @@ fn with_asset(asset: &str) -> String {
 }
 
 #[test]
-fn damaged_files_on_which_the_compiler_reads_or_writes_outside_of_its_memory_are_refused() {
+fn damaged_files_that_make_the_compiler_access_memory_out_of_bounds_are_rejected() {
     let obj = |text: &str| format!("v 0 0 0\nv .3 0 0\nv 0 .3 0\nv 0 0 .3\n{text}\n").into_bytes();
     let faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4";
     let tetrahedron = |texts: &str| obj(&format!("{faces}\n{texts}"));
@@ -270,7 +270,7 @@ fn damaged_files_on_which_the_compiler_reads_or_writes_outside_of_its_memory_are
 }
 
 #[test]
-fn a_damaged_file_is_found_wherever_the_compiler_would_look_for_it() {
+fn a_damaged_file_is_found_in_every_directory_of_the_compiler() {
     let dir = std::env::temp_dir().join(format!("mujoco_safe_assets_{}", std::process::id()));
     std::fs::create_dir_all(dir.join("meshes")).unwrap();
     let path = dir.join("model.xml");
@@ -287,7 +287,7 @@ fn a_damaged_file_is_found_wherever_the_compiler_would_look_for_it() {
     ] {
         let mesh_text = format!("<asset><mesh name='a' file='{file}'/></asset>");
         let geom = "<worldbody><geom type='mesh' mesh='a'/></worldbody>";
-        // The directory may be named behind the mesh.
+        // The directory may be named after the mesh.
         let text = format!("<mujoco>{mesh_text}{geom}<compiler {compiler}/></mujoco>");
         std::fs::write(&path, text).unwrap();
         std::fs::write(&mesh, &damaged).unwrap();
@@ -296,7 +296,7 @@ fn a_damaged_file_is_found_wherever_the_compiler_would_look_for_it() {
         std::fs::write(&mesh, &good).unwrap();
         assert_eq!(Model::from_xml_path(&path).unwrap().nmesh(), 1, "{compiler}, {file}");
     }
-    // The reader opens the files of materials that a mesh names.
+    // The engine's reader opens the material libraries that a mesh names.
     let object = "mtllib /dev/zero\nv 0 0 0\nv .3 0 0\nv 0 .3 0\nv 0 0 .3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     std::fs::write(dir.join("a.obj"), object).unwrap();
     std::fs::write(&path, "<mujoco><asset><mesh name='a' file='a.obj'/></asset></mujoco>").unwrap();
@@ -314,7 +314,7 @@ fn a_damaged_file_is_found_wherever_the_compiler_would_look_for_it() {
 }
 
 #[test]
-fn counts_beyond_what_the_compiler_has_room_for_are_refused() {
+fn counts_beyond_the_compilers_arrays_are_rejected() {
     let numbers = "1 ".repeat(501);
     let mesh = "vertex='0 0 0 1 0 0 0 1 0 0 0 1'";
     for (xml, expected) in [
@@ -347,7 +347,7 @@ fn counts_beyond_what_the_compiler_has_room_for_are_refused() {
     }
 }
 
-/// A hinge and a muscle on it, whose length range the compiler finds by a simulation.
+/// Returns a hinge with a muscle whose length range the compiler determines by simulation.
 fn with_muscle(lengthrange: &str) -> String {
     format!(
         "<mujoco><compiler angle='radian'><lengthrange {lengthrange}/></compiler>
@@ -357,7 +357,7 @@ fn with_muscle(lengthrange: &str) -> String {
 }
 
 #[test]
-fn a_length_range_that_never_settles_is_refused_and_one_that_does_is_found() {
+fn a_length_range_that_does_not_converge_is_rejected() {
     for (settings, expected) in [
         ("accel='1e12'", "unstable"),
         ("accel='1e300'", "unstable"),
@@ -372,7 +372,7 @@ fn a_length_range_that_never_settles_is_refused_and_one_that_does_is_found() {
     let model = Model::from_xml_str(&with_muscle("mode='muscle'")).unwrap();
     let [low, high] = model.actuator_lengthrange()[0];
     assert!((low + 1.0).abs() < 0.1 && (high - 1.0).abs() < 0.1, "{low} {high}");
-    // Where the range is known there is no simulation, whatever its settings.
+    // A known range needs no simulation, so the settings of the simulation do not matter.
     let known = with_muscle("inttotal='inf'").replace("<muscle joint='j'/>", "<muscle joint='j' lengthrange='-1 2'/>");
     assert_eq!(Model::from_xml_str(&known).unwrap().actuator_lengthrange(), [[-1.0, 2.0]]);
     assert!(Model::from_xml_str(&with_muscle("uselimit='true' inttotal='inf'")).is_ok());
@@ -387,15 +387,15 @@ fn a_length_range_that_never_settles_is_refused_and_one_that_does_is_found() {
     assert!(error.to_string().contains("unstable"), "{error}");
 }
 
-/// The kept inputs: see `tests/regressions/README.md`.
+/// The inputs are described in `tests/regressions/README.md`.
 #[test]
-fn texts_on_which_the_compiler_once_failed_are_refused() {
+fn texts_that_once_crashed_the_compiler_are_rejected() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/regressions");
     let mut tried = 0;
     for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if path.extension().is_some_and(|extension| extension == "xml") {
             let text = std::fs::read_to_string(&path).unwrap();
-            let expected = text.strip_prefix("<!-- refused: ").unwrap().split(" -->").next().unwrap();
+            let expected = text.strip_prefix("<!-- rejected: ").unwrap().split(" -->").next().unwrap();
             let error = Model::from_xml_path(&path).unwrap_err();
             assert!(matches!(error, Error::Load { .. }) && error.to_string().contains(expected), "{path:?}: {error}");
             tried += 1;

@@ -1,4 +1,4 @@
-//! What is saved loads again as the same model.
+//! A saved model loads as the same model.
 
 use std::sync::PoisonError;
 
@@ -6,11 +6,11 @@ use mujoco_safe::{Error, Kind, Model, sample};
 
 use crate::{RAW_LOADS, assets, bytes, bytes_in_c, folder};
 
-/// Loads a model and saves it as XML before another test loads one: the engine keeps the XML of the last one only.
+/// Loads a model and saves it as XML before another test loads a model: the engine keeps the XML of the last model only.
 fn saved(load: impl Fn() -> Model, path: &std::path::Path) -> Model {
     (0..10_000)
         .find_map(|_| {
-            // The library does not know of loads past it.
+            // The library does not notice raw loads.
             let _raw = RAW_LOADS.lock().unwrap_or_else(PoisonError::into_inner);
             let model = load();
             match model.save_xml(path) {
@@ -18,11 +18,11 @@ fn saved(load: impl Fn() -> Model, path: &std::path::Path) -> Model {
                 saved => Some(saved.map(|()| model).unwrap()),
             }
         })
-        .expect("a moment in which nobody else loads")
+        .expect("no load between loading and saving")
 }
 
 #[test]
-fn a_binary_model_comes_back_whole_from_a_file_and_from_memory() {
+fn a_binary_model_round_trips_through_a_file_and_memory() {
     let folder = folder();
     let path = folder.path().join("model.mjb");
     let model = Model::from_xml_path(folder.path().join("model.xml")).unwrap();
@@ -34,7 +34,7 @@ fn a_binary_model_comes_back_whole_from_a_file_and_from_memory() {
 }
 
 #[test]
-fn every_model_that_loads_from_xml_comes_back_whole_from_its_binary_form() {
+fn every_model_from_xml_round_trips_through_its_binary_form() {
     let body = "<body name='b'><joint name='j'/><geom size='.1'/><site name='s'/><site name='r' pos='1 0 0'/></body>
                 <body><freejoint/><geom size='.1'/></body><site name='w'/>";
     let with = |rest: &str| Model::from_xml_str(&format!("<mujoco><worldbody>{body}</worldbody>{rest}</mujoco>"));
@@ -61,7 +61,7 @@ fn every_model_that_loads_from_xml_comes_back_whole_from_its_binary_form() {
         let again = Model::from_binary(&saved).unwrap_or_else(|error| panic!("{model:?}: {error}"));
         assert!(bytes(&again) == saved, "{model:?}");
     }
-    // A model that the binary form could not carry is an error at once.
+    // A model that the binary format cannot hold is rejected when it is loaded.
     for (rest, expected) in [
         ("<option mpr_iterations='-1'/>", "opt.mpr_iterations is -1"),
         ("<option iterations='2000000'/>", "opt.iterations is 2000000; it must be"),
@@ -73,7 +73,7 @@ fn every_model_that_loads_from_xml_comes_back_whole_from_its_binary_form() {
 }
 
 #[test]
-fn a_mesh_whose_scale_makes_its_vertices_huge_is_an_error() {
+fn a_mesh_scale_that_makes_vertices_huge_is_an_error() {
     for scale in ["1e12 1 1", "1e39 1 1", "-1e300 1 1"] {
         let text = format!(
             "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1' scale='{scale}'/></asset>
@@ -85,7 +85,7 @@ fn a_mesh_whose_scale_makes_its_vertices_huge_is_an_error() {
 }
 
 #[test]
-fn a_model_that_was_saved_as_xml_loads_as_the_same_model() {
+fn a_model_saved_as_xml_loads_as_the_same_model() {
     let folder = folder();
     let path = folder.path().join("again.xml");
     for xml in [sample::CARTPOLE_XML, sample::HUMANOID_XML] {
@@ -108,7 +108,7 @@ fn a_model_that_was_saved_as_xml_loads_as_the_same_model() {
                 assert!((found - expected).abs() <= 2e-5 * expected.abs().max(1e-3), "{found}, not {expected}");
             }
         }
-        // Once rounded, they stay.
+        // Rounding again does not change the numbers.
         let twice = folder.path().join("twice.xml");
         saved(|| Model::from_xml_path(&path).unwrap(), &twice);
         assert!(bytes(&Model::from_xml_path(&twice).unwrap()) == bytes(&again));
@@ -116,7 +116,7 @@ fn a_model_that_was_saved_as_xml_loads_as_the_same_model() {
 }
 
 #[test]
-fn saved_xml_has_the_numbers_of_now_and_names_the_files_it_came_from() {
+fn saved_xml_has_the_current_numbers_and_names_its_files() {
     let folder = folder();
     let path = folder.path().join("again.xml");
     let load = || {
@@ -134,12 +134,12 @@ fn saved_xml_has_the_numbers_of_now_and_names_the_files_it_came_from() {
 }
 
 #[test]
-fn xml_that_cannot_be_saved_leaves_what_was_there_and_nothing_else() {
+fn a_failed_save_leaves_the_existing_file_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let (path, link) = (folder.path().join("model.xml"), folder.path().join("link.xml"));
     let load = || Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
     std::fs::write(&path, "before").unwrap();
-    // Replaced in between by another load: the file is as it was.
+    // Another load replaces the XML in between: the file stays unchanged.
     let model = load();
     saved(|| Model::from_xml_str(sample::HUMANOID_XML).unwrap(), &folder.path().join("other.xml"));
     assert!(matches!(model.save_xml(&path), Err(Error::XmlReplaced)));
@@ -153,7 +153,7 @@ fn xml_that_cannot_be_saved_leaves_what_was_there_and_nothing_else() {
 }
 
 #[test]
-fn the_schema_has_every_element_that_the_official_bindings_print() {
+fn the_schema_has_every_element_of_the_official_bindings() {
     let (text, html) = (mujoco_safe::schema().unwrap(), mujoco_safe::schema_html().unwrap());
     let elements: Vec<&str> =
         text.lines().filter_map(|line| line.trim_start().split_once(" (").map(|it| it.0)).collect();

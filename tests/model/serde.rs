@@ -1,5 +1,4 @@
-//! With the feature `serde`, options, settings of the visualiser and statistics go to a file and back; what the file says is
-//! checked where it is applied.
+//! Options, visual settings and statistics as plain data. Values are checked when they are applied to a model.
 
 #![forbid(unsafe_code)]
 
@@ -12,7 +11,7 @@ fn round_trip<T: Serialize + DeserializeOwned>(value: &T) -> T {
 }
 
 #[test]
-fn what_is_written_is_read_back_bit_for_bit() {
+fn settings_round_trip_bit_for_bit() {
     let mut model = sample::humanoid();
     model
         .edit()
@@ -31,7 +30,7 @@ fn what_is_written_is_read_back_bit_for_bit() {
 }
 
 #[test]
-fn names_are_those_of_the_fields_and_flags_and_variants() {
+fn serialised_names_are_those_of_fields_flags_and_variants() {
     let options: Options =
         serde_json::from_str(r#"{"cone": "Elliptic", "disable": "GRAVITY | CONTACT", "o_solref": [0.01, 1]}"#).unwrap();
     assert_eq!((options.cone, options.o_solref), (Cone::Elliptic, [0.01, 1.0]));
@@ -41,14 +40,14 @@ fn names_are_those_of_the_fields_and_flags_and_variants() {
 }
 
 #[test]
-fn what_a_file_leaves_out_has_its_default() {
+fn missing_fields_have_their_defaults() {
     assert_eq!(serde_json::from_str::<Options>("{}").unwrap(), Options::default());
     assert_eq!(serde_json::from_str::<Visual>(r#"{"map": {}}"#).unwrap(), Visual::default());
     assert_eq!(serde_json::from_str::<Statistics>("{}").unwrap(), Statistics::default());
 }
 
 #[test]
-fn what_a_file_has_too_much_or_wrong_is_an_error() {
+fn unknown_fields_and_invalid_values_are_errors() {
     assert!(serde_json::from_str::<Options>(r#"{"time_step": 0.1}"#).is_err());
     assert!(serde_json::from_str::<Options>(r#"{"integrator": "Euler2"}"#).is_err());
     assert!(serde_json::from_str::<Options>(r#"{"iterations": -1}"#).is_err());
@@ -57,7 +56,7 @@ fn what_a_file_has_too_much_or_wrong_is_an_error() {
 }
 
 #[test]
-fn what_a_file_says_is_checked_where_it_is_applied() {
+fn applying_settings_checks_their_values() {
     let mut model = sample::cartpole();
     let before = model.options();
     for text in [r#"{"timestep": -1}"#, r#"{"iterations": 2000000000}"#, r#"{"disable": "0x80000000"}"#] {
@@ -73,7 +72,7 @@ fn what_a_file_says_is_checked_where_it_is_applied() {
 }
 
 #[test]
-fn what_strangers_write_is_an_error_or_is_checked_where_it_is_applied() {
+fn untrusted_settings_are_errors_or_are_checked_when_applied() {
     let deep = "[".repeat(100_000);
     let long = format!(r#"{{"gravity": [{}]}}"#, "0,".repeat(100_000) + "0");
     for text in [
@@ -95,7 +94,7 @@ fn what_strangers_write_is_an_error_or_is_checked_where_it_is_applied() {
     ] {
         assert!(serde_json::from_str::<Options>(text).is_err(), "{}", &text[..text.len().min(40)]);
     }
-    // Numbers that a file can have and a model cannot.
+    // Numbers that JSON allows and a model does not.
     for text in [
         r#"{"timestep": -1}"#,
         r#"{"timestep": 0}"#,

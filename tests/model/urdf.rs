@@ -1,4 +1,4 @@
-//! URDF is untrusted text: every input that the engine's URDF reader cannot handle is an error.
+//! URDF is untrusted text: inputs that the engine's URDF reader cannot handle are rejected.
 
 use mujoco_safe::{Data, Error, LoadOptions, Model};
 
@@ -19,7 +19,7 @@ fn robot(content: &str) -> String {
     format!(r#"<robot name="robot">{content}</robot>"#)
 }
 
-/// Links `l0`, `l1`, … where `parent(i)` is the parent of link `i`.
+/// Returns links `l0`, `l1`, … where `parent(i)` is the parent of link `i`.
 fn tree(links: usize, kind: &str, parent: impl Fn(usize) -> usize) -> String {
     let links_text: String = (0..links).map(|i| link(&format!("l{i}"))).collect();
     let joints: String =
@@ -35,7 +35,7 @@ fn error(xml: &str) -> String {
 }
 
 #[test]
-fn every_unknown_joint_type_is_an_error_that_lists_the_known_ones() {
+fn an_unknown_joint_type_is_an_error_that_lists_the_known_types() {
     let ends = link("a") + &link("b");
     for root in ["robot", "ROBOT", "Robot"] {
         for kind in [
@@ -71,7 +71,7 @@ fn every_unknown_joint_type_is_an_error_that_lists_the_known_ones() {
 }
 
 #[test]
-fn the_known_joint_types_load_however_they_are_written() {
+fn the_known_joint_types_load_in_every_xml_spelling() {
     let ends = link("a") + &link("b");
     for (kind, nv) in [
         ("revolute", 1),
@@ -87,7 +87,7 @@ fn the_known_joint_types_load_however_they_are_written() {
         assert_eq!(model.nv(), nv, "{kind}");
         Data::new(model).unwrap().step().unwrap();
     }
-    // Elements named `joint` elsewhere are none of the reader's: ROS puts them into transmissions.
+    // The reader ignores elements named `joint` elsewhere; ROS uses them in transmissions.
     let other = r#"<transmission name="t"><joint name="j"><hardwareInterface>e</hardwareInterface></joint></transmission>
                    <gazebo><joint type="no"/></gazebo><Joint type="no"/><!-- <joint type="no"/> --><mujoco><joint type="no"/></mujoco>"#;
     let model = Model::from_xml_str(&robot(&(ends + &joint("j", "revolute", "a", "b") + other))).unwrap();
@@ -95,14 +95,14 @@ fn the_known_joint_types_load_however_they_are_written() {
 }
 
 #[test]
-fn a_chain_of_links_is_limited_in_length_and_its_check_needs_no_stack() {
+fn a_chain_of_more_than_400_joints_is_rejected_without_recursion() {
     let model = Model::from_xml_str(&tree(401, "revolute", |i| i - 1)).unwrap();
     assert_eq!(model.nv(), 400);
     for (links, kind) in [(402, "revolute"), (402, "fixed"), (20_000, "revolute"), (60_000, "fixed")] {
         let message = error(&tree(links, kind, |i| i - 1));
         assert!(message.contains("more than"), "{links}: {message}");
     }
-    // In the reverse order of the joints, and below a branch.
+    // With the joints in reverse order, and below a branch.
     let reversed: String =
         (1..1000).rev().map(|i| joint(&format!("j{i}"), "fixed", &format!("l{}", i - 1), &format!("l{i}"))).collect();
     let links: String = (0..1000).map(|i| link(&format!("l{i}"))).collect();
@@ -112,7 +112,7 @@ fn a_chain_of_links_is_limited_in_length_and_its_check_needs_no_stack() {
 }
 
 #[test]
-fn a_wide_robot_loads_and_one_of_too_many_links_does_not() {
+fn a_robot_with_too_many_links_is_rejected() {
     for links in [400, 1000] {
         let model = Model::from_xml_str(&tree(links, "revolute", |i| (i - 1) / 2)).unwrap();
         assert_eq!(model.nv(), links - 1);
@@ -124,7 +124,7 @@ fn a_wide_robot_loads_and_one_of_too_many_links_does_not() {
 }
 
 #[test]
-fn links_that_are_their_own_ancestors_are_named() {
+fn cyclic_links_are_errors_that_name_the_link() {
     let links = link("a") + &link("b") + &link("c");
     for joints in [
         joint("j", "revolute", "a", "a"),
@@ -138,7 +138,7 @@ fn links_that_are_their_own_ancestors_are_named() {
 }
 
 #[test]
-fn ends_of_joints_that_are_missing_doubled_or_the_world_are_errors_or_load() {
+fn missing_or_duplicate_parents_and_children_of_joints_are_errors() {
     let links = link("world") + &link("a") + &link("b");
     for (joints, expected) in [
         (joint("j", "revolute", "a", "world"), "joint found in world body"),
@@ -170,7 +170,7 @@ fn ends_of_joints_that_are_missing_doubled_or_the_world_are_errors_or_load() {
 }
 
 #[test]
-fn numbers_of_a_urdf_are_checked_like_those_of_mjcf() {
+fn numbers_in_urdf_are_checked_like_in_mjcf() {
     let with = |inertial: &str, dynamics: &str| {
         let b = format!(r#"<link name="b"><inertial>{inertial}</inertial></link>"#);
         let joint = joint("j", "revolute", "a", "b").replace("</joint>", &format!("{dynamics}</joint>"));
@@ -198,7 +198,7 @@ fn numbers_of_a_urdf_are_checked_like_those_of_mjcf() {
     }
 }
 
-/// A folder with two packages, each with a mesh `part.obj` of its own size, and the URDF that names both.
+/// Returns a folder with two packages, whose meshes `part.obj` differ in size, and a URDF that names both.
 fn workspace() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     for (package, size) in [("arm", 1.0), ("hand", 2.0)] {
@@ -218,7 +218,7 @@ fn workspace() -> (tempfile::TempDir, String) {
     (folder, urdf)
 }
 
-/// The lengths of the meshes' short edges, in ascending order. (The compiler moves the vertices to the frame of the inertia.)
+/// Returns the lengths of the meshes' short edges in ascending order. (The compiler moves vertices to the inertia frame.)
 fn edges(model: &Model) -> Vec<f64> {
     let mut edges: Vec<f64> = (0..model.nmesh())
         .map(|mesh| {
@@ -236,7 +236,7 @@ fn edges(model: &Model) -> Vec<f64> {
 }
 
 #[test]
-fn package_uris_are_resolved_by_name_and_by_search_path_and_files_of_one_name_stay_apart() {
+fn package_uris_are_resolved_by_name_and_by_search_path() {
     let (folder, urdf) = workspace();
     let in_share = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink(folder.path(), in_share.path().join("share")).unwrap();
@@ -256,21 +256,21 @@ fn package_uris_are_resolved_by_name_and_by_search_path_and_files_of_one_name_st
         assert!(model.mesh("part").is_ok() && model.mesh("hand-meshes-part").is_ok());
         Data::new(model).unwrap().step().unwrap();
     }
-    // A file in memory takes precedence.
+    // Files in memory take precedence.
     let small = b"v 0 0 0\nv .5 0 0\nv 0 .5 0\nv 0 0 .5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     let options = LoadOptions::default().with_package_path(folder.path()).with_file("part.obj", small);
     assert_eq!(edges(&Model::from_xml_str_with(&urdf, &options).unwrap()), [0.5]);
 }
 
 #[test]
-fn a_package_or_a_file_in_it_that_is_missing_is_named() {
+fn a_missing_package_or_file_is_an_error_that_names_it() {
     let (folder, urdf) = workspace();
     let error = |options: &LoadOptions<'_>| Model::from_xml_str_with(&urdf, options).unwrap_err().to_string();
     let none = error(&LoadOptions::default());
     assert!(none.contains("the directory of package 'arm' is unknown") && none.contains("with_package"), "{none}");
     std::fs::remove_file(folder.path().join("hand/meshes/part.obj")).unwrap();
     let options = LoadOptions::default().with_package_path(folder.path());
-    // The other package's file has the name that the engine looks for, so the mesh would be the wrong one.
+    // The engine's search by name would find the other package's file, which is the wrong mesh.
     let missing = error(&options);
     assert!(missing.contains("hand/meshes/part.obj"), "{missing}");
 }

@@ -1,7 +1,7 @@
-"""Records what the official Python bindings compute for the bundled models, for tests/engine/against_python.rs to compare with.
+"""Records numbers of the official Python bindings for the bundled models, for tests/engine/against_python.rs.
 
-The bindings bring their own build of the engine, so the numbers come from neither this library nor the engine that it is
-linked with. They are of version 2.2.2, whose wheels need Python 3.7 to 3.10 and numpy before 2:
+The bindings include their own build of the engine, so the numbers are independent of this library and of the engine that it is
+linked with. The version is 2.2.2, whose wheels need Python 3.7 to 3.10 and numpy before 2:
 
     python3.10 -m venv venv
     venv/bin/pip install mujoco==2.2.2 'numpy<2'
@@ -26,7 +26,7 @@ SIZES = ("nq", "nv", "nu", "na", "nbody", "ngeom", "nsensordata")
 
 
 def values(array):
-    """As a flat list, row by row. Python prints the shortest digits that read back as the same number."""
+    """Returns a flat list, row by row. Python prints the shortest digits that read back as the same number."""
     return [float(value) for value in np.asarray(array, dtype=float).ravel()]
 
 
@@ -36,7 +36,7 @@ def load(name):
 
 
 def reset(model, data, key):
-    """To a keyframe, or to the reference position for None."""
+    """Resets to a keyframe, or to the reference position for None."""
     if key is None:
         mujoco.mj_resetData(model, data)
     else:
@@ -48,12 +48,12 @@ def name_of(model, kind, index):
 
 
 def keys(model):
-    """The reference position, and every keyframe."""
+    """Returns the reference position and every keyframe."""
     return [(None, "")] + [(key, name_of(model, mujoco.mjtObj.mjOBJ_KEY, key)) for key in range(model.nkey)]
 
 
 def trajectory(model, data):
-    """Every 50th state of 1000 steps under fixed controls."""
+    """Returns every 50th state of 1000 steps with fixed controls."""
     reset(model, data, None)
     samples = []
     for step in range(STEPS):
@@ -83,7 +83,7 @@ def linearisation(model, data, key):
 
 
 def inverse(model, data, key):
-    """The forces that would hold the pose."""
+    """Returns the forces that would hold the pose."""
     reset(model, data, key)
     mujoco.mj_forward(model, data)
     data.qacc[:] = 0

@@ -1,4 +1,4 @@
-"""Writes riccati.json: the small examples of the collection DAREX, as far as their matrices are real and dense, and SciPy's solutions.
+"""Writes riccati.json: the small examples with real dense matrices of the collection DAREX, and SciPy's solutions.
 
 P. Benner, A. J. Laub, V. Mehrmann, A Collection of Benchmark Examples for the Numerical Solution of Algebraic Riccati Equations II:
 Discrete-Time Case, TU Chemnitz-Zwickau, SPC 95_23 (1995); J. Abels, P. Benner, DAREX - A Collection of Benchmark Examples for
@@ -15,7 +15,7 @@ from scipy.linalg import solve_discrete_are
 
 
 def examples():
-    """Name, A, B, Q, R and perhaps S, and the solution where there is a formula."""
+    """Yields name, A, B, Q, R, optionally S, and the closed-form solution, if any."""
     golden = (1 + np.sqrt(5)) / 2
 
     q = np.array([[9, 6], [6, 4]])
@@ -32,7 +32,7 @@ def examples():
     yield "1.3", [[2, -1], [1, 0]], [[1], [0]], [[0, 0], [0, 1]], [[0]], None, np.eye(2)
     singular = [[9, 3], [3, 1]]
     q = np.array([[-4, -4], [-4, 7]]) / 11
-    # With its S it has no stabilising solution with a positive definite cost of the controls; SciPy's own tests leave it out, too.
+    # With its S, no stabilising solution has a positive definite cost of the controls; SciPy's own tests omit it as well.
     yield "1.4 without S", [[0, 1], [0, -1]], [[1, 0], [2, 1]], q, singular, None, None
     p = [[1, 2], [2, 2 + np.sqrt(5)]]
     yield "1.5", [[0, 1], [0, 0]], [[0], [1]], [[1, 2], [2, 4]], [[1]], None, p

@@ -1,7 +1,7 @@
-//! What is drawn is what the model contains, whatever that is: every shape, every decoration, every label; what was edited after the
-//! renderer was told, and not before; and numbers that are none harm nothing but themselves.
+//! Contents of pictures: every shape, decoration and label of the model is visible, edits become visible with an upload, and
+//! invalid numbers affect only the objects that have them.
 //!
-//! With the environment variable `MUJOCO_SAFE_PICTURES` set to a folder the pictures are saved there, to be looked at.
+//! The pictures are saved to the folder in the environment variable `MUJOCO_SAFE_PICTURES`, if set.
 #![forbid(unsafe_code)]
 
 use std::path::PathBuf;
@@ -17,14 +17,14 @@ use crate::stage;
 
 const SIZE: [u32; 2] = [320, 240];
 
-/// A picture to look at.
+/// Saves a picture for inspection.
 fn save(picture: &Picture, name: &str) {
     if let Some(folder) = std::env::var_os("MUJOCO_SAFE_PICTURES") {
         picture.save_png(PathBuf::from(folder).join(name).with_extension("png")).unwrap();
     }
 }
 
-/// A model with a mesh, a height field, a skin, textures of each type, glued and not, lights of each kind, and a camera.
+/// Returns a model with a mesh, a height field, a skin, textures of each type and mapping, lights of each kind, and a camera.
 fn museum() -> Model {
     Model::from_xml_str(
         "<mujoco>
@@ -68,7 +68,7 @@ fn update(data: &mut Data, scene: &mut Scene, options: &SceneOptions) {
     scene.update(data, options, None, &mut camera, Categories::all()).unwrap();
 }
 
-/// The picture of a simulation from its camera.
+/// Renders a simulation from its camera.
 fn picture(renderer: &mut Renderer, data: &mut Data) -> Picture {
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();
@@ -76,7 +76,7 @@ fn picture(renderer: &mut Renderer, data: &mut Data) -> Picture {
     renderer.rgb(&scene).unwrap()
 }
 
-/// The share of bytes that differ.
+/// Returns the share of bytes that differ.
 fn difference(a: &Picture, b: &Picture) -> f64 {
     assert_eq!(a.as_bytes().len(), b.as_bytes().len());
     let differ = a.as_bytes().iter().zip(b.as_bytes()).filter(|(a, b)| a != b).count();
@@ -84,10 +84,10 @@ fn difference(a: &Picture, b: &Picture) -> f64 {
 }
 
 #[test]
-fn edits_of_textures_meshes_and_height_fields_are_seen_once_the_renderer_is_told() {
+fn edited_assets_are_visible_after_an_upload() {
     type Edit = fn(&mut ModelMut<'_>);
-    type Tell = fn(&mut Renderer, &Model);
-    let edits: [(&str, Edit, Tell); 4] = [
+    type Upload = fn(&mut Renderer, &Model);
+    let edits: [(&str, Edit, Upload); 4] = [
         (
             "texture",
             |model| model.texture_mut("checks").unwrap().rgb_mut().fill(255),
@@ -118,21 +118,25 @@ fn edits_of_textures_meshes_and_height_fields_are_seen_once_the_renderer_is_told
         let mut renderer = self::renderer(data.model(), SIZE);
         let before = picture(&mut renderer, &mut data);
         data.edit_model(edit).unwrap();
-        assert_eq!(difference(&before, &picture(&mut renderer, &mut data)), 0.0, "{what}: seen too early");
+        assert_eq!(difference(&before, &picture(&mut renderer, &mut data)), 0.0, "{what}: visible too early");
         tell(&mut renderer, data.model());
         let after = picture(&mut renderer, &mut data);
-        assert!(difference(&before, &after) > 0.001, "{what}: not seen");
+        assert!(difference(&before, &after) > 0.001, "{what}: not visible");
         save(&after, &format!("edited {what}"));
-        // As one that was made after the edit draws it.
+        // A renderer created after the edit gives the same picture.
         let mut other = self::renderer(data.model(), SIZE);
-        assert_eq!(difference(&after, &picture(&mut other, &mut data)), 0.0, "{what}: not the same as from the start");
+        assert_eq!(
+            difference(&after, &picture(&mut other, &mut data)),
+            0.0,
+            "{what}: differs from a new renderer's picture"
+        );
     }
 }
 
-/// Sets something of a model to a number everywhere.
+/// Sets a field of a model to a number everywhere.
 type Fill = fn(&mut ModelMut<'_>, f64);
 
-/// What of a model's shapes can be edited to be no number, or too large.
+/// Fields of shapes that can be set to NaN or to huge numbers.
 const HOSTILE: [(&str, Fill); 8] = [
     ("colours", |model, number| model.geom_rgba_mut().fill([number as f32; 4])),
     ("sizes", |model, number| model.geom_size_mut().fill([number; 3])),
@@ -148,7 +152,7 @@ const HOSTILE: [(&str, Fill); 8] = [
 ];
 
 #[test]
-fn numbers_that_are_none_harm_nothing_but_themselves() {
+fn invalid_numbers_affect_only_their_own_object() {
     let mut clean = Data::new(museum()).unwrap();
     let mut renderer = self::renderer(clean.model(), SIZE);
     let expected = picture(&mut renderer, &mut clean);
@@ -162,7 +166,7 @@ fn numbers_that_are_none_harm_nothing_but_themselves() {
                 continue;
             }
             update(&mut data, &mut scene, &SceneOptions::default());
-            // A renderer of the edited model, and one that is told.
+            // A renderer of the edited model, and a renderer that uploads the edit.
             let Ok(mut own) = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], &RendererOptions::default())
             else {
                 continue;
@@ -170,13 +174,13 @@ fn numbers_that_are_none_harm_nothing_but_themselves() {
             drop((own.rgb(&scene), own.depth(&scene), own.segmentation(&scene)));
             drop((renderer.rgb(&scene), renderer.depth(&scene), renderer.segmentation(&scene)));
             let after = picture(&mut renderer, &mut clean);
-            assert_eq!(difference(&expected, &after), 0.0, "{what} of {number}: the picture after it is another");
+            assert_eq!(difference(&expected, &after), 0.0, "{what} of {number}: the next picture differs");
         }
     }
 }
 
 #[test]
-fn every_shape_that_a_user_adds_is_seen() {
+fn every_user_geom_is_visible() {
     let mut data = Data::new(museum()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();
@@ -208,7 +212,7 @@ fn every_shape_that_a_user_adds_is_seen() {
         let at = [-1.8 + 1.2 * f64::from(column), 0.0, 1.7 - 0.9 * f64::from(row)];
         let color = [0.3 + 0.04 * index as f32, 0.8 - 0.04 * index as f32, 0.6, 1.0];
         let shape = match index {
-            // Ends of connectors are in the world frame.
+            // The ends of connectors are in the world frame.
             9.. => {
                 let kinds = [
                     Connector::Capsule,
@@ -242,7 +246,7 @@ fn every_shape_that_a_user_adds_is_seen() {
     assert!(seen.iter().all(|(segment, count)| segment.object.is_none() && *count > 20), "{seen:?}");
 }
 
-/// A humanoid that has fallen, under a perturbation.
+/// Returns a humanoid that has fallen, and a perturbation.
 fn humanoid() -> (Data, Perturbation) {
     let mut data = Data::new(sample::humanoid()).unwrap();
     for _ in 0..300 {
@@ -268,12 +272,12 @@ fn decorated(renderer: &mut Renderer, data: &mut Data, perturbation: &Perturbati
 }
 
 #[test]
-fn every_decoration_is_seen() {
+fn every_decoration_is_visible() {
     let (mut data, perturbation) = humanoid();
     let mut renderer = self::renderer(data.model(), [640, 480]);
     let plain = SceneOptions { flags: VisualFlags::TEXTURE | VisualFlags::STATIC, ..SceneOptions::default() };
     let before = decorated(&mut renderer, &mut data, &perturbation, &plain);
-    // Those of which the model has something to show.
+    // Flags for which the model has something to show.
     for flag in [
         VisualFlags::JOINT,
         VisualFlags::ACTUATOR,
@@ -288,7 +292,7 @@ fn every_decoration_is_seen() {
     ] {
         let options = SceneOptions { flags: plain.flags | flag, ..plain.clone() };
         let after = decorated(&mut renderer, &mut data, &perturbation, &options);
-        assert!(difference(&before, &after) > 1e-5, "{flag:?} is not seen");
+        assert!(difference(&before, &after) > 1e-5, "{flag:?} is not visible");
         save(&after, &format!("decoration {flag:?}"));
     }
     for frame in [FrameMode::Body, FrameMode::Geom, FrameMode::Contact, FrameMode::World] {
@@ -301,7 +305,7 @@ fn every_decoration_is_seen() {
 }
 
 #[test]
-fn labels_are_seen() {
+fn labels_are_visible() {
     let (mut data, perturbation) = humanoid();
     let mut renderer = self::renderer(data.model(), [640, 480]);
     let plain = SceneOptions::default();
@@ -318,14 +322,14 @@ fn labels_are_seen() {
 }
 
 #[test]
-fn a_text_of_the_users_is_seen_where_it_was_put_and_in_front_of_everything() {
+fn a_user_label_is_drawn_at_its_position_in_front_of_everything() {
     let mut data = Data::new(museum()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();
     update(&mut data, &mut scene, &SceneOptions::default());
     let mut renderer = self::renderer(data.model(), SIZE);
     let before = renderer.rgb(&scene).unwrap();
-    // Behind the hills, and with letters that the font has not.
+    // Behind the hills, and with letters that the font lacks.
     scene.push(&NewGeom::text("höher als die Hügel").unwrap().pos([1.5, 4.0, 0.1])).unwrap();
     let after = renderer.rgb(&scene).unwrap();
     assert!(difference(&before, &after) > 1e-3);

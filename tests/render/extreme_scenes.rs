@@ -1,4 +1,5 @@
-//! Whatever numbers a scene has, there is a picture or an error: never a panic, a hang or a call that the graphics library refuses.
+//! Extreme numbers in a scene: the result is a picture or an error, never a panic, a hang or a validation error of the graphics
+//! API.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::render::{Lighting, RenderError, Renderer, RendererOptions};
@@ -7,11 +8,11 @@ use mujoco_safe::{Data, Error, Model};
 
 use crate::stage::{self, Stage};
 
-/// Numbers that a model may have, and a colour or a place of a geom in a scene.
+/// Numbers for fields of a model, and for colours and positions of a geom in a scene.
 const NUMBERS: [f64; 10] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -1.0, 1e-30, 1e-45, 1e14, 1e30, f32::MAX as f64];
 
-/// Everything there is to draw, in every kind of light.
+/// A model of everything that can be drawn, with every kind of light.
 const WORLD: &str = r#"<mujoco>
   <visual><quality shadowsize="64"/></visual>
   <asset>
@@ -38,7 +39,7 @@ const WORLD: &str = r#"<mujoco>
   </worldbody>
 </mujoco>"#;
 
-/// What must be so: a picture, or an error that is not the graphics library's.
+/// Accepts a picture, or an error that is not a validation error of the graphics API.
 #[track_caller]
 fn accept<T>(result: Result<T, RenderError>, what: &str) {
     match result {
@@ -47,7 +48,7 @@ fn accept<T>(result: Result<T, RenderError>, what: &str) {
     }
 }
 
-/// Draws everything that can be drawn of a scene.
+/// Renders colour, depth and segmentation of a scene.
 #[track_caller]
 fn draw_all(renderer: &mut Renderer, scene: &mut Scene, what: &str) {
     for flags in [RenderFlags::empty(), RenderFlags::WIREFRAME | RenderFlags::FOG, RenderFlags::SEGMENT] {
@@ -59,7 +60,7 @@ fn draw_all(renderer: &mut Renderer, scene: &mut Scene, what: &str) {
 }
 
 #[test]
-fn a_geom_of_any_place_and_colour_is_drawn_or_left_out() {
+fn a_geom_of_any_position_and_colour_is_drawn_or_skipped() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     for number in NUMBERS.map(|number| number as f32) {
         for set in 0..4 {
@@ -80,7 +81,7 @@ fn a_geom_of_any_place_and_colour_is_drawn_or_left_out() {
 }
 
 #[test]
-fn a_new_geom_of_any_size_is_drawn_or_left_out() {
+fn a_new_geom_of_any_size_is_drawn_or_skipped() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let texture = stage.data.model().texture("cube").unwrap().id();
     for size in [0.0, 1e-45, 1e-30, 1.0, 1e14, 1e30, f64::from(f32::MAX)] {
@@ -137,7 +138,7 @@ fn a_model_of_any_numbers_is_drawn() {
 }
 
 #[test]
-fn any_viewpoint_shows_something_or_is_refused() {
+fn any_viewpoint_is_drawn_or_rejected() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let good = stage.scene.viewpoint();
     let Stage { renderer, scene, .. } = &mut stage;
@@ -151,7 +152,7 @@ fn any_viewpoint_shows_something_or_is_refused() {
             Viewpoint { frustum_far: number, ..good },
             Viewpoint { frustum_center: number, ..good },
         ] {
-            // What the scene refuses already is not seen.
+            // Viewpoints that the scene rejects are not rendered.
             if scene.set_viewpoints([viewpoint; 2]).is_ok() {
                 draw_all(renderer, scene, &format!("{viewpoint:?}"));
             }
@@ -160,7 +161,7 @@ fn any_viewpoint_shows_something_or_is_refused() {
 }
 
 #[test]
-fn any_place_of_the_model_in_the_room_is_drawn() {
+fn any_transform_of_the_model_is_drawn() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let Stage { renderer, scene, .. } = &mut stage;
     for scale in [0.01, 1.0, 100.0] {
@@ -173,7 +174,7 @@ fn any_place_of_the_model_in_the_room_is_drawn() {
 }
 
 #[test]
-fn any_quality_is_drawn_with() {
+fn any_quality_is_drawn() {
     let set = |quality: &str| WORLD.replace(r#"<quality shadowsize="64"/>"#, quality);
     for quality in [
         r#"<quality shadowsize="0"/>"#,
@@ -208,7 +209,7 @@ fn any_number_of_lights_is_drawn() {
 }
 
 #[test]
-fn a_scene_that_was_never_updated_is_refused() {
+fn a_scene_without_an_update_is_rejected() {
     let stage = Stage::new(WORLD, [16, 12]);
     let scene = Scene::new(stage.data.model(), 10).unwrap();
     let mut renderer = stage.renderer;
@@ -220,7 +221,7 @@ fn a_scene_that_was_never_updated_is_refused() {
 }
 
 #[test]
-fn a_scene_of_another_model_is_refused() {
+fn a_scene_of_another_model_is_rejected() {
     let stage = Stage::new(WORLD, [16, 12]);
     let mut other = Stage::new(WORLD, [16, 12]);
     let is_refused = |result: Result<(), RenderError>| {
@@ -245,7 +246,7 @@ fn an_id_of_another_model_panics() {
 }
 
 #[test]
-fn a_size_that_no_picture_has_is_an_error() {
+fn an_invalid_picture_size_is_an_error() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let too_large = |result: &Result<_, _>| matches!(result, Err(RenderError::TooLarge { size: 0x7FFF_FFFF, .. }));
     for [width, height] in [[0, 12], [16, 0]] {
@@ -254,7 +255,7 @@ fn a_size_that_no_picture_has_is_an_error() {
     }
     assert!(too_large(&stage.renderer.resize(0x7FFF_FFFF, 12)));
     assert!(too_large(&stage.renderer.resize(16, 0x7FFF_FFFF)));
-    assert_eq!(stage.renderer.size(), [16, 12], "the size is as it was");
+    assert_eq!(stage.renderer.size(), [16, 12], "the size is unchanged");
     let options = RendererOptions::default().shadow_size(0x7FFF_FFFF);
     assert!(too_large(&Renderer::on(stage::gpu(), stage.data.model(), 16, 12, &options).map(drop)));
     let mut wrong = vec![0; 4 * 16 * 12 - 1];

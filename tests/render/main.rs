@@ -1,4 +1,4 @@
-//! Pictures.
+//! Rendering and recording.
 
 #[path = "../common/child.rs"]
 mod child;

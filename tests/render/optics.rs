@@ -1,5 +1,5 @@
-//! What is drawn is what optics says: colours, light, transparency, fog, mirrors and shadows, by formulae that have nothing to do with how
-//! they are drawn.
+//! Pixels against the formulae of optics: colours, light, transparency, fog, mirrors and shadows, independent of the
+//! implementation.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::render::{Lighting, Picture, Renderer, RendererOptions};
@@ -21,7 +21,7 @@ fn middle(picture: &Picture) -> [u8; 3] {
     picture.pixel(picture.width() / 2, picture.height() / 2)
 }
 
-/// Equal but for the rounding of one byte.
+/// Asserts that colours are equal up to the rounding of a byte.
 #[track_caller]
 fn assert_rgb(actual: [u8; 3], expected: [f64; 3]) {
     let is_close =
@@ -30,7 +30,7 @@ fn assert_rgb(actual: [u8; 3], expected: [f64; 3]) {
 }
 
 #[test]
-fn an_empty_scene_is_black_without_depth_and_without_geoms() {
+fn an_empty_scene_is_black_without_depth_and_geoms() {
     let mut stage = Stage::new(&world("", ""), SIZE);
     assert!(stage.rgb().as_bytes().iter().all(|&byte| byte == 0));
     assert!(stage.renderer.depth(&stage.scene).unwrap().as_slice().iter().all(|depth| *depth == f32::INFINITY));
@@ -38,20 +38,20 @@ fn an_empty_scene_is_black_without_depth_and_without_geoms() {
 }
 
 #[test]
-fn what_shines_by_itself_has_its_own_colour() {
+fn an_emissive_material_has_its_own_colour() {
     let mut stage = Stage::new(&world("", r#"<light directional="true" diffuse="0 0 0" specular="0 0 0"/>"#), SIZE);
     stage.look_along_x([0.0; 3], 3.0);
     stage.scene.push(&NewGeom::sphere(0.5).rgba([0.2, 0.4, 0.6, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
     let picture = stage.rgb();
     assert_rgb(middle(&picture), [0.2, 0.4, 0.6]);
-    assert_eq!(picture.pixel(0, 0), [0; 3], "beside it");
+    assert_eq!(picture.pixel(0, 0), [0; 3], "beside the box");
     let depth = stage.renderer.depth(&stage.scene).unwrap();
     assert!((depth.metres(16, 16) - 2.5).abs() < 0.01, "{}", depth.metres(16, 16));
 }
 
 #[test]
-fn a_directional_light_shines_by_the_cosine_of_its_angle() {
-    // The side of the box that is seen faces along -x.
+fn a_directional_light_follows_the_cosine_law() {
+    // The visible side of the box faces along -x.
     let body = r#"<light directional="true" castshadow="false" dir="3 0 -4" ambient="0.1 0.2 0" diffuse="0.5 0.5 0.5" specular="0 0 0"/>
                   <geom type="box" size="0.5 2 2" rgba="1 0.5 0.25 1"/>"#;
     for lighting in [Lighting::PerVertex, Lighting::PerPixel] {
@@ -68,7 +68,7 @@ fn a_directional_light_shines_by_the_cosine_of_its_angle() {
 }
 
 #[test]
-fn a_lamp_is_weaker_farther_away_and_shines_within_its_cone() {
+fn a_spot_light_attenuates_and_has_a_cone() {
     let lamp = |cutoff: f64, x: f64| {
         let body = format!(
             r#"<light castshadow="false" pos="{x} 0 0" dir="1 0 0" cutoff="{cutoff}" exponent="0" attenuation="1 0.5 0.25"
@@ -91,8 +91,8 @@ fn a_lamp_is_weaker_farther_away_and_shines_within_its_cone() {
 }
 
 #[test]
-fn a_highlight_is_where_the_light_is_mirrored() {
-    // Light and eye are both at -x: the highlight is where the sphere faces them.
+fn a_specular_highlight_is_at_the_mirror_direction() {
+    // Light and camera are both at -x, so the highlight is where the sphere faces them.
     let body = r#"<light directional="true" castshadow="false" dir="1 0 0" diffuse="0 0 0" specular="1 1 1"/>"#;
     let options = RendererOptions::default().samples(1).lighting(Lighting::PerPixel);
     let mut stage = Stage::with(&world("", body), SIZE, &options);
@@ -105,7 +105,7 @@ fn a_highlight_is_where_the_light_is_mirrored() {
 }
 
 #[test]
-fn what_is_transparent_lets_through_what_is_behind() {
+fn transparent_geoms_are_blended() {
     let dark = r#"<light directional="true" diffuse="0 0 0" specular="0 0 0"/>"#;
     let mut stage = Stage::new(&world("", dark), SIZE);
     stage.look_along_x([0.0; 3], 3.0);
@@ -113,7 +113,7 @@ fn what_is_transparent_lets_through_what_is_behind() {
         |x: f64, rgba| NewGeom::cuboid([0.01, 2.0, 2.0]).pos([x, 0.0, 0.0]).rgba(rgba).surface(1.0, 0.0, 0.0, 0.0);
     stage.scene.push(&wall(0.0, [0.0, 0.5, 0.0, 0.4])).unwrap();
     stage.scene.push(&wall(1.0, [1.0, 0.0, 0.0, 1.0])).unwrap();
-    // It is drawn twice, front to back and back to front, as the engine does.
+    // It is drawn twice, front to back and back to front, like in the engine.
     let over = |below: f64, own: f64| 0.4 * own + 0.6 * below;
     assert_rgb(middle(&stage.rgb()), [over(over(1.0, 0.0), 0.0), over(over(0.0, 0.5), 0.5), 0.0]);
     stage.scene.set_render_flags(stage.scene.render_flags() | RenderFlags::ADDITIVE);
@@ -121,7 +121,7 @@ fn what_is_transparent_lets_through_what_is_behind() {
 }
 
 #[test]
-fn fog_hides_what_is_far_away() {
+fn fog_hides_distant_geoms() {
     let visual = r#"<map fogstart="2" fogend="4" znear="0.01" zfar="100"/><rgba fog="0 0 1 1"/>"#;
     let xml = format!(
         r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><headlight active="0"/>{visual}</visual><worldbody>
@@ -133,7 +133,7 @@ fn fog_hides_what_is_far_away() {
     for (x, clear) in [(-1.5, 1.0), (0.0, 0.5), (0.5, 0.25), (2.0, 0.0)] {
         stage.update();
         stage.scene.set_render_flags(flags);
-        // The side of the box that is seen is at x.
+        // The visible side of the box is at x.
         let wall = NewGeom::cuboid([0.5, 3.0, 3.0]).pos([x + 0.5, 0.0, 0.0]);
         stage.scene.push(&wall.rgba([1.0, 0.0, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
         assert_rgb(middle(&stage.rgb()), [clear, 0.0, 1.0 - clear]);
@@ -141,7 +141,7 @@ fn fog_hides_what_is_far_away() {
 }
 
 #[test]
-fn a_mirror_shows_what_is_before_it_where_its_image_is() {
+fn a_mirror_shows_the_reflected_image() {
     let mirror = |size: &str| {
         let xml = format!(
             r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><headlight active="0"/><map zfar="100"/></visual>
@@ -150,7 +150,7 @@ fn a_mirror_shows_what_is_before_it_where_its_image_is() {
                  <geom type="plane" size="{size}" material="mirror"/></worldbody></mujoco>"#
         );
         let mut stage = Stage::new(&xml, [65, 65]);
-        // Down at 30°: a ball 0.5 m over the floor, and its image 0.5 m below.
+        // The camera looks down at 30°: the ball is 0.5 m above the floor, and its image 0.5 m below.
         stage.look([0.0; 3], 4.0, 0.0, -30.0);
         let ball = NewGeom::sphere(0.2).pos([0.0, 0.0, 0.5]).rgba([1.0, 0.5, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0);
         stage.scene.push(&ball).unwrap();
@@ -159,22 +159,22 @@ fn a_mirror_shows_what_is_before_it_where_its_image_is() {
     for size in ["0 0 1", "2 2 1"] {
         let mut stage = mirror(size);
         let picture = stage.rgb();
-        // The image is as far below the middle as its place is in the frustum of 45°.
+        // The distance of the image from the middle of the picture follows from its position in the frustum of 45°.
         let (along, down) = (4.0 + 0.5 * 0.5, 0.5 * 30_f64.to_radians().cos());
         let row = 32.5 + 32.5 * down / along / 22.5_f64.to_radians().tan();
         assert_rgb(picture.pixel(32, row as usize), [0.5, 0.25, 0.0]);
         stage.scene.set_render_flags(stage.scene.render_flags() & !RenderFlags::REFLECTION);
         assert_eq!(stage.rgb().pixel(32, row as usize), [0; 3]);
     }
-    // There is no image beside a small mirror.
+    // No image appears beside a small mirror.
     let picture = mirror("0.05 0.05 1").rgb();
     assert!((33..65).all(|row| picture.pixel(32, row)[0] < 130));
     assert!((36..65).all(|row| picture.pixel(32, row) == [0; 3]), "an image beside the mirror");
 }
 
 #[test]
-fn a_shadow_is_where_the_light_does_not_come() {
-    // Straight down from 3 m: the ball's shadow is a disk around the origin.
+fn a_shadow_is_where_light_is_blocked() {
+    // The light shines straight down from 3 m: the ball's shadow is a disk around the origin.
     for light in
         [r#"directional="true" pos="0 0 3" dir="0 0 -1""#, r#"pos="0 0 3" dir="0 0 -1" cutoff="60" exponent="0""#]
     {
@@ -190,11 +190,7 @@ fn a_shadow_is_where_the_light_does_not_come() {
         // From below the ball, at 45°.
         stage.look([0.0; 3], 1.5, 0.0, -45.0);
         let shaded = stage.rgb();
-        assert_eq!(
-            middle(&shaded),
-            [0; 3],
-            "a light that casts a shadow adds nothing to it, not even its ambient part"
-        );
+        assert_eq!(middle(&shaded), [0; 3], "a light adds nothing in its shadow, not even its ambient part");
         assert!(shaded.pixel(2, 32)[0] > 100, "beside the shadow {:?}", shaded.pixel(2, 32));
         stage.scene.set_render_flags(stage.scene.render_flags() & !RenderFlags::SHADOW);
         assert!(middle(&stage.rgb())[0] > 100, "without shadows");
@@ -202,8 +198,8 @@ fn a_shadow_is_where_the_light_does_not_come() {
 }
 
 #[test]
-fn what_is_out_of_sight_casts_its_shadow_into_sight() {
-    // The ball is two metres to the left, or behind the eye; the shadow of its centre is at the origin.
+fn geoms_outside_the_view_cast_visible_shadows() {
+    // The ball is two metres to the left, or behind the camera; the shadow of its centre is at the origin.
     for ball in [[0.0, -2.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [0.0, 0.0, 2.0]] {
         let [x, y, z] = ball;
         let toward = format!(r#"dir="{} {} {}""#, -x, -y, -z);
@@ -227,13 +223,13 @@ fn what_is_out_of_sight_casts_its_shadow_into_sight() {
             stage.data.qpos_mut()[2] = -5.0;
             stage.data.forward().unwrap();
             stage.update();
-            assert!(middle(&stage.rgb())[0] > 100, "{light}: a shadow of nothing");
+            assert!(middle(&stage.rgb())[0] > 100, "{light}: unexpected shadow");
         }
     }
 }
 
 #[test]
-fn no_picture_has_anything_of_those_before_it() {
+fn a_picture_does_not_depend_on_earlier_pictures() {
     let light = r#"diffuse="0.4 0.4 0.4" cutoff="60""#;
     let xml = world(
         r#"<quality shadowsize="256"/>"#,
@@ -244,7 +240,7 @@ fn no_picture_has_anything_of_those_before_it() {
         ),
     );
     let mut stage = Stage::new(&xml, [48, 32]);
-    // The ball, then the box; in the last they are under the floor and cast no shadow that is seen, or none at all.
+    // The ball, then the box; in the last scenes they are below the floor, and their shadow is invisible or absent.
     let places = [
         [[0.0, 0.0, 0.5], [0.5, 0.5, 0.5]],
         [[0.1, 0.0, 1.5], [-0.5, 0.5, 0.7]],
@@ -268,7 +264,7 @@ fn no_picture_has_anything_of_those_before_it() {
         .collect();
     assert!(expected.iter().enumerate().all(|(index, picture)| !expected[..index].contains(picture)));
     for picture in 0..300 {
-        // In a different order each time around.
+        // In a different order in each round.
         let index = picture * (1 + picture / places.len()) % places.len();
         place(&mut stage, index);
         assert_eq!(stage.rgb(), expected[index], "picture {picture}");
@@ -276,7 +272,7 @@ fn no_picture_has_anything_of_those_before_it() {
 }
 
 #[test]
-fn the_colours_of_numbers_are_the_segmentation() {
+fn segmentation_colours_equal_segmentation_numbers() {
     let body = r#"<geom type="sphere" size="0.3" pos="0 0.4 0"/><geom type="box" size="0.2 0.2 0.2" pos="0 -0.4 0" rgba="1 1 1 0.3"/>"#;
     let mut stage = Stage::new(&world("", body), SIZE);
     stage.look_along_x([0.0; 3], 3.0);
@@ -295,7 +291,7 @@ fn the_colours_of_numbers_are_the_segmentation() {
 }
 
 #[test]
-fn the_same_scene_is_the_same_picture_on_any_thread_and_after_any_size() {
+fn pictures_do_not_depend_on_the_thread_or_earlier_sizes() {
     let xml = world(
         r#"<quality shadowsize="256"/>"#,
         r#"<light pos="0 0 3"/><geom type="plane" size="0 0 1"/><geom size="0.3" pos="0 0 1"/>"#,
@@ -326,7 +322,7 @@ fn the_same_scene_is_the_same_picture_on_any_thread_and_after_any_size() {
 }
 
 #[test]
-fn what_was_edited_is_drawn_once_it_is_taken_over() {
+fn an_edited_model_is_drawn_after_an_update_of_the_renderer() {
     let xml = r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
       <asset><texture name="t" type="2d" builtin="flat" width="4" height="4" rgb1="1 0 0"/><material name="m" texture="t"/>
         <hfield name="h" nrow="2" ncol="2" size="1 1 1 0.1"/></asset>
@@ -348,7 +344,7 @@ fn what_was_edited_is_drawn_once_it_is_taken_over() {
             model.hfield_data_mut().fill(0.5);
         })
         .unwrap();
-    assert_eq!(middle(&stage.rgb()), [255, 0, 0], "it keeps what it has");
+    assert_eq!(middle(&stage.rgb()), [255, 0, 0], "the renderer keeps its copy");
     let model = stage.data.model().clone();
     stage.renderer.update_texture(&model, texture).unwrap();
     stage.renderer.update_height_field(&model, field).unwrap();

@@ -1,4 +1,4 @@
-//! A renderer prints nothing, neither to standard output nor to standard error: each test runs one in a process of its own.
+//! A renderer prints nothing to standard output and standard error. Each test renders in a child process.
 
 #![cfg(target_os = "linux")]
 
@@ -8,7 +8,7 @@ use mujoco_safe::{Data, sample};
 
 use crate::child;
 
-/// Draws a picture, with a certain backend if one is named.
+/// Renders a picture, with the expected backend if set.
 #[test]
 fn a_picture_in_a_process_of_its_own() {
     if !child::is_child() {
@@ -30,10 +30,10 @@ fn a_picture_in_a_process_of_its_own() {
     let mut renderer = Renderer::on(&gpu, data.model(), 64, 64, &RendererOptions::default()).unwrap();
     let picture = renderer.rgb(&scene).unwrap();
     let first = picture.pixel(0, 0);
-    assert!(picture.as_bytes().chunks_exact(3).any(|pixel| *pixel != first), "there is something in the picture");
+    assert!(picture.as_bytes().chunks_exact(3).any(|pixel| *pixel != first), "the picture is empty");
 }
 
-/// Runs the test above with these variables, and without those that name a session of the user.
+/// Runs the test above with these variables, and without the variables of a desktop session.
 fn prints_nothing(variables: &[(&str, &str)]) {
     let output = child::command("quiet::a_picture_in_a_process_of_its_own")
         .env_remove("XDG_RUNTIME_DIR")
@@ -48,7 +48,7 @@ fn prints_nothing(variables: &[(&str, &str)]) {
     assert_eq!(stderr, "");
 }
 
-/// Mesa's layer that selects a Vulkan device complains about the missing `XDG_RUNTIME_DIR`.
+/// Mesa's device selection layer complains about a missing `XDG_RUNTIME_DIR`.
 #[test]
 fn a_renderer_prints_nothing_without_a_session() {
     prints_nothing(&[("EXPECTED_BACKEND", "vulkan")]);
@@ -56,6 +56,6 @@ fn a_renderer_prints_nothing_without_a_session() {
 }
 
 #[test]
-fn without_a_vulkan_driver_a_renderer_draws_with_opengl_and_prints_nothing() {
+fn a_renderer_falls_back_to_opengl_and_prints_nothing() {
     prints_nothing(&[("VK_DRIVER_FILES", "/dev/null"), ("VK_ICD_FILENAMES", "/dev/null"), ("EXPECTED_BACKEND", "gl")]);
 }

@@ -1,12 +1,13 @@
-//! What the pictures of depth and of segmentation say is what rays through the same pixels meet.
+//! Depth and segmentation pictures agree with rays through the same pixels.
 //!
-//! The engine's rays meet the exact shapes. Of each scene, at 1000 random pixels and at 1000 more that show more than the floor:
+//! The engine's rays meet the exact shapes. Each scene is checked at 1000 random pixels, and at 1000 more that do not show the
+//! floor:
 //!
-//! - Away from outlines, the picture shows the geom that the ray meets first, or one that it meets no farther than 1/3000 behind.
-//! - Where that geom is seen under 15° or more, its depth is right within 1/3000: 1 mm at 3 m. Where it is seen under less, and a
-//!   fraction of a pixel is many millimetres, its depth is between those of the neighbours, within 1/3000.
+//! - Away from outlines, the picture shows the geom that the ray meets first, or a geom at most 1/3000 behind it.
+//! - Where the angle between ray and surface is at least 15°, the depth is right within 1/3000: 1 mm at 3 m. At smaller angles a
+//!   fraction of a pixel is many millimetres, and the depth is between those of the neighbours, within 1/3000.
 //!
-//! A pixel is at an outline if the rays through its eight neighbours do not all meet the geom that its own ray meets.
+//! A pixel is at an outline unless the rays through its eight neighbours all meet the geom that its own ray meets.
 
 use std::path::Path;
 
@@ -22,14 +23,14 @@ const SIZE: [u32; 2] = [640, 480];
 const PIXELS: usize = 1000;
 /// 1 mm at 3 m.
 const PRECISION: f64 = 1e-3 / 3.0;
-/// The angle between a ray and a surface from which on depth is that precise, degrees.
+/// Smallest angle between a ray and a surface at which depth has that precision, degrees.
 const STEEP: f64 = 15.0;
 
-/// A model of the engine's package, how many steps it is left to itself, and the free camera: the point that it looks at, its
-/// distance, m, its azimuth and elevation, degrees.
+/// A model of the engine's package, its number of steps, and the free camera: lookat, distance in metres, azimuth and elevation
+/// in degrees.
 struct Subject(&'static str, usize, [f64; 3], f64, f64, f64);
 
-/// The models of the comparison with the engine's own pictures, seen as there.
+/// The models and cameras of the comparison with the engine's pictures.
 const SUBJECTS: [Subject; 11] = [
     Subject("humanoid/humanoid.xml", 0, [0.0, 0.0, 1.0], 4.0, 150.0, -15.0),
     Subject("humanoid/humanoid.xml", 300, [0.2, 0.0, 0.4], 3.0, 120.0, -25.0),
@@ -45,7 +46,7 @@ const SUBJECTS: [Subject; 11] = [
 ];
 
 #[test]
-fn pictures_of_depth_and_segmentation_show_what_rays_meet() {
+fn depth_and_segmentation_agree_with_rays() {
     if sample::system_models().is_empty() {
         println!("skipped: no models under {} (package libmujoco-samples)", sample::SYSTEM_MODELS);
         return;
@@ -70,18 +71,18 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let depth = renderer.depth(&scene).unwrap();
     let segmentation = renderer.segmentation(&scene).unwrap();
 
-    // What is transparent has no depth.
+    // Transparent geoms have no depth.
     let is_transparent = |geom: &SceneGeom<'_>| geom.rgba()[3] < 0.995;
     let transparent: Vec<GeomId> = scene.geoms().filter(is_transparent).filter_map(of_model).collect();
     let all = Rays::new(&data, scene.viewpoint(), &[]);
     let solid = Rays::new(&data, scene.viewpoint(), &transparent);
     let check = |pixel: [usize; 2]| {
-        // The rods of cranks are drawn whatever is to be shown, and no ray meets them.
+        // The rods of cranks are always drawn, and no ray meets them.
         let segment = segmentation.pixel(pixel[0], pixel[1]);
         if matches!(segment, Some(Segment { object: Some(SceneObject::Actuator(_)), .. })) {
             return View::Outline;
         }
-        let seen = segment.map(|segment| of_model(scene.geom(segment.geom)).expect("nothing but geoms"));
+        let seen = segment.map(|segment| of_model(scene.geom(segment.geom)).unwrap());
         let met = all.meet(pixel);
         if met.view != View::Outline {
             let is_there = met.geom == seen || seen.is_some_and(|geom| all.distance(geom, met.direction) <= met.far());
@@ -102,7 +103,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let anywhere: Vec<View> =
         (0..PIXELS).map(|_| check(SIZE.map(|length| random.random_range(0..length) as usize))).collect();
 
-    // Most of a picture is floor. Again, of all that stands on it.
+    // Most of a picture is floor. The second half of the pixels shows other geoms.
     let things: Vec<[usize; 2]> = (0..SIZE[1] as usize)
         .flat_map(|y| (0..SIZE[0] as usize).map(move |x| [x, y]))
         .filter(|&[x, y]| segmentation.pixel(x, y).is_some_and(|segment| scene.geom(segment.geom).plane().is_none()))
@@ -115,14 +116,14 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     assert!(counts[0] > PIXELS / 2 && counts[1] > PIXELS / 5, "{name}: too many outlines, {counts:?}");
 }
 
-/// All geoms, and as little else as possible: what rays meet.
+/// Returns options that show all geoms, which rays can meet, and as little else as possible.
 fn geoms_only() -> SceneOptions {
     let mut options = SceneOptions { flags: VisualFlags::STATIC, geomgroup: [true; 6], ..SceneOptions::default() };
     options.sitegroup = [false; 6];
     options
 }
 
-/// The geom of the model that one of a scene stands for.
+/// Returns the geom of the model that a geom of the scene represents.
 fn of_model(geom: SceneGeom<'_>) -> Option<GeomId> {
     match geom.object()? {
         SceneObject::Geom(geom) => Some(geom),
@@ -130,41 +131,41 @@ fn of_model(geom: SceneGeom<'_>) -> Option<GeomId> {
     }
 }
 
-/// How a ray and its neighbours meet a surface.
+/// Classification of a pixel by its ray and the rays of its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum View {
-    /// The neighbours meet another geom, or none.
+    /// A neighbour meets another geom, or none.
     Outline,
     Grazing,
     Steep,
 }
 
-/// What the ray through a pixel meets.
+/// The intersection of the ray through a pixel.
 struct Met {
     view: View,
     geom: Option<GeomId>,
-    /// For which distance is depth.
+    /// The direction scaled so that distance is depth.
     direction: [f64; 3],
     depth: f64,
-    /// The least and the greatest depth of it and its neighbours.
+    /// The smallest and the largest depth of the pixel and its neighbours.
     around: [f64; 2],
 }
 
 impl Met {
-    /// The greatest depth that cannot be told from its own.
+    /// Returns the largest depth that is indistinguishable from its own.
     fn far(&self) -> f64 {
         self.depth * (1.0 + PRECISION)
     }
 }
 
-/// A simulation, and from where it is seen.
+/// A simulation and a viewpoint.
 struct Rays {
     data: Data,
     viewpoint: Viewpoint,
 }
 
 impl Rays {
-    /// Geoms that are absent are put where nobody looks.
+    /// Moves absent geoms out of view.
     fn new(data: &Data, viewpoint: Viewpoint, absent: &[GeomId]) -> Self {
         let mut data = data.clone();
         data.edit_model(|model| {
@@ -181,7 +182,7 @@ impl Rays {
         self.viewpoint.pos.map(f64::from)
     }
 
-    /// The direction through a place of the picture, in pixels from its upper left corner, for which distance is depth.
+    /// Returns the direction through a point in pixels from the upper left corner, scaled so that distance is depth.
     fn direction(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         let Viewpoint { forward, up, frustum_center, frustum_bottom, frustum_top, frustum_near, .. } = self.viewpoint;
         let [forward, up] = [forward, up].map(|axis| axis.map(f64::from));
@@ -196,7 +197,7 @@ impl Rays {
 
     fn meet(&self, [x, y]: [usize; 2]) -> Met {
         let far = f64::from(self.viewpoint.frustum_far);
-        // Row by row: itself is the fifth.
+        // Row by row: the pixel itself is the fifth.
         let directions: [[f64; 3]; 9] =
             std::array::from_fn(|place| self.direction([(x + place % 3) as f64 - 0.5, (y + place / 3) as f64 - 0.5]));
         let hits: [Option<RayHit>; 9] = directions.map(|direction| {
@@ -216,7 +217,7 @@ impl Rays {
         Met { view, geom, direction, depth, around }
     }
 
-    /// How far away a ray meets a geom that others may hide.
+    /// Returns the distance at which a ray meets a geom, even if other geoms hide it.
     fn distance(&self, geom: GeomId, direction: [f64; 3]) -> f64 {
         let (model, index) = (self.data.model(), geom.index());
         let distance = match model.geom(geom).geom_type() {
@@ -232,7 +233,7 @@ impl Rays {
     }
 }
 
-/// The angle between a ray and the surface that it meets, degrees: the least that the points that its neighbours meet suggest.
+/// Returns the smallest angle between a ray and the surface, in degrees, that the neighbours' intersections suggest.
 fn slope(directions: &[[f64; 3]; 9], depths: &[f64; 9]) -> f64 {
     let point = |place: usize| directions[place].map(|part| part * depths[place]);
     let edge = |from: usize, to: usize| {

@@ -7,7 +7,7 @@ use mujoco_safe::render::{Gpu, Picture, Renderer, RendererOptions};
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
 use mujoco_safe::{Data, Model};
 
-/// One adapter for all tests: to open one takes longer than to draw with it.
+/// Returns the adapter shared by all tests: opening an adapter takes longer than rendering with it.
 pub fn gpu() -> &'static Gpu {
     static GPU: OnceLock<Gpu> = OnceLock::new();
     GPU.get_or_init(|| Gpu::new().expect("a graphics adapter"))
@@ -21,7 +21,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// With one sample for a pixel.
+    /// Creates a stage with one sample per pixel.
     pub fn new(xml: &str, size: [u32; 2]) -> Self {
         Self::with(xml, size, &RendererOptions::default().samples(1))
     }
@@ -36,7 +36,7 @@ impl Stage {
         Self { data, scene, camera, renderer }
     }
 
-    /// Looks from `distance` along x, at the height `lookat`.
+    /// Moves the camera to look from `distance` along x, at the height `lookat`.
     pub fn look_along_x(&mut self, lookat: [f64; 3], distance: f64) {
         self.look(lookat, distance, 0.0, 0.0);
     }
@@ -57,7 +57,7 @@ impl Stage {
     }
 }
 
-/// The scene of a simulation, from the free camera.
+/// Returns the scene of a simulation from the free camera.
 pub fn scene(data: &mut Data) -> Scene {
     let mut scene = Scene::new(data.model(), 1000).unwrap();
     let mut camera = Camera::free(data.model());

@@ -1,7 +1,6 @@
-//! Nothing allocates in a control loop: neither this crate nor, once it is warm, the engine.
+//! Control loops do not allocate, neither in this crate nor, after the first call, in the engine.
 //!
-//! The functions below take the place of the C library's in this program, so that they count what Rust, C and C++ allocate
-//! alike.
+//! The functions below replace the C library's allocator in this program and count the allocations of Rust, C and C++.
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
 use std::cell::Cell;
@@ -23,7 +22,7 @@ use nalgebra::DMatrix;
 use crate::turn;
 
 thread_local! {
-    /// What this thread has allocated so far. Without a destructor, so that it needs no allocation itself.
+    /// Number of allocations of this thread. It has no destructor, so it needs no allocation itself.
     static COUNT: Cell<usize> = const { Cell::new(0) };
 }
 
@@ -38,15 +37,15 @@ unsafe extern "C" {
     fn __libc_memalign(alignment: usize, size: usize) -> *mut c_void;
 }
 
-/// The C library's, counted.
+/// Counts and forwards to the C library.
 #[unsafe(no_mangle)]
 extern "C" fn malloc(size: usize) -> *mut c_void {
     count();
-    // SAFETY: the C library's own, under the name that it keeps for this.
+    // SAFETY: the C library exports its allocator under this name for replacements.
     unsafe { __libc_malloc(size) }
 }
 
-/// The C library's, counted.
+/// Counts and forwards to the C library.
 #[unsafe(no_mangle)]
 extern "C" fn calloc(number: usize, size: usize) -> *mut c_void {
     count();
@@ -54,7 +53,7 @@ extern "C" fn calloc(number: usize, size: usize) -> *mut c_void {
     unsafe { __libc_calloc(number, size) }
 }
 
-/// The C library's, counted.
+/// Counts and forwards to the C library.
 ///
 /// # Safety
 ///
@@ -66,7 +65,7 @@ unsafe extern "C" fn realloc(block: *mut c_void, size: usize) -> *mut c_void {
     unsafe { __libc_realloc(block, size) }
 }
 
-/// The C library's, counted.
+/// Counts and forwards to the C library.
 #[unsafe(no_mangle)]
 extern "C" fn aligned_alloc(alignment: usize, size: usize) -> *mut c_void {
     count();
@@ -74,7 +73,7 @@ extern "C" fn aligned_alloc(alignment: usize, size: usize) -> *mut c_void {
     unsafe { __libc_memalign(alignment, size) }
 }
 
-/// The C library's, counted.
+/// Counts and forwards to the C library.
 ///
 /// # Safety
 ///
@@ -90,14 +89,14 @@ unsafe extern "C" fn posix_memalign(block: *mut *mut c_void, alignment: usize, s
     }
 }
 
-/// How many allocations `action` makes on this thread.
+/// Returns the number of allocations of `action` on this thread, and its result.
 fn allocations<T>(action: impl FnOnce() -> T) -> (usize, T) {
     let before = COUNT.get();
     let result = action();
     (COUNT.get() - before, result)
 }
 
-/// Calls `action` once to warm up, and then demands that it allocates nothing.
+/// Calls `action` once to warm up, and then asserts that further calls do not allocate.
 #[track_caller]
 fn allocates_nothing(what: &str, mut action: impl FnMut()) {
     action();
@@ -113,7 +112,7 @@ fn squatting() -> Data {
 }
 
 #[test]
-fn the_counter_counts_what_rust_and_the_engine_allocate() {
+fn the_counter_counts_allocations_of_rust_and_the_engine() {
     let _turn = turn();
     assert!(allocations(|| std::hint::black_box(vec![1_u8; 100])).0 >= 1);
     let model = Arc::new(sample::cartpole());
@@ -123,7 +122,7 @@ fn the_counter_counts_what_rust_and_the_engine_allocate() {
 }
 
 #[test]
-fn the_pipeline() {
+fn the_pipeline_does_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     allocates_nothing("step", || data.step().unwrap());
@@ -146,7 +145,7 @@ fn the_pipeline() {
 }
 
 #[test]
-fn every_solver_and_integrator() {
+fn every_solver_and_integrator_does_not_allocate() {
     use mujoco_safe::{Cone, Integrator, JacobianStorage, Solver};
     let _turn = turn();
     let mut data = squatting();
@@ -170,7 +169,7 @@ fn every_solver_and_integrator() {
 }
 
 #[test]
-fn reading_and_writing() {
+fn reading_and_writing_does_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     let model = data.model().clone();
@@ -197,7 +196,7 @@ fn reading_and_writing() {
 }
 
 #[test]
-fn views_of_every_kind() {
+fn views_of_every_kind_do_not_allocate() {
     let _turn = turn();
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
     let mut data = Data::new(Model::from_xml_path(path).unwrap()).unwrap();
@@ -229,7 +228,7 @@ fn views_of_every_kind() {
 }
 
 #[test]
-fn contacts_and_their_forces() {
+fn contacts_and_their_forces_do_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     data.step().unwrap();
@@ -245,7 +244,7 @@ fn contacts_and_their_forces() {
 }
 
 #[test]
-fn jacobians_and_inertia() {
+fn jacobians_and_inertia_do_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     let model = data.model().clone();
@@ -273,7 +272,7 @@ fn jacobians_and_inertia() {
 }
 
 #[test]
-fn scenes() {
+fn scenes_do_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     let model = data.model().clone();
@@ -283,7 +282,7 @@ fn scenes() {
     let mut perturbation = Perturbation::default();
     perturbation.select = Some(model.body("torso").unwrap().id());
     perturbation.active = PerturbationFlags::all();
-    allocates_nothing("a scene and what is done in it", || {
+    allocates_nothing("a scene", || {
         perturbation.apply_force(&mut data).unwrap();
         data.step().unwrap();
         scene.update(&mut data, &options, Some(&perturbation), &mut camera, Categories::all()).unwrap();
@@ -299,7 +298,7 @@ fn scenes() {
 }
 
 #[test]
-fn linearising() {
+fn linearising_into_outputs_does_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     let mut system = StateSpace::zeros(data.model());
@@ -314,7 +313,7 @@ fn linearising() {
 }
 
 #[test]
-fn linearising_in_a_workspace() {
+fn linearising_in_a_workspace_does_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     let mut system = StateSpace::zeros(data.model());
@@ -334,7 +333,7 @@ fn linearising_in_a_workspace() {
 }
 
 #[test]
-fn controllers() {
+fn controllers_do_not_allocate() {
     let _turn = turn();
     let mut data = Data::new(sample::cartpole()).unwrap();
     let weights = LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
@@ -353,7 +352,7 @@ fn controllers() {
 }
 
 #[test]
-fn states_and_trajectories() {
+fn states_and_trajectories_do_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     let mut state = vec![0.0; data.model().state_size(StateSpec::INTEGRATION)];
@@ -371,13 +370,13 @@ fn states_and_trajectories() {
 }
 
 #[test]
-fn copies_into_what_is_there() {
+fn copying_into_existing_objects_does_not_allocate() {
     let _turn = turn();
     let source = squatting();
     let mut copy = source.clone();
     allocates_nothing("copy_from", || copy.copy_from(&source).unwrap());
     allocates_nothing("clone_from", || copy.clone_from(&source));
-    // The first edit copies the model that is shared, the next ones write to the copy.
+    // The first edit copies the shared model; later edits write to the copy.
     allocates_nothing("edit_model", || {
         copy.edit_model(|model| {
             model.set_timestep(0.002).unwrap();
@@ -388,7 +387,7 @@ fn copies_into_what_is_there() {
 }
 
 #[test]
-fn settings_and_statistics() {
+fn settings_and_statistics_do_not_allocate() {
     let _turn = turn();
     let mut model = sample::humanoid();
     allocates_nothing("settings", || {
@@ -409,7 +408,7 @@ fn settings_and_statistics() {
 }
 
 #[test]
-fn inverse_dynamics_differentiated() {
+fn derivatives_of_inverse_dynamics_do_not_allocate() {
     let _turn = turn();
     let mut data = squatting();
     let mut jacobians = InverseJacobians::zeros(data.model());
@@ -417,7 +416,7 @@ fn inverse_dynamics_differentiated() {
 }
 
 #[test]
-fn mathematics() {
+fn mathematical_functions_do_not_allocate() {
     let _turn = turn();
     let data = squatting();
     let mass = data.full_m().unwrap();
@@ -446,7 +445,7 @@ fn mathematics() {
     });
 }
 
-/// The allocations of ten rollouts of so many steps, in this thread, in a simulation that is there already.
+/// Returns the number of allocations of this thread in ten rollouts, with an existing simulation.
 fn allocations_of_rollouts(workers: &Workers, steps: usize) -> usize {
     let controls = vec![0.1; steps * workers.model().nu()];
     let (mut states, mut outputs) = (vec![0.0; 10 * (steps + 1) * 55], vec![0.0; 10 * steps]);
@@ -468,7 +467,7 @@ fn allocations_of_rollouts(workers: &Workers, steps: usize) -> usize {
 }
 
 #[test]
-fn the_steps_of_rollouts() {
+fn steps_of_rollouts_do_not_allocate() {
     let _turn = turn();
     let workers = Workers::new(sample::humanoid());
     allocations_of_rollouts(&workers, 1);
@@ -477,7 +476,7 @@ fn the_steps_of_rollouts() {
 }
 
 #[test]
-fn the_steps_of_a_batch() {
+fn steps_of_a_batch_do_not_allocate() {
     let _turn = turn();
     let mut batch = Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
     allocates_nothing("Batch::step", || {

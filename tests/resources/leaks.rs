@@ -1,6 +1,6 @@
-//! Memory and files are given back: what is done over and over again needs no more room than at first.
+//! Memory and open files do not grow with repetition.
 //!
-//! `cargo test` does a few hundred rounds of each with small models. The long form does 10 000 with the humanoid:
+//! `cargo test` runs a few hundred rounds with small models, and the long form 10 000 rounds with the humanoid:
 //! `cargo test --release --test resources -- --ignored`.
 #![forbid(unsafe_code)]
 #![cfg(target_os = "linux")]
@@ -12,21 +12,20 @@ use mujoco_safe::{Callbacks, Data, Error, Integrator, LoadOptions, Model, Random
 
 use crate::{trouble, turn};
 
-/// Bytes of this process in memory.
+/// Returns the resident memory of this process in bytes.
 fn resident() -> usize {
     let pages = fs::read_to_string("/proc/self/statm").unwrap();
-    // The page's size is 4096 on all that the engine's package is for, and a larger one only makes the test stricter.
+    // The page size is 4096 on all platforms of the engine's package. Larger pages only make the test stricter.
     pages.split_whitespace().nth(1).unwrap().parse::<usize>().unwrap() * 4096
 }
 
-/// Files that this process has open.
+/// Returns the number of open files of this process.
 fn open_files() -> usize {
     fs::read_dir("/proc/self/fd").unwrap().count()
 }
 
-/// Does something `rounds` times after a warm-up, in which allocators and caches may grow. What they keep does not depend on
-/// the rounds; from then on nothing may be lost. What grows with the rounds does so every time, unlike the threads that the
-/// test harness starts meanwhile.
+/// Repeats `round` after a warm-up, in which allocators and caches may grow, and asserts that memory and open files stay
+/// constant. A leak grows in every attempt, unlike threads that the test harness starts in the meantime.
 fn stays_flat(what: &str, rounds: usize, mut round: impl FnMut()) {
     const SLACK: usize = 256 << 10;
     const ATTEMPTS: usize = 3;
@@ -48,14 +47,14 @@ fn stays_flat(what: &str, rounds: usize, mut round: impl FnMut()) {
 
 #[test]
 #[should_panic(expected = "bytes more after 1000 rounds")]
-fn a_kilobyte_that_is_lost_in_each_round_is_noticed() {
+fn a_leak_of_a_kilobyte_per_round_is_detected() {
     let _turn = turn();
     stays_flat("a leak", 1000, || std::mem::forget(vec![1_u8; 1024]));
 }
 
 #[test]
 #[should_panic(expected = "open files")]
-fn a_file_that_is_left_open_is_noticed() {
+fn a_leaked_file_is_detected() {
     let _turn = turn();
     stays_flat("a file", 10, || std::mem::forget(fs::File::open("/dev/null").unwrap()));
 }
@@ -83,19 +82,19 @@ fn simulating(model: Model, rounds: usize) {
 }
 
 #[test]
-fn loading_a_model_again_and_again_needs_no_more_room() {
+fn loading_does_not_leak() {
     let _turn = turn();
     loading(sample::CARTPOLE_XML, 1000);
 }
 
 #[test]
-fn simulations_give_their_memory_back() {
+fn simulations_do_not_leak() {
     let _turn = turn();
     simulating(sample::cartpole(), 1000);
 }
 
 #[test]
-fn a_load_that_fails_gives_back_what_it_took() {
+fn a_failed_load_does_not_leak() {
     let _turn = turn();
     let bytes = sample::cartpole().to_binary().unwrap();
     let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
@@ -105,14 +104,14 @@ fn a_load_that_fails_gives_back_what_it_took() {
     stays_flat("no file", 1000, || assert!(Model::from_xml_path("no/such/file.xml").is_err()));
     stays_flat("no text", 1000, || assert!(Model::from_xml_str("").is_err()));
     stays_flat("no XML", 1000, || assert!(Model::from_xml_str("<mujoco").is_err()));
-    stays_flat("two files of one name", 200, || {
+    stays_flat("two files of the same name", 200, || {
         let file = ("a.xml", &b"<mujoco/>"[..]);
         assert!(Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(&[file, file])).is_err());
     });
 }
 
 #[test]
-fn a_text_that_the_compiler_refuses_costs_nothing() {
+fn a_text_that_the_compiler_rejects_does_not_leak() {
     let _turn = turn();
     for (what, xml) in [
         ("an unknown element", "<mujoco><worldbod/></mujoco>"),
@@ -134,7 +133,7 @@ fn a_text_that_the_compiler_refuses_costs_nothing() {
 }
 
 #[test]
-fn a_step_that_fails_loses_nothing() {
+fn a_failed_step_does_not_leak() {
     let _turn = turn();
     let mut data = Data::new(trouble::overflowing()).unwrap();
     stays_flat("an engine's error", 200, || {
@@ -142,7 +141,7 @@ fn a_step_that_fails_loses_nothing() {
         drop(data.clone());
         data.reset().unwrap();
     });
-    stays_flat("a number that is none", 1000, || {
+    stays_flat("a NaN", 1000, || {
         data.qvel_mut()[0] = f64::NAN;
         assert!(matches!(data.step(), Err(Error::Unstable(_))));
         data.reset().unwrap();
@@ -155,7 +154,7 @@ fn a_step_that_fails_loses_nothing() {
 }
 
 #[test]
-fn what_is_saved_and_read_is_closed_again() {
+fn saving_and_loading_closes_files() {
     let _turn = turn();
     let folder = tempfile::tempdir().unwrap();
     let in_folder = |name: &str| folder.path().join(name);
@@ -181,17 +180,17 @@ fn what_is_saved_and_read_is_closed_again() {
 
 #[test]
 #[ignore = "minutes; for a release"]
-fn ten_thousand_rounds_with_the_humanoid() {
+fn ten_thousand_rounds_with_the_humanoid_do_not_leak() {
     let _turn = turn();
     loading(sample::HUMANOID_XML, 10_000);
     simulating(sample::humanoid(), 10_000);
 }
 
 #[test]
-fn copies_in_the_middle_of_a_step_are_given_back() {
+fn copies_in_a_callback_do_not_leak() {
     let _turn = turn();
     let mut data = Data::new(sample::cartpole()).unwrap();
-    // Whose stages use the engine's stack.
+    // The stages of this integrator use the engine's stack.
     data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap().unwrap();
     let clones = Callbacks::new().control(|moment| drop(moment.try_clone().unwrap()));
     data.with_callbacks(clones, |data| stays_flat("a copy", 200, || data.step().unwrap()));

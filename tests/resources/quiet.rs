@@ -1,5 +1,5 @@
-//! The engine's habits (printing, `MUJOCO_LOG.TXT`, waiting for Enter) do not show: this test runs itself again as a process in
-//! an empty folder, with a pipe for its standard input that nobody writes to, and looks at what it leaves behind.
+//! The engine prints nothing, writes no `MUJOCO_LOG.TXT` and does not wait for Enter: the test runs in a child process in an
+//! empty folder, with an empty pipe as standard input, and checks what the process leaves.
 
 #![forbid(unsafe_code)]
 
@@ -14,10 +14,10 @@ use mujoco_safe::{Data, Error, Model, Warning, sample};
 
 use crate::{child, turn};
 
-/// What was logged under the target `mujoco`.
+/// Messages logged under the target `mujoco`.
 static LOGGED: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// A logger that keeps what it is told, and does what a careless one might: it calls the library back, and it panics.
+/// A logger that stores messages, calls the library, and panics.
 struct Careless;
 
 impl log::Log for Careless {
@@ -31,7 +31,7 @@ impl log::Log for Careless {
             LOGGED.lock().unwrap().push(text.clone());
         }
         if text.contains("NaN") {
-            // In the middle of a load.
+            // During a load.
             let mut data = Data::new(sample::cartpole()).unwrap();
             data.step().unwrap();
             assert!(Model::from_xml_str("<mujoco><no/></mujoco>").is_err());
@@ -47,7 +47,7 @@ fn logged(part: &str) -> usize {
     LOGGED.lock().unwrap().iter().filter(|text| text.contains(part)).count()
 }
 
-/// Six balls on the floor, with room for fewer contacts and constraints.
+/// Returns six balls on the floor, with small buffers for contacts and constraints.
 fn crowded(size: &str) -> Data {
     let balls =
         [0, 1, 2, 3, 4, 5].map(|x| format!(r#"<body pos="{x} 0 .09"><freejoint/><geom size=".1"/></body>"#)).concat();
@@ -56,7 +56,7 @@ fn crowded(size: &str) -> Data {
     Data::new(Model::from_xml_str(&xml).unwrap()).unwrap()
 }
 
-/// Loads meshes that the convex hull library cannot handle, about which it prints pages, and one that it prints a warning about.
+/// Loads meshes about which the convex hull library prints pages of errors, and a mesh about which it prints a warning.
 fn meshes_for_the_convex_hull_library() {
     for (heights, loads) in
         [(["0", "0", "0", "0"], false), (["1", "1", "1", "1"], false), (["0", "0", "0", "1e-7"], true)]
@@ -80,7 +80,7 @@ fn everything_that_the_engine_would_print() {
     }
     let print_panic = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        // Not the panics of the logger.
+        // Except panics of the logger.
         if panic.payload_as_str().is_none_or(|text| !text.contains("of the engine")) {
             print_panic(panic);
         }
@@ -88,7 +88,7 @@ fn everything_that_the_engine_would_print() {
     log::set_logger(&Careless).unwrap();
     log::set_max_level(log::LevelFilter::Trace);
 
-    // Loads that fail, each in a way that 2.2.2 prints about.
+    // Failing loads, for each of which 2.2.2 prints.
     for xml in ["", "<mujoco", "<mujoco><no/></mujoco>", "<mujoco><include file=''/></mujoco>"] {
         assert!(Model::from_xml_str(xml).is_err());
     }
@@ -103,11 +103,11 @@ fn everything_that_the_engine_would_print() {
         )
         .is_err()
     );
-    assert_eq!(LOGGED.lock().unwrap().len(), 0, "what is in an error is not logged as well");
+    assert_eq!(LOGGED.lock().unwrap().len(), 0, "errors are not logged");
 
     meshes_for_the_convex_hull_library();
 
-    // A warning of the compiler: kept on the model, and logged by a logger that loads models itself.
+    // A warning of the compiler: stored in the model, and logged by a logger that loads models itself.
     let model = Model::from_xml_str(
         "<mujoco><worldbody><body><joint/><geom size='.1' user='nan'/></body></worldbody></mujoco>",
     )
@@ -117,7 +117,7 @@ fn everything_that_the_engine_would_print() {
     assert_eq!(model.clone().compile_warnings(), model.compile_warnings());
     assert!(sample::humanoid().compile_warnings().is_empty());
 
-    // Warnings of a step: counted each time, logged the first time, by a logger that panics at one of them.
+    // Warnings of a step: counted each time, and logged the first time, by a logger that panics at one of them.
     let mut data = crowded("nconmax='100' njmax='10'");
     for _ in 0..3 {
         data.step().unwrap();
@@ -141,14 +141,14 @@ fn everything_that_the_engine_would_print() {
     data.step().unwrap();
     assert_eq!(data.warning(Warning::ContactFull).number, 2 * counted.number);
 
-    // A warning that the engine raises past its counters, in the middle of a step.
+    // A warning that the engine raises without a counter, during a step.
     let mut data = crowded("nconmax='100' njmax='100'");
     data.edit_model(|model| model.geom_solref_mut().as_flattened_mut().fill(-1.0)).unwrap();
     data.edit_model(|model| model.geom_solref_mut().iter_mut().for_each(|solref| *solref = [-1.0, 1.0])).unwrap();
     data.step().unwrap();
     assert!(logged("mixed solref") > 0);
 
-    // A scene without room for everything, which is in the error.
+    // A full scene, which is reported by the error.
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 3).unwrap();
@@ -160,7 +160,7 @@ fn everything_that_the_engine_would_print() {
     assert!(data.warning(Warning::VisualGeomFull).number >= 2);
     assert_eq!(logged("room for"), 0);
 
-    // Instability, which the engine answers with a reset and a line on standard output, and engine errors.
+    // Instability, to which the engine reacts with a reset and a line on standard output, and engine errors.
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.qpos_mut()[0] = f64::NAN;
     assert!(matches!(data.step(), Err(Error::Unstable(_))));
@@ -188,7 +188,7 @@ fn everything_that_the_engine_would_print() {
 }
 
 #[test]
-fn nothing_is_printed_written_or_waited_for() {
+fn the_engine_prints_writes_and_reads_nothing() {
     let folder = std::env::temp_dir().join(format!("mujoco_safe_quiet_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let _turn = turn();
@@ -199,7 +199,7 @@ fn nothing_is_printed_written_or_waited_for() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // Held open: who waits for a line waits until the time is up.
+    // The pipe stays open, so that a process that reads from it blocks until the time limit.
     let stdin = child.stdin.take();
     let start = Instant::now();
     while child.try_wait().unwrap().is_none() {

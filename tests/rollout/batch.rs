@@ -1,4 +1,4 @@
-//! A batch is as many plain loops that wait for each other.
+//! A batch equals as many plain loops in lockstep.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use mujoco_safe::{Batch, Data, Error, StateSpec, sample};
 
 use super::{bits, pool};
 
-/// A policy of the observation of one simulation: state feedback that is nonsense, and different in each.
+/// A policy on the observation of one simulation: arbitrary state feedback, different for each.
 fn policy(observation: &[f64], controls: &mut [f64]) {
     for (index, control) in controls.iter_mut().enumerate() {
         *control = (observation[3 + index] * 3.0 + observation[30 + index % 20]).sin() * 0.4;
@@ -22,7 +22,7 @@ fn start(index: usize, data: &mut Data) {
 const STEPS: usize = 30;
 const SUBSTEPS: usize = 2;
 
-/// The states after each step, simulation by simulation.
+/// Returns the states after each step, simulation by simulation.
 fn plain_loop(count: usize) -> Vec<Vec<f64>> {
     let model = Arc::new(sample::humanoid());
     (0..count)
@@ -48,7 +48,7 @@ fn plain_loop(count: usize) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn any_number_of_threads_and_any_chunk_give_the_bits_of_plain_loops() {
+fn batches_equal_plain_loops_for_any_threads_and_chunks() {
     let count = 7;
     let expected = plain_loop(count);
     for (threads, chunk) in [(1, 1), (2, 1), (3, 2), (2, 3), (1, 7), (4, usize::MAX)] {
@@ -98,7 +98,7 @@ fn a_failure_stops_one_simulation_until_its_reset() {
     }
     assert!(matches!(batch.failure(2), Some(Error::Unstable(_))));
     assert_eq!(batch.failures().map(|(index, _)| index).collect::<Vec<_>>(), [2]);
-    assert!((batch.data(2).time() - 0.03).abs() < 1e-12, "it stands still");
+    assert!((batch.data(2).time() - 0.03).abs() < 1e-12, "the simulation has stopped");
     for index in [0, 1, 3] {
         assert_eq!(bits(batch.observations().row(index)), bits(&alone.physics_state()));
     }
@@ -113,7 +113,7 @@ fn a_failure_stops_one_simulation_until_its_reset() {
 }
 
 #[test]
-fn an_error_where_a_simulation_begins_is_the_first_one_and_stops_those_it_concerns() {
+fn an_error_in_the_initial_state_stops_only_its_simulations() {
     let mut batch = Batch::new(sample::cartpole(), 5).unwrap().chunk(1);
     let error = batch
         .reset_where(|index| index != 0, |index, data| if index >= 3 { data.reset_to_key(10 + index) } else { Ok(()) })
@@ -127,7 +127,7 @@ fn an_error_where_a_simulation_begins_is_the_first_one_and_stops_those_it_concer
 }
 
 #[test]
-fn an_error_of_the_policy_advances_nothing() {
+fn an_error_of_the_policy_advances_no_simulation() {
     let mut batch = Batch::new(sample::cartpole(), 3).unwrap();
     let error = batch.step(|_, _| Err(Error::Unsupported("no idea".to_owned()))).unwrap_err();
     assert_eq!(error.to_string(), "no idea");
@@ -135,7 +135,7 @@ fn an_error_of_the_policy_advances_nothing() {
 }
 
 #[test]
-fn a_panic_is_that_of_the_call_and_leaves_the_batch_usable() {
+fn a_panic_propagates_and_the_batch_remains_usable() {
     let late = 0.05;
     let mut batch = Batch::new(sample::cartpole(), 6).unwrap().chunk(1).observe(1, |data, row| {
         assert!(data.time() < late, "too late");
@@ -157,7 +157,7 @@ fn a_panic_is_that_of_the_call_and_leaves_the_batch_usable() {
 }
 
 #[test]
-fn each_simulation_may_have_an_edited_model_of_its_own() {
+fn each_simulation_may_have_its_own_edited_model() {
     let mut batch = Batch::new(sample::cartpole(), 3).unwrap();
     let edit = |index: usize, data: &mut Data| {
         data.qpos_mut()[1] = 0.2;
@@ -177,7 +177,7 @@ fn each_simulation_may_have_an_edited_model_of_its_own() {
 }
 
 #[test]
-fn another_simulation_in_the_place_of_one_is_a_failure_of_that_one() {
+fn replacing_a_simulation_is_a_failure_of_that_simulation() {
     let mut batch = Batch::new(sample::cartpole(), 3).unwrap();
     batch.reset_where(|index| index == 1, |_, data| *data = Data::new(sample::humanoid()).unwrap()).unwrap();
     batch.step(|_, _| ()).unwrap();

@@ -1,4 +1,4 @@
-//! Edits of the model for one rollout.
+//! Edits of the model for single rollouts.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use mujoco_safe::{Cone, Data, Error, Model, ModelMut, Result, sample};
 
 use super::{bits, pool};
 
-/// Of each rollout another one.
+/// Applies a different edit for each rollout.
 fn edit(index: usize, model: &mut ModelMut<'_>) -> Result<()> {
     match index % 4 {
         0 => Ok(()),
@@ -29,7 +29,7 @@ fn edit(index: usize, model: &mut ModelMut<'_>) -> Result<()> {
 }
 
 #[test]
-fn each_rollout_is_that_of_a_model_with_its_edit_alone() {
+fn each_rollout_uses_only_its_own_edit() {
     let (count, steps) = (9, 40);
     let model = Arc::new(sample::humanoid());
     let before = model.to_binary().unwrap();
@@ -58,7 +58,7 @@ fn each_rollout_is_that_of_a_model_with_its_edit_alone() {
     assert!(model.to_binary().unwrap() == before, "the model itself was changed");
 }
 
-/// Changes every array that can be written to.
+/// Changes every writable array.
 fn change_everything(model: &mut ModelMut<'_>) {
     macro_rules! change {
         ($($writer:ident($field:ident))*) => { $( change(&mut model.$writer()); )* };
@@ -82,7 +82,7 @@ fn change_everything(model: &mut ModelMut<'_>) {
     model.statistics(|statistics| statistics.center[0] += 1.0).unwrap();
 }
 
-/// Numbers that are handed out to be written to, of whatever type and in whatever rows.
+/// Writable arrays of any type and row length.
 trait Change {
     fn change(&mut self);
 }
@@ -131,10 +131,10 @@ fn every_change_is_undone_after_the_rollout() {
     let differing = changed.to_binary().unwrap().iter().zip(&pristine).filter(|(new, old)| new != old).count();
     assert!(differing > 1000, "{differing} bytes");
 
-    // All in one worker. The odd ones change everything and give up.
+    // All rollouts run in one worker. The odd rollouts change everything and fail.
     let result = Rollout::new(model.clone(), 6, 1)
         .edit_model(|index, model| {
-            assert!(model.to_binary().unwrap() == pristine, "rollout {index} found the change of another one");
+            assert!(model.to_binary().unwrap() == pristine, "rollout {index} has the change of another rollout");
             if index % 2 == 1 {
                 change_everything(model);
                 return Err(Error::Unsupported("given up".to_owned()));
@@ -158,7 +158,7 @@ fn every_change_is_undone_after_the_rollout() {
 }
 
 #[test]
-fn a_run_without_edits_after_one_with_them_has_the_model_as_it_is() {
+fn a_run_without_edits_uses_the_unedited_model() {
     let workers = Workers::new(sample::cartpole());
     let plain = || bits(Rollout::on(&workers, 4, 20).initial_state(SPEC, &LEANING).run().unwrap().states());
     let before = plain();

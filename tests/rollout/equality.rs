@@ -1,11 +1,11 @@
-//! The results are those of a plain loop, bit for bit, however they are computed.
+//! Rollouts equal plain loops bit for bit, independent of threads, chunks and buffers.
 
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
 use mujoco_safe::{Controller, Data, RandomController, StateSpec, Timer, Warning, rayon, sample};
 
 use super::{Case, Expected, bits, pool};
 
-/// Everything that can be read of a simulation, in words.
+/// Returns every readable value of a simulation as text.
 fn everything(data: &Data) -> Vec<(&'static str, String)> {
     macro_rules! read {
         ($($field:ident)*) => { vec![$((stringify!($field), format!("{:?}", data.$field()))),*] };
@@ -21,10 +21,10 @@ fn everything(data: &Data) -> Vec<(&'static str, String)> {
 }
 
 #[test]
-fn a_rollout_begins_with_nothing_of_the_one_before() {
+fn a_rollout_does_not_depend_on_the_previous_rollout() {
     for case in Case::all() {
         let new = everything(&Data::new(case.model.clone()).unwrap());
-        // All in one worker, each ending after steps with controls.
+        // All rollouts run in one worker, each ending after steps with controls.
         let result = Rollout::new(case.model.clone(), case.count, case.steps)
             .chunk(case.count)
             .controllers(|index| {
@@ -57,16 +57,16 @@ fn rollout(case: &Case) -> Rollout<'_> {
 
 #[track_caller]
 fn assert_gives(rollout: &Rollout<'_>, expected: &Expected) {
-    let result = rollout.run().expect("the sizes are right");
+    let result = rollout.run().unwrap();
     for (index, outcome) in result.outcomes().iter().enumerate() {
         assert!(outcome.is_ok(), "rollout {index}: {outcome:?}");
     }
-    assert!(bits(result.states()) == bits(&expected.states), "other states");
-    assert!(bits(result.sensordata()) == bits(&expected.sensordata), "other sensor readings");
+    assert!(bits(result.states()) == bits(&expected.states), "different states");
+    assert!(bits(result.sensordata()) == bits(&expected.sensordata), "different sensor readings");
 }
 
 #[test]
-fn any_number_of_threads_and_any_chunk_give_the_bits_of_a_plain_loop() {
+fn rollouts_equal_plain_loops_for_any_threads_and_chunks() {
     for case in Case::all() {
         let expected = case.expected();
         assert_gives(&rollout(&case), &expected);
@@ -80,7 +80,7 @@ fn any_number_of_threads_and_any_chunk_give_the_bits_of_a_plain_loop() {
 }
 
 #[test]
-fn shared_states_and_controls_are_those_of_each() {
+fn shared_states_and_controls_apply_to_each_rollout() {
     let case = Case::new(sample::humanoid(), 1, 20);
     let one = case.expected();
     let result = Rollout::new(case.model.clone(), 5, 20)
@@ -97,14 +97,14 @@ fn shared_states_and_controls_are_those_of_each() {
 }
 
 #[test]
-fn a_controller_of_each_rollout_sees_and_sets_what_it_does_in_a_plain_loop() {
+fn controllers_act_like_in_a_plain_loop() {
     let (count, steps) = (6, 30);
     let model = std::sync::Arc::new(sample::humanoid());
     let make = |index: usize| {
         let mut random = RandomController::new(index as u64);
         move |data: &mut Data| {
             random.control(data)?;
-            // Feedback from the state, and from what the step before has computed.
+            // Feedback from the state and from results of the previous step.
             let lean = data.qvel()[4] + 0.01 * data.qfrc_constraint()[3];
             data.ctrl_mut()[0] -= 0.1 * lean.clamp(-1.0, 1.0);
             Ok(())
@@ -139,7 +139,7 @@ fn a_controller_of_each_rollout_sees_and_sets_what_it_does_in_a_plain_loop() {
 }
 
 #[test]
-fn the_parts_of_the_state_that_are_asked_for_are_recorded() {
+fn the_requested_parts_of_the_state_are_recorded() {
     let case = Case::new(sample::cartpole(), 3, 10);
     let spec = StateSpec::TIME | StateSpec::QVEL | StateSpec::CTRL;
     let result = rollout(&case).record(spec).run().unwrap();
@@ -159,7 +159,7 @@ fn the_parts_of_the_state_that_are_asked_for_are_recorded() {
 }
 
 #[test]
-fn buffers_of_the_caller_hold_what_a_run_returns_and_any_may_be_left_out() {
+fn run_into_fills_any_subset_of_the_buffers() {
     let case = Case::new(sample::humanoid(), 4, 10);
     let expected = case.expected();
     let (mut states, mut sensordata) = (vec![7.0; expected.states.len()], vec![7.0; expected.sensordata.len()]);
@@ -174,7 +174,7 @@ fn buffers_of_the_caller_hold_what_a_run_returns_and_any_may_be_left_out() {
 }
 
 #[test]
-fn what_a_worker_was_used_for_does_not_show() {
+fn earlier_use_of_a_worker_has_no_effect() {
     let case = Case::new(sample::humanoid(), 6, 15);
     let expected = case.expected();
     let workers = Workers::new(case.model.clone());
@@ -197,14 +197,14 @@ fn what_a_worker_was_used_for_does_not_show() {
     ];
     for (number, soil) in dirty.into_iter().enumerate() {
         let outcomes = Rollout::on(&workers, 3, 5).controllers(|_| soil).chunk(3).run().unwrap();
-        assert_eq!(outcomes.len(), 3, "soiling {number} is not an error of the run");
+        assert_eq!(outcomes.len(), 3, "misuse {number} must not be an error of the run");
         assert_gives(&again().chunk(usize::MAX), &expected);
         assert_gives(&again().chunk(1), &expected);
     }
 }
 
 #[test]
-fn runs_at_once_on_the_same_workers_do_not_meet() {
+fn concurrent_runs_on_the_same_workers_are_independent() {
     let case = Case::new(sample::cartpole(), 8, 50);
     let expected = case.expected();
     let rollout = rollout(&case).chunk(2);
@@ -216,7 +216,7 @@ fn runs_at_once_on_the_same_workers_do_not_meet() {
 }
 
 #[test]
-fn a_controller_may_work_in_parallel_itself() {
+fn a_controller_may_use_parallelism() {
     let run = |parallel: bool| {
         let rollout = Rollout::new(sample::cartpole(), 40, 20).chunk(1).controllers(move |index| {
             move |data: &mut Data| {

@@ -1,4 +1,4 @@
-//! What goes wrong in one rollout stays there; a panic and a cancellation end the run and leave nothing behind.
+//! An error affects only its rollout. A panic or a cancellation ends the run without lasting effects.
 
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -9,7 +9,7 @@ use mujoco_safe::{Data, Error, StateSpec, sample};
 
 use super::{Case, bits, pool, trouble};
 
-/// Whether the rows of a rollout are numbers up to this step, and none afterwards.
+/// Asserts that the rows of a rollout are finite up to this step, and NaN afterwards.
 #[track_caller]
 fn assert_marked(result: &RolloutResult, rollout: usize, step: usize) {
     let rows = |view: mujoco_safe::MatrixView<'_>| -> Vec<bool> {
@@ -25,7 +25,7 @@ fn assert_marked(result: &RolloutResult, rollout: usize, step: usize) {
 }
 
 #[test]
-fn a_number_that_is_none_ends_its_own_rollout_at_its_step() {
+fn a_nan_ends_its_own_rollout_at_its_step() {
     let mut case = Case::new(sample::humanoid(), 6, 12);
     let expected = case.expected();
     let nu = case.model.nu();
@@ -61,7 +61,7 @@ fn a_number_that_is_none_ends_its_own_rollout_at_its_step() {
 
 #[test]
 fn an_engine_error_ends_its_own_rollout_at_its_step() {
-    // Balls from several heights, and no room for a contact: each fails when it lands.
+    // Balls from several heights, and a stack too small for contacts: each rollout fails when its ball lands.
     let model = std::sync::Arc::new(trouble::overflowing());
     let heights: Vec<f64> = (0..6).flat_map(|index| [0.0, 0.0, 0.15 + 0.3 * f64::from(index)]).collect();
     let initial: Vec<f64> = heights.chunks(3).flat_map(|place| [place, &[1.0, 0.0, 0.0, 0.0]].concat()).collect();
@@ -94,7 +94,7 @@ fn an_engine_error_ends_its_own_rollout_at_its_step() {
 }
 
 #[test]
-fn an_error_of_a_controller_is_told_with_its_step() {
+fn an_error_of_a_controller_has_its_step() {
     let result = Rollout::new(sample::cartpole(), 4, 10)
         .controllers(|index| {
             let mut calls = 0;
@@ -114,7 +114,7 @@ fn an_error_of_a_controller_is_told_with_its_step() {
 }
 
 #[test]
-fn another_simulation_in_the_place_of_a_rollouts_own_is_an_error_of_that_rollout() {
+fn replacing_the_simulation_is_an_error_of_that_rollout() {
     let result = Rollout::new(sample::humanoid(), 3, 5)
         .controllers(|index| {
             move |data: &mut Data| {
@@ -145,7 +145,7 @@ fn the_progress_hook_counts_every_rollout_once() {
 }
 
 #[test]
-fn a_cancelled_run_keeps_what_was_done_and_marks_the_rest() {
+fn a_cancelled_run_keeps_finished_rollouts_and_marks_the_rest() {
     let case = Case::new(sample::cartpole(), 20, 30);
     let expected = case.expected();
     for threads in [1, 3] {
@@ -170,13 +170,13 @@ fn a_cancelled_run_keeps_what_was_done_and_marks_the_rest() {
                 Err(error) => panic!("rollout {index}: {error}"),
             }
         }
-        // Others may end while the hook makes up its mind.
+        // Other rollouts may end before the hook returns.
         assert!((5..5 + threads).contains(&done), "{done} rollouts with {threads} threads");
     }
 }
 
 #[test]
-fn a_rollout_under_way_is_cancelled_in_the_middle() {
+fn a_running_rollout_can_be_cancelled() {
     let rollout = Rollout::new(sample::cartpole(), 2, 100_000_000)
         .controllers(|index| {
             move |_: &mut Data| if index == 0 { Err(Error::Unsupported("given up".to_owned())) } else { Ok(()) }
@@ -189,7 +189,7 @@ fn a_rollout_under_way_is_cancelled_in_the_middle() {
 }
 
 #[test]
-fn a_panic_is_that_of_the_run_and_leaves_nothing_behind() {
+fn a_panic_propagates_without_lasting_effects() {
     let case = Case::new(sample::cartpole(), 12, 20);
     let expected = case.expected();
     let workers = Workers::new(case.model.clone());

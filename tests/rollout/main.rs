@@ -1,4 +1,4 @@
-//! Rollouts and batches against a plain loop over `Data::step`, one simulation after another, each in a `Data` of its own.
+//! Rollouts and batches against a plain loop over `Data::step`, with a separate `Data` for each simulation.
 #![forbid(unsafe_code)]
 
 #[macro_use]
@@ -19,24 +19,24 @@ use std::sync::Arc;
 use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder};
 use mujoco_safe::{Controller, Data, Model, RandomController, StateSpec, sample};
 
-/// A pool of so many threads.
+/// Returns a pool of this number of threads.
 fn pool(threads: usize) -> ThreadPool {
-    ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started")
+    ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
 }
 
-/// The bits, so that a NaN equals itself and a zero does not equal a negative one.
+/// Returns the bits, so that NaN equals itself and zero differs from negative zero.
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-/// What rollouts are to give.
+/// Expected results of rollouts.
 #[derive(Default, PartialEq, Debug)]
 struct Expected {
     states: Vec<f64>,
     sensordata: Vec<f64>,
 }
 
-/// A model, where each rollout begins, and its controls.
+/// A model, initial states and controls.
 struct Case {
     model: Arc<Model>,
     count: usize,
@@ -47,21 +47,21 @@ struct Case {
 }
 
 impl Case {
-    /// Initial states that follow a second of random motion, and random controls.
+    /// Returns a case with initial states from random motion, and random controls.
     fn new(model: Model, count: usize, steps: usize) -> Self {
         let model = Arc::new(model);
         let spec = StateSpec::INTEGRATION;
         let (mut initial, mut controls) = (Vec::new(), Vec::new());
         for index in 0..count {
             let mut random = RandomController::new(index as u64);
-            let mut data = Data::new(model.clone()).expect("there is memory");
+            let mut data = Data::new(model.clone()).unwrap();
             for _ in 0..5 * index {
-                random.control(&mut data).expect("it has controls");
-                data.step().expect("it is stable");
+                random.control(&mut data).unwrap();
+                data.step().unwrap();
             }
             initial.extend(data.state(spec));
             for _ in 0..steps {
-                random.control(&mut data).expect("it has controls");
+                random.control(&mut data).unwrap();
                 controls.extend_from_slice(data.ctrl());
             }
         }
@@ -73,7 +73,7 @@ impl Case {
         vec![
             Self::new(sample::cartpole(), 13, 60),
             Self::new(sample::humanoid(), 7, 25),
-            Self::new(Model::from_xml_path(every_element).expect("it compiles"), 6, 20),
+            Self::new(Model::from_xml_path(every_element).unwrap(), 6, 20),
         ]
     }
 
@@ -87,16 +87,16 @@ impl Case {
         &self.controls[(index * self.steps + step) * nu..][..nu]
     }
 
-    /// The plain loop.
+    /// Computes the expected results in a plain loop.
     fn expected(&self) -> Expected {
         let mut expected = Expected::default();
         for index in 0..self.count {
-            let mut data = Data::new(self.model.clone()).expect("there is memory");
-            data.set_state(self.spec, self.initial_of(index)).expect("it has the right length");
+            let mut data = Data::new(self.model.clone()).unwrap();
+            data.set_state(self.spec, self.initial_of(index)).unwrap();
             expected.states.extend(data.physics_state());
             for step in 0..self.steps {
                 data.ctrl_mut().copy_from_slice(self.controls_of(index, step));
-                data.step().expect("it is stable");
+                data.step().unwrap();
                 expected.sensordata.extend_from_slice(data.sensordata());
                 expected.states.extend(data.physics_state());
             }

@@ -1,4 +1,4 @@
-//! Each size is checked, one wrong size at a time; nothing at all is as good as something.
+//! Checks of sizes, one wrong size at a time, and empty rollouts.
 
 use mujoco_safe::rollout::{Rollout, RolloutBuffers};
 use mujoco_safe::{Batch, Error, Result, StateSpec, sample};
@@ -7,12 +7,12 @@ const NROLL: usize = 3;
 const NSTEP: usize = 4;
 
 fn new<'a>() -> Rollout<'a> {
-    // One position and one velocity of each joint, one motor.
+    // One joint with one position and one velocity, and one motor.
     Rollout::new(sample::cartpole(), NROLL, NSTEP).outputs(5, |_, _| ())
 }
 
 #[track_caller]
-fn assert_refused<T>(result: Result<T>, argument: &str, expected: usize, found: usize) {
+fn assert_rejected<T>(result: Result<T>, argument: &str, expected: usize, found: usize) {
     match result {
         Err(Error::Shape { what, expected: (rows, 1), found: (wrong, 1) }) => {
             assert!(what.contains(argument), "{what}");
@@ -24,46 +24,46 @@ fn assert_refused<T>(result: Result<T>, argument: &str, expected: usize, found: 
 }
 
 #[test]
-fn inputs_of_a_wrong_length_are_refused() {
+fn inputs_of_a_wrong_length_are_rejected() {
     let values = [0.0; 40];
     for wrong in [0, 3, 5] {
         let rollout = new().initial_state(StateSpec::PHYSICS, &values[..wrong]);
-        assert_refused(rollout.run(), "the initial state (nstate)", 4, wrong);
+        assert_rejected(rollout.run(), "the initial state (nstate)", 4, wrong);
     }
     for wrong in [0, 4, 11, 13] {
         let rollout = new().initial_states(StateSpec::PHYSICS, &values[..wrong]);
-        assert_refused(rollout.run(), "the initial states (nroll × nstate)", 12, wrong);
+        assert_rejected(rollout.run(), "the initial states (nroll × nstate)", 12, wrong);
         let rollout = new().controls(&values[..wrong]);
-        assert_refused(rollout.run(), "the controls (nroll × nstep × nu)", 12, wrong);
+        assert_rejected(rollout.run(), "the controls (nroll × nstep × nu)", 12, wrong);
         let rollout = new().controls(&values[..wrong]);
-        assert_refused(rollout.run_into(RolloutBuffers::default()), "the controls", 12, wrong);
+        assert_rejected(rollout.run_into(RolloutBuffers::default()), "the controls", 12, wrong);
     }
     for wrong in [0, 3, 5, 12] {
         let rollout = new().shared_controls(&values[..wrong]);
-        assert_refused(rollout.run(), "the shared controls (nstep × nu)", 4, wrong);
+        assert_rejected(rollout.run(), "the shared controls (nstep × nu)", 4, wrong);
     }
 }
 
 #[test]
-fn buffers_of_a_wrong_length_are_refused() {
+fn buffers_of_a_wrong_length_are_rejected() {
     let mut values = vec![0.0; 100];
     let states = NROLL * (NSTEP + 1) * 4;
     for wrong in [0, states - 1, states + 1] {
         let buffers = RolloutBuffers { states: Some(&mut values[..wrong]), ..Default::default() };
-        assert_refused(new().run_into(buffers), "states", states, wrong);
+        assert_rejected(new().run_into(buffers), "states", states, wrong);
     }
     let outputs = NROLL * NSTEP * 5;
     for wrong in [0, outputs - 1, outputs + 1] {
         let buffers = RolloutBuffers { outputs: Some(&mut values[..wrong]), ..Default::default() };
-        assert_refused(new().run_into(buffers), "outputs", outputs, wrong);
+        assert_rejected(new().run_into(buffers), "outputs", outputs, wrong);
     }
     let nsensordata = sample::cartpole().nsensordata();
     let buffers = RolloutBuffers { sensordata: Some(&mut values[..13]), ..Default::default() };
-    assert_refused(new().run_into(buffers), "sensor readings", NROLL * NSTEP * nsensordata, 13);
+    assert_rejected(new().run_into(buffers), "sensor readings", NROLL * NSTEP * nsensordata, 13);
 }
 
 #[test]
-fn no_rollouts_and_no_steps_are_fine() {
+fn zero_rollouts_and_zero_steps_are_valid() {
     let result = Rollout::new(sample::humanoid(), 0, 10).run().unwrap();
     assert!(result.is_empty() && result.states().is_empty() && result.outcomes().is_empty());
     let result = Rollout::new(sample::humanoid(), 2, 0).run().unwrap();
@@ -80,20 +80,20 @@ fn no_rollouts_and_no_steps_are_fine() {
 }
 
 #[test]
-fn more_than_there_is_memory_for_is_an_error() {
+fn running_out_of_memory_is_an_error() {
     for (nroll, nstep) in [(usize::MAX, 1), (1, usize::MAX), (1 << 40, 1 << 40), (1 << 61, 0)] {
         let error = Rollout::new(sample::cartpole(), nroll, nstep).run().unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{error}");
     }
     let error = Rollout::new(sample::cartpole(), usize::MAX, 1).run_into(RolloutBuffers::default()).unwrap_err();
     assert!(matches!(error, Error::Invalid { .. }), "{error}");
-    // A product that wraps round is no length either.
+    // A product that overflows is not a valid length either.
     let rollout = Rollout::new(sample::cartpole(), 1 << 63, 2).controls(&[]);
     assert!(matches!(rollout.run(), Err(Error::Shape { .. })));
 }
 
 #[test]
-fn more_simulations_than_there_is_memory_for_are_an_error_before_the_first() {
+fn too_many_simulations_for_memory_are_an_error_before_the_first() {
     for count in [usize::MAX, usize::MAX / 2, 1 << 61, 1 << 48, 1 << 40] {
         for model in [sample::cartpole(), sample::humanoid()] {
             match Batch::new(model, count) {
@@ -103,7 +103,7 @@ fn more_simulations_than_there_is_memory_for_are_an_error_before_the_first() {
             }
         }
     }
-    // Nothing that a rollout without numbers records takes room, but what became of it does.
+    // A rollout that records no numbers takes memory for its outcome only.
     let model = mujoco_safe::Model::from_xml_str("<mujoco/>").unwrap();
     for count in [usize::MAX, 1 << 60, 1 << 48] {
         let error = Rollout::new(model.clone(), count, 0).run().unwrap_err();
@@ -114,7 +114,7 @@ fn more_simulations_than_there_is_memory_for_are_an_error_before_the_first() {
 }
 
 #[test]
-fn a_trajectory_with_too_much_room_has_none() {
+fn an_impossible_capacity_of_a_trajectory_is_ignored() {
     let mut data = mujoco_safe::Data::new(sample::humanoid()).unwrap();
     for records in [usize::MAX, usize::MAX / 55, 1 << 61, 1 << 48] {
         let mut trajectory = mujoco_safe::Trajectory::with_capacity(data.model(), records);
@@ -131,14 +131,14 @@ fn a_matrix_without_memory_panics_and_does_not_abort() {
 
 #[test]
 #[should_panic(expected = "there is no rollout 3, only 3")]
-fn a_rollout_that_is_not_there_panics() {
+fn a_rollout_index_out_of_range_panics() {
     let result = new().run().unwrap();
     result.states_of(NROLL);
 }
 
 #[test]
 #[should_panic(expected = "row 5 of a matrix with 5 rows")]
-fn a_step_that_is_not_there_panics() {
+fn a_step_index_out_of_range_panics() {
     let result = new().run().unwrap();
     result.state(0, NSTEP + 1);
 }

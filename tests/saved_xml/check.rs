@@ -1,4 +1,4 @@
-//! The check that the text loads as the model, and the text itself.
+//! The check that the saved text loads as the model, and the text itself.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use mujoco_safe::{Error, LoadOptions, Model, SaveXmlOptions, XmlCheck, sample};
 use super::{assets, beside, folder, lost, samples, saved_with};
 
 #[test]
-fn sample_models_save_without_a_loss() {
+fn sample_models_save_without_loss() {
     let _turn = super::turn();
     let mut models = 0;
     for original in samples() {
@@ -16,7 +16,7 @@ fn sample_models_save_without_a_loss() {
         let folder = tempfile::tempdir().unwrap();
         let path = beside(&original, folder.path());
         let lost = lost(|| Model::from_xml_path(&original).unwrap(), &path).unwrap();
-        // The compiler sorts pairs after it has resolved the tuples that refer to them, so the text is right and the model wrong.
+        // The compiler sorts pairs after resolving the tuples that refer to them, so the text is right and the model wrong.
         let expected: &[&str] = if original.ends_with("every_element.xml") { &["tuple_objid"] } else { &[] };
         assert_eq!(lost, expected, "{}", original.display());
         let again = Model::from_xml_path(&path).unwrap();
@@ -28,7 +28,7 @@ fn sample_models_save_without_a_loss() {
 }
 
 #[test]
-fn a_loss_is_an_error_that_names_field_and_element_and_writes_nothing() {
+fn a_lost_edit_is_an_error_that_names_it_and_writes_nothing() {
     const XML: &str = r#"<mujoco><worldbody><body name="ball"><freejoint/><geom name="skin" size="0.1" mass="1"/></body>
         <body><joint/><geom size="0.1"/></body></worldbody></mujoco>"#;
     let _turn = super::turn();
@@ -47,7 +47,7 @@ fn a_loss_is_an_error_that_names_field_and_element_and_writes_nothing() {
     let Error::XmlLosesEdits { fields, .. } = error else { panic!("{text}") };
     assert!(fields.iter().any(|lost| lost.field == "body_mass" && lost.elements == ["ball"]));
     assert!(!path.exists() && model.body_mass()[1] == 5.0);
-    // An element without a name has a number.
+    // Elements without a name are identified by number.
     let load = || {
         let mut model = Model::from_xml_str(XML).unwrap();
         model.edit().body_mass_mut()[2] = 9.0;
@@ -62,7 +62,7 @@ fn a_loss_is_an_error_that_names_field_and_element_and_writes_nothing() {
 }
 
 #[test]
-fn a_model_can_be_saved_again_after_a_check_of_any_outcome() {
+fn a_model_can_be_saved_again_after_a_failed_check() {
     let _turn = super::turn();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("again.xml");
@@ -74,7 +74,7 @@ fn a_model_can_be_saved_again_after_a_check_of_any_outcome() {
     let first = std::fs::read(&path).unwrap();
     model.save_xml(&path).unwrap();
     assert!(std::fs::read(&path).unwrap() == first);
-    // A text that does not load from its path leaves the engine's tree as it is.
+    // A text that does not load from its path keeps the engine's tree.
     Model::from_xml_str("<mujoco><worldbody><geom size='1' type='mesh'/></worldbody></mujoco>").unwrap_err();
     model.edit().set_timestep(0.003).unwrap();
     model.save_xml(&path).unwrap();
@@ -83,7 +83,7 @@ fn a_model_can_be_saved_again_after_a_check_of_any_outcome() {
 }
 
 #[test]
-fn a_text_whose_files_are_not_beside_it_is_refused_unless_they_are_given() {
+fn a_text_without_its_files_is_rejected() {
     let _turn = super::turn();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("memory.xml");
@@ -104,7 +104,7 @@ fn a_text_whose_files_are_not_beside_it_is_refused_unless_they_are_given() {
 }
 
 #[test]
-fn what_the_compiler_changes_is_in_the_text() {
+fn the_text_has_the_changes_of_the_compiler() {
     let _turn = super::turn();
     let folder = folder();
     let path = folder.path().join("saved.xml");
@@ -121,7 +121,7 @@ fn what_the_compiler_changes_is_in_the_text() {
     let lost = lost(|| Model::from_xml_path(folder.path().join("arm.urdf")).unwrap(), &path).unwrap();
     assert_eq!(lost, [""; 0]);
     assert!(std::fs::read_to_string(&path).unwrap().starts_with("<mujoco"));
-    // The writer has no place for these.
+    // The writer does not support these.
     for (compiler, expected) in [(r#"settotalmass="7""#, "body_mass"), (r#"boundmass="50""#, "body_mass")] {
         let xml = format!(
             r#"<mujoco><compiler {compiler}/><worldbody><body name="a"><joint/><geom size="0.1"/></body></worldbody></mujoco>"#
@@ -139,11 +139,11 @@ fn from_beside(xml: &str, folder: &Path) -> Model {
 }
 
 #[test]
-fn numbers_that_the_writer_garbles_are_named() {
+fn numbers_that_the_writer_corrupts_are_named() {
     let _turn = super::turn();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("saved.xml");
-    // It converts integers to a C int, and leaves out an attribute that contains NaN.
+    // The writer converts integers to a C int, and omits an attribute that contains NaN.
     for value in [1e10, f64::NAN, -1e300] {
         let load = || {
             let mut model = Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
@@ -152,7 +152,7 @@ fn numbers_that_the_writer_garbles_are_named() {
         };
         assert_eq!(lost(load, &path).unwrap(), ["dof_damping"], "{value}");
     }
-    // All digits of others are there.
+    // Other numbers keep all digits.
     for value in [f64::INFINITY, 0.1 + 0.2, 1.0 / 3.0, 1e-7 / 3.0, 123_456.789_012_345_67] {
         let load = || {
             let mut model = Model::from_xml_str(sample::CARTPOLE_XML).unwrap();

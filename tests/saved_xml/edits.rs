@@ -1,4 +1,4 @@
-//! Each edit is in the saved text or named as lost.
+//! Each edit is in the saved text or reported as lost.
 
 use std::path::Path;
 
@@ -6,14 +6,14 @@ use mujoco_safe::{Error, MatrixView, MatrixViewMut, Model};
 
 use super::{beside, lost};
 
-/// One thing that can be edited, and what it is then.
+/// An edit and the edited value.
 struct Edit {
     field: &'static str,
     change: fn(&mut Model),
     numbers: fn(&Model) -> Vec<f64>,
 }
 
-/// Arrays of all kinds as numbers, the last of which is edited.
+/// Arrays of all kinds as numbers. Edits change the last number.
 trait Numbers {
     fn numbers(self) -> Vec<f64>;
 }
@@ -73,7 +73,7 @@ impl EditLast for MatrixViewMut<'_> {
     }
 }
 
-/// Every array that can be written to, and settings and switches of every kind.
+/// Returns edits of every writable array, and of settings and flags of every kind.
 fn edits() -> Vec<Edit> {
     macro_rules! arrays {
         ($($writer:ident($field:ident))*) => { vec![$(Edit {
@@ -110,14 +110,14 @@ fn edits() -> Vec<Edit> {
 }
 
 #[test]
-fn each_edit_is_in_the_saved_text_or_named_as_lost() {
+fn each_edit_is_saved_or_reported_as_lost() {
     let _turn = super::turn();
     let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/every_element.xml");
     let folder = tempfile::tempdir().unwrap();
     let path = beside(&original, folder.path());
     let model = Model::from_xml_path(&original).unwrap();
     let edits = edits();
-    // All are saved before one is loaded, which replaces the engine's tree.
+    // All models are saved before any is loaded, which replaces the engine's tree.
     let saved = edits.iter().map(|Edit { field, change, numbers }| {
         let mut edited = model.clone();
         change(&mut edited);
@@ -133,7 +133,7 @@ fn each_edit_is_in_the_saved_text_or_named_as_lost() {
         let lost = match lost {
             Ok(lost) => lost,
             Err(error) => {
-                // For example a range with its ends in the wrong order.
+                // For example a range with reversed limits.
                 assert!(matches!(error, Error::Save { .. }) && !path.exists(), "{field}: {error}");
                 refused += 1;
                 continue;
@@ -154,7 +154,7 @@ fn each_edit_is_in_the_saved_text_or_named_as_lost() {
 }
 
 #[test]
-fn numbers_that_no_model_has_are_saved_or_refused() {
+fn extreme_numbers_are_saved_or_rejected() {
     let _turn = super::turn();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("saved.xml");

@@ -1,4 +1,4 @@
-//! `Model::save_xml` writes a text only if it loads as the model that was saved, and names what XML cannot carry.
+//! `Model::save_xml` writes a text only if it loads as the same model, and reports edits that XML cannot represent.
 //!
 //! The engine keeps the XML of the last model that the process loaded, so the tests of this program take turns.
 #![forbid(unsafe_code)]
@@ -9,7 +9,7 @@
 mod fields;
 
 #[path = "../common/assets.rs"]
-#[allow(dead_code, reason = "another program tests how they load")]
+#[allow(dead_code, reason = "the program `model` uses the rest")]
 mod assets;
 mod check;
 mod edits;
@@ -20,7 +20,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use assets::folder;
 use mujoco_safe::{LostEdit, Model, Result, SaveXmlOptions, XmlCheck};
 
-/// Held while a test loads and saves.
+/// Locks the engine's XML tree while a test loads and saves.
 fn turn() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
@@ -33,7 +33,7 @@ fn saved_with(load: impl FnOnce() -> Model, path: &Path, options: &SaveXmlOption
     (model, saved)
 }
 
-/// Every model file of the repository and of the engine's samples.
+/// Returns every model file of the repository and of the engine's samples.
 fn samples() -> Vec<PathBuf> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();
@@ -53,7 +53,7 @@ fn samples() -> Vec<PathBuf> {
     found
 }
 
-/// Copies what a model names to a folder, and returns the path of a model file there.
+/// Copies the files of a model to a folder, and returns the path of a model file there.
 fn beside(original: &Path, folder: &Path) -> PathBuf {
     for entry in std::fs::read_dir(original.parent().unwrap()).unwrap() {
         let path = entry.unwrap().path();
@@ -71,7 +71,7 @@ fn beside(original: &Path, folder: &Path) -> PathBuf {
     folder.join("saved.xml")
 }
 
-/// Loads a model, saves it with a check, and returns the fields that the check names.
+/// Loads a model, saves it with a check, and returns the fields that the check reports.
 fn lost(load: impl FnOnce() -> Model, path: &Path) -> Result<Vec<String>> {
     let options = SaveXmlOptions::default().with_check(XmlCheck::Report);
     let (_, lost) = saved_with(load, path, &options);

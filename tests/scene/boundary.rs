@@ -1,5 +1,4 @@
-//! What a program can get wrong with a scene is an error or a panic that says what, and never reads other memory: this test is run
-//! under memcheck too.
+//! Invalid use of a scene is an error or a panic with a message, and never an invalid access. These tests run under memcheck too.
 
 #![forbid(unsafe_code)]
 
@@ -15,7 +14,7 @@ use mujoco_safe::{Cone, Data, Error, Model, sample};
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
 
 fn every_element() -> Model {
-    Model::from_xml_str(EVERY_ELEMENT).expect("the model with every element loads")
+    Model::from_xml_str(EVERY_ELEMENT).unwrap()
 }
 
 fn everything(label: LabelMode, frame: FrameMode) -> SceneOptions {
@@ -33,14 +32,14 @@ fn everything(label: LabelMode, frame: FrameMode) -> SceneOptions {
     }
 }
 
-/// A jump that depends on the value, which is what memcheck looks at.
+/// Branches on the value, because memcheck reports uninitialised values in branches.
 #[inline(never)]
-#[allow(clippy::bool_to_int_with_if, reason = "a conversion is no jump, and memcheck would say nothing")]
-fn look(value: impl PartialEq + Default) -> usize {
+#[allow(clippy::bool_to_int_with_if, reason = "memcheck reports branches, not conversions")]
+fn branch(value: impl PartialEq + Default) -> usize {
     if black_box(value) == Default::default() { 0 } else { 1 }
 }
 
-/// Looks at every number of a scene.
+/// Branches on every number of a scene.
 fn touch(scene: &Scene) -> usize {
     let geoms: usize = scene
         .geoms()
@@ -48,22 +47,22 @@ fn touch(scene: &Scene) -> usize {
             let reals = geom.size().into_iter().chain(geom.pos()).chain(geom.mat()).chain(geom.rgba());
             let others = [geom.emission(), geom.specular(), geom.shininess(), geom.reflectance(), geom.modelrbound()];
             let reals = reals.chain(others).chain(geom.texrepeat()).chain([geom.camdist()]);
-            let label = geom.label().bytes().map(look).sum::<usize>();
+            let label = geom.label().bytes().map(branch).sum::<usize>();
             let flags = [geom.texuniform(), geom.texcoord(), geom.transparent()];
             let data =
                 [geom.plane(), geom.mesh().map(|(mesh, _)| mesh.index()), geom.height_field().map(|id| id.index())];
             let ids = usize::from(geom.object().is_some()) + usize::from(geom.texture().is_some()) + geom.segid();
-            reals.map(look).sum::<usize>() + flags.map(look)[0] + data.map(look)[0] + ids + label
+            reals.map(branch).sum::<usize>() + flags.map(branch)[0] + data.map(branch)[0] + ids + label
         })
         .sum();
     let skins = scene.skins().flat_map(|skin| [skin.vertices, skin.normals]).flatten().flatten();
-    let eyes = scene.viewpoints().map(|eye| look(eye.pos[0]) + look(eye.frustum_far) + look(eye.up[2]));
-    let lights = scene.lights().map(|light| look(light.pos[0]) + look(light.cutoff) + look(light.castshadow));
-    geoms + skins.map(|&number| look(number)).sum::<usize>() + eyes.iter().sum::<usize>() + lights.sum::<usize>()
+    let eyes = scene.viewpoints().map(|eye| branch(eye.pos[0]) + branch(eye.frustum_far) + branch(eye.up[2]));
+    let lights = scene.lights().map(|light| branch(light.pos[0]) + branch(light.cutoff) + branch(light.castshadow));
+    geoms + skins.map(|&number| branch(number)).sum::<usize>() + eyes.iter().sum::<usize>() + lights.sum::<usize>()
 }
 
-/// Whether it worked; if not, because something was not computed.
-fn worked<T>(result: Result<T, Error>) -> bool {
+/// Returns whether the call succeeded; the only allowed error is a missing result.
+fn succeeded<T>(result: Result<T, Error>) -> bool {
     match result {
         Ok(_) => true,
         Err(Error::NotComputed { .. }) => false,
@@ -71,10 +70,10 @@ fn worked<T>(result: Result<T, Error>) -> bool {
     }
 }
 
-/// Tries everything that reads a simulation: what shows no contacts, what shows them, what takes velocities.
+/// Makes calls that need no contacts, calls that need contacts, and calls that need velocities, and returns which succeeded.
 fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
     let model = data.model().clone();
-    let body = model.body("free_ball").expect("it is there").id();
+    let body = model.body("free_ball").unwrap().id();
     let mut camera = Camera::tracking(&model, body);
     let mut perturbation = Perturbation::default();
     perturbation.select = Some(body);
@@ -82,18 +81,18 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
     perturbation.active = PerturbationFlags::all();
     let plain = SceneOptions::default();
     let positions = [
-        worked(scene.update_camera(data, &mut camera)),
-        worked(scene.update(data, &plain, Some(&perturbation), &mut camera, Categories::all())),
-        worked(scene.update_lights(data)),
-        worked(scene.add(data, &plain, Some(&perturbation), Categories::all())),
-        worked(perturbation.init(data, scene)),
-        worked(perturbation.move_by(data, scene, MouseAction::RotateV, [0.1, 0.2])),
-        worked(perturbation.move_by(data, scene, MouseAction::MoveH, [0.1, 0.2])),
-        worked(perturbation.apply_pose(data, true)),
-        worked(perturbation.select(data, &Selection { body, geom: None, skin: None, point: [0.0; 3] })),
-        worked(scene.select(data, &plain, 1.0, [0.5, 0.5])),
+        succeeded(scene.update_camera(data, &mut camera)),
+        succeeded(scene.update(data, &plain, Some(&perturbation), &mut camera, Categories::all())),
+        succeeded(scene.update_lights(data)),
+        succeeded(scene.add(data, &plain, Some(&perturbation), Categories::all())),
+        succeeded(perturbation.init(data, scene)),
+        succeeded(perturbation.move_by(data, scene, MouseAction::RotateV, [0.1, 0.2])),
+        succeeded(perturbation.move_by(data, scene, MouseAction::MoveH, [0.1, 0.2])),
+        succeeded(perturbation.apply_pose(data, true)),
+        succeeded(perturbation.select(data, &Selection { body, geom: None, skin: None, point: [0.0; 3] })),
+        succeeded(scene.select(data, &plain, 1.0, [0.5, 0.5])),
     ];
-    assert!(positions.iter().all(|&worked| worked == positions[0]), "{positions:?}");
+    assert!(positions.iter().all(|&succeeded| succeeded == positions[0]), "{positions:?}");
     black_box(touch(scene));
     let contacts = [
         everything(LabelMode::ContactForce, FrameMode::Contact),
@@ -102,18 +101,18 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
         SceneOptions { flags: VisualFlags::CONTACTFORCE, ..plain.clone() },
         SceneOptions { flags: VisualFlags::CONSTRAINT, ..plain },
     ]
-    .map(|options| worked(scene.update(data, &options, Some(&perturbation), &mut camera, Categories::all())));
-    assert!(contacts.iter().all(|&worked| worked == contacts[0]), "{contacts:?}");
+    .map(|options| succeeded(scene.update(data, &options, Some(&perturbation), &mut camera, Categories::all())));
+    assert!(contacts.iter().all(|&succeeded| succeeded == contacts[0]), "{contacts:?}");
     black_box(touch(scene));
     perturbation.active = PerturbationFlags::all();
-    let forces = [worked(perturbation.force(data)), worked(perturbation.apply_force(data))];
+    let forces = [succeeded(perturbation.force(data)), succeeded(perturbation.apply_force(data))];
     assert_eq!(forces[0], forces[1]);
     perturbation.remove_force(data);
     [positions[0], contacts[0], forces[0]]
 }
 
 #[test]
-fn what_was_not_computed_is_not_shown() {
+fn a_scene_needs_computed_results() {
     let mut data = Data::new(every_element()).unwrap();
     let mut scene = Scene::new(data.model(), 20_000).unwrap();
     let mut tried = |data: &mut Data, expected: [bool; 3], when: &str| {
@@ -145,7 +144,7 @@ fn what_was_not_computed_is_not_shown() {
 }
 
 #[test]
-fn a_scene_that_was_never_updated_has_no_view() {
+fn a_scene_without_an_update_has_no_view() {
     let mut data = Data::new(every_element()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 100).unwrap();
@@ -168,12 +167,12 @@ fn a_scene_that_was_never_updated_has_no_view() {
     ] {
         assert!(matches!(&error, Error::Engine { message, .. } if message.contains("frustum_near")), "{error}");
     }
-    // An error of a scene is none of the simulation's.
+    // An error of a scene does not poison the simulation.
     data.step().unwrap();
 }
 
 #[test]
-fn what_belongs_to_another_model_is_refused() {
+fn objects_of_another_model_are_rejected() {
     let mut data = Data::new(every_element()).unwrap();
     data.forward().unwrap();
     let mut other = Data::new(every_element()).unwrap();
@@ -251,7 +250,7 @@ fn what_belongs_to_another_model_is_refused() {
             let _ = scene.push(&geom);
         });
     }
-    // A force that was applied to the one is not taken from the other.
+    // A force applied to one body is not removed from another.
     let mut perturbation = Perturbation::default();
     perturbation.select = Some(data.model().body("free_ball").unwrap().id());
     perturbation.active = PerturbationFlags::TRANSLATE;
@@ -262,7 +261,7 @@ fn what_belongs_to_another_model_is_refused() {
 }
 
 #[test]
-fn numbers_that_are_none_are_refused() {
+fn invalid_numbers_are_rejected() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.forward().unwrap();
     let model = data.model().clone();
@@ -348,16 +347,16 @@ fn numbers_that_are_none_are_refused() {
         }
         assert_eq!(scene.transform(), None);
     }
-    // From such a distance a zoom leads to a number that is none.
+    // At such a distance a zoom overflows.
     let far_behind = Camera { distance: -1e6, ..Camera::free(&model) };
     let mut camera = far_behind;
     assert!(matches!(camera.move_by(&model, &scene, MouseAction::Zoom, [0.0, 0.1]), Err(Error::Invalid { .. })));
     assert_eq!(camera, far_behind);
 }
 
-/// The engine looks skins' groups up without a check when it shows them, so loading must keep such models out.
+/// The engine uses a skin's group as an index without a check, so loading must reject invalid groups.
 #[test]
-fn a_skin_of_a_group_that_there_is_not_does_not_load() {
+fn a_skin_with_an_invalid_group_is_rejected() {
     for group in [-1, 6, 1_000_000] {
         for skin in [r#"<skin name="sheet""#, r#"<skin inflate="0.005""#] {
             assert!(EVERY_ELEMENT.contains(skin));
@@ -370,7 +369,7 @@ fn a_skin_of_a_group_that_there_is_not_does_not_load() {
 }
 
 #[test]
-fn selecting_among_heights_that_the_engine_misreads_is_refused() {
+fn selecting_in_a_height_field_that_the_engine_misreads_is_rejected() {
     let xml = r#"<mujoco><asset><hfield name="h" nrow="9" ncol="3" size="1 1 1 1"/></asset>
         <worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>"#;
     let mut data = Data::new(Model::from_xml_str(xml).unwrap()).unwrap();
@@ -383,20 +382,20 @@ fn selecting_among_heights_that_the_engine_misreads_is_refused() {
 }
 
 #[test]
-fn a_room_that_there_is_no_memory_for_is_refused() {
+fn a_scene_larger_than_memory_is_an_error() {
     let model = sample::cartpole();
     assert!(matches!(Scene::new(&model, usize::MAX), Err(Error::Invalid { .. })));
     assert!(matches!(Scene::new(&model, i32::MAX as usize + 1), Err(Error::Invalid { .. })));
     let mut none = Scene::new(&model, 0).unwrap();
     assert!(matches!(none.push(&NewGeom::sphere(1.0)), Err(Error::SceneFull { what: "geoms", room: 0 })));
-    // A large one costs what is used of it.
+    // A large scene takes memory only for the geoms in use.
     let mut large = Scene::new(&model, 1_000_000).unwrap();
     large.push(&NewGeom::sphere(1.0)).unwrap();
     assert_eq!(large.ngeom(), 1);
 }
 
 #[test]
-fn labels_are_kept_whole() {
+fn labels_are_not_truncated_within_the_limit() {
     let mut scene = Scene::new(&sample::cartpole(), 10).unwrap();
     for text in ["", "goal", &"x".repeat(99), &"é".repeat(49)] {
         let index = scene.push(&NewGeom::text(text).unwrap()).unwrap();
@@ -411,13 +410,13 @@ fn labels_are_kept_whole() {
 }
 
 #[test]
-fn names_longer_than_a_label_are_cut_at_a_character() {
+fn long_names_are_truncated_at_a_character_boundary() {
     for (name, label) in [("b".repeat(300), "b".repeat(99)), ("é".repeat(300), "é".repeat(49))] {
         let xml = format!(r#"<mujoco><worldbody><geom name="{name}" size="1"/></worldbody></mujoco>"#);
         let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
         data.forward().unwrap();
         let mut scene = Scene::new(data.model(), 10).unwrap();
-        // What was in the label before must not come after it.
+        // The rest of the previous label must not follow.
         for _ in 0..10 {
             scene.push(&NewGeom::text(&"z".repeat(99)).unwrap()).unwrap();
         }
@@ -429,7 +428,7 @@ fn names_longer_than_a_label_are_cut_at_a_character() {
 }
 
 #[test]
-fn geoms_of_the_user_stay_until_the_next_update() {
+fn user_geoms_remain_until_the_next_update() {
     let mut data = Data::new(every_element()).unwrap();
     data.forward().unwrap();
     let model = data.model().clone();
@@ -462,7 +461,7 @@ fn geoms_of_the_user_stay_until_the_next_update() {
     assert_eq!((added(4).texture(), added(4).texrepeat(), added(4).texuniform()), (Some(texture), [2.0, 3.0], true));
     assert_eq!(added(5).mesh(), Some((model.mesh("tetra").unwrap().id(), false)));
     assert_eq!(added(6).height_field(), Some(model.height_field("second").unwrap().id()));
-    // A hull where there is one.
+    // A convex hull, where one exists.
     for mesh in model.meshes() {
         let index = scene.push(&NewGeom::convex_hull(mesh.id())).unwrap();
         let has_hull = model.mesh_graphadr()[mesh.index()] >= 0;
@@ -476,7 +475,7 @@ fn geoms_of_the_user_stay_until_the_next_update() {
 }
 
 #[test]
-fn eyes_and_effects_of_the_users_stay() {
+fn user_viewpoints_and_render_flags_remain() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();

@@ -1,4 +1,4 @@
-//! Cameras, eyes, and the room that a model stands in.
+//! Cameras, viewpoints, and the transform of the model.
 
 use mujoco_safe::Data;
 use mujoco_safe::scene::{
@@ -23,13 +23,13 @@ fn assert_same_camera(what: &str, ours: &Camera, theirs: &mjvCamera) {
 }
 
 #[test]
-fn cameras_move_as_the_engines() {
+fn cameras_move_like_in_c() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
         let model = twins.model.clone();
-        let mut ours = Scene::new(&model, 20_000).expect("there is memory");
+        let mut ours = Scene::new(&model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
-        let body = model.bodies().last().expect("there is the world").id();
+        let body = model.bodies().last().unwrap().id();
         let fixed = model.cameras().last().map(|camera| CameraView::Fixed(camera.id()));
         for view in [Some(CameraView::Free), Some(CameraView::Tracking(body)), fixed].into_iter().flatten() {
             let mut camera = Camera { view, ..Camera::free(&model) };
@@ -41,14 +41,14 @@ fn cameras_move_as_the_engines() {
             }
             for round in 0..20 {
                 let options = SceneOptions::default();
-                ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("a scene");
+                ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
                 theirs.update(&twins.raw, &options, None, &mut raw);
                 let what = format!("{}, {view:?}, round {round}", subject.name);
                 assert_same_scene(&what, &ours, &theirs, true);
                 assert_same_camera(&what, &camera, &raw);
                 let motion = twins.numbers(2);
                 let action = ACTIONS[round % ACTIONS.len()];
-                camera.move_by(&model, &ours, action, [motion[0], motion[1]]).expect("a motion");
+                camera.move_by(&model, &ours, action, [motion[0], motion[1]]).unwrap();
                 let number = [1, 2, 3, 4, 5][round % ACTIONS.len()];
                 c!(mjv_moveCamera(model.as_ptr(), number, motion[0], motion[1], &raw const *theirs.0, &raw mut raw));
                 assert_same_camera(&what, &camera, &raw);
@@ -58,14 +58,14 @@ fn cameras_move_as_the_engines() {
 }
 
 #[test]
-fn eyes_are_the_engines() {
+fn viewpoints_equal_c() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
-        let mut ours = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut ours = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let mut camera = Camera::free(&twins.model);
         let mut raw: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
-        ours.update_camera(&twins.ours, &mut camera).expect("poses were computed");
+        ours.update_camera(&twins.ours, &mut camera).unwrap();
         c!(mjv_updateCamera(twins.raw.m(), twins.raw.d, &raw mut raw, &raw mut *theirs.0));
         let eyes = &theirs.0.camera;
         let average = c!(mjv_averageCamera(&raw const eyes[0], &raw const eyes[1]));
@@ -75,45 +75,45 @@ fn eyes_are_the_engines() {
             assert_eq!((ours.frustum_near, ours.frustum_far), (theirs.frustum_near, theirs.frustum_far));
             assert_eq!(ours.frustum_center, theirs.frustum_center);
         }
-        let height = ours.frustum_height().expect("updated");
+        let height = ours.frustum_height().unwrap();
         assert_same("height", &[height], &[c!(mjv_frustumHeight(&raw const *theirs.0))]);
 
         let transform = Transform { translate: [0.5, -1.0, 2.0], rotate: [0.6, 0.0, 0.8, 0.0], scale: 1.5 };
         for transform in [None, Some(transform)] {
-            ours.set_transform(transform).expect("a transform");
+            ours.set_transform(transform).unwrap();
             assert_eq!(ours.transform(), transform);
             if let Some(Transform { translate, rotate, scale }) = transform {
                 theirs.0.enabletransform = 1;
                 (theirs.0.translate, theirs.0.rotate, theirs.0.scale) = (translate, rotate, scale);
             }
-            same_room(&ours, &theirs.0);
+            assert_same_transform(&ours, &theirs.0);
         }
         for action in ACTIONS {
             let motion = twins.numbers(2);
-            ours.move_model(&twins.model, action, [motion[0], motion[1]], [0.0, 0.0, 1.0]).expect("a motion");
+            ours.move_model(&twins.model, action, [motion[0], motion[1]], [0.0, 0.0, 1.0]).unwrap();
             let number = 1 + ACTIONS.iter().position(|other| *other == action).unwrap() as i32;
             let (m, up) = (twins.raw.m(), [0.0, 0.0, 1.0]);
             c!(mjv_moveModel(m, number, motion[0], motion[1], up.as_ptr(), &raw mut *theirs.0));
-            let moved = ours.transform().expect("it is in a room");
+            let moved = ours.transform().unwrap();
             assert_eq!((moved.translate, moved.rotate), (theirs.0.translate, theirs.0.rotate));
             assert_eq!(moved.scale, theirs.0.scale);
-            same_room(&ours, &theirs.0);
+            assert_same_transform(&ours, &theirs.0);
         }
     }
 }
 
 #[track_caller]
-fn same_room(ours: &Scene, theirs: &mjvScene) {
+fn assert_same_transform(ours: &Scene, theirs: &mjvScene) {
     let three = |fill: &mut dyn FnMut(*mut f64, *mut f64, *mut f64)| {
         let mut head = [[0.0; 3]; 3];
         let [pos, forward, up] = &mut head;
         fill(pos.as_mut_ptr(), forward.as_mut_ptr(), up.as_mut_ptr());
         head.concat()
     };
-    let head = ours.camera_in_model().expect("updated");
+    let head = ours.camera_in_model().unwrap();
     let raw = three(&mut |pos, forward, up| c!(mjv_cameraInModel(pos, forward, up, theirs)));
     assert_same("in the model", &[head.pos, head.forward, head.up].concat(), &raw);
-    let head = ours.camera_in_room().expect("updated");
+    let head = ours.camera_in_room().unwrap();
     let raw = three(&mut |pos, forward, up| c!(mjv_cameraInRoom(pos, forward, up, theirs)));
     assert_same("in the room", &[head.pos, head.forward, head.up].concat(), &raw);
 
@@ -121,16 +121,16 @@ fn same_room(ours: &Scene, theirs: &mjvScene) {
     let (mut raw_pos, mut raw_quat) = ([0.0; 3], [0.0; 4]);
     let (to_pos, to_quat) = (raw_pos.as_mut_ptr(), raw_quat.as_mut_ptr());
     c!(mjv_room2model(to_pos, to_quat, pos.as_ptr(), quat.as_ptr(), theirs));
-    let (our_pos, our_quat) = ours.room_to_model(pos, quat).expect("a scale");
+    let (our_pos, our_quat) = ours.room_to_model(pos, quat).unwrap();
     assert_same("to the model", &[&our_pos[..], &our_quat].concat(), &[&raw_pos[..], &raw_quat].concat());
     let (to_pos, to_quat) = (raw_pos.as_mut_ptr(), raw_quat.as_mut_ptr());
     c!(mjv_model2room(to_pos, to_quat, pos.as_ptr(), quat.as_ptr(), theirs));
-    let (our_pos, our_quat) = ours.model_to_room(pos, quat).expect("a scale");
+    let (our_pos, our_quat) = ours.model_to_room(pos, quat).unwrap();
     assert_same("to the room", &[&our_pos[..], &our_quat].concat(), &[&raw_pos[..], &raw_quat].concat());
 }
 
 #[test]
-fn vectors_are_aligned_to_the_camera_as_by_the_engine() {
+fn vectors_are_aligned_to_the_camera_like_in_c() {
     for forward in [[1.0, 0.0, 0.0], [0.3, -0.4, 2.0], [0.0, 0.0, 1.0]] {
         let (vec, mut raw) = ([0.1, 0.7, -0.2], [0.0; 3]);
         c!(mjv_alignToCamera(raw.as_mut_ptr(), vec.as_ptr(), forward.as_ptr()));
@@ -139,7 +139,7 @@ fn vectors_are_aligned_to_the_camera_as_by_the_engine() {
 }
 
 #[test]
-fn a_scene_may_go_to_another_thread() {
+fn a_scene_is_send() {
     let mut data = Data::new(mujoco_safe::sample::humanoid()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();

@@ -1,4 +1,4 @@
-//! Numbers and sizes that no program wants: an error or a picture, in bounded time and memory.
+//! Extreme numbers and sizes: an error or a scene, in bounded time and memory.
 
 use mujoco_safe::scene::{Camera, Categories, Connector, MouseAction, NewGeom, Perturbation, Scene, SceneOptions};
 use mujoco_safe::{Data, Error, Model, sample};
@@ -12,7 +12,7 @@ fn computed(model: Model) -> Data {
 }
 
 #[test]
-fn rooms_near_the_limits_of_integers_are_errors_or_scenes() {
+fn scene_sizes_near_the_integer_limits_are_errors_or_scenes() {
     let mut data = computed(sample::cartpole());
     let largest = i32::MAX as usize;
     for room in [0, 1, 2, 1000, largest / 2, largest - 1, largest, largest + 1, usize::MAX / 2, usize::MAX] {
@@ -32,7 +32,7 @@ fn rooms_near_the_limits_of_integers_are_errors_or_scenes() {
 }
 
 #[test]
-fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_pictures() {
+fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_scenes() {
     let mut data = computed(sample::humanoid());
     let mut scene = Scene::new(data.model(), 500).unwrap();
     let options = SceneOptions::default();
@@ -74,7 +74,7 @@ fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_pictures() {
 }
 
 #[test]
-fn models_of_any_numbers_are_shown() {
+fn models_of_any_numbers_make_a_scene() {
     for number in NUMBERS {
         let mut model = sample::humanoid();
         let mut edit = model.edit();

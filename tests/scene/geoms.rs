@@ -1,4 +1,4 @@
-//! Whole scenes.
+//! Contents of whole scenes.
 
 use mujoco_safe::scene::{
     Camera, Categories, FrameMode, LabelMode, Perturbation, PerturbationFlags, Scene, SceneGeomType, SceneObject,
@@ -38,7 +38,7 @@ const FRAMES: [FrameMode; 8] = [
     FrameMode::World,
 ];
 
-/// A perturbation of the last body, and of the first skin where there is one.
+/// Returns a perturbation of the last body and of the first skin, if any.
 pub(crate) fn perturbation(model: &Model) -> Perturbation {
     let mut perturbation = Perturbation::default();
     perturbation.select = model.bodies().last().map(|body| body.id());
@@ -51,7 +51,7 @@ pub(crate) fn perturbation(model: &Model) -> Perturbation {
     perturbation
 }
 
-/// All combinations that can matter, and each flag by itself.
+/// Returns the combinations of options that can interact, and each flag alone.
 fn all_options(thorough: bool) -> Vec<SceneOptions> {
     let default = SceneOptions::default();
     let mut all = Vec::new();
@@ -93,7 +93,7 @@ fn all_options(thorough: bool) -> Vec<SceneOptions> {
 }
 
 #[test]
-fn scenes_are_the_engines_under_all_options() {
+fn scenes_equal_c_for_all_options() {
     let (mut kinds, mut objects) = (std::collections::HashSet::new(), std::collections::HashSet::new());
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
@@ -107,14 +107,14 @@ fn scenes_are_the_engines_under_all_options() {
         let forces = twins.ours.xfrc_applied().as_flattened().to_vec();
         twins.raw.write(|d| d.xfrc_applied, &forces);
 
-        let mut ours = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut ours = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let mut camera = Camera::free(&twins.model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let perturbation = perturbation(&twins.model);
         for options in all_options(twins.model.ngeom() < 100) {
             for pert in [None, Some(&perturbation)] {
-                ours.update(&mut twins.ours, &options, pert, &mut camera, Categories::all()).expect("a scene");
+                ours.update(&mut twins.ours, &options, pert, &mut camera, Categories::all()).unwrap();
                 theirs.update(&twins.raw, &options, pert, &mut raw_camera);
                 let skins = options.flags.contains(VisualFlags::SKIN);
                 assert_same_scene(&format!("{}, {options:?}", twins.name), &ours, &theirs, skins);
@@ -147,15 +147,15 @@ fn scenes_are_the_engines_under_all_options() {
 }
 
 #[test]
-fn geoms_are_seen_as_the_engine_has_them() {
+fn geom_views_have_the_engines_values() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
-        let mut scene = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut scene = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let options = SceneOptions { flags: VisualFlags::all(), label: LabelMode::Geom, ..SceneOptions::default() };
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let mut camera = Camera::free(&twins.model);
-        scene.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("a scene");
+        scene.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
         theirs.update(&twins.raw, &options, None, &mut raw_camera);
         assert_eq!(scene.geoms().len(), theirs.geoms().len());
         for (index, (ours, theirs)) in scene.geoms().zip(theirs.geoms()).enumerate() {
@@ -188,7 +188,7 @@ fn geoms_are_seen_as_the_engine_has_them() {
                 Some(SceneObject::Actuator(id)) => Some((sys::mjOBJ_ACTUATOR, id.index())),
                 Some(SceneObject::Equality(id)) => Some((sys::mjOBJ_EQUALITY, id.index())),
                 Some(SceneObject::Skin(id)) => Some((sys::mjOBJ_SKIN, id.index())),
-                Some(other) => panic!("{other:?} is new"),
+                Some(other) => panic!("unexpected type {other:?}"),
             };
             let expected = (theirs.objtype != 0).then_some((theirs.objtype as u32, theirs.objid as usize));
             assert_eq!(object, expected, "{}: geom {index}", subject.name);
@@ -204,16 +204,16 @@ fn geoms_are_seen_as_the_engine_has_them() {
     }
 }
 
-/// Where a type of the engine's is among the library's.
+/// Returns the index of an engine's geom type in the library's list.
 fn position(raw: i32) -> usize {
     (0..8).chain(100..106).chain([1001]).position(|other| other == raw).expect("a type of the engine's")
 }
 
 #[test]
-fn geoms_are_added_as_the_engine_adds_them() {
+fn added_geoms_equal_c() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
-        let mut ours = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut ours = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
         let raw_options = raw_options(&options);
@@ -222,40 +222,40 @@ fn geoms_are_added_as_the_engine_adds_them() {
         let mut end = 0;
         for bits in 0..8 {
             let categories = Categories::from_bits_truncate(bits);
-            let range = ours.add(&mut twins.ours, &options, Some(&perturbation), categories).expect("there is room");
+            let range = ours.add(&mut twins.ours, &options, Some(&perturbation), categories).unwrap();
             assert_eq!((range.start, range.end), (end, ours.ngeom()));
             end = range.end;
             let (opt, pert) = (&raw const raw_options, &raw const raw_perturbation);
             c!(mjv_addGeoms(twins.raw.m(), twins.raw.d, opt, pert, bits as i32, &raw mut *theirs.0));
         }
-        ours.update_lights(&twins.ours).expect("poses were computed");
+        ours.update_lights(&twins.ours).unwrap();
         c!(mjv_makeLights(twins.raw.m(), twins.raw.d, &raw mut *theirs.0));
         assert_same_scene(&subject.name, &ours, &theirs, false);
     }
 }
 
 #[test]
-fn a_full_scene_is_reported_and_has_what_there_was_room_for() {
+fn a_full_scene_is_an_error_and_keeps_the_first_geoms() {
     let mut twins = Twins::in_motion(&scene_subjects()[0]);
     let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
     let mut camera = Camera::free(&twins.model);
-    let mut whole = Scene::new(&twins.model, 20_000).expect("there is memory");
-    whole.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("there is room");
+    let mut whole = Scene::new(&twins.model, 20_000).unwrap();
+    whole.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
     let needed = whole.ngeom();
-    // What comes last in this model are the contacts, all of which are shown.
-    let mut exact = Scene::new(&twins.model, needed).expect("there is memory");
-    exact.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("there is room");
+    // The last geoms of this model are the contacts, all of which are shown.
+    let mut exact = Scene::new(&twins.model, needed).unwrap();
+    exact.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
     assert_eq!(twins.ours.warning(Warning::VisualGeomFull).number, 0);
 
     for room in [0, 1, 7, needed / 2, needed - 1] {
-        let mut ours = Scene::new(&twins.model, room).expect("there is memory");
+        let mut ours = Scene::new(&twins.model, room).unwrap();
         let mut theirs = RawScene::new(&twins.raw, room as i32);
         let mut camera = Camera::free(&twins.model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let error = ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap_err();
         assert!(matches!(error, Error::SceneFull { what: "geoms", room: told } if told == room), "{error}");
-        // The engine speaks of the first warning only, which is not wanted here.
-        // SAFETY: a data of the test's own.
+        // The engine logs only the first warning, which is disabled here.
+        // SAFETY: the data belongs to this test.
         unsafe { (*twins.raw.d).warning[sys::mjWARN_VGEOMFULL as usize].number += 1 };
         theirs.update(&twins.raw, &options, None, &mut raw_camera);
         // SAFETY: as above.
@@ -265,13 +265,13 @@ fn a_full_scene_is_reported_and_has_what_there_was_room_for() {
         twins.assert_same_state("after a full scene");
         let error = ours.add(&mut twins.ours, &options, None, Categories::all()).unwrap_err();
         assert!(matches!(error, Error::SceneFull { .. }), "{error}");
-        // SAFETY: as above. The counter of the library went up by what `add` left out.
+        // SAFETY: as above. The library has added the number of omitted geoms to the counter.
         unsafe { (*twins.raw.d).warning = (*twins.ours.as_ptr()).warning };
     }
 }
 
 #[test]
-fn more_lights_than_the_engine_has_room_for_are_reported() {
+fn too_many_lights_are_reported() {
     let lights = |count: usize| {
         let lights = r#"<light pos="0 0 1"/>"#.repeat(count);
         Data::new(Model::from_xml_str(&format!("<mujoco><worldbody>{lights}</worldbody></mujoco>")).unwrap()).unwrap()
@@ -282,7 +282,7 @@ fn more_lights_than_the_engine_has_room_for_are_reported() {
         let mut scene = Scene::new(data.model(), 10).unwrap();
         let mut camera = Camera::free(data.model());
         let updated = scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all());
-        assert_eq!(scene.lights().len(), 100); // with the headlight
+        assert_eq!(scene.lights().len(), 100); // includes the headlight
         match updated {
             Ok(()) => assert!(fits),
             Err(error) => assert!(!fits && matches!(error, Error::SceneFull { what: "lights", room: 100 }), "{error}"),
@@ -291,7 +291,7 @@ fn more_lights_than_the_engine_has_room_for_are_reported() {
 }
 
 #[test]
-fn defaults_are_the_engines() {
+fn defaults_equal_c() {
     let options: mjvOption = filled(|options| c!(mjv_defaultOption(options)));
     assert_eq!(format!("{:?}", raw_options(&SceneOptions::default())), format!("{options:?}"));
     let perturbation: mjvPerturb = filled(|perturbation| c!(mjv_defaultPerturb(perturbation)));

@@ -1,9 +1,7 @@
-//! The abstract picture is the engine's own: each call beside the same call in C, bit for bit. `geoms.rs` makes whole scenes of
-//! every model under all labels, frames and flags, `camera.rs` moves cameras and models, `perturbation.rs` pulls bodies,
-//! `select.rs` looks for what is seen at a place of the window and compares it with rays too.
+//! Abstract scenes: each call is compared bit for bit with the same call in C.
 
 #[path = "../common/twins.rs"]
-#[allow(dead_code, reason = "its other users need the rest")]
+#[allow(dead_code, reason = "the program `engine` uses the rest")]
 mod twins;
 
 mod boundary;

@@ -1,4 +1,4 @@
-//! Bodies that are pulled.
+//! Bodies pulled with the mouse.
 
 use mujoco_safe::scene::{
     Camera, Categories, MouseAction, Perturbation, PerturbationFlags, Scene, SceneOptions, Selection,
@@ -22,24 +22,24 @@ const FLAGS: [PerturbationFlags; 4] =
     [PerturbationFlags::empty(), PerturbationFlags::TRANSLATE, PerturbationFlags::ROTATE, PerturbationFlags::all()];
 
 #[test]
-fn perturbations_are_the_engines() {
+fn perturbations_equal_c() {
     let mut posed = 0;
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
         let model = twins.model.clone();
-        let mut scene = Scene::new(&model, 20_000).expect("there is memory");
+        let mut scene = Scene::new(&model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let mut camera = Camera::free(&model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(model.as_ptr(), camera)));
         let options = SceneOptions::default();
-        scene.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("a scene");
+        scene.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
         theirs.update(&twins.raw, &options, None, &mut raw_camera);
         for body in model.bodies().skip(1).take(40) {
             let what = format!("{}, {body:?}", subject.name);
             let mut ours = Perturbation::default();
             ours.select = Some(body.id());
             let mut raw = raw_perturbation(&ours);
-            ours.init(&twins.ours, &scene).expect("poses were computed");
+            ours.init(&twins.ours, &scene).unwrap();
             c!(mjv_initPerturb(model.as_ptr(), twins.raw.d, &raw const *theirs.0, &raw mut raw));
             assert_same_perturbation(&what, &ours, &raw);
             for (number, action) in [MouseAction::RotateV, MouseAction::RotateH, MouseAction::MoveV, MouseAction::MoveH]
@@ -47,7 +47,7 @@ fn perturbations_are_the_engines() {
                 .enumerate()
             {
                 let motion = twins.numbers(2);
-                ours.move_by(&twins.ours, &scene, action, [motion[0], motion[1]]).expect("a motion");
+                ours.move_by(&twins.ours, &scene, action, [motion[0], motion[1]]).unwrap();
                 let (m, d, number) = (model.as_ptr(), twins.raw.d, number as i32 + 1);
                 c!(mjv_movePerturb(m, d, number, motion[0], motion[1], &raw const *theirs.0, &raw mut raw));
                 assert_same_perturbation(&what, &ours, &raw);
@@ -57,13 +57,13 @@ fn perturbations_are_the_engines() {
                 (raw.active, raw.active2) = (active.bits() as i32, active2.bits() as i32);
                 twins.raw.write(|d| d.xfrc_applied, &vec![0.0; 6 * model.nbody()]);
                 c!(mjv_applyPerturbForce(model.as_ptr(), twins.raw.d, &raw const raw));
-                let force = ours.force(&mut twins.ours).expect("velocities were computed");
+                let force = ours.force(&mut twins.ours).unwrap();
                 let applied = twins.raw.values(|d| d.xfrc_applied, 6 * model.nbody());
                 assert_same(&what, &force, &applied[6 * body.index()..][..6]);
                 assert!(twins.ours.xfrc_applied().as_flattened().iter().all(|&force| force == 0.0));
                 for paused in [false, true] {
                     let before = twins.ours.qpos().to_vec();
-                    ours.apply_pose(&mut twins.ours, paused).expect("poses were computed");
+                    ours.apply_pose(&mut twins.ours, paused).unwrap();
                     c!(mjv_applyPerturbPose(model.as_ptr(), twins.raw.d, &raw const raw, paused.into()));
                     assert_same(&what, twins.ours.qpos(), &twins.raw.values(|d| d.qpos, model.nq()));
                     let mocap = twins.raw.values(|d| d.mocap_pos, 3 * model.nmocap());
@@ -79,7 +79,7 @@ fn perturbations_are_the_engines() {
 }
 
 #[test]
-fn forces_of_the_program_stay_what_they_are() {
+fn perturbations_keep_the_callers_forces() {
     let mut data = mujoco_safe::Data::new(mujoco_safe::sample::humanoid()).unwrap();
     data.forward().unwrap();
     let [torso, head] = ["torso", "head"].map(|name| data.model().body(name).unwrap().id());
@@ -94,7 +94,7 @@ fn forces_of_the_program_stay_what_they_are() {
     let force = perturbation.force(&mut data).unwrap();
     assert!(force.iter().all(|&force| force != 0.0));
     let sum: [f64; 6] = std::array::from_fn(|i| own[i] + force[i]);
-    // However often it is applied, it is there once.
+    // Applying it repeatedly has the effect of applying it once.
     for _ in 0..3 {
         perturbation.apply_force(&mut data).unwrap();
         assert_eq!(data.xfrc_applied()[torso.index()], sum);
@@ -105,22 +105,22 @@ fn forces_of_the_program_stay_what_they_are() {
     perturbation.apply_force(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[torso.index()], own);
     assert_ne!(data.xfrc_applied()[head.index()], own);
-    // The program sets a force anew.
+    // The caller sets another force.
     data.xfrc_applied_mut()[head.index()] = [0.0; 6];
     let force = perturbation.force(&mut data).unwrap();
     perturbation.apply_force(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[head.index()], force);
-    // It stops.
+    // The perturbation ends.
     perturbation.stop();
     perturbation.apply_force(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[head.index()], [0.0; 6]);
-    // The program has set a force, which is not the perturbation's to take away.
+    // The force that the caller set is not cleared by the perturbation.
     perturbation.active = PerturbationFlags::TRANSLATE;
     perturbation.apply_force(&mut data).unwrap();
     data.xfrc_applied_mut()[head.index()] = own;
     perturbation.remove_force(&mut data);
     assert_eq!(data.xfrc_applied()[head.index()], own);
-    // The world is not pulled.
+    // The world cannot be pulled.
     perturbation.select = Some(data.model().body(0).unwrap().id());
     perturbation.apply_force(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[0], [0.0; 6]);

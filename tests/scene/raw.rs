@@ -1,4 +1,4 @@
-//! A scene that C alone makes and uses, and how it is compared.
+//! Scenes made by C alone, and their comparison with the library's.
 
 use std::mem::MaybeUninit;
 use std::sync::Arc;
@@ -11,19 +11,19 @@ use crate::twins::{Raw, Subject, c, read, usual_subjects};
 
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
 
-/// All but the largest models, and the one with every element.
+/// Returns all models but the largest, and the model with every element.
 pub(crate) fn scene_subjects() -> Vec<Subject> {
-    let every = Model::from_xml_str(EVERY_ELEMENT).expect("the model with every element loads");
+    let every = Model::from_xml_str(EVERY_ELEMENT).unwrap();
     let others = usual_subjects().map(|subject| Subject { name: subject.name.clone(), model: subject.model.clone() });
     let every = Subject { name: "every element".to_owned(), model: Arc::new(every) };
     std::iter::once(every).chain(others).collect()
 }
 
-/// What the engine fills in.
+/// Returns a structure that an engine function fills in.
 pub(crate) fn filled<T>(fill: impl FnOnce(*mut T)) -> T {
     let mut value = MaybeUninit::zeroed();
     fill(value.as_mut_ptr());
-    // SAFETY: only used for structures of numbers, which zeros are.
+    // SAFETY: used only for structures of numbers, for which all zeros are valid.
     unsafe { value.assume_init() }
 }
 
@@ -76,7 +76,7 @@ impl RawScene {
     }
 
     pub(crate) fn geoms(&self) -> Vec<mjvGeom> {
-        // SAFETY: the engine keeps so many there.
+        // SAFETY: the engine's array has this length.
         unsafe { read(self.0.geoms, 0, self.0.ngeom as usize) }
     }
 }
@@ -87,12 +87,12 @@ impl Drop for RawScene {
     }
 }
 
-/// The label as far as the engine writes it.
+/// Returns the label up to its terminating NUL.
 fn label(geom: &mjvGeom) -> Vec<u8> {
     geom.label[..99].iter().take_while(|&&byte| byte != 0).map(|&byte| byte as u8).collect()
 }
 
-/// Everything that an update sets.
+/// Returns every value that an update sets.
 fn numbers(geom: &mjvGeom) -> (Vec<i32>, Vec<u32>, Vec<u8>) {
     let integers = [
         geom.type_,
@@ -114,12 +114,12 @@ fn bits(values: &[f32]) -> Vec<u32> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-/// The two scenes are the same.
+/// Asserts that two scenes are equal.
 #[track_caller]
 pub(crate) fn assert_same_scene(what: &str, ours: &Scene, theirs: &RawScene, with_skins: bool) {
-    // SAFETY: the scene lives, and nothing writes to it meanwhile.
+    // SAFETY: the scene is alive, and nothing writes to it during this call.
     let our_raw = unsafe { &*ours.as_ptr() };
-    // SAFETY: as many as there are.
+    // SAFETY: the length is the engine's count.
     let our_geoms = unsafe { read(our_raw.geoms, 0, ours.ngeom()) };
     let their_geoms = theirs.geoms();
     assert_eq!(our_geoms.len(), their_geoms.len(), "{what}: geoms");

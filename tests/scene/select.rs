@@ -1,4 +1,4 @@
-//! What is seen at a place of the window.
+//! Selection of the object at a point of the window.
 
 use mujoco_safe::RayOptions;
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions, VisualFlags};
@@ -8,7 +8,7 @@ use crate::raw::{RawScene, filled, raw_options, scene_subjects};
 use crate::twins::{Twins, assert_same, c};
 
 #[test]
-fn what_is_selected_is_what_the_engine_selects() {
+fn selections_equal_c() {
     let (mut geoms, mut skins, mut nothing) = (0, 0, 0);
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
@@ -16,7 +16,7 @@ fn what_is_selected_is_what_the_engine_selects() {
             println!("skipped {}, whose height field the engine misreads", subject.name);
             continue;
         }
-        let mut ours = Scene::new(&twins.model, 20_000).expect("there is memory");
+        let mut ours = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
         let mut camera = Camera::free(&twins.model);
         let mut raw: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
@@ -24,14 +24,14 @@ fn what_is_selected_is_what_the_engine_selects() {
         let without_static = SceneOptions { flags: default.flags - VisualFlags::STATIC, ..default.clone() };
         let other_group = SceneOptions { geomgroup: [false, true, false, true, true, true], ..default.clone() };
         for options in [default.clone(), without_static, other_group] {
-            ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).expect("a scene");
+            ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
             theirs.update(&twins.raw, &options, None, &mut raw);
             let raw_options = raw_options(&options);
             let (head, height) = (ours.camera_in_model().unwrap(), ours.frustum_height().unwrap());
             for _ in 0..60 {
                 let numbers = twins.numbers(2);
                 let [relx, rely] = [0, 1].map(|i| 0.5 + 0.5 * numbers[i]);
-                let found = ours.select(&twins.ours, &options, 1.5, [relx, rely]).expect("a place");
+                let found = ours.select(&twins.ours, &options, 1.5, [relx, rely]).unwrap();
                 let (mut point, mut geom, mut skin) = ([0.0; 3], -1, -1);
                 let (m, d) = (twins.raw.m(), twins.raw.d);
                 let (places, scene) = ((&raw mut geom, &raw mut skin), &raw const *theirs.0);
@@ -51,7 +51,7 @@ fn what_is_selected_is_what_the_engine_selects() {
                     continue;
                 };
                 geoms += 1;
-                // The same ray, made of the camera's frame.
+                // The same ray, computed from the camera frame.
                 let left = [0, 1, 2].map(|i| {
                     let (j, k) = ((i + 1) % 3, (i + 2) % 3);
                     head.up[j] * head.forward[k] - head.up[k] * head.forward[j]
@@ -63,9 +63,9 @@ fn what_is_selected_is_what_the_engine_selects() {
                     with_static: options.flags.contains(VisualFlags::STATIC),
                     bodyexclude: None,
                 };
-                let hit = twins.ours.ray(head.pos, direction, &ray_options).unwrap().expect("it was seen");
+                let hit = twins.ours.ray(head.pos, direction, &ray_options).unwrap().unwrap();
                 let at = [0, 1, 2].map(|i| head.pos[i] + hit.distance * direction[i]);
-                // The eyes have single precision, so at an edge the ray may meet another geom.
+                // The camera frame has single precision, so the ray may meet another geom at an edge.
                 let near = (0..3).all(|i| (at[i] - found.point[i]).abs() < 1e-4 * (1.0 + at[i].abs()));
                 assert!(near || hit.geom != geom, "{}: {at:?} and {:?}", subject.name, found.point);
             }

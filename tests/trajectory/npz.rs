@@ -1,4 +1,4 @@
-//! Trajectories in NumPy's files: read by somebody else's rules, and back again.
+//! Trajectories in NumPy files.
 #![forbid(unsafe_code)]
 
 use std::fs::{self, File};
@@ -9,7 +9,7 @@ use mujoco_safe::{Data, Model, RandomController, Trajectory, sample};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-/// Two positions, two velocities, one activation, two controls.
+/// A model with two positions, two velocities, one activation and two controls.
 const FILTERED: &str = r#"<mujoco>
   <worldbody>
     <body><joint name="a" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/>
@@ -27,7 +27,7 @@ fn recorded(xml: &str) -> (Model, Trajectory) {
     (model, trajectory)
 }
 
-/// The bytes of an array as the format's description has them: magic text, version, length of the header, header, numbers.
+/// Reads an array according to the format's specification: magic string, version, length of the header, header, numbers.
 fn array(path: &Path, name: &str) -> (String, Vec<f64>) {
     let mut archive = ZipArchive::new(File::open(path).unwrap()).unwrap();
     let mut bytes = Vec::new();
@@ -40,7 +40,7 @@ fn array(path: &Path, name: &str) -> (String, Vec<f64>) {
     (header, values)
 }
 
-/// A file with these arrays.
+/// Returns a file with these arrays.
 fn archive(arrays: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in arrays {
@@ -50,7 +50,7 @@ fn archive(arrays: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
     archive.finish().unwrap().into_inner()
 }
 
-/// An array in version 2 of the format.
+/// Returns an array in version 2 of the format.
 fn npy(header: &str, values: &[f64]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x02\x00".to_vec();
     bytes.extend((header.len() as u32).to_le_bytes());
@@ -64,7 +64,7 @@ fn shaped(shape: &str, values: &[f64]) -> Vec<u8> {
 }
 
 #[test]
-fn the_arrays_are_numpys() {
+fn the_arrays_follow_the_numpy_format() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let (_, trajectory) = recorded(FILTERED);
@@ -81,7 +81,7 @@ fn the_arrays_are_numpys() {
 }
 
 #[test]
-fn a_trajectory_comes_back_bit_for_bit() {
+fn a_trajectory_round_trips_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     for xml in [FILTERED, sample::HUMANOID_XML, "<mujoco/>"] {
@@ -98,7 +98,7 @@ fn a_trajectory_comes_back_bit_for_bit() {
 }
 
 #[test]
-fn numbers_that_are_none_come_back_too() {
+fn nan_and_infinity_round_trip() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let mut data = Data::new(sample::cartpole()).unwrap();
@@ -113,7 +113,7 @@ fn numbers_that_are_none_come_back_too() {
 }
 
 #[test]
-fn files_of_numpys_own_are_read_compressed_or_not() {
+fn files_written_by_numpy_load_compressed_or_not() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let model = sample::cartpole();
@@ -138,7 +138,7 @@ fn files_of_numpys_own_are_read_compressed_or_not() {
 }
 
 #[test]
-fn what_does_not_fit_is_named() {
+fn mismatched_arrays_are_errors_that_name_them() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let model = sample::cartpole();
@@ -170,7 +170,7 @@ fn what_does_not_fit_is_named() {
         (with(1, header("<f8", "True")), "'qpos' is in Fortran order"),
         (with(1, shaped("(2, 2)", &[0.0; 3])), "'qpos' has a length that disagrees with its shape"),
         (with(1, shaped("(2, 2)", &[0.0; 5])), "'qpos' has a length that disagrees with its shape"),
-        // No memory is taken for what is not there.
+        // No memory is allocated for missing numbers.
         (with(0, shaped("(1000000000000000,)", &[0.0; 2])), "'time' has a length that disagrees with its shape"),
         (with(0, shaped("(4611686018427387904,)", &[0.0; 2])), "'time' is too large"),
         (with(1, b"no array at all".to_vec()), "'qpos' is not in the NumPy format"),
@@ -181,7 +181,7 @@ fn what_does_not_fit_is_named() {
         (b"no archive".to_vec(), "t.npz"),
         (Vec::new(), "t.npz"),
     ];
-    // No more is unpacked than the shape asks for.
+    // Decompression stops at the size that the shape requires.
     let bomb = shaped("(2,)", &vec![0.0; 1 << 20]);
     let bomb = archive(&[("time.npy", bomb)], CompressionMethod::Deflated);
     assert!(bomb.len() < 1 << 15);
@@ -203,11 +203,11 @@ fn what_does_not_fit_is_named() {
 }
 
 #[test]
-fn a_small_file_does_not_unpack_to_gigabytes() {
+fn a_small_file_does_not_decompress_to_gigabytes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let model = Model::from_xml_str("<mujoco/>").unwrap();
-    // Zeros, packed a thousandfold: 72 MB of them in 72 kB.
+    // Zeros, compressed by a factor of a thousand: 72 MB in 72 kB.
     let count = 9_000_000;
     let others =
         ["qpos", "qvel", "act", "ctrl"].map(|name| (format!("{name}.npy"), shaped(&format!("({count}, 0)"), &[])));
@@ -218,14 +218,14 @@ fn a_small_file_does_not_unpack_to_gigabytes() {
     fs::write(&path, &bomb).unwrap();
     let text = Trajectory::load_npz(&model, &path).unwrap_err().to_string();
     assert!(text.contains("'time' unpacks to 72000000 bytes"), "{text}");
-    // The sizes in the archive may lie.
+    // The sizes in the archive may be wrong.
     let size = (72_000_000 + arrays[0].1.len() - 8 * count) as u32;
     while let Some(at) = bomb.windows(4).position(|bytes| bytes == size.to_le_bytes()) {
         bomb[at..at + 4].copy_from_slice(&1000_u32.to_le_bytes());
     }
     fs::write(&path, &bomb).unwrap();
     assert!(Trajectory::load_npz(&model, &path).is_err());
-    // A smaller one is loaded, however well it is packed.
+    // A smaller file is loaded, however well it is compressed.
     let arrays = arrays.iter().map(|(name, _)| match *name {
         "time.npy" => (*name, shaped("(1000000,)", &vec![0.0; 1_000_000])),
         name => (name, shaped("(1000000, 0)", &[])),
@@ -235,7 +235,7 @@ fn a_small_file_does_not_unpack_to_gigabytes() {
 }
 
 #[test]
-fn names_with_folders_and_arrays_in_them_are_left_alone() {
+fn names_with_folders_are_ignored() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let model = sample::cartpole();
@@ -257,7 +257,7 @@ fn names_with_folders_and_arrays_in_them_are_left_alone() {
 }
 
 #[test]
-fn no_cut_and_no_changed_byte_of_a_file_ends_the_program() {
+fn truncated_and_corrupted_files_are_errors_or_load() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let model = sample::cartpole();
@@ -274,7 +274,7 @@ fn no_cut_and_no_changed_byte_of_a_file_ends_the_program() {
         let mut bad = file.clone();
         bad[at] ^= 1 << (at % 8);
         fs::write(&path, bad).unwrap();
-        // What the archive keeps twice may be wrong in one place; the numbers may not.
+        // Redundant data in the archive may be wrong in one place; the numbers may not.
         if let Ok(read) = Trajectory::load_npz(&model, &path) {
             assert_eq!(read, trajectory, "byte {at}");
         }
@@ -282,7 +282,7 @@ fn no_cut_and_no_changed_byte_of_a_file_ends_the_program() {
 }
 
 #[test]
-fn a_file_that_cannot_be_written_is_an_error_and_leaves_nothing() {
+fn an_unwritable_file_is_an_error_and_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let (_, trajectory) = recorded(FILTERED);
     for path in [folder.path().join("no/such/t.npz"), folder.path().to_owned()] {

@@ -1,29 +1,16 @@
-//! Trajectories that are recorded, written to a CSV file, read back and applied.
-
-use std::path::PathBuf;
+//! Recording, CSV files and replay.
 
 use mujoco_safe::{Data, Error, StateSpec, Trajectory};
 use proptest::prelude::*;
 
 use crate::arbitrary::{BALL, CARTPOLE, any_model, any_number, bits};
 
-/// A file of this test's own, removed at its end.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str) -> Self {
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-        Self(folder.join(format!("{name}-{}.csv", std::process::id())))
-    }
+/// Returns the path of a temporary file, which is removed on drop.
+fn csv_path() -> tempfile::TempPath {
+    tempfile::NamedTempFile::new().unwrap().into_temp_path()
 }
 
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
-}
-
-/// Any number that a file must keep. A NaN is kept as a NaN, but not with its sign and payload, which no text has.
+/// Any number that a file must preserve. NaN is preserved without its sign and payload, which text cannot represent.
 fn any_recorded_number() -> impl Strategy<Value = f64> {
     any_number().prop_filter("a number", |value| !value.is_nan())
 }
@@ -32,23 +19,23 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn a_trajectory_is_read_back_from_its_file_bit_for_bit(
+    fn a_trajectory_round_trips_through_csv_bit_for_bit(
         model in any_model(),
         records in 0..4_usize,
         numbers in prop::collection::vec(any_recorded_number(), 300),
     ) {
-        let mut data = Data::new(model.clone()).expect("there is memory");
+        let mut data = Data::new(model.clone()).unwrap();
         let mut trajectory = Trajectory::new(&model);
         let mut numbers = numbers.iter().copied().cycle();
         let spec = StateSpec::FULL_PHYSICS | StateSpec::CTRL;
         for _ in 0..records {
             let state: Vec<f64> = numbers.by_ref().take(model.state_size(spec)).collect();
-            data.set_state(spec, &state).expect("the length is right");
-            trajectory.push(&data).expect("the model is the same");
+            data.set_state(spec, &state).unwrap();
+            trajectory.push(&data).unwrap();
         }
-        let file = Scratch::new("any");
-        trajectory.save_csv(&file.0).expect("the file can be written");
-        let again = Trajectory::load_csv(&model, &file.0).expect("the file can be read");
+        let path = csv_path();
+        trajectory.save_csv(&path).unwrap();
+        let again = Trajectory::load_csv(&model, &path).unwrap();
         prop_assert_eq!(again.len(), records);
         prop_assert_eq!(bits(again.times()), bits(trajectory.times()));
         prop_assert_eq!(bits(again.states()), bits(trajectory.states()));
@@ -57,14 +44,14 @@ proptest! {
 }
 
 #[test]
-fn the_file_has_a_header_and_a_line_for_each_record() {
-    let mut data = Data::new(CARTPOLE.clone()).expect("there is memory");
+fn a_csv_file_has_a_header_and_a_line_per_record() {
+    let mut data = Data::new(CARTPOLE.clone()).unwrap();
     let mut trajectory = Trajectory::new(data.model());
     let mut push = |data: &mut Data| data.ctrl_mut()[0] = 0.25;
-    trajectory.record(&mut data, &mut push, 2).expect("two steps");
-    let file = Scratch::new("header");
-    trajectory.save_csv(&file.0).expect("the file can be written");
-    let text = std::fs::read_to_string(&file.0).expect("the file can be read");
+    trajectory.record(&mut data, &mut push, 2).unwrap();
+    let path = csv_path();
+    trajectory.save_csv(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "time,qpos0,qpos1,qvel0,qvel1,ctrl0");
     assert_eq!(lines[1], "0,0,0,0,0,0.25");
@@ -72,19 +59,19 @@ fn the_file_has_a_header_and_a_line_for_each_record() {
 }
 
 #[test]
-fn a_nan_is_read_back_as_one() {
-    let mut data = Data::new(CARTPOLE.clone()).expect("there is memory");
+fn nan_round_trips_through_csv() {
+    let mut data = Data::new(CARTPOLE.clone()).unwrap();
     data.qpos_mut()[0] = f64::NAN;
     let mut trajectory = Trajectory::new(data.model());
-    trajectory.push(&data).expect("the model is the same");
-    let file = Scratch::new("nan");
-    trajectory.save_csv(&file.0).expect("the file can be written");
-    let again = Trajectory::load_csv(data.model(), &file.0).expect("the file can be read");
+    trajectory.push(&data).unwrap();
+    let path = csv_path();
+    trajectory.save_csv(&path).unwrap();
+    let again = Trajectory::load_csv(data.model(), &path).unwrap();
     assert!(again.qpos(0)[0].is_nan() && again.qpos(0)[1] == 0.0);
 }
 
 #[test]
-fn a_file_that_is_none_of_this_model_names_the_line() {
+fn a_malformed_csv_file_is_an_error_that_names_the_line() {
     let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0\n";
     for (text, expected) in [
         (String::new(), "line 1 is not the header"),
@@ -93,38 +80,38 @@ fn a_file_that_is_none_of_this_model_names_the_line() {
         (format!("{header}0,0,0,0,0\n"), "line 2 has 5 columns, not 6"),
         (format!("{header}0,0,0,0,0,0,0\n"), "line 2 has 7 columns, not 6"),
     ] {
-        let file = Scratch::new("wrong");
-        std::fs::write(&file.0, text).expect("the file can be written");
-        let error = Trajectory::load_csv(&CARTPOLE, &file.0).expect_err("a wrong file");
+        let path = csv_path();
+        std::fs::write(&path, text).unwrap();
+        let error = Trajectory::load_csv(&CARTPOLE, &path).unwrap_err();
         assert!(matches!(error, Error::File { .. }) && error.to_string().contains(expected), "{error}");
     }
 }
 
 #[test]
-fn applying_a_record_goes_on_from_there() {
-    let mut data = Data::new(CARTPOLE.clone()).expect("there is memory");
+fn a_simulation_continues_from_an_applied_record() {
+    let mut data = Data::new(CARTPOLE.clone()).unwrap();
     data.qpos_mut()[1] = 0.2;
     let mut trajectory = Trajectory::with_capacity(data.model(), 20);
     let mut push = |data: &mut Data| data.ctrl_mut()[0] = 0.1 * data.time();
-    trajectory.record(&mut data, &mut push, 20).expect("twenty steps");
-    let mut other = Data::new(CARTPOLE.clone()).expect("there is memory");
-    trajectory.apply(7, &mut other).expect("the model is the same");
+    trajectory.record(&mut data, &mut push, 20).unwrap();
+    let mut other = Data::new(CARTPOLE.clone()).unwrap();
+    trajectory.apply(7, &mut other).unwrap();
     assert_eq!(bits(&other.physics_state()), bits(trajectory.state(7)));
     assert_eq!(bits(other.ctrl()), bits(trajectory.ctrl(7)));
     assert_eq!(other.time().to_bits(), trajectory.times()[7].to_bits());
-    other.step().expect("a step");
+    other.step().unwrap();
     assert_eq!(bits(&other.physics_state()), bits(trajectory.state(8)));
-    assert!(trajectory.apply(0, &mut Data::new(BALL.clone()).expect("there is memory")).is_err());
-    assert!(trajectory.push(&Data::new(BALL.clone()).expect("there is memory")).is_err());
+    assert!(trajectory.apply(0, &mut Data::new(BALL.clone()).unwrap()).is_err());
+    assert!(trajectory.push(&Data::new(BALL.clone()).unwrap()).is_err());
     assert_eq!(trajectory.len(), 20);
 }
 
 #[test]
 fn without_actuators_a_trajectory_has_no_controls() {
-    let mut data = Data::new(BALL.clone()).expect("there is memory");
+    let mut data = Data::new(BALL.clone()).unwrap();
     let mut trajectory = Trajectory::new(data.model());
     let mut nothing = |_: &mut Data| ();
-    trajectory.record(&mut data, &mut nothing, 3).expect("three steps");
+    trajectory.record(&mut data, &mut nothing, 3).unwrap();
     assert_eq!((trajectory.len(), trajectory.states().len(), trajectory.controls().len()), (3, 39, 0));
     assert!(trajectory.ctrl(2).is_empty());
 }

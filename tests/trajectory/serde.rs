@@ -1,4 +1,4 @@
-//! Results as plain data: what comes out comes in again, and what is not consistent does not come in.
+//! Results as plain data: they round-trip, and inconsistent data is rejected.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::{
@@ -14,11 +14,11 @@ fn trajectory() -> (Data, Trajectory) {
 }
 
 fn error<T: serde::de::DeserializeOwned>(value: Value) -> String {
-    from_value::<T>(value).err().expect("it is not consistent").to_string()
+    from_value::<T>(value).err().unwrap().to_string()
 }
 
 #[test]
-fn a_trajectory_comes_back_bit_for_bit_and_still_fits_its_model() {
+fn a_trajectory_round_trips_bit_for_bit() {
     let (mut data, trajectory) = trajectory();
     let read: Trajectory = from_str(&to_string(&trajectory).unwrap()).unwrap();
     assert_eq!(read, trajectory);
@@ -29,7 +29,7 @@ fn a_trajectory_comes_back_bit_for_bit_and_still_fits_its_model() {
 }
 
 #[test]
-fn a_trajectory_whose_sizes_and_values_disagree_is_refused() {
+fn a_trajectory_of_inconsistent_sizes_is_rejected() {
     let (_, trajectory) = trajectory();
     let good = to_value(&trajectory).unwrap();
     for (field, value, expected) in [
@@ -55,7 +55,7 @@ fn a_trajectory_whose_sizes_and_values_disagree_is_refused() {
 }
 
 #[test]
-fn a_matrix_must_have_as_many_values_as_its_shape_says() {
+fn a_matrix_of_inconsistent_size_is_rejected() {
     let matrix = Matrix::from_rows(&[[1.0, -0.0, 3.0], [1e-300, 0.1, f64::MAX]]);
     let value = to_value(&matrix).unwrap();
     assert_eq!(value, json!({"nrows": 2, "ncols": 3, "values": [1.0, -0.0, 3.0, 1e-300, 0.1, f64::MAX]}));
@@ -69,7 +69,7 @@ fn a_matrix_must_have_as_many_values_as_its_shape_says() {
 }
 
 #[test]
-fn sizes_without_values_that_prove_them_are_bounded() {
+fn sizes_without_values_are_bounded() {
     let empty = to_value(Trajectory::new(&sample::cartpole())).unwrap();
     for (field, size) in [("nq", u64::MAX), ("nu", 1 << 61), ("na", 1 << 27), ("nv", (1 << 20) + 1)] {
         let mut claimed = empty.clone();
@@ -84,7 +84,7 @@ fn sizes_without_values_that_prove_them_are_bounded() {
 }
 
 #[test]
-fn what_has_public_fields_comes_back() {
+fn structs_with_public_fields_round_trip() {
     let (mut data, _) = trajectory();
     let system = data.transition_fd(1e-6, Differences::Central).unwrap();
     assert_eq!(from_str::<StateSpace>(&to_string(&system).unwrap()).unwrap(), system);
@@ -96,7 +96,7 @@ fn what_has_public_fields_comes_back() {
 }
 
 #[test]
-fn the_parts_of_a_state_have_names() {
+fn state_specs_are_serialised_by_name() {
     let spec = StateSpec::QPOS | StateSpec::CTRL;
     assert_eq!(to_value(spec).unwrap(), json!("QPOS | CTRL"));
     assert_eq!(from_value::<StateSpec>(json!("QPOS | CTRL")).unwrap(), spec);

@@ -1,4 +1,4 @@
-//! Damaged files of NumPy.
+//! Damaged NumPy files.
 
 use mujoco_safe::{Data, Trajectory};
 
@@ -6,16 +6,16 @@ use mujoco_safe::{Data, Trajectory};
 use super::models;
 use super::{Bytes, Verdict};
 
-/// Records at most.
+/// Largest number of records.
 const MOST_RECORDS: usize = 6;
 
 #[cfg(not(feature = "npz"))]
 pub(super) fn mutated_archive(_bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     log("built without the feature npz");
-    Verdict::Refused
+    Verdict::Rejected
 }
 
-/// A trajectory of arbitrary numbers.
+/// Returns a trajectory of arbitrary numbers.
 pub(super) fn trajectory(data: &mut Data, bytes: &mut Bytes<'_>) -> Trajectory {
     let mut trajectory = Trajectory::new(data.model());
     for _ in 0..bytes.below(MOST_RECORDS + 1) {
@@ -33,8 +33,8 @@ pub(super) fn trajectory(data: &mut Data, bytes: &mut Bytes<'_>) -> Trajectory {
     trajectory
 }
 
-/// What anyone would do with a trajectory that was loaded.
-pub(super) fn use_it(trajectory: &Trajectory, data: &mut Data, log: &mut dyn FnMut(&str)) {
+/// Uses a loaded trajectory.
+pub(super) fn use_trajectory(trajectory: &Trajectory, data: &mut Data, log: &mut dyn FnMut(&str)) {
     log("apply");
     for record in 0..trajectory.len() {
         assert_eq!(trajectory.state(record).len(), trajectory.states().len() / trajectory.len());
@@ -64,9 +64,9 @@ mod damaged {
     use zip::write::SimpleFileOptions;
     use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-    use super::{Bytes, Verdict, models, trajectory, use_it};
+    use super::{Bytes, Verdict, models, trajectory, use_trajectory};
 
-    /// Parts of a header, and what they may become.
+    /// Parts of a header, and their replacements.
     const HEADERS: [(&str, &[&str]); 6] = [
         ("'<f8'", &["'<f4'", "'>f8'", "'|O'", "'<U1000000000'", "\"<f8\"", "'", "[('a', '<f8')]"]),
         ("False", &["True", "0", "None", "false", ""]),
@@ -104,7 +104,7 @@ mod damaged {
             .collect()
     }
 
-    /// Changes one thing of an archive whose sums are right afterwards. About half of the kinds leave it valid.
+    /// Makes one change to an archive whose checksums are correct. About half of the changes keep it valid.
     fn damage(members: &mut Members, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
         let which = bytes.below(members.len());
         let Some((name, content)) = members.get_mut(which) else { return };
@@ -117,7 +117,7 @@ mod damaged {
                 if let Some(at) = content.windows(from.len()).position(|window| window == from.as_bytes()) {
                     content.splice(at..at + from.len(), to.iter().copied());
                     if bytes.once_in(2) && content.len() > 10 {
-                        // The header keeps its length.
+                        // The length of the header is kept.
                         let length = u16::from_le_bytes([content[8], content[9]]);
                         let changed = usize::from(length) + to.len() - from.len();
                         content[8..10].copy_from_slice(&(changed as u16).to_le_bytes());
@@ -139,7 +139,7 @@ mod damaged {
                 members.remove(which);
             }
             7 => bytes.choose(&NAMES).clone_into(name),
-            // The second version of the format has four bytes for the length of the header.
+            // Version 2 of the format has four bytes for the length of the header.
             8 if content.len() >= 10 && content[6] == 1 => {
                 content[6] = 2;
                 content.splice(10..10, [0, 0]);
@@ -147,7 +147,7 @@ mod damaged {
             9 => members.insert(which, ("note.txt".to_owned(), vec![b'x'; bytes.below(100)])),
             10 => members.swap(which, 0),
             _ => {
-                // The numbers come last.
+                // The numbers are at the end.
                 let numbers = content.len().saturating_sub(128);
                 let number = bytes.word().to_le_bytes();
                 content.iter_mut().skip(128 + bytes.below(numbers + 1)).zip(number).for_each(|(byte, new)| *byte = new);
@@ -160,7 +160,7 @@ mod damaged {
         let options = SimpleFileOptions::default().compression_method(method);
         let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
         for (name, content) in members {
-            // Not two of one name.
+            // Names must be unique.
             if archive.start_file(name.as_str(), options).is_ok() {
                 archive.write_all(content).ok()?;
             }
@@ -168,7 +168,7 @@ mod damaged {
         archive.finish().ok().map(Cursor::into_inner)
     }
 
-    /// Changes the bytes of the archive itself.
+    /// Changes bytes of the archive file.
     fn damage_bytes(file: &mut Vec<u8>, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
         let at = bytes.below(file.len());
         let kind = bytes.below(5);
@@ -198,7 +198,7 @@ mod damaged {
 
     pub(crate) fn mutated_archive(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
         let model = models::model(models::choose(bytes));
-        let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Refused };
+        let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Rejected };
         let folder = tempfile::tempdir().expect("no temporary folder");
         let path = folder.path().join("trajectory.npz");
         trajectory(&mut data, bytes).save_npz(&path).expect("a file is written");
@@ -216,12 +216,12 @@ mod damaged {
         }
         std::fs::write(&path, file).expect("a file is written");
         log("load_npz");
-        let Ok(loaded) = Trajectory::load_npz(model, &path) else { return Verdict::Refused };
+        let Ok(loaded) = Trajectory::load_npz(model, &path) else { return Verdict::Rejected };
         let _ = data.reset();
-        use_it(&loaded, &mut data, log);
+        use_trajectory(&loaded, &mut data, log);
         log("save_npz, load_npz");
         loaded.save_npz(&path).expect("a file is written");
-        let again = Trajectory::load_npz(model, &path).expect("what was saved is loaded");
+        let again = Trajectory::load_npz(model, &path).expect("a saved archive loads");
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(again.states()), bits(loaded.states()));
         assert_eq!(bits(again.times()), bits(loaded.times()));

@@ -1,8 +1,8 @@
-//! A model that names a file of every kind that the engine reads, and the files.
+//! A model that names a file of every kind that the engine reads, and its files.
 
 use super::Bytes;
 
-/// The name and the content of a file.
+/// Name and content of a file.
 pub(super) type File = (String, Vec<u8>);
 
 pub(super) const TEXT: &str = r#"<mujoco>
@@ -45,7 +45,7 @@ pub(super) fn files() -> Vec<File> {
     integers(&mut msh, &[4, 4, 4, 4]);
     reals(&mut msh, VERTICES.as_flattened()); // positions
     reals(&mut msh, [[0.0, 0.6, 0.8]; 4].as_flattened()); // normals
-    reals(&mut msh, &[0.25; 8]); // of a texture
+    reals(&mut msh, &[0.25; 8]); // texture coordinates
     integers(&mut msh, FACES.as_flattened());
     integers(&mut hf, &[3, 4]);
     reals(&mut hf, &std::array::from_fn::<f32, 12, _>(|at| at as f32 / 12.0));
@@ -99,8 +99,8 @@ pub(super) fn damage(content: &mut Vec<u8>, bytes: &mut Bytes<'_>) {
         1_431_655_766,
         357_913_942,
         1 << 29,
-        0x7fc0_0000, // not a number
-        0x7f80_0000, // infinite
+        0x7fc0_0000, // NaN
+        0x7f80_0000, // infinity
         0x7f00_0000, // 1.7e38
     ];
     if content.is_empty() {
@@ -111,7 +111,7 @@ pub(super) fn damage(content: &mut Vec<u8>, bytes: &mut Bytes<'_>) {
         match bytes.below(8) {
             0 => content[at] ^= 1 << bytes.below(8),
             1 => content[at] = bytes.word() as u8,
-            // The header is where the counts are.
+            // The header contains the counts.
             2..5 if content.len() >= 4 => {
                 let words = if bytes.once_in(2) { content.len() / 4 } else { 8.min(content.len() / 4) };
                 let count = content.starts_with(b"      ") && content.len() >= 84 && bytes.once_in(2);
@@ -121,7 +121,7 @@ pub(super) fn damage(content: &mut Vec<u8>, bytes: &mut Bytes<'_>) {
             }
             5 => content.truncate(at.max(1)),
             6 => content.extend(std::iter::repeat_n(0, bytes.below(40))),
-            // Of a text: another number, or none.
+            // In a text: another number, or an invalid number.
             _ => {
                 let words = [
                     &b"0"[..],

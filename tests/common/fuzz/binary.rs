@@ -7,10 +7,10 @@ use mujoco_safe::{Data, Model};
 use super::mutate::{DAMAGES, Map};
 use super::{Bytes, Verdict, models};
 
-/// Cells of height fields beyond which a step takes seconds.
+/// Number of height field cells beyond which a step takes seconds.
 const MOST_CELLS: usize = 1_000_000;
 
-/// A valid file, and where its parts are.
+/// A valid file and its layout.
 struct Original {
     file: Vec<u8>,
     map: Map,
@@ -41,19 +41,19 @@ pub(super) fn mutated_binary(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -
     }
     log("from_binary");
     match Model::from_binary(&mutant) {
-        Ok(model) => use_it(model, log),
-        Err(_) => Verdict::Refused,
+        Ok(model) => use_model(model, log),
+        Err(_) => Verdict::Rejected,
     }
 }
 
-/// What anyone would do with a model that was loaded.
-pub(super) fn use_it(model: Model, log: &mut dyn FnMut(&str)) -> Verdict {
-    // What collides with a height field of millions of cells takes its time, and comes to an end.
+/// Uses a loaded model.
+pub(super) fn use_model(model: Model, log: &mut dyn FnMut(&str)) -> Verdict {
+    // Collisions with a height field of millions of cells are slow, but finite.
     if model.nhfielddata() > MOST_CELLS {
         return Verdict::Worked;
     }
     log("a simulation");
-    // A stack of gigabytes is possible, but not on every machine.
+    // The stack may take gigabytes, which not every machine can provide.
     let Ok(mut data) = Data::new(model) else { return Verdict::Worked };
     for _ in 0..3 {
         log("step");

@@ -4,7 +4,7 @@ use arbitrary::Unstructured;
 
 use super::mutate::Random;
 
-/// Bytes that decide. When they are used up, every decision is the first of its kind.
+/// A source of decisions. When its bytes are used up, every decision is the first alternative.
 pub struct Bytes<'b>(Unstructured<'b>);
 
 impl<'b> Bytes<'b> {
@@ -16,12 +16,12 @@ impl<'b> Bytes<'b> {
         self.0.is_empty()
     }
 
-    /// A number from 0 to `end - 1`; 0 if there is none.
+    /// Returns a number from 0 to `end - 1`, or 0 if `end` is 0.
     pub fn below(&mut self, end: usize) -> usize {
         self.0.choose_index(end).unwrap_or(0)
     }
 
-    /// True once in `times`.
+    /// Returns true with a probability of 1 in `times`.
     pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == times - 1
     }
@@ -34,7 +34,7 @@ impl<'b> Bytes<'b> {
         self.0.arbitrary().unwrap_or(0)
     }
 
-    /// A number: about half of them are what a program would write, the others what no one should.
+    /// Returns a number: about half are ordinary, the others are extreme.
     pub fn number(&mut self) -> f64 {
         match self.below(24) {
             0..7 => self.fraction(),
@@ -56,7 +56,7 @@ impl<'b> Bytes<'b> {
         }
     }
 
-    /// An integer: zero, one that is small, or what no one should write.
+    /// Returns an integer: zero, small or extreme.
     pub fn integer(&mut self) -> i32 {
         match self.below(8) {
             0..4 => self.below(9) as i32 - 2,
@@ -67,7 +67,7 @@ impl<'b> Bytes<'b> {
         }
     }
 
-    /// A number from -1 to 1.
+    /// Returns a number from -1 to 1.
     pub fn fraction(&mut self) -> f64 {
         self.below(2001) as f64 / 1000.0 - 1.0
     }
@@ -76,16 +76,16 @@ impl<'b> Bytes<'b> {
         std::array::from_fn(|_| self.number())
     }
 
-    /// A vector, mostly of the length that is right.
+    /// Returns a vector, mostly of the given length.
     pub fn vector(&mut self, length: usize) -> Vec<f64> {
         let length = if self.once_in(16) { self.below(length + 3) } else { length };
-        // A few decisions for all of it, so that long vectors do not use up the bytes.
+        // A few decisions apply to the whole vector, so that long vectors do not use up the bytes.
         let (first, other) = (self.number(), self.number());
         let at = self.below(length);
         (0..length).map(|index| if index == at { other } else { first }).collect()
     }
 
-    /// An index, mostly one that there is.
+    /// Returns an index, mostly below `count`.
     pub fn index(&mut self, count: usize) -> usize {
         match self.below(32) {
             31 => count + self.below(3),
@@ -95,9 +95,9 @@ impl<'b> Bytes<'b> {
     }
 }
 
-/// The bytes of a seed.
+/// Returns the bytes of a seed.
 pub(super) fn of_seed(seed: u64, salt: u64) -> Vec<u8> {
-    // Neighbouring seeds must not share a part of their streams.
+    // The streams of neighbouring seeds must not overlap.
     let mut random = Random(Random(seed ^ (salt << 56)).next());
     let words = 16 + random.next() % 64;
     (0..words).flat_map(|_| random.next().to_le_bytes()).collect()

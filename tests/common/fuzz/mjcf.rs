@@ -1,4 +1,4 @@
-//! MJCF texts from a grammar that has most kinds of elements. Nearly all of them are valid: they test that a model which loads can be
+//! MJCF texts from a grammar of most kinds of elements. Nearly all texts are valid: they test that a model that loads can be
 //! saved, loaded again and used. Damaged texts are in `text`.
 
 use std::fmt::Write as _;
@@ -73,7 +73,7 @@ const SIZES: [&str; 8] = [
     "nuser_geom='0' nkey='0'",
 ];
 
-/// Names of what the grammar has made so far.
+/// Names of the elements generated so far.
 #[derive(Default)]
 struct Names {
     bodies: usize,
@@ -206,7 +206,7 @@ fn joints(depth: usize, names: &mut Names, content: &mut String, bytes: &mut Byt
     }
 }
 
-/// An element of a list, if there is one.
+/// Returns an element of a list, or nothing if it is empty.
 fn pick(list: &[usize], bytes: &mut Bytes<'_>) -> Option<usize> {
     list.get(bytes.below(list.len())).copied()
 }
@@ -240,7 +240,7 @@ fn actuators(names: &Names, bytes: &mut Bytes<'_>) -> String {
             _ => format!("site='s{site}' gear='0 0 1 0 0 0'"),
         };
         let more = bytes.choose(&["", "ctrlrange='-1 1' ctrllimited='true'", "forcerange='-2 2' forcelimited='true'"]);
-        // The engine wants the actuators with a state last.
+        // The engine requires actuators with activations to be last.
         let (list, text) = match bytes.below(8) {
             0 => (&mut stateless, format!("<position {target} kp='3' {more}/>")),
             1 => (&mut stateless, format!("<velocity {target} kv='.3' {more}/>")),

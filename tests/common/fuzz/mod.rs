@@ -1,7 +1,7 @@
-//! From bytes to a verdict: what the fuzzer runs. The bytes decide everything, so a case can be repeated.
+//! Fuzz targets: each maps bytes to a verdict. A case is reproducible because the bytes decide everything.
 //!
-//! The same functions serve `tests/fuzz`, which makes the bytes from a seed, and the targets of cargo-fuzz in `fuzz/`, which
-//! makes them from what earlier bytes have covered.
+//! `tests/fuzz` derives the bytes from seeds; the targets of cargo-fuzz in `fuzz/` derive them from the coverage of earlier
+//! bytes.
 
 #![forbid(unsafe_code)]
 #![allow(unreachable_pub, dead_code, reason = "included by several programs, each of which uses some of it")]
@@ -29,31 +29,31 @@ mod print_all;
 
 pub use self::bytes::Bytes;
 
-/// What became of a case that was no finding. A finding is a crash, an exit, a hang, a panic, or a read of standard input.
+/// The result of a case without a finding. A finding is a crash, an exit, a hang, a panic, or a read of standard input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The model was loaded, the calls were made. Calls may have been errors.
+    /// The model was loaded and the calls were made. Calls may have returned errors.
     Worked,
-    /// The model was refused.
-    Refused,
+    /// The model was rejected.
+    Rejected,
 }
 
-/// What is fuzzed.
+/// A fuzz target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// Sequences of calls without `unsafe`.
+    /// Sequences of safe calls.
     Sequences,
-    /// Damaged binary models, and steps of those that are accepted.
+    /// Damaged binary models, and steps of accepted models.
     Binaries,
-    /// Damaged texts and the files that they name, and steps of those that are accepted.
+    /// Damaged texts and files named in them, and steps of accepted models.
     Texts,
-    /// Generated and damaged URDF, and steps of those that are accepted.
+    /// Generated and damaged URDF, and steps of accepted models.
     Urdf,
-    /// Damaged files of NumPy, and replays of those that are accepted.
+    /// Damaged NumPy files, and replays of accepted trajectories.
     Archives,
-    /// Damaged plain data (JSON, CSV), and simulations with those that are accepted.
+    /// Damaged plain data (JSON, CSV), and simulations with accepted data.
     Plain,
-    /// Generated MJCF, saved and loaded again, and steps of those that are accepted.
+    /// Generated MJCF, saved and loaded again, and steps of accepted models.
     Mjcf,
 }
 
@@ -73,12 +73,12 @@ impl Target {
         }
     }
 
-    /// The bytes that belong to a seed.
+    /// Returns the bytes of a seed.
     pub fn bytes(self, seed: u64) -> Vec<u8> {
         bytes::of_seed(seed, self as u64)
     }
 
-    /// Runs a case. `log` is told what is done before it is done.
+    /// Runs a case. `log` is called with a description before each action.
     pub fn run(self, bytes: &[u8], log: &mut dyn FnMut(&str)) -> Verdict {
         let bytes = &mut Bytes::new(bytes);
         match self {

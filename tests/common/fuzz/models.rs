@@ -1,4 +1,4 @@
-//! The models that calls are made on, and binary models are made of.
+//! The corpus: models for sequences of calls and for binary models.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -10,7 +10,7 @@ use super::Bytes;
 /// A model of the corpus.
 pub(super) struct Source {
     pub(super) name: String,
-    /// Of 1000 cases, about how many are of this model.
+    /// Approximate number of cases of 1000 with this model.
     share: usize,
     text: Text,
 }
@@ -23,7 +23,7 @@ enum Text {
 pub(super) const ZOO: &str = include_str!("../../models/zoo.xml");
 pub(super) const EVERY_ELEMENT: &str = include_str!("../../models/every_element.xml");
 
-/// Small, and with all that needs a closure.
+/// A small model that uses every callback.
 const ASSEMBLY: &str = include_str!("../../models/assembly.xml");
 
 pub(super) const COLLIDERS: &str = include_str!("../../models/colliders.xml");
@@ -41,10 +41,10 @@ pub(super) const ADHESION: &str = r#"<mujoco>
   </actuator>
 </mujoco>"#;
 
-/// The name of the model whose simulations are made soonest.
+/// Name of the model whose simulations are created fastest.
 pub(super) const SMALLEST: &str = "no joints";
 
-/// Little of everything that the engine has a limit for.
+/// Small models close to the engine's limits.
 const TINY: [(&str, &str); 4] = [
     (
         "little room for contacts",
@@ -71,7 +71,7 @@ const TINY: [(&str, &str); 4] = [
     ),
 ];
 
-/// All of them, the same ones on every machine that has the engine's samples.
+/// Returns the corpus, which is the same on every machine that has the engine's samples.
 pub(super) fn all() -> &'static [Source] {
     static ALL: OnceLock<Vec<Source>> = OnceLock::new();
     ALL.get_or_init(|| {
@@ -104,12 +104,12 @@ pub(super) fn all() -> &'static [Source] {
     })
 }
 
-/// With less room for constraints than the compiler would give, which takes most of the time of a new simulation.
+/// Reduces the constraint buffer, whose allocation dominates the time to create a simulation.
 fn smaller(text: &str) -> String {
     text.replacen("<worldbody>", "<size njmax=\"150\" nconmax=\"30\" nstack=\"60000\"/><worldbody>", 1)
 }
 
-/// Which one a case is of.
+/// Returns the index of the model of a case.
 pub(super) fn choose(bytes: &mut Bytes<'_>) -> usize {
     let mut ticket = bytes.below(all().iter().map(|source| source.share).sum());
     all()
@@ -122,12 +122,12 @@ pub(super) fn choose(bytes: &mut Bytes<'_>) -> usize {
         .unwrap_or(0)
 }
 
-/// Where one is of a name that there is.
-pub(super) fn find(name: &str) -> usize {
-    all().iter().position(|source| source.name == name).expect("there is no model of this name")
+/// Returns the index of the model of this name.
+pub(super) fn index_of(name: &str) -> usize {
+    all().iter().position(|source| source.name == name).expect("no model of this name")
 }
 
-/// One of them, loaded once in a process.
+/// Returns a model, loaded once per process.
 pub(super) fn model(which: usize) -> &'static Arc<Model> {
     static LOADED: OnceLock<Vec<OnceLock<Arc<Model>>>> = OnceLock::new();
     LOADED.get_or_init(|| all().iter().map(|_| OnceLock::new()).collect())[which].get_or_init(|| {

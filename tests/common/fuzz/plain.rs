@@ -1,8 +1,8 @@
-//! Damaged plain data: settings, trajectories and matrices in JSON, and trajectories as text.
+//! Damaged plain data: settings, trajectories and matrices in JSON, and trajectories in CSV.
 
 use mujoco_safe::{Data, Trajectory};
 
-use super::archive::{trajectory, use_it};
+use super::archive::{trajectory, use_trajectory};
 use super::{Bytes, Verdict, models};
 
 pub(super) fn mutated_plain(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
@@ -12,10 +12,10 @@ pub(super) fn mutated_plain(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) ->
     #[cfg(feature = "serde")]
     return json::mutated_json(bytes, log);
     #[cfg(not(feature = "serde"))]
-    Verdict::Refused
+    Verdict::Rejected
 }
 
-/// Words that a program does not expect.
+/// Unexpected words.
 const WORDS: [&str; 24] = [
     "",
     " ",
@@ -43,7 +43,7 @@ const WORDS: [&str; 24] = [
     "\n",
 ];
 
-/// Changes a part of a text.
+/// Damages a part of a text.
 fn damage(text: &mut String, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
     let boundary =
         |text: &str, at: usize| (at..=text.len()).find(|&at| text.is_char_boundary(at)).unwrap_or(text.len());
@@ -61,7 +61,7 @@ fn damage(text: &mut String, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
         3 => text.insert_str(at, &bytes.choose(&WORDS).repeat(1 + bytes.below(3))),
         4 => text.insert_str(at, &"[".repeat(1 << bytes.below(12))),
         _ => {
-            // A number becomes another word.
+            // Replaces a number by another word.
             let is_number = |byte: u8| byte.is_ascii_digit() || b".-+e".contains(&byte);
             let start = text.as_bytes()[at..].iter().position(|&byte| is_number(byte)).map_or(at, |length| at + length);
             let length = text.as_bytes()[start..].iter().take_while(|&&byte| is_number(byte)).count();
@@ -72,7 +72,7 @@ fn damage(text: &mut String, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
 
 fn mutated_csv(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     let model = models::model(models::choose(bytes));
-    let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Refused };
+    let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Rejected };
     let folder = tempfile::tempdir().expect("no temporary folder");
     let path = folder.path().join("trajectory.csv");
     trajectory(&mut data, bytes).save_csv(&path).expect("a file is written");
@@ -82,9 +82,9 @@ fn mutated_csv(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     }
     std::fs::write(&path, text).expect("a file is written");
     log("load_csv");
-    let Ok(loaded) = Trajectory::load_csv(model, &path) else { return Verdict::Refused };
+    let Ok(loaded) = Trajectory::load_csv(model, &path) else { return Verdict::Rejected };
     let _ = data.reset();
-    use_it(&loaded, &mut data, log);
+    use_trajectory(&loaded, &mut data, log);
     Verdict::Worked
 }
 
@@ -99,14 +99,14 @@ mod json {
     use serde::de::DeserializeOwned;
     use serde_json::{Value, json};
 
-    use super::{Bytes, Verdict, damage, models, trajectory, use_it};
+    use super::{Bytes, Verdict, damage, models, trajectory, use_trajectory};
 
-    /// More iterations of the solver are allowed, and take time.
+    /// Largest number of solver iterations. Larger values are valid, but slow.
     const MOST_ITERATIONS: usize = 50;
 
     pub(super) fn mutated_json(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
         let model = models::model(models::choose(bytes));
-        let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Refused };
+        let Ok(mut data) = Data::new(model.clone()) else { return Verdict::Rejected };
         let worked = match bytes.below(8) {
             0 => loaded(&model.options(), bytes, log).map(|mut options: Options| {
                 options.iterations = options.iterations.min(MOST_ITERATIONS);
@@ -123,7 +123,8 @@ mod json {
             3 | 4 => {
                 let trajectory = trajectory(&mut data, bytes);
                 let _ = data.reset();
-                loaded(&trajectory, bytes, log).map(|trajectory: Trajectory| use_it(&trajectory, &mut data, log))
+                loaded(&trajectory, bytes, log)
+                    .map(|trajectory: Trajectory| use_trajectory(&trajectory, &mut data, log))
             }
             5 => {
                 let (rows, columns) = (bytes.below(5), bytes.below(5));
@@ -151,7 +152,7 @@ mod json {
             _ => None,
         };
         if worked.is_none() {
-            return Verdict::Refused;
+            return Verdict::Rejected;
         }
         log("steps");
         for _ in 0..2 {
@@ -169,7 +170,7 @@ mod json {
         black_box(matrix.rows().map(|row| row.iter().sum::<f64>()).sum::<f64>());
     }
 
-    /// Writes a value, damages the text, and reads it. What is read is written and read again.
+    /// Writes a value, damages the text, and reads it. An accepted value must round-trip.
     fn loaded<T: Serialize, U: DeserializeOwned + Serialize>(
         value: &T,
         bytes: &mut Bytes<'_>,
@@ -187,16 +188,16 @@ mod json {
         }
         log(std::any::type_name::<U>());
         let read: U = serde_json::from_str(&text).ok()?;
-        let text = serde_json::to_string(&read).expect("what was read is written");
-        // JSON has no number that is infinite, or not a number.
+        let text = serde_json::to_string(&read).expect("a value that was read can be written");
+        // JSON cannot represent infinite numbers or NaN.
         if !text.contains("null") {
-            let again: U = serde_json::from_str(&text).expect("what was written is read");
+            let again: U = serde_json::from_str(&text).expect("a value that was written can be read");
             assert_eq!(serde_json::to_string(&again).expect("it is written"), text);
         }
         Some(read)
     }
 
-    /// Changes a value somewhere in a tree.
+    /// Changes a value in a tree.
     fn damage_value(value: &mut Value, bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) {
         let stop = bytes.once_in(4);
         match value {

@@ -1,4 +1,4 @@
-//! Damaged texts, and the damaged files that they name.
+//! Damaged texts, and damaged files named in them.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -6,17 +6,17 @@ use std::sync::OnceLock;
 use mujoco_safe::{LoadOptions, Model, sample};
 
 use super::assets::{self, File};
-use super::binary::use_it;
+use super::binary::use_model;
 use super::{Bytes, Verdict, models, token};
 
-/// A text and the files that it names.
+/// A text and the files named in it.
 struct Source {
     name: String,
     text: Vec<u8>,
     files: Vec<File>,
 }
 
-/// Texts and files beyond this take too long to compile.
+/// Length of texts and files beyond which compiling takes too long.
 const LONGEST: usize = 40_000;
 
 const NUMBERS: [&str; 28] = [
@@ -89,7 +89,7 @@ const VALUES: [&str; 36] = [
     "gradient",
 ];
 
-/// Short pieces that are met seldom.
+/// Fragments that occur rarely.
 const PIECES: [&str; 14] = [
     "<composite type='grid' count='3 3 1' spacing='.1'><geom size='.02'/></composite>",
     "<composite type='box' count='4 4 4' spacing='.1'><geom size='.02' type='sphere'/></composite>",
@@ -173,7 +173,7 @@ pub(super) fn mutated_text(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> 
     load_and_use(&text, &files, log)
 }
 
-/// Loads a text with files in memory. An accepted model must survive its binary form bit for bit, and every use.
+/// Loads a text with files in memory. An accepted model must survive the binary round trip bit for bit, and every use.
 pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)) -> Verdict {
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (&name[..], &content[..])).collect();
     log(&format!("loading\n{text}\n"));
@@ -186,16 +186,16 @@ pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)
             let saved = model.to_binary().expect("a model that loads can be saved");
             let again = Model::from_binary(&saved).expect("a model that was saved loads again");
             assert!(again.to_binary().expect("a model that loads can be saved") == saved, "the binary form changed");
-            use_it(model, log)
+            use_model(model, log)
         }
         Err(error) => {
             log(&error.to_string());
-            Verdict::Refused
+            Verdict::Rejected
         }
     }
 }
 
-/// Damages a text, perhaps with a part of another.
+/// Damages a text, possibly with a part of another text.
 pub(super) fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
     let kind = bytes.below(20);
     let attributes = token::attributes(text);
@@ -213,7 +213,7 @@ pub(super) fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
             let copy = text[element.clone()].repeat(1 + bytes.below(3));
             text.splice(element.end..element.end, copy);
         }
-        // An element somewhere else.
+        // Moves an element.
         3 => {
             let copy = text[token::element(text, &tags, first)].to_vec();
             let at = tags[bytes.below(tags.len())].end;
@@ -229,7 +229,7 @@ pub(super) fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
             }
         }
         5 => drop(text.drain(attribute.whole())),
-        // An attribute in another place.
+        // Moves an attribute.
         6 | 7 => {
             let copy = [b" ", &text[attribute.whole()]].concat();
             insert_attribute(text, &tags[first], &copy);
@@ -278,7 +278,7 @@ pub(super) fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
     }
 }
 
-/// Puts a number that no one would write in the place of one of a value's.
+/// Replaces a number of a value by an extreme number.
 fn number(text: &mut Vec<u8>, value: &Range<usize>, bytes: &mut Bytes<'_>) {
     let words = token::words(text, value);
     let number = bytes.choose(&NUMBERS);
@@ -288,7 +288,7 @@ fn number(text: &mut Vec<u8>, value: &Range<usize>, bytes: &mut Bytes<'_>) {
     };
 }
 
-/// Puts an attribute at the end of a tag.
+/// Inserts an attribute at the end of a tag.
 fn insert_attribute(text: &mut Vec<u8>, tag: &Range<usize>, attribute: &[u8]) {
     let slash = usize::from(text[tag.end - 2] == b'/');
     let at = tag.end - 1 - slash;

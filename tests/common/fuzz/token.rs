@@ -1,8 +1,8 @@
-//! Where the parts of a text in XML are, well enough to damage it.
+//! A tolerant tokeniser of XML: positions of tags, attributes and words.
 
 use std::ops::Range;
 
-/// The tags, from `<` to `>`.
+/// Returns the tags, from `<` to `>`.
 pub(super) fn tags(text: &[u8]) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = None;
@@ -19,7 +19,7 @@ pub(super) fn tags(text: &[u8]) -> Vec<Range<usize>> {
     found
 }
 
-/// An element: from a start tag to the end tag that belongs to it.
+/// Returns an element, from a start tag to its end tag.
 pub(super) fn element(text: &[u8], tags: &[Range<usize>], first: usize) -> Range<usize> {
     let mut depth = 0_i32;
     for tag in &tags[first..] {
@@ -36,7 +36,7 @@ pub(super) fn element(text: &[u8], tags: &[Range<usize>], first: usize) -> Range
     tags[first].start..text.len()
 }
 
-/// An attribute's name and its value without the quotes.
+/// An attribute's name, and its value without quotes.
 #[derive(Clone)]
 pub(super) struct Attribute {
     pub(super) name: Range<usize>,
@@ -49,7 +49,7 @@ impl Attribute {
     }
 }
 
-/// The attributes of all tags.
+/// Returns the attributes of all tags.
 pub(super) fn attributes(text: &[u8]) -> Vec<Attribute> {
     let mut found = Vec::new();
     let mut at = 0;
@@ -64,7 +64,7 @@ pub(super) fn attributes(text: &[u8]) -> Vec<Attribute> {
     found
 }
 
-/// The words of a value.
+/// Returns the words of a value.
 pub(super) fn words(text: &[u8], value: &Range<usize>) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = None;

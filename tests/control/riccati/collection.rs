@@ -1,5 +1,5 @@
-//! The collection DAREX: equations that were published to try solvers on, badly scaled ones and singular ones among them. Their
-//! matrices, SciPy's solutions and those known by a formula are recorded by `tests/oracle/riccati.py`.
+//! The benchmark collection DAREX, which includes badly scaled and singular equations. `tests/oracle/riccati.py` recorded the
+//! matrices, SciPy's solutions and the closed-form solutions.
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
 use nalgebra::DMatrix;
@@ -53,7 +53,7 @@ impl Example {
 }
 
 #[test]
-fn every_example_is_solved_to_the_last_digits_and_stabilised() {
+fn every_example_is_solved_to_rounding_and_stabilised() {
     let examples = examples();
     assert!(examples.len() > 20);
     for example in examples {
@@ -62,7 +62,7 @@ fn every_example_is_solved_to_the_last_digits_and_stabilised() {
         assert_eq!(p, p.transpose(), "{name}");
         let s = s.clone().unwrap_or_else(|| DMatrix::zeros(b.nrows(), b.ncols()));
 
-        // The gain is the one that belongs to P, as far as the cost of the controls lets it be known.
+        // The gain follows from P, as precisely as the cost of the controls determines it.
         let cost = r + b.transpose() * &p * b;
         let coupling = b.transpose() * &p * a + s.transpose();
         let unbalanced =
@@ -75,7 +75,7 @@ fn every_example_is_solved_to_the_last_digits_and_stabilised() {
         assert!(residual < 1e-12, "{name}: the residual is {residual:e}");
         assert!((residual - relative_residual).abs() < 1e-14, "{name}: {residual:e} but {relative_residual:e}");
         assert!(radius < 1.0, "{name}: {radius}");
-        // A nilpotent closed loop's eigenvalues are lost to rounding, by the n-th root.
+        // Rounding perturbs the eigenvalues of a nilpotent closed loop by its n-th root.
         if name.starts_with("2.") || name.starts_with("1.") {
             let by_schur = spectral_radius(&closed_loop);
             assert!((radius - by_schur).abs() < 1e-7, "{name}: {radius} but {by_schur}");
@@ -84,11 +84,11 @@ fn every_example_is_solved_to_the_last_digits_and_stabilised() {
 }
 
 #[test]
-fn examples_have_the_solutions_of_their_formulas_and_those_of_scipy() {
+fn solutions_equal_closed_forms_and_scipy() {
     let mut compared = 0;
     for example in examples() {
         let p = example.solve().p;
-        // As far as the equation determines it: a radius of 1 - 1e-8 takes half of the digits away.
+        // As precisely as the equation determines the solution: a radius of 1 - 1e-8 costs half of the digits.
         let determined = if example.name.starts_with("2.3") { 1e-6 } else { 1e-10 };
         for (source, expected) in [("its formula", &example.formula), ("SciPy", &example.scipy)] {
             if let Some(expected) = expected {
@@ -102,7 +102,7 @@ fn examples_have_the_solutions_of_their_formulas_and_those_of_scipy() {
 }
 
 #[test]
-fn one_workspace_solves_them_all_as_each_of_them_has_its_own() {
+fn a_reused_workspace_gives_the_same_solutions() {
     let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
     let examples = examples();
     for example in examples.iter().chain(examples.iter().rev()) {
@@ -112,10 +112,10 @@ fn one_workspace_solves_them_all_as_each_of_them_has_its_own() {
 }
 
 #[test]
-fn a_second_solution_of_a_size_allocates_nothing() {
+fn solving_again_at_the_same_size_allocates_nothing() {
     let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
     for example in examples() {
-        // Where R is singular, its eigenvalues are looked at first.
+        // Where R is singular, its eigenvalues are computed first.
         if example.name.starts_with("1.3") || example.name.starts_with("1.4") {
             continue;
         }
@@ -127,7 +127,7 @@ fn a_second_solution_of_a_size_allocates_nothing() {
 }
 
 #[test]
-fn an_equation_without_a_solution_leaves_the_solution_as_it_was() {
+fn a_failed_solve_keeps_the_previous_solution() {
     let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
     let example = &examples()[0];
     example.equation().solve_into(&mut workspace, &mut solution).unwrap();
@@ -137,7 +137,7 @@ fn an_equation_without_a_solution_leaves_the_solution_as_it_was() {
     let failed = Riccati::new(&growing, &uncontrolled, &example.q, &example.r);
     assert!(failed.solve_into(&mut workspace, &mut solution).is_err());
     assert_eq!(solution, before);
-    // And the workspace is none the worse for it.
+    // The workspace remains usable.
     example.equation().solve_into(&mut workspace, &mut solution).unwrap();
     assert_eq!(solution, before);
 }

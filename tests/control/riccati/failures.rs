@@ -1,4 +1,4 @@
-//! Every way of having no solution: which error, and what it carries.
+//! Errors of unsolvable equations, and their contents.
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiMatrix, RiccatiSolution};
 use nalgebra::{DMatrix, Matrix2, Matrix4, dmatrix, matrix};
@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Matrix2, Matrix4, dmatrix, matrix};
 use super::{Generator, assert_close, assert_close_matrix, scalar, solve};
 
 #[test]
-fn a_matrix_of_the_wrong_shape_is_named_with_the_right_one() {
+fn a_wrong_shape_is_an_error_with_the_expected_shape() {
     let shapes = [(3, 3), (3, 2), (3, 3), (2, 2), (3, 2)];
     let attempt = |shapes: [(usize, usize); 5]| {
         let [a, b, q, r, s] = shapes.map(|(rows, columns)| DMatrix::identity(rows, columns) * 0.5);
@@ -16,7 +16,7 @@ fn a_matrix_of_the_wrong_shape_is_named_with_the_right_one() {
     let names = [RiccatiMatrix::A, RiccatiMatrix::B, RiccatiMatrix::Q, RiccatiMatrix::R, RiccatiMatrix::S];
     for (index, matrix) in names.into_iter().enumerate() {
         let mut wrong = shapes;
-        // A's columns: its rows and B's columns are what the others are measured by. Of the others, the rows.
+        // A's rows and B's columns define the sizes; the other matrices are compared with them.
         if index == 0 {
             wrong[index].1 += 1;
         } else {
@@ -28,7 +28,7 @@ fn a_matrix_of_the_wrong_shape_is_named_with_the_right_one() {
 }
 
 #[test]
-fn an_entry_that_is_not_a_number_is_located() {
+fn a_nan_entry_is_an_error_with_its_position() {
     for value in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
         let q = dmatrix![1.0, value; 0.0, 1.0];
         let Err(RiccatiError::NotFinite { matrix, row, column, value: got }) =
@@ -41,7 +41,7 @@ fn an_entry_that_is_not_a_number_is_located() {
 }
 
 #[test]
-fn an_asymmetric_weight_is_refused_and_one_off_by_rounding_is_not() {
+fn an_asymmetric_weight_is_rejected_beyond_rounding() {
     let identity = Matrix2::identity();
     let a = matrix![1.0, 0.1; 0.0, 1.0];
     let lopsided = matrix![2.0, 0.5; 0.4, 1.0];
@@ -56,7 +56,7 @@ fn an_asymmetric_weight_is_refused_and_one_off_by_rounding_is_not() {
 }
 
 #[test]
-fn controls_that_cost_less_than_nothing_are_refused() {
+fn a_negative_control_cost_is_rejected() {
     let identity = Matrix2::identity();
     for (r, smallest) in [(matrix![1.0, 2.0; 2.0, 1.0], -1.0), (matrix![1.0, 0.0; 0.0, -3.0], -3.0)] {
         let Err(RiccatiError::ControlCostNotPositive { smallest_eigenvalue }) =
@@ -69,15 +69,15 @@ fn controls_that_cost_less_than_nothing_are_refused() {
 }
 
 #[test]
-fn a_control_that_costs_nothing_has_to_do_something() {
+fn a_control_without_cost_must_have_an_effect() {
     let identity = Matrix2::identity();
-    // Both controls do the same; together they cost, but not against each other.
+    // Both controls have the same effect; their sum has a cost, their difference has none.
     let b = matrix![1.0, 1.0; 0.5, 0.5];
     for r in [matrix![1.0, 1.0; 1.0, 1.0], Matrix2::zeros()] {
         assert_eq!(Riccati::new(&identity, &b, &identity, &r).solve(), Err(RiccatiError::SingularPencil));
     }
     assert_eq!(scalar(0.5, 0.0, 1.0, 0.0), Err(RiccatiError::SingularPencil));
-    // Each does something of its own: they bring the state to rest in one step, for nothing.
+    // Each control has its own effect: together they bring the state to rest in one step at no cost.
     let solution = Riccati::new(&identity, &identity, &identity, &Matrix2::zeros()).solve().unwrap();
     assert_close_matrix(&solution.p, &DMatrix::identity(2, 2), 1e-14);
     assert_close_matrix(&solution.k, &DMatrix::identity(2, 2), 1e-14);
@@ -85,9 +85,9 @@ fn a_control_that_costs_nothing_has_to_do_something() {
 }
 
 #[test]
-fn a_mode_out_of_reach_is_named_by_its_eigenvalue() {
+fn an_uncontrollable_mode_is_an_error_with_its_eigenvalue() {
     let mut generator = Generator(7);
-    // One mode out of reach among others that are not, on a real axis or not, seen from other axes.
+    // One uncontrollable mode among controllable modes, real or complex, in rotated coordinates.
     let spiral = dmatrix![0.0, -1.25; 1.25, 0.0];
     for (block, modulus) in [(dmatrix![1.3], 1.3), (dmatrix![-1.0], 1.0), (spiral, 1.25)] {
         let (reached, hidden) = (7, block.nrows());
@@ -109,8 +109,8 @@ fn a_mode_out_of_reach_is_named_by_its_eigenvalue() {
 }
 
 #[test]
-fn a_body_in_free_flight_is_out_of_reach() {
-    // Position and velocity of a mass that nothing pushes: a double eigenvalue, which rounding spreads.
+fn a_body_without_forces_is_uncontrollable() {
+    // Position and velocity of a mass without forces: a double eigenvalue, which rounding separates.
     let mut a = DMatrix::identity(4, 4);
     a[(0, 1)] = 0.005;
     a[(2, 3)] = 0.005;
@@ -124,7 +124,7 @@ fn a_body_in_free_flight_is_out_of_reach() {
 }
 
 #[test]
-fn a_mode_on_the_unit_circle_that_costs_nothing_has_no_stabilising_solution() {
+fn an_unweighted_mode_on_the_unit_circle_has_no_stabilising_solution() {
     let turn = 0.7_f64;
     let oscillator = dmatrix![turn.cos(), -turn.sin(); turn.sin(), turn.cos()];
     let (b, one) = (dmatrix![0.3; 1.0], dmatrix![1.0]);
@@ -139,8 +139,8 @@ fn a_mode_on_the_unit_circle_that_costs_nothing_has_no_stabilising_solution() {
 }
 
 #[test]
-fn the_mode_that_costs_nothing_is_found_among_others() {
-    // Coupled to the rest, and beside a mode that is out of reach but harmless.
+fn an_unweighted_mode_is_found_among_other_modes() {
+    // Coupled to the other modes, and beside a mode that is uncontrollable but stable.
     let mut generator = Generator(10);
     let turning = |turn: f64| dmatrix![turn.cos(), -turn.sin(); turn.sin(), turn.cos()];
     for block in [dmatrix![1.0], dmatrix![-1.0], turning(0.3), turning(1.9), turning(2.5)] {
@@ -168,21 +168,21 @@ fn the_mode_that_costs_nothing_is_found_among_others() {
 }
 
 #[test]
-fn a_cost_without_a_lower_bound_does_not_converge() {
+fn an_unbounded_cost_does_not_converge() {
     // p² + p + 1 = 0 has no real root.
     let got = scalar(1.0, 1.0, -1.0, 1.0);
     assert!(matches!(got, Err(RiccatiError::NoConvergence { iterations: 1.. })), "{got:?}");
 }
 
 #[test]
-fn entries_beyond_what_arithmetic_holds_end_in_an_error() {
+fn overflowing_entries_are_an_error() {
     for size in [1, 3, 20] {
         let huge = DMatrix::from_element(size, size, 1e200);
         let identity = DMatrix::identity(size, size);
         let got = solve(&huge, &huge, &identity, &identity);
         assert!(got.is_err(), "{got:?}");
     }
-    // The norm of A overflows, and what is divided by it is no number any more.
+    // The norm of A overflows, and dividing by it gives NaN.
     let twisted = dmatrix![0.01, -1e15; 1e300, 0.05];
     for controls in [0, 2] {
         let (b, r) = (DMatrix::from_element(2, controls, 1.0), DMatrix::identity(controls, controls));
@@ -204,7 +204,7 @@ fn a_residual_above_the_tolerance_is_an_error_with_both_numbers() {
 }
 
 #[test]
-fn messages_say_what_is_wrong_where_and_what_would_be_right() {
+fn messages_name_the_matrix_the_problem_and_the_expectation() {
     let identity = Matrix2::identity();
     let message = |result: Result<RiccatiSolution, RiccatiError>| result.unwrap_err().to_string();
     let shape = message(Riccati::new(&identity, &identity, &Matrix4::identity(), &identity).solve());

@@ -1,12 +1,13 @@
-//! What the Riccati solver promises: solutions that are known in closed form, solutions checked by plain formulas that share no code with
-//! the solver (`solutions.rs`), a published collection of examples (`collection.rs`), and every way of having no solution told apart (`failures.rs`).
+//! The Riccati solver: closed-form solutions, solutions checked by formulas that share no code with the solver
+//! (`solutions.rs`), a published benchmark collection (`collection.rs`), and the errors of unsolvable equations
+//! (`failures.rs`).
 //!
-//! The textbook systems are those of the collection DAREX (Abels and Benner 1999), written from their formulas. Random systems come from a
-//! small generator, the same in every run.
+//! The textbook systems are from the collection DAREX (Abels and Benner 1999), written from their formulas. Random systems come
+//! from a small generator with fixed seeds.
 #![allow(
     clippy::many_single_char_names,
     clippy::unreadable_literal,
-    reason = "the symbols of the field, and figures as they were published"
+    reason = "symbols of the literature, and figures as published"
 )]
 
 mod collection;
@@ -52,14 +53,14 @@ fn scalar(a: f64, b: f64, q: f64, r: f64) -> Result<RiccatiSolution, RiccatiErro
     Riccati::new(&Matrix1::new(a), &Matrix1::new(b), &Matrix1::new(q), &Matrix1::new(r)).solve()
 }
 
-/// The larger root of the scalar equation, `b²p² + (r − a²r − qb²) p − qr = 0`, without cancellation.
+/// Returns the larger root of the scalar equation, `b²p² + (r − a²r − qb²) p − qr = 0`, without cancellation.
 fn scalar_solution(a: f64, b: f64, q: f64, r: f64) -> f64 {
     let half = (q * b * b + a * a * r - r) / 2.0;
     let root = (half * half + b * b * q * r).sqrt();
     if half > 0.0 { (half + root) / (b * b) } else { q * r / (root - half) }
 }
 
-/// The matrix whose transpose is in memory.
+/// Returns a row-major view of the matrix with this transpose.
 fn row_major(transpose: &DMatrix<f64>) -> DMatrixView<'_, f64, Dyn, Dyn> {
     let (columns, rows) = transpose.shape();
     DMatrixView::from_slice_with_strides(transpose.as_slice(), rows, columns, columns, 1)
@@ -84,7 +85,7 @@ fn assert_close_matrix(got: &DMatrix<f64>, expected: &DMatrix<f64>, relative: f6
     );
 }
 
-/// Checks everything that makes a solution the stabilising one, by the formulas of the documentation.
+/// Asserts that a solution is the stabilising one, by the formulas of the documentation.
 #[track_caller]
 fn assert_solves(
     solution: &RiccatiSolution,

@@ -1,4 +1,4 @@
-//! Solutions, checked against closed forms, published figures and plain formulas.
+//! Solutions against closed forms, published figures and formulas.
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiError};
 use nalgebra::{DMatrix, DVector, Matrix1, Matrix2, Matrix4, dmatrix, matrix, vector};
@@ -27,7 +27,7 @@ fn a_scalar_equation_has_the_root_of_its_quadratic() {
 }
 
 #[test]
-fn the_closed_loop_of_a_sampled_double_integrator_has_the_poles_of_its_spectral_factor() {
+fn a_sampled_double_integrator_has_the_poles_of_its_spectral_factor() {
     // x₁ is the double sum of u, so the poles inside the circle solve (z + 1/z − 2)² = −q.
     let (a, b) = (matrix![1.0, 1.0; 0.0, 1.0], vector![0.0, 1.0]);
     for q in [1e-8_f64, 1e-3, 1.0, 100.0] {
@@ -47,7 +47,7 @@ fn textbook_equations_have_their_published_solutions() {
     let laub = Riccati::new(&matrix![4.0, 3.0; -4.5, -3.5], &vector![1.0, -1.0], &q, &one).solve().unwrap();
     assert_close_matrix(&laub.p, &(q * 5.0_f64.sqrt().mul_add(0.5, 0.5)), 1e-13);
 
-    // Pappas, Laub and Sandell 1980: A is singular, so there is no symplectic matrix.
+    // Pappas, Laub and Sandell 1980: A is singular, so the symplectic matrix does not exist.
     let nilpotent = matrix![0.0, 1.0; 0.0, 0.0];
     let pappas = Riccati::new(&nilpotent, &vector![0.0, 1.0], &matrix![1.0, 2.0; 2.0, 4.0], &one).solve().unwrap();
     assert_close_matrix(&pappas.p, &dmatrix![1.0, 2.0; 2.0, 2.0 + 5.0_f64.sqrt()], 1e-14);
@@ -100,7 +100,7 @@ fn random_systems_are_solved_and_stabilised() {
 }
 
 #[test]
-fn a_cross_term_is_what_a_change_of_the_control_makes_it() {
+fn a_cross_term_equals_a_substitution_of_the_control() {
     // With u = v − Fx the same problem has other matrices, the same P, and the gain K − F.
     let mut generator = Generator(2);
     for (states, controls) in [(2, 1), (6, 3), (20, 5)] {
@@ -118,7 +118,7 @@ fn a_cross_term_is_what_a_change_of_the_control_makes_it() {
 }
 
 #[test]
-fn the_solution_is_the_cost_of_running_the_closed_loop() {
+fn the_solution_is_the_cost_of_the_closed_loop() {
     let mut generator = Generator(3);
     let (a, b, s) = (generator.matrix(6, 6), generator.matrix(6, 2), generator.matrix(6, 2) * 0.05);
     let (q, r) = (generator.positive(6), generator.positive(2));
@@ -134,8 +134,8 @@ fn the_solution_is_the_cost_of_running_the_closed_loop() {
 }
 
 #[test]
-fn modes_that_cost_next_to_nothing_beside_quick_ones_are_neither_lost_nor_misjudged() {
-    // Scalar systems, each with its closed form, seen from rotated axes: what is exact about them survives the rotation.
+fn slow_modes_of_small_cost_are_solved_beside_fast_modes() {
+    // Scalar systems with closed-form solutions, in rotated coordinates, which preserve the exact properties.
     let mut generator = Generator(4);
     for free in [1, 3, 10] {
         let size = 40;
@@ -150,8 +150,8 @@ fn modes_that_cost_next_to_nothing_beside_quick_ones_are_neither_lost_nor_misjud
         let solution = solve(&a, &identity, &q, &identity).unwrap();
         let p = entries.zip_map(&costs, |a, q| scalar_solution(a, 1.0, q, 1.0));
         let radius = entries.zip_map(&p, |a, p| a.abs() / (1.0 + p)).max();
-        assert!(radius > 1.0 - 1.1e-7, "the test's own system is not slow: {radius}");
-        // Q itself is only known to 1e-16, a hundredth of the free modes' cost.
+        assert!(radius > 1.0 - 1.1e-7, "the system of the test must be slow: {radius}");
+        // Q is known to 1e-16 only, a hundredth of the cost of the slow modes.
         assert_close_matrix(&solution.p, &seen(&p), 1e-8);
         assert!((solution.spectral_radius - radius).abs() < 1e-8);
         assert!(solution.spectral_radius < 1.0);
@@ -160,7 +160,7 @@ fn modes_that_cost_next_to_nothing_beside_quick_ones_are_neither_lost_nor_misjud
 }
 
 #[test]
-fn the_units_of_the_states_do_not_matter() {
+fn the_solution_is_invariant_to_units_of_the_states() {
     let mut generator = Generator(5);
     let (a, b) = (generator.matrix(14, 14), generator.matrix(14, 3));
     let (q, r) = (generator.positive(14), generator.positive(3));
@@ -174,14 +174,14 @@ fn the_units_of_the_states_do_not_matter() {
 }
 
 #[test]
-fn an_unstable_mode_that_costs_nothing_is_stabilised_all_the_same() {
-    // P = 0 solves the equation too, and leaves the mode to grow.
+fn an_unweighted_unstable_mode_is_stabilised() {
+    // P = 0 solves the equation too, but does not stabilise the mode.
     for (a, b, r) in [(2.0, 1.0, 1.0), (-1.1, 3.0, 0.1), (1e3, 1e-2, 1.0)] {
         let solution = scalar(a, b, 0.0, r).unwrap();
         assert_close(solution.p[0], (a * a - 1.0) * r / (b * b), 1e-12);
         assert!((solution.spectral_radius - 1.0 / a.abs()).abs() < 1e-12);
     }
-    // The two unstable modes do not reach the third state, which alone costs.
+    // The two unstable modes do not couple to the third state, which alone has a cost.
     let unseen = dmatrix![1.5, 0.0, 0.3; 0.3, 1.2, 0.0; 0.0, 0.0, 0.9];
     let (b, q) = (dmatrix![1.0; 0.5; 0.2], dmatrix![0.0, 0.0, 0.0; 0.0, 0.0, 0.0; 0.0, 0.0, 1.0]);
     let solution = solve(&unseen, &b, &q, &dmatrix![1.0]).unwrap();
@@ -189,7 +189,7 @@ fn an_unstable_mode_that_costs_nothing_is_stabilised_all_the_same() {
 }
 
 #[test]
-fn a_stable_mode_may_be_out_of_reach() {
+fn a_stable_mode_may_be_uncontrollable() {
     let solution =
         Riccati::new(&matrix![0.9, 0.0; 0.0, 1.1], &vector![0.0, 1.0], &Matrix2::identity(), &Matrix1::identity())
             .solve()
@@ -200,7 +200,7 @@ fn a_stable_mode_may_be_out_of_reach() {
 }
 
 #[test]
-fn without_controls_the_equation_is_steins() {
+fn without_controls_the_equation_is_steins_equation() {
     let (none, nothing) = (DMatrix::zeros(2, 0), DMatrix::zeros(0, 0));
     let a = dmatrix![0.5, 0.0; 0.0, -0.8];
     let solution = solve(&a, &none, &DMatrix::identity(2, 2), &nothing).unwrap();
@@ -211,14 +211,14 @@ fn without_controls_the_equation_is_steins() {
 }
 
 #[test]
-fn without_states_there_is_nothing_to_solve() {
+fn without_states_the_solution_is_empty() {
     let solution =
         solve(&DMatrix::zeros(0, 0), &DMatrix::zeros(0, 2), &DMatrix::zeros(0, 0), &DMatrix::identity(2, 2)).unwrap();
     assert_eq!((solution.p.shape(), solution.k.shape()), ((0, 0), (2, 0)));
 }
 
 #[test]
-fn a_row_major_view_means_the_same_as_the_matrix() {
+fn a_row_major_view_gives_the_same_solution() {
     let mut generator = Generator(6);
     for size in [2, 4, 9, 20] {
         let (a, b) = (generator.matrix(size, size), generator.matrix(size, 2));

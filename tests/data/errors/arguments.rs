@@ -1,11 +1,11 @@
-//! Names that do not exist, and options out of range.
+//! Unknown names and options out of range.
 
 use mujoco_safe::{Data, Differences, Integrator, sample};
 
 use super::text_of;
 
 #[test]
-fn a_name_that_does_not_exist_comes_with_those_that_do() {
+fn an_unknown_name_is_an_error_that_lists_the_known_names() {
     let model = sample::humanoid();
     let text =
         text_of(model.joint("left_kne"), &["no joint named 'left_kne'", "did you mean 'left_knee'", "right_knee"]);
@@ -20,7 +20,7 @@ fn a_name_that_does_not_exist_comes_with_those_that_do() {
 }
 
 #[test]
-fn a_keyframe_that_does_not_exist_is_an_error_and_no_reset() {
+fn an_unknown_keyframe_is_an_error_without_a_reset() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.set_time(1.0);
     text_of(data.reset_to_key("squatt"), &["no keyframe named 'squatt'", "did you mean 'squat'", "stand_on_left_leg"]);
@@ -29,7 +29,7 @@ fn a_keyframe_that_does_not_exist_is_an_error_and_no_reset() {
 }
 
 #[test]
-fn an_option_out_of_range_is_told_and_nothing_has_changed() {
+fn an_option_out_of_range_is_an_error_that_changes_nothing() {
     type Change = fn(&mut mujoco_safe::Options);
     let mut model = sample::cartpole();
     let before = model.options();
@@ -52,7 +52,7 @@ fn an_option_out_of_range_is_told_and_nothing_has_changed() {
 }
 
 #[test]
-fn runge_kutta_is_not_linearised() {
+fn linearising_runge_kutta_is_an_error() {
     let mut model = sample::cartpole();
     model.edit().options(|options| options.integrator = Integrator::Rk4).unwrap();
     let mut data = Data::new(model).unwrap();

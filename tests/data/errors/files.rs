@@ -1,4 +1,4 @@
-//! Files that cannot be read, written, or understood.
+//! Unreadable, unwritable and malformed files.
 
 use std::path::PathBuf;
 
@@ -6,25 +6,16 @@ use mujoco_safe::{LoadOptions, Model, Trajectory, sample};
 
 use super::text_of;
 
-/// A file of this process and test, that is removed at the end.
-struct File(PathBuf);
-
-impl File {
-    fn new(name: &str, content: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mujoco_safe_errors_{}_{name}", std::process::id()));
-        std::fs::write(&path, content).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for File {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
+/// Returns a temporary folder, and the path of a file in it.
+fn file(name: &str, content: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, content).unwrap();
+    (folder, path)
 }
 
 #[test]
-fn a_missing_file_is_named_with_the_systems_reason() {
+fn loading_a_missing_file_names_the_path_and_the_reason() {
     text_of(Model::from_xml_path("no/such/model.xml"), &["no/such/model.xml", "No such file or directory"]);
     text_of(Model::from_binary_path("no/such/model.mjb"), &["no/such/model.mjb", "No such file or directory"]);
     text_of(Model::from_xml_path(""), &["No such file or directory"]);
@@ -48,7 +39,7 @@ fn a_directory_is_not_a_model() {
 }
 
 #[test]
-fn broken_xml_is_told_with_its_line() {
+fn malformed_xml_is_an_error_with_its_line() {
     text_of(Model::from_xml_str("<mujoco>\n<worldbody>\n</mujoco>"), &["cannot load the given XML", "Line number=2"]);
     text_of(
         Model::from_xml_str("<mujoco>\n  <worldbod/>\n</mujoco>"),
@@ -59,15 +50,15 @@ fn broken_xml_is_told_with_its_line() {
     text_of(Model::from_xml_str(""), &["cannot load the given XML"]);
     text_of(Model::from_xml_str("not XML at all"), &["cannot load the given XML"]);
     text_of(Model::from_xml_str("<html/>"), &["html"]);
-    let file = File::new("broken.xml", "<mujoco>\n\n  <worldbod/></mujoco>");
-    text_of(Model::from_xml_path(&file.0), &["broken.xml", "'worldbod'", "line 3"]);
-    // The engine's own buffer for such a text has a hundred bytes in its examples.
+    let (_folder, path) = file("broken.xml", "<mujoco>\n\n  <worldbod/></mujoco>");
+    text_of(Model::from_xml_path(&path), &["broken.xml", "'worldbod'", "line 3"]);
+    // The engine's examples use a buffer of a hundred bytes for this message.
     let long = "n".repeat(300);
     text_of(Model::from_xml_str(&format!("<mujoco><worldbody><body><{long}/></body></worldbody></mujoco>")), &[&long]);
 }
 
 #[test]
-fn a_file_with_a_bad_name_or_twice_or_empty_is_told() {
+fn empty_duplicate_and_misnamed_files_are_errors() {
     let load =
         |files: &[(&str, &[u8])]| Model::from_xml_str_with("<mujoco/>", &LoadOptions::default().with_files(files));
     text_of(load(&[("", b"x")]), &["named with 0 bytes"]);
@@ -82,11 +73,11 @@ fn a_file_with_a_bad_name_or_twice_or_empty_is_told() {
 }
 
 #[test]
-fn a_damaged_trajectory_file_is_told_with_its_line() {
+fn a_malformed_csv_trajectory_is_an_error_with_its_line() {
     let model = sample::cartpole();
     let load = |content: &str| {
-        let file = File::new("damaged.csv", content);
-        Trajectory::load_csv(&model, &file.0)
+        let (_folder, path) = file("damaged.csv", content);
+        Trajectory::load_csv(&model, &path)
     };
     let header = "time,qpos0,qpos1,qvel0,qvel1,ctrl0\n";
     assert_eq!(load(&format!("{header}0,1,2,3,4,5\n")).unwrap().len(), 1);
@@ -98,17 +89,17 @@ fn a_damaged_trajectory_file_is_told_with_its_line() {
 }
 
 #[test]
-fn saving_where_nothing_can_be_saved_is_told() {
+fn saving_to_an_unwritable_path_names_the_path() {
     let model = sample::cartpole();
-    // Other tests load models at the same time, so the XML may be replaced at any moment: then that is the error.
-    let told = |path: &str, part: &str| {
+    // Other tests load models at the same time, so the error may be that the XML was replaced.
+    let assert_error = |path: &str, part: &str| {
         let text = model.save_xml(path).unwrap_err().to_string();
         assert!(text.contains(part) && text.contains(path) || text.contains("another one was loaded since"), "{text}");
     };
-    told("no/such/folder/model.xml", "No such file or directory");
-    told("/tmp", "directory");
-    told("/dev/full", "No space left on device");
-    told("/proc/version", ": ");
+    assert_error("no/such/folder/model.xml", "No such file or directory");
+    assert_error("/tmp", "directory");
+    assert_error("/dev/full", "No space left on device");
+    assert_error("/proc/version", ": ");
     sample::humanoid();
     text_of(model.save_xml("unused.xml"), &["another one was loaded since", "save before loading the next"]);
     assert!(!PathBuf::from("unused.xml").exists());

@@ -1,4 +1,4 @@
-//! Whatever goes wrong is an error with a text that helps, and the process goes on.
+//! Errors have helpful messages, and the process continues.
 
 #![deny(unsafe_code)]
 
@@ -10,12 +10,12 @@ mod simulation;
 
 use mujoco_safe::Result;
 
-/// The text of the error, which must have all of these parts.
+/// Returns the message of the error, which must contain all of these parts.
 #[track_caller]
 fn text_of<T>(result: Result<T>, parts: &[&str]) -> String {
     let text = result.err().expect("no error").to_string();
     for part in parts {
-        assert!(text.contains(part), "'{part}' is not in: {text}");
+        assert!(text.contains(part), "'{part}' is missing in: {text}");
     }
     text
 }

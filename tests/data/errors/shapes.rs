@@ -8,9 +8,9 @@ use nalgebra::DMatrix;
 
 use super::text_of;
 
-/// One good call, then each size of it wrong in turn.
+/// Makes each call once with valid sizes, then with each size wrong in turn.
 #[test]
-fn every_wrong_size_is_told_with_the_right_one() {
+fn a_wrong_size_is_an_error_with_the_expected_size() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.forward().unwrap();
     let model = data.model().clone();
@@ -99,7 +99,7 @@ fn every_wrong_size_is_told_with_the_right_one() {
 }
 
 #[test]
-fn every_wrong_shape_of_a_linearisation_is_told() {
+fn a_wrong_shape_of_a_linearisation_is_an_error() {
     let model = Model::from_xml_str(
         r#"<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>
            <actuator><motor joint="j"/><general joint="j" dyntype="filter"/></actuator>
@@ -127,7 +127,7 @@ fn every_wrong_shape_of_a_linearisation_is_told() {
 }
 
 #[test]
-fn weights_of_wrong_shapes_and_no_regulator_are_told() {
+fn weights_of_wrong_shapes_are_errors() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     let good = || LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
     Lqr::at_present_state(&mut data, &good()).unwrap();

@@ -1,4 +1,4 @@
-//! Simulations that go wrong: numbers that are none, stages left out, and errors of the engine.
+//! NaN, missing pipeline stages, and errors of the engine.
 
 use std::sync::{Arc, Barrier};
 
@@ -7,13 +7,13 @@ use mujoco_safe::{Data, Differences, Error, Integrator, Model, Result, Stage, St
 use super::text_of;
 use crate::trouble;
 
-/// Lets a simulation run out of stack.
+/// Steps until the engine's stack overflows.
 fn overflow(data: &mut Data) -> Error {
     (0..200).find_map(|_| data.step().err()).expect("a stack overflow")
 }
 
 #[test]
-fn a_control_that_is_no_number_is_told_and_nothing_has_changed() {
+fn a_nan_control_is_an_error_that_changes_nothing() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     data.step().unwrap();
     for value in [f64::NAN, f64::INFINITY, -1e11] {
@@ -39,7 +39,7 @@ fn a_control_that_is_no_number_is_told_and_nothing_has_changed() {
 }
 
 #[test]
-fn a_position_or_velocity_that_is_no_number_is_told_and_nothing_has_changed() {
+fn a_nan_position_or_velocity_is_an_error_that_changes_nothing() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     for value in [f64::NAN, f64::NEG_INFINITY, 1e11] {
         data.reset().unwrap();
@@ -48,7 +48,7 @@ fn a_position_or_velocity_that_is_no_number_is_told_and_nothing_has_changed() {
             data.step(),
             &["the simulation is unstable at time 0 s", "qpos[3] of joint 'root'", &value.to_string(), "1e10"],
         );
-        let Err(Error::Unstable(found)) = data.step() else { panic!("still an error") };
+        let Err(Error::Unstable(found)) = data.step() else { panic!("the error must persist") };
         assert_eq!((found.quantity, found.index, found.time), (UnstableField::Position, 3, 0.0));
         data.reset().unwrap();
         let knee = data.model().joint("left_knee").unwrap().dofs().start;
@@ -60,7 +60,7 @@ fn a_position_or_velocity_that_is_no_number_is_told_and_nothing_has_changed() {
 }
 
 #[test]
-fn an_explosion_in_the_middle_of_a_step_is_told_and_only_a_reset_helps() {
+fn divergence_in_a_step_is_an_error_until_a_reset() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     for _ in 0..10 {
@@ -77,12 +77,12 @@ fn an_explosion_in_the_middle_of_a_step_is_told_and_only_a_reset_helps() {
     data.xfrc_applied_mut()[1] = [f64::NAN; 6];
     assert!(matches!(data.step(), Err(Error::Unstable(found)) if found.quantity == UnstableField::Acceleration));
     data.reset().unwrap();
-    assert_eq!(data.xfrc_applied()[1], [0.0; 6], "a reset clears what was applied");
+    assert_eq!(data.xfrc_applied()[1], [0.0; 6], "a reset clears applied forces");
     data.step().unwrap();
 }
 
 #[test]
-fn a_stack_that_is_too_small_is_told_and_the_data_refuses_all_but_a_reset() {
+fn a_stack_overflow_poisons_the_simulation_until_a_reset() {
     // The compiler takes a step, too.
     text_of(trouble::with_stack(10), &["cannot load the given XML", "Stack overflow"]);
     let mut data = Data::new(trouble::overflowing()).unwrap();
@@ -119,7 +119,7 @@ fn a_stack_that_is_too_small_is_told_and_the_data_refuses_all_but_a_reset() {
     assert!(matches!(copy.step(), Err(Error::Poisoned { .. })));
     assert!(format!("{data:?}").contains("unusable since"));
 
-    // The engine's stack is as it was, however often it overflows.
+    // The engine's stack is restored, however often it overflows.
     for _ in 0..20 {
         data.reset().unwrap();
         data.step().unwrap();
@@ -131,7 +131,7 @@ fn a_stack_that_is_too_small_is_told_and_the_data_refuses_all_but_a_reset() {
 }
 
 #[test]
-fn what_was_not_computed_is_not_handed_out() {
+fn results_that_are_not_computed_are_errors() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     let body = data.model().body("torso").unwrap().id();
@@ -159,10 +159,10 @@ fn what_was_not_computed_is_not_handed_out() {
 }
 
 #[test]
-fn two_threads_that_fail_at_once_each_get_their_own_message() {
+fn concurrent_errors_keep_their_own_messages() {
     const ROUNDS: usize = 1000;
     let stack = Arc::new(trouble::overflowing());
-    // Bodies without mass, whose inertia the implicit integrator cannot factorise.
+    // Bodies without mass, whose inertia matrix the implicit integrator cannot factorise.
     let mut massless = sample::cartpole();
     let mut edit = massless.edit();
     edit.options(|options| options.integrator = Integrator::Implicit).unwrap();
@@ -172,7 +172,7 @@ fn two_threads_that_fail_at_once_each_get_their_own_message() {
     edit.dof_damping_mut().fill(0.0);
     let massless = Arc::new(massless);
 
-    // A panic between the barriers would leave the other threads waiting, so what is wrong is told at the end.
+    // A panic between the barriers would block the other threads, so mismatches are reported at the end.
     let barrier = Barrier::new(3);
     let rounds = |wanted: &(dyn Fn(usize) -> String + Sync), mut fail: Box<dyn FnMut(usize) -> String + '_>| {
         let mut wrong = Vec::new();

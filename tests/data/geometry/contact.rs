@@ -1,8 +1,8 @@
-//! Contacts that are added by hand.
+//! Contacts added by the caller.
 
 use mujoco_safe::{Cone, Data, DisableFlags, Error, JacobianStorage, Model, NewContact, Result};
 
-/// A ball far above a floor, with room for three contacts.
+/// Returns a ball far above a floor, with room for three contacts.
 fn ball() -> Data {
     let xml = r#"<mujoco>
         <size nconmax="3" njmax="100"/>
@@ -32,7 +32,7 @@ fn solve(data: &mut Data) -> Result<()> {
 }
 
 #[test]
-fn an_added_contact_carries_what_it_must() {
+fn an_added_contact_carries_the_weight() {
     for dim in [1, 3, 4, 6] {
         for cone in [Cone::Pyramidal, Cone::Elliptic] {
             for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
@@ -44,16 +44,16 @@ fn an_added_contact_carries_what_it_must() {
                 data.fwd_position().unwrap();
                 assert_eq!(data.contacts().len(), 0);
                 data.add_contact(&NewContact { dim, ..contact(&data, "floor") }).unwrap();
-                assert!(matches!(data.fwd_velocity(), Err(Error::NotComputed { .. })), "its rows are to be made first");
+                assert!(matches!(data.fwd_velocity(), Err(Error::NotComputed { .. })), "its rows are not computed yet");
                 solve(&mut data).unwrap();
                 let found = data.contacts().next().unwrap();
                 assert_eq!((found.dim(), found.is_active()), (dim, true));
                 assert_eq!(found.normal(), &[0.0, 0.0, 1.0]);
-                // It holds the weight, and pushes the ball out of the penetration.
+                // The contact carries the weight, and pushes the ball out of the penetration.
                 let weight = 9.81 * data.model().body_mass()[1];
                 assert!(found.force().unwrap().force[0] > weight, "{dim}, {cone:?}, {jacobian:?}");
                 assert!(data.qacc()[2] > 0.0);
-                // The next step knows nothing of it.
+                // The next step does not have the contact.
                 data.step().unwrap();
                 assert_eq!(data.contacts().len(), 0);
             }
@@ -62,14 +62,14 @@ fn an_added_contact_carries_what_it_must() {
 }
 
 #[test]
-fn a_contact_of_what_cannot_move_does_nothing() {
+fn a_contact_of_static_geoms_has_no_effect() {
     for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
         let mut data = ball();
         data.edit_model(|model| model.options(|options| options.jacobian = jacobian)).unwrap().unwrap();
         data.fwd_position().unwrap();
         let geoms = ["floor", "fixed"].map(|name| data.model().geom(name).unwrap().id());
         data.add_contact(&NewContact::new(geoms, -0.01, [0.0; 3], [0.0, 0.0, 1.0])).unwrap();
-        // Twice, since the first time the engine marks it.
+        // Twice, because the engine marks the contact the first time.
         solve(&mut data).unwrap();
         solve(&mut data).unwrap();
         assert!((data.qacc()[2] + 9.81).abs() < 1e-9, "the ball falls");
@@ -77,7 +77,7 @@ fn a_contact_of_what_cannot_move_does_nothing() {
 }
 
 #[test]
-fn numbers_that_make_no_contact_are_errors() {
+fn invalid_numbers_of_a_contact_are_errors() {
     let mut data = ball();
     let good = contact(&data, "floor");
     assert!(matches!(data.add_contact(&good), Err(Error::NotComputed { call: "add_contact", .. })));
@@ -104,7 +104,7 @@ fn numbers_that_make_no_contact_are_errors() {
 }
 
 #[test]
-fn there_are_no_more_contacts_than_there_is_room_for() {
+fn a_full_contact_buffer_is_an_error() {
     let mut data = ball();
     data.fwd_position().unwrap();
     let new = contact(&data, "floor");
@@ -119,7 +119,7 @@ fn there_are_no_more_contacts_than_there_is_room_for() {
 }
 
 #[test]
-fn contacts_are_not_added_where_they_are_disabled() {
+fn adding_a_contact_is_an_error_if_contacts_are_disabled() {
     for flag in [DisableFlags::CONTACT, DisableFlags::CONSTRAINT] {
         let mut data = ball();
         data.edit_model(|model| model.options(|options| options.disable |= flag)).unwrap().unwrap();

@@ -1,8 +1,8 @@
-//! Distances of two geoms.
+//! Distances between two geoms.
 
 use mujoco_safe::{Data, Error, GeomDistance, GeomId, Model, sample};
 
-/// Two geoms, the second on a body at `pos` and turned by `euler` in degrees.
+/// Returns two geoms, the second on a body at `pos` with the orientation `euler` in degrees.
 fn pair(first: &str, second: &str, pos: &str, euler: &str) -> Data {
     let xml = format!(
         r#"<mujoco>
@@ -40,7 +40,7 @@ const MESH: &str = r#"type="mesh" mesh="cube""#;
 const FIELD: &str = r#"type="hfield" hfield="flat""#;
 
 #[test]
-fn distances_are_those_of_geometry() {
+fn distances_equal_analytic_distances() {
     let half = 0.5_f64;
     let cases: &[(&str, &str, &str, &str, f64)] = &[
         (SPHERE, SPHERE, "2 0 0", "0 0 0", 1.0),
@@ -58,7 +58,7 @@ fn distances_are_those_of_geometry() {
         (PLANE, CYLINDER, "0 0 3", "0 0 0", 2.0),
         (PLANE, ELLIPSOID, "0 0 3", "0 0 0", 1.0),
         (PLANE, MESH, "0 0 3", "0 0 0", 2.0),
-        // Those that the engine searches for.
+        // Pairs for which the engine searches iteratively.
         (BOX, BOX, "4 0 0", "0 0 0", 2.0),
         (BOX, BOX, "4 4 4", "0 0 0", 12.0_f64.sqrt()),
         (BOX, BOX, "3 0 0", "0 0 45", 2.0 - 2.0_f64.sqrt()),
@@ -79,7 +79,7 @@ fn distances_are_those_of_geometry() {
         let mut data = pair(first, second, pos, euler);
         let found = distance(&mut data, 100.0).unwrap_or_else(|| panic!("{what}"));
         assert!((found.distance - expected).abs() < 2e-5, "{what}: {} and not {expected}", found.distance);
-        // The segment is as long as the distance, and where the distance is less than asked for there is none.
+        // The segment is as long as the distance. No result is returned beyond `distmax`.
         let [from, to] = found.fromto;
         let length = (0..3).map(|i| (from[i] - to[i]).powi(2)).sum::<f64>().sqrt();
         assert!((length - found.distance.abs()).abs() < 1e-9, "{what}: {found:?}");
@@ -87,7 +87,7 @@ fn distances_are_those_of_geometry() {
             assert_eq!(distance(&mut data, 0.9 * expected), None, "{what}");
             assert!(distance(&mut data, 1.1 * expected).is_some(), "{what}");
         }
-        // In the other order it is the same, turned round.
+        // Exchanging the geoms reverses the segment.
         let [a, b] = geoms(&data);
         let other = data.geom_distance(b, a, 100.0).unwrap().unwrap();
         assert_eq!(other.fromto, [to, from], "{what}");
@@ -105,11 +105,11 @@ fn the_nearest_points_are_on_the_surfaces() {
 }
 
 #[test]
-fn asking_for_a_distance_changes_nothing() {
+fn computing_a_distance_changes_nothing() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     data.edit_model(|model| {
-        model.options(|options| options.enable |= mujoco_safe::EnableFlags::MULTICCD) // which moves the geoms to and fro
+        model.options(|options| options.enable |= mujoco_safe::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
     })
     .unwrap()
     .unwrap();
@@ -143,7 +143,7 @@ fn contacts_have_the_distances_of_their_geoms() {
 }
 
 #[test]
-fn what_has_no_distance_is_an_error() {
+fn unsupported_pairs_and_limits_are_errors() {
     let mut data = pair(PLANE, SPHERE, "0 0 2", "0 0 0");
     let [a, b] = geoms(&data);
     assert!(matches!(data.geom_distance(a, a, 1.0), Err(Error::Unsupported(_))), "two planes");

@@ -1,4 +1,4 @@
-//! Distances, rays and contacts against what geometry says.
+//! Distances, rays and contacts against analytic geometry.
 #![forbid(unsafe_code)]
 
 mod contact;

@@ -1,4 +1,4 @@
-//! Rays that the engine would end the process for, or read out of bounds with.
+//! Rays for which the engine would exit or read out of bounds.
 
 use mujoco_safe::math::{quat2mat, ray_geom, ray_skin};
 use mujoco_safe::{Data, Error, GeomType, Model, RayOptions, sample};
@@ -26,7 +26,7 @@ fn a_ray_without_a_direction_is_an_error() {
 }
 
 #[test]
-fn a_ray_is_not_met_where_it_is_told_so() {
+fn a_ray_ignores_excluded_geoms() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.forward().unwrap();
     let above = [data.xpos()[1][0], data.xpos()[1][1], 5.0];
@@ -44,7 +44,7 @@ fn a_ray_is_not_met_where_it_is_told_so() {
 }
 
 #[test]
-fn a_mesh_or_a_field_is_asked_for_by_its_own_function() {
+fn a_ray_function_rejects_geoms_of_another_type() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.forward().unwrap();
     let floor = data.model().geom("floor").unwrap().id();
@@ -61,7 +61,7 @@ fn a_mesh_or_a_field_is_asked_for_by_its_own_function() {
 }
 
 #[test]
-fn a_height_field_that_the_engine_would_read_beyond_is_an_error() {
+fn a_height_field_with_more_rows_than_columns_is_an_error() {
     for (rows, columns, readable) in [(2, 2, true), (5, 5, true), (4, 9, true), (9, 4, false), (4000, 2, false)] {
         let xml = format!(
             r#"<mujoco>
@@ -72,7 +72,7 @@ fn a_height_field_that_the_engine_would_read_beyond_is_an_error() {
         let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
         data.forward().unwrap();
         let field = data.model().geom("field").unwrap().id();
-        // From the side, which is where it would.
+        // From the side, the direction in which the engine would read beyond the height field.
         let [point, direction] = [[3.0, 0.9, 0.2], [-1.0, 0.0, 0.0]];
         let results = [
             data.ray(point, direction, &ANY).map(|hit| hit.map(|hit| hit.distance)),
@@ -85,7 +85,7 @@ fn a_height_field_that_the_engine_would_read_beyond_is_an_error() {
 }
 
 #[test]
-fn a_face_without_its_vertices_is_an_error() {
+fn a_face_with_missing_vertices_is_an_error() {
     let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let (point, down) = (&[0.2, 0.2, 1.0], &[0.0, 0.0, -1.0]);
     assert!(ray_skin(&[[0, 1, 2]], &vertices, point, down).unwrap().is_some());

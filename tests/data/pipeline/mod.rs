@@ -1,4 +1,4 @@
-//! The parts of the pipeline: out of order they are refused, in order they are forward dynamics.
+//! Stages of the pipeline: out of order they are rejected, in order they equal forward dynamics.
 #![forbid(unsafe_code)]
 
 mod order;

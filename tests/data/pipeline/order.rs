@@ -1,4 +1,4 @@
-//! Every part after every other, and in long random sequences.
+//! Every stage after every other stage, and long random sequences of stages.
 
 use mujoco_safe::{
     Cone, Data, EnableFlags, Error, Integrator, JacobianStorage, Model, Result, Solver, Stage, StateSpec, sample,
@@ -25,7 +25,7 @@ const OTHERS: [Part; 22] = parts! {
     step step1 step2 forward inverse reset cost
 };
 
-/// What is a method of this file and not of the library.
+/// Methods of this file that are called like methods of the library.
 trait More {
     fn cost(&mut self) -> Result<()>;
 }
@@ -37,7 +37,7 @@ impl More for Data {
     }
 }
 
-/// Calls with arguments, and calls that read what the parts leave.
+/// Returns calls with arguments, and calls that read the results of stages.
 fn more() -> Vec<Part> {
     fn skip(data: &mut Data, stage: Stage, sensors: bool) -> Result<()> {
         data.forward_skip(stage, sensors)
@@ -94,7 +94,8 @@ fn all() -> Vec<Part> {
     IN_ORDER.into_iter().chain(OTHERS).chain(more()).collect()
 }
 
-/// The two models under all solvers, cones and storages, with and without the no-slip solver, and every optional computation.
+/// Returns the two models with all solvers, cones and storages, with and without the no-slip solver, and every optional
+/// computation.
 fn subjects() -> impl Iterator<Item = (String, Data)> {
     let every = Model::from_xml_str(include_str!("../../models/every_element.xml")).unwrap();
     let models = [("every element", every), ("humanoid", sample::humanoid()), ("adhesion", adhesion())];
@@ -127,7 +128,7 @@ fn subjects() -> impl Iterator<Item = (String, Data)> {
     })
 }
 
-/// Balls on a floor, one of which sticks.
+/// Returns balls on a floor, one of which sticks.
 fn adhesion() -> Model {
     Model::from_xml_str(
         r#"<mujoco>
@@ -143,14 +144,14 @@ fn adhesion() -> Model {
     .unwrap()
 }
 
-/// The parts in the order given; what is out of order must be refused, and nothing else.
+/// Calls the stages in the given order. Only a stage that is out of order may be rejected.
 fn call(what: &str, data: &mut Data, parts: &[Part]) -> usize {
     let mut done = 0;
     for (name, part) in parts {
         match part(data) {
             Ok(()) => done += 1,
             Err(Error::NotComputed { .. }) => {}
-            // An order that makes no sense may well make numbers that make none, which is then told.
+            // A meaningless order may produce NaN, which is reported.
             Err(Error::Unstable(_)) => data.reset().unwrap(),
             Err(error) => {
                 let names: Vec<_> = parts.iter().map(|(name, _)| name).collect();
@@ -162,13 +163,13 @@ fn call(what: &str, data: &mut Data, parts: &[Part]) -> usize {
 }
 
 #[test]
-fn in_order_they_are_forward_dynamics() {
+fn stages_in_order_equal_forward_dynamics() {
     for (name, mut whole) in subjects() {
         for _ in 0..30 {
             whole.step().unwrap();
         }
         let mut parts = whole.clone();
-        parts.edit_model(|_| ()).unwrap(); // which forgets what was computed
+        parts.edit_model(|_| ()).unwrap(); // which discards computed results
         assert_eq!(parts.stage(), Stage::Nothing);
         let mut stepped = whole.clone();
         whole.forward().unwrap();
@@ -191,9 +192,9 @@ fn in_order_they_are_forward_dynamics() {
         assert_eq!(parts.stage(), Stage::Acceleration);
         parts.sensor_acc().unwrap();
         assert_same(&name, &parts, &whole);
-        assert!(whole.nefc() > 0, "{name} has constraints");
+        assert!(whole.nefc() > 0, "{name} must have constraints");
 
-        // And with an integrator they are a step.
+        // Followed by an integrator, the stages equal a step.
         if whole.model().options().integrator == Integrator::Euler {
             parts.euler().unwrap();
             stepped.step().unwrap();
@@ -203,7 +204,7 @@ fn in_order_they_are_forward_dynamics() {
 }
 
 #[test]
-fn in_order_of_the_inverse_they_are_inverse_dynamics() {
+fn stages_of_the_inverse_in_order_equal_inverse_dynamics() {
     for (name, mut whole) in subjects() {
         for _ in 0..30 {
             whole.step().unwrap();
@@ -224,7 +225,7 @@ fn in_order_of_the_inverse_they_are_inverse_dynamics() {
 }
 
 #[test]
-fn a_runge_kutta_step_is_forward_dynamics_and_the_rest() {
+fn a_runge_kutta_step_equals_forward_and_runge_kutta() {
     for (name, mut data) in subjects() {
         data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap().unwrap();
         let mut whole = data.clone();
@@ -257,7 +258,7 @@ fn assert_same(name: &str, ours: &Data, theirs: &Data) {
 }
 
 #[test]
-fn all_pairs_are_done_or_refused() {
+fn all_pairs_succeed_or_are_rejected() {
     let all = all();
     for (name, data) in subjects() {
         let mut scratch = data.clone();
@@ -272,7 +273,7 @@ fn all_pairs_are_done_or_refused() {
 }
 
 #[test]
-fn triples_after_forward_are_done_or_refused() {
+fn triples_after_forward_succeed_or_are_rejected() {
     let all = all();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
     for (name, mut data) in subjects() {
@@ -290,7 +291,7 @@ fn triples_after_forward_are_done_or_refused() {
 }
 
 #[test]
-fn long_random_sequences_are_done_or_refused() {
+fn long_random_sequences_succeed_or_are_rejected() {
     let all = all();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
     let mut done = 0;
@@ -305,7 +306,7 @@ fn long_random_sequences_are_done_or_refused() {
 }
 
 #[test]
-fn the_error_names_what_to_call_first() {
+fn the_error_names_the_missing_calls_in_order() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     let error = data.com_vel().unwrap_err().to_string();
     assert!(error.contains("com_vel needs the results of kinematics, com_pos, which"), "{error}");

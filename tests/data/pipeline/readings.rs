@@ -1,10 +1,10 @@
-//! Readings of sensors and forces on bodies through named access: right, or an error that names the missing call.
+//! Sensor readings and forces on bodies by name: they are current, or an error names the missing call.
 
 use mujoco_safe::{Callbacks, Data, DisableFlags, Error, Integrator, MissingResults, Model, Result, Stage};
 use proptest::prelude::*;
 
-/// A ball on a tendon that swings and lands, with a sensor of each stage, and one of each that the engine computes by a part of
-/// its own.
+/// Returns a ball that swings on a tendon and lands, with a sensor of each stage, and with each sensor that needs a separate
+/// computation.
 fn model() -> Model {
     Model::from_xml_str(
         r#"<mujoco>
@@ -42,7 +42,7 @@ fn a_reading_is_an_error_until_the_stage_of_its_sensor_has_been_computed() {
     let error = data.sensor("gyro").unwrap().data().unwrap_err().to_string();
     assert!(error.contains("sensor_vel") && error.contains("forward"), "{error}");
     data.fwd_position().unwrap();
-    assert_eq!(computed(&data), [false; 3], "positions without their sensors");
+    assert_eq!(computed(&data), [false; 3], "positions without position sensors");
     data.sensor_pos().unwrap();
     assert_eq!(computed(&data), [true, false, false]);
     data.step1().unwrap();
@@ -50,18 +50,18 @@ fn a_reading_is_an_error_until_the_stage_of_its_sensor_has_been_computed() {
     data.step2().unwrap();
     assert_eq!(computed(&data), [true; 3]);
     data.step1().unwrap();
-    assert_eq!(computed(&data), [true, true, false], "the acceleration is that of the step before");
+    assert_eq!(computed(&data), [true, true, false], "the acceleration belongs to the previous step");
     data.inverse().unwrap();
     assert_eq!(computed(&data), [true; 3]);
     data.forward_skip(Stage::Velocity, true).unwrap_err();
     data.forward().unwrap();
     data.forward_skip(Stage::Velocity, true).unwrap();
-    assert_eq!(computed(&data), [true, true, false], "forces without their sensors");
+    assert_eq!(computed(&data), [true, true, false], "forces without force sensors");
     data.forward_skip(Stage::Velocity, false).unwrap();
     assert_eq!(computed(&data), [true; 3]);
     assert_eq!(computed(&data.clone()), [true; 3]);
     data.edit_model(|model| model.set_timestep(0.001)).unwrap().unwrap();
-    assert_eq!(computed(&data), [false; 3], "they are of another model");
+    assert_eq!(computed(&data), [false; 3], "they belong to another model");
     data.step().unwrap();
     data.reset().unwrap();
     assert_eq!(computed(&data), [false; 3]);
@@ -104,7 +104,7 @@ fn forces_on_bodies_are_an_error_until_they_have_been_computed() {
     data.subtree_vel().unwrap();
     assert_eq!(*data.body("arm").unwrap().subtree_linvel().unwrap(), data.subtree_linvel()[1]);
     data.step().unwrap();
-    assert!(is_not_computed(&data.body("arm").unwrap().cfrc_ext()), "they are of the state before");
+    assert!(is_not_computed(&data.body("arm").unwrap().cfrc_ext()), "they belong to the previous state");
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn a_controller_in_a_step_reads_the_sensors_of_the_stages_before_it() {
     }
 }
 
-/// A call that computes something, some after a change of the numbers that it starts from.
+/// A call that computes results, in some cases after a change of its inputs.
 type Call = fn(&mut Data, f64) -> Result<()>;
 
 const CALLS: [Call; 16] = [
@@ -182,23 +182,23 @@ const CALLS: [Call; 16] = [
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
 
-    /// The part of the pipeline that reads a sensor, called again, reads the same.
+    /// Calling the sensor's stage again gives the same reading.
     #[test]
     fn every_reading_that_is_handed_out_is_that_of_the_quantities_that_are_there(
         calls in prop::collection::vec((0..CALLS.len(), -1.0..1.0), 1..12),
     ) {
         let mut data = Data::new(model()).unwrap();
         for (call, number) in calls {
-            // Some calls have requirements that others have not met.
+            // Some calls have requirements that earlier calls have not met.
             let before = data.state(mujoco_safe::StateSpec::INTEGRATION);
             if CALLS[call](&mut data, number).is_err() {
-                // Numbers written for a call that was refused are not tracked.
+                // Inputs written for a rejected call are not tracked.
                 data.set_state(mujoco_safe::StateSpec::INTEGRATION, &before).unwrap();
                 data.forward().unwrap();
             }
             let mut again = data.clone();
             if again.sensor_pos().is_err() {
-                continue; // The state was advanced.
+                continue; // The state has advanced.
             }
             let _ = (again.sensor_vel(), again.sensor_acc());
             for sensor in data.sensors() {

@@ -1,5 +1,5 @@
-//! Every accessor that is made from the table of fields hands out the engine's memory: the number itself, or the array that the
-//! struct points at, of the type, length and shape that the engine's headers give, and inside of the engine's buffer.
+//! Every generated accessor returns the engine's memory: the number itself, or the array of the struct's pointer, with the type,
+//! length and shape of the engine's headers, and inside the engine's buffer.
 
 use std::any::type_name;
 use std::collections::HashMap;
@@ -11,11 +11,11 @@ use mujoco_safe::{Data, EnableFlags, MatrixView, MatrixViewMut, Model, Solver, T
 
 use crate::twins::subjects;
 
-/// What an accessor returns, or what the struct has.
+/// The result of an accessor, or the contents of the struct.
 #[derive(Debug, PartialEq)]
-enum Seen {
+enum Place {
     Number(f64),
-    /// How many values there are, and in rows of how many, is known to an accessor only.
+    /// Length and columns are known for accessors only.
     Array {
         at: usize,
         element: &'static str,
@@ -24,15 +24,15 @@ enum Seen {
     },
 }
 
-trait See {
-    fn see(self) -> Seen;
+trait Locate {
+    fn locate(self) -> Place;
 }
 
-fn array<T>(array: *const T, length: Option<usize>, columns: Option<usize>) -> Seen {
-    Seen::Array { at: array.addr(), element: type_name::<T>(), length, columns }
+fn array<T>(array: *const T, length: Option<usize>, columns: Option<usize>) -> Place {
+    Place::Array { at: array.addr(), element: type_name::<T>(), length, columns }
 }
 
-/// What the engine's arrays are made of, which is not an array itself.
+/// Types of elements of the engine's arrays.
 trait Value {}
 
 impl Value for f64 {}
@@ -40,80 +40,80 @@ impl Value for f32 {}
 impl Value for i32 {}
 impl Value for u8 {}
 
-impl See for usize {
-    fn see(self) -> Seen {
-        Seen::Number(self as f64)
+impl Locate for usize {
+    fn locate(self) -> Place {
+        Place::Number(self as f64)
     }
 }
 
-impl See for i32 {
-    fn see(self) -> Seen {
-        Seen::Number(self.into())
+impl Locate for i32 {
+    fn locate(self) -> Place {
+        Place::Number(self.into())
     }
 }
 
-impl See for f64 {
-    fn see(self) -> Seen {
-        Seen::Number(self)
+impl Locate for f64 {
+    fn locate(self) -> Place {
+        Place::Number(self)
     }
 }
 
-impl<T> See for *mut T {
-    fn see(self) -> Seen {
+impl<T> Locate for *mut T {
+    fn locate(self) -> Place {
         array(self, None, None)
     }
 }
 
-impl<T: Value> See for &[T] {
-    fn see(self) -> Seen {
+impl<T: Value> Locate for &[T] {
+    fn locate(self) -> Place {
         array(self.as_ptr(), Some(self.len()), None)
     }
 }
 
-impl<T: Value, const N: usize> See for &[[T; N]] {
-    fn see(self) -> Seen {
+impl<T: Value, const N: usize> Locate for &[[T; N]] {
+    fn locate(self) -> Place {
         array(self.as_flattened().as_ptr(), Some(N * self.len()), Some(N))
     }
 }
 
-impl See for MatrixView<'_> {
-    fn see(self) -> Seen {
+impl Locate for MatrixView<'_> {
+    fn locate(self) -> Place {
         array(self.as_slice().as_ptr(), Some(self.as_slice().len()), Some(self.ncols()))
     }
 }
 
-impl<T: Value> See for &mut [T] {
-    fn see(self) -> Seen {
-        (&*self).see()
+impl<T: Value> Locate for &mut [T] {
+    fn locate(self) -> Place {
+        (&*self).locate()
     }
 }
 
-impl<T: Value, const N: usize> See for &mut [[T; N]] {
-    fn see(self) -> Seen {
-        (&*self).see()
+impl<T: Value, const N: usize> Locate for &mut [[T; N]] {
+    fn locate(self) -> Place {
+        (&*self).locate()
     }
 }
 
-impl See for MatrixViewMut<'_> {
-    fn see(self) -> Seen {
-        self.as_view().see()
+impl Locate for MatrixViewMut<'_> {
+    fn locate(self) -> Place {
+        self.as_view().locate()
     }
 }
 
-/// What accessors return, beside what the struct has, by field.
-type Pairs = Vec<(&'static str, Seen, Seen)>;
+/// Results of accessors and contents of the struct, by field.
+type Pairs = Vec<(&'static str, Place, Place)>;
 
 macro_rules! pairs {
     ($ours:ident, $raw:ident: $($name:ident)*) => {
-        vec![$((stringify!($name), $ours.$name().see(), $raw.$name.see())),*]
+        vec![$((stringify!($name), $ours.$name().locate(), $raw.$name.locate())),*]
     };
 }
 
 macro_rules! writing_pairs {
     ($ours:ident, $raw:ident: $($name:ident($field:ident))*) => {
         vec![$({
-            let theirs = $raw.$field.see();
-            (stringify!($field), $ours.$name().see(), theirs)
+            let theirs = $raw.$field.locate();
+            (stringify!($field), $ours.$name().locate(), theirs)
         }),*]
     };
 }
@@ -126,13 +126,13 @@ fn pairs_of_data(data: &Data, raw: &mjData) -> Pairs {
     data_readers! { pairs data, raw: }
 }
 
-/// The line of the table of fields: struct, kind, type, name, rows, columns.
+/// Returns the line of the table of fields: struct, kind, type, name, rows, columns.
 fn line(owner: &str, name: &str) -> Vec<&'static str> {
     let mut lines = sys::FIELDS.lines().map(|line| line.split('\t').collect::<Vec<_>>());
-    lines.find(|line| line[0] == owner && line[3] == name).unwrap_or_else(|| panic!("the table has no {owner}.{name}"))
+    lines.find(|line| line[0] == owner && line[3] == name).unwrap_or_else(|| panic!("the table lacks {owner}.{name}"))
 }
 
-/// The engine's sizes, by name, and the memory that its arrays lie in.
+/// The engine's sizes by name, and its buffer.
 struct Engine {
     sizes: HashMap<&'static str, usize>,
     buffer: Range<usize>,
@@ -141,17 +141,18 @@ struct Engine {
 impl Engine {
     fn new(model: &Pairs, buffer: *mut std::ffi::c_void, bytes: i32) -> Self {
         let sizes = model.iter().filter_map(|(name, _, theirs)| match theirs {
-            Seen::Number(number) => Some((*name, *number as usize)),
-            Seen::Array { .. } => None,
+            Place::Number(number) => Some((*name, *number as usize)),
+            Place::Array { .. } => None,
         });
-        let bytes = usize::try_from(bytes).expect("a size is not negative");
+        let bytes = usize::try_from(bytes).unwrap();
         Self { sizes: sizes.collect(), buffer: buffer.addr()..buffer.addr() + bytes }
     }
 
-    /// As for a model, but of constraints only those that there are: an accessor hands out no more.
+    /// Returns the sizes of a simulation: those of the model, but with the current number of constraints, to which accessors
+    /// are limited.
     fn of_data(model: &Pairs, raw: &mjData) -> Self {
         let mut engine = Self::new(model, raw.buffer, raw.nbuffer);
-        engine.sizes.insert("njmax", usize::try_from(raw.nefc).expect("a size is not negative"));
+        engine.sizes.insert("njmax", usize::try_from(raw.nefc).unwrap());
         engine
     }
 
@@ -161,12 +162,12 @@ impl Engine {
             .product()
     }
 
-    /// Every pair is one and the same.
+    /// Asserts that both sides of every pair are the same.
     fn compare(&self, model: &str, owner: &str, pairs: &Pairs) {
         for (name, ours, theirs) in pairs {
             let what = format!("{model}: {owner}.{name}");
             let line = line(owner, name);
-            let (Seen::Array { at, element, length, columns }, Seen::Array { at: place, element: of, .. }) =
+            let (Place::Array { at, element, length, columns }, Place::Array { at: place, element: of, .. }) =
                 (ours, theirs)
             else {
                 assert_eq!(ours, theirs, "{what}");
@@ -185,17 +186,17 @@ impl Engine {
             );
             let (rows, width) = (self.extent(line[4]), self.extent(line[5]));
             assert_eq!(*length, Some(rows * width), "{what}: length");
-            // A slice has no columns: one is in its rows, or the rows are packed.
+            // A slice has no columns: a row is either an array or flattened.
             if let Some(columns) = columns {
                 assert_eq!(*columns, width, "{what}: columns");
             } else {
                 assert!(
                     width == 1 || name.contains("_J") || name.starts_with("efc_"),
-                    "{what}: {width} columns are lost"
+                    "{what}: {width} columns missing"
                 );
             }
             if rows * width > 0 {
-                assert_eq!(at, place, "{what}: place");
+                assert_eq!(at, place, "{what}: address");
                 let bytes = rows
                     * width
                     * match line[2] {
@@ -209,25 +210,25 @@ impl Engine {
     }
 }
 
-/// The models of this file's tests: those of the other files here, and one with an element of every kind and type.
+/// Returns the usual models, and a model with an element of every kind and type.
 fn models() -> impl Iterator<Item = (String, Arc<Model>)> {
     let every = Model::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml"));
-    let every = ("every_element".to_owned(), Arc::new(every.expect("a model of our own loads")));
+    let every = ("every_element".to_owned(), Arc::new(every.unwrap()));
     subjects().iter().map(|subject| (subject.name.clone(), subject.model.clone())).chain([every])
 }
 
 fn raw_model(model: &Model) -> &mjModel {
-    // SAFETY: valid as long as the model, which nothing writes to meanwhile.
+    // SAFETY: valid as long as the model, and nothing writes to it during the borrow.
     unsafe { &*model.as_ptr() }
 }
 
 fn raw_data(data: &Data) -> &mjData {
-    // SAFETY: valid as long as the data, which nothing writes to meanwhile.
+    // SAFETY: valid as long as the data, and nothing writes to it during the borrow.
     unsafe { &*data.as_ptr() }
 }
 
 #[test]
-fn accessors_of_a_model_hand_out_the_engines_memory() {
+fn accessors_of_a_model_return_the_engines_memory() {
     for (name, model) in models() {
         let raw = raw_model(&model);
         let pairs = pairs_of_model(&model, raw);
@@ -236,7 +237,7 @@ fn accessors_of_a_model_hand_out_the_engines_memory() {
 }
 
 #[test]
-fn accessors_of_a_simulation_hand_out_the_engines_memory_at_every_stage() {
+fn accessors_of_a_simulation_return_the_engines_memory_at_every_stage() {
     for (name, model) in models() {
         let sizes = pairs_of_model(&model, raw_model(&model));
         let mut data = Data::new(model).unwrap();
@@ -249,7 +250,7 @@ fn accessors_of_a_simulation_hand_out_the_engines_memory_at_every_stage() {
 }
 
 #[test]
-fn what_may_be_written_to_is_the_engines_memory() {
+fn mutable_accessors_return_the_engines_memory() {
     for (name, model) in models() {
         let mut model = model.try_clone().unwrap();
         let raw = *raw_model(&model);
@@ -260,14 +261,15 @@ fn what_may_be_written_to_is_the_engines_memory() {
 
         let mut data = Data::new(model).unwrap();
         data.forward().unwrap_or_else(|error| panic!("{name}: {error}"));
-        // The arrays stay where they are; the copy of the struct, warnings and solver statistics included, is let go at once.
+        // The arrays keep their address; the borrow of the copied struct, with its warnings and solver statistics, ends
+        // immediately.
         let raw = *raw_data(&data);
         let pairs: Pairs = data_writers! { writing_pairs data, raw: };
         Engine::of_data(&sizes, &raw).compare(&name, "Data", &pairs);
     }
 }
 
-/// Fields with an accessor of another name or form. The compiler makes sure that there is one.
+/// Returns fields with an accessor of another name or form, whose existence the compiler checks.
 fn other_accessors(owner: &str) -> Vec<&'static str> {
     let _ = (Model::name::<kind::Body>, Model::text_data);
     let _ = (Data::warning, Data::timer, Data::solver_fwdinv, Data::energy);
@@ -295,7 +297,7 @@ fn every_field_of_model_and_data_has_an_accessor() {
 }
 
 #[test]
-fn what_lies_in_the_data_itself_is_the_engines() {
+fn values_inside_the_data_struct_equal_c() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.edit_model(|model| model.options(|options| options.enable = EnableFlags::all())).unwrap().unwrap();
     data.reset_to_key("squat").unwrap();
@@ -320,7 +322,7 @@ fn what_lies_in_the_data_itself_is_the_engines() {
 }
 
 #[test]
-fn timers_are_the_engines_constants() {
+fn timers_equal_the_engines_constants() {
     let numbers = Timer::ALL.map(|timer| timer as usize);
     assert!(numbers.into_iter().eq(0..sys::mjNTIMER as usize));
     assert_eq!(Timer::PositionProject as u32, sys::mjTIMER_POS_PROJECT);
@@ -328,7 +330,7 @@ fn timers_are_the_engines_constants() {
 }
 
 #[test]
-fn of_more_than_a_thousand_iterations_the_first_thousand_are_kept() {
+fn solver_statistics_are_limited_to_a_thousand_iterations() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.edit_model(|model| {
         model.options(|options| {

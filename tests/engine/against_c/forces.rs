@@ -1,18 +1,18 @@
-//! Constraints, forces, velocities and accelerations of objects, square roots of the inertia matrix.
+//! Constraints, forces, velocities and accelerations of objects, and square roots of the inertia matrix.
 
 use mujoco_safe::{Axes, FrameId, SpatialVector, Stage};
 
 use crate::twins::{Twins, assert_same, c, small_subjects, usual_subjects};
 
 #[test]
-fn square_roots_of_the_inertia_matrix_are_the_engines() {
+fn square_roots_of_the_inertia_matrix_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
-        // Of the engine's functions, that for the square root itself has a mistake; half of a solution of a product is it.
+        // The engine's square root has a defect. Half of a solution of a product is a square root as well.
         let vector = twins.numbers(nv);
         let (mut ours, mut product, mut theirs) = (vec![0.0; nv], vec![0.0; nv], vec![0.0; nv]);
-        twins.ours.mul_m2(&mut ours, &vector).expect("computed");
+        twins.ours.mul_m2(&mut ours, &vector).unwrap();
         c!(mj_mulM(twins.raw.m(), twins.raw.d, product.as_mut_ptr(), vector.as_ptr()));
         c!(mj_solveM2(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), product.as_ptr(), 1));
         let size = 1.0 + theirs.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
@@ -22,13 +22,13 @@ fn square_roots_of_the_inertia_matrix_are_the_engines() {
 
         let vectors = twins.numbers(2 * nv);
         let (mut ours, mut theirs) = (vec![0.0; 2 * nv], vec![0.0; 2 * nv]);
-        twins.ours.solve_m2(&mut ours, &vectors).expect("computed");
+        twins.ours.solve_m2(&mut ours, &vectors).unwrap();
         c!(mj_solveM2(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vectors.as_ptr(), 2));
         assert_same(&twins.name, &ours, &theirs);
 
         for (with, flag) in [(false, 0), (true, 1)] {
             let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-            twins.ours.rne(with, &mut ours).expect("computed");
+            twins.ours.rne(with, &mut ours).unwrap();
             c!(mj_rne(twins.raw.m(), twins.raw.d, flag, theirs.as_mut_ptr()));
             assert_same(&twins.name, &ours, &theirs);
         }
@@ -36,24 +36,24 @@ fn square_roots_of_the_inertia_matrix_are_the_engines() {
 }
 
 #[test]
-fn sums_with_the_inertia_matrix_are_the_engines() {
+fn sums_with_the_inertia_matrix_equal_c() {
     for subject in small_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
-        let mut sum = twins.ours.full_m().expect("computed");
+        let mut sum = twins.ours.full_m().unwrap();
         let mut theirs = sum.as_slice().to_vec();
-        twins.ours.add_m(&mut sum).expect("computed");
+        twins.ours.add_m(&mut sum).unwrap();
         let null = std::ptr::null_mut;
         c!(mj_addM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), null(), null(), null()));
         assert_same(&twins.name, sum.as_slice(), &theirs);
 
-        // Sparse, to rows that are empty, then to those that are there: the matrix once and twice.
+        // Sparse sums, first to empty rows, then to existing rows: the matrix once and twice.
         let mut rownnz = vec![0; nv];
         let rowadr: Vec<i32> = (0..nv as i32).map(|row| row * nv as i32).collect();
         let (mut values, mut colind) = (vec![0.0; nv * nv], vec![0; nv * nv]);
-        let full = twins.ours.full_m().expect("computed");
+        let full = twins.ours.full_m().unwrap();
         for times in [1.0, 2.0] {
-            twins.ours.add_m_sparse(&mut values, &mut rownnz, &rowadr, &mut colind).expect("rows with room");
+            twins.ours.add_m_sparse(&mut values, &mut rownnz, &rowadr, &mut colind).unwrap();
             let mut dense = vec![0.0; nv * nv];
             for row in 0..nv {
                 for at in row * nv..row * nv + rownnz[row] as usize {
@@ -69,26 +69,26 @@ fn sums_with_the_inertia_matrix_are_the_engines() {
 }
 
 #[test]
-fn products_with_the_jacobian_of_the_constraints_are_the_engines() {
+fn products_with_the_constraint_jacobian_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let (nv, nefc) = (twins.model.nv(), twins.ours.nefc());
         let vector = twins.numbers(nv);
         let (mut ours, mut theirs) = (vec![0.0; nefc], vec![0.0; nefc]);
-        twins.ours.mul_jac_vec(&mut ours, &vector).expect("computed");
+        twins.ours.mul_jac_vec(&mut ours, &vector).unwrap();
         c!(mj_mulJacVec(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vector.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
 
         let vector = twins.numbers(nefc);
         let (mut ours, mut theirs) = (vec![7.0; nv], vec![0.0; nv]);
-        twins.ours.mul_jac_t_vec(&mut ours, &vector).expect("computed");
+        twins.ours.mul_jac_t_vec(&mut ours, &vector).unwrap();
         c!(mj_mulJacTVec(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vector.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
 
         let jar = twins.numbers(nefc);
         let mut cost = 0.0;
         c!(mj_constraintUpdate(twins.raw.m(), twins.raw.d, jar.as_ptr(), &raw mut cost, 1));
-        assert_same(&twins.name, &[twins.ours.constraint_update(&jar, true).expect("computed")], &[cost]);
+        assert_same(&twins.name, &[twins.ours.constraint_update(&jar, true).unwrap()], &[cost]);
         assert_same(&twins.name, twins.ours.efc_force(), &twins.raw.values(|d| d.efc_force, nefc));
         assert_same(&twins.name, twins.ours.qfrc_constraint(), &twins.raw.values(|d| d.qfrc_constraint, nv));
 
@@ -99,10 +99,10 @@ fn products_with_the_jacobian_of_the_constraints_are_the_engines() {
 }
 
 #[test]
-fn velocities_and_accelerations_of_objects_are_the_engines() {
+fn velocities_and_accelerations_of_objects_equal_c() {
     for subject in small_subjects() {
         let mut twins = Twins::in_motion(subject);
-        twins.ours.rne_post_constraint().expect("computed");
+        twins.ours.rne_post_constraint().unwrap();
         c!(mj_rnePostConstraint(twins.raw.m(), twins.raw.d));
         let model = twins.model.clone();
         let bodies = model.bodies().map(|body| body.id());
@@ -120,16 +120,16 @@ fn velocities_and_accelerations_of_objects_are_the_engines() {
                 let mut result = [0.0; 6];
                 let (m, d, id) = (twins.raw.m(), twins.raw.d, index as i32);
                 c!(mj_objectVelocity(m, d, objtype, id, result.as_mut_ptr(), local));
-                same("velocity", twins.ours.object_velocity(object, axes).expect("computed"), result);
+                same("velocity", twins.ours.object_velocity(object, axes).unwrap(), result);
                 c!(mj_objectAcceleration(m, d, objtype, id, result.as_mut_ptr(), local));
-                same("acceleration", twins.ours.object_acceleration(object, axes).expect("computed"), result);
+                same("acceleration", twins.ours.object_acceleration(object, axes).unwrap(), result);
             }
         }
     }
 }
 
 #[test]
-fn forces_on_bodies_and_points_in_them_are_the_engines() {
+fn forces_on_bodies_and_points_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
@@ -139,7 +139,7 @@ fn forces_on_bodies_and_points_in_them_are_the_engines() {
             let [force, torque, point] = [0, 3, 6].map(|at| [numbers[at], numbers[at + 1], numbers[at + 2]]);
             let start = twins.numbers(nv);
             let (mut ours, mut theirs) = (start.clone(), start);
-            twins.ours.apply_ft(force, torque, point, body, &mut ours).expect("computed");
+            twins.ours.apply_ft(force, torque, point, body, &mut ours).unwrap();
             let (m, d, id) = (twins.raw.m(), twins.raw.d, body.index() as i32);
             c!(mj_applyFT(m, d, force.as_ptr(), torque.as_ptr(), point.as_ptr(), id, theirs.as_mut_ptr()));
             assert_same(&twins.name, &ours, &theirs);
@@ -147,7 +147,7 @@ fn forces_on_bodies_and_points_in_them_are_the_engines() {
             let quat = [numbers[9], numbers[10], numbers[11], numbers[12]];
             let (mut xpos, mut xmat) = ([0.0; 3], [0.0; 9]);
             c!(mj_local2Global(d, xpos.as_mut_ptr(), xmat.as_mut_ptr(), point.as_ptr(), quat.as_ptr(), id, 0));
-            let (pos, mat) = twins.ours.local_to_global(body, point, quat).expect("computed");
+            let (pos, mat) = twins.ours.local_to_global(body, point, quat).unwrap();
             assert_same(&twins.name, &pos, &xpos);
             assert_same(&twins.name, mat.as_flattened(), &xmat);
 
@@ -155,7 +155,7 @@ fn forces_on_bodies_and_points_in_them_are_the_engines() {
             let mut theirs = [vec![0.0; 3 * nv], vec![0.0; 3 * nv]];
             let [jac_point, jac_axis] = theirs.each_mut().map(|matrix| matrix.as_mut_ptr());
             c!(mj_jacPointAxis(m, d, jac_point, jac_axis, point.as_ptr(), axis.as_ptr(), id));
-            let ours = twins.ours.jac_point_axis(body, point, axis).expect("computed");
+            let ours = twins.ours.jac_point_axis(body, point, axis).unwrap();
             assert_same(&twins.name, ours[0].as_slice(), &theirs[0]);
             assert_same(&twins.name, ours[1].as_slice(), &theirs[1]);
         }
@@ -163,16 +163,16 @@ fn forces_on_bodies_and_points_in_them_are_the_engines() {
 }
 
 #[test]
-fn the_matrix_of_angular_momentum_gives_the_engines_momenta() {
+fn the_angular_momentum_matrix_equals_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
-        twins.ours.subtree_vel().expect("computed");
+        twins.ours.subtree_vel().unwrap();
         assert_eq!(twins.ours.stage(), Stage::Acceleration);
         c!(mj_subtreeVel(twins.raw.m(), twins.raw.d));
         let theirs = twins.raw.values(|d| d.subtree_angmom, 3 * twins.model.nbody());
         assert_same(&twins.name, twins.ours.subtree_angmom().as_flattened(), &theirs);
         for body in twins.model.bodies() {
-            let matrix = twins.ours.angmom_mat(body).expect("computed");
+            let matrix = twins.ours.angmom_mat(body).unwrap();
             for (axis, row) in matrix.rows().enumerate() {
                 let products = row.iter().zip(twins.ours.qvel()).map(|(entry, velocity)| entry * velocity);
                 let size: f64 = 1.0 + products.clone().map(f64::abs).sum::<f64>();
@@ -184,13 +184,13 @@ fn the_matrix_of_angular_momentum_gives_the_engines_momenta() {
 }
 
 #[test]
-fn masses_and_quaternions_are_the_engines() {
+fn masses_and_quaternions_equal_c() {
     for subject in small_subjects() {
         let mut twins = Twins::in_motion(subject);
         assert_same(&twins.name, &[twins.model.total_mass()], &[c!(mj_getTotalmass(twins.raw.m()))]);
         let mut ours = twins.numbers(twins.model.nq());
         let mut theirs = ours.clone();
-        twins.model.normalize_quat(&mut ours).expect("the length is right");
+        twins.model.normalize_quat(&mut ours).unwrap();
         c!(mj_normalizeQuat(twins.raw.m(), theirs.as_mut_ptr()));
         assert_same(&twins.name, &ours, &theirs);
     }

@@ -1,16 +1,16 @@
-//! What is computed from a state: Jacobians, the inertia matrix, differences of positions, contacts, linearisations.
+//! Functions of a state: Jacobians, the inertia matrix, differences of positions, contacts, linearisations.
 
 use mujoco_safe::{BodyId, Differences, Error, Jacobian, Matrix, StateSpace, StateSpec, TransitionOutputs};
 
 use crate::twins::{Twins, assert_same, c, read, small_subjects, usual_subjects};
 
-/// Every element of a small model, some of a large one.
+/// Returns every element of a small model, and some elements of a large one.
 fn chosen<T>(elements: impl ExactSizeIterator<Item = T>) -> impl Iterator<Item = T> {
     let stride = elements.len().div_ceil(40).max(1);
     elements.step_by(stride)
 }
 
-/// The engine's pair of Jacobians.
+/// Returns the engine's pair of Jacobians.
 fn pair(nv: usize, call: impl FnOnce(*mut f64, *mut f64)) -> (Vec<f64>, Vec<f64>) {
     let (mut jacp, mut jacr) = (vec![0.0; 3 * nv], vec![0.0; 3 * nv]);
     call(jacp.as_mut_ptr(), jacr.as_mut_ptr());
@@ -23,7 +23,7 @@ fn assert_same_pair(what: &str, ours: &Jacobian, (jacp, jacr): &(Vec<f64>, Vec<f
 }
 
 #[test]
-fn jacobians_are_the_engines() {
+fn jacobians_equal_c() {
     for subject in usual_subjects() {
         let twins = Twins::in_motion(subject);
         let (model, ours, m, d) = (&twins.model, &twins.ours, twins.raw.m(), twins.raw.d);
@@ -31,78 +31,78 @@ fn jacobians_are_the_engines() {
         for body in chosen(model.bodies()) {
             let (what, id) = (format!("{}, {body:?}", twins.name), body.index() as i32);
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacBody(m, d, jacp, jacr, id)));
-            assert_same_pair(&what, &ours.jac_body(body).expect("computed"), &theirs);
+            assert_same_pair(&what, &ours.jac_body(body).unwrap(), &theirs);
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacBodyCom(m, d, jacp, jacr, id)));
-            assert_same_pair(&what, &ours.jac_body_com(body).expect("computed"), &theirs);
+            assert_same_pair(&what, &ours.jac_body_com(body).unwrap(), &theirs);
             let point = [0.1 * f64::from(id), -0.2, 0.3];
             let theirs = pair(nv, |jacp, jacr| c!(mj_jac(m, d, jacp, jacr, point.as_ptr(), id)));
-            assert_same_pair(&what, &ours.jac(body, point).expect("computed"), &theirs);
+            assert_same_pair(&what, &ours.jac(body, point).unwrap(), &theirs);
         }
         for geom in chosen(model.geoms()) {
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacGeom(m, d, jacp, jacr, geom.index() as i32)));
-            assert_same_pair(&format!("{geom:?}"), &ours.jac_geom(geom).expect("computed"), &theirs);
+            assert_same_pair(&format!("{geom:?}"), &ours.jac_geom(geom).unwrap(), &theirs);
         }
         for site in chosen(model.sites()) {
             let theirs = pair(nv, |jacp, jacr| c!(mj_jacSite(m, d, jacp, jacr, site.index() as i32)));
-            assert_same_pair(&format!("{site:?}"), &ours.jac_site(site).expect("computed"), &theirs);
+            assert_same_pair(&format!("{site:?}"), &ours.jac_site(site).unwrap(), &theirs);
         }
     }
 }
 
 #[test]
-fn jacobians_of_subtrees_are_the_engines() {
+fn jacobians_of_subtrees_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let bodies: Vec<BodyId> = chosen(twins.model.bodies()).map(|body| body.id()).collect();
         for body in bodies {
             let mut theirs = vec![0.0; 3 * twins.model.nv()];
             c!(mj_jacSubtreeCom(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), body.index() as i32));
-            let ours = twins.ours.jac_subtree_com(body).expect("computed");
+            let ours = twins.ours.jac_subtree_com(body).unwrap();
             assert_same(&format!("{}, {body:?}", twins.name), ours.as_slice(), &theirs);
         }
     }
 }
 
 #[test]
-fn a_jacobian_alone_is_that_of_the_pair() {
+fn a_single_jacobian_equals_that_of_the_pair() {
     for subject in small_subjects() {
         let twins = Twins::in_motion(subject);
         for body in twins.model.bodies() {
-            let both = twins.ours.jac_body(body).expect("computed");
+            let both = twins.ours.jac_body(body).unwrap();
             let (mut translation, mut rotation) =
                 (Matrix::zeros(3, twins.model.nv()), Matrix::zeros(3, twins.model.nv()));
-            twins.ours.jac_body_into(body, Some(&mut translation), None).expect("computed");
-            twins.ours.jac_body_into(body, None, Some(&mut rotation)).expect("computed");
+            twins.ours.jac_body_into(body, Some(&mut translation), None).unwrap();
+            twins.ours.jac_body_into(body, None, Some(&mut rotation)).unwrap();
             assert_eq!((translation, rotation), (both.translation, both.rotation), "{}, {body:?}", twins.name);
         }
     }
 }
 
 #[test]
-fn the_inertia_matrix_is_the_engines() {
+fn the_inertia_matrix_equals_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
         let mut theirs = vec![0.0; nv * nv];
         c!(mj_fullM(twins.raw.m(), theirs.as_mut_ptr(), twins.raw.data().qM));
-        assert_same(&twins.name, twins.ours.full_m().expect("computed").as_slice(), &theirs);
+        assert_same(&twins.name, twins.ours.full_m().unwrap().as_slice(), &theirs);
 
         let vector = twins.numbers(nv);
         let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-        twins.ours.mul_m(&mut ours, &vector).expect("computed");
+        twins.ours.mul_m(&mut ours, &vector).unwrap();
         c!(mj_mulM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vector.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
 
         let vectors = twins.numbers(3 * nv);
         let (mut ours, mut theirs) = (vec![0.0; 3 * nv], vec![0.0; 3 * nv]);
-        twins.ours.solve_m(&mut ours, &vectors).expect("computed");
+        twins.ours.solve_m(&mut ours, &vectors).unwrap();
         c!(mj_solveM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vectors.as_ptr(), 3));
         assert_same(&twins.name, &ours, &theirs);
     }
 }
 
 #[test]
-fn differences_and_sums_of_positions_are_the_engines() {
+fn differences_and_sums_of_positions_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let (nq, nv) = (twins.model.nq(), twins.model.nv());
@@ -110,19 +110,19 @@ fn differences_and_sums_of_positions_are_the_engines() {
         let mut to = twins.ours.qpos().to_vec();
         let mut theirs = to.clone();
         assert_eq!(to.len(), nq);
-        twins.model.integrate_pos(&mut to, &velocity, 0.7).expect("the lengths are right");
+        twins.model.integrate_pos(&mut to, &velocity, 0.7).unwrap();
         c!(mj_integratePos(twins.raw.m(), theirs.as_mut_ptr(), velocity.as_ptr(), 0.7));
         assert_same(&twins.name, &to, &theirs);
 
         let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-        twins.model.differentiate_pos(&mut ours, 0.3, &from, &to).expect("the lengths are right");
+        twins.model.differentiate_pos(&mut ours, 0.3, &from, &to).unwrap();
         c!(mj_differentiatePos(twins.raw.m(), theirs.as_mut_ptr(), 0.3, from.as_ptr(), to.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
     }
 }
 
 #[test]
-fn contacts_and_their_forces_are_the_engines() {
+fn contacts_and_their_forces_equal_c() {
     let mut seen = 0;
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
@@ -136,7 +136,7 @@ fn contacts_and_their_forces_are_the_engines() {
         let raw = twins.raw.data();
         assert_eq!(twins.ours.contacts().len(), raw.ncon as usize, "{}", twins.name);
         for (index, contact) in twins.ours.contacts().enumerate() {
-            // SAFETY: the engine has `ncon` contacts there.
+            // SAFETY: the engine's array has `ncon` contacts.
             let theirs = unsafe { *raw.contact.add(index) };
             let what = format!("{}, contact {index}", twins.name);
             assert_eq!(contact.index(), index);
@@ -150,30 +150,30 @@ fn contacts_and_their_forces_are_the_engines() {
             assert_eq!(contact.is_active(), theirs.efc_address >= 0, "{what}");
             let mut wrench = [0.0; 6];
             c!(mj_contactForce(twins.raw.m(), twins.raw.d, index as i32, wrench.as_mut_ptr()));
-            let ours = contact.force().expect("computed");
+            let ours = contact.force().unwrap();
             assert_same(&what, &ours.force, &wrench[..3]);
             assert_same(&what, &ours.torque, &wrench[3..]);
 
             let mut world = [0.0; 3];
             c!(mju_mulMatTVec(world.as_mut_ptr(), theirs.frame.as_ptr(), wrench.as_ptr(), 3, 3));
-            for (ours, theirs) in contact.force_in_world().expect("computed").iter().zip(world) {
+            for (ours, theirs) in contact.force_in_world().unwrap().iter().zip(world) {
                 assert!((ours - theirs).abs() <= 1e-12 * (1.0 + theirs.abs()), "{what}: {ours} and {theirs}");
             }
             seen += 1;
         }
     }
-    assert!(seen > 0, "some model has contacts");
+    assert!(seen > 0, "no model has contacts");
 }
 
 #[test]
-fn linearisations_are_the_engines() {
+fn linearisations_equal_c() {
     for subject in small_subjects() {
         for (differences, central) in [(Differences::Forward, 0), (Differences::Central, 1)] {
             let mut twins = Twins::in_motion(subject);
             let (nx, nu, ny) = (2 * twins.model.nv() + twins.model.na(), twins.model.nu(), twins.model.nsensordata());
             let before = twins.ours.state(StateSpec::INTEGRATION);
             let ours = match twins.ours.transition_fd(1e-6, differences) {
-                // C would end the process: some of the engine's models have no room for it.
+                // C would exit: the stack of some of the engine's models is too small.
                 Err(Error::Engine { message, .. }) if message == "Stack overflow" => {
                     println!("skipped {}, whose nstack is too small for transition_fd", twins.name);
                     break;
@@ -181,7 +181,7 @@ fn linearisations_are_the_engines() {
                 result => result.unwrap_or_else(|error| panic!("{}: {error}", twins.name)),
             };
             let mut theirs = [nx * nx, nx * nu, ny * nx, ny * nu].map(|length| vec![0.0; length]);
-            // To the engine NULL means that a matrix is not wanted, as an empty one cannot be.
+            // The engine omits a matrix whose pointer is NULL, so empty matrices cannot be requested.
             let [a, b, c, d] = theirs
                 .each_mut()
                 .map(|matrix| if matrix.is_empty() { std::ptr::null_mut() } else { matrix.as_mut_ptr() });
@@ -201,30 +201,30 @@ fn linearisations_are_the_engines() {
                 assert_eq!(ours.shape(), shape, "{what} of {}", twins.name);
                 assert_same(&format!("{what} of {} by {differences:?}", twins.name), ours.as_slice(), theirs);
             }
-            // In C only the clock has moved.
+            // In C only the time has changed.
             assert_same("the state is as before", &twins.ours.state(StateSpec::INTEGRATION), &before);
-            // SAFETY: the data of the twins' own, which nothing else uses.
+            // SAFETY: the data belongs to the twins, and nothing else uses it.
             unsafe { (*twins.raw.d).time = twins.ours.time() };
             twins.assert_same_state("after linearisation");
 
-            // A matrix alone is what it is among the others.
+            // A matrix computed alone is the same.
             let mut alone = Matrix::zeros(nx, nu);
             let outputs = TransitionOutputs { b: Some(&mut alone), ..Default::default() };
             let mut again = Twins::in_motion(subject);
-            again.ours.transition_fd_into(1e-6, differences, outputs).expect("the engine can linearise it");
+            again.ours.transition_fd_into(1e-6, differences, outputs).unwrap();
             assert_same(&format!("B alone of {}", twins.name), alone.as_slice(), b.as_slice());
         }
     }
 }
 
 #[test]
-fn the_constraint_jacobian_has_the_engines_numbers() {
+fn the_constraint_jacobian_equals_c() {
     for subject in small_subjects() {
         let twins = Twins::in_motion(subject);
-        // Dense rows, as these models are small.
+        // Dense rows, because these models are small.
         if c!(mj_isSparse(twins.raw.m())) == 0 {
             let count = twins.ours.nefc() * twins.model.nv();
-            // SAFETY: the engine keeps nefc dense rows of nv numbers there.
+            // SAFETY: the engine's array has nefc dense rows of nv numbers.
             let theirs = unsafe { read(twins.raw.data().efc_J, 0, count) };
             assert_same(&twins.name, twins.ours.efc_J(), &theirs);
         }

@@ -30,8 +30,8 @@ const ARM: &str = r#"<mujoco>
   </mujoco>"#;
 
 #[test]
-fn length_ranges_are_the_engines() {
-    let original = Model::from_xml_str(ARM).expect("the arm loads");
+fn length_ranges_equal_c() {
+    let original = Model::from_xml_str(ARM).unwrap();
     let mut ranges = Vec::new();
     for (mode, maxforce, uselimit) in [
         (LengthRangeMode::All, 0.0, false),
@@ -44,16 +44,16 @@ fn length_ranges_are_the_engines() {
         for index in 0..2 {
             let mut model = original.clone();
             let options = LengthRangeOptions { mode, maxforce, uselimit, ..Default::default() };
-            let id = model.id_at(index).expect("there are two");
-            let ours = model.edit().set_length_range(id, &options).expect("it settles");
+            let id = model.id_at(index).unwrap();
+            let ours = model.edit().set_length_range(id, &options).expect("the length range converges");
 
             if uselimit && index == 1 {
-                // The engine takes the limits of another joint, or of none, for every actuator but the first.
+                // For every actuator but the first, the engine uses the limits of another joint, or none.
                 assert_eq!(ours, model.jnt_range()[1]);
                 continue;
             }
 
-            // SAFETY: integers and numbers, all of which the engine sets.
+            // SAFETY: integers and numbers, all of which the engine initialises.
             let mut theirs: mjLROpt = unsafe { std::mem::zeroed() };
             c!(mj_defaultLROpt(&raw mut theirs));
             theirs.mode = match mode {
@@ -68,7 +68,7 @@ fn length_ranges_are_the_engines() {
             let mut error = [0; 200];
             let done = c!(mj_setLengthRange(copy, data, index as i32, &raw const theirs, error.as_mut_ptr(), 200));
             assert_eq!(done, 1);
-            // SAFETY: the model of two actuators, each with a range.
+            // SAFETY: the model has two actuators, each with a range.
             let range = unsafe {
                 [*(*copy).actuator_lengthrange.add(2 * index), *(*copy).actuator_lengthrange.add(2 * index + 1)]
             };
@@ -83,9 +83,9 @@ fn length_ranges_are_the_engines() {
 }
 
 #[test]
-fn the_default_options_are_the_engines() {
+fn the_default_options_equal_c() {
     let ours = LengthRangeOptions::default();
-    // SAFETY: integers and numbers, all of which the engine sets.
+    // SAFETY: integers and numbers, all of which the engine initialises.
     let mut theirs: mjLROpt = unsafe { std::mem::zeroed() };
     c!(mj_defaultLROpt(&raw mut theirs));
     assert_eq!((theirs.mode, ours.mode), (sys::mjLRMODE_MUSCLE as i32, LengthRangeMode::Muscle));

@@ -6,7 +6,7 @@ use mujoco_safe::{GeomType, RayOptions};
 use crate::twins::{Twins, assert_same, c, usual_subjects};
 
 #[test]
-fn rays_are_the_engines() {
+fn rays_equal_c() {
     let mut hits = 0;
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
@@ -14,7 +14,7 @@ fn rays_are_the_engines() {
             println!("skipped {}, whose height field the engine misreads", twins.name);
             continue;
         }
-        let exclude = twins.model.bodies().last().expect("there is the world").id();
+        let exclude = twins.model.bodies().last().unwrap().id();
         let some_groups = [true, false, true, false, true, true];
         for options in [
             RayOptions::default(),
@@ -25,7 +25,7 @@ fn rays_are_the_engines() {
             for _ in 0..50 {
                 let numbers = twins.numbers(6);
                 let [point, direction] = [0, 3].map(|at| [numbers[at] * 2.0, numbers[at + 1] * 2.0, numbers[at + 2]]);
-                let ours = twins.ours.ray(point, direction, &options).expect("a ray");
+                let ours = twins.ours.ray(point, direction, &options).unwrap();
                 let groups = options.geomgroup.map(|groups| groups.map(u8::from));
                 let groups = groups.as_ref().map_or(std::ptr::null(), |groups| groups.as_ptr());
                 let body = options.bodyexclude.map_or(-1, |body| body.index() as i32);
@@ -43,13 +43,13 @@ fn rays_are_the_engines() {
 }
 
 #[test]
-fn rays_on_one_geom_are_the_engines() {
+fn rays_on_one_geom_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let model = twins.model.clone();
         for geom in model.geoms().take(40) {
             for _ in 0..10 {
-                // Towards the geom from a point near it.
+                // From a nearby point towards the geom.
                 let numbers = twins.numbers(3);
                 let centre = twins.ours.geom_xpos()[geom.index()];
                 let direction = [numbers[0], numbers[1], numbers[2]];
@@ -72,7 +72,7 @@ fn rays_on_one_geom_are_the_engines() {
                         (ours, c!(mju_rayGeom(pos, mat, size, pnt, vec, model.geom_type()[geom.index()])))
                     }
                 };
-                assert_same(&format!("{geom:?}"), &[ours.expect("a ray").unwrap_or(-1.0)], &[theirs.max(-1.0)]);
+                assert_same(&format!("{geom:?}"), &[ours.unwrap().unwrap_or(-1.0)], &[theirs.max(-1.0)]);
             }
         }
     }

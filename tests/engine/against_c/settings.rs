@@ -1,4 +1,4 @@
-//! Options, settings of the visualiser and statistics: field by field what the engine has, in both directions.
+//! Options, visual settings and statistics: field by field, read and written.
 
 use std::mem::MaybeUninit;
 
@@ -46,7 +46,7 @@ impl<T: Numbers, const N: usize> Numbers for [T; N] {
     }
 }
 
-/// Another value that is allowed, for a number that is positive or a share.
+/// Changes a value to another valid value, for positive numbers and fractions.
 trait Change {
     fn change(&mut self);
 }
@@ -119,7 +119,7 @@ fn compare_statistics(what: &str, ours: Statistics, raw: &sys::mjStatistic) {
 }
 
 fn raw(model: &Model) -> &mjModel {
-    // SAFETY: valid as long as the model, which nothing writes to meanwhile.
+    // SAFETY: valid as long as the model, and nothing writes to it during the borrow.
     unsafe { &*model.as_ptr() }
 }
 
@@ -134,7 +134,7 @@ fn every_element() -> Model {
 }
 
 #[test]
-fn settings_of_every_model_are_the_engines_and_pass_their_own_checks() {
+fn settings_of_every_model_equal_c_and_are_valid() {
     let mut models: Vec<(String, Model)> =
         subjects().iter().map(|subject| (subject.name.clone(), subject.model.try_clone().unwrap())).collect();
     models.push(("every_element".to_owned(), every_element()));
@@ -150,10 +150,10 @@ fn settings_of_every_model_are_the_engines_and_pass_their_own_checks() {
 }
 
 #[test]
-fn defaults_are_the_engines() {
+fn defaults_equal_c() {
     let mut option = MaybeUninit::<mjOption>::zeroed();
     c!(mj_defaultOption(option.as_mut_ptr()));
-    // SAFETY: numbers, which the engine has written.
+    // SAFETY: numbers that the engine has initialised.
     compare_options("the default", Options::default(), unsafe { option.assume_init_ref() });
 
     let mut visual = MaybeUninit::<mjVisual>::zeroed();
@@ -161,7 +161,7 @@ fn defaults_are_the_engines() {
     // SAFETY: as above.
     compare_visual("the default", &Visual::default(), unsafe { visual.assume_init_ref() });
 
-    // The engine gives these away only with a model that has nothing to compute them from.
+    // The engine returns these defaults only with a model from which it cannot compute them.
     let empty = Model::from_xml_str("<mujoco/>").unwrap();
     let (default, empty) = (Statistics::default(), empty.statistics());
     assert_eq!((default.meaninertia, default.meanmass), (empty.meaninertia, empty.meanmass));
@@ -183,7 +183,7 @@ macro_rules! all_differ {
 }
 
 #[test]
-fn every_setting_is_written_where_the_engine_reads_it() {
+fn every_setting_is_written_to_the_engines_field() {
     let mut model = sample::cartpole();
     let before = *raw(&model);
     let (mut options, mut visual, mut statistics) = (model.options(), model.visual(), model.statistics());
@@ -202,7 +202,7 @@ fn every_setting_is_written_where_the_engine_reads_it() {
     statistic_fields! { all_differ before.stat, after.stat, }
 }
 
-/// Makes one setting wrong, and expects an error that names it and leaves the model as it was.
+/// Makes one setting invalid, and expects an error that names it and leaves the model unchanged.
 macro_rules! refused {
     ($model:ident.$function:ident, $what:literal: $($($field:ident).+ = $value:expr;)*) => {$(
         let before = $model.$function();
@@ -214,7 +214,7 @@ macro_rules! refused {
 }
 
 #[test]
-fn a_setting_with_which_nothing_can_be_shown_is_refused() {
+fn invalid_visual_settings_are_rejected() {
     let mut model = sample::cartpole();
     refused! { model.visual, "visual.":
         global.fovy = 0.0; global.fovy = 180.0; global.fovy = f32::NAN;
@@ -264,11 +264,11 @@ fn a_setting_with_which_nothing_can_be_shown_is_refused() {
 }
 
 #[test]
-fn negative_counts_of_a_model_are_read_as_none() {
+fn negative_counts_of_a_model_read_as_zero() {
     let xml = r#"<mujoco><visual><quality shadowsize="-1"/><global offwidth="-5"/></visual></mujoco>"#;
     let mut model = Model::from_xml_str(xml).unwrap();
     assert_eq!((model.visual().quality.shadowsize, model.visual().global.offwidth), (0, 0));
-    // The width is refused for its own sake, until it is mended.
+    // The invalid width is rejected by itself, until it is corrected.
     assert!(model.edit().visual(|visual| visual.map.zfar = 40.0).is_err());
     model.edit().visual(|visual| (visual.map.zfar, visual.global.offwidth) = (40.0, 100)).unwrap();
     assert_eq!(raw(&model).vis.quality.shadowsize, 0);

@@ -1,4 +1,4 @@
-//! Steps, and what starts them.
+//! Steps, and their initial states.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use mujoco_safe::{Cone, EnableFlags, Error, Integrator, Model, Solver, UnstableF
 
 use crate::twins::{Subject, Twins, c, read, subjects, usual_subjects};
 
-/// As many steps as take a few seconds at most.
+/// Returns a number of steps that takes a few seconds at most.
 fn steps(subject: &Subject) -> usize {
     match subject.model.nv() {
         0..=60 => 1000,
@@ -17,7 +17,7 @@ fn steps(subject: &Subject) -> usize {
 }
 
 #[test]
-fn a_trajectory_under_random_controls_is_the_engines() {
+fn a_trajectory_with_random_controls_equals_c() {
     for subject in subjects() {
         let mut twins = Twins::new(subject);
         twins.shake();
@@ -33,7 +33,7 @@ fn a_trajectory_under_random_controls_is_the_engines() {
 }
 
 #[test]
-fn a_trajectory_is_the_engines_with_every_integrator_solver_and_cone() {
+fn trajectories_with_every_integrator_solver_and_cone_equal_c() {
     for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
         for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
             for cone in [Cone::Pyramidal, Cone::Elliptic] {
@@ -41,7 +41,7 @@ fn a_trajectory_is_the_engines_with_every_integrator_solver_and_cone() {
                 let changed = model.edit().options(|options| {
                     (options.integrator, options.solver, options.cone) = (integrator, solver, cone);
                 });
-                changed.expect("these are options");
+                changed.unwrap();
                 let name = format!("humanoid with {integrator:?}, {solver:?}, {cone:?}");
                 let mut twins = Twins::new(&Subject { name, model: Arc::new(model) });
                 let mut contacts = 0;
@@ -51,16 +51,17 @@ fn a_trajectory_is_the_engines_with_every_integrator_solver_and_cone() {
                     twins.assert_same_state(&format!("after step {step}"));
                     contacts += twins.ours.ncon();
                 }
-                assert!(contacts > 0, "{} has come to the ground", twins.name);
+                assert!(contacts > 0, "{} must reach the ground", twins.name);
             }
         }
     }
 }
 
-/// What the arrays of a data hold, except that of contacts, of which the engine leaves parts as they were in its local variables.
+/// Returns the contents of the arrays of a data, except contacts: the engine copies uninitialised parts of local variables to
+/// them.
 fn arrays(data: &sys::mjData, model: &Model) -> Vec<u8> {
-    let length = usize::try_from(data.nbuffer).expect("a length");
-    // SAFETY: that is how long the buffer is, all of which the engine sets to zero when it makes it.
+    let length = usize::try_from(data.nbuffer).unwrap();
+    // SAFETY: the buffer has this length, and the engine zeroes all of it on creation.
     let mut bytes = unsafe { read(data.buffer.cast::<u8>(), 0, length) };
     let contacts = data.contact as usize - data.buffer as usize;
     let room = model.nconmax() * size_of::<sys::mjContact>();
@@ -68,14 +69,14 @@ fn arrays(data: &sys::mjData, model: &Model) -> Vec<u8> {
     bytes
 }
 
-/// The library's step is not a call of `mj_step`, so nothing that one leaves may be missing.
+/// The library's step is not a call of `mj_step`, so it must have all of its effects.
 #[test]
-fn a_step_leaves_every_byte_as_the_engines_does() {
+fn a_step_writes_the_same_bytes_as_c() {
     for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
         for enable in [EnableFlags::empty(), EnableFlags::ENERGY | EnableFlags::FWDINV] {
             let mut model = sample::humanoid();
             let changed = model.edit().options(|options| (options.integrator, options.enable) = (integrator, enable));
-            changed.expect("these are options");
+            changed.unwrap();
             let name = format!("humanoid with {integrator:?} and {enable:?}");
             let mut twins = Twins::new(&Subject { name: name.clone(), model: Arc::new(model) });
             let (mut contacts, mut differences) = (0, 0.0);
@@ -86,9 +87,9 @@ fn a_step_leaves_every_byte_as_the_engines_does() {
                 contacts += twins.ours.ncon();
                 differences += twins.ours.solver_fwdinv()[1];
             }
-            assert!(contacts > 0, "{name} has come to the ground");
+            assert!(contacts > 0, "{name} must reach the ground");
             assert_eq!(differences > 0.0, enable.contains(EnableFlags::FWDINV), "{name}");
-            // SAFETY: the library's data is valid, and nothing writes to it meanwhile.
+            // SAFETY: the library's data is valid, and nothing writes to it during the borrow.
             let (ours, raw) = (unsafe { &*twins.ours.as_ptr() }, twins.raw.data());
             assert_eq!(ours.nbuffer, raw.nbuffer);
             assert!(arrays(ours, &twins.model) == arrays(raw, &twins.model), "{name}: the arrays");
@@ -105,7 +106,7 @@ fn a_step_leaves_every_byte_as_the_engines_does() {
 }
 
 #[test]
-fn an_acceleration_out_of_range_is_found_where_the_engine_finds_it() {
+fn an_acceleration_out_of_range_is_detected_like_in_c() {
     for index in [0, 6, sample::humanoid().nv() - 1] {
         let mut twins = Twins::new(&Subject { name: "humanoid".to_owned(), model: Arc::new(sample::humanoid()) });
         let mut force = vec![0.0; twins.model.nv()];
@@ -125,16 +126,16 @@ fn an_acceleration_out_of_range_is_found_where_the_engine_finds_it() {
 }
 
 #[test]
-fn the_halves_of_a_step_are_the_engines() {
+fn step1_and_step2_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::new(subject);
         twins.shake();
         for step in 1..=steps(subject) / 10 {
-            twins.ours.step1().expect("the first half");
+            twins.ours.step1().unwrap();
             c!(mj_step1(twins.raw.m(), twins.raw.d));
             twins.assert_same_state(&format!("in the middle of step {step}"));
             twins.control();
-            twins.ours.step2().expect("the second half");
+            twins.ours.step2().unwrap();
             c!(mj_step2(twins.raw.m(), twins.raw.d));
             twins.assert_same_state(&format!("after step {step}"));
         }
@@ -143,7 +144,7 @@ fn the_halves_of_a_step_are_the_engines() {
 }
 
 #[test]
-fn forward_dynamics_are_the_engines() {
+fn forward_dynamics_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         twins.assert_same_dynamics("in motion");
@@ -156,14 +157,14 @@ fn forward_dynamics_are_the_engines() {
 }
 
 #[test]
-fn inverse_dynamics_are_the_engines() {
+fn inverse_dynamics_equal_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
         let accelerations = twins.numbers(nv);
         twins.ours.qacc_mut().copy_from_slice(&accelerations);
         twins.raw.write(|d| d.qacc, &accelerations);
-        twins.ours.inverse().expect("inverse dynamics");
+        twins.ours.inverse().unwrap();
         c!(mj_inverse(twins.raw.m(), twins.raw.d));
         let theirs = twins.raw.values(|d| d.qfrc_inverse, nv);
         crate::twins::assert_same(&twins.name, twins.ours.qfrc_inverse(), &theirs);
@@ -172,17 +173,17 @@ fn inverse_dynamics_are_the_engines() {
 }
 
 #[test]
-fn a_reset_is_the_engines() {
+fn a_reset_equals_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
-        twins.ours.reset().expect("a reset");
+        twins.ours.reset().unwrap();
         c!(mj_resetData(twins.raw.m(), twins.raw.d));
         twins.assert_same_state("after reset");
         for key in 0..twins.model.nkey() {
             twins.shake();
             twins.control();
             twins.step();
-            twins.ours.reset_to_key(key).expect("there is such a keyframe");
+            twins.ours.reset_to_key(key).unwrap();
             c!(mj_resetDataKeyframe(twins.raw.m(), twins.raw.d, key as i32));
             let when = format!("after reset to keyframe {key}");
             twins.assert_same_state(&when);
@@ -198,14 +199,14 @@ fn a_reset_is_the_engines() {
 }
 
 #[test]
-fn warnings_are_counted_as_the_engine_counts_them() {
+fn warnings_are_counted_like_in_c() {
     // One run for each of the two limits.
     for (size, warning, number) in [
         (r#"<size nconmax="2" njmax="500"/>"#, Warning::ContactFull, sys::mjWARN_CONTACTFULL),
         (r#"<size nconmax="100" njmax="5"/>"#, Warning::ConstraintFull, sys::mjWARN_CNSTRFULL),
     ] {
         let xml = sample::HUMANOID_XML.replacen("<option ", &format!("{size}<option "), 1);
-        let model = Arc::new(Model::from_xml_str(&xml).expect("a humanoid with little room"));
+        let model = Arc::new(Model::from_xml_str(&xml).unwrap());
         let mut twins = Twins::new(&Subject { name: format!("humanoid with {size}"), model });
         for step in 1..=300 {
             twins.control();

@@ -1,4 +1,4 @@
-//! What stays as it was, what may be left out, and what is refused.
+//! Restored state, optional outputs, and rejected arguments.
 #![forbid(unsafe_code)]
 
 use mujoco_safe::{Data, Error, InverseJacobians, InverseOutputs, Matrix, Model, Stage, StateSpec, sample};
@@ -10,9 +10,9 @@ fn bits(values: &[f64]) -> Vec<u64> {
 }
 
 #[test]
-fn the_state_the_accelerations_and_all_inputs_are_as_before() {
+fn state_accelerations_and_inputs_are_restored() {
     for mut data in subjects() {
-        // Quaternions that are not of length 1, which the engine would bring to it.
+        // Quaternions that are not normalised, which the engine would normalise.
         data.qpos_mut().iter_mut().for_each(|value| *value *= 1.01);
         data.mocap_quat_mut().as_flattened_mut().iter_mut().for_each(|value| *value *= 0.9);
         let state = StateSpec::all();
@@ -24,7 +24,7 @@ fn the_state_the_accelerations_and_all_inputs_are_as_before() {
 }
 
 #[test]
-fn everything_else_is_as_after_inverse() {
+fn other_results_are_those_of_inverse() {
     for mut data in subjects() {
         let mut other = data.clone();
         data.inverse_fd(EPS, false).unwrap();
@@ -39,7 +39,7 @@ fn everything_else_is_as_after_inverse() {
         ] {
             assert_eq!(bits(ours), bits(theirs));
         }
-        // And the next step is the same: nothing of the engine's stack is lost, and nothing of the state.
+        // The next step is the same, so the engine's stack and the state are restored.
         data.step().unwrap();
         other.step().unwrap();
         assert_eq!(bits(&data.physics_state()), bits(&other.physics_state()));
@@ -47,8 +47,8 @@ fn everything_else_is_as_after_inverse() {
 }
 
 #[test]
-fn it_may_be_called_for_ever() {
-    // Each call gives back what it takes of the engine's stack.
+fn many_calls_do_not_exhaust_the_stack() {
+    // Each call releases the engine's stack.
     let mut data = Data::new(sample::cartpole()).unwrap();
     for _ in 0..2000 {
         data.inverse_fd(EPS, true).unwrap();
@@ -56,7 +56,7 @@ fn it_may_be_called_for_ever() {
 }
 
 #[test]
-fn each_output_alone_is_the_same_as_with_the_others() {
+fn each_output_is_independent_of_the_other_outputs() {
     for mut data in subjects() {
         for flg_actuation in [false, true] {
             let all = data.inverse_fd(EPS, flg_actuation).unwrap();
@@ -80,10 +80,10 @@ fn each_output_alone_is_the_same_as_with_the_others() {
 }
 
 #[test]
-fn a_wrong_shape_is_refused_before_anything_is_computed() {
+fn a_wrong_shape_is_rejected_before_any_computation() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     let before = data.stage();
-    // Each output in turn, a row or a column too many, and the other way round.
+    // Each output in turn, with one row or column too many, or transposed.
     for output in 0..7 {
         for (rows, columns) in [(1, 0), (0, 1)] {
             let mut jacobians = InverseJacobians::zeros(data.model());
@@ -98,7 +98,7 @@ fn a_wrong_shape_is_refused_before_anything_is_computed() {
 }
 
 #[test]
-fn steps_that_are_no_steps_are_refused() {
+fn invalid_differences_are_rejected() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     for eps in [0.0, -1e-6, 1e-13, 1.5, f64::NAN, f64::INFINITY] {
         let error = data.inverse_fd(eps, false).unwrap_err();
@@ -108,10 +108,10 @@ fn steps_that_are_no_steps_are_refused() {
     assert!(matches!(data.inverse_fd(EPS, false), Err(Error::Unstable(_))));
 }
 
-/// The model with another `nstack`: room for so many numbers on the engine's stack.
+/// Returns the model with another `nstack`, the number of values on the engine's stack.
 fn with_stack(model: &Model, nstack: i32) -> Model {
     let mut bytes = model.to_binary().unwrap();
-    // Four integers of header, and then the sizes, in the order of the engine's own list.
+    // The header is four integers long; the sizes follow in the order of the engine's list.
     let table = include_str!("../../../mujoco-sys/fields/v2_2_2.tsv");
     let mut sizes = table.lines().filter_map(|line| line.strip_prefix("Model\tsize\tint\t")?.split('\t').next());
     let at = 4 * (4 + sizes.position(|size| size == "nstack").unwrap());
@@ -121,10 +121,10 @@ fn with_stack(model: &Model, nstack: i32) -> Model {
 }
 
 #[test]
-fn a_stack_without_room_is_an_error_and_leaves_the_state() {
+fn a_small_stack_is_an_error_that_keeps_the_state() {
     let model = sample::humanoid();
     let kept = model.nq() + 3 * model.nv() + 4 * model.nmocap();
-    // Too little for the saved state, too little for the engine besides, and enough for both.
+    // Too small for the saved state, too small for the engine in addition, and sufficient for both.
     for (nstack, enough) in [(kept - 1, false), (kept, false), (1_000_000, true)] {
         let mut data = Data::new(with_stack(&model, nstack as i32)).unwrap();
         data.qpos_mut().iter_mut().for_each(|value| *value *= 1.01);
@@ -136,14 +136,14 @@ fn a_stack_without_room_is_an_error_and_leaves_the_state() {
         }
         assert_eq!(bits(&data.state(StateSpec::all())), before);
         assert_eq!(matches!(data.inverse(), Err(Error::Poisoned { .. })), !enough);
-        // Nothing of the stack is lost: the same happens again.
+        // The stack is released: the same calls succeed again.
         data.reset().unwrap();
         assert_eq!(data.inverse_fd(EPS, false).is_ok(), enough);
     }
 }
 
 #[test]
-fn models_without_anything_that_moves_or_measures() {
+fn models_without_joints_and_sensors_have_empty_jacobians() {
     let mut data = Data::new(Model::from_xml_str("<mujoco/>").unwrap()).unwrap();
     let jacobians = data.inverse_fd(EPS, true).unwrap();
     assert_eq!((jacobians.df_dq.shape(), jacobians.dm_dq.shape()), ((0, 0), (0, 0)));

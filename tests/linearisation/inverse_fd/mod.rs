@@ -1,5 +1,5 @@
-//! The derivatives of inverse dynamics: against differences of the engine's function called directly, against the inertia
-//! matrix, and against formulae; and what of the simulation stays as it was.
+//! Derivatives of inverse dynamics: against finite differences of the engine's function, the inertia matrix and formulae. The
+//! simulation is restored.
 
 mod contract;
 mod numbers;
@@ -9,20 +9,20 @@ use std::sync::{Arc, LazyLock};
 use mujoco_safe::{Data, Model, sample};
 
 static ZOO: LazyLock<Arc<Model>> =
-    LazyLock::new(|| Arc::new(Model::from_xml_str(include_str!("../../models/zoo.xml")).expect("the zoo loads")));
+    LazyLock::new(|| Arc::new(Model::from_xml_str(include_str!("../../models/zoo.xml")).unwrap()));
 
 const EPS: f64 = 1e-6;
 
-/// Simulations in motion, with accelerations that are not zero, and controls.
+/// Returns simulations in motion, with nonzero accelerations and controls.
 fn subjects() -> impl Iterator<Item = Data> {
     [Arc::new(sample::cartpole()), Arc::new(sample::humanoid()), ZOO.clone()].into_iter().map(|model| {
-        let mut data = Data::new(model).expect("there is memory");
+        let mut data = Data::new(model).unwrap();
         data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.1 - 0.03 * i as f64);
         for (i, qvel) in data.qvel_mut().iter_mut().enumerate() {
             *qvel = 0.3 * (i as f64).sin();
         }
         for _ in 0..30 {
-            data.step().expect("stable");
+            data.step().unwrap();
         }
         for (i, qacc) in data.qacc_mut().iter_mut().enumerate() {
             *qacc = (1.3 * i as f64).cos();

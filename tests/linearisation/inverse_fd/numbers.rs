@@ -1,48 +1,48 @@
-//! The numbers.
+//! Numerical results.
 
 use mujoco_safe::sys;
 use mujoco_safe::{Data, DisableFlags, InverseJacobians, Matrix, Model, StateSpec, sample};
 
 use super::{EPS, assert_near, subjects};
 
-/// A copy, in which one number is changed, with what the engine's inverse dynamics makes of it: forces, sensors, inertia.
-fn changed(data: &Data, change: impl FnOnce(&mut Data)) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+/// Returns forces, sensor values and inertia matrix of the engine's inverse dynamics for a inverse_of_changed copy.
+fn inverse_of_changed(data: &Data, change: impl FnOnce(&mut Data)) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let mut copy = data.clone();
     copy.set_state(StateSpec::INTEGRATION, &data.state(StateSpec::INTEGRATION)).unwrap();
     change(&mut copy);
     let model = copy.model().clone();
-    // SAFETY: a model and a data that go together.
+    // SAFETY: the data belongs to the model.
     unsafe { sys::mj_inverse(model.as_ptr(), copy.as_mut_ptr()) };
     (copy.qfrc_inverse().to_vec(), copy.sensordata().to_vec(), copy.qM().to_vec())
 }
 
-/// `(after − before) / eps`, bit for bit as it is done with the engine's numbers.
+/// Returns `(after − before) / eps`, with the operations of the engine.
 fn difference(after: &[f64], before: &[f64]) -> Vec<f64> {
     after.iter().zip(before).map(|(after, before)| (after - before) / EPS).collect()
 }
 
 #[test]
-fn rows_are_differences_of_the_engines_inverse_dynamics() {
+fn rows_equal_differences_of_the_engines_inverse_dynamics() {
     for mut data in subjects() {
         let original = data.clone();
         let InverseJacobians { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = data.inverse_fd(EPS, false).unwrap();
-        let (force, sensors, inertia) = changed(&original, |_| {});
+        let (force, sensors, inertia) = inverse_of_changed(&original, |_| {});
         let model = original.model().clone();
         for dof in 0..model.nv() {
             let mut direction = vec![0.0; model.nv()];
             direction[dof] = 1.0;
-            let (f, s, m) = changed(&original, |data| {
-                // SAFETY: arrays of the model's sizes.
+            let (f, s, m) = inverse_of_changed(&original, |data| {
+                // SAFETY: the arrays have the model's sizes.
                 unsafe { sys::mj_integratePos(model.as_ptr(), data.qpos_mut().as_mut_ptr(), direction.as_ptr(), EPS) };
             });
-            // The same operations, so the same numbers.
+            // The same operations give the same bits.
             assert_near("DfDq", df_dq.row(dof), &difference(&f, &force), 1e-12);
             assert_near("DsDq", ds_dq.row(dof), &difference(&s, &sensors), 1e-12);
             assert_near("DmDq", dm_dq.row(dof), &difference(&m, &inertia), 1e-12);
-            let (f, s, _) = changed(&original, |data| data.qvel_mut()[dof] += EPS);
+            let (f, s, _) = inverse_of_changed(&original, |data| data.qvel_mut()[dof] += EPS);
             assert_near("DfDv", df_dv.row(dof), &difference(&f, &force), 1e-12);
             assert_near("DsDv", ds_dv.row(dof), &difference(&s, &sensors), 1e-12);
-            let (f, s, _) = changed(&original, |data| data.qacc_mut()[dof] += EPS);
+            let (f, s, _) = inverse_of_changed(&original, |data| data.qacc_mut()[dof] += EPS);
             assert_near("DfDa", df_da.row(dof), &difference(&f, &force), 1e-12);
             assert_near("DsDa", ds_da.row(dof), &difference(&s, &sensors), 1e-12);
         }
@@ -50,7 +50,7 @@ fn rows_are_differences_of_the_engines_inverse_dynamics() {
 }
 
 #[test]
-fn without_constraints_forces_by_accelerations_are_the_inertia_matrix() {
+fn without_constraints_the_derivative_by_acceleration_is_the_inertia_matrix() {
     for mut data in subjects() {
         let disable = DisableFlags::CONSTRAINT;
         data.edit_model(|model| model.options(|options| options.disable = disable)).unwrap().unwrap();
@@ -60,14 +60,14 @@ fn without_constraints_forces_by_accelerations_are_the_inertia_matrix() {
 }
 
 #[test]
-fn what_changes_with_the_inertia_matrix_is_its_change() {
+fn the_derivative_of_the_inertia_matrix_equals_differences() {
     for mut data in subjects() {
         let dm_dq = data.inverse_fd(EPS, false).unwrap().dm_dq;
         let (model, nv) = (data.model().clone(), data.model().nv());
         for dof in 0..nv {
-            // The full matrix on both sides, the other way round in sparse form.
+            // Both use the full matrix; converting back gives the sparse form.
             let mut full = Matrix::zeros(nv, nv);
-            // SAFETY: arrays of the model's sizes.
+            // SAFETY: the arrays have the model's sizes.
             unsafe {
                 sys::mj_fullM(model.as_ptr(), full.as_mut_slice().as_mut_ptr(), dm_dq.row(dof).as_ptr());
             }
@@ -92,8 +92,8 @@ fn what_changes_with_the_inertia_matrix_is_its_change() {
 }
 
 #[test]
-fn of_a_pendulum_they_are_those_of_the_formula() {
-    // A point of 2 kg at the end of a rod of 0.5 m, in a damped hinge with a spring and a position servo.
+fn derivatives_of_a_pendulum_equal_the_formula() {
+    // A point mass of 2 kg at the end of a rod of 0.5 m, on a damped hinge with a spring and a position servo.
     let model = Model::from_xml_str(
         r#"<mujoco>
              <option gravity="0 0 -10"/>
@@ -127,14 +127,14 @@ fn of_a_pendulum_they_are_those_of_the_formula() {
         assert_near("DsDa", found.ds_da.as_slice(), &[0.0, 0.0], 0.0);
         assert_near("DmDq", found.dm_dq.as_slice(), &[0.0], 1e-8);
     }
-    // The data itself has the forces of inverse dynamics, whoever exerts them.
+    // The data itself has the forces of inverse dynamics, including applied forces.
     let expected = inertia * 2.0 + 2.0 * 10.0 * 0.5 * angle.sin() + 1.5 * angle + 0.3 * -0.4;
     assert_near("force", data.qfrc_inverse(), &[expected], 1e-8);
 }
 
 #[test]
-fn a_row_belongs_to_what_is_changed() {
-    // Coriolis forces are not symmetric: the arm that turns is not pushed by the one that slides along it as it pushes that.
+fn rows_correspond_to_inputs() {
+    // Coriolis forces are not symmetric between an arm that rotates and an arm that slides along it.
     let model = Model::from_xml_str(
         r#"<mujoco>
              <option gravity="0 0 0"/>
@@ -162,7 +162,7 @@ fn a_row_belongs_to_what_is_changed() {
 }
 
 #[test]
-fn of_the_cart_pole_they_are_those_of_a_newer_engine() {
+fn derivatives_of_the_cart_pole_equal_a_newer_engine() {
     // Recorded from mjd_inverseFD of the Python module of MuJoCo 3.1.6.
     let mut data = Data::new(sample::cartpole()).unwrap();
     data.qpos_mut().copy_from_slice(&[0.2, 0.7]);
@@ -174,9 +174,9 @@ fn of_the_cart_pole_they_are_those_of_a_newer_engine() {
     assert_near("DfDv", found.df_dv.as_slice(), &[0.050_000_000_58, 0.0, 0.289_897_862_16, 0.049_999_999_918], 1e-8);
     let inertia = [2.000_000_000_28, 0.114_726_328_215_297_71, 0.114_726_327_993_253_11, 0.063_454_431_709_075_72];
     assert_near("DfDa", found.df_da.as_slice(), &inertia, 1e-8);
-    // The order of the numbers of the inertia matrix is another one there: the full matrices are compared.
+    // The sparse inertia matrix has another order there, so full matrices are compared.
     let mut full = Matrix::zeros(2, 2);
-    // SAFETY: arrays of the model's sizes.
+    // SAFETY: the arrays have the model's sizes.
     unsafe {
         let row = found.dm_dq.row(1).as_ptr();
         sys::mj_fullM(data.model().as_ptr(), full.as_mut_slice().as_mut_ptr(), row);

@@ -1,4 +1,4 @@
-//! What every method promises.
+//! Properties of every method.
 
 use std::sync::Arc;
 
@@ -13,64 +13,64 @@ use super::{assert_near, deviation, oracle, standing};
 const METHODS: [TransitionMethod; 3] = [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse];
 
 fn workspace(data: &Data, options: TransitionOptions) -> Lineariser {
-    Lineariser::new(data.model().clone(), options).expect("there is memory")
+    Lineariser::new(data.model().clone(), options).unwrap()
 }
 
 fn by(data: &mut Data, method: TransitionMethod, threads: usize) -> StateSpace {
-    workspace(data, TransitionOptions { method, threads, ..Default::default() }).linear_system(data).expect("stable").0
+    workspace(data, TransitionOptions { method, threads, ..Default::default() }).linear_system(data).unwrap().0
 }
 
 fn cartpole() -> Data {
-    let mut data = Data::new(sample::cartpole()).expect("there is memory");
+    let mut data = Data::new(sample::cartpole()).unwrap();
     data.qpos_mut()[1] = 0.4;
     data.qvel_mut().copy_from_slice(&[0.3, -0.7]);
     data.ctrl_mut()[0] = 0.2;
     data
 }
 
-/// Every kind of element, in motion.
+/// Returns the model with most kinds of element, in motion.
 fn zoo() -> Data {
-    let model = Model::from_xml_str(include_str!("../../models/zoo.xml")).expect("the zoo loads");
-    let mut data = Data::new(model).expect("there is memory");
+    let model = Model::from_xml_str(include_str!("../../models/zoo.xml")).unwrap();
+    let mut data = Data::new(model).unwrap();
     data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.1 - 0.03 * i as f64);
-    (0..20).for_each(|_| data.step().expect("stable"));
+    (0..20).for_each(|_| data.step().unwrap());
     data
 }
 
 fn with_options(mut data: Data, change: impl FnOnce(&mut Options)) -> Data {
-    data.edit_model(|model: &mut ModelMut<'_>| model.options(change)).expect("a copy").expect("good options");
+    data.edit_model(|model: &mut ModelMut<'_>| model.options(change)).unwrap().unwrap();
     data
 }
 
 #[test]
-fn columns_are_those_of_the_engine_to_the_last_bit() {
-    // With the integrator Implicit the engine takes a factor from the step before, which does not belong to the control.
+fn columns_equal_the_engine_bit_for_bit() {
+    // With the implicit integrator, the engine uses a factor from the previous step, which does not depend on the control.
     for mut data in [cartpole(), standing(), with_options(zoo(), |options| options.integrator = Integrator::Euler)] {
         for differences in [Differences::Central, Differences::Forward] {
             let options =
                 TransitionOptions { differences, method: TransitionMethod::Columns, threads: 2, ..Default::default() };
-            let (system, used) = workspace(&data, options).linear_system(&mut data).expect("stable");
+            let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
             assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, None));
-            let engine = data.clone().transition_fd(1e-6, differences).expect("stable");
+            let engine = data.clone().transition_fd(1e-6, differences).unwrap();
             assert!(system == engine, "{differences:?} of {data:?}");
         }
     }
 }
 
 #[test]
-fn with_the_implicit_integrator_columns_are_nearer_to_the_truth_than_the_engine() {
+fn columns_with_the_implicit_integrator_are_more_accurate_than_the_engine() {
     let mut data = zoo();
     let truth = oracle::linear_system(&data);
     let [columns, engine] =
         [TransitionMethod::Columns, TransitionMethod::Engine].map(|method| by(&mut data, method, 1));
-    // What changes an activation changes the derivative of its muscle's force by velocity.
+    // An activation changes the derivative of its muscle's force by velocity.
     let muscle = (6, 26);
     let error = |system: &StateSpace| (system.a[muscle] - truth.a[muscle]).abs();
     assert!(error(&columns) < 1e-3 * error(&engine), "{:e}, {:e}", error(&columns), error(&engine));
 }
 
 #[test]
-fn a_control_at_the_end_of_its_range_is_moved_to_one_side_by_all_methods() {
+fn all_methods_perturb_a_control_at_its_limit_inwards() {
     let mut data = standing();
     let [low, high] = data.model().actuator_ctrlrange()[0];
     data.ctrl_mut()[0] = high;
@@ -83,7 +83,7 @@ fn a_control_at_the_end_of_its_range_is_moved_to_one_side_by_all_methods() {
 }
 
 #[test]
-fn through_inverse_dynamics_is_near_the_engine_and_nearer_to_the_truth() {
+fn the_implicit_method_is_more_accurate_than_the_engine() {
     for mut data in [standing(), cartpole()] {
         let truth = oracle::linear_system(&data);
         let inverse = by(&mut data, TransitionMethod::Inverse, 1);
@@ -96,17 +96,17 @@ fn through_inverse_dynamics_is_near_the_engine_and_nearer_to_the_truth() {
 }
 
 #[test]
-fn forward_differences_are_near_central_ones() {
+fn forward_differences_are_close_to_central_differences() {
     let mut data = standing();
     let central = by(&mut data, TransitionMethod::Inverse, 1);
     let options = TransitionOptions { differences: Differences::Forward, ..Default::default() };
-    let (forward, _) = workspace(&data, options).linear_system(&mut data).expect("stable");
+    let (forward, _) = workspace(&data, options).linear_system(&mut data).unwrap();
     assert!(forward != central);
     assert_near("forward", &forward, &central, 1e-3);
 }
 
 #[test]
-fn the_number_of_threads_changes_no_bit() {
+fn the_result_does_not_depend_on_the_number_of_threads() {
     for mut data in [cartpole(), standing(), zoo()] {
         for method in METHODS {
             let one = by(&mut data, method, 1);
@@ -118,13 +118,13 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
-fn the_pool_that_the_call_is_made_in_changes_no_bit() {
-    // Called from within a pool, with fewer threads than asked for, or with none to spare.
+fn the_result_does_not_depend_on_the_surrounding_pool() {
+    // Called within a pool with fewer threads than requested, or with no free threads.
     for mut data in [standing(), zoo()] {
         for method in METHODS {
             let one = by(&mut data, method, 1);
             for threads in [1, 2, 5] {
-                let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
+                let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 assert_eq!(pool.install(|| by(&mut data, method, 3)), one, "{method:?} in {threads}");
             }
         }
@@ -132,7 +132,7 @@ fn the_pool_that_the_call_is_made_in_changes_no_bit() {
 }
 
 #[test]
-fn a_workspace_that_has_failed_linearises_the_next_state_as_a_new_one() {
+fn a_workspace_is_usable_after_a_failure() {
     let mut data = standing();
     for method in METHODS {
         let options = TransitionOptions { method, threads: 2, ..Default::default() };
@@ -141,32 +141,32 @@ fn a_workspace_that_has_failed_linearises_the_next_state_as_a_new_one() {
         let mut lost = data.clone();
         lost.qfrc_applied_mut().fill(1e300);
         assert!(used.linear_system_into(&mut lost, &mut system).is_err(), "{method:?}");
-        used.linear_system_into(&mut data, &mut system).expect("stable");
+        used.linear_system_into(&mut data, &mut system).unwrap();
         assert_eq!(system, one, "{method:?}");
     }
 }
 
 #[test]
-fn outputs_that_are_left_out_change_nothing_of_the_others() {
+fn omitted_outputs_do_not_affect_other_outputs() {
     let mut data = standing();
     for method in METHODS {
         for threads in [1, 2] {
             let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
-            let whole = transition.linear_system(&mut data).expect("stable").0;
+            let whole = transition.linear_system(&mut data).unwrap().0;
             let mut part = StateSpace::zeros(data.model());
             let outputs = TransitionOutputs { a: Some(&mut part.a), ..Default::default() };
-            transition.linear_system_into(&mut data, outputs).expect("stable");
+            transition.linear_system_into(&mut data, outputs).unwrap();
             let outputs = TransitionOutputs { b: Some(&mut part.b), d: Some(&mut part.d), ..Default::default() };
-            transition.linear_system_into(&mut data, outputs).expect("stable");
+            transition.linear_system_into(&mut data, outputs).unwrap();
             let outputs = TransitionOutputs { c: Some(&mut part.c), ..Default::default() };
-            transition.linear_system_into(&mut data, outputs).expect("stable");
+            transition.linear_system_into(&mut data, outputs).unwrap();
             assert_near(&format!("{method:?}"), &part, &whole, 1e-9);
-            transition.linear_system_into(&mut data, TransitionOutputs::default()).expect("nothing to do");
+            transition.linear_system_into(&mut data, TransitionOutputs::default()).unwrap();
         }
     }
 }
 
-/// All that a simulation holds, as text.
+/// Returns all contents of a simulation.
 fn everything(data: &Data) -> (Vec<f64>, Vec<f64>, String) {
     (
         data.state(StateSpec::INTEGRATION),
@@ -176,30 +176,30 @@ fn everything(data: &Data) -> (Vec<f64>, Vec<f64>, String) {
 }
 
 #[test]
-fn the_simulation_is_as_before_to_the_last_bit() {
+fn the_simulation_is_restored_bit_for_bit() {
     for mut data in [cartpole(), standing(), zoo()] {
         for method in METHODS {
             for threads in [1, 2] {
                 let before = everything(&data);
                 let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
-                transition.linear_system(&mut data).expect("stable");
+                transition.linear_system(&mut data).unwrap();
                 assert_eq!(everything(&data), before);
 
-                // Accelerations beyond all bounds are an error of the step.
+                // Huge accelerations are an error of the step.
                 let mut wild = data.clone();
                 wild.qfrc_applied_mut().fill(1e300);
                 let before = everything(&wild);
                 assert!(matches!(transition.linear_system(&mut wild), Err(Error::Unstable(_))), "{method:?}");
                 assert_eq!(everything(&wild), before);
-                // And none for the next one.
-                transition.linear_system(&mut data).expect("stable");
+                // The next linearisation succeeds.
+                transition.linear_system(&mut data).unwrap();
             }
         }
     }
 }
 
 #[test]
-fn where_the_theorem_does_not_hold_differences_take_its_place_and_say_so() {
+fn unsupported_models_fall_back_to_differences_with_a_report() {
     for (data, fallback) in [
         (with_options(cartpole(), |options| options.integrator = Integrator::Rk4), Fallback::RungeKutta),
         (with_options(standing(), |options| options.integrator = Integrator::Implicit), Fallback::ImplicitIntegrator),
@@ -209,7 +209,7 @@ fn where_the_theorem_does_not_hold_differences_take_its_place_and_say_so() {
         let truth = oracle::linear_system(&data);
         for threads in [1, 2] {
             let options = TransitionOptions { threads, ..Default::default() };
-            let (system, used) = workspace(&data, options).linear_system(&mut data).expect("stable");
+            let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
             assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(fallback)));
             assert_near(&fallback.to_string(), &system, &truth, 1e-4);
         }
@@ -220,70 +220,70 @@ fn where_the_theorem_does_not_hold_differences_take_its_place_and_say_so() {
     });
     for threads in [1, 2] {
         let options = TransitionOptions { threads, ..Default::default() };
-        let (system, used) = workspace(&data, options).linear_system(&mut data).expect("stable");
+        let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
         assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(Fallback::NotConverged)));
-        assert_eq!(system, data.clone().transition_fd(1e-6, Differences::Central).expect("stable"));
+        assert_eq!(system, data.clone().transition_fd(1e-6, Differences::Central).unwrap());
     }
 }
 
 #[test]
-fn the_engine_does_not_differentiate_runge_kutta_and_columns_do() {
+fn columns_support_runge_kutta_and_the_engine_does_not() {
     let mut data = with_options(cartpole(), |options| options.integrator = Integrator::Rk4);
     let options = TransitionOptions { method: TransitionMethod::Engine, ..Default::default() };
-    let (system, used) = workspace(&data, options).linear_system(&mut data).expect("stable");
+    let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
     assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(Fallback::RungeKutta)));
     assert_near("Runge–Kutta", &system, &oracle::linear_system(&data), 1e-7);
 }
 
 #[test]
-fn callbacks_are_part_of_what_is_linearised() {
+fn linearisations_include_callbacks() {
     let mut data = cartpole();
     data.ctrl_mut()[0] = -0.5 * data.qpos()[1];
     let before = data.state(StateSpec::INTEGRATION);
     let feedback = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = -0.5 * moment.qpos()[1]);
     let mut transition = workspace(&data, TransitionOptions::default());
-    let (system, used) = data.with_callbacks(feedback, |data| transition.linear_system(data)).expect("stable");
+    let (system, used) = data.with_callbacks(feedback, |data| transition.linear_system(data)).unwrap();
     assert_eq!((used.method, used.fallback), (TransitionMethod::Engine, Some(Fallback::Callbacks)));
     assert_eq!(data.state(StateSpec::INTEGRATION), before);
-    let free = transition.linear_system(&mut data).expect("stable").0;
+    let free = transition.linear_system(&mut data).unwrap().0;
     let gain = (system.a[(2, 1)] - free.a[(2, 1)]) / free.b[(2, 0)];
     assert!((gain + 0.5).abs() < 1e-3, "{gain}");
 }
 
 #[test]
-fn a_model_that_was_changed_is_followed() {
+fn edits_of_the_model_are_followed() {
     let mut data = cartpole();
     for method in METHODS {
         let mut transition = workspace(&data, TransitionOptions { method, ..Default::default() });
-        let before = transition.linear_system(&mut data).expect("stable").0;
+        let before = transition.linear_system(&mut data).unwrap().0;
         let mut changed = with_options(data.clone(), |options| options.gravity = [0.0; 3]);
-        let after = transition.linear_system(&mut changed).expect("stable").0;
+        let after = transition.linear_system(&mut changed).unwrap().0;
         assert!(after != before);
         assert_eq!(after, by(&mut changed, method, 1));
     }
 }
 
 #[test]
-fn along_a_trajectory_each_row_is_as_if_alone() {
+fn linearisations_along_a_trajectory_equal_single_linearisations() {
     let mut data = standing();
     let (mut states, mut controls) = (Vec::new(), Vec::new());
     for knot in 0..5 {
         data.ctrl_mut()[3] = 0.1 * f64::from(knot);
         states.extend_from_slice(&data.physics_state());
         controls.extend_from_slice(data.ctrl());
-        data.step().expect("stable");
+        data.step().unwrap();
     }
     let states = Matrix::from_row_major(5, states.len() / 5, states);
     let controls = Matrix::from_row_major(5, controls.len() / 5, controls);
     for method in METHODS {
         for threads in [1, 2, 9] {
             let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
-            let systems = transition.along(&data, &states, &controls).expect("stable");
+            let systems = transition.along(&data, &states, &controls).unwrap();
             for (knot, (system, used)) in systems.iter().enumerate() {
                 let mut alone = data.clone();
-                alone.set_physics_state(states.row(knot)).expect("the right length");
+                alone.set_physics_state(states.row(knot)).unwrap();
                 alone.ctrl_mut().copy_from_slice(controls.row(knot));
-                let (expected, how) = transition.linear_system(&mut alone).expect("stable");
+                let (expected, how) = transition.linear_system(&mut alone).unwrap();
                 assert_eq!((system, *used), (&expected, how), "{method:?} in {threads}, row {knot}");
             }
         }
@@ -295,7 +295,7 @@ fn along_a_trajectory_each_row_is_as_if_alone() {
     assert!(
         transition
             .along(&data, &Matrix::zeros(0, states.ncols()), &Matrix::zeros(0, controls.ncols()))
-            .expect("none")
+            .unwrap()
             .is_empty()
     );
 }
@@ -316,10 +316,10 @@ fn wrong_shapes_options_and_models_are_errors() {
     let mut transition = workspace(&data, TransitionOptions::default());
     for wrong in 0..4 {
         let mut system = StateSpace::zeros(&model);
-        let matrix = [&mut system.a, &mut system.b, &mut system.c, &mut system.d].into_iter().nth(wrong).expect("four");
+        let matrix = [&mut system.a, &mut system.b, &mut system.c, &mut system.d].into_iter().nth(wrong).unwrap();
         *matrix = Matrix::zeros(matrix.nrows() + 1, matrix.ncols());
         assert!(matches!(transition.linear_system_into(&mut data, &mut system), Err(Error::Shape { .. })));
-        let mut systems = transition.along(&data, &Matrix::zeros(1, 4), &Matrix::zeros(1, 1)).expect("stable");
+        let mut systems = transition.along(&data, &Matrix::zeros(1, 4), &Matrix::zeros(1, 1)).unwrap();
         systems[0].0 = system;
         let result = transition.along_into(&data, &Matrix::zeros(1, 4), &Matrix::zeros(1, 1), &mut systems);
         assert!(matches!(result, Err(Error::Shape { .. })));
@@ -331,7 +331,7 @@ fn wrong_shapes_options_and_models_are_errors() {
     let result = transition.along_into(&data, &Matrix::zeros(2, 4), &Matrix::zeros(2, 1), &mut []);
     assert!(matches!(result, Err(Error::Shape { .. })));
 
-    let mut other = Data::new(sample::cartpole()).expect("there is memory");
+    let mut other = Data::new(sample::cartpole()).unwrap();
     assert!(matches!(transition.linear_system(&mut other), Err(Error::OtherModel { .. })));
     data.qvel_mut()[0] = f64::NAN;
     assert!(matches!(transition.linear_system(&mut data), Err(Error::Unstable(_))));
@@ -340,7 +340,7 @@ fn wrong_shapes_options_and_models_are_errors() {
 #[test]
 fn models_without_joints_or_actuators_have_empty_systems() {
     for xml in ["<mujoco/>", r#"<mujoco><worldbody><body><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#] {
-        let mut data = Data::new(Model::from_xml_str(xml).expect("it loads")).expect("there is memory");
+        let mut data = Data::new(Model::from_xml_str(xml).unwrap()).unwrap();
         let engine = by(&mut data, TransitionMethod::Engine, 1);
         for threads in [1, 2] {
             assert_eq!(by(&mut data, TransitionMethod::Columns, threads), engine);

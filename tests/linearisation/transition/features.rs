@@ -1,10 +1,10 @@
-//! Each feature of the engine that a step depends on, alone: through inverse dynamics, against extrapolated differences.
+//! Each feature of the engine that affects a step, alone: the implicit method against extrapolated differences.
 
 use mujoco_safe::{Data, Lineariser, Model, StateSpace, TransitionMethod, TransitionOptions};
 
 use super::{assert_near, oracle};
 
-/// A chain of three links, with what a feature adds to the options, to the world, to the links and outside of the bodies.
+/// Returns a chain of three links, with the feature's additions to the options, the world, the links and the model.
 fn chain(option: &str, world: &str, links: &str, rest: &str) -> String {
     format!(
         r#"<mujoco>
@@ -32,7 +32,7 @@ fn chain(option: &str, world: &str, links: &str, rest: &str) -> String {
     )
 }
 
-/// A body that may fall on the floor.
+/// Returns a body that may fall on the floor.
 fn ball(option: &str, joint: &str, geom: &str, rest: &str) -> String {
     format!(
         r#"<mujoco>
@@ -46,22 +46,21 @@ fn ball(option: &str, joint: &str, geom: &str, rest: &str) -> String {
     )
 }
 
-/// In motion, with controls and activations.
+/// Returns a simulation in motion, with controls and activations.
 fn moving(xml: &str, steps: usize) -> Data {
-    let mut data =
-        Data::new(Model::from_xml_str(xml).unwrap_or_else(|error| panic!("{error}: {xml}"))).expect("memory");
+    let mut data = Data::new(Model::from_xml_str(xml).unwrap_or_else(|error| panic!("{error}: {xml}"))).unwrap();
     data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.3 + 0.1 * i as f64);
     data.act_mut().iter_mut().enumerate().for_each(|(i, act)| *act = 0.4 + 0.1 * i as f64);
     for (i, qvel) in data.qvel_mut().iter_mut().enumerate() {
         *qvel = -0.4 * (1.0 + 0.4 * i as f64).sin();
     }
-    (0..steps).for_each(|_| data.step().expect("stable"));
+    (0..steps).for_each(|_| data.step().unwrap());
     data
 }
 
 fn inverse(data: &mut Data) -> StateSpace {
-    let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).expect("memory");
-    let (system, used) = transition.linear_system(data).expect("it can be linearised");
+    let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
+    let (system, used) = transition.linear_system(data).unwrap();
     assert_eq!((used.method, used.fallback), (TransitionMethod::Inverse, None));
     system
 }
@@ -140,7 +139,7 @@ fn actuators_of_each_kind_alone() {
         let rest = format!(
             r#"<tendon><spatial name="s"><site site="anchor"/><site site="tip"/></spatial></tendon><actuator>{actuator}</actuator>"#
         );
-        // An engine that does not know the transmission says so when it loads.
+        // An engine without this transmission rejects it when loading.
         let xml = chain("", "", r#"damping="0.2""#, &rest);
         if actuator.contains("refsite") && Model::from_xml_str(&xml).is_err() {
             continue;
@@ -171,7 +170,7 @@ fn rotations_of_ball_and_free_joints() {
         let mut data = moving(&xml, 0);
         let last = data.qvel().len();
         data.qvel_mut()[last - 3..].copy_from_slice(&[9.0, -7.0, 12.0]);
-        data.step().expect("stable");
+        data.step().unwrap();
         check(joint, &mut data);
     }
 }

@@ -1,5 +1,5 @@
-//! Linear systems of steps, by every method: against extrapolated differences of the engine's `mj_step`, against its
-//! `mjd_transitionFD`, against each other, and what of the simulation stays as it was.
+//! Linear systems of steps by every method: against extrapolated differences of the engine's `mj_step`, against its
+//! `mjd_transitionFD`, and against each other. The simulation is restored.
 
 mod contract;
 mod features;
@@ -7,23 +7,23 @@ mod oracle;
 
 use mujoco_safe::{Data, Matrix, StateSpace, sample};
 
-/// The humanoid on its left leg, held by its actuators, in contact with the floor.
+/// Returns the humanoid on its left leg, held by its actuators, in contact with the floor.
 fn standing() -> Data {
-    let mut data = Data::new(sample::humanoid()).expect("there is memory");
-    data.reset_to_key("stand_on_left_leg").expect("the key exists");
-    // It sinks into the floor as far as its weight asks for.
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("stand_on_left_leg").unwrap();
+    // The foot settles into the floor until the contact carries the weight.
     data.ctrl_mut().iter_mut().enumerate().for_each(|(i, ctrl)| *ctrl = 0.05 * (i as f64).sin());
-    (0..5).for_each(|_| data.step().expect("stable"));
+    (0..5).for_each(|_| data.step().unwrap());
     assert!(data.nefc() > 0);
     data
 }
 
-/// The largest difference of two matrices, relative to the largest number of the second.
+/// Returns the largest difference of two matrices, relative to the largest number of the second.
 fn deviation(ours: &Matrix, theirs: &Matrix) -> f64 {
     assert_eq!(ours.shape(), theirs.shape());
     let largest = theirs.as_slice().iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let differences = ours.as_slice().iter().zip(theirs.as_slice()).map(|(a, b)| (a - b).abs());
-    // Not a number is as far away as can be.
+    // NaN counts as the largest difference.
     let worst = differences.fold(0.0, |worst: f64, difference| if difference <= worst { worst } else { difference });
     if worst == 0.0 { 0.0 } else { worst / largest }
 }

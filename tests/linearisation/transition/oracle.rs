@@ -1,9 +1,9 @@
-//! The linear system of a step from nothing but `mj_step`: central differences, extrapolated by Richardson's rule, with a solver
-//! that runs until nothing improves any more.
+//! The linear system of a step computed from `mj_step` alone: central differences with Richardson extrapolation, and a solver
+//! that iterates to convergence.
 
 use mujoco_safe::{Data, StateSpace, StateSpec, sys};
 
-/// The widest step of the differences. Two halvings leave an error of its sixth power.
+/// The largest step of the differences. Two halvings leave an error of its sixth power.
 const WIDTH: f64 = 2e-5;
 
 struct Oracle {
@@ -20,34 +20,34 @@ impl Oracle {
                 options.iterations = options.iterations.max(200);
             })
         })
-        .expect("a copy")
-        .expect("good options");
+        .unwrap()
+        .unwrap();
         Self { inputs: data.state(StateSpec::INTEGRATION), data }
     }
 
-    /// Next state and sensors, after a step from beside the state.
-    fn step(&mut self, nudge: &dyn Fn(&mut Data, f64), by: f64) -> (Vec<f64>, Vec<f64>) {
-        self.data.set_state(StateSpec::INTEGRATION, &self.inputs).expect("the right length");
-        nudge(&mut self.data, by);
-        // SAFETY: a data and its own model.
+    /// Returns next state and sensors after a step from a perturbed state.
+    fn step(&mut self, perturb: &dyn Fn(&mut Data, f64), by: f64) -> (Vec<f64>, Vec<f64>) {
+        self.data.set_state(StateSpec::INTEGRATION, &self.inputs).unwrap();
+        perturb(&mut self.data, by);
+        // SAFETY: the data belongs to its model.
         unsafe { sys::mj_step(self.data.model().as_ptr(), self.data.as_mut_ptr()) };
         (self.data.physics_state(), self.data.sensordata().to_vec())
     }
 
-    fn central(&mut self, nudge: &dyn Fn(&mut Data, f64), width: f64) -> Vec<f64> {
+    fn central(&mut self, perturb: &dyn Fn(&mut Data, f64), width: f64) -> Vec<f64> {
         let model = self.data.model().clone();
         let (nq, nv) = (model.nq(), model.nv());
-        let (right, right_sensors) = self.step(nudge, width);
-        let (left, left_sensors) = self.step(nudge, -width);
+        let (right, right_sensors) = self.step(perturb, width);
+        let (left, left_sensors) = self.step(perturb, -width);
         let mut column = vec![0.0; nv];
-        model.differentiate_pos(&mut column, 2.0 * width, &left[..nq], &right[..nq]).expect("the right lengths");
+        model.differentiate_pos(&mut column, 2.0 * width, &left[..nq], &right[..nq]).unwrap();
         let rest = right[nq..].iter().zip(&left[nq..]).chain(right_sensors.iter().zip(&left_sensors));
         column.extend(rest.map(|(right, left)| (right - left) / (2.0 * width)));
         column
     }
 
-    fn column(&mut self, nudge: &dyn Fn(&mut Data, f64)) -> Vec<f64> {
-        let [coarse, middle, fine] = [1.0, 0.5, 0.25].map(|part| self.central(nudge, part * WIDTH));
+    fn column(&mut self, perturb: &dyn Fn(&mut Data, f64)) -> Vec<f64> {
+        let [coarse, middle, fine] = [1.0, 0.5, 0.25].map(|part| self.central(perturb, part * WIDTH));
         (0..coarse.len())
             .map(|i| {
                 let (first, second) = ((4.0 * middle[i] - coarse[i]) / 3.0, (4.0 * fine[i] - middle[i]) / 3.0);
@@ -63,11 +63,11 @@ pub(crate) fn linear_system(data: &Data) -> StateSpace {
     let model = data.model().clone();
     let (nv, na, nx) = (model.nv(), model.na(), 2 * model.nv() + model.na());
     for index in 0..nx + model.nu() {
-        let nudge = |data: &mut Data, by: f64| {
+        let perturb = |data: &mut Data, by: f64| {
             if index < nv {
                 let mut direction = vec![0.0; nv];
                 direction[index] = 1.0;
-                model.integrate_pos(data.qpos_mut(), &direction, by).expect("the right lengths");
+                model.integrate_pos(data.qpos_mut(), &direction, by).unwrap();
             } else if index < 2 * nv {
                 data.qvel_mut()[index - nv] += by;
             } else if index < 2 * nv + na {
@@ -76,7 +76,7 @@ pub(crate) fn linear_system(data: &Data) -> StateSpace {
                 data.ctrl_mut()[index - nx] += by;
             }
         };
-        let column = oracle.column(&nudge);
+        let column = oracle.column(&perturb);
         let (a, c, column_index) =
             if index < nx { (&mut system.a, &mut system.c, index) } else { (&mut system.b, &mut system.d, index - nx) };
         for (row, value) in column.iter().enumerate() {

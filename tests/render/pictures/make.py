@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the scenes of scenes.json with the engine's own renderer, for our renderer to be compared with.
+"""Draws the scenes of scenes.json with the engine's own renderer, for comparison with ours.
 
     MUJOCO_GL=osmesa python make.py [NAME ...]
 
@@ -7,9 +7,9 @@ needs the official bindings of the engine's version (pip install 'mujoco==2.2.2'
 libosmesa6 and libmujoco-samples. Writes engine/NAME.png: 640 by 480 pixels, 4 samples each, shadow maps of the model's own size. The
 scenes `crowd` and `hundred` are for the bench and have no picture.
 
-The state of a scene is that after a number of steps from reset without control. Other builds of the engine, and the same build on
-another processor, end elsewhere in some scenes (visibly in `hammock`), so the states are written to engine/states.json, and whoever
-draws the scenes starts from there.
+The state of a scene is reached by a number of steps from reset without control. Other builds of the engine, and the same build on
+another processor, give different states in some scenes (visibly in `hammock`), so the states are written to engine/states.json, from
+which all renderers start.
 """
 
 import json
@@ -31,7 +31,7 @@ def state_of(scene):
     data = mujoco.MjData(model)
     for _ in range(scene["steps"]):
         mujoco.mj_step(model, data)
-    # As it is written, so that it is drawn as it is read. What the last step left for the solver to start from is not.
+    # Draws the rounded numbers that are written. The warm start of the solver is not written.
     state = {key: [float(f"{value:.9g}") for value in getattr(data, key)] for key in ("qpos", "qvel", "act")}
     mujoco.mj_resetData(model, data)
     for key, values in state.items():
@@ -76,7 +76,7 @@ def main():
     out = HERE / "engine"
     out.mkdir(exist_ok=True)
     names = sys.argv[1:]
-    # Of scenes that are not drawn again the states stay.
+    # Keeps the states of scenes that are not drawn again.
     written = out / "states.json"
     states = json.loads(written.read_text()) if written.exists() else {}
     for scene in json.loads((HERE / "scenes.json").read_text()):

@@ -1,15 +1,15 @@
-//! Our pictures are those of the engine's own renderer.
+//! Pictures against those of the engine's own renderer.
 //!
-//! `engine/` has them as the engine draws them (see `make.py`). Drawn by us, with the renderer's default options:
+//! `engine/` has the engine's pictures (see `make.py`). With the default options of the renderer:
 //!
-//! - the mean of the absolute differences of all channels of all pixels is at most 1.5 of 255;
-//! - at most 0.7 % of the pixels have a channel that is off by more than 8 of 255.
+//! - the mean of the absolute differences over all channels and pixels is at most 1.5 of 255;
+//! - at most 0.7 % of the pixels have a channel with a difference above 8 of 255.
 //!
-//! With light computed at each pixel 2.5 % may be: the edge of a spot of light is a line then, which the engine smears over a cell of
-//! its floor.
+//! With lighting per pixel the limit is 2.5 %: the edge of a spot light is sharp then, while the engine interpolates it over a
+//! cell of its floor.
 //!
-//! What is left is explained in [`mujoco_safe::render`]. For each scene the test leaves a picture of the engine's, ours, and of
-//! their difference eight times as strong, side by side, in the folder `pictures` of cargo's folder for tests
+//! [`mujoco_safe::render`] explains the remaining differences. For each scene the test saves the engine's picture, ours, and
+//! their difference scaled by eight, side by side, in the folder `pictures` of cargo's folder for tests
 //! (`target/tmp/pictures`).
 
 #![forbid(unsafe_code)]
@@ -27,20 +27,20 @@ use scenes::Setting;
 const WIDTH: usize = 640;
 const HEIGHT: usize = 480;
 
-/// Of 255.
+/// Largest mean difference, of 255.
 const MEAN: f64 = 1.5;
-/// A channel that is off by more, of 255, makes a pixel an outlier.
+/// Difference of a channel, of 255, above which a pixel is an outlier.
 const OUTLIER: u8 = 8;
-/// Of all pixels, as the engine computes light, and at each pixel.
+/// Largest share of outliers, per lighting mode.
 const OUTLIERS: [(&str, Lighting, f64); 2] =
     [("", Lighting::PerVertex, 0.007), ("_per_pixel", Lighting::PerPixel, 0.025)];
 
-/// How far a picture is from another.
+/// The difference between two pictures.
 #[derive(Debug)]
 struct Difference {
-    /// Over all channels.
+    /// Mean over all channels.
     mean: f64,
-    /// Over all pixels, the largest of its channels.
+    /// Mean over all pixels of the largest difference of a channel.
     mean_largest: f64,
     outliers: f64,
 }
@@ -66,7 +66,7 @@ impl Difference {
     }
 }
 
-/// Where the pictures are left.
+/// Returns the folder for the saved pictures.
 fn out() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
     fs::create_dir_all(&folder).unwrap();
@@ -89,7 +89,7 @@ fn ours(setting: &Setting, options: &RendererOptions) -> Picture {
     renderer.rgb(&scene).unwrap()
 }
 
-/// The engine's picture, ours, and their difference.
+/// Returns the engine's picture, ours, and their scaled difference side by side.
 fn side_by_side(engine: &Picture, ours: &Picture) -> Picture {
     let mut all = Picture::new(3 * WIDTH, HEIGHT);
     for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
@@ -118,7 +118,7 @@ fn compare(name: &str) {
     );
 }
 
-/// One test for each scene.
+/// Generates one test per scene.
 macro_rules! compare {
     ($($name:ident)*) => {
         $(#[test]
@@ -154,7 +154,7 @@ compare! {
 }
 
 #[test]
-fn a_difference_is_seen() {
+fn a_difference_is_detected() {
     let grey = Picture::from_rgb(10, 10, vec![100; 300]).unwrap();
     let mut other = grey.clone();
     other.set_pixel(3, 4, [100, 109, 97]);

@@ -1,7 +1,6 @@
-//! The scenes that pictures are compared on and that drawing is timed on: models of the engine's package, and how they are
-//! looked at.
+//! Scenes for comparing pictures and for benchmarks: models of the engine's package, and cameras.
 
-#![allow(dead_code, reason = "each user needs its part")]
+#![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,30 +13,30 @@ use serde_json::Value;
 pub struct Setting {
     pub name: String,
     pub model: PathBuf,
-    /// From reset, without control.
+    /// Number of steps after a reset, without control.
     pub steps: usize,
     pub lookat: [f64; 3],
-    /// m.
+    /// Metres.
     pub distance: f64,
     /// Degrees.
     pub azimuth: f64,
     /// Degrees.
     pub elevation: f64,
-    /// What is shown besides.
+    /// Enabled visual flags beside the defaults.
     pub visual: VisualFlags,
 }
 
-/// Where this file's neighbours are.
+/// Returns the folder of this file.
 pub fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/render/pictures")
 }
 
-/// All of them.
+/// Returns all scenes.
 pub fn all() -> Vec<Setting> {
     read("scenes.json").as_array().expect("a list of scenes").iter().map(Setting::of).collect()
 }
 
-/// The one of this name.
+/// Returns the scene of this name.
 pub fn named(name: &str) -> Setting {
     all().into_iter().find(|setting| setting.name == name).unwrap_or_else(|| panic!("a scene named {name}"))
 }
@@ -49,57 +48,57 @@ impl Setting {
             name: text("name"),
             model: PathBuf::from(sample::SYSTEM_MODELS).join(text("model")),
             steps: number(&row["steps"]) as usize,
-            lookat: numbers(&row["lookat"]).try_into().expect("three coordinates"),
+            lookat: numbers(&row["lookat"]).try_into().unwrap(),
             distance: number(&row["distance"]),
             azimuth: number(&row["azimuth"]),
             elevation: number(&row["elevation"]),
-            visual: row["visual"].as_array().expect("flags").iter().map(flag).collect(),
+            visual: row["visual"].as_array().unwrap().iter().map(flag).collect(),
         }
     }
 
-    /// The model.
+    /// Loads the model.
     pub fn model(&self) -> Model {
         Model::from_xml_path(&self.model).unwrap_or_else(|error| panic!("{}: {error}", self.name))
     }
 
-    /// In the state in which the engine's renderer has drawn it.
+    /// Returns the state in which the engine's renderer has drawn the scene.
     pub fn as_drawn(&self) -> Data {
-        let mut data = Data::new(self.model()).expect("a simulation");
+        let mut data = Data::new(self.model()).unwrap();
         let state = &read("engine/states.json")[&self.name];
         data.qpos_mut().copy_from_slice(&numbers(&state["qpos"]));
         data.qvel_mut().copy_from_slice(&numbers(&state["qvel"]));
         data.act_mut().copy_from_slice(&numbers(&state["act"]));
-        data.forward().expect("a state that can be computed");
+        data.forward().unwrap();
         data
     }
 
-    /// In the state after its steps, by this engine.
+    /// Returns the state after the steps, computed by the linked engine.
     pub fn after_steps(&self) -> Data {
-        let mut data = Data::new(self.model()).expect("a simulation");
+        let mut data = Data::new(self.model()).unwrap();
         for _ in 0..self.steps {
-            data.step().expect("a stable simulation");
+            data.step().unwrap();
         }
-        data.forward().expect("a state that can be computed");
+        data.forward().unwrap();
         data
     }
 
-    /// What is to be drawn of it.
+    /// Returns the scene of a simulation.
     pub fn scene(&self, data: &mut Data) -> Scene {
-        let mut scene = Scene::new(data.model(), 20_000).expect("room for the scene");
+        let mut scene = Scene::new(data.model(), 20_000).unwrap();
         scene
             .update(data, &self.options(), None, &mut self.camera(), Categories::all())
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
         scene
     }
 
-    /// What is shown of it.
+    /// Returns the visual options.
     pub fn options(&self) -> SceneOptions {
         let mut options = SceneOptions::default();
         options.flags |= self.visual;
         options
     }
 
-    /// Where it is seen from.
+    /// Returns the camera.
     pub fn camera(&self) -> Camera {
         let &Self { lookat, distance, azimuth, elevation, .. } = self;
         Camera { view: CameraView::Free, lookat, distance, azimuth, elevation }
@@ -107,7 +106,7 @@ impl Setting {
 }
 
 fn flag(name: &Value) -> VisualFlags {
-    name.as_str().and_then(VisualFlags::from_name).unwrap_or_else(|| panic!("{name} is what can be shown"))
+    name.as_str().and_then(VisualFlags::from_name).unwrap_or_else(|| panic!("{name} must be a visual flag"))
 }
 
 fn read(name: &str) -> Value {
@@ -117,9 +116,9 @@ fn read(name: &str) -> Value {
 }
 
 fn number(value: &Value) -> f64 {
-    value.as_f64().expect("a number")
+    value.as_f64().unwrap()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("numbers").iter().map(number).collect()
+    value.as_array().unwrap().iter().map(number).collect()
 }

@@ -8,9 +8,9 @@ use mujoco_safe::record::{Format, Recorder, RecorderOptions};
 
 use super::{HEIGHT, Shown, WIDTH, assert_shows, names, options, record};
 
-/// All pictures as they are seen, and how often they are played.
+/// Returns all frames as displayed, and the number of repetitions.
 fn decode(path: &Path) -> (Vec<Shown>, gif::Repeat) {
-    // As indices and palettes, because a pixel that is transparent keeps what was there.
+    // Decodes indices and palettes, because a transparent pixel keeps the previous frame's colour.
     let mut decoder = gif::Decoder::new(BufReader::new(File::open(path).unwrap())).unwrap();
     let (width, height) = (usize::from(decoder.width()), usize::from(decoder.height()));
     let global = decoder.global_palette().unwrap().to_vec();
@@ -32,7 +32,7 @@ fn decode(path: &Path) -> (Vec<Shown>, gif::Repeat) {
 }
 
 #[test]
-fn few_colours_stay_as_they_are_and_delays_add_up() {
+fn few_colours_are_exact_and_delays_add_up() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.gif");
     let mut times: Vec<f64> = (0..12).map(|frame| f64::from(frame) / 30.0).collect();
@@ -41,7 +41,7 @@ fn few_colours_stay_as_they_are_and_delays_add_up() {
     assert_eq!((summary.format, summary.frames), (Format::Gif, 21));
     let (shown, repeat) = decode(&path);
     assert_eq!(repeat, gif::Repeat::Infinite);
-    // Thirtieths of a second, of which each ends at the nearest hundredth.
+    // Frames of thirtieths of a second, each of which ends at the nearest hundredth.
     let ends: Vec<f64> =
         (1..=11).chain([20, 21]).map(|frame| (100.0 * f64::from(frame) / 30.0).round() / 100.0).collect();
     let expected: Vec<(usize, f64)> =
@@ -51,7 +51,7 @@ fn few_colours_stay_as_they_are_and_delays_add_up() {
 }
 
 #[test]
-fn a_file_lasts_until_the_time_at_which_the_recording_ends() {
+fn a_file_lasts_until_the_end_of_the_recording() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.gif");
     let begin = || {
@@ -65,7 +65,7 @@ fn a_file_lasts_until_the_time_at_which_the_recording_ends() {
     for earlier in [5.05, 5.0, 0.0, -1.0] {
         assert_eq!(begin().finish_at(earlier).unwrap().frames, 1);
     }
-    // The file is complete although this is no time to end at.
+    // The file is complete although this end time is invalid.
     for time in [f64::NAN, f64::INFINITY, f64::MAX] {
         let error = begin().finish_at(time).unwrap_err();
         assert!(matches!(error, mujoco_safe::Error::Invalid { .. }), "{error}");
@@ -74,7 +74,7 @@ fn a_file_lasts_until_the_time_at_which_the_recording_ends() {
 }
 
 #[test]
-fn a_picture_may_be_shown_for_longer_than_a_delay_can_tell() {
+fn a_frame_may_last_longer_than_the_largest_delay() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.gif");
     record(&path, options(50.0), [0.0, 1000.0]);
@@ -82,9 +82,9 @@ fn a_picture_may_be_shown_for_longer_than_a_delay_can_tell() {
 }
 
 #[test]
-fn it_is_played_as_often_as_asked_for() {
+fn the_number_of_repetitions_is_that_of_the_options() {
     let folder = tempfile::tempdir().unwrap();
-    // The format counts repetitions after the first.
+    // The format counts repetitions after the first playback.
     for (plays, repeat) in [(0, gif::Repeat::Infinite), (1, gif::Repeat::Finite(0)), (4, gif::Repeat::Finite(3))] {
         let path = folder.path().join("walk.gif");
         record(&path, RecorderOptions { plays, ..options(10.0) }, [0.0, 0.1]);
@@ -92,7 +92,7 @@ fn it_is_played_as_often_as_asked_for() {
     }
 }
 
-/// Many colours, which are others in each picture.
+/// Returns a picture of many colours, different in each frame.
 fn colorful(width: usize, height: usize, number: usize) -> Vec<u8> {
     let pixel = |place: usize| {
         let (x, y) = (place % width, place / width);
@@ -107,7 +107,7 @@ fn colorful(width: usize, height: usize, number: usize) -> Vec<u8> {
 }
 
 #[test]
-fn other_colours_get_another_palette() {
+fn new_colours_get_a_new_palette() {
     let (width, height) = (64, 48);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.gif");
@@ -127,7 +127,7 @@ fn other_colours_get_another_palette() {
 }
 
 #[test]
-fn pictures_of_any_size_are_as_they_were() {
+fn pictures_of_any_size_are_exact() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.gif");
     for (width, height) in [(1, 1), (1, 17), (17, 1), (WIDTH, HEIGHT), (300, 2)] {

@@ -8,7 +8,7 @@ use mujoco_safe::record::{Format, Recorder, RecorderOptions};
 
 use super::{HEIGHT, Shown, WIDTH, assert_shows, names, options, picture, record};
 
-/// All pictures as they are seen, and how often they are played.
+/// Returns all frames as displayed, and the number of repetitions.
 fn decode(path: &Path) -> (Vec<Shown>, u32) {
     let mut reader = png::Decoder::new(BufReader::new(File::open(path).unwrap())).read_info().unwrap();
     let control = *reader.info().animation_control().unwrap();
@@ -31,7 +31,7 @@ fn decode(path: &Path) -> (Vec<Shown>, u32) {
 }
 
 #[test]
-fn it_shows_what_was_pushed_for_as_long_as_it_took() {
+fn frames_and_delays_are_those_of_the_simulation() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["walk.png", "walk.apng"] {
         let path = folder.path().join(name);
@@ -46,7 +46,7 @@ fn it_shows_what_was_pushed_for_as_long_as_it_took() {
 }
 
 #[test]
-fn a_frame_rate_that_is_no_whole_number_adds_up() {
+fn delays_of_a_fractional_frame_rate_add_up() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.png");
     let rate = 30_000.0 / 1001.0;
@@ -58,7 +58,7 @@ fn a_frame_rate_that_is_no_whole_number_adds_up() {
 }
 
 #[test]
-fn a_picture_may_be_shown_for_longer_than_a_delay_can_tell() {
+fn a_frame_may_last_longer_than_the_largest_delay() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.png");
     record(&path, options(1000.0), [0.0, 70.0]);
@@ -66,7 +66,7 @@ fn a_picture_may_be_shown_for_longer_than_a_delay_can_tell() {
 }
 
 #[test]
-fn it_is_there_when_it_is_finished_and_not_before() {
+fn the_file_appears_when_the_recording_is_finished() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.png");
     std::fs::write(&path, "old").unwrap();
@@ -80,7 +80,7 @@ fn it_is_there_when_it_is_finished_and_not_before() {
 }
 
 #[test]
-fn a_panic_leaves_what_was_recorded() {
+fn a_panic_keeps_the_recorded_frames() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.png");
     let recording = path.clone();
@@ -94,7 +94,7 @@ fn a_panic_leaves_what_was_recorded() {
 }
 
 #[test]
-fn time_that_goes_back_goes_on() {
+fn a_recording_continues_after_a_reset_of_time() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.png");
     record(&path, options(10.0), [3.0, 3.1, 0.0, 0.1]);
@@ -102,7 +102,7 @@ fn time_that_goes_back_goes_on() {
 }
 
 #[test]
-fn slow_motion_takes_more_pictures() {
+fn slow_motion_records_more_frames() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.png");
     let mut recorder = Recorder::create(&path, RecorderOptions { speed: 0.1, ..options(20.0) }).unwrap();

@@ -1,4 +1,4 @@
-//! What is refused, and what is left then.
+//! Rejected options, files and pictures.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use mujoco_safe::record::{Recorder, RecorderOptions};
 use super::{HEIGHT, WIDTH, names, options, picture};
 
 #[test]
-fn an_option_that_is_out_of_range_is_an_error_which_names_it() {
+fn an_option_out_of_range_is_an_error_that_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |name: &str, options| {
         let error = Recorder::create(folder.path().join(name), options).unwrap_err();
@@ -26,7 +26,7 @@ fn an_option_that_is_out_of_range_is_an_error_which_names_it() {
 }
 
 #[test]
-fn a_file_that_cannot_be_written_is_named_before_anything_is_recorded() {
+fn creating_a_recorder_with_an_unwritable_file_names_the_file() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["missing/walk.png", "missing/walk.gif"] {
         let error = Recorder::create(folder.path().join(name), RecorderOptions::default()).unwrap_err();
@@ -41,7 +41,7 @@ fn a_file_that_cannot_be_written_is_named_before_anything_is_recorded() {
 }
 
 #[test]
-fn a_picture_of_another_size_is_refused_and_the_recording_goes_on() {
+fn a_picture_of_another_size_is_rejected_and_the_recording_continues() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["walk.png", "walk.gif", "walk_%d.png"] {
         let mut recorder = Recorder::create(folder.path().join(name), options(10.0)).unwrap();
@@ -81,7 +81,7 @@ fn each_argument_of_a_picture_is_checked() {
 }
 
 #[test]
-fn a_gif_has_no_room_for_larger_pictures() {
+fn a_picture_larger_than_the_gif_limit_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let mut recorder = Recorder::create(folder.path().join("walk.gif"), options(10.0)).unwrap();
     let error = recorder.push_rgb(65_536, 1, &vec![0; 3 * 65_536], 0.0).unwrap_err();
@@ -91,7 +91,7 @@ fn a_gif_has_no_room_for_larger_pictures() {
 }
 
 #[test]
-fn no_picture_is_an_error_and_leaves_nothing() {
+fn a_recording_without_pictures_is_an_error_and_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["walk.png", "walk.gif"] {
         let create = || Recorder::create(folder.path().join(name), options(10.0)).unwrap();
@@ -104,16 +104,16 @@ fn no_picture_is_an_error_and_leaves_nothing() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_told_once_and_ends_the_recording() {
+fn a_full_disk_is_reported_once_and_ends_the_recording() {
     for name in ["walk.gif", "walk.png"] {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
-        // It is open, and nothing can be written to it.
+        // /dev/full can be opened, but not written to.
         std::os::unix::fs::symlink("/dev/full", &path).unwrap();
         let mut recorder = Recorder::create(&path, options(10.0)).unwrap();
         let error = (0..1000)
             .find_map(|number| recorder.push_rgb(WIDTH, HEIGHT, &picture(number), number as f64 / 10.0).err())
-            .expect("an error");
+            .unwrap();
         assert!(matches!(&error, Error::File { path, .. } if path.ends_with(name)), "{error}");
         let error = recorder.push_rgb(WIDTH, HEIGHT, &picture(0), 2000.0).unwrap_err();
         assert!(error.to_string().contains("failed before"), "{error}");

@@ -1,4 +1,4 @@
-//! Moving pictures: what was pushed is in the file, for as long as the simulation took.
+//! Video and animation files: contents and durations of the recorded frames.
 
 #![forbid(unsafe_code)]
 
@@ -15,7 +15,7 @@ use mujoco_safe::record::{Recorder, RecorderOptions};
 const WIDTH: usize = 24;
 const HEIGHT: usize = 10;
 
-/// A grey picture with a bright square that is elsewhere in each, and more of the upper colours than of the lower.
+/// Returns a grey picture with a bright square at a position that depends on the number, with unequal amounts of each channel.
 fn picture(number: usize) -> Vec<u8> {
     let mut rgb = vec![90; 3 * WIDTH * HEIGHT];
     for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
@@ -29,7 +29,7 @@ fn options(frames_per_second: f64) -> RecorderOptions {
     RecorderOptions { frames_per_second, ..RecorderOptions::default() }
 }
 
-/// Records pictures at these times: the first is `picture(0)`.
+/// Records pictures at these times, starting with `picture(0)`.
 fn record(path: &Path, options: RecorderOptions, times: impl IntoIterator<Item = f64>) -> mujoco_safe::record::Summary {
     let mut recorder = Recorder::create(path, options).unwrap();
     for (number, time) in times.into_iter().enumerate() {
@@ -39,22 +39,22 @@ fn record(path: &Path, options: RecorderOptions, times: impl IntoIterator<Item =
     recorder.finish().unwrap()
 }
 
-/// A picture of a file, and how long it is shown, s.
+/// A displayed frame and its duration in seconds.
 struct Shown {
     rgb: Vec<u8>,
     seconds: f64,
 }
 
-/// The pictures are these, in this order, and this long.
+/// Asserts the pictures, their order and their durations.
 fn assert_shows(shown: &[Shown], expected: &[(usize, f64)]) {
     assert_eq!(shown.len(), expected.len());
     for (index, (shown, &(number, seconds))) in shown.iter().zip(expected).enumerate() {
-        assert!(shown.rgb == picture(number), "picture {index} is not number {number}");
+        assert!(shown.rgb == picture(number), "picture {index} must have number {number}");
         assert!((shown.seconds - seconds).abs() < 1e-9, "picture {index} is shown for {} s", shown.seconds);
     }
 }
 
-/// What is in a folder.
+/// Returns the names in a folder.
 fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

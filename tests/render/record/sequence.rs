@@ -17,7 +17,7 @@ fn decode(path: &Path) -> Vec<u8> {
 }
 
 #[test]
-fn each_frame_is_a_file_and_long_steps_repeat_one() {
+fn each_frame_is_a_file_and_long_steps_repeat_a_frame() {
     let folder = tempfile::tempdir().unwrap();
     let pattern = folder.path().join("new/folder/walk_%03d.png");
     let summary = record(&pattern, options(10.0), [0.0, 0.1, 0.4]);
@@ -31,12 +31,12 @@ fn each_frame_is_a_file_and_long_steps_repeat_one() {
 }
 
 #[test]
-fn a_folder_names_its_files_itself() {
+fn a_folder_gets_numbered_files() {
     let folder = tempfile::tempdir().unwrap();
     let summary = record(folder.path(), options(10.0), [0.0, 0.1]);
     assert_eq!(summary.path, folder.path().join("frame_00000.png"));
     assert_eq!(names(folder.path()), ["frame_00000.png", "frame_00001.png"]);
-    // Even if it looks like a file.
+    // Even if the name has an extension.
     let named = folder.path().join("a_%d.png");
     fs::create_dir(&named).unwrap();
     record(&named, options(10.0), [0.0]);
@@ -44,7 +44,7 @@ fn a_folder_names_its_files_itself() {
 }
 
 #[test]
-fn files_are_there_while_it_is_recorded_and_after_a_drop() {
+fn files_appear_during_the_recording() {
     let folder = tempfile::tempdir().unwrap();
     let mut recorder = Recorder::create(folder.path(), options(10.0)).unwrap();
     for number in 0..3 {

@@ -1,5 +1,5 @@
-//! Video: by a stand-in for `ffmpeg`, which keeps what it is told and given; and by the program itself where it is installed
-//! (written against ffmpeg 5.1, with libx264 and ffprobe).
+//! Video through a stand-in for `ffmpeg`, which stores its arguments and input, and through `ffmpeg` itself if installed
+//! (written for ffmpeg 5.1 with libx264 and ffprobe).
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::child;
 mod stand_in {
     use super::*;
 
-    /// A program in the folder that is called instead.
+    /// Creates the stand-in program in a folder.
     fn program(folder: &Path, script: &str) -> PathBuf {
         use std::os::unix::fs::PermissionsExt;
         let path = folder.join("ffmpeg");
@@ -23,7 +23,7 @@ mod stand_in {
         path
     }
 
-    /// Keeps its arguments and its input beside itself, and writes the file.
+    /// A script that stores its arguments and its input beside itself, and writes the file.
     const KEEPER: &str = "here=$(dirname \"$0\")
         printf '%s\\n' \"$@\" >\"$here/arguments\"
         cat >\"$here/input\"
@@ -35,11 +35,11 @@ mod stand_in {
     }
 
     #[test]
-    fn it_gets_every_frame_and_the_file_appears_at_the_end() {
+    fn ffmpeg_gets_every_frame_and_the_file_appears_at_the_end() {
         let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let path = out.path().join("walk.mp4");
         let mut recorder = Recorder::create(&path, with(program(folder.path(), KEEPER))).unwrap();
-        // The third is shown for three frames.
+        // The third picture lasts for three frames.
         for (number, frame) in [0, 1, 2, 5].into_iter().enumerate() {
             recorder.push_rgb(WIDTH, HEIGHT, &picture(number), f64::from(frame) / 25.0).unwrap();
         }
@@ -64,7 +64,7 @@ mod stand_in {
     }
 
     #[test]
-    fn an_odd_size_becomes_even() {
+    fn an_odd_size_is_padded_to_an_even_size() {
         let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let options = RecorderOptions {
             ffmpeg_arguments: vec!["-c:v".into(), "mpeg4".into()],
@@ -81,12 +81,12 @@ mod stand_in {
     }
 
     #[test]
-    fn what_it_says_when_it_fails_is_the_error_and_nothing_is_left() {
+    fn the_error_has_the_output_of_ffmpeg_and_no_file_remains() {
         let scripts = [
             "echo 'Unknown encoder libx264' >&2; exit 1",
-            // Late: it has read everything.
+            // The program fails late, after it has read all frames.
             "cat >/dev/null; echo 'Unknown encoder libx264' >&2; exit 1",
-            // More than a pipe has room for.
+            // More than the buffer of a pipe.
             "cat >/dev/null; head -c 300000 /dev/zero | tr '\\0' x >&2; echo 'Unknown encoder libx264' >&2; exit 1",
         ];
         for script in scripts {
@@ -111,7 +111,7 @@ mod stand_in {
     }
 
     #[test]
-    fn a_recorder_that_is_dropped_waits_for_it() {
+    fn dropping_a_recorder_waits_for_ffmpeg() {
         let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let path = out.path().join("walk.mov");
         let mut recorder = Recorder::create(&path, with(program(folder.path(), KEEPER))).unwrap();
@@ -121,7 +121,7 @@ mod stand_in {
     }
 
     #[test]
-    fn a_program_that_does_not_work_is_an_error_at_once() {
+    fn a_broken_ffmpeg_is_an_error_of_create() {
         let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let broken = program(folder.path(), "");
         fs::write(&broken, "#!/bin/sh\nexit 3\n").unwrap();
@@ -131,9 +131,9 @@ mod stand_in {
     }
 }
 
-/// Run by the next test, with a `PATH` of its own.
+/// Runs in a child process of the next test, whose `PATH` is empty.
 #[test]
-fn without_the_program_child() {
+fn without_ffmpeg_child() {
     if child::is_child() {
         let error = Recorder::create("walk.mp4", RecorderOptions::default()).unwrap_err();
         println!("{error}");
@@ -141,9 +141,9 @@ fn without_the_program_child() {
 }
 
 #[test]
-fn without_the_program_the_error_says_what_to_install() {
+fn without_ffmpeg_the_error_says_what_to_install() {
     let out = tempfile::tempdir().unwrap();
-    let output = child::command("record::video::without_the_program_child")
+    let output = child::command("record::video::without_ffmpeg_child")
         .env("PATH", out.path())
         .current_dir(out.path())
         .output()
@@ -155,15 +155,15 @@ fn without_the_program_the_error_says_what_to_install() {
     assert!(names(out.path()).is_empty());
 }
 
-/// Whether a program is installed.
+/// Returns whether a program is installed.
 fn installed(program: &str) -> bool {
     Command::new(program).arg("-version").output().is_ok_and(|output| output.status.success())
 }
 
 #[test]
-fn the_program_itself_makes_a_video_of_the_right_length() {
+fn ffmpeg_makes_a_video_of_the_right_length() {
     if !installed("ffmpeg") || !installed("ffprobe") {
-        eprintln!("skipped: there is no ffmpeg");
+        eprintln!("skipped: ffmpeg is not installed");
         return;
     }
     let out = tempfile::tempdir().unwrap();
@@ -196,7 +196,7 @@ fn the_program_itself_makes_a_video_of_the_right_length() {
 #[test]
 fn the_colours_of_a_video_are_those_of_the_pictures() {
     if !installed("ffmpeg") {
-        eprintln!("skipped: there is no ffmpeg");
+        eprintln!("skipped: ffmpeg is not installed");
         return;
     }
     let out = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Closures in the middle of a step: what they may do, and more than one would.
+//! Callbacks: permitted calls in a step, and misuse.
 
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -8,15 +8,15 @@ use mujoco_safe::{Callbacks, Data, Model, Result};
 use super::super::bytes::of_seed;
 use super::{Bytes, Call, ON_PURPOSE, call_some, expected, look, models};
 
-/// Scopes within scopes.
+/// Largest depth of nested scopes.
 const DEEPEST: usize = 2;
 
-/// What a closure does, each time it is called.
+/// The behaviour of a closure.
 struct Closure {
     seed: u64,
-    /// A simulation of its own, which was that of another one.
+    /// A simulation that the closure owns, which another simulation gave away.
     own: Option<Data>,
-    /// Of so many calls of it, one does more than look.
+    /// Inverse probability of misuse per call.
     seldom: usize,
 }
 
@@ -25,7 +25,7 @@ impl Closure {
         Self { seed: bytes.word(), own, seldom: [2, 8, 32][bytes.below(3)] }
     }
 
-    /// Does something, and returns a number.
+    /// Performs an action, and returns a number.
     fn act(&mut self, data: &Data, write: impl FnOnce(&mut Bytes<'_>)) -> f64 {
         self.seed = self.seed.wrapping_add(1);
         let stream = of_seed(self.seed, 0xc);
@@ -45,7 +45,7 @@ impl Closure {
 
     fn misbehave(&mut self, data: &Data, bytes: &mut Bytes<'_>) -> Result<()> {
         match bytes.below(8) {
-            // Without the hook, which would print it.
+            // Without the panic hook, which would print the message.
             0 => resume_unwind(Box::new(ON_PURPOSE)),
             1 => resume_unwind(Box::new(1)),
             2 => {
@@ -81,10 +81,10 @@ impl Closure {
     }
 }
 
-/// Some of the closures that there are.
+/// Returns some of the callbacks.
 fn callbacks(bytes: &mut Bytes<'_>, other: Option<&Data>) -> Callbacks<'static> {
     let mut callbacks = Callbacks::new();
-    // Seldom all of them.
+    // Rarely all of them.
     let set = bytes.word() & if bytes.once_in(4) { u64::MAX } else { bytes.word() };
     let mut closure = |kind: u32| {
         (set >> kind & 1 != 0)
@@ -92,7 +92,7 @@ fn callbacks(bytes: &mut Bytes<'_>, other: Option<&Data>) -> Callbacks<'static> 
     };
     if let Some(mut closure) = closure(0) {
         callbacks = callbacks.control(move |moment| {
-            // A moment derefs to its data, so that it cannot be written to while that is lent.
+            // A moment dereferences to its data, which must not be borrowed while it is written to.
             let mut value = None;
             let number = closure.act(moment, |bytes| value = Some(bytes.below(4)));
             match value {
@@ -211,5 +211,5 @@ pub(super) const CALLS: &[(&str, Call)] = &[
 ];
 
 fn smallest() -> Arc<Model> {
-    models::model(models::find(models::SMALLEST)).clone()
+    models::model(models::index_of(models::SMALLEST)).clone()
 }

@@ -1,4 +1,4 @@
-//! Linearisation, controllers, trajectories.
+//! Linearisation, controllers and trajectories.
 
 use std::hint::black_box;
 
@@ -9,7 +9,7 @@ use mujoco_safe::{
 
 use super::{Call, Scene};
 
-/// Whether a linearisation takes little time.
+/// Returns whether a linearisation is fast.
 fn small(scene: &Scene<'_>) -> bool {
     scene.data.model().nv() < 20
 }

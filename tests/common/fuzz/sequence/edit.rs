@@ -1,4 +1,4 @@
-//! Changes of the model and its options.
+//! Edits of the model and its options.
 
 use std::hint::black_box;
 
@@ -14,7 +14,7 @@ fn options(data: &mut Data, change: impl FnOnce(&mut Options)) -> Result<()> {
     data.edit_model(|model| model.options(change))?
 }
 
-/// What a number can be put into.
+/// A field into which a number can be put.
 trait Put {
     fn put(&mut self, number: f64);
 }
@@ -44,7 +44,7 @@ impl<T: Put, const N: usize> Put for [T; N] {
     }
 }
 
-/// How many fields a structure has, and a function that puts a number into the one of an index.
+/// Generates the number of fields of a structure, and a function that puts a number into the field of an index.
 macro_rules! fields_of {
     ($count:ident $put:ident $type:ident $($($field:ident).+)*) => {
         const $count: usize = [$(stringify!($($field).+)),*].len();
@@ -58,7 +58,7 @@ macro_rules! fields_of {
 visual_fields! { fields_of VISUAL put_visual Visual }
 statistic_fields! { fields_of STATISTIC put_statistic Statistics }
 
-/// Options of which those that are allowed ask for a few steps.
+/// Returns options whose valid values take only a few steps.
 fn length_range(timestep: f64, bytes: &mut Bytes<'_>) -> LengthRangeOptions {
     const MODES: [LengthRangeMode; 4] =
         [LengthRangeMode::None, LengthRangeMode::Muscle, LengthRangeMode::MuscleUser, LengthRangeMode::All];
@@ -85,7 +85,7 @@ fn length_range(timestep: f64, bytes: &mut Bytes<'_>) -> LengthRangeOptions {
     options
 }
 
-/// How many iterations: few, seldom more, and seldom more than are allowed.
+/// Returns a number of iterations: small, rarely large, and rarely beyond the limit.
 fn iterations(bytes: &mut Bytes<'_>) -> usize {
     match bytes.below(200) {
         0 => 10_000_000,
@@ -112,7 +112,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         })
     }),
     ("options: flags", |scene, bytes| {
-        // Few at a time, and sometimes some that do not exist.
+        // A few flags at a time, sometimes unknown flags.
         let mask = if bytes.once_in(16) { u32::MAX } else { 0x1fff };
         let (disable, enable) = (bytes.word() & bytes.word() & bytes.word(), bytes.word() & bytes.word());
         options(&mut scene.data, |options| {
@@ -164,7 +164,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             if all {
                 touch_all::write_model(model, which, &mut || value);
             } else {
-                // The others get what they may get from a program.
+                // The other fields have arbitrary values.
                 let mut at = 0;
                 touch_all::write_model(model, which, &mut || {
                     at += 1;

@@ -1,4 +1,4 @@
-//! Every setter of every element, of the model and of the simulation.
+//! Every setter of every element of models and simulations.
 
 use std::sync::OnceLock;
 
@@ -6,73 +6,73 @@ use mujoco_safe::{Data, ModelMut, Result};
 
 use super::{Bytes, Call};
 
-/// A number, and an integer: what may be written.
+/// A number and an integer to write.
 #[derive(Clone, Copy)]
 struct Value {
     number: f64,
     integer: i32,
 }
 
-/// What a setter takes.
-trait Written {
+/// The argument type of a setter.
+trait Argument {
     fn of(value: Value) -> Self;
 }
 
-impl Written for f64 {
+impl Argument for f64 {
     fn of(value: Value) -> Self {
         value.number
     }
 }
 
-impl Written for f32 {
+impl Argument for f32 {
     fn of(value: Value) -> Self {
         value.number as Self
     }
 }
 
-impl Written for i32 {
+impl Argument for i32 {
     fn of(value: Value) -> Self {
         value.integer
     }
 }
 
-impl Written for u8 {
+impl Argument for u8 {
     fn of(value: Value) -> Self {
         value.integer as Self
     }
 }
 
-impl Written for bool {
+impl Argument for bool {
     fn of(value: Value) -> Self {
         value.integer > 1
     }
 }
 
-impl<T: Written, const N: usize> Written for [T; N] {
+impl<T: Argument, const N: usize> Argument for [T; N] {
     fn of(value: Value) -> Self {
         std::array::from_fn(|_| T::of(value))
     }
 }
 
-/// What a setter returns.
-trait Done {
-    fn done(self) -> Result<()>;
+/// The return type of a setter.
+trait Outcome {
+    fn outcome(self) -> Result<()>;
 }
 
-impl Done for () {
-    fn done(self) -> Result<()> {
+impl Outcome for () {
+    fn outcome(self) -> Result<()> {
         Ok(())
     }
 }
 
-impl Done for Result<()> {
-    fn done(self) -> Self {
+impl Outcome for Result<()> {
+    fn outcome(self) -> Self {
         self
     }
 }
 
-/// Writes to all of an array, or to one number of it.
-fn write<T: Written>(array: &mut [T], value: Value) {
+/// Writes to a whole array, or to one number of it.
+fn write<T: Argument>(array: &mut [T], value: Value) {
     if value.integer % 2 == 0 {
         for number in array {
             *number = T::of(value);
@@ -90,7 +90,7 @@ macro_rules! setters {
     ($($element:ident: $($set:ident)* | $($array:ident)*;)*) => {
         &[$(
             $((concat!(stringify!($element), ".", stringify!($set)), |owner, index, value| {
-                owner.$element(index)?.$set(Written::of(value)).done()
+                owner.$element(index)?.$set(Argument::of(value)).outcome()
             }),)*
             $((concat!(stringify!($element), ".", stringify!($array)), |owner, index, value| {
                 write(&mut owner.$element(index)?.$array()[..], value);
@@ -157,15 +157,15 @@ const OPTIONAL: &[DataSetter] = &[
     }),
 ];
 
-/// The setters of integers: what is computed at all, and what it is laid out like.
-fn switches() -> &'static [ModelSetter] {
+/// The setters of integers, which enable computations and decide their layout.
+fn integer_setters() -> &'static [ModelSetter] {
     const NAMES: [&str; 7] = ["set_active", "limited", "condim", "contype", "conaffinity", "set_dim", "set_priority"];
     static SWITCHES: OnceLock<Vec<ModelSetter>> = OnceLock::new();
     let is_switch = |(name, _): &&ModelSetter| NAMES.iter().any(|switch| name.contains(switch));
     SWITCHES.get_or_init(|| MODEL.iter().filter(is_switch).copied().collect())
 }
 
-/// An index that most kinds of elements have.
+/// Returns an index that is valid for most kinds of elements, and a value.
 fn arguments(bytes: &mut Bytes<'_>) -> (usize, Value) {
     let index = [0, 0, 1, 2, bytes.index(8)][bytes.below(5)];
     let integer = if bytes.once_in(4) { bytes.integer() } else { bytes.below(7) as i32 };
@@ -183,8 +183,9 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             results.fold(Ok(()), Result::and)
         })?
     }),
-    ("the switches of the model", |scene, bytes| {
-        let chosen: Vec<_> = (0..4).map(|_| (switches()[bytes.below(switches().len())], arguments(bytes))).collect();
+    ("integer setters of the model", |scene, bytes| {
+        let chosen: Vec<_> =
+            (0..4).map(|_| (integer_setters()[bytes.below(integer_setters().len())], arguments(bytes))).collect();
         scene.data.edit_model(|model| {
             let results = chosen.iter().map(|&((_, set), (index, value))| set(model, index, value));
             results.fold(Ok(()), Result::and)

@@ -1,4 +1,4 @@
-//! What is written to files, and read again. Each call has a folder of its own, which goes when the call ends.
+//! Files: written, damaged and read in a temporary folder per call.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use mujoco_safe::{Data, Error, Model, RandomController, Result, Trajectory};
 use super::super::assets;
 use super::{Bytes, Call, Scene};
 
-/// Whether a model is so small that it may be written and read often.
+/// Returns whether a model is small enough to be written and read often.
 fn small(model: &Model) -> bool {
     model.nbuffer() < 200_000
 }
@@ -22,7 +22,7 @@ fn trajectory(scene: &mut Scene<'_>, bytes: &mut Bytes<'_>) -> Result<Trajectory
     Ok(trajectory)
 }
 
-/// Damages a file, sometimes.
+/// Occasionally damages a file.
 fn damage(path: &std::path::Path, bytes: &mut Bytes<'_>) {
     if bytes.once_in(2) {
         let mut content = fs::read(path).expect("the file was written");
@@ -37,7 +37,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             return Ok(());
         }
         let file = scene.data.model().to_binary()?;
-        // Numbers that were written to may make a model that is refused.
+        // A model with arbitrary numbers may be rejected.
         scene.other = Some(Data::new(Model::from_binary(&file)?)?);
         Ok(())
     }),

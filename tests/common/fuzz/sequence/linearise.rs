@@ -1,4 +1,4 @@
-//! Linear systems in a workspace that is kept, and what regulators make of them.
+//! Linear systems in a reused workspace, and regulators for them.
 
 use std::hint::black_box;
 
@@ -14,7 +14,7 @@ use super::{Bytes, Call, Scene};
 
 const METHODS: [TransitionMethod; 3] = [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse];
 
-/// Calls with a workspace, which often is that of an earlier call: of the same model, or of another.
+/// Makes a call with a workspace, often the workspace of an earlier call, with the same model or another.
 fn with_transition(
     scene: &mut Scene<'_>,
     bytes: &mut Bytes<'_>,
@@ -32,12 +32,12 @@ fn with_transition(
         };
         scene.transition = Some(Lineariser::new(scene.data.model().clone(), options)?);
     }
-    let transition = scene.transition.as_mut().expect("it was just made");
+    let transition = scene.transition.as_mut().expect("just created");
     black_box(transition.options().threads);
     call(transition, &mut scene.data, bytes)
 }
 
-/// So many rows, mostly the present state with a number in it.
+/// Returns rows of states, mostly the present state with one number changed.
 fn states(data: &Data, bytes: &mut Bytes<'_>, nrows: usize) -> Matrix {
     let state = data.physics_state();
     let mut states = Matrix::zeros(nrows, state.len() + usize::from(bytes.once_in(16)));
@@ -57,7 +57,7 @@ fn controls(data: &Data, bytes: &mut Bytes<'_>, nrows: usize) -> Matrix {
     Matrix::from_row_major(nrows, nu, vec![bytes.number(); nrows * nu])
 }
 
-/// A matrix, mostly of the shape that is right, of numbers that are mostly small.
+/// Returns a matrix, mostly of the given shape and of small numbers.
 fn matrix(bytes: &mut Bytes<'_>, nrows: usize, ncols: usize) -> DMatrix<f64> {
     let extra = usize::from(bytes.once_in(64));
     let seed = bytes.fraction();
@@ -69,7 +69,7 @@ fn matrix(bytes: &mut Bytes<'_>, nrows: usize, ncols: usize) -> DMatrix<f64> {
     if bytes.once_in(4) { matrix * bytes.number() } else { matrix }
 }
 
-/// A symmetric one.
+/// Returns a symmetric matrix.
 fn cost(bytes: &mut Bytes<'_>, size: usize) -> DMatrix<f64> {
     let half = matrix(bytes, size, size);
     match bytes.below(6) {

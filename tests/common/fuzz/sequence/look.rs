@@ -1,4 +1,4 @@
-//! What needs no more than `&Data`, and so may be asked by a closure in the middle of a step, too.
+//! Calls on `&Data`, which a callback may make as well.
 
 use std::hint::black_box;
 
@@ -8,7 +8,7 @@ use mujoco_safe::{
 
 use super::{Bytes, Call, print_all, touch_all};
 
-/// Reads, and writes to nothing but its own results.
+/// A call that only reads.
 type Look = fn(&Data, &mut Bytes<'_>) -> Result<()>;
 
 pub(super) const CALLS: &[(&str, Call)] = &[("a look", |scene, bytes| {
@@ -21,7 +21,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[("a look", |scene, bytes| {
     look(&scene.data, bytes)
 })];
 
-/// One of them, and its name.
+/// Returns a call and its name.
 pub(super) fn any(bytes: &mut Bytes<'_>) -> (&'static str, Look) {
     LOOKS[bytes.below(LOOKS.len())]
 }
@@ -58,7 +58,7 @@ fn ray_options(data: &Data, bytes: &mut Bytes<'_>) -> Result<RayOptions> {
     })
 }
 
-/// A direction that mostly is one.
+/// Returns a direction, mostly a valid one.
 fn direction(bytes: &mut Bytes<'_>) -> [f64; 3] {
     if bytes.once_in(4) { bytes.numbers() } else { std::array::from_fn(|_| bytes.fraction()) }
 }

@@ -1,4 +1,4 @@
-//! Mathematics, with sizes that fit and sizes that do not.
+//! Mathematical functions, with matching and mismatched sizes.
 
 use std::hint::black_box;
 
@@ -7,12 +7,12 @@ use mujoco_safe::{GeomType, Matrix, MatrixView, Result};
 
 use super::{Bytes, Call};
 
-/// A size, of which all are small.
+/// Returns a small size.
 fn size(bytes: &mut Bytes<'_>) -> usize {
     bytes.below(7)
 }
 
-/// A matrix, mostly of the shape that is right, sometimes one of many rows or columns and no numbers.
+/// Returns a matrix, mostly of the given shape, sometimes with many rows or columns and no numbers.
 fn matrix(bytes: &mut Bytes<'_>, nrows: usize, ncols: usize) -> Matrix {
     match bytes.below(64) {
         63 => Matrix::zeros(1 << 33, 0),
@@ -25,7 +25,7 @@ fn matrix(bytes: &mut Bytes<'_>, nrows: usize, ncols: usize) -> Matrix {
                 let (at, value) = (bytes.below(values.len()), bytes.number());
                 values.iter_mut().skip(at).take(1).for_each(|number| *number = value);
             }
-            // Mostly positive on the diagonal.
+            // The diagonal is mostly positive.
             if bytes.once_in(2) {
                 values.iter_mut().step_by(ncols + 1).for_each(|number| *number = 10.0);
             }
@@ -40,7 +40,7 @@ fn pose(bytes: &mut Bytes<'_>) -> Pose {
     pose
 }
 
-/// A shape, and as many numbers as it has.
+/// Returns a shape and its numbers.
 fn band(bytes: &mut Bytes<'_>) -> Result<(BandShape, Vec<f64>)> {
     let shape = if bytes.once_in(16) {
         BandShape::new(bytes.word() as usize, size(bytes), bytes.word() as usize)?

@@ -1,7 +1,7 @@
-//! A random sequence of calls.
+//! Random sequences of calls.
 //!
-//! Each call is a line in a table: a name, and a function that takes the scene and the bytes that decide its arguments. A new
-//! function of the crate is a new line in the table of the file it fits, or in a new file that [`TABLES`] lists.
+//! Each call is an entry of a table: a name, and a function of the scene and of the bytes that decide its arguments. A new
+//! function of the crate is a new entry in the table of a suitable file, or in a new file that [`TABLES`] lists.
 
 mod callback;
 mod control;
@@ -26,38 +26,38 @@ use mujoco_safe::{Data, Error, Lineariser, Model, Result, Stage};
 
 use super::{Bytes, Verdict, models, print_all, touch_all};
 
-/// What the calls are made on.
+/// The subjects of the calls.
 pub(super) struct Scene<'l> {
     pub(super) data: Data,
-    /// Another one, often of the same model.
+    /// Another simulation, often of the same model.
     pub(super) other: Option<Data>,
-    /// A state that was read before.
+    /// A state that was read earlier.
     pub(super) state: Vec<f64>,
-    /// The model as it was loaded, which is shared.
+    /// The loaded model, which is shared.
     pub(super) model: Arc<Model>,
-    /// An abstract scene, of the model that the call had which made it.
+    /// An abstract scene, of the model of the call that created it.
     picture: Option<picture::Picture>,
-    /// A workspace for linear systems, likewise.
+    /// A workspace for linear systems, of the model of the call that created it.
     transition: Option<Lineariser>,
-    /// Within how many scopes with callbacks the calls are made.
+    /// Depth of the nested scopes with callbacks.
     pub(super) depth: usize,
-    /// Is told what is done before it is done.
+    /// Called with a description before each action.
     pub(super) log: &'l mut dyn FnMut(&str),
 }
 
-/// A call, or a few that go together. What it returns is not looked at: errors are allowed.
+/// A call, or a few related calls. The result is ignored: errors are allowed.
 type Call = fn(&mut Scene<'_>, &mut Bytes<'_>) -> Result<()>;
 
-/// Calls that are alike.
+/// Related calls.
 struct Table {
-    /// How often one of them comes, compared to the others.
+    /// Relative frequency of the table.
     weight: usize,
-    /// Whether most of them need what a step computes.
+    /// Whether most calls need the results of a step.
     needs_step: bool,
     calls: &'static [(&'static str, Call)],
 }
 
-/// All calls. A table to which a line is added is chosen as often as before.
+/// All calls. Adding an entry to a table does not change the frequency of the table.
 const TABLES: &[Table] = &[
     Table { weight: 12, needs_step: false, calls: simulate::CALLS },
     Table { weight: 7, needs_step: false, calls: edit::CALLS },
@@ -90,7 +90,7 @@ pub(super) fn call_sequence(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) ->
     Verdict::Worked
 }
 
-/// So many calls, or fewer if there are no more bytes.
+/// Makes this number of calls, or fewer if the bytes are used up.
 fn call_some(scene: &mut Scene<'_>, bytes: &mut Bytes<'_>, calls: usize) {
     for _ in 0..calls {
         if bytes.is_empty() {
@@ -114,7 +114,7 @@ fn call_some(scene: &mut Scene<'_>, bytes: &mut Bytes<'_>, calls: usize) {
         if let Err(error) = &result {
             (scene.log)(&format!("  {error}"));
         }
-        // Nothing more would happen.
+        // No further decision would be random.
         if matches!(result, Err(Error::Poisoned { .. })) && bytes.once_in(2) {
             let _ = scene.data.reset();
         }
@@ -122,17 +122,17 @@ fn call_some(scene: &mut Scene<'_>, bytes: &mut Bytes<'_>, calls: usize) {
     }
 }
 
-/// With what a closure panics that does so because it was told to.
+/// The message of deliberate panics in callbacks.
 const ON_PURPOSE: &str = "on purpose";
 
-/// A panic of a closure is an error of the step it is in: but of those none is allowed that is not made on purpose.
+/// Asserts that an error of a callback is a deliberate panic.
 fn expected(result: &Result<()>) {
     if let Err(Error::Callback { message, .. }) = result {
         assert!([ON_PURPOSE, "(no message)"].contains(&&message[..]), "a closure panicked: {message}");
     }
 }
 
-/// A call that must panic, because it was given what belongs to another model.
+/// Asserts that a call with an object of another model panics.
 fn must_panic<R>(call: impl FnOnce() -> R) {
     let payload = catch_unwind(AssertUnwindSafe(call)).err().expect("no panic");
     let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());

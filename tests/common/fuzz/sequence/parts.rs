@@ -1,4 +1,4 @@
-//! The pipeline, part by part: in the order that works, in any other, and with other calls in between.
+//! The stages of the pipeline in the valid order, in any other order, and interleaved with other calls.
 
 use mujoco_safe::{Data, NewContact, Result, Stage};
 
@@ -10,7 +10,7 @@ macro_rules! parts {
     ($($name:ident)*) => { &[$((stringify!($name), Data::$name)),*] };
 }
 
-/// In an order that works.
+/// The stages in a valid order.
 const FORWARD: &[Part] = parts! {
     kinematics com_pos camlight compute_tendon compute_crb factor_m collision make_constraint transmission
     project_constraint compute_ten_velocity compute_actuator_velocity com_vel passive reference_constraint
@@ -18,7 +18,7 @@ const FORWARD: &[Part] = parts! {
     sensor_acc energy_pos energy_vel compare_fwd_inv
 };
 
-/// The larger ones, and those that end a step.
+/// Combined stages, and integrators.
 const LARGER: &[Part] = parts! {
     fwd_position fwd_velocity inv_position inv_velocity inv_constraint euler runge_kutta
 };
@@ -73,7 +73,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
         for &part in &FORWARD[COLLISION..] {
             run(scene, part)?;
-            // It makes stale what comes next.
+            // Invalidates the results of later stages.
             if bytes.once_in(100) {
                 let contact = contact(&scene.data, bytes)?;
                 scene.data.add_contact(&contact)?;

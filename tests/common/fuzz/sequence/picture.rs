@@ -1,4 +1,4 @@
-//! The abstract scene: what there is to draw, from where, and a body that is pulled with the mouse.
+//! Abstract scenes: contents, camera, and perturbation with the mouse.
 
 use std::hint::black_box;
 
@@ -10,7 +10,7 @@ use mujoco_safe::{Data, Error, Result};
 
 use super::{Bytes, Call, Scene, expected, look, must_panic};
 
-/// A scene, and what goes with it; all of one model.
+/// A scene, its camera and its perturbation, all of one model.
 pub(super) struct Picture {
     scene: scene::Scene,
     camera: Camera,
@@ -27,13 +27,13 @@ impl Picture {
         Ok(Self { scene, camera, perturbation: Perturbation::default(), options: SceneOptions::default() })
     }
 
-    /// Whether it is of this model.
+    /// Returns whether the scene is of this model.
     fn fits(&mut self, data: &Data) -> bool {
         !matches!(self.scene.update_lights(data), Err(Error::OtherModel { .. }))
     }
 }
 
-/// Calls with a scene, which often is that of an earlier call: of the same model, or of another.
+/// Makes a call with a scene, often the scene of an earlier call, of the same model or of another.
 fn with_picture(
     scene: &mut Scene<'_>,
     bytes: &mut Bytes<'_>,
@@ -42,7 +42,7 @@ fn with_picture(
     if scene.picture.is_none() || bytes.once_in(12) {
         scene.picture = Some(Picture::new(&scene.data, bytes)?);
     }
-    let picture = scene.picture.as_mut().expect("it was just made");
+    let picture = scene.picture.as_mut().expect("just created");
     call(picture, &mut scene.data, bytes)
 }
 
@@ -72,7 +72,7 @@ fn action(bytes: &mut Bytes<'_>) -> MouseAction {
         [bytes.below(5)]
 }
 
-/// Where the camera is; only of the model that it is of.
+/// Moves the camera; ids are valid only for the camera's own model.
 fn aim(picture: &mut Picture, data: &Data, bytes: &mut Bytes<'_>) -> Result<()> {
     let camera = &mut picture.camera;
     camera.view = match bytes.below(4) {

@@ -1,4 +1,4 @@
-//! What computes from a simulation without changing its state, but needs its scratch space, and what asks nothing of one.
+//! Calls that need scratch space but keep the state, and calls that need no simulation.
 
 use std::hint::black_box;
 
@@ -73,14 +73,14 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
 ];
 
-/// Several right-hand sides at once, too.
+/// Solves for one or several right-hand sides.
 fn solve(nv: usize, bytes: &mut Bytes<'_>, call: impl FnOnce(&mut [f64], &[f64]) -> Result<()>) -> Result<()> {
     let times = 1 + bytes.below(3);
     let (mut result, vector) = (bytes.vector(times * nv), bytes.vector(times * nv));
     call(&mut result, &vector)
 }
 
-/// Rows with room for what is added, or with what no one would write.
+/// Adds to sparse rows that have room, or to invalid rows.
 fn add_m_sparse(data: &mut Data, bytes: &mut Bytes<'_>) -> Result<()> {
     let nv = data.model().nv();
     let (mut values, mut columns) = (vec![bytes.number(); nv * nv], vec![0; nv * nv]);

@@ -1,4 +1,4 @@
-//! Many simulations at once, of the model as it is by now.
+//! Many simulations at once, of the edited model.
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -8,14 +8,14 @@ use mujoco_safe::{Batch, Data, Result, Rollout, RolloutBuffers, StateSpec};
 
 use super::{Bytes, Call, Scene, expected};
 
-/// More than there is memory for.
+/// More than the available memory.
 const TOO_MANY: usize = usize::MAX / 4;
 
 fn spec(bytes: &mut Bytes<'_>) -> StateSpec {
     StateSpec::from_bits_retain(bytes.word() as u32) & StateSpec::all()
 }
 
-/// Whether a few simulations of it take little time and memory; seldom for others.
+/// Returns whether a few simulations are fast and small; rarely true for other models.
 fn small(scene: &Scene<'_>, bytes: &mut Bytes<'_>) -> bool {
     scene.data.model().nv() < 30 || bytes.once_in(32)
 }
@@ -49,7 +49,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             2 => rollout.controllers(|index| {
                 move |data: &mut Data| {
                     data.ctrl_mut().fill(number);
-                    // What a controller may do, too.
+                    // Other calls that a controller may make.
                     if index == seldom { data.reset() } else { Ok(()) }
                 }
             }),
@@ -87,7 +87,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             black_box((result.states_of(index).shape(), result.outputs_of(index).shape()));
             black_box((result.sensordata_of(index).shape(), result.state(index, result.steps()).len()));
         }
-        // The workers are those of the run before.
+        // The workers of the previous run.
         let mut states = bytes.vector(result.states().len());
         let mut sensordata = vec![0.0; result.sensordata().len()];
         let buffers = RolloutBuffers {
@@ -101,9 +101,9 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let model = scene.data.model().clone();
         let (nroll, nstep) = [(TOO_MANY, 1), (1, TOO_MANY), (usize::MAX, usize::MAX)][bytes.below(3)];
         let rollout = Rollout::new(model, nroll, nstep).record(StateSpec::TIME).outputs(TOO_MANY, |_, _| ());
-        assert!(rollout.run().is_err(), "there is memory for {nroll} × {nstep}");
-        // Without buffers one rollout of many steps would be no more than slow.
-        assert!(nroll == 1 || rollout.run_into(RolloutBuffers::default()).is_err(), "there is memory for {nroll}");
+        assert!(rollout.run().is_err(), "memory suffices for {nroll} × {nstep}");
+        // Without buffers, a single rollout of many steps would only be slow.
+        assert!(nroll == 1 || rollout.run_into(RolloutBuffers::default()).is_err(), "memory suffices for {nroll}");
         Ok(())
     }),
     ("Batch", |scene, bytes| {

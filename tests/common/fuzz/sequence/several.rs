@@ -1,4 +1,4 @@
-//! More than one simulation, more than one model: copies, threads.
+//! Several simulations and models: copies and threads.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Steps and their parts, and resets.
+//! Steps, half steps and resets.
 
 use super::{Call, models};
 
@@ -23,7 +23,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.data.set_time(bytes.number());
         Ok(())
     }),
-    // The loop of a control program.
+    // The loop of a controller.
     ("controls and steps", |scene, bytes| {
         for _ in 0..bytes.below(5) {
             let ctrl = bytes.fraction();

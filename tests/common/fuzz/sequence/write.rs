@@ -1,10 +1,10 @@
-//! Numbers into a simulation.
+//! Writing to a simulation.
 
 use mujoco_safe::StateSpec;
 
 use super::{Bytes, Call, touch_all};
 
-/// Some parts of a state, and sometimes ones that do not exist.
+/// Returns some parts of a state, sometimes unknown parts.
 fn spec(bytes: &mut Bytes<'_>) -> StateSpec {
     let spec = StateSpec::from_bits_retain(bytes.word() as u32);
     if bytes.once_in(2) { spec } else { spec & StateSpec::all() }

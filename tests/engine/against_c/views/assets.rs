@@ -6,7 +6,7 @@ use super::{check_fields, int, models, on_model, optional, raw, span, start};
 use crate::twins::read;
 
 #[test]
-fn fields_of_meshes_and_skins_are_the_engines() {
+fn fields_of_meshes_and_skins_equal_c() {
     for subject in models() {
         let (name, model) = (&subject.name, &*subject.model);
         let m = on_model(model);
@@ -43,21 +43,21 @@ fn fields_of_meshes_and_skins_are_the_engines() {
     }
 }
 
-/// The hull: a head of two numbers, two for each vertex, one for each edge (as many as vertices and three times the faces), and
-/// three for each face.
+/// Returns the convex hull: two numbers, two for each vertex, one for each edge (the number of vertices plus three times the
+/// number of faces), and three for each face.
 fn graph(m: &sys::mjModel, mesh: usize) -> Option<Vec<i32>> {
     let start = usize::try_from(raw(m.mesh_graphadr, mesh)).ok()?;
     let (vertices, faces) = (int(m.mesh_graph, start), int(m.mesh_graph, start + 1));
     let length = 2 + 2 * vertices + (vertices + 3 * faces) + 3 * faces;
-    // The compiler puts the hulls after each other.
+    // The compiler stores the hulls one after another.
     let rest = (0..m.nmesh as usize).map(|other| raw(m.mesh_graphadr, other)).filter(|other| *other > start as i32);
     let end = rest.min().unwrap_or(m.nmeshgraph) as usize;
     assert_eq!(start + length, end, "the hull of mesh {mesh} ends where the next begins");
-    // SAFETY: as computed from the engine's own sizes.
+    // SAFETY: the length follows from the engine's sizes.
     Some(unsafe { read(m.mesh_graph, start, length) })
 }
 
-/// The weights of all bones of a skin.
+/// Returns the range of the weights of all bones of a skin.
 fn weights(m: &sys::mjModel, skin: usize) -> std::ops::Range<usize> {
     let bones = span(m.skin_boneadr, m.skin_bonenum, skin);
     int(m.skin_bonevertadr, bones.start)..span(m.skin_bonevertadr, m.skin_bonevertnum, bones.end - 1).end
@@ -72,7 +72,7 @@ fn bone_of(m: &sys::mjModel, bone: usize) -> (usize, Vec<i32>, Vec<f32>) {
 }
 
 #[test]
-fn fields_of_height_fields_textures_and_materials_are_the_engines() {
+fn fields_of_height_fields_textures_and_materials_equal_c() {
     for subject in models() {
         let (name, model) = (&subject.name, &*subject.model);
         let m = on_model(model);

@@ -1,10 +1,10 @@
-//! Bodies, joints, geoms, sites, cameras and lights, as a model describes them.
+//! Bodies, joints, geoms, sites, cameras and lights of a model.
 
 use mujoco_safe::{GeomType, sys};
 
 use super::{check_fields, int, joint_sizes, models, on_model, optional, raw, span};
 
-/// An enum of ours that is declared in the engine's order has its numbers; that of shapes leaves some out.
+/// Returns the engine's number of a type. Our enum omits some of the engine's types, so its discriminants differ.
 fn geom_type(shape: GeomType) -> i32 {
     (match shape {
         GeomType::Plane => sys::mjGEOM_PLANE,
@@ -15,7 +15,7 @@ fn geom_type(shape: GeomType) -> i32 {
         GeomType::Cylinder => sys::mjGEOM_CYLINDER,
         GeomType::Box => sys::mjGEOM_BOX,
         GeomType::Mesh => sys::mjGEOM_MESH,
-        other => panic!("a new shape: {other:?}"),
+        other => panic!("unexpected type: {other:?}"),
     }) as i32
 }
 
@@ -25,7 +25,7 @@ fn byte(array: *const u8, index: usize) -> u8 {
 }
 
 #[test]
-fn fields_of_bodies_and_joints_are_the_engines() {
+fn fields_of_bodies_and_joints_equal_c() {
     for subject in models() {
         let (name, model) = (&subject.name, &*subject.model);
         let m = on_model(model);
@@ -87,7 +87,7 @@ fn fields_of_bodies_and_joints_are_the_engines() {
 }
 
 #[test]
-fn fields_of_geoms_sites_cameras_and_lights_are_the_engines() {
+fn fields_of_geoms_sites_cameras_and_lights_equal_c() {
     for subject in models() {
         let (name, model) = (&subject.name, &*subject.model);
         let m = on_model(model);

@@ -5,7 +5,7 @@ use mujoco_safe::element::EqualityObjects;
 use super::{check_fields, int, models, on_model, optional, raw};
 
 #[test]
-fn fields_of_pairs_excludes_and_equalities_are_the_engines() {
+fn fields_of_pairs_excludes_and_equalities_equal_c() {
     for subject in models() {
         let (name, model) = (&subject.name, &*subject.model);
         let m = on_model(model);
@@ -42,6 +42,6 @@ fn raw_objects(objects: EqualityObjects) -> [i32; 2] {
         EqualityObjects::Bodies(one, other) => [one.index() as i32, other.index() as i32],
         EqualityObjects::Joints(one, other) => [one.index() as i32, optional(other)],
         EqualityObjects::Tendons(one, other) => [one.index() as i32, optional(other)],
-        other => panic!("new objects: {other:?}"),
+        other => panic!("unexpected objects: {other:?}"),
     }
 }

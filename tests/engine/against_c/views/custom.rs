@@ -6,7 +6,7 @@ use super::driven::raw_object;
 use super::{check_fields, int, models, on_model, raw, span};
 
 #[test]
-fn fields_of_numerics_texts_and_tuples_are_the_engines() {
+fn fields_of_numerics_texts_and_tuples_equal_c() {
     for subject in models() {
         let (name, model) = (&subject.name, &*subject.model);
         let m = on_model(model);
@@ -15,7 +15,7 @@ fn fields_of_numerics_texts_and_tuples_are_the_engines() {
             => data_range: numeric.data_range(), span(m.numeric_adr, m.numeric_size, i);
         });
         check_fields!(name, model.texts(), |text, i| {
-            // SAFETY: each text is in the array with its end.
+            // SAFETY: each text is in the array, with its terminator.
             => data: text.data(), unsafe { CStr::from_ptr(m.text_data.add(int(m.text_adr, i))) }.to_string_lossy();
         });
         for text in model.texts() {

@@ -1,11 +1,11 @@
-//! Tendons, actuators, sensors and keyframes, as a model describes them.
+//! Tendons, actuators, sensors and keyframes of a model.
 
 use mujoco_safe::element::{Object, Transmission, Wrap};
 use mujoco_safe::sys::{self, mjModel};
 
 use super::{check_fields, int, models, on_model, optional, raw, span};
 
-/// Type, object and parameter of an element of a path.
+/// Returns type, object and parameter of a path element.
 fn raw_wrap(wrap: &Wrap) -> (u32, i32, f64) {
     match *wrap {
         Wrap::Joint { joint, coefficient } => (sys::mjWRAP_JOINT, joint.index() as i32, coefficient),
@@ -13,13 +13,13 @@ fn raw_wrap(wrap: &Wrap) -> (u32, i32, f64) {
         Wrap::Site(site) => (sys::mjWRAP_SITE, site.index() as i32, 0.0),
         Wrap::Sphere { geom, side } => (sys::mjWRAP_SPHERE, geom.index() as i32, optional(side).into()),
         Wrap::Cylinder { geom, side } => (sys::mjWRAP_CYLINDER, geom.index() as i32, optional(side).into()),
-        other => panic!("a new element of a path: {other:?}"),
+        other => panic!("unexpected path element: {other:?}"),
     }
 }
 
 fn engine_wrap(m: &mjModel, at: usize) -> (u32, i32, f64) {
     let kind = int(m.wrap_type, at) as u32;
-    // SAFETY: the engine's arrays have an element for each element of a path. That of a site has no meaning.
+    // SAFETY: the engine's arrays have an entry for each path element. The parameter of a site is meaningless.
     let parameter = if kind == sys::mjWRAP_SITE { 0.0 } else { unsafe { *m.wrap_prm.add(at) } };
     (kind, raw(m.wrap_objid, at), parameter)
 }
@@ -32,12 +32,12 @@ fn raw_transmission(transmission: Transmission) -> [i32; 3] {
         Transmission::Tendon(tendon) => (sys::mjTRN_TENDON, tendon.index(), None),
         Transmission::Site(site) => (sys::mjTRN_SITE, site.index(), None),
         Transmission::Body(body) => (sys::mjTRN_BODY, body.index(), None),
-        other => panic!("a new transmission: {other:?}"),
+        other => panic!("unexpected transmission: {other:?}"),
     };
     [kind as i32, end as i32, optional(other)]
 }
 
-/// Type and id of an object.
+/// Returns type and id of an object.
 pub(super) fn raw_object(object: Option<Object>) -> [i32; 2] {
     let Some(object) = object else { return [sys::mjOBJ_UNKNOWN as i32, -1] };
     let kind = match object {
@@ -64,13 +64,13 @@ pub(super) fn raw_object(object: Option<Object>) -> [i32; 2] {
         Object::Text(_) => sys::mjOBJ_TEXT,
         Object::Tuple(_) => sys::mjOBJ_TUPLE,
         Object::Keyframe(_) => sys::mjOBJ_KEY,
-        other => panic!("a new kind of object: {other:?}"),
+        other => panic!("unexpected object: {other:?}"),
     };
     [kind as i32, object.index() as i32]
 }
 
 #[test]
-fn fields_of_tendons_actuators_sensors_and_keyframes_are_the_engines() {
+fn fields_of_tendons_actuators_sensors_and_keyframes_equal_c() {
     for subject in models() {
         let (name, model) = (&subject.name, &*subject.model);
         let m = on_model(model);
@@ -115,7 +115,7 @@ fn fields_of_tendons_actuators_sensors_and_keyframes_are_the_engines() {
             ctrllimited: m.actuator_ctrllimited, [i; 1];
             forcelimited: m.actuator_forcelimited, [i; 1];
             actlimited: m.actuator_actlimited, [i; 1];
-            // Whoever has dynamics has an activation, and those come last.
+            // Actuators with dynamics have activations, and are last.
             => dynamics: actuator.dynamics() as i32, raw(m.actuator_dyntype, i);
             => gain: actuator.gain() as i32, raw(m.actuator_gaintype, i);
             => bias: actuator.bias() as i32, raw(m.actuator_biastype, i);

@@ -1,4 +1,4 @@
-//! Named access: every field of every element is what the engine has at the address that its documentation gives.
+//! Views: every field of every element equals the engine's value at its documented address.
 
 mod assets;
 mod body_parts;
@@ -15,7 +15,7 @@ use mujoco_safe::{Data, Id, Model};
 
 use crate::twins::{Subject, subjects};
 
-/// The usual models, and one that has each case of every kind of element.
+/// Returns the usual models, and a model with every kind of element in every variant.
 fn models() -> impl Iterator<Item = &'static Subject> {
     subjects().iter().chain([every_element()])
 }
@@ -24,12 +24,12 @@ fn every_element() -> &'static Subject {
     static SUBJECT: OnceLock<Subject> = OnceLock::new();
     SUBJECT.get_or_init(|| {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
-        let model = Arc::new(Model::from_xml_path(path).expect("it is valid"));
+        let model = Arc::new(Model::from_xml_path(path).unwrap());
         Subject { name: "every_element.xml".to_owned(), model }
     })
 }
 
-/// What a field returns, as bits.
+/// The bits of a field's value.
 trait Bits {
     fn bits(&self) -> Vec<u64>;
 }
@@ -58,7 +58,7 @@ impl<T: Bits, const N: usize> Bits for [T; N] {
     }
 }
 
-/// The bits of a field, which views hand out as a value or as a reference.
+/// Returns the bits of a field, which views return by value or by reference.
 fn bits<T: Bits + ?Sized>(value: &T) -> Vec<u64> {
     value.bits()
 }
@@ -75,8 +75,8 @@ impl<T: Bits> Bits for Vec<T> {
     }
 }
 
-/// Compares each field of each view with `array[start; length]` of the engine, or with an expression, and makes sure that no
-/// field that a view lists is left out.
+/// Compares each field of each view with `array[start; length]` of the engine, or with an expression, and asserts that every
+/// listed field of the view is compared.
 macro_rules! check_fields {
     ($name:expr, $views:expr, |$view:ident, $i:ident| {
         $($field:ident: $array:expr, [$start:expr; $length:expr];)*
@@ -104,29 +104,29 @@ macro_rules! check_fields {
 }
 use check_fields;
 
-/// An index of the engine's.
+/// Returns an index from an engine array.
 fn int(array: *const i32, index: usize) -> usize {
     // SAFETY: as for the other arrays.
-    usize::try_from(unsafe { *array.add(index) }).expect("not negative")
+    usize::try_from(unsafe { *array.add(index) }).unwrap()
 }
 
-/// An integer of the engine's.
+/// Returns an integer from an engine array.
 fn raw(array: *const i32, index: usize) -> i32 {
     // SAFETY: as for the other arrays.
     unsafe { *array.add(index) }
 }
 
-/// As the engine writes an id that may be missing.
+/// Returns an optional id in the engine's representation.
 fn optional<K>(id: Option<Id<K>>) -> i32 {
     id.map_or(-1, |id| id.index() as i32)
 }
 
-/// As the engine writes where something begins that may be missing.
+/// Returns an optional address in the engine's representation.
 fn start(addresses: *const i32, index: usize) -> usize {
     usize::try_from(raw(addresses, index)).unwrap_or(0)
 }
 
-/// A range of the engine's, empty where its address is -1.
+/// Returns a range of the engine, which is empty if its address is -1.
 fn span(addresses: *const i32, counts: *const i32, index: usize) -> std::ops::Range<usize> {
     match usize::try_from(raw(addresses, index)) {
         Ok(start) => start..start + int(counts, index),
@@ -134,7 +134,7 @@ fn span(addresses: *const i32, counts: *const i32, index: usize) -> std::ops::Ra
     }
 }
 
-/// How many numbers in `qpos` and `qvel` a joint has.
+/// Returns the numbers of entries of a joint in `qpos` and `qvel`.
 fn joint_sizes(m: &mjModel, joint: usize) -> (usize, usize) {
     match int(m.jnt_type, joint) as u32 {
         mujoco_safe::sys::mjJNT_FREE => (7, 6),
@@ -144,11 +144,11 @@ fn joint_sizes(m: &mjModel, joint: usize) -> (usize, usize) {
 }
 
 fn on_model(model: &Model) -> &mjModel {
-    // SAFETY: valid as long as the model, which nothing writes to meanwhile.
+    // SAFETY: valid as long as the model, and nothing writes to it during the borrow.
     unsafe { &*model.as_ptr() }
 }
 
 fn on_data(data: &Data) -> &mjData {
-    // SAFETY: valid as long as the data, which nothing writes to meanwhile.
+    // SAFETY: valid as long as the data, and nothing writes to it during the borrow.
     unsafe { &*data.as_ptr() }
 }

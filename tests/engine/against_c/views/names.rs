@@ -1,4 +1,4 @@
-//! Names of every kind, beside `mj_id2name` and `mj_name2id`.
+//! Names of every kind against `mj_id2name` and `mj_name2id`.
 
 use std::ffi::{CStr, CString};
 
@@ -6,7 +6,7 @@ use mujoco_safe::{Kind, sys};
 
 use super::models;
 
-/// The kinds and their `mjtObj`, by the header.
+/// The kinds and their `mjtObj`, from the header.
 const OBJECTS: [(Kind, u32); 21] = [
     (Kind::Body, sys::mjOBJ_BODY),
     (Kind::Joint, sys::mjOBJ_JOINT),
@@ -32,12 +32,12 @@ const OBJECTS: [(Kind, u32); 21] = [
 ];
 
 #[test]
-fn every_kind_is_one_of_the_engines() {
+fn every_kind_has_the_engines_constant() {
     assert!(OBJECTS.iter().map(|(kind, _)| *kind).eq(Kind::ALL.iter().copied()));
 }
 
 #[test]
-fn names_of_every_kind_are_the_engines() {
+fn names_of_every_kind_equal_c() {
     for subject in models() {
         for (kind, object) in OBJECTS {
             let m = subject.model.as_ptr();
@@ -45,10 +45,10 @@ fn names_of_every_kind_are_the_engines() {
                 // SAFETY: a valid model, and a type and an index that the engine checks; a name is a C string or NULL.
                 let name = unsafe { sys::mj_id2name(m, object as i32, index as i32) };
                 // SAFETY: as above.
-                (!name.is_null()).then(|| unsafe { CStr::from_ptr(name) }.to_str().expect("the names are UTF-8"))
+                (!name.is_null()).then(|| unsafe { CStr::from_ptr(name) }.to_str().unwrap())
             };
             let count = subject.model.count(kind);
-            // Nothing is left out: past the last element, the engine has no name either.
+            // All elements are listed: beyond the last, the engine has no name either.
             assert_eq!(name(count), None, "{}: {kind}", subject.name);
             let theirs: Vec<&str> = (0..count).filter_map(name).filter(|name| !name.is_empty()).collect();
             assert!(subject.model.names(kind).eq(theirs.iter().copied()), "{}: {kind}", subject.name);
@@ -57,15 +57,15 @@ fn names_of_every_kind_are_the_engines() {
 }
 
 #[test]
-fn lookups_of_every_kind_are_the_engines() {
+fn lookups_of_every_kind_equal_c() {
     macro_rules! check {
         ($subject:ident: $($one:ident, $many:ident, $object:ident;)*) => {$(
             for element in $subject.model.$many() {
                 let Some(name) = element.name() else { continue };
-                let name_c = CString::new(name).expect("it came from C");
+                let name_c = CString::new(name).unwrap();
                 // SAFETY: a valid model and string.
                 let index = unsafe { sys::mj_name2id($subject.model.as_ptr(), sys::$object as i32, name_c.as_ptr()) };
-                let found = $subject.model.$one(name).expect("it has this name");
+                let found = $subject.model.$one(name).unwrap();
                 assert_eq!(found.index() as i32, index, "{}: {element:?}", $subject.name);
                 assert_eq!(found.id(), element.id(), "{}: {element:?}", $subject.name);
             }

@@ -1,4 +1,4 @@
-//! Every kind that has fields in a simulation.
+//! Fields of elements in a simulation.
 
 use mujoco_safe::element::WrapPoint;
 use mujoco_safe::sys::{self, mjData, mjModel};
@@ -6,7 +6,7 @@ use mujoco_safe::sys::{self, mjData, mjModel};
 use super::{Bits, check_fields, every_element, int, joint_sizes, on_data, on_model, raw, span};
 use crate::twins::{Twins, read, usual_subjects};
 
-/// Some numbers of the engine's, as bits.
+/// Returns numbers of an engine array, as bits.
 fn at(array: *const f64, start: usize, length: usize) -> Vec<u64> {
     // SAFETY: the engine's arrays have a row for each element.
     unsafe { read(array, start, length) }.bits()
@@ -16,16 +16,16 @@ fn mocap(m: &mjModel, body: usize) -> Option<usize> {
     usize::try_from(raw(m.body_mocapid, body)).ok()
 }
 
-/// Where an actuator's activation is: those with dynamics have one, in the order of the actuators.
+/// Returns the index of an actuator's activation: actuators with dynamics have activations, in the order of the actuators.
 fn activation(m: &mjModel, actuator: usize) -> Option<usize> {
     let has_one = |at: usize| raw(m.actuator_dyntype, at) as u32 != sys::mjDYN_NONE;
     has_one(actuator).then(|| (0..actuator).filter(|at| has_one(*at)).count())
 }
 
-/// A row of the tendons' Jacobian in full, by the engine's own two layouts.
+/// Returns a dense row of the tendon Jacobian, from either of the engine's layouts.
 fn tendon_jacobian(m: &mjModel, d: &mjData, tendon: usize) -> Vec<f64> {
     let nv = m.nv as usize;
-    // SAFETY: a valid model, and arrays of the size that the engine gave them.
+    // SAFETY: the model is valid, and the arrays have the engine's sizes.
     unsafe {
         if sys::mj_isSparse(m) == 0 {
             return read(d.ten_J, nv * tendon, nv);
@@ -39,13 +39,13 @@ fn tendon_jacobian(m: &mjModel, d: &mjData, tendon: usize) -> Vec<f64> {
     }
 }
 
-/// What a point is at, and where, as bits.
+/// Returns the object and the position of a wrap point, as bits.
 fn raw_point(point: &WrapPoint) -> (i32, Option<Vec<u64>>) {
     match point {
         WrapPoint::Site { xpos } => (-1, Some(xpos.bits())),
         WrapPoint::Geom { geom, xpos } => (geom.index() as i32, Some(xpos.bits())),
         WrapPoint::Pulley => (-2, None),
-        other => panic!("a new kind of point: {other:?}"),
+        other => panic!("unexpected wrap point: {other:?}"),
     }
 }
 
@@ -55,12 +55,12 @@ fn engine_point(d: &mjData, point: usize) -> (i32, Option<Vec<u64>>) {
 }
 
 #[test]
-fn fields_of_elements_in_a_simulation_are_the_engines() {
+fn fields_of_elements_in_a_simulation_equal_c() {
     for subject in usual_subjects().chain([every_element()]) {
         let mut twins = Twins::in_motion(subject);
-        twins.ours.inverse().expect("inverse dynamics");
-        twins.ours.subtree_vel().expect("velocities of subtrees");
-        twins.ours.rne_post_constraint().expect("forces on bodies");
+        twins.ours.inverse().unwrap();
+        twins.ours.subtree_vel().unwrap();
+        twins.ours.rne_post_constraint().unwrap();
         let (name, data) = (&subject.name, &twins.ours);
         let (m, d) = (on_model(&twins.model), on_data(data));
         let nv = m.nv as usize;
@@ -75,11 +75,11 @@ fn fields_of_elements_in_a_simulation_are_the_engines() {
             cinert: d.cinert, [10 * i; 10];
             crb: d.crb, [10 * i; 10];
             cvel: d.cvel, [6 * i; 6];
-            => subtree_linvel: body.subtree_linvel().expect("computed").bits(), at(d.subtree_linvel, 3 * i, 3);
-            => subtree_angmom: body.subtree_angmom().expect("computed").bits(), at(d.subtree_angmom, 3 * i, 3);
-            => cacc: body.cacc().expect("computed").bits(), at(d.cacc, 6 * i, 6);
-            => cfrc_int: body.cfrc_int().expect("computed").bits(), at(d.cfrc_int, 6 * i, 6);
-            => cfrc_ext: body.cfrc_ext().expect("computed").bits(), at(d.cfrc_ext, 6 * i, 6);
+            => subtree_linvel: body.subtree_linvel().unwrap().bits(), at(d.subtree_linvel, 3 * i, 3);
+            => subtree_angmom: body.subtree_angmom().unwrap().bits(), at(d.subtree_angmom, 3 * i, 3);
+            => cacc: body.cacc().unwrap().bits(), at(d.cacc, 6 * i, 6);
+            => cfrc_int: body.cfrc_int().unwrap().bits(), at(d.cfrc_int, 6 * i, 6);
+            => cfrc_ext: body.cfrc_ext().unwrap().bits(), at(d.cfrc_ext, 6 * i, 6);
             => mocap_pos: body.mocap_pos().map(|pos| pos.bits()), mocap(m, i).map(|id| at(d.mocap_pos, 3 * id, 3));
             => mocap_quat: body.mocap_quat().map(|quat| quat.bits()), mocap(m, i).map(|id| at(d.mocap_quat, 4 * id, 4));
         });
@@ -126,7 +126,7 @@ fn fields_of_elements_in_a_simulation_are_the_engines() {
         check_fields!(name, data.tendons(), |tendon, i| {
             length: d.ten_length, [i; 1];
             velocity: d.ten_velocity, [i; 1];
-            => J: tendon.J().expect("it was computed").to_vec().bits(), tendon_jacobian(m, d, i).bits();
+            => J: tendon.J().unwrap().to_vec().bits(), tendon_jacobian(m, d, i).bits();
             => wrap_range: tendon.wrap_range(), span(d.ten_wrapadr, d.ten_wrapnum, i);
             => wrap_points: tendon.wrap_points().map(|point| raw_point(&point)).collect::<Vec<_>>(),
                 span(d.ten_wrapadr, d.ten_wrapnum, i).map(|point| engine_point(d, point)).collect::<Vec<_>>();
@@ -141,7 +141,7 @@ fn fields_of_elements_in_a_simulation_are_the_engines() {
             => act_dot: actuator.act_dot().map(|act| act.bits()), activation(m, i).map(|act| at(d.act_dot, act, 1));
         });
         check_fields!(name, data.sensors(), |sensor, i| {
-            => data: sensor.data().expect("computed").bits(), at(d.sensordata, int(m.sensor_adr, i), int(m.sensor_dim, i));
+            => data: sensor.data().unwrap().bits(), at(d.sensordata, int(m.sensor_adr, i), int(m.sensor_dim, i));
         });
     }
 }
