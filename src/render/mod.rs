@@ -21,38 +21,40 @@
 //!
 //! # Stages of a frame
 //!
-//! 1. The draw list converts the geoms of the scene to instances of unit shapes: a capsule is the side of a cylinder and two
-//!    hemispheres. Instances with the same shape and the same texture form a batch, which is one draw call. Bounding spheres cull
-//!    geoms that are outside of the view frustum, invisible in the mirror, or without a visible shadow.
-//! 2. The shadow pass renders every caster of a visible shadow to the shadow map of each shadow-casting light. Front faces are culled
-//!    to avoid self-shadowing. Only the region of a shadow map that contains casters is allocated.
-//! 3. The main render pass draws, in this order: the mirror images of all geoms, if a plane or box is reflective; that reflector,
-//!    blended additively over them; opaque geoms; the skybox and the haze at the horizon, unless the floor hides them; transparent
-//!    geoms, front to back and then back to front; labels.
+//! 1. The draw list converts the geoms of the scene to instances of unit shapes: a capsule is the side of a cylinder
+//!    and two hemispheres. Instances with the same shape and the same texture form a batch, which is one draw call.
+//!    Bounding spheres cull geoms that are outside of the view frustum, invisible in the mirror, or without a visible
+//!    shadow.
+//! 2. The shadow pass renders every caster of a visible shadow to the shadow map of each shadow-casting light. Front
+//!    faces are culled to avoid self-shadowing. Only the region of a shadow map that contains casters is allocated.
+//! 3. The main render pass draws, in this order: the mirror images of all geoms, if a plane or box is reflective; that
+//!    reflector, blended additively over them; opaque geoms; the skybox and the haze at the horizon, unless the floor
+//!    hides them; transparent geoms, front to back and then back to front; labels.
 //! 4. MSAA is resolved, and the frame is copied to a staging buffer and read back.
 //!
-//! Depth and segmentation images have a pass of their own without multisampling. In this pass the tessellation of round shapes follows
-//! from the required depth precision, whatever the model's quality settings.
+//! Depth and segmentation images have a separate pass without multisampling. In this pass the tessellation of round
+//! shapes follows from the required depth precision instead of the model's quality settings.
 //!
 //! # Differences from the engine's renderer
 //!
-//! Images are equal to those of the engine up to rounding and the positions of MSAA samples at edges, except for these deliberate
-//! differences:
+//! Images are equal to those of the engine up to rounding and the positions of MSAA samples at edges, except for these
+//! deliberate differences:
 //!
-//! - A single pass computes all lights, and shaders are specialised at run time for the lights of the scene. The engine draws
-//!   everything once more for each shadow-casting light.
+//! - A single pass computes all lights, and shaders are specialised at run time for the lights of the scene. The engine
+//!   draws everything once more for each shadow-casting light.
 //! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights.
 //! - Round shapes that cover few pixels have fewer vertices.
 //! - The sample count is the largest that the adapter supports and that does not exceed the model's.
-//! - Depth is in metres, and infinite for the background. The engine returns a value from 0 to 1 that depends on the frustum.
+//! - Depth is in metres, and infinite for the background. The engine returns a value from 0 to 1 that depends on the
+//!   frustum.
 //! - A geom with a value that cannot be rendered, such as an infinite position, is skipped.
 //! - The two eyes of a stereo camera are averaged, as in the engine without a stereo window.
 //! - In wireframe mode the rectangles of planes and boxes have diagonals.
 //!
 //! # Drivers
 //!
-//! The backend is Vulkan, Metal or Direct3D 12; OpenGL is the fallback if none of them has an adapter. Lines that a driver prints to
-//! standard error while the adapter is opened are logged at level `debug` (with glibc).
+//! The backend is Vulkan, Metal or Direct3D 12; OpenGL is the fallback if none of them has an adapter. Lines that a
+//! driver prints to standard error while the adapter is opened are logged at level `debug` (with glibc).
 
 #![forbid(unsafe_code)]
 

@@ -6,16 +6,16 @@ use crate::model::Model;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Lighting {
-    /// Per vertex, with interpolation between vertices (Gouraud shading), as in the engine's renderer. Images are equal to the
-    /// engine's up to rounding.
+    /// Per vertex, with interpolation between vertices (Gouraud shading), as in the engine's renderer. Images are equal
+    /// to the engine's up to rounding.
     #[default]
     PerVertex,
     /// Per pixel (Phong shading): round highlights, and spotlights with sharp edges.
     PerPixel,
 }
 
-/// Options of a [`Renderer`](super::Renderer). All other settings are in the model's [`Visual`](crate::Visual), which the renderer
-/// copies at construction, and in the scene's [`RenderFlags`](crate::scene::RenderFlags).
+/// Options of a [`Renderer`](super::Renderer). All other settings are in the model's [`Visual`](crate::Visual), which
+/// the renderer copies at construction, and in the scene's [`RenderFlags`](crate::scene::RenderFlags).
 ///
 /// ```
 /// use mujoco_safe::render::{Lighting, RendererOptions};

@@ -11,7 +11,8 @@ pub(crate) const GLYPH_SIZE: [u32; 2] =
     [get_raster_width(FontWeight::Regular, RasterHeight::Size16) as u32, RasterHeight::Size16.val() as u32];
 /// Padding around each glyph of the atlas, which contains its halo, pixels.
 const PADDING: u32 = 2;
-/// The font covers printable ASCII, from `FIRST` to `LAST`. The last glyph of the atlas is a box for all other characters.
+/// The font covers printable ASCII, from `FIRST` to `LAST`. The last glyph of the atlas is a box for all other
+/// characters.
 const FIRST: char = ' ';
 const LAST: char = '~';
 const COUNT: u32 = LAST as u32 - FIRST as u32 + 2;
@@ -91,7 +92,7 @@ fn replacement_box(x: u32, y: u32) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use super::{FIRST, GLYPH_SIZE, GlyphAtlas, LAST, PADDING};
+    use super::{FIRST, GlyphAtlas, LAST, PADDING};
 
     /// Returns the sum of the coverage in a rectangle.
     fn ink(texcoords: [f32; 4], channel: usize) -> usize {

@@ -56,8 +56,8 @@ impl RoundShape {
         })
     }
 
-    /// Generates the triangles of all levels for depth and segmentation images. Doubly curved surfaces have cells of equal width and height.
-    /// Straight surfaces may have long cells because no vertex is lit.
+    /// Generates the triangles of all levels for depth and segmentation images. Doubly curved surfaces have cells of
+    /// equal width and height. Straight surfaces may have long cells because no vertex is lit.
     pub(super) fn depth_levels(self) -> [Triangles; DEPTH_LEVELS.len()] {
         DEPTH_LEVELS.map(|slices| match self {
             Self::Sphere => shape::sphere(Tessellation { slices, stacks: slices / 2, quads: 1 }),

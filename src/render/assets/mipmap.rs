@@ -100,8 +100,8 @@ impl MipLevel {
 
 /// Resamples an image with bilinear interpolation at the pixel centres and appends it to `out`.
 ///
-/// For even lengths each pixel is the mean of 2 × 2 pixels. For odd lengths a 2 × 2 box filter would drop the last row or column, and with
-/// it a line of one pixel.
+/// For even lengths each pixel is the mean of 2 × 2 pixels. For odd lengths a 2 × 2 box filter would drop the last row
+/// or column, and with it a line of one pixel.
 fn resample(image: &[u8], from: [u32; 2], to: [u32; 2], out: &mut Vec<u8>) {
     let columns: Vec<Taps> = (0..to[0]).map(|column| Taps::new(column, from[0], to[0])).collect();
     let width = from[0] as usize * BYTES_PER_PIXEL;

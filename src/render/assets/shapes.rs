@@ -212,7 +212,8 @@ impl Shapes {
         &self.buffers[shape as usize]
     }
 
-    /// Returns a round shape. Before [`create_depth_levels`](Self::create_depth_levels), depth levels fall back to the model's tessellation.
+    /// Returns a round shape. Before [`create_depth_levels`](Self::create_depth_levels), depth levels fall back to the
+    /// model's tessellation.
     pub(crate) fn round(&self, shape: RoundShape, level: DetailLevel) -> u32 {
         let at =
             |first: u32, levels: usize, level: usize| first + (shape as usize * levels + level.min(levels - 1)) as u32;

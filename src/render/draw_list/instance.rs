@@ -30,9 +30,9 @@ pub(crate) struct BatchKey {
     pub(crate) texture_kind: TextureKind,
     /// Index of the texture, unless the kind is [`TextureKind::None`].
     pub(crate) texture: u32,
-    /// Whether the shape is a line.
+    /// The shape is a line.
     pub(crate) line: bool,
-    /// Whether back faces are visible and front faces are culled.
+    /// Front faces are culled instead of back faces.
     pub(crate) back_faces: bool,
 }
 
@@ -64,8 +64,8 @@ pub(crate) enum MirrorSide {
     Behind,
 }
 
-/// Marks explicit texture coordinates, in the last element of [`Instance::texgen`]; `surface.wgsl` tests for it. It exceeds the
-/// coordinates of all geoms.
+/// Marks explicit texture coordinates, in the last element of [`Instance::texgen`]; `surface.wgsl` tests for it. It
+/// exceeds the coordinates of all geoms.
 const EXPLICIT_TEXCOORDS: f32 = f32::MIN;
 
 /// Appearance of a geom, independent of its shape.
@@ -74,7 +74,8 @@ pub(super) struct Appearance {
     material: [f32; 4],
     texture_kind: TextureKind,
     texture: u32,
-    /// Scale from local positions to texture coordinates. For a 2D texture the last element is 0 or [`EXPLICIT_TEXCOORDS`].
+    /// Scale from local positions to texture coordinates. For a 2D texture the last element is 0 or
+    /// [`EXPLICIT_TEXCOORDS`].
     texgen: [f32; 3],
     id: u32,
 }
@@ -175,7 +176,8 @@ fn limited(number: f32, limit: f32) -> f32 {
     if number.is_nan() { 0.0 } else { number.clamp(-limit, limit) }
 }
 
-/// Returns the colour of a segment, which differs from the colours of adjacent ids: a point of the Halton sequence, as in the engine.
+/// Returns the colour of a segment, which differs from the colours of adjacent ids: a point of the Halton sequence, as
+/// in the engine.
 ///
 /// J. H. Halton, "On the efficiency of certain quasi-random sequences of points", Numerische Mathematik 2 (1960).
 fn segment_color(segid: usize) -> [f32; 4] {

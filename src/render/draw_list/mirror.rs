@@ -14,8 +14,8 @@ pub(crate) struct Mirror {
     /// Plane of the mirror: its product with a point (x, y, z, 1) is the signed distance, m.
     pub(crate) plane: [f32; 4],
     pub(crate) reflectance: f32,
-    /// Shape and instance that mark the mirror in the stencil buffer. `None` for an infinite plane, which needs no stencil test because
-    /// it covers all of its mirror images.
+    /// Shape and instance that mark the mirror in the stencil buffer. `None` for an infinite plane, which needs no
+    /// stencil test because it covers all of its mirror images.
     pub(crate) stencil_mark: Option<(u32, Instance)>,
 }
 

@@ -1,7 +1,7 @@
 //! Draw list: the geoms of a scene as batches of instances, in the order of their draw calls.
 //!
-//! A scene may contain any numbers, because users add geoms and models are not validated. Geoms with values that cannot be rendered are
-//! skipped.
+//! A scene may contain any numbers, because users add geoms and models are not validated. Geoms with values that cannot
+//! be rendered are skipped.
 
 mod instance;
 mod mirror;
@@ -23,7 +23,8 @@ use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
 /// Draw list of a scene. The memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct DrawList {
-    /// All instances: the reflector, opaque geoms, transparent geoms front to back, and transparent geoms back to front.
+    /// All instances: the reflector, opaque geoms, transparent geoms front to back, and transparent geoms back to
+    /// front.
     pub(crate) instances: Vec<Instance>,
     /// Batches of the reflective geom.
     pub(crate) reflector: Vec<Batch>,
@@ -156,7 +157,8 @@ impl DrawList {
         (self.mirror, self.horizon, self.front_to_back) = (None, None, 0);
     }
 
-    /// Finds the reflector: the first opaque plane or box with reflectance. It is drawn separately even if mirror images are disabled.
+    /// Finds the reflector: the first opaque plane or box with reflectance. It is drawn separately even if mirror
+    /// images are disabled.
     fn find_reflector(&mut self, scene: &Scene, inputs: &DrawListInputs<'_>, camera: [f32; 3]) -> Option<usize> {
         if inputs.aux.is_some() {
             return None;
@@ -202,7 +204,8 @@ impl DrawList {
         Visibility { in_frustum: is_inside(planes), mirror_side, shadow_mask: 0 }
     }
 
-    /// Sorts the pending instances and forms batches: the reflector, opaque geoms by batch key, transparent geoms by distance.
+    /// Sorts the pending instances and forms batches: the reflector, opaque geoms by batch key, transparent geoms by
+    /// distance.
     fn sort(&mut self, reflector_instances: u32) {
         let Self { instances, pending, opaque_order, transparent_order, .. } = self;
         opaque_order.sort_unstable();
@@ -211,7 +214,7 @@ impl DrawList {
             push(batches, instances, &pending[index as usize]);
         }
         transparent_order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for &(_, first, last) in transparent_order.iter() {
+        for &(_, first, last) in &*transparent_order {
             for pending in &pending[first as usize..last as usize] {
                 push(&mut self.transparent, instances, pending);
             }
@@ -280,17 +283,19 @@ fn is_infinite_plane(geom: SceneGeom<'_>) -> bool {
     geom.geom_type() == SceneGeomType::Plane && geom.size()[0] == 0.0 && geom.size()[1] == 0.0
 }
 
-/// Selects the level of detail of a geom: for colour images by its size on the screen, for depth by the required precision.
+/// Selects the level of detail of a geom: for colour images by its size on the screen, for depth by the required
+/// precision.
 fn detail_level(
     geom: SceneGeom<'_>,
     volume: &BoundingVolume,
     frustum: &ViewFrustum,
     aux: Option<AuxOutput>,
 ) -> DetailLevel {
-    /// Radii below which the next level is used, pixels. The edges of the two levels then differ by less than a fifth of a pixel.
+    /// Radii below which the next level is used, pixels. The edges of the two levels then differ by less than a fifth
+    /// of a pixel.
     const MAX_RADII: [f64; COLOR_LEVELS - 1] = [6.0, 2.5];
-    /// Largest distance between a geom and its triangles, relative to the distance from the camera. At a viewing angle of 15° this is
-    /// 1/5000 of the depth.
+    /// Largest distance between a geom and its triangles, relative to the distance from the camera. At a viewing angle
+    /// of 15° this is 1/5000 of the depth.
     const PRECISION: f64 = 5e-5;
     let (BoundingVolume::Sphere(sphere), None | Some(AuxOutput::Depth | AuxOutput::Ids)) = (volume, aux) else {
         return DetailLevel::Color(0);

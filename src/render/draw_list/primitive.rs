@@ -40,7 +40,8 @@ impl Part {
     }
 }
 
-/// Appends the parts of a geom at a level of detail. Appends nothing for a geom without a shape or with an unknown asset.
+/// Appends the parts of a geom at a level of detail. Appends nothing for a geom without a shape or with an unknown
+/// asset.
 pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: DetailLevel, parts: &mut Vec<Part>) {
     let round = |shape: RoundShape| shapes.round(shape, level);
     let size = geom.size();
@@ -89,7 +90,8 @@ fn plane(geom: SceneGeom<'_>, shapes: &Shapes) -> Part {
         None => infinite.shape,
     };
     let mut part = Part::new(shape, [half[0], half[1], 1.0]);
-    // The texture repeats per metre on planes of the model and on infinite planes, and covers the whole of other planes once.
+    // The texture repeats per metre on planes of the model and on infinite planes, and covers the whole of other planes
+    // once.
     if of_model.is_some() || x <= 0.0 || y <= 0.0 {
         part.texture_scale = [half[0], half[1], 1.0];
     }
@@ -118,8 +120,8 @@ fn capsule(size: [f32; 3], round: impl Fn(RoundShape) -> u32) -> [Part; 3] {
     [cylinder_side(size, round), top, bottom]
 }
 
-/// Returns the parts of an arrow from the origin along z: the shaft, its two ends, the head and its base. The arrow is half as long as
-/// `size` states; two thirds of it are the shaft.
+/// Returns the parts of an arrow from the origin along z: the shaft, its two ends, the head and its base. The arrow is
+/// half as long as `size` states; two thirds of it are the shaft.
 fn arrow(size: [f32; 3], head_scale: f32, round: impl Fn(RoundShape) -> u32) -> [Part; 5] {
     let [x, y, length] = size;
     let sixth = length / 6.0;

@@ -1,5 +1,5 @@
-//! Culling of shadow casters, and the bounds of the casters in each shadow map. Only the bounded region of a shadow map is allocated,
-//! because a whole map has millions of texels.
+//! Culling of shadow casters, and the bounds of the casters in each shadow map. Only the bounded region of a shadow map
+//! is allocated, because a whole map has millions of texels.
 
 use crate::render::bounding_volume::{BoundingVolume, Sphere, signed_distance};
 use crate::render::view::matrix::{Matrix4, row};
@@ -79,8 +79,8 @@ impl<'a> CasterBounds<'a> {
         normal.iter().zip(toward).map(|(a, b)| a * b).sum::<f32>() > 0.0
     }
 
-    /// Returns whether the whole shadow of a sphere is outside of the view frustum: the sphere is outside of a plane of the frustum, and the
-    /// light does not shine from the sphere towards this plane.
+    /// Returns whether the whole shadow of a sphere is outside of the view frustum: the sphere is outside of a plane of
+    /// the frustum, and the light does not shine from the sphere towards this plane.
     fn is_shadow_outside(&self, sphere: &Sphere, planes: &[[f32; 4]; 6]) -> bool {
         let light = self.light;
         let along = |plane: &[f32; 4]| (0..3).map(|axis| plane[axis] * light.dir[axis]).sum::<f32>();

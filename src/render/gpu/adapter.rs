@@ -110,11 +110,13 @@ impl Gpu {
 /// Window surfaces.
 #[cfg(feature = "viewer")]
 impl Gpu {
-    /// Opens an adapter that can present to a window, and creates the window's surface. The window is typically an `Arc`.
+    /// Opens an adapter that can present to a window, and creates the window's surface. The window is typically an
+    /// `Arc`.
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if no adapter supports the window, [`RenderError::Open`] if its driver fails to open a device.
+    /// [`RenderError::NoAdapter`] if no adapter supports the window, [`RenderError::Open`] if its driver fails to open
+    /// a device.
     pub(crate) fn for_window<W>(window: &W, options: &GpuOptions) -> Result<(Self, wgpu::Surface<'static>), RenderError>
     where
         W: Clone + Into<wgpu::SurfaceTarget<'static>>,
@@ -153,8 +155,8 @@ impl Gpu {
         }
     }
 
-    /// Returns a surface configuration with a linear (non-sRGB) format that [`Renderer`](crate::render::Renderer) supports, or `None`
-    /// if the surface supports no such format.
+    /// Returns a surface configuration with a linear (non-sRGB) format that [`Renderer`](crate::render::Renderer)
+    /// supports, or `None` if the surface supports no such format.
     pub(crate) fn surface_configuration(
         &self,
         surface: &wgpu::Surface<'_>,
@@ -169,8 +171,8 @@ impl Gpu {
     }
 }
 
-/// Redirects lines that drivers print to standard error to the log. Mesa's Vulkan device selection layer, for example, searches for a
-/// Wayland session and prints a warning if `XDG_RUNTIME_DIR` is not set.
+/// Redirects lines that drivers print to standard error to the log. Mesa's Vulkan device selection layer, for example,
+/// searches for a Wayland session and prints a warning if `XDG_RUNTIME_DIR` is not set.
 fn with_captured_stderr<T>(open: impl FnOnce() -> T) -> T {
     let (result, printed) = mujoco_sys::stderr::captured(open);
     for line in printed.lines() {

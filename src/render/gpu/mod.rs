@@ -10,8 +10,8 @@ use std::sync::{Arc, OnceLock};
 pub use self::adapter::{GpuKind, GpuOptions, GpuPreference};
 use super::RenderError;
 
-/// An open graphics adapter, shared by any number of [`Renderer`](super::Renderer)s on any number of threads. Clones refer to the
-/// same device.
+/// An open graphics adapter, shared by any number of [`Renderer`](super::Renderer)s on any number of threads. Clones
+/// refer to the same device.
 ///
 /// The adapter is hardware or a software rasteriser.
 ///
@@ -52,7 +52,8 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if no adapter is available, [`RenderError::Open`] if its driver fails to open a device.
+    /// [`RenderError::NoAdapter`] if no adapter is available, [`RenderError::Open`] if its driver fails to open a
+    /// device.
     pub fn new() -> Result<Self, RenderError> {
         Self::with_options(&GpuOptions::default())
     }
@@ -102,7 +103,8 @@ impl Gpu {
 
 /// Error handling. Without it wgpu panics on validation errors.
 impl Gpu {
-    /// Installs handlers that log errors outside of [`guarded`](Self::guarded) calls and record the reason of a device loss.
+    /// Installs handlers that log errors outside of [`guarded`](Self::guarded) calls and record the reason of a device
+    /// loss.
     fn install_error_handlers(&self) {
         let device = self.device();
         device.on_uncaptured_error(Arc::new(|error| log::error!("wgpu: {error}")));

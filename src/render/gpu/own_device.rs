@@ -1,7 +1,8 @@
 //! Rendering with the caller's own wgpu device.
 //!
-//! **Excluded from the stability guarantee.** This module follows [`wgpu`], which releases a new major version several times a year, and
-//! may change with it in any version of this crate. No other public item of this crate exposes a type of wgpu.
+//! **Excluded from the stability guarantee.** This module follows [`wgpu`], which releases a new major version several
+//! times a year, and may change with it in any version of this crate. No other public item of this crate exposes a type
+//! of wgpu.
 
 pub use wgpu;
 
@@ -9,8 +10,8 @@ use super::{Gpu, Shared};
 use crate::render::RenderError;
 
 impl Gpu {
-    /// Uses a device and a queue of the caller, to render alongside the caller's own commands. The caller remains responsible for
-    /// errors that the device reports outside of calls of this crate.
+    /// Uses a device and a queue of the caller, to render alongside the caller's own commands. The caller remains
+    /// responsible for errors that the device reports outside of calls of this crate.
     ///
     /// **Excluded from the stability guarantee**: see the [module](self).
     ///

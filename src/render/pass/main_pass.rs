@@ -1,4 +1,5 @@
-//! Main render pass: mirror images, the reflector, opaque geoms, the skybox and the haze, transparent geoms, and labels.
+//! Main render pass: mirror images, the reflector, opaque geoms, the skybox and the haze, transparent geoms, and
+//! labels.
 
 use super::{DrawContext, Labels, PassKind, PipelineKey, ShadowMaps, Sky, Target};
 use crate::render::draw_list::{Batch, BatchKey, DrawList, MirrorSide, Visibility};

@@ -58,21 +58,21 @@ pub(crate) struct PipelineKey {
     pub(crate) pass_kind: PassKind,
     pub(crate) texture_kind: TextureKind,
     pub(crate) line: bool,
-    /// Whether back faces are visible and front faces are culled.
+    /// Front faces are culled instead of back faces.
     pub(crate) back_faces: bool,
     /// Index of the light set, from [`Pipelines::light_set`].
     pub(crate) light_set: u32,
     pub(crate) shading: Shading,
     pub(crate) fog: bool,
-    /// Whether face culling is enabled.
+    /// Face culling is enabled.
     pub(crate) cull: bool,
     pub(crate) wireframe: bool,
-    /// Whether transparent geoms are blended additively.
+    /// Transparent geoms are blended additively.
     pub(crate) additive: bool,
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) samples: u32,
     pub(crate) stencil: bool,
-    /// Whether the frame is rendered upside down.
+    /// The frame is rendered upside down.
     pub(crate) flip_y: bool,
 }
 
@@ -108,7 +108,8 @@ pub(crate) struct Pipelines {
     cache: HashMap<PipelineKey, wgpu::RenderPipeline>,
 }
 
-/// Maximum size of the cache. A scene needs about ten pipelines; further ones result from toggled lights and from other windows.
+/// Maximum size of the cache. A scene needs about ten pipelines; further ones result from toggled lights and from other
+/// windows.
 const MAX_PIPELINES: usize = 256;
 
 impl Pipelines {

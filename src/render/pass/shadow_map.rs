@@ -1,8 +1,8 @@
-//! Shadow maps: the depth of the nearest surface in each direction of a light. Only the region that contains casters is allocated, aligned to
-//! the texel grid of the whole map, so that shadow edges do not depend on the region.
+//! Shadow maps: the depth of the nearest surface in each direction of a light. Only the region that contains casters is
+//! allocated, aligned to the texel grid of the whole map, so that shadow edges do not depend on the region.
 //!
-//! Software rasterisers take as long to clear a map as to render to it. Each frame therefore uses a nearer depth range than the previous
-//! frame, which makes stale depths ineffective; see [`ShadowRegion::depth_range`].
+//! Software rasterisers take as long to clear a map as to render to it. Each frame therefore uses a nearer depth range
+//! than the previous frame, which makes stale depths ineffective; see [`ShadowRegion::depth_range`].
 
 use super::target::{create_texture, default_view};
 use super::{COLOR_FORMAT, DrawContext, PassKind, PipelineKey};
@@ -20,7 +20,7 @@ struct ShadowMap {
     uniform: GrowableBuffer,
     bind_group: Option<wgpu::BindGroup>,
     has_casters: bool,
-    /// Whether the map contains depths nearer than the depth range of the frame.
+    /// The map may contain depths nearer than the depth range of the frame.
     needs_clear: bool,
 }
 

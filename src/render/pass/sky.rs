@@ -8,8 +8,8 @@ use crate::render::view::ViewFrustum;
 use crate::render::view::matrix::dot;
 use crate::render::{Gpu, RenderError};
 
-/// Vertex of the skybox, relative to the camera, or of the haze, in world space. Both share one shader, because compiling a second shader
-/// takes longer than rendering with it.
+/// Vertex of the skybox, relative to the camera, or of the haze, in world space. Both share one shader, because
+/// compiling a second shader takes longer than rendering with it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct SkyVertex {
@@ -90,7 +90,8 @@ fn camera_height(horizon: &Horizon, frustum: &ViewFrustum) -> f64 {
     dot(normal(horizon), offset)
 }
 
-/// Returns whether the plane hides the sky and the haze: the rays through all corners of the image hit the plane before the haze begins.
+/// Returns whether the plane hides the sky and the haze: the rays through all corners of the image hit the plane before
+/// the haze begins.
 fn is_hidden(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings) -> bool {
     let (height, up) = (camera_height(horizon, frustum), normal(horizon));
     horizon.is_opaque
@@ -103,8 +104,8 @@ fn is_hidden(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings
         })
 }
 
-/// Appends the haze: a ring around the camera, from the plane inside of the skybox up to the height of the camera at the skybox, transparent
-/// at both edges.
+/// Appends the haze: a ring around the camera, from the plane inside of the skybox up to the height of the camera at
+/// the skybox, transparent at both edges.
 fn add_haze(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings, vertices: &mut Vec<SkyVertex>) {
     let height = camera_height(horizon, frustum);
     if height < 0.0 {

@@ -11,7 +11,7 @@ pub(crate) struct Target {
     pub(crate) size: [u32; 2],
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) samples: u32,
-    /// Whether the depth buffer has a stencil component.
+    /// The depth buffer has a stencil component.
     pub(crate) stencil: bool,
     /// Multisampled colour buffer; `None` without multisampling.
     pub(crate) multisampled: Option<wgpu::TextureView>,

@@ -7,11 +7,11 @@ use super::{Picture, check, index, write_png_grey16};
 use crate::error::Result;
 use crate::file;
 
-/// Depth image: for each pixel the distance of the visible surface along the optical axis of the camera, m. [`f32::INFINITY`] for
-/// the background.
+/// Depth image: for each pixel the distance of the visible surface along the optical axis of the camera, m.
+/// [`f32::INFINITY`] for the background.
 ///
-/// The depth is the length of the ray through the pixel times the cosine of the ray's angle with the optical axis: a wall
-/// perpendicular to the axis has constant depth.
+/// The depth is the length of the ray through the pixel times the cosine of the ray's angle with the optical axis: a
+/// wall perpendicular to the axis has constant depth.
 ///
 /// ```
 /// use mujoco_safe::render::DepthPicture;
@@ -77,8 +77,8 @@ impl DepthPicture {
         })
     }
 
-    /// Converts the depths to a grey image for display: white at depth `near`, darker with depth, dark grey at `far` and beyond; black
-    /// for the background. See [`range`](Self::range).
+    /// Converts the depths to a grey image for display: white at depth `near`, darker with depth, dark grey at `far`
+    /// and beyond; black for the background. See [`range`](Self::range).
     pub fn to_picture(&self, [near, far]: [f32; 2]) -> Picture {
         const DARKEST: f32 = 40.0;
         let mut picture = Picture::new(self.width, self.height);
@@ -93,12 +93,13 @@ impl DepthPicture {
         picture
     }
 
-    /// Writes a greyscale PNG file with 16 bits per pixel: depths in millimetres, the usual format of depth cameras. As is usual for them,
-    /// 0 marks pixels nearer than half a millimetre, farther than 65.535 m, or of the background.
+    /// Writes a greyscale PNG file with 16 bits per pixel: depths in millimetres, the usual format of depth cameras. As
+    /// is usual for them, 0 marks pixels nearer than half a millimetre, farther than 65.535 m, or of the background.
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is then unchanged.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
+    /// then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
         file::replace(path.as_ref(), |out| write_png_grey16(out, [self.width, self.height], &self.millimetres()))
     }

@@ -1,6 +1,7 @@
 //! Images on the CPU, and their PNG files.
 //!
-//! All images are row-major from the top: the pixel in column `x` of row `y` is at index `y * width + x`, both counted from 0.
+//! All images are row-major from the top: the pixel in column `x` of row `y` is at index `y * width + x`, both counted
+//! from 0.
 
 mod depth;
 mod rgb;
@@ -55,7 +56,8 @@ fn write_png_grey16(out: &mut impl Write, size: [usize; 2], pixels: &[u16]) -> i
     write_png(out, size, (ColorType::Grayscale, BitDepth::Sixteen), &bytes)
 }
 
-/// Writes a PNG file with fast compression: the file is a third larger than with the best compression, and takes a tenth of the time.
+/// Writes a PNG file with fast compression: the file is a third larger than with the best compression, and takes a
+/// tenth of the time.
 fn write_png(
     out: &mut impl Write,
     size: [usize; 2],

@@ -44,7 +44,7 @@ impl Picture {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`](crate::Error::Shape) unless there are `3 * width * height` bytes.
+    /// [`Error::Shape`](crate::Error::Shape) unless `rgb` has `3 * width * height` bytes.
     pub fn from_rgb(width: usize, height: usize, rgb: Vec<u8>) -> Result<Self> {
         check("the rgb of Picture::from_rgb", [width, height], 3, rgb.len())?;
         Ok(Self { width, height, rgb })
@@ -100,7 +100,8 @@ impl Picture {
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is then unchanged.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
+    /// then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
         file::replace(path.as_ref(), |out| write_png_rgb8(out, [self.width, self.height], &self.rgb))
     }

@@ -65,14 +65,14 @@ impl SegmentationPicture {
         counted.map(|(geom, count)| (Segment { geom, object: self.objects[geom] }, count)).collect()
     }
 
-    /// Returns the ids of all pixels `(height, width)`, row-major from the top: 0 for the background, or the geom's index in the scene
-    /// plus 1.
+    /// Returns the ids of all pixels `(height, width)`, row-major from the top: 0 for the background, or the geom's
+    /// index in the scene plus 1.
     pub fn as_slice(&self) -> &[u32] {
         &self.ids
     }
 
-    /// Converts the ids to an image for display, with a distinct colour for each geom that depends on its index only; black for the
-    /// background.
+    /// Converts the ids to an image for display, with a distinct colour for each geom that depends on its index only;
+    /// black for the background.
     pub fn to_picture(&self) -> Picture {
         let mut picture = Picture::new(self.width, self.height);
         for (pixel, &id) in picture.as_bytes_mut().as_chunks_mut::<3>().0.iter_mut().zip(&self.ids) {
@@ -87,7 +87,8 @@ impl SegmentationPicture {
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is then unchanged.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
+    /// then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
         self.to_picture().save_png(path)
     }
@@ -114,8 +115,8 @@ impl fmt::Debug for SegmentationPicture {
     }
 }
 
-/// Returns the colour of an id. Consecutive ids have dissimilar colours, and no colour is as dark as the background. These are the
-/// colours of the engine's segmentation flag: Halton sequences with bases 2, 3 and 5.
+/// Returns the colour of an id. Consecutive ids have dissimilar colours, and no colour is as dark as the background.
+/// These are the colours of the engine's segmentation flag: Halton sequences with bases 2, 3 and 5.
 fn rgb(id: u32) -> [u8; 3] {
     const SKIPPED: u32 = 9;
     let index = id.saturating_add(SKIPPED);

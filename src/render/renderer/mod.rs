@@ -19,7 +19,8 @@ use crate::scene::Scene;
 /// Off-screen renderer of the scenes of one model.
 ///
 /// The renderer copies the model's meshes, textures and visual settings at construction. After edits of the model, call
-/// [`update_mesh`](Self::update_mesh), [`update_height_field`](Self::update_height_field) or [`update_texture`](Self::update_texture).
+/// [`update_mesh`](Self::update_mesh), [`update_height_field`](Self::update_height_field) or
+/// [`update_texture`](Self::update_texture).
 ///
 /// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`].
 ///
@@ -71,8 +72,9 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if no adapter is available; [`RenderError::TooLarge`] if the image, or a mesh or a texture of the
-    /// model, exceeds a limit of the adapter; [`RenderError::OutOfMemory`]. [`Error::Invalid`] for an empty image.
+    /// [`RenderError::NoAdapter`] if no adapter is available; [`RenderError::TooLarge`] if the image, or a mesh or a
+    /// texture of the model, exceeds a limit of the adapter; [`RenderError::OutOfMemory`]. [`Error::Invalid`] for an
+    /// empty image.
     #[doc(alias = "mjr_makeContext")]
     pub fn new(model: &Model, width: u32, height: u32) -> Result<Self, RenderError> {
         Self::with_options(model, width, height, &RendererOptions::default())
@@ -149,7 +151,8 @@ impl Renderer {
         &self.gpu
     }
 
-    /// Returns the requested options. The actual number of samples and size of shadow maps may be smaller, due to limits of the adapter.
+    /// Returns the requested options. The actual number of samples and size of shadow maps may be smaller, due to
+    /// limits of the adapter.
     pub fn options(&self) -> &RendererOptions {
         &self.options
     }
@@ -158,7 +161,8 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`RenderError::TooLarge`] if the size exceeds a limit of the adapter, [`Error::Invalid`] if it is 0. The size is then unchanged.
+    /// [`RenderError::TooLarge`] if the size exceeds a limit of the adapter, [`Error::Invalid`] if it is 0. The size is
+    /// then unchanged.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
         check_size(&self.gpu, [width, height])?;
         self.size = [width, height];
@@ -271,11 +275,12 @@ impl Renderer {
         })
     }
 
-    /// Renders a depth image: distances from the plane of the camera, m. Transparent geoms are skipped. The depth of the background, and of
-    /// geoms beyond the far plane, is infinite.
+    /// Renders a depth image: distances from the plane of the camera, m. Transparent geoms are skipped. The depth of
+    /// the background, and of geoms beyond the far plane, is infinite.
     ///
-    /// The relative error of a depth is at most 1/3000, which is 1 mm at 3 m, for surfaces at a viewing angle of 15° or more. The
-    /// exceptions are round geoms nearer than three times their radius, whose tessellation is limited to 256 slices.
+    /// The relative error of a depth is at most 1/3000, which is 1 mm at 3 m, for surfaces at a viewing angle of 15° or
+    /// more. The exceptions are round geoms nearer than three times their radius, whose tessellation is limited to 256
+    /// slices.
     ///
     /// # Errors
     ///
@@ -329,8 +334,8 @@ impl Renderer {
         })
     }
 
-    /// Renders to a texture of the given size, with one of the formats of window surfaces: `Bgra8Unorm` or `Rgba8Unorm`. Overwrites the
-    /// whole texture and submits the commands.
+    /// Renders to a texture of the given size, with one of the formats of window surfaces: `Bgra8Unorm` or
+    /// `Rgba8Unorm`. Overwrites the whole texture and submits the commands.
     #[cfg(feature = "viewer")]
     pub(crate) fn draw_to(
         &mut self,

@@ -1,8 +1,8 @@
-//! WGSL shaders, specialised for each frame's lights, textures and output. Specialisation avoids branches and loops at run time: on a software
-//! rasteriser a loop over lights would dominate the cost of a frame.
+//! WGSL shaders, specialised for each frame's lights, textures and output. Specialisation avoids branches and loops at
+//! run time: on a software rasteriser a loop over lights would dominate the cost of a frame.
 //!
-//! A preprocessor selects lines of the `.wgsl` files: those between `//#if NAME` and `//#end` remain if the flag is set, and a line
-//! `//#name` is replaced by generated code.
+//! A preprocessor selects lines of the `.wgsl` files: those between `//#if NAME` and `//#end` remain if the flag is
+//! set, and a line `//#name` is replaced by generated code.
 
 mod lighting;
 
@@ -58,12 +58,12 @@ pub(crate) struct ShaderVariant<'a> {
     pub(crate) shading: Shading,
     pub(crate) lights: &'a [LightFeatures],
     pub(crate) fog: bool,
-    /// Whether fragments behind the clipping plane are discarded.
+    /// Fragments behind the clipping plane are discarded.
     pub(crate) clip: bool,
 }
 
-/// Maximum number of shadow-casting lights with per-vertex lighting, limited by the number of inter-stage variables. Per-pixel lighting
-/// replaces it for more lights.
+/// Maximum number of shadow-casting lights with per-vertex lighting, limited by the number of inter-stage variables.
+/// Per-pixel lighting replaces it for more lights.
 const MAX_VERTEX_SHADOWS: usize = 5;
 
 impl ShaderVariant<'_> {
@@ -72,7 +72,8 @@ impl ShaderVariant<'_> {
         self.kind == ShaderKind::Surface && self.output == Output::Color && self.shading != Shading::None
     }
 
-    /// Returns whether the shader reads an attribute of the instance that serves the given output. Lines read all attributes.
+    /// Returns whether the shader reads an attribute of the instance that serves the given output. Lines read all
+    /// attributes.
     fn reads_instance(&self, output: Output) -> bool {
         match self.kind {
             ShaderKind::Line => true,
@@ -80,8 +81,8 @@ impl ShaderVariant<'_> {
         }
     }
 
-    /// Returns whether the shader reads the vertex or instance attribute at a location, as declared in `common.wgsl`. Unused attributes are
-    /// removed from the pipeline because some drivers fetch them nevertheless.
+    /// Returns whether the shader reads the vertex or instance attribute at a location, as declared in `common.wgsl`.
+    /// Unused attributes are removed from the pipeline because some drivers fetch them nevertheless.
     pub(crate) fn reads(&self, location: u32) -> bool {
         match location {
             1 | 7 => self.is_lit(),

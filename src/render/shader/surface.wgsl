@@ -52,7 +52,8 @@ fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
 //#end
 //#if COLOR
 //#if LIT
-    // Normal matrix, the inverse transpose: the columns of the matrix, each divided by its squared length. The columns are orthogonal.
+    // Normal matrix, the inverse transpose: the columns of the matrix, each divided by its squared length. The columns
+    // are orthogonal.
     let x_axis = vec3f(instance.x.x, instance.y.x, instance.z.x);
     let y_axis = vec3f(instance.x.y, instance.y.y, instance.z.y);
     let z_axis = vec3f(instance.x.z, instance.y.z, instance.z.z);

@@ -32,7 +32,8 @@ pub(crate) fn cuboid(cells: u32) -> Triangles {
     triangles
 }
 
-/// Appends a subdivided square. `at` maps (u, v) from -1 to 1 to a position; seen from the front, u increases to the right and v upwards.
+/// Appends a subdivided square. `at` maps (u, v) from -1 to 1 to a position; seen from the front, u increases to the
+/// right and v upwards.
 fn grid(triangles: &mut Triangles, cells: u32, at: impl Fn(f32, f32) -> [f32; 3], normal: [f32; 3]) {
     let first = triangles.vertices.len() as u32;
     // Exact at both ends and in the middle, so that adjacent grids have no gap.

@@ -5,7 +5,8 @@ use crate::error::Result;
 use crate::id::HeightFieldId;
 use crate::model::Model;
 
-/// Generates the flat-shaded triangles of a height field in its local frame: the top surface, four sides down to the base, and the base.
+/// Generates the flat-shaded triangles of a height field in its local frame: the top surface, four sides down to the
+/// base, and the base.
 ///
 /// # Errors
 ///

@@ -5,8 +5,8 @@ use crate::error::Result;
 use crate::id::{MeshId, SkinId};
 use crate::model::Model;
 
-/// Smooth shading threshold. A vertex normal is used if its angle to the face normal is at most acos(0.8), 37°, or if the mesh has
-/// texture coordinates; otherwise the edge is sharp.
+/// Smooth shading threshold. A vertex normal is used if its angle to the face normal is at most acos(0.8), 37°, or if
+/// the mesh has texture coordinates; otherwise the edge is sharp.
 const SMOOTH_THRESHOLD: f32 = 0.8;
 
 /// Marks a mesh vertex that has no shared vertex in the vertex buffer yet.
@@ -58,8 +58,9 @@ pub(crate) fn mesh(model: &Model, id: MeshId, max_vertices: usize) -> Result<Tri
 pub(crate) fn hull(model: &Model, id: MeshId, max_vertices: usize) -> Result<Triangles> {
     let mesh = model.mesh(id);
     let Some(&[vertices, _, ref rest @ ..]) = mesh.graph() else { return Ok(Triangles::default()) };
-    // For V vertices and F faces, the rest of `mesh_graph` is: V edge offsets, V vertex ids, and V + 3 F edge targets, followed by the
-    // 3 F vertices of the faces. The faces are thus the second half of the data after the first 3 V numbers.
+    // For V vertices and F faces, the rest of `mesh_graph` is: V edge offsets, V vertex ids, and V + 3 F edge targets,
+    // followed by the 3 F vertices of the faces. The faces are thus the second half of the data after the first 3 V
+    // numbers.
     let (_, rest) = rest.split_at(rest.len().min(3 * usize::try_from(vertices).unwrap_or(0)));
     let (faces, _) = rest[rest.len() / 2..].as_chunks::<3>();
     Triangles::check_size(|| format!("the hull of {mesh:?}"), faces.len().saturating_mul(3), max_vertices)?;

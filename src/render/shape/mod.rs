@@ -1,7 +1,8 @@
-//! Generation of triangle meshes on the CPU: unit shapes, and the model's meshes, convex hulls, height fields and skins, each in its
-//! local frame.
+//! Generation of triangle meshes on the CPU: unit shapes, and the model's meshes, convex hulls, height fields and
+//! skins, each in its local frame.
 //!
-//! All values of [`Triangles`] are finite, whatever the model contains: triangles with a non-finite vertex are skipped.
+//! All values of [`Triangles`] are finite, even if the model contains NaN or infinity: triangles with a non-finite
+//! vertex are skipped.
 
 mod flat;
 mod height_field;
@@ -42,8 +43,8 @@ impl Triangles {
         self.vertices.len() as u32 - 1
     }
 
-    /// Appends a quadrilateral with counterclockwise vertices. The diagonal connects the second and the fourth vertex, as in the
-    /// engine's renderer: the diagonal is visible with per-vertex lighting.
+    /// Appends a quadrilateral with counterclockwise vertices. The diagonal connects the second and the fourth vertex,
+    /// as in the engine's renderer: the diagonal is visible with per-vertex lighting.
     fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
         self.indices.extend([a, b, d, b, c, d]);
     }
@@ -81,7 +82,8 @@ pub(crate) struct Tessellation {
 }
 
 impl Tessellation {
-    /// Upper limit of all subdivisions. The edges of 256 slices are within 0.0001 radii of the circle, which is invisible.
+    /// Upper limit of all subdivisions. The edges of 256 slices are within 0.0001 radii of the circle, which is
+    /// invisible.
     pub(crate) const MAX: u32 = 256;
 
     /// Creates a tessellation, clamped to the valid range.
@@ -96,15 +98,16 @@ impl Tessellation {
         Self::new(quality.numslices, quality.numstacks, quality.numquads)
     }
 
-    /// Limits the number of slices and reduces the other subdivisions in proportion, for shapes that are small on the screen.
+    /// Limits the number of slices and reduces the other subdivisions in proportion, for shapes that are small on the
+    /// screen.
     pub(crate) fn with_slices(self, slices: u32) -> Self {
         let slices = slices.clamp(3, self.slices);
         let scaled = |count: u32| (u64::from(count) * u64::from(slices)).div_ceil(u64::from(self.slices)) as usize;
         Self::new(slices as usize, scaled(self.stacks), scaled(self.quads))
     }
 
-    /// Returns the largest distance between a circle and the edges of its regular polygon, in radii: `1 - cos(π / slices)`. A sphere is
-    /// subdivided in two directions, whose errors add up.
+    /// Returns the largest distance between a circle and the edges of its regular polygon, in radii: `1 - cos(π /
+    /// slices)`. A sphere is subdivided in two directions, whose errors add up.
     pub(crate) fn chord_error(slices_per_circle: u32) -> f64 {
         1.0 - (std::f64::consts::PI / f64::from(slices_per_circle)).cos()
     }

@@ -8,7 +8,8 @@ pub(crate) fn sphere(tessellation: Tessellation) -> Triangles {
     revolve(tessellation.slices, (-half..=half).map(|stack| meridian(stack, half)))
 }
 
-/// Generates the upper half of the unit sphere, without a bottom. A rotation by 180° about the x-axis gives the lower half.
+/// Generates the upper half of the unit sphere, without a bottom. A rotation by 180° about the x-axis gives the lower
+/// half.
 pub(crate) fn hemisphere(tessellation: Tessellation) -> Triangles {
     let half = half_stacks(tessellation) as i32;
     revolve(tessellation.slices, (0..=half).map(|stack| meridian(stack, half)))
@@ -30,15 +31,16 @@ fn meridian(stack: i32, half: i32) -> ProfilePoint {
     ProfilePoint { radius, z, normal: [radius, z] }
 }
 
-/// Generates the lateral surface of the cylinder of radius 1 from z = -1 to 1. A long cylinder requires many stacks because the
-/// interpolated depth is less precise in longer triangles.
+/// Generates the lateral surface of the cylinder of radius 1 from z = -1 to 1. A long cylinder requires many stacks
+/// because the interpolated depth is less precise in longer triangles.
 pub(crate) fn cylinder(slices: u32, stacks: u32) -> Triangles {
     let (slices, stacks) = clamp(slices, stacks);
     let height = |stack| (2.0 * f64::from(stack) / f64::from(stacks) - 1.0) as f32;
     revolve(slices, (0..=stacks).map(|stack| ProfilePoint { radius: 1.0, z: height(stack), normal: [1.0, 0.0] }))
 }
 
-/// Generates the unit disk around the origin with normal +z, of `stacks` rings. A rotation by 180° about the x-axis reverses the normal.
+/// Generates the unit disk around the origin with normal +z, of `stacks` rings. A rotation by 180° about the x-axis
+/// reverses the normal.
 pub(crate) fn disk(slices: u32, stacks: u32) -> Triangles {
     let (slices, stacks) = clamp(slices, stacks);
     let radius = |stack| (f64::from(stack) / f64::from(stacks)) as f32;
@@ -88,8 +90,9 @@ struct ProfilePoint {
     normal: [f32; 2],
 }
 
-/// Revolves a profile curve about the z-axis. In the half-plane with the radius to the right and z upwards, the outside is to the right of
-/// the direction of the curve: the profile of a cylinder goes upwards. A point on the axis becomes a single vertex.
+/// Revolves a profile curve about the z-axis. In the half-plane with the radius to the right and z upwards, the outside
+/// is to the right of the direction of the curve: the profile of a cylinder goes upwards. A point on the axis becomes a
+/// single vertex.
 fn revolve(slices: u32, profile: impl IntoIterator<Item = ProfilePoint>) -> Triangles {
     let mut triangles = Triangles::default();
     let mut previous: Option<Ring> = None;
@@ -142,8 +145,8 @@ impl Ring {
     }
 }
 
-/// Returns the cosine and sine of a vertex of a regular polygon. The lower half is the bitwise mirror image of the upper half, so that
-/// shapes rotated by 180° about the x-axis fit others without gaps.
+/// Returns the cosine and sine of a vertex of a regular polygon. The lower half is the bitwise mirror image of the
+/// upper half, so that shapes rotated by 180° about the x-axis fit others without gaps.
 fn direction(slice: u32, slices: u32) -> [f32; 2] {
     if 2 * slice > slices {
         let [cos, sin] = direction(slices - slice, slices);
@@ -170,7 +173,8 @@ mod tests {
         f64::from(slices) / 2.0 * (2.0 * PI / f64::from(slices)).sin()
     }
 
-    /// Returns the volume of the hemispherical polyhedron: frusta between the rings, whose cross-sections are regular polygons.
+    /// Returns the volume of the hemispherical polyhedron: frusta between the rings, whose cross-sections are regular
+    /// polygons.
     fn hemisphere_volume(tessellation: Tessellation) -> f64 {
         let half = half_stacks(tessellation);
         let ring = |stack: u32| (PI / 2.0 * f64::from(stack) / f64::from(half)).sin_cos();

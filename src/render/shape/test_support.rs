@@ -43,7 +43,8 @@ fn edges<'a>(surfaces: impl IntoIterator<Item = &'a Triangles>) -> HashMap<[[u32
     edges
 }
 
-/// Asserts that each edge occurs equally often in both directions: the surface has no hole and a consistent orientation.
+/// Asserts that each edge occurs equally often in both directions: the surface has no hole and a consistent
+/// orientation.
 pub(crate) fn assert_closed(surfaces: &[&Triangles]) {
     let edges = edges(surfaces.iter().copied());
     assert!(!edges.is_empty());

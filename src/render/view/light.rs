@@ -5,7 +5,8 @@ use super::matrix::{IDENTITY, Matrix4, cross, dot, look_to, orthographic, perspe
 use crate::render::settings::{VisualSettings, is_drawable};
 use crate::scene::{RenderFlags, Scene, SceneLight};
 
-/// Maximum number of shadow-casting lights. Each one needs a texture, and adapters guarantee only 16 textures per shader stage.
+/// Maximum number of shadow-casting lights. Each one needs a texture, and adapters guarantee only 16 textures per
+/// shader stage.
 pub(crate) const MAX_SHADOWS: usize = 8;
 
 /// Features of a light for which the shader is specialised, instead of branching at run time.
@@ -75,7 +76,8 @@ impl Lights {
     }
 }
 
-/// Clamps the parameters of a light to the ranges of OpenGL and returns its features, or `None` if a parameter cannot be rendered.
+/// Clamps the parameters of a light to the ranges of OpenGL and returns its features, or `None` if a parameter cannot
+/// be rendered.
 fn sanitise(light: &mut SceneLight) -> Option<LightFeatures> {
     let colors = light.ambient.iter().chain(&light.diffuse).chain(&light.specular);
     let mut numbers = light.pos.iter().chain(&light.dir).chain(&light.attenuation).chain(colors);
@@ -136,8 +138,8 @@ pub(crate) struct ShadowRegion {
 }
 
 impl ShadowRegion {
-    /// Returns the transformation from the clip space of the light to the clip space of the region, for a whole map of `size` texels. The
-    /// map has a border of one texel, to which nothing is rendered.
+    /// Returns the transformation from the clip space of the light to the clip space of the region, for a whole map of
+    /// `size` texels. The map has a border of one texel, to which nothing is rendered.
     pub(crate) fn clip_to_region(&self, size: u32) -> Matrix4 {
         let mut matrix = IDENTITY;
         let inner = f64::from(size) - 2.0;
@@ -153,16 +155,17 @@ impl ShadowRegion {
         matrix
     }
 
-    /// Returns the nearest and the farthest depth of the frame. The range of each frame is nearer than that of the previous frame by a factor
-    /// of two. Depths of previous frames in the map are thus behind everything in this frame, which has the same effect as clearing
-    /// the map. Powers of two are exact, so all frames of a scene are equal.
+    /// Returns the nearest and the farthest depth of the frame. The range of each frame is nearer than that of the
+    /// previous frame by a factor of two. Depths of previous frames in the map are thus behind everything in this
+    /// frame, which has the same effect as clearing the map. Powers of two are exact, so all frames of a scene are
+    /// equal.
     pub(crate) fn depth_range(&self) -> [f32; 2] {
         let far = 0.5_f32.powi(self.frames_since_clear as i32);
         [far / 2.0, far]
     }
 
-    /// Returns the transformation from the clip space of the light to texels and depths of the region. It ignores the border, as does the
-    /// engine.
+    /// Returns the transformation from the clip space of the light to texels and depths of the region. It ignores the
+    /// border, as does the engine.
     pub(super) fn clip_to_texels(&self, size: u32) -> Matrix4 {
         let mut matrix = IDENTITY;
         let [near, far] = self.depth_range().map(f64::from);

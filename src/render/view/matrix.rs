@@ -53,7 +53,8 @@ pub(crate) fn look_to(eye: [f64; 3], forward: [f64; 3], up: [f64; 3]) -> Matrix4
     matrix
 }
 
-/// Returns the perspective projection of a frustum, given by its extent in the near plane, to clip space with depth from 0 to 1.
+/// Returns the perspective projection of a frustum, given by its extent in the near plane, to clip space with depth
+/// from 0 to 1.
 pub(crate) fn perspective([left, right]: [f64; 2], [bottom, top]: [f64; 2], [near, far]: [f64; 2]) -> Matrix4 {
     let (width, height, depth) = (right - left, top - bottom, far - near);
     [

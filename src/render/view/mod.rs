@@ -33,7 +33,7 @@ pub(crate) struct ViewFrustum {
     pub(crate) corners: [[f64; 3]; 4],
     /// Size in pixels of a metre at a distance of one metre.
     pub(crate) pixels_per_metre: f64,
-    /// Whether the frame is rendered upside down.
+    /// The frame is rendered upside down.
     pub(crate) flip_y: bool,
 }
 
@@ -77,8 +77,9 @@ impl ViewFrustum {
         })
     }
 
-    /// Flips the frustum vertically, to render upside down. Rows are then in OpenGL's order, and the MSAA samples have OpenGL's positions:
-    /// otherwise the sample pattern would be mirrored, and edges would differ slightly from the engine's.
+    /// Flips the frustum vertically, to render upside down. Rows are then in OpenGL's order, and the MSAA samples have
+    /// OpenGL's positions: otherwise the sample pattern would be mirrored, and edges would differ slightly from the
+    /// engine's.
     pub(crate) fn flipped(mut self) -> Self {
         for column in &mut self.clip {
             column[1] = -column[1];
@@ -109,8 +110,8 @@ impl ViewFrustum {
         }
     }
 
-    /// Returns the planes of the frustum: left, right, bottom, top, near, far. The product of a plane with a point (x, y, z, 1) is its
-    /// signed distance in room space, m, positive inside.
+    /// Returns the planes of the frustum: left, right, bottom, top, near, far. The product of a plane with a point (x,
+    /// y, z, 1) is its signed distance in room space, m, positive inside.
     pub(crate) fn planes(&self) -> [[f32; 4]; 6] {
         let [x, y, z, w] = [0, 1, 2, 3].map(|index| row(&self.clip, index));
         let plane = |sign: f64, with: [f64; 4], base: [f64; 4]| {

@@ -95,7 +95,8 @@ impl UniformData {
         Self { bytes: bytemuck::bytes_of(view).to_vec() }
     }
 
-    /// Creates the uniforms of a view with lights, and with shadow maps of `shadow_size` texels unless `regions` is empty.
+    /// Creates the uniforms of a view with lights, and with shadow maps of `shadow_size` texels unless `regions` is
+    /// empty.
     pub(crate) fn lit(view: &ViewUniforms, lights: &Lights, regions: &[ShadowRegion], shadow_size: u32) -> Self {
         let mut view = *view;
         if lights.ambient_only {
