@@ -1,22 +1,22 @@
-//! What can go wrong when a picture is drawn.
+//! Errors of rendering.
 
-/// Why there is no picture.
+/// An error of the renderer or the graphics adapter.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// Something is wrong with the scene, with the model or with a number.
+    /// The scene, the model or an argument is invalid.
     #[error(transparent)]
     Engine(#[from] crate::Error),
 
-    /// Nothing on this computer can draw.
+    /// No suitable graphics adapter exists.
     #[error(
-        "no {wanted} was found to draw with{found}. One in software is in Debian's packages libvulkan1 and mesa-vulkan-drivers \
-         (Vulkan), or libegl1 and libgl1-mesa-dri (OpenGL); on other systems look for Mesa's lavapipe or llvmpipe"
+        "no {wanted} was found{found}. A software adapter is in Debian's packages libvulkan1 and mesa-vulkan-drivers \
+         (Vulkan), or libegl1 and libgl1-mesa-dri (OpenGL); on other systems install Mesa's lavapipe or llvmpipe"
     )]
     NoAdapter {
-        /// What was looked for.
+        /// Requested type of adapter.
         wanted: &'static str,
-        /// What was found instead, and why it was not taken: a text that may be empty.
+        /// Adapters that were found but do not match the request; may be empty.
         found: String,
     },
 
@@ -25,50 +25,51 @@ pub enum RenderError {
         "the graphics adapter {adapter} could not be opened: {message}. Is its driver up to date, and is it in use elsewhere?"
     )]
     Open {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
-        /// What its driver says.
+        /// Message of the driver.
         message: String,
     },
 
-    /// Something is larger than the graphics adapter can take.
-    #[error("{what} is {size}, and this graphics adapter can take {limit} at most: make it smaller")]
+    /// A size exceeds a limit of the graphics adapter.
+    #[error("{what} is {size}, but the limit of this graphics adapter is {limit}")]
     TooLarge {
-        /// What it is.
+        /// Name and unit of the quantity.
         what: String,
-        /// How large it is.
+        /// Its value.
         size: u64,
-        /// How large it may be.
+        /// Largest supported value.
         limit: u64,
     },
 
-    /// The graphics adapter has no memory left.
-    #[error("the graphics adapter is out of memory: draw smaller pictures, with smaller shadow maps or fewer samples")]
+    /// The graphics adapter is out of memory.
+    #[error("the graphics adapter is out of memory: use smaller images, smaller shadow maps or fewer samples")]
     OutOfMemory,
 
-    /// The graphics adapter is gone: its driver was reset, or it was taken out. What was made with it is of no use any more.
-    #[error("the graphics adapter is lost ({message}): open it anew with Gpu::new, and make new renderers with it")]
+    /// The graphics device is lost: its driver was reset, or the adapter was removed. All objects created with it are
+    /// unusable.
+    #[error("the graphics device is lost ({message}): open a new one with Gpu::new, and create new renderers with it")]
     Lost {
-        /// What its driver says.
+        /// Message of the driver.
         message: String,
     },
 
-    /// The graphics library refused what it was told to do, which is a mistake in this crate or in the driver.
-    #[error("bug: the graphics library refused a call: {message}")]
+    /// wgpu rejected a call, which is a bug of this crate or of the driver.
+    #[error("bug: wgpu rejected a call: {message}")]
     Refused {
-        /// Its words.
+        /// Message of wgpu.
         message: String,
     },
 }
 
 impl RenderError {
-    /// What the graphics library says, in our words.
+    /// Converts an error of wgpu.
     pub(crate) fn from_wgpu(error: &wgpu::Error) -> Self {
         match error {
             wgpu::Error::OutOfMemory { .. } => Self::OutOfMemory,
             wgpu::Error::Validation { .. } | wgpu::Error::Internal { .. } => {
                 let message = error.to_string();
-                // A lost device reports itself through every call that is made after.
+                // Every call on a lost device fails with a validation error.
                 if message.contains("device is lost") || message.contains("Device is lost") {
                     Self::Lost { message }
                 } else {

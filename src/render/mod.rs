@@ -1,4 +1,4 @@
-//! Pictures of a [`Scene`](crate::scene::Scene), drawn by wgpu: no window, no display, no OpenGL context.
+//! Off-screen rendering of a [`Scene`](crate::scene::Scene) with wgpu: no window, no display, no OpenGL context.
 //!
 //! ```no_run
 //! use mujoco_safe::render::Renderer;
@@ -15,83 +15,64 @@
 //! renderer.rgb(&scene)?.save_png("colours.png")?;
 //! let metres = renderer.depth(&scene)?.metres(320, 240);
 //! let seen = renderer.segmentation(&scene)?.pixel(320, 240).map(|segment| segment.object);
-//! println!("in the middle, {metres} m away: {seen:?}");
+//! println!("centre pixel: {metres} m, {seen:?}");
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
 //!
-//! # How a picture is made
+//! # Stages of a frame
 //!
-//! 1. The geoms of the scene become shapes in places, a capsule for one the side of a cylinder and two halves of a sphere. What is the
-//!    same shape with the same texture is drawn at once. What is out of sight, what a mirror does not show and what casts no shadow is
-//!    found out by spheres around the geoms.
-//! 2. For each light that casts shadows everything whose shadow may be seen is drawn to its shadow map, backs only, so that nothing is in
-//!    its own shadow. Of a map only the part is kept that something is drawn to.
-//! 3. In one pass, in this order: the mirror images of everything, if a plane or a box reflects; that plane or box, added to them; what
-//!    is solid; the sky and the haze at the horizon, unless the floor hides them; what is transparent, from front to back and from back
-//!    to front; labels.
-//! 4. The samples of each pixel are mixed, and the picture is copied to memory that programs can read.
+//! 1. The draw list converts the geoms of the scene to instances of unit shapes: a capsule is the side of a cylinder
+//!    and two hemispheres. Instances with the same shape and the same texture form a batch, which is one draw call.
+//!    Bounding spheres cull geoms that are outside of the view frustum, invisible in the mirror, or without a visible
+//!    shadow.
+//! 2. The shadow pass renders every caster of a visible shadow to the shadow map of each shadow-casting light. Front
+//!    faces are culled to avoid self-shadowing. Only the region of a shadow map that contains casters is allocated.
+//! 3. The main render pass draws, in this order: the mirror images of all geoms, if a plane or box is reflective; that
+//!    reflector, blended additively over them; opaque geoms; the skybox and the haze at the horizon, unless the floor
+//!    hides them; transparent geoms, front to back and then back to front; labels.
+//! 4. MSAA is resolved, and the frame is copied to a staging buffer and read back.
 //!
-//! Depths and numbers of geoms are pictures of their own, with one sample for each pixel. Round shapes have as many corners there as the
-//! precision of the depth needs, whatever the model asks for.
+//! Depth and segmentation images have a separate pass without multisampling. In this pass the tessellation of round
+//! shapes follows from the required depth precision instead of the model's quality settings.
 //!
-//! # What differs from the engine's own renderer
+//! # Differences from the engine's renderer
 //!
-//! Pictures are the same but for roundings and for the samples at edges. On purpose it is otherwise here:
+//! Images are equal to those of the engine up to rounding and the positions of MSAA samples at edges, except for these
+//! deliberate differences:
 //!
-//! - All lights are computed in one pass, each in as many operations as its kind needs: the engine draws everything once more for each
-//!   light that casts shadows. The programs are written while the program runs, for the lights that there are.
-//! - Up to 100 lights shine, and up to 8 of them cast shadows. In OpenGL there are 8 in all.
-//! - Round shapes of a few pixels have fewer corners.
-//! - A pixel has as many samples as the adapter can give it, and not more than the model asks for.
-//! - Depth is in metres, and infinite where nothing is; the engine gives a number from 0 to 1 that depends on the frustum.
-//! - A geom with a number that nothing can be drawn with, an infinite position for one, is left out.
-//! - Both eyes of a stereo camera are averaged, as the engine does unless a window for two eyes is asked for.
-//! - In a wire frame the rectangles of planes and boxes have diagonals.
+//! - A single pass computes all lights, and shaders are specialised at run time for the lights of the scene. The engine
+//!   draws everything once more for each shadow-casting light.
+//! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights.
+//! - Round shapes that cover few pixels have fewer vertices.
+//! - The sample count is the largest that the adapter supports and that does not exceed the model's.
+//! - Depth is in metres, and infinite for the background. The engine returns a value from 0 to 1 that depends on the
+//!   frustum.
+//! - A geom with a value that cannot be rendered, such as an infinite position, is skipped.
+//! - The two eyes of a stereo camera are averaged, as in the engine without a stereo window.
+//! - In wireframe mode the rectangles of planes and boxes have diagonals.
 //!
 //! # Drivers
 //!
-//! Vulkan, Metal or Direct3D 12 draws; OpenGL is used only if none of them finds an adapter. Lines that a driver prints to standard
-//! error while it is opened are logged at level `debug` (with glibc).
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `gpu/` | the graphics adapter |
-//! | `renderer/`, `options.rs` | [`Renderer`], [`RendererOptions`] |
-//! | `picture/` | [`Picture`], [`DepthPicture`], [`SegmentationPicture`]: arrays of pixels, and files of them |
-//! | `frame/` | from where a picture is drawn, and in which light |
-//! | `list/` | what is drawn: the geoms of a scene as shapes in places, in order |
-//! | `pass/` | how it is drawn: shadows, mirror images, sky, transparent things, numbers |
-//! | `shader/` | the programs of the graphics card |
-//! | `content/` | what of the model the graphics card keeps |
-//! | `bound.rs` | how far geoms reach |
-//! | `shape/` | vertices of the basic shapes, and of the model's meshes, hulls, height fields and skins |
-//! | `text/` | letters, and where they are in a text |
-//! | `texture/` | the images of the model's textures, in all sizes |
+//! The backend is Vulkan, Metal or Direct3D 12; OpenGL is the fallback if none of them has an adapter. Lines that a
+//! driver prints to standard error while the adapter is opened are logged at level `debug` (with glibc).
 
 #![forbid(unsafe_code)]
 
-mod bound;
-mod content;
+mod assets;
+mod bounding_volume;
+mod draw_list;
 mod error;
-mod frame;
 mod gpu;
-mod list;
-mod options;
 mod pass;
 mod picture;
-mod read_back;
 mod renderer;
 mod settings;
 mod shader;
 mod shape;
-mod text;
-mod texture;
+mod view;
 
 pub use self::error::RenderError;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
-pub use self::options::{Lighting, RendererOptions};
 pub use self::picture::{DepthPicture, Picture, Segment, SegmentationPicture};
 pub use self::renderer::Renderer;
-
-#[cfg(test)]
-mod leak_tests;
+pub use self::settings::{Lighting, RendererOptions};

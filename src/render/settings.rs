@@ -1,52 +1,107 @@
-//! What of the model's visual settings pictures are drawn with.
+//! Renderer options and the visual settings of a model.
 
 use crate::model::Model;
 
-/// Numbers beyond this are nowhere: their squares are still numbers in single precision.
-pub(crate) const FARTHEST: f32 = 1e15;
-
-/// Whether a number is one that can be drawn with.
-pub(crate) fn is_drawable(number: f32) -> bool {
-    number.abs() <= FARTHEST
+/// Frequency of the lighting computation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Lighting {
+    /// Per vertex, with interpolation between vertices (Gouraud shading), as in the engine's renderer. Images are equal
+    /// to the engine's up to rounding.
+    #[default]
+    PerVertex,
+    /// Per pixel (Phong shading): round highlights, and spotlights with sharp edges.
+    PerPixel,
 }
 
-/// What of the model's visual settings pictures are drawn with. The engine's compiler takes any number there.
+/// Options of a [`Renderer`](super::Renderer). All other settings are in the model's [`Visual`](crate::Visual), which
+/// the renderer copies at construction, and in the scene's [`RenderFlags`](crate::scene::RenderFlags).
+///
+/// ```
+/// use mujoco_safe::render::{Lighting, RendererOptions};
+///
+/// let fast = RendererOptions::default().samples(1).shadow_size(1024);
+/// let smooth = RendererOptions::default().lighting(Lighting::PerPixel);
+/// assert_eq!((fast.samples, smooth.lighting), (Some(1), Lighting::PerPixel));
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct RendererOptions {
+    /// MSAA samples per pixel: 1, 2, 4 or 8, subject to the adapter's support. `None` selects the model's
+    /// [`offsamples`](crate::model::VisualQuality::offsamples).
+    pub samples: Option<u32>,
+    /// Width and height of shadow maps, texels; 0 disables shadows. `None` selects the model's
+    /// [`shadowsize`](crate::model::VisualQuality::shadowsize).
+    pub shadow_size: Option<u32>,
+    /// Frequency of the lighting computation.
+    pub lighting: Lighting,
+}
+
+impl RendererOptions {
+    /// Sets the number of MSAA samples.
+    #[must_use]
+    pub fn samples(self, samples: u32) -> Self {
+        Self { samples: Some(samples), ..self }
+    }
+
+    /// Sets the width and height of shadow maps, texels.
+    #[must_use]
+    pub fn shadow_size(self, size: u32) -> Self {
+        Self { shadow_size: Some(size), ..self }
+    }
+
+    /// Sets the frequency of the lighting computation.
+    #[must_use]
+    pub fn lighting(self, lighting: Lighting) -> Self {
+        Self { lighting, ..self }
+    }
+}
+
+/// Largest magnitude of a value that can be rendered. Its square is finite in single precision.
+pub(crate) const MAX_MAGNITUDE: f32 = 1e15;
+
+/// Returns whether a value is finite and not too large to be rendered.
+pub(crate) fn is_drawable(number: f32) -> bool {
+    number.abs() <= MAX_MAGNITUDE
+}
+
+/// Validated copy of the model's visual settings. The engine's compiler accepts any number in them.
 #[derive(Debug, Clone)]
-pub(crate) struct Settings {
-    /// Half the width of what a directional light casts shadows on, m.
+pub(crate) struct VisualSettings {
+    /// Half-width of the orthographic shadow volume of directional lights, m.
     pub(crate) shadow_clip: f64,
-    /// Share of a spot light's cone in which it casts shadows.
+    /// Fraction of a spotlight's cone that its shadow map covers.
     pub(crate) shadow_scale: f64,
-    /// Where fog begins and where it hides everything, m.
+    /// Depths at which fog starts and at which it is opaque, m.
     pub(crate) fog: [f32; 2],
     pub(crate) fog_color: [f32; 4],
     pub(crate) haze_color: [f32; 4],
-    /// Share of the way to the horizon that haze covers.
+    /// Radial width of the haze, as a fraction of the distance to the horizon.
     pub(crate) haze: f32,
-    /// Width of the edges of a wire frame, pixels.
+    /// Line width in wireframe mode, pixels.
     pub(crate) line_width: f32,
-    /// The far side of the model's own frustum, m.
+    /// Far plane of the model's own frustum, m.
     pub(crate) far: f64,
 }
 
-impl Settings {
+impl VisualSettings {
+    /// Copies the settings, converts multiples of the model's extent to metres, and clamps invalid values.
     pub(crate) fn new(model: &Model) -> Self {
         let visual = model.visual();
         let extent = model.statistics().extent;
         let map = visual.map;
-        let metres = |share: f32| {
-            let metres = f64::from(share) * extent;
+        let metres = |fraction: f32| {
+            let metres = f64::from(fraction) * extent;
             if is_drawable(metres as f32) { metres } else { 0.0 }
         };
-        let color = |rgba: [f32; 4]| rgba.map(|number| if number.is_finite() { number.clamp(0.0, 1.0) } else { 0.0 });
-        let share = |number: f32| if number.is_finite() { number.clamp(0.0, 1.0) } else { 0.0 };
+        let fraction = |number: f32| if number.is_finite() { number.clamp(0.0, 1.0) } else { 0.0 };
         Self {
             shadow_clip: metres(map.shadowclip),
             shadow_scale: f64::from(map.shadowscale),
             fog: [metres(map.fogstart) as f32, metres(map.fogend) as f32],
-            fog_color: color(visual.rgba.fog),
-            haze_color: color(visual.rgba.haze),
-            haze: share(map.haze),
+            fog_color: visual.rgba.fog.map(fraction),
+            haze_color: visual.rgba.haze.map(fraction),
+            haze: fraction(map.haze),
             line_width: if visual.global.linewidth.is_finite() {
                 visual.global.linewidth.clamp(0.1, 100.0)
             } else {

@@ -1,27 +1,19 @@
-//! The graphics adapter, opened.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `open.rs` | which adapter is taken |
-//! | `guard.rs` | what the graphics library refuses becomes an error |
-//! | `window.rs` | an adapter that can draw to a window |
-//! | `own_device.rs` | the caller's own device: outside the promise of stability |
+//! Graphics adapters and devices.
 
-mod guard;
-mod open;
+mod adapter;
+pub(crate) mod buffer;
 pub mod own_device;
-#[cfg(feature = "viewer")]
-mod window;
 
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-pub use self::open::{GpuKind, GpuOptions, GpuPreference};
+pub use self::adapter::{GpuKind, GpuOptions, GpuPreference};
 use super::RenderError;
 
-/// A graphics adapter, opened, for any number of [`Renderer`](super::Renderer)s on any number of threads. A clone is the same one.
+/// An open graphics adapter, shared by any number of [`Renderer`](super::Renderer)s on any number of threads. Clones
+/// refer to the same device.
 ///
-/// It may be a chip, or a program that draws on the processor.
+/// The adapter is hardware or a software rasteriser.
 ///
 /// ```no_run
 /// use mujoco_safe::render::{Gpu, GpuOptions, GpuPreference};
@@ -40,11 +32,11 @@ struct Shared {
     device: wgpu::Device,
     queue: wgpu::Queue,
     info: wgpu::AdapterInfo,
-    /// What multisampled textures the adapter has: a bit for each number of samples.
+    /// Bitwise OR of the supported MSAA sample counts.
     samples: u32,
-    /// Why it is lost, once it is.
+    /// Reason of the device loss, if the device is lost.
     lost: Arc<OnceLock<String>>,
-    /// What windows need. Nothing for the caller's own device.
+    /// Instance and adapter, required to create window surfaces. `None` for a device of the caller.
     #[allow(dead_code, reason = "windows are the viewer's")]
     origin: Option<Origin>,
 }
@@ -56,26 +48,27 @@ struct Origin {
 }
 
 impl Gpu {
-    /// The best adapter that there is.
+    /// Opens the best available adapter.
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if there is none, [`RenderError::Open`] if its driver refuses.
+    /// [`RenderError::NoAdapter`] if no adapter is available, [`RenderError::Open`] if its driver fails to open a
+    /// device.
     pub fn new() -> Result<Self, RenderError> {
         Self::with_options(&GpuOptions::default())
     }
 
-    /// Its name, as its driver gives it.
+    /// Returns the name of the adapter, as reported by its driver.
     pub fn name(&self) -> &str {
         &self.shared.info.name
     }
 
-    /// What it is.
+    /// Returns the type of the adapter.
     pub fn kind(&self) -> GpuKind {
         GpuKind::new(self.shared.info.device_type)
     }
 
-    /// Through which library it is spoken to: `vulkan`, `gl`, `metal` or `dx12`.
+    /// Returns the name of the graphics API: `vulkan`, `gl`, `metal` or `dx12`.
     pub fn backend(&self) -> &'static str {
         self.shared.info.backend.to_str()
     }
@@ -96,15 +89,67 @@ impl Gpu {
         self.shared.device.features().contains(feature)
     }
 
-    /// What the graphics library keeps.
+    /// Returns wgpu's counts of allocated resources.
     #[cfg(test)]
     pub(crate) fn report(&self) -> Option<wgpu::wgc::global::GlobalReport> {
         self.shared.origin.as_ref()?.instance.generate_report()
     }
 
-    /// The number of samples of a pixel that comes nearest, and is not more if there is one.
+    /// Returns the largest supported MSAA sample count that does not exceed `wanted`.
     pub(crate) fn samples(&self, wanted: u32) -> u32 {
         [8, 4, 2, 1].into_iter().find(|&count| count <= wanted.max(1) && self.shared.samples & count != 0).unwrap_or(1)
+    }
+}
+
+/// Error handling. Without it wgpu panics on validation errors.
+impl Gpu {
+    /// Installs handlers that log errors outside of [`guarded`](Self::guarded) calls and record the reason of a device
+    /// loss.
+    fn install_error_handlers(&self) {
+        let device = self.device();
+        device.on_uncaptured_error(Arc::new(|error| log::error!("wgpu: {error}")));
+        let lost = Arc::clone(&self.shared.lost);
+        device.set_device_lost_callback(move |reason, message| {
+            // Dropping the device invokes this callback, too.
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                let _ = lost.set(message);
+            }
+        });
+    }
+
+    /// Runs calls of wgpu and converts the first error that wgpu reports.
+    ///
+    /// Error scopes are per thread, so threads that share an adapter do not receive each other's errors.
+    pub(crate) fn guarded<T>(&self, calls: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
+        self.check_lost()?;
+        let device = self.device();
+        let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
+        let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let result = calls();
+        let memory = pollster::block_on(memory.pop());
+        let internal = pollster::block_on(internal.pop());
+        let validation = pollster::block_on(validation.pop());
+        self.check_lost()?;
+        match memory.or(internal).or(validation) {
+            Some(error) => Err(RenderError::from_wgpu(&error)),
+            None => result,
+        }
+    }
+
+    pub(crate) fn check_lost(&self) -> Result<(), RenderError> {
+        match self.shared.lost.get() {
+            Some(message) => Err(RenderError::Lost { message: message.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Blocks until all submitted work is complete.
+    pub(crate) fn wait(&self) -> Result<(), RenderError> {
+        match self.device().poll(wgpu::PollType::wait_indefinitely()) {
+            Ok(_) => self.check_lost(),
+            Err(error) => Err(RenderError::Lost { message: error.to_string() }),
+        }
     }
 }
 

@@ -1,7 +1,8 @@
-//! The caller's own device.
+//! Rendering with the caller's own wgpu device.
 //!
-//! **Outside the promise of stability.** Everything here follows [`wgpu`], which makes a new major version several times a year:
-//! what is here changes with it, in any version of this crate. Nothing else of this crate mentions a type of wgpu's.
+//! **Excluded from the stability guarantee.** This module follows [`wgpu`], which releases a new major version several
+//! times a year, and may change with it in any version of this crate. No other public item of this crate exposes a type
+//! of wgpu.
 
 pub use wgpu;
 
@@ -9,42 +10,46 @@ use super::{Gpu, Shared};
 use crate::render::RenderError;
 
 impl Gpu {
-    /// Draws with a device and a queue of the caller's, so that pictures of both are made side by side. Errors that the device
-    /// reports outside calls of this crate stay the caller's to catch.
+    /// Uses a device and a queue of the caller, to render alongside the caller's own commands. The caller remains
+    /// responsible for errors that the device reports outside of calls of this crate.
     ///
-    /// **Outside the promise of stability**: see the [module](self).
+    /// **Excluded from the stability guarantee**: see the [module](self).
     ///
     /// # Errors
     ///
-    /// [`RenderError::TooLarge`] if the device was opened with limits that are below wgpu's defaults for older adapters.
+    /// [`RenderError::TooLarge`] if the device was opened with limits below `wgpu::Limits::downlevel_defaults`.
     pub fn from_wgpu(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, RenderError> {
         let least = wgpu::Limits::downlevel_defaults();
         let limits = device.limits();
         for (what, has, needs) in [
             (
-                "the buffer of uniforms that is needed",
+                "the required size of a uniform buffer binding, bytes,",
                 limits.max_uniform_buffer_binding_size,
                 least.max_uniform_buffer_binding_size,
             ),
             (
-                "the number of vertex attributes that is needed",
+                "the required number of vertex attributes",
                 limits.max_vertex_attributes.into(),
                 least.max_vertex_attributes.into(),
             ),
-            ("the number of textures that is needed", limits.max_sampled_textures_per_shader_stage.into(), 16),
+            (
+                "the required number of sampled textures per shader stage",
+                limits.max_sampled_textures_per_shader_stage.into(),
+                16,
+            ),
         ] {
             if has < needs {
                 return Err(RenderError::TooLarge { what: what.to_owned(), size: needs, limit: has });
             }
         }
         let info = device.adapter_info();
-        // Every adapter has four samples.
+        // wgpu guarantees a sample count of 4 on every adapter.
         Ok(Self::assemble(device, queue, info, 1 | 4, None))
     }
 
-    /// The device and the queue, to draw other things with. Do not destroy the device.
+    /// Returns the device and the queue, for the caller's own commands. Do not destroy the device.
     ///
-    /// **Outside the promise of stability**: see the [module](self).
+    /// **Excluded from the stability guarantee**: see the [module](self).
     pub fn wgpu(&self) -> (&wgpu::Device, &wgpu::Queue) {
         let Shared { device, queue, .. } = &*self.shared;
         (device, queue)

@@ -1,391 +1,230 @@
-//! Programs with all that is set around them, made when they are first needed: to compile one takes as long as to draw a picture.
+//! Cache of render pipelines, created on first use: compiling a shader takes as long as rendering a frame.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::mem::offset_of;
 
-use super::Memory;
-use super::target::depth_format;
+use super::pipeline_state::{PipelineState, VERTEX_ATTRIBUTES, vertex_buffers, view_layout};
 use crate::render::Gpu;
-use crate::render::content::Layouts;
-use crate::render::frame::{LightKind, MOST_SHADOWS};
-use crate::render::list::Instance;
-use crate::render::shader::{Coat, Output, Program, Shade, Subject};
-use crate::render::shape::Vertex;
+use crate::render::assets::TextureLayouts;
+use crate::render::gpu::buffer::GrowableBuffer;
+use crate::render::shader::{Output, ShaderKind, ShaderVariant, Shading, TextureKind};
+use crate::render::view::{LightFeatures, MAX_SHADOWS};
 
-/// For what something is drawn.
+/// Purpose of a draw call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Step {
-    /// To a shadow map.
+pub(crate) enum PassKind {
+    /// Depth in a shadow map.
     Shadow,
-    /// To mark where the mirror is.
-    Mark,
-    /// As a mirror image, cut off at the mirror if need be.
-    MirrorSolid {
+    /// Mark of the mirror in the stencil buffer.
+    MirrorStencil,
+    /// Mirror image of an opaque geom, optionally clipped at the plane of the mirror.
+    MirrorOpaque {
         clip: bool,
     },
-    MirrorClear {
+    /// Mirror image of a transparent geom.
+    MirrorTransparent {
         clip: bool,
     },
-    /// As the mirror itself, added to the mirror images.
+    /// Reflective geom, blended additively over the mirror images.
     Reflector,
-    Solid,
-    /// Transparent.
-    Clear,
+    Opaque,
+    Transparent,
     Sky,
     Label,
-    /// In one colour.
-    Flat,
-    /// As a number and a depth.
+    /// Segmentation colour.
+    FlatColor,
+    /// Geom id and depth.
     Ids,
 }
 
-impl Step {
-    /// Whether there are lights.
-    fn is_lit(self) -> bool {
+impl PassKind {
+    /// Returns whether the view of the pass contains lights.
+    fn has_lights(self) -> bool {
         matches!(
             self,
-            Self::MirrorSolid { .. } | Self::MirrorClear { .. } | Self::Reflector | Self::Solid | Self::Clear
+            Self::MirrorOpaque { .. }
+                | Self::MirrorTransparent { .. }
+                | Self::Reflector
+                | Self::Opaque
+                | Self::Transparent
         )
     }
 }
 
-/// What a pipeline is made for.
-#[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
+/// Parameters for which a pipeline is created.
+#[allow(clippy::struct_excessive_bools, reason = "each is an independent switch")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) struct Key {
-    pub(crate) step: Step,
-    pub(crate) coat: Coat,
+pub(crate) struct PipelineKey {
+    pub(crate) pass_kind: PassKind,
+    pub(crate) texture_kind: TextureKind,
     pub(crate) line: bool,
-    /// Whether backs are seen, and not fronts.
-    pub(crate) back: bool,
-    /// The number of the lights that [`Pipelines::lights`] gave.
-    pub(crate) lights: u32,
-    pub(crate) shade: Shade,
+    /// Front faces are culled instead of back faces.
+    pub(crate) back_faces: bool,
+    /// Index of the light set, from [`Pipelines::light_set`].
+    pub(crate) light_set: u32,
+    pub(crate) shading: Shading,
     pub(crate) fog: bool,
-    /// Whether one side of surfaces is left out.
-    pub(crate) culls: bool,
-    /// Whether only edges are drawn.
-    pub(crate) wire: bool,
-    /// Whether what is transparent is added.
+    /// Face culling is enabled.
+    pub(crate) cull: bool,
+    pub(crate) wireframe: bool,
+    /// Transparent geoms are blended additively.
     pub(crate) additive: bool,
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) samples: u32,
     pub(crate) stencil: bool,
-    /// Whether the picture is upside down.
-    pub(crate) turned: bool,
+    /// The frame is rendered upside down.
+    pub(crate) flip_y: bool,
 }
 
-impl Key {
-    /// One for shapes alone: without light, pictures, fog and samples. `culls`: whether one side of surfaces is left out; `turned`: whether
-    /// the picture is upside down.
-    pub(crate) fn plain(step: Step, format: wgpu::TextureFormat, [culls, turned]: [bool; 2]) -> Self {
+impl PipelineKey {
+    /// Returns a key without lighting, texture, fog and multisampling.
+    pub(crate) fn untextured(pass_kind: PassKind, format: wgpu::TextureFormat, cull: bool, flip_y: bool) -> Self {
         Self {
-            step,
-            coat: Coat::Plain,
+            pass_kind,
+            texture_kind: TextureKind::None,
             line: false,
-            back: false,
-            lights: 0,
-            shade: Shade::None,
+            back_faces: false,
+            light_set: 0,
+            shading: Shading::None,
             fog: false,
-            culls,
-            wire: false,
+            cull,
+            wireframe: false,
             additive: false,
             format,
             samples: 1,
             stencil: false,
-            turned,
+            flip_y,
         }
     }
 }
 
-/// All that were made.
+/// Cache of render pipelines and their layouts.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    pub(crate) layouts: Layouts,
-    /// Those of views, by the number of shadow maps.
-    views: Vec<wgpu::BindGroupLayout>,
-    lights: Vec<Vec<LightKind>>,
-    made: HashMap<Key, wgpu::RenderPipeline>,
+    pub(crate) texture_layouts: TextureLayouts,
+    /// Bind group layouts of views, by the number of shadow maps.
+    view_layouts: Vec<wgpu::BindGroupLayout>,
+    light_sets: Vec<Vec<LightFeatures>>,
+    cache: HashMap<PipelineKey, wgpu::RenderPipeline>,
 }
 
-/// So many are kept. A scene needs ten or so; more come from lights that are switched and from windows that come and go.
-const MOST: usize = 256;
+/// Maximum size of the cache. A scene needs about ten pipelines; further ones result from toggled lights and from other
+/// windows.
+const MAX_PIPELINES: usize = 256;
 
 impl Pipelines {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        let views = (0..=MOST_SHADOWS).map(|shadows| view_layout(gpu, shadows)).collect();
-        Self { layouts: Layouts::new(gpu), views, lights: Vec::new(), made: HashMap::new() }
+        let view_layouts = (0..=MAX_SHADOWS).map(|shadows| view_layout(gpu, shadows)).collect();
+        Self { texture_layouts: TextureLayouts::new(gpu), view_layouts, light_sets: Vec::new(), cache: HashMap::new() }
     }
 
-    /// The number of lights of such kinds.
-    pub(crate) fn lights(&mut self, kinds: impl Iterator<Item = LightKind> + Clone) -> u32 {
-        if let Some(index) = self.lights.iter().position(|lights| lights.iter().copied().eq(kinds.clone())) {
+    /// Returns the index of a set of light features.
+    pub(crate) fn light_set(&mut self, features: impl Iterator<Item = LightFeatures> + Clone) -> u32 {
+        if let Some(index) = self.light_sets.iter().position(|set| set.iter().copied().eq(features.clone())) {
             return index as u32;
         }
-        if self.made.len() > MOST {
-            // Numbers that were given stay as they are; what was made with them is made again.
-            self.made.clear();
+        if self.cache.len() > MAX_PIPELINES {
+            // Indices of light sets remain valid; their pipelines are created again.
+            self.cache.clear();
         }
-        self.lights.push(kinds.collect());
-        self.lights.len() as u32 - 1
+        self.light_sets.push(features.collect());
+        self.light_sets.len() as u32 - 1
     }
 
-    /// How a view with so many shadow maps is bound.
-    fn view(&self, shadows: usize) -> &wgpu::BindGroupLayout {
-        &self.views[shadows]
-    }
-
-    /// What a view's programs read: its numbers, and the shadow maps of its lights.
-    pub(crate) fn group(&self, gpu: &Gpu, uniform: &Memory, maps: &[&wgpu::TextureView]) -> wgpu::BindGroup {
+    /// Creates the bind group of a view: its uniform buffer and shadow maps.
+    pub(crate) fn view_bind_group(
+        &self,
+        gpu: &Gpu,
+        uniform: &GrowableBuffer,
+        shadow_maps: &[&wgpu::TextureView],
+    ) -> wgpu::BindGroup {
         let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: uniform.buffer().as_entire_binding() }];
         entries.extend(
-            maps.iter().zip(1..).map(|(map, binding)| wgpu::BindGroupEntry {
+            shadow_maps.iter().zip(1..).map(|(map, binding)| wgpu::BindGroupEntry {
                 binding,
                 resource: wgpu::BindingResource::TextureView(map),
             }),
         );
-        let layout = self.view(maps.len());
+        let layout = &self.view_layouts[shadow_maps.len()];
         gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 
-    /// The pipeline for a key.
-    pub(crate) fn get(&mut self, gpu: &Gpu, key: Key) -> &wgpu::RenderPipeline {
-        if !self.made.contains_key(&key) {
-            let pipeline = self.make(gpu, &key);
-            self.made.insert(key, pipeline);
+    /// Returns the pipeline for a key.
+    pub(crate) fn get(&mut self, gpu: &Gpu, key: PipelineKey) -> &wgpu::RenderPipeline {
+        if !self.cache.contains_key(&key) {
+            let pipeline = self.create(gpu, &key);
+            self.cache.insert(key, pipeline);
         }
-        &self.made[&key]
+        &self.cache[&key]
     }
 
-    fn make(&self, gpu: &Gpu, key: &Key) -> wgpu::RenderPipeline {
-        let parts = Parts::new(key);
-        // A line is bound as the surfaces around it are.
-        let bound: &[LightKind] = if key.step.is_lit() { &self.lights[key.lights as usize] } else { &[] };
-        let lights: &[LightKind] = if parts.lit { bound } else { &[] };
-        let program = Program {
-            subject: parts.subject,
-            output: parts.output,
-            coat: key.coat,
-            shade: key.shade,
-            lights,
+    fn create(&self, gpu: &Gpu, key: &PipelineKey) -> wgpu::RenderPipeline {
+        let state = PipelineState::new(key);
+        // Unlit shapes of a lit pass, such as lines, use the same bind group of the view.
+        let bound: &[LightFeatures] =
+            if key.pass_kind.has_lights() { &self.light_sets[key.light_set as usize] } else { &[] };
+        let mut shader = ShaderVariant {
+            kind: state.shader,
+            output: state.output,
+            texture_kind: key.texture_kind,
+            shading: key.shading,
+            lights: bound,
             fog: key.fog,
-            clip: matches!(key.step, Step::MirrorSolid { clip: true } | Step::MirrorClear { clip: true }),
+            clip: matches!(
+                key.pass_kind,
+                PassKind::MirrorOpaque { clip: true } | PassKind::MirrorTransparent { clip: true }
+            ),
         };
+        if !shader.is_lit() {
+            shader.lights = &[];
+        }
         let device = gpu.device();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: None,
-            source: wgpu::ShaderSource::Wgsl(Cow::Owned(program.source())),
+            source: wgpu::ShaderSource::Wgsl(Cow::Owned(shader.source())),
         });
         let shadows = bound.iter().filter(|light| light.shadow).count();
-        let picture = match parts.subject {
-            Subject::Sky => Some(&self.layouts.cube),
-            Subject::Label => Some(&self.layouts.flat),
-            _ => match key.coat {
-                Coat::Plain => None,
-                Coat::Flat => Some(&self.layouts.flat),
-                Coat::Cube => Some(&self.layouts.cube),
-            },
+        let texture_layout = match (state.shader, key.texture_kind) {
+            (ShaderKind::Sky, _) => Some(&self.texture_layouts.cube),
+            (ShaderKind::Label, _) => Some(&self.texture_layouts.d2),
+            (_, TextureKind::None) => None,
+            (_, TextureKind::D2) => Some(&self.texture_layouts.d2),
+            (_, TextureKind::Cube) => Some(&self.texture_layouts.cube),
         };
-        let layouts = [Some(self.view(shadows)), picture];
+        let layouts = [Some(&self.view_layouts[shadows]), texture_layout];
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: None,
-            bind_group_layouts: &layouts[..=usize::from(picture.is_some())],
+            bind_group_layouts: &layouts[..=usize::from(texture_layout.is_some())],
             immediate_size: 0,
         });
-        let targets = [Some(wgpu::ColorTargetState {
-            format: key.format,
-            blend: parts.blend,
-            write_mask: if key.step == Step::Mark { wgpu::ColorWrites::empty() } else { wgpu::ColorWrites::ALL },
-        })];
-        let fragment = (parts.output != Output::Nothing).then(|| wgpu::FragmentState {
+        let targets =
+            [Some(wgpu::ColorTargetState { format: key.format, blend: state.blend, write_mask: state.color_writes })];
+        let fragment = (state.output != Output::DepthOnly).then(|| wgpu::FragmentState {
             module: &module,
-            entry_point: Some("fragment"),
+            entry_point: Some("fs_main"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &targets,
         });
-        let mut attributes = ATTRIBUTES.map(<[_]>::to_vec);
+        let mut attributes = VERTEX_ATTRIBUTES.map(<[_]>::to_vec);
         for of_buffer in &mut attributes {
-            of_buffer.retain(|attribute| program.reads(attribute.shader_location));
+            of_buffer.retain(|attribute| shader.reads(attribute.shader_location));
         }
-        let buffers = vertex_buffers(parts.subject, &attributes);
+        let buffers = vertex_buffers(state.shader, &attributes);
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: None,
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &module,
-                entry_point: Some("vertex"),
+                entry_point: Some("vs_main"),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: &buffers,
             },
-            primitive: parts.primitive,
-            depth_stencil: Some(parts.depth_stencil),
+            primitive: state.primitive,
+            depth_stencil: Some(state.depth_stencil),
             multisample: wgpu::MultisampleState { count: key.samples, ..Default::default() },
             fragment,
             multiview_mask: None,
             cache: None,
         })
-    }
-}
-
-/// What of a pipeline follows from its key.
-struct Parts {
-    subject: Subject,
-    output: Output,
-    lit: bool,
-    blend: Option<wgpu::BlendState>,
-    primitive: wgpu::PrimitiveState,
-    depth_stencil: wgpu::DepthStencilState,
-}
-
-impl Parts {
-    fn new(key: &Key) -> Self {
-        let (subject, output) = match key.step {
-            Step::Shadow => (Subject::Depth, Output::Nothing),
-            Step::Mark => (Subject::Depth, Output::Color),
-            Step::Sky => (Subject::Sky, Output::Color),
-            Step::Label => (Subject::Label, Output::Color),
-            Step::Ids => (if key.line { Subject::Line } else { Subject::Surface }, Output::Ids),
-            _ => (if key.line { Subject::Line } else { Subject::Surface }, Output::Color),
-        };
-        let lit = subject == Subject::Surface && output == Output::Color && key.shade != Shade::None;
-        Self { subject, output, lit, blend: blend(key), primitive: primitive(key, subject), depth_stencil: depth(key) }
-    }
-}
-
-fn blend(key: &Key) -> Option<wgpu::BlendState> {
-    use wgpu::BlendFactor::{One, OneMinusSrcAlpha, SrcAlpha, Zero};
-    let (src_factor, dst_factor) = match key.step {
-        Step::Reflector => (One, One),
-        Step::Clear | Step::MirrorClear { .. } if key.additive => (SrcAlpha, One),
-        Step::Clear | Step::MirrorClear { .. } | Step::Sky | Step::Label => (SrcAlpha, OneMinusSrcAlpha),
-        _ => return None,
-    };
-    let operation = wgpu::BlendOperation::Add;
-    Some(wgpu::BlendState {
-        color: wgpu::BlendComponent { src_factor, dst_factor, operation },
-        // A picture has no opacity of its own.
-        alpha: wgpu::BlendComponent { src_factor: Zero, dst_factor: One, operation },
-    })
-}
-
-fn primitive(key: &Key, subject: Subject) -> wgpu::PrimitiveState {
-    use wgpu::Face::{Back, Front};
-    // What is in a mirror is upside down.
-    let is_turned = key.turned != matches!(key.step, Step::MirrorSolid { .. } | Step::MirrorClear { .. });
-    let hidden = match key.step {
-        // Fronts cast no shadows, so that they are not in their own.
-        Step::Shadow | Step::Sky => Some(Front),
-        Step::Label => None,
-        _ if key.line => None,
-        _ => Some(if key.back { Front } else { Back }),
-    };
-    let is_wire = key.wire && subject == Subject::Surface;
-    wgpu::PrimitiveState {
-        topology: if subject == Subject::Label {
-            wgpu::PrimitiveTopology::TriangleStrip
-        } else {
-            wgpu::PrimitiveTopology::TriangleList
-        },
-        front_face: if is_turned { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
-        cull_mode: hidden.filter(|_| key.culls),
-        polygon_mode: if is_wire { wgpu::PolygonMode::Line } else { wgpu::PolygonMode::Fill },
-        ..Default::default()
-    }
-}
-
-fn depth(key: &Key) -> wgpu::DepthStencilState {
-    let is_last = matches!(key.step, Step::Mark | Step::Label);
-    let is_clear = matches!(key.step, Step::Clear | Step::MirrorClear { .. });
-    let face = |compare, pass_op| wgpu::StencilFaceState {
-        compare,
-        fail_op: wgpu::StencilOperation::Keep,
-        depth_fail_op: wgpu::StencilOperation::Keep,
-        pass_op,
-    };
-    let face = match key.step {
-        _ if !key.stencil => wgpu::StencilFaceState::IGNORE,
-        Step::Mark => face(wgpu::CompareFunction::Always, wgpu::StencilOperation::Replace),
-        Step::MirrorSolid { .. } | Step::MirrorClear { .. } => {
-            face(wgpu::CompareFunction::Equal, wgpu::StencilOperation::Keep)
-        }
-        _ => wgpu::StencilFaceState::IGNORE,
-    };
-    wgpu::DepthStencilState {
-        format: depth_format(key.stencil),
-        depth_write_enabled: Some(!is_last && !is_clear),
-        depth_compare: Some(if is_last { wgpu::CompareFunction::Always } else { wgpu::CompareFunction::LessEqual }),
-        stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xFF, write_mask: 0xFF },
-        bias: wgpu::DepthBiasState::default(),
-    }
-}
-
-/// How a view is bound: its uniforms, and so many shadow maps.
-fn view_layout(gpu: &Gpu, shadows: usize) -> wgpu::BindGroupLayout {
-    let uniform = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    // Depths are read as plain numbers: to compare them is left to the program, on every kind of adapter.
-    let map = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    let entry = |binding: usize, visibility, ty| wgpu::BindGroupLayoutEntry {
-        binding: binding as u32,
-        visibility,
-        ty,
-        count: None,
-    };
-    let mut entries = vec![entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform)];
-    entries.extend((1..=shadows).map(|binding| entry(binding, wgpu::ShaderStages::FRAGMENT, map)));
-    gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-}
-
-/// What the buffers of corners and of instances have in them.
-const ATTRIBUTES: [&[wgpu::VertexAttribute]; 2] = {
-    use wgpu::VertexFormat::{Float32x2, Float32x3, Float32x4, Uint32};
-    const CORNER: [wgpu::VertexAttribute; 3] = [
-        at(0, Float32x3, offset_of!(Vertex, position)),
-        at(1, Float32x3, offset_of!(Vertex, normal)),
-        at(2, Float32x2, offset_of!(Vertex, texcoord)),
-    ];
-    const INSTANCE: [wgpu::VertexAttribute; 7] = [
-        at(3, Float32x4, offset_of!(Instance, rows)),
-        at(4, Float32x4, offset_of!(Instance, rows) + 16),
-        at(5, Float32x4, offset_of!(Instance, rows) + 32),
-        at(6, Float32x4, offset_of!(Instance, rgba)),
-        at(7, Float32x4, offset_of!(Instance, material)),
-        at(8, Float32x4, offset_of!(Instance, texgen)),
-        at(9, Uint32, offset_of!(Instance, id)),
-    ];
-    [&CORNER, &INSTANCE]
-};
-
-const fn at(shader_location: u32, format: wgpu::VertexFormat, offset: usize) -> wgpu::VertexAttribute {
-    wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
-}
-
-/// The buffers of corners and of instances, of which so much is read, of the sky, or of letters.
-fn vertex_buffers(
-    subject: Subject,
-    read: &[Vec<wgpu::VertexAttribute>; 2],
-) -> Vec<Option<wgpu::VertexBufferLayout<'_>>> {
-    use wgpu::VertexFormat::{Float32x2, Float32x4};
-    const SKY: [wgpu::VertexAttribute; 2] = [at(0, Float32x4, 0), at(1, Float32x4, 16)];
-    const LABEL: [wgpu::VertexAttribute; 4] =
-        [at(0, Float32x4, 0), at(1, Float32x4, 16), at(2, Float32x4, 32), at(3, Float32x2, 48)];
-    let buffer = |size: usize, step_mode, attributes| {
-        Some(wgpu::VertexBufferLayout { array_stride: size as u64, step_mode, attributes })
-    };
-    let corner = |attributes| buffer(size_of::<Vertex>(), wgpu::VertexStepMode::Vertex, attributes);
-    match subject {
-        Subject::Surface | Subject::Line | Subject::Depth => {
-            vec![corner(&read[0]), buffer(size_of::<Instance>(), wgpu::VertexStepMode::Instance, &read[1])]
-        }
-        Subject::Sky => vec![buffer(32, wgpu::VertexStepMode::Vertex, &SKY)],
-        Subject::Label => vec![buffer(56, wgpu::VertexStepMode::Instance, &LABEL)],
     }
 }

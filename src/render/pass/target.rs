@@ -1,20 +1,20 @@
-//! The textures that are drawn to.
+//! Render targets.
 
 use crate::render::{Gpu, RenderError};
 
-/// The format of colours that are read back.
-pub(crate) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Format of colour images that are read back.
+pub(crate) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// A texture that is drawn to, and what is beside it: depths, and the samples of its pixels.
+/// Depth buffer and multisampled colour buffer that accompany a colour texture.
 #[derive(Debug)]
 pub(crate) struct Target {
     pub(crate) size: [u32; 2],
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) samples: u32,
-    /// Whether there are stencils beside the depths.
+    /// The depth buffer has a stencil component.
     pub(crate) stencil: bool,
-    /// Where the samples are, if there are several.
-    pub(crate) many: Option<wgpu::TextureView>,
+    /// Multisampled colour buffer; `None` without multisampling.
+    pub(crate) multisampled: Option<wgpu::TextureView>,
     pub(crate) depth: wgpu::TextureView,
 }
 
@@ -28,26 +28,25 @@ impl Target {
     ) -> Result<Self, RenderError> {
         check_size(gpu, size)?;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let many = (samples > 1).then(|| view(&texture(gpu, size, format, samples, usage)));
-        let depth = view(&texture(gpu, size, depth_format(stencil), samples, usage));
-        Ok(Self { size, format, samples, stencil, many, depth })
+        let multisampled = (samples > 1).then(|| default_view(&create_texture(gpu, size, format, samples, usage)));
+        let depth = default_view(&create_texture(gpu, size, depth_format(stencil), samples, usage));
+        Ok(Self { size, format, samples, stencil, multisampled, depth })
     }
 
-    /// Whether it is such a one.
-    pub(crate) fn is(&self, size: [u32; 2], format: wgpu::TextureFormat, samples: u32, stencil: bool) -> bool {
+    pub(crate) fn matches(&self, size: [u32; 2], format: wgpu::TextureFormat, samples: u32, stencil: bool) -> bool {
         (self.size, self.format, self.samples, self.stencil) == (size, format, samples, stencil)
     }
 }
 
-/// The format of depths.
+/// Returns the format of the depth buffer.
 pub(crate) fn depth_format(stencil: bool) -> wgpu::TextureFormat {
     if stencil { wgpu::TextureFormat::Depth24PlusStencil8 } else { wgpu::TextureFormat::Depth32Float }
 }
 
-/// Refuses a picture without pixels, or with too many.
+/// Returns an error for an empty image or an image that exceeds the limits of the adapter.
 pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), RenderError> {
     let limit = gpu.limits().max_texture_dimension_2d;
-    for (what, length) in [("the width of a picture", width), ("the height of a picture", height)] {
+    for (what, length) in [("the width of an image", width), ("the height of an image", height)] {
         if length == 0 {
             return Err(crate::Error::invalid(what, "0 pixels", "at least one pixel").into());
         }
@@ -59,7 +58,8 @@ pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Ren
     Ok(())
 }
 
-pub(crate) fn texture(
+/// Creates a 2D texture without mip maps.
+pub(crate) fn create_texture(
     gpu: &Gpu,
     [width, height]: [u32; 2],
     format: wgpu::TextureFormat,
@@ -78,6 +78,6 @@ pub(crate) fn texture(
     })
 }
 
-pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+pub(crate) fn default_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

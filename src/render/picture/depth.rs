@@ -1,17 +1,17 @@
-//! How far away everything is.
+//! Depth images.
 
 use std::fmt;
 use std::path::Path;
 
-use super::{Picture, check, index, png};
+use super::{Picture, check, index, write_png_grey16};
 use crate::error::Result;
 use crate::file;
 
-/// How far away everything is that is seen: for each pixel the distance along the direction in which the camera looks, m.
-/// [`f32::INFINITY`] where nothing is.
+/// Depth image: for each pixel the distance of the visible surface along the optical axis of the camera, m.
+/// [`f32::INFINITY`] for the background.
 ///
-/// It is not the length of the ray through the pixel, but that times the cosine of the ray's angle with the middle one: a wall
-/// across the view has the same depth everywhere.
+/// The depth is the length of the ray through the pixel times the cosine of the ray's angle with the optical axis: a
+/// wall perpendicular to the axis has constant depth.
 ///
 /// ```
 /// use mujoco_safe::render::DepthPicture;
@@ -29,47 +29,47 @@ pub struct DepthPicture {
 }
 
 impl DepthPicture {
-    /// A picture of depths that are row-major from the top, m: `(height, width)`.
+    /// Creates an image from depths `(height, width)`, row-major from the top, m.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`](crate::Error::Shape) unless there are `width * height`.
+    /// [`Error::Shape`](crate::Error::Shape) unless `metres` has length `width * height`.
     pub fn from_metres(width: usize, height: usize, metres: Vec<f32>) -> Result<Self> {
-        check("metres of a depth picture", [width, height], 1, metres.len())?;
+        check("the metres of DepthPicture::from_metres", [width, height], 1, metres.len())?;
         Ok(Self { width, height, metres })
     }
 
-    /// Its width, pixels.
+    /// Returns the width, pixels.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Its height, pixels.
+    /// Returns the height, pixels.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// The depth of the pixel in column `x` from the left, of row `y` from the top, m.
+    /// Returns the depth of the pixel in column `x` from the left and row `y` from the top, m.
     ///
     /// # Panics
     ///
-    /// If there is no such pixel.
+    /// If the pixel is outside of the image.
     #[track_caller]
     pub fn metres(&self, x: usize, y: usize) -> f32 {
         self.metres[index([self.width, self.height], x, y)]
     }
 
-    /// All depths, row-major from the top, m: `(height, width)`.
+    /// Returns all depths `(height, width)`, row-major from the top, m.
     pub fn as_slice(&self) -> &[f32] {
         &self.metres
     }
 
-    /// The depths themselves.
+    /// Converts the image to its depths.
     pub fn into_vec(self) -> Vec<f32> {
         self.metres
     }
 
-    /// The smallest and the largest depth, m, of pixels where something is.
+    /// Returns the smallest and the largest finite depth, m; `None` if all pixels are background.
     pub fn range(&self) -> Option<[f32; 2]> {
         self.metres.iter().filter(|depth| depth.is_finite()).fold(None, |range, &depth| {
             let [low, high] = range.unwrap_or([depth; 2]);
@@ -77,34 +77,34 @@ impl DepthPicture {
         })
     }
 
-    /// A grey picture to look at: white at depth `near`, darker with depth, down to a dark grey at `far` and beyond; black
-    /// where nothing is. See [`range`](Self::range).
+    /// Converts the depths to a grey image for display: white at depth `near`, darker with depth, dark grey at `far`
+    /// and beyond; black for the background. See [`range`](Self::range).
     pub fn to_picture(&self, [near, far]: [f32; 2]) -> Picture {
         const DARKEST: f32 = 40.0;
         let mut picture = Picture::new(self.width, self.height);
         for (pixel, &depth) in picture.as_bytes_mut().as_chunks_mut::<3>().0.iter_mut().zip(&self.metres) {
             if depth.is_finite() {
-                let share = (depth - near) / (far - near);
-                // One depth for all, and limits that are no numbers, are white.
-                let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
-                *pixel = [(255.0 - share * (255.0 - DARKEST)).round() as u8; 3];
+                let fraction = (depth - near) / (far - near);
+                // White for an empty range and for NaN limits.
+                let fraction = if fraction.is_nan() { 0.0 } else { fraction.clamp(0.0, 1.0) };
+                *pixel = [(255.0 - fraction * (255.0 - DARKEST)).round() as u8; 3];
             }
         }
         picture
     }
 
-    /// Writes it as a PNG file of 16 bits for each pixel: depths in millimetres, as cameras for depth give them. What is nearer
-    /// than half a millimetre, farther than 65.535 m, or nowhere, is 0, as it is with them.
+    /// Writes a greyscale PNG file with 16 bits per pixel: depths in millimetres, the usual format of depth cameras. As
+    /// is usual for them, 0 marks pixels nearer than half a millimetre, farther than 65.535 m, or of the background.
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written; one that was there before is as it was. A picture
-    /// without pixels has no file.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
+    /// then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
-        file::replace(path.as_ref(), |out| png::depth16(out, [self.width, self.height], &self.millimetres()))
+        file::replace(path.as_ref(), |out| write_png_grey16(out, [self.width, self.height], &self.millimetres()))
     }
 
-    /// As [`save_png`](Self::save_png) writes it.
+    /// Converts the depths to the values of [`save_png`](Self::save_png).
     fn millimetres(&self) -> Vec<u16> {
         let in_millimetres = |metres: &f32| {
             let millimetres = (f64::from(*metres) * 1e3).round();
@@ -113,9 +113,9 @@ impl DepthPicture {
         self.metres.iter().map(in_millimetres).collect()
     }
 
-    /// Makes it one of another size, of which the depths are anything, to be filled.
+    /// Changes the size and returns the depths, whose values are unspecified.
     pub(crate) fn resize(&mut self, width: usize, height: usize) -> &mut [f32] {
-        let area = super::area(width, height).expect("Bug: a size that was not checked");
+        let area = super::area(width, height).expect("Bug: unchecked image size");
         (self.width, self.height) = (width, height);
         self.metres.resize(area, 0.0);
         &mut self.metres
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_has_millimetres() {
+    fn png_file_is_in_millimetres() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("depth.png");
         picture().save_png(&path).unwrap();
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_nearer_is_brighter_and_what_is_nowhere_is_black() {
+    fn near_pixels_are_brighter_and_the_background_is_black() {
         let picture = picture();
         assert_eq!(picture.range(), Some([0.0004, 65.536]));
         let grey = picture.to_picture([0.5, 2.5]);
@@ -163,19 +163,19 @@ mod tests {
         assert_eq!([level(0, 0), level(0, 1), level(2, 0), level(1, 1)], [255, 255, 40, 40]);
         assert!(level(1, 0) < 255 && level(1, 0) > 40);
         assert_eq!([level(3, 0), level(3, 1)], [0, 0]);
-        // One depth for all, or limits that are none.
+        // Empty range and NaN limits.
         assert_eq!(picture.to_picture([0.5, 0.5]).pixel(0, 0), [255; 3]);
         assert_eq!(picture.to_picture([f32::NAN; 2]).pixel(0, 0), [255; 3]);
     }
 
     #[test]
-    fn where_nothing_is_there_is_no_range() {
+    fn background_has_no_range() {
         assert_eq!(DepthPicture::from_metres(1, 1, vec![f32::INFINITY]).unwrap().range(), None);
         assert_eq!(DepthPicture::default().range(), None);
     }
 
     #[test]
-    fn a_number_of_depths_that_does_not_fit_is_an_error() {
+    fn wrong_number_of_depths_is_an_error() {
         for (width, height, depths) in [(2, 1, 1), (2, 1, 3), (usize::MAX, usize::MAX, 1)] {
             DepthPicture::from_metres(width, height, vec![0.0; depths]).unwrap_err();
         }

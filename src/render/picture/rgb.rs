@@ -1,13 +1,13 @@
-//! What an eye sees.
+//! RGB images.
 
 use std::fmt;
 use std::path::Path;
 
-use super::{check, index, png};
-use crate::error::Result;
+use super::{check, index, write_png_rgb8};
+use crate::error::{Error, Result};
 use crate::file;
 
-/// A picture: red, green and blue of each pixel, 8 bits each, as a screen shows them.
+/// RGB image with 8 bits per channel, as displayed on a screen.
 ///
 /// ```
 /// use mujoco_safe::render::Picture;
@@ -29,95 +29,99 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A black picture of so many pixels.
+    /// Creates a black image.
     ///
     /// # Panics
     ///
-    /// If it does not fit into memory.
+    /// If the size exceeds the limits of memory or of PNG files.
     #[track_caller]
     pub fn new(width: usize, height: usize) -> Self {
-        let area = super::area(width, height).expect("a picture must fit into memory");
+        let area = super::area(width, height).expect("the image is too large");
         Self { width, height, rgb: vec![0; 3 * area] }
     }
 
-    /// A picture of bytes that are row-major from the top: red, green and blue of each pixel, `(height, width, 3)`.
+    /// Creates an image from bytes `(height, width, 3)`, row-major from the top: red, green and blue of each pixel.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`](crate::Error::Shape) unless there are `3 * width * height` bytes.
+    /// [`Error::Shape`](crate::Error::Shape) unless `rgb` has `3 * width * height` bytes.
     pub fn from_rgb(width: usize, height: usize, rgb: Vec<u8>) -> Result<Self> {
-        check("rgb of a picture", [width, height], 3, rgb.len())?;
+        check("the rgb of Picture::from_rgb", [width, height], 3, rgb.len())?;
         Ok(Self { width, height, rgb })
     }
 
-    /// Its width, pixels.
+    /// Returns the width, pixels.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Its height, pixels.
+    /// Returns the height, pixels.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Red, green and blue of the pixel in column `x` from the left, of row `y` from the top.
+    /// Returns red, green and blue of the pixel in column `x` from the left and row `y` from the top.
     ///
     /// # Panics
     ///
-    /// If there is no such pixel.
+    /// If the pixel is outside of the image.
     #[track_caller]
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 3] {
         self.rgb.as_chunks().0[index([self.width, self.height], x, y)]
     }
 
-    /// Sets the pixel in column `x` from the left, of row `y` from the top.
+    /// Sets the pixel in column `x` from the left and row `y` from the top.
     ///
     /// # Panics
     ///
-    /// If there is no such pixel.
+    /// If the pixel is outside of the image.
     #[track_caller]
     pub fn set_pixel(&mut self, x: usize, y: usize, rgb: [u8; 3]) {
         let index = index([self.width, self.height], x, y);
         self.rgb.as_chunks_mut().0[index] = rgb;
     }
 
-    /// All bytes, row-major from the top: `(height, width, 3)`.
+    /// Returns all bytes `(height, width, 3)`, row-major from the top.
     pub fn as_bytes(&self) -> &[u8] {
         &self.rgb
     }
 
-    /// All bytes, to be written to.
+    /// Returns all bytes as a mutable slice.
     pub fn as_bytes_mut(&mut self) -> &mut [u8] {
         &mut self.rgb
     }
 
-    /// The bytes themselves.
+    /// Converts the image to its bytes.
     pub fn into_bytes(self) -> Vec<u8> {
         self.rgb
     }
 
-    /// Writes it as a PNG file.
+    /// Writes a PNG file.
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written; one that was there before is as it was. A picture
-    /// without pixels has no file.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
+    /// then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
-        file::replace(path.as_ref(), |out| png::rgb(out, [self.width, self.height], &self.rgb))
+        file::replace(path.as_ref(), |out| write_png_rgb8(out, [self.width, self.height], &self.rgb))
     }
 
-    /// The bytes of a PNG file: to be sent, or shown in a notebook.
+    /// Encodes the image as the bytes of a PNG file, for example for a network message or a notebook.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) for a picture without pixels, of which there is no such file.
+    /// [`Error::Invalid`](crate::Error::Invalid) if the image is empty.
     pub fn to_png(&self) -> Result<Vec<u8>> {
-        png::to_bytes(|out| png::rgb(out, [self.width, self.height], &self.rgb))
+        let mut bytes = Vec::new();
+        // Writing to memory cannot fail, so any error is due to the image.
+        write_png_rgb8(&mut bytes, [self.width, self.height], &self.rgb)
+            .map_err(|error| Error::invalid("an image for a PNG file", error, "non-empty"))?;
+        Ok(bytes)
     }
 
-    /// Makes it one of another size, of which the pixels are anything, to be filled.
+    /// Changes the size and returns the bytes, whose contents are unspecified.
     pub(crate) fn resize(&mut self, width: usize, height: usize) -> &mut [u8] {
-        let area = super::area(width, height).expect("Bug: a size that was not checked");
+        let area = super::area(width, height).expect("Bug: unchecked image size");
         (self.width, self.height) = (width, height);
         self.rgb.resize(3 * area, 0);
         &mut self.rgb
@@ -135,13 +139,13 @@ mod tests {
     use super::Picture;
     use crate::Error;
 
-    /// Each byte is another.
+    /// Returns an image whose bytes are all different.
     fn picture() -> Picture {
         Picture::from_rgb(5, 3, (0..45).collect()).unwrap()
     }
 
     #[test]
-    fn pixels_are_row_by_row_from_the_top() {
+    fn pixels_are_row_major_from_the_top() {
         let mut picture = picture();
         assert_eq!(picture.pixel(4, 0), [12, 13, 14]);
         assert_eq!(picture.pixel(0, 1), [15, 16, 17]);
@@ -151,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_has_the_same_pixels() {
+    fn png_file_round_trips() {
         let picture = picture();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.png");
@@ -166,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_pixels_has_no_file_and_leaves_what_was_there() {
+    fn saving_an_empty_image_fails_and_keeps_the_existing_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.png");
         std::fs::write(&path, "before").unwrap();
@@ -178,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_of_bytes_that_does_not_fit_is_an_error() {
+    fn wrong_number_of_bytes_is_an_error() {
         for (width, height, bytes) in [(2, 1, 5), (2, 1, 7), (1, 2, 0), (usize::MAX, 2, 6), (0, 0, 1)] {
             Picture::from_rgb(width, height, vec![0; bytes]).unwrap_err();
         }
@@ -186,8 +190,8 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "there is no pixel (5, 0) in a picture of 5 x 3 pixels")]
-    fn a_pixel_that_is_not_there_panics() {
+    #[should_panic(expected = "pixel (5, 0) is outside of an image of 5 x 3 pixels")]
+    fn pixel_out_of_bounds_panics() {
         picture().pixel(5, 0);
     }
 }

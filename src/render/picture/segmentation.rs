@@ -1,4 +1,4 @@
-//! Which thing is where.
+//! Segmentation images.
 
 use std::fmt;
 use std::path::Path;
@@ -8,55 +8,54 @@ use crate::error::Result;
 use crate::math;
 use crate::scene::{Scene, SceneObject};
 
-/// What is seen at a pixel.
+/// Geom that is visible at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Segment {
-    /// Which geom of the scene: its index there.
+    /// Index of the geom in the scene.
     pub geom: usize,
-    /// The element of the model that the geom stands for; none for decoration and for what the user added.
+    /// Model element that the geom represents; `None` for decoration and for geoms added by the user.
     pub object: Option<SceneObject>,
 }
 
-/// Which thing is where: for each pixel the geom of the scene that is seen there, and the element of the model that it stands
-/// for.
+/// Segmentation image: for each pixel the visible geom of the scene, and the model element that it represents.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct SegmentationPicture {
     width: usize,
     height: usize,
-    /// For each pixel 0 for nothing, or one more than the geom's index in the scene.
-    numbers: Vec<u32>,
-    /// For each geom of the scene what it stands for.
+    /// For each pixel 0 for the background, or the geom's index in the scene plus 1.
+    ids: Vec<u32>,
+    /// Model element of each geom of the scene.
     objects: Vec<Option<SceneObject>>,
 }
 
 impl SegmentationPicture {
-    /// Its width, pixels.
+    /// Returns the width, pixels.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Its height, pixels.
+    /// Returns the height, pixels.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// What is seen in column `x` from the left, of row `y` from the top.
+    /// Returns the segment at column `x` from the left and row `y` from the top; `None` for the background.
     ///
     /// # Panics
     ///
-    /// If there is no such pixel.
+    /// If the pixel is outside of the image.
     #[track_caller]
     pub fn pixel(&self, x: usize, y: usize) -> Option<Segment> {
-        self.segment(self.numbers[index([self.width, self.height], x, y)])
+        self.segment(self.ids[index([self.width, self.height], x, y)])
     }
 
-    /// What is seen at each pixel, row by row from the top.
+    /// Iterates over the segments of all pixels, row by row from the top.
     pub fn pixels(&self) -> impl ExactSizeIterator<Item = Option<Segment>> + '_ {
-        self.numbers.iter().map(|&number| self.segment(number))
+        self.ids.iter().map(|&id| self.segment(id))
     }
 
-    /// What is seen at all, each thing once, by its index in the scene, with the number of its pixels.
+    /// Returns every visible segment with its number of pixels, ordered by the geom's index in the scene.
     pub fn segments(&self) -> Vec<(Segment, usize)> {
         let mut counts = vec![0; self.objects.len()];
         for segment in self.pixels().flatten() {
@@ -66,47 +65,47 @@ impl SegmentationPicture {
         counted.map(|(geom, count)| (Segment { geom, object: self.objects[geom] }, count)).collect()
     }
 
-    /// For each pixel, row-major from the top, `(height, width)`: 0 where nothing is, or one more than the geom's index in the
-    /// scene.
+    /// Returns the ids of all pixels `(height, width)`, row-major from the top: 0 for the background, or the geom's
+    /// index in the scene plus 1.
     pub fn as_slice(&self) -> &[u32] {
-        &self.numbers
+        &self.ids
     }
 
-    /// A picture to look at, in which each thing has a colour of its own, the same whenever it has the same index; black where
-    /// nothing is.
+    /// Converts the ids to an image for display, with a distinct colour for each geom that depends on its index only;
+    /// black for the background.
     pub fn to_picture(&self) -> Picture {
         let mut picture = Picture::new(self.width, self.height);
-        for (pixel, &number) in picture.as_bytes_mut().as_chunks_mut::<3>().0.iter_mut().zip(&self.numbers) {
-            if number != 0 {
-                *pixel = rgb(number);
+        for (pixel, &id) in picture.as_bytes_mut().as_chunks_mut::<3>().0.iter_mut().zip(&self.ids) {
+            if id != 0 {
+                *pixel = rgb(id);
             }
         }
         picture
     }
 
-    /// Writes the [picture](Self::to_picture) as a PNG file.
+    /// Writes the [colour image](Self::to_picture) as a PNG file.
     ///
     /// # Errors
     ///
-    /// [`Error::File`](crate::Error::File) if the file cannot be written; one that was there before is as it was. A picture
-    /// without pixels has no file.
+    /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
+    /// then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
         self.to_picture().save_png(path)
     }
 
-    fn segment(&self, number: u32) -> Option<Segment> {
-        let geom = usize::try_from(number.checked_sub(1)?).ok()?;
+    fn segment(&self, id: u32) -> Option<Segment> {
+        let geom = usize::try_from(id.checked_sub(1)?).ok()?;
         Some(Segment { geom, object: *self.objects.get(geom)? })
     }
 
-    /// Makes it one of another size and of another scene, of which the numbers are anything, to be filled.
+    /// Changes the size and the scene, and returns the ids, whose values are unspecified.
     pub(crate) fn resize(&mut self, width: usize, height: usize, scene: &Scene) -> &mut [u32] {
-        let area = super::area(width, height).expect("Bug: a size that was not checked");
+        let area = super::area(width, height).expect("Bug: unchecked image size");
         (self.width, self.height) = (width, height);
         self.objects.clear();
         self.objects.extend(scene.geoms().map(|geom| geom.object()));
-        self.numbers.resize(area, 0);
-        &mut self.numbers
+        self.ids.resize(area, 0);
+        &mut self.ids
     }
 }
 
@@ -116,12 +115,12 @@ impl fmt::Debug for SegmentationPicture {
     }
 }
 
-/// A colour for a number: those of near numbers are far from each other, and none is as dark as the background. The engine's
-/// own choice for its segmentation flag: Halton sequences of bases 2, 3 and 5.
-fn rgb(number: u32) -> [u8; 3] {
+/// Returns the colour of an id. Consecutive ids have dissimilar colours, and no colour is as dark as the background.
+/// These are the colours of the engine's segmentation flag: Halton sequences with bases 2, 3 and 5.
+fn rgb(id: u32) -> [u8; 3] {
     const SKIPPED: u32 = 9;
-    let index = number.saturating_add(SKIPPED);
-    // There is no such number for the last of the indices.
+    let index = id.saturating_add(SKIPPED);
+    // The engine's sequence is undefined for indices that exceed a C int.
     [2, 3, 5].map(|base| (255.0 * (0.1 + 0.8 * math::halton(index, base).unwrap_or_default())).round() as u8)
 }
 
@@ -144,26 +143,26 @@ mod tests {
     }
 
     #[test]
-    fn each_pixel_knows_its_geom_and_what_it_stands_for() {
+    fn pixels_map_to_geoms_and_model_elements() {
         let (picture, added) = picture();
         assert_eq!(picture.pixel(0, 0), None);
         let segment = picture.pixel(1, 0).unwrap();
         assert_eq!(segment.geom, 0);
         assert!(matches!(segment.object, Some(SceneObject::Geom(geom)) if geom.index() == 0));
         assert_eq!(picture.pixel(0, 1), Some(Segment { geom: added, object: None }));
-        assert_eq!(picture.pixel(2, 1), None, "a number of no geom");
+        assert_eq!(picture.pixel(2, 1), None, "id of no geom");
         assert_eq!(picture.pixels().len(), 6);
     }
 
     #[test]
-    fn what_is_seen_is_counted() {
+    fn visible_segments_are_counted() {
         let (picture, added) = picture();
         let counts: Vec<_> = picture.segments().into_iter().map(|(segment, count)| (segment.geom, count)).collect();
         assert_eq!(counts, [(0, 2), (1, 1), (added, 1)]);
     }
 
     #[test]
-    fn to_look_at_each_thing_has_its_own_bright_colour() {
+    fn colours_are_distinct_and_bright() {
         let (picture, _) = picture();
         let shown = picture.to_picture();
         assert_eq!(shown.pixel(0, 0), [0; 3]);

@@ -1,25 +1,28 @@
-//! Draws scenes of one model.
+//! Renderer of the scenes of one model.
 
-mod draw;
+mod encode;
 
 use std::fmt;
 
-use super::bound::Bounds;
-use super::content::{Shapes, Textures};
-use super::list::{List, Numbers};
-use super::pass::{COLOR, Ids, Labels, Memory, Pipelines, Scenes, Shadows, Sky, Target, check_size};
-use super::read_back::ReadBack;
-use super::settings::Settings;
+use super::assets::{Shapes, Textures};
+use super::bounding_volume::AssetBounds;
+use super::draw_list::{AuxOutput, DrawList};
+use super::gpu::buffer::{GrowableBuffer, ReadBackBuffer};
+use super::pass::{AuxTarget, COLOR_FORMAT, Labels, MainPass, Pipelines, ShadowMaps, Sky, Target, check_size};
+use super::settings::VisualSettings;
 use super::{DepthPicture, Gpu, Picture, RenderError, RendererOptions, SegmentationPicture};
 use crate::error::Error;
 use crate::id::{HeightFieldId, Lineage, MeshId, TextureId};
 use crate::model::Model;
 use crate::scene::Scene;
 
-/// Draws scenes of one model, without a window.
+/// Off-screen renderer of the scenes of one model.
 ///
-/// It keeps the model's meshes, textures and visual settings as they were when it was made: see [`update_mesh`](Self::update_mesh).
-/// It may be sent to another thread, and many may draw at once with one [`Gpu`].
+/// The renderer copies the model's meshes, textures and visual settings at construction. After edits of the model, call
+/// [`update_mesh`](Self::update_mesh), [`update_height_field`](Self::update_height_field) or
+/// [`update_texture`](Self::update_texture).
+///
+/// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`].
 ///
 /// ```no_run
 /// use mujoco_safe::render::Renderer;
@@ -41,42 +44,43 @@ use crate::scene::Scene;
 pub struct Renderer {
     gpu: Gpu,
     lineage: Lineage,
-    settings: Settings,
+    settings: VisualSettings,
     options: RendererOptions,
     samples: u32,
     size: [u32; 2],
-    bounds: Bounds,
+    bounds: AssetBounds,
     shapes: Shapes,
     textures: Textures,
     pipelines: Pipelines,
-    list: List,
-    instances: Memory,
-    scenes: Scenes,
-    shadows: Shadows,
+    list: DrawList,
+    instances: GrowableBuffer,
+    main_pass: MainPass,
+    shadow_maps: ShadowMaps,
     sky: Sky,
     labels: Labels,
-    /// What a picture of numbers is drawn from.
-    numbers: Memory,
-    numbers_group: Option<wgpu::BindGroup>,
+    /// Uniform buffer and bind group of the view for auxiliary output.
+    aux_uniform: GrowableBuffer,
+    aux_view: Option<wgpu::BindGroup>,
+    aux_target: Option<AuxTarget>,
     target: Option<Target>,
     color: Option<(wgpu::Texture, wgpu::TextureView)>,
-    ids: Option<Ids>,
-    read_back: Option<ReadBack>,
+    read_back: Option<ReadBackBuffer>,
 }
 
 impl Renderer {
-    /// Draws pictures of so many pixels, with the best graphics adapter that there is.
+    /// Creates a renderer for images of the given size, pixels, on the best available graphics adapter.
     ///
     /// # Errors
     ///
-    /// [`RenderError::NoAdapter`] if there is none; [`RenderError::TooLarge`] if the picture, or a mesh or a texture of the model,
-    /// is larger than it can take; [`RenderError::OutOfMemory`]. [`Error::Invalid`] for a picture without pixels.
+    /// [`RenderError::NoAdapter`] if no adapter is available; [`RenderError::TooLarge`] if the image, or a mesh or a
+    /// texture of the model, exceeds a limit of the adapter; [`RenderError::OutOfMemory`]. [`Error::Invalid`] for an
+    /// empty image.
     #[doc(alias = "mjr_makeContext")]
     pub fn new(model: &Model, width: u32, height: u32) -> Result<Self, RenderError> {
         Self::with_options(model, width, height, &RendererOptions::default())
     }
 
-    /// As [`new`](Self::new), with options.
+    /// Creates a renderer as [`new`](Self::new) does, with options.
     ///
     /// # Errors
     ///
@@ -90,7 +94,7 @@ impl Renderer {
         Self::on(&Gpu::new()?, model, width, height, options)
     }
 
-    /// As [`with_options`](Self::with_options), on an adapter that other renderers may use too.
+    /// Creates a renderer as [`with_options`](Self::with_options) does, on an open adapter, which renderers can share.
     ///
     /// # Errors
     ///
@@ -106,9 +110,9 @@ impl Renderer {
         gpu.guarded(|| {
             check_size(gpu, size)?;
             let quality = model.visual().quality;
-            let settings = Settings::new(model);
+            let settings = VisualSettings::new(model);
             let samples = options.samples.unwrap_or(quality.offsamples.min(8) as u32);
-            let shadows = shadow_size(gpu, options.shadow_size, quality.shadowsize)?;
+            let shadow_size = shadow_size(gpu, options.shadow_size, quality.shadowsize)?;
             let pipelines = Pipelines::new(gpu);
             Ok(Self {
                 gpu: gpu.clone(),
@@ -116,54 +120,56 @@ impl Renderer {
                 options: *options,
                 samples: gpu.samples(samples),
                 size,
-                bounds: Bounds::new(model),
+                bounds: AssetBounds::new(model),
                 shapes: Shapes::new(gpu, model, &settings, options.lighting)?,
-                textures: Textures::new(gpu, &pipelines.layouts, model),
+                textures: Textures::new(gpu, &pipelines.texture_layouts, model),
                 settings,
                 pipelines,
-                list: List::default(),
-                instances: Memory::new(gpu, wgpu::BufferUsages::VERTEX),
-                scenes: Scenes::new(gpu),
-                shadows: Shadows::new(shadows),
+                list: DrawList::default(),
+                instances: GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX),
+                main_pass: MainPass::new(gpu),
+                shadow_maps: ShadowMaps::new(shadow_size),
                 sky: Sky::new(gpu)?,
                 labels: Labels::new(gpu),
-                numbers: Memory::new(gpu, wgpu::BufferUsages::UNIFORM),
-                numbers_group: None,
+                aux_uniform: GrowableBuffer::new(gpu, wgpu::BufferUsages::UNIFORM),
+                aux_view: None,
+                aux_target: None,
                 target: None,
                 color: None,
-                ids: None,
                 read_back: None,
             })
         })
     }
 
-    /// Width and height of its pictures, pixels.
+    /// Returns the width and height of the images, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// The adapter that it draws with.
+    /// Returns the graphics adapter.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
     }
 
-    /// How it draws. The number of samples and the size of shadow maps may be others, if the adapter has not what was asked for.
+    /// Returns the requested options. The actual number of samples and size of shadow maps may be smaller, due to
+    /// limits of the adapter.
     pub fn options(&self) -> &RendererOptions {
         &self.options
     }
 
-    /// Changes the size of its pictures.
+    /// Changes the size of the images, pixels.
     ///
     /// # Errors
     ///
-    /// [`RenderError::TooLarge`] for more pixels than the adapter can take, [`Error::Invalid`] for none. The size is as it was then.
+    /// [`RenderError::TooLarge`] if the size exceeds a limit of the adapter, [`Error::Invalid`] if it is 0. The size is
+    /// then unchanged.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
         check_size(&self.gpu, [width, height])?;
         self.size = [width, height];
         Ok(())
     }
 
-    /// Takes over a mesh that was edited.
+    /// Uploads an edited mesh.
     ///
     /// # Errors
     ///
@@ -171,18 +177,18 @@ impl Renderer {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mjr_uploadMesh")]
     pub fn update_mesh(&mut self, model: &Model, id: MeshId) -> Result<(), RenderError> {
         self.check_model(model)?;
         model.check_id(id);
         let Self { gpu, shapes, bounds, .. } = self;
         gpu.guarded(|| shapes.update_mesh(gpu, model, id))?;
-        *bounds = Bounds::new(model);
+        *bounds = AssetBounds::new(model);
         Ok(())
     }
 
-    /// Takes over a height field that was edited.
+    /// Uploads an edited height field.
     ///
     /// # Errors
     ///
@@ -190,7 +196,7 @@ impl Renderer {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mjr_uploadHField")]
     pub fn update_height_field(&mut self, model: &Model, id: HeightFieldId) -> Result<(), RenderError> {
         self.check_model(model)?;
@@ -201,7 +207,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Takes over a texture that was edited.
+    /// Uploads an edited texture.
     ///
     /// # Errors
     ///
@@ -209,7 +215,7 @@ impl Renderer {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mjr_uploadTexture")]
     pub fn update_texture(&mut self, model: &Model, id: TextureId) -> Result<(), RenderError> {
         self.check_model(model)?;
@@ -221,11 +227,11 @@ impl Renderer {
         })
     }
 
-    /// The colours of a scene.
+    /// Renders a colour image.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] for one that was not updated;
+    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] for a scene that was never updated;
     /// [`RenderError::OutOfMemory`] and [`RenderError::Lost`].
     #[doc(alias = "mjr_render")]
     #[doc(alias = "mjr_readPixels")]
@@ -235,7 +241,7 @@ impl Renderer {
         Ok(picture)
     }
 
-    /// As [`rgb`](Self::rgb), into a picture that there is, which is given the size.
+    /// Renders a colour image into an existing image, which is resized.
     ///
     /// # Errors
     ///
@@ -243,7 +249,7 @@ impl Renderer {
     pub fn rgb_into(&mut self, scene: &Scene, picture: &mut Picture) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|length| length as usize);
         let mut rows = picture.resize(width, height).chunks_exact_mut(3 * width);
-        self.colors(scene, |row| {
+        self.render_color(scene, |row| {
             let rgb = rows.next().unwrap_or_default().as_chunks_mut::<3>().0;
             for (to, from) in rgb.iter_mut().zip(row.as_chunks::<4>().0) {
                 *to = [from[0], from[1], from[2]];
@@ -251,16 +257,16 @@ impl Renderer {
         })
     }
 
-    /// Red, green, blue and 255 for each pixel from the upper left, row by row, into `rgba`.
+    /// Renders a colour image into `rgba`: red, green, blue and 255 for each pixel, row-major from the upper left.
     ///
     /// # Errors
     ///
-    /// As for [`rgb`](Self::rgb), and [`Error::Shape`] unless there are `4 * width * height` bytes.
+    /// As for [`rgb`](Self::rgb), and [`Error::Shape`] unless `rgba` has `4 * width * height` bytes.
     pub fn rgba_into(&mut self, scene: &Scene, rgba: &mut [u8]) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|length| length as usize);
         Error::check_length("rgba", rgba.len(), 4 * width * height)?;
         let mut rows = rgba.chunks_exact_mut(4 * width);
-        self.colors(scene, |row| {
+        self.render_color(scene, |row| {
             for (to, from) in
                 rows.next().unwrap_or_default().as_chunks_mut::<4>().0.iter_mut().zip(row.as_chunks::<4>().0)
             {
@@ -269,11 +275,12 @@ impl Renderer {
         })
     }
 
-    /// The depths of a scene, m: how far what is seen is from the plane through the eye. What is transparent has none, and so has
-    /// what is beyond the far side of the frustum: infinity.
+    /// Renders a depth image: distances from the plane of the camera, m. Transparent geoms are skipped. The depth of
+    /// the background, and of geoms beyond the far plane, is infinite.
     ///
-    /// A depth is right within 1/3000 of it, 1 mm at 3 m, where a surface is seen under 15° or more. The exceptions are round geoms
-    /// that are nearer than three times their radius, which are cut into 256 slices at most.
+    /// The relative error of a depth is at most 1/3000, which is 1 mm at 3 m, for surfaces at a viewing angle of 15° or
+    /// more. The exceptions are round geoms nearer than three times their radius, whose tessellation is limited to 256
+    /// slices.
     ///
     /// # Errors
     ///
@@ -284,7 +291,7 @@ impl Renderer {
         Ok(picture)
     }
 
-    /// As [`depth`](Self::depth), into a picture that there is, which is given the size.
+    /// Renders a depth image into an existing image, which is resized.
     ///
     /// # Errors
     ///
@@ -292,15 +299,15 @@ impl Renderer {
     pub fn depth_into(&mut self, scene: &Scene, picture: &mut DepthPicture) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|length| length as usize);
         let mut rows = picture.resize(width, height).chunks_exact_mut(width);
-        self.ids(scene, Numbers::Depths, |row| {
+        self.render_aux(scene, AuxOutput::Depth, |row| {
             for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
-                let [number, depth]: [u32; 2] = bytemuck::pod_read_unaligned(from);
-                *to = if number == 0 { f32::INFINITY } else { f32::from_bits(depth) };
+                let [id, depth]: [u32; 2] = bytemuck::pod_read_unaligned(from);
+                *to = if id == 0 { f32::INFINITY } else { f32::from_bits(depth) };
             }
         })
     }
 
-    /// Which geom is seen where. What is transparent is seen too.
+    /// Renders a segmentation image, which includes transparent geoms.
     ///
     /// # Errors
     ///
@@ -311,7 +318,7 @@ impl Renderer {
         Ok(picture)
     }
 
-    /// As [`segmentation`](Self::segmentation), into a picture that there is, which is given the size.
+    /// Renders a segmentation image into an existing image, which is resized.
     ///
     /// # Errors
     ///
@@ -319,16 +326,16 @@ impl Renderer {
     pub fn segmentation_into(&mut self, scene: &Scene, picture: &mut SegmentationPicture) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|length| length as usize);
         let mut rows = picture.resize(width, height, scene).chunks_exact_mut(width);
-        self.ids(scene, Numbers::Ids, |row| {
+        self.render_aux(scene, AuxOutput::Ids, |row| {
             for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
-                let [number, _]: [u32; 2] = bytemuck::pod_read_unaligned(from);
-                *to = number;
+                let [id, _]: [u32; 2] = bytemuck::pod_read_unaligned(from);
+                *to = id;
             }
         })
     }
 
-    /// Draws to a texture of the size and of one of the formats of a window's surface: `Bgra8Unorm` or `Rgba8Unorm`. Everything
-    /// in it is overwritten. The commands are submitted.
+    /// Renders to a texture of the given size, with one of the formats of window surfaces: `Bgra8Unorm` or
+    /// `Rgba8Unorm`. Overwrites the whole texture and submits the commands.
     #[cfg(feature = "viewer")]
     pub(crate) fn draw_to(
         &mut self,
@@ -342,17 +349,17 @@ impl Renderer {
             gpu.queue().submit([encoder.finish()]);
             Ok(())
         })
-        .inspect_err(|_| self.shadows.forget())
+        .inspect_err(|_| self.shadow_maps.invalidate())
     }
 
-    /// Does what the processor does for [`rgb`](Self::rgb), and has nothing drawn: for measurements.
+    /// Encodes the commands of [`rgb`](Self::rgb) without submitting them, to measure the time on the CPU.
     #[doc(hidden)]
     pub fn prepare(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let gpu = self.gpu.clone();
         gpu.guarded(|| {
-            let (_, view) = self.color();
-            let encoded = self.encode(scene, &view, COLOR, self.size, true);
-            self.shadows.forget();
+            let (_, view) = self.color_texture();
+            let encoded = self.encode(scene, &view, COLOR_FORMAT, self.size, true);
+            self.shadow_maps.invalidate();
             encoded.map(drop)
         })
     }
@@ -366,10 +373,10 @@ impl Renderer {
     }
 }
 
-/// The size of shadow maps: what was asked for, or what the model has if the adapter can take that.
-fn shadow_size(gpu: &Gpu, asked: Option<u32>, of_model: usize) -> Result<u32, RenderError> {
+/// Returns the size of shadow maps: the requested size, or the size in the model limited by the adapter.
+fn shadow_size(gpu: &Gpu, requested: Option<u32>, of_model: usize) -> Result<u32, RenderError> {
     let limit = gpu.limits().max_texture_dimension_2d;
-    match asked {
+    match requested {
         Some(size) if size > limit => {
             let what = "the size of shadow maps, pixels,".to_owned();
             Err(RenderError::TooLarge { what, size: size.into(), limit: limit.into() })
@@ -383,5 +390,48 @@ impl fmt::Debug for Renderer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [width, height] = self.size;
         write!(f, "Renderer: {width} x {height} pixels, {} samples, on {:?}", self.samples, self.gpu)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Gpu, Renderer, RendererOptions};
+    use crate::data::Data;
+    use crate::sample;
+    use crate::scene::{Camera, Categories, Scene, SceneOptions};
+
+    /// Returns the numbers of allocated buffers, textures, texture views, bind groups and render pipelines.
+    fn resources(gpu: &Gpu) -> [usize; 5] {
+        gpu.wait().unwrap();
+        let report = gpu.report().expect("a report of wgpu");
+        let hub = report.hub_report();
+        [&hub.buffers, &hub.textures, &hub.texture_views, &hub.bind_groups, &hub.render_pipelines]
+            .map(|registry| registry.num_allocated)
+    }
+
+    #[test]
+    fn renderers_and_resizes_leak_no_resources() {
+        let gpu = Gpu::new().unwrap();
+        let mut data = Data::new(sample::humanoid()).unwrap();
+        data.forward().unwrap();
+        let mut scene = Scene::new(data.model(), 1000).unwrap();
+        let mut camera = Camera::free(data.model());
+        scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
+        let options = RendererOptions::default().samples(1).shadow_size(64);
+        let draw = |count: u32| {
+            let mut renderer = Renderer::on(&gpu, data.model(), 8, 8, &options).unwrap();
+            for frame in 0..count {
+                renderer.resize(4 + frame % 7, 4 + frame % 5).unwrap();
+                renderer.rgb(&scene).unwrap();
+                renderer.depth(&scene).unwrap();
+            }
+            resources(&gpu)
+        };
+        let empty = resources(&gpu);
+        let few = draw(3);
+        assert!(few > empty, "a renderer allocates resources");
+        assert_eq!(resources(&gpu), empty, "dropping the renderer frees all resources");
+        assert_eq!(draw(60), few, "60 frames allocate as many resources as 3");
+        assert_eq!(resources(&gpu), empty);
     }
 }

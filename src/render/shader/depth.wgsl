@@ -1,13 +1,13 @@
-// Only the place of a shape: for shadow maps, and to mark where a mirror is.
+// Depth of surfaces only, for shadow maps and for the stencil mark of the mirror.
 
 @vertex
-fn vertex(corner: Corner, instance: Instance) -> @builtin(position) vec4f {
-    return view.clip * vec4f(placed(instance, corner.position), 1.0);
+fn vs_main(vertex: Vertex, instance: Instance) -> @builtin(position) vec4f {
+    return view.clip * vec4f(to_world(instance, vertex.position), 1.0);
 }
 //#if COLOR
 
 @fragment
-fn fragment() -> @location(0) vec4f {
+fn fs_main() -> @location(0) vec4f {
     return vec4f(0.0);
 }
 //#end

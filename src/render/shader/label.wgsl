@@ -1,9 +1,9 @@
-// Text: rectangles of the picture that show pieces of an atlas of letters.
+// Text: rectangles that show glyphs of the atlas.
 
 @group(1) @binding(0) var atlas: texture_2d<f32>;
 @group(1) @binding(1) var atlas_sampler: sampler;
 
-struct Between {
+struct Varyings {
     @builtin(position) position: vec4f,
     @location(0) texcoord: vec2f,
     @location(1) @interpolate(flat) rgba: vec4f,
@@ -11,16 +11,16 @@ struct Between {
 }
 
 @vertex
-fn vertex(
+fn vs_main(
     @builtin(vertex_index) index: u32,
     @location(0) rect: vec4f,
     @location(1) texcoords: vec4f,
     @location(2) rgba: vec4f,
     @location(3) channel: vec2f,
-) -> Between {
+) -> Varyings {
     let corner = vec2f(f32(index & 1u), f32(index >> 1u));
     let pixel = mix(rect.xy, rect.zw, corner);
-    var out: Between;
+    var out: Varyings;
     out.position = vec4f(2.0 * pixel.x / view.pixels.x - 1.0, 1.0 - 2.0 * pixel.y / view.pixels.y, 0.0, 1.0);
     out.texcoord = mix(texcoords.xy, texcoords.zw, corner);
     out.rgba = rgba;
@@ -29,7 +29,7 @@ fn vertex(
 }
 
 @fragment
-fn fragment(in: Between) -> @location(0) vec4f {
-    let cover = dot(textureSample(atlas, atlas_sampler, in.texcoord).rg, in.channel);
-    return vec4f(in.rgba.rgb, in.rgba.a * cover);
+fn fs_main(in: Varyings) -> @location(0) vec4f {
+    let coverage = dot(textureSample(atlas, atlas_sampler, in.texcoord).rg, in.channel);
+    return vec4f(in.rgba.rgb, in.rgba.a * coverage);
 }

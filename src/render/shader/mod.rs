@@ -1,147 +1,164 @@
-//! The programs of the graphics card: text that is put together for what a picture needs, so that they ask nothing while they run.
-//! On a processor that draws, a loop over lights costs more than all else.
+//! WGSL shaders, specialised for each frame's lights, textures and output. Specialisation avoids branches and loops at
+//! run time: on a software rasteriser a loop over lights would dominate the cost of a frame.
 //!
-//! | file | what is in it |
-//! |---|---|
-//! | `view.wgsl`, `instance.wgsl`, `light.wgsl` | what the others share |
-//! | `surface.wgsl` | surfaces in the light |
-//! | `line.wgsl` | lines |
-//! | `depth.wgsl` | places only |
-//! | `sky.wgsl` | the sky and the haze |
-//! | `label.wgsl` | text |
-//! | `light.rs` | the text for each light |
-//! | `part.rs` | which lines of a text are used |
+//! A preprocessor selects lines of the `.wgsl` files: those between `//#if NAME` and `//#end` remain if the flag is
+//! set, and a line `//#name` is replaced by generated code.
 
-mod light;
-mod part;
+mod lighting;
 
-use super::frame::LightKind;
+use std::fmt::Write;
 
-/// What a program draws.
+use self::lighting::LightingCode;
+use super::view::LightFeatures;
+
+/// Shader program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Subject {
+pub(crate) enum ShaderKind {
     Surface,
     Line,
-    /// Only the place of surfaces.
+    /// Depth of surfaces only.
     Depth,
     Sky,
     Label,
 }
 
-/// What a program gives for each pixel.
+/// Output of the fragment shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Output {
     Color,
-    /// The number of the geom, and its depth.
+    /// Geom id and depth in metres.
     Ids,
-    /// Only what every program gives: the depth within the frustum.
-    Nothing,
+    /// No fragment shader.
+    DepthOnly,
 }
 
-/// The picture on a surface.
+/// Kind of the texture of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Coat {
-    Plain,
-    Flat,
+pub(crate) enum TextureKind {
+    None,
+    D2,
     Cube,
 }
 
-/// Where light is computed.
+/// Stage of the lighting computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Shade {
-    /// Nowhere: colours are as they are.
+pub(crate) enum Shading {
+    /// No lighting.
     None,
     Vertex,
     Pixel,
 }
 
-/// What a program is written for.
+/// Parameters of shader specialisation.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Program<'a> {
-    pub(crate) subject: Subject,
+pub(crate) struct ShaderVariant<'a> {
+    pub(crate) kind: ShaderKind,
     pub(crate) output: Output,
-    pub(crate) coat: Coat,
-    pub(crate) shade: Shade,
-    pub(crate) lights: &'a [LightKind],
+    pub(crate) texture_kind: TextureKind,
+    pub(crate) shading: Shading,
+    pub(crate) lights: &'a [LightFeatures],
     pub(crate) fog: bool,
-    /// Whether what is behind a plane is left out.
+    /// Fragments behind the clipping plane are discarded.
     pub(crate) clip: bool,
 }
 
-/// So many lights can cast shadows where light is computed at vertices: more do not fit between a vertex and a pixel.
-const MOST_VERTEX_SHADOWS: usize = 5;
+/// Maximum number of shadow-casting lights with per-vertex lighting, limited by the number of inter-stage variables.
+/// Per-pixel lighting replaces it for more lights.
+const MAX_VERTEX_SHADOWS: usize = 5;
 
-impl Program<'_> {
-    /// Whether it computes light.
-    fn is_lit(&self) -> bool {
-        self.subject == Subject::Surface && self.output == Output::Color && self.shade != Shade::None
+impl ShaderVariant<'_> {
+    /// Returns whether the shader computes lighting.
+    pub(crate) fn is_lit(&self) -> bool {
+        self.kind == ShaderKind::Surface && self.output == Output::Color && self.shading != Shading::None
     }
 
-    /// Whether it reads the colours of instances, and their numbers. Lines have both.
-    fn instance(&self) -> [bool; 2] {
-        [Output::Color, Output::Ids].map(|output| match self.subject {
-            Subject::Line => true,
-            subject => subject == Subject::Surface && self.output == output,
-        })
+    /// Returns whether the shader reads an attribute of the instance that serves the given output. Lines read all
+    /// attributes.
+    fn reads_instance(&self, output: Output) -> bool {
+        match self.kind {
+            ShaderKind::Line => true,
+            kind => kind == ShaderKind::Surface && self.output == output,
+        }
     }
 
-    /// Whether it reads what is at a location of a corner or an instance: `instance.wgsl` says the same. Some drivers spend time on
-    /// each that is there.
+    /// Returns whether the shader reads the vertex or instance attribute at a location, as declared in `common.wgsl`.
+    /// Unused attributes are removed from the pipeline because some drivers fetch them nevertheless.
     pub(crate) fn reads(&self, location: u32) -> bool {
         match location {
             1 | 7 => self.is_lit(),
-            2 | 8 => self.coat != Coat::Plain,
-            6 => self.instance()[0],
-            9 => self.instance()[1],
+            2 | 8 => self.texture_kind != TextureKind::None,
+            6 => self.reads_instance(Output::Color),
+            9 => self.reads_instance(Output::Ids),
             _ => true,
         }
     }
 
-    /// Its text.
+    /// Generates the WGSL source.
     pub(crate) fn source(&self) -> String {
         let is_lit = self.is_lit();
         let shadows = if is_lit { self.lights.iter().filter(|light| light.shadow).count() } else { 0 };
-        let shade = match self.shade {
-            Shade::Vertex if shadows > MOST_VERTEX_SHADOWS => Shade::Pixel,
-            shade => shade,
+        let shading = match self.shading {
+            Shading::Vertex if shadows > MAX_VERTEX_SHADOWS => Shading::Pixel,
+            shading => shading,
+        };
+        let file = match self.kind {
+            ShaderKind::Surface => include_str!("surface.wgsl"),
+            ShaderKind::Line => include_str!("line.wgsl"),
+            ShaderKind::Depth => include_str!("depth.wgsl"),
+            ShaderKind::Sky => include_str!("sky.wgsl"),
+            ShaderKind::Label => include_str!("label.wgsl"),
         };
         let flags = [
             ("COLOR", self.output == Output::Color),
             ("IDS", self.output == Output::Ids),
-            ("COLORED", self.instance()[0]),
-            ("NUMBERED", self.instance()[1]),
+            ("INSTANCED", !matches!(self.kind, ShaderKind::Sky | ShaderKind::Label)),
+            ("INSTANCE_COLOR", self.reads_instance(Output::Color)),
+            ("INSTANCE_ID", self.reads_instance(Output::Ids)),
             ("LIT", is_lit),
+            ("UNLIT", !is_lit),
             ("LIGHTS", is_lit && !self.lights.is_empty()),
             ("SHADOWS", shadows > 0),
-            ("VERTEX_LIGHT", is_lit && shade == Shade::Vertex),
-            ("PIXEL_LIGHT", is_lit && shade == Shade::Pixel),
-            ("FLAT", !is_lit),
-            ("TEXTURE_FLAT", self.coat == Coat::Flat),
-            ("TEXTURE_CUBE", self.coat == Coat::Cube),
-            ("TEXTURED", self.coat != Coat::Plain),
+            ("VERTEX_LIGHT", is_lit && shading == Shading::Vertex),
+            ("PIXEL_LIGHT", is_lit && shading == Shading::Pixel),
+            ("TEXTURE_2D", self.texture_kind == TextureKind::D2),
+            ("TEXTURE_CUBE", self.texture_kind == TextureKind::Cube),
+            ("TEXTURED", self.texture_kind != TextureKind::None),
             ("FOG", self.fog),
             ("CLIP", self.clip),
         ];
-        let files: &[&str] = match self.subject {
-            Subject::Surface => &[LIGHT, VIEW, INSTANCE, SURFACE],
-            Subject::Line => &[VIEW, INSTANCE, include_str!("line.wgsl")],
-            Subject::Depth => &[VIEW, INSTANCE, include_str!("depth.wgsl")],
-            Subject::Sky => &[VIEW, include_str!("sky.wgsl")],
-            Subject::Label => &[VIEW, include_str!("label.wgsl")],
-        };
-        let lights = if is_lit { light::texts(self.lights, shade) } else { light::Texts::default() };
-        let mut text = part::chosen(files, &flags, &lights.inserts());
-        if is_lit {
-            text.push_str(&lights.functions);
-        }
-        text.replace("LIGHT_COUNT", &self.lights.len().to_string()).replace("SHADOW_COUNT", &shadows.to_string())
+        let lighting = if is_lit { LightingCode::new(self.lights, shading) } else { LightingCode::default() };
+        let mut source = preprocess(&[include_str!("common.wgsl"), file], &flags, &lighting.inserts());
+        source.push_str(&lighting.functions);
+        source.replace("LIGHT_COUNT", &self.lights.len().to_string()).replace("SHADOW_COUNT", &shadows.to_string())
     }
 }
 
-const VIEW: &str = include_str!("view.wgsl");
-const INSTANCE: &str = include_str!("instance.wgsl");
-const LIGHT: &str = include_str!("light.wgsl");
-const SURFACE: &str = include_str!("surface.wgsl");
+/// Selects and replaces lines according to flags and inserts, and removes comments.
+fn preprocess(files: &[&str], flags: &[(&str, bool)], inserts: &[(&str, &str)]) -> String {
+    let mut source = String::new();
+    // Conditions of the open `if` blocks.
+    let mut conditions = Vec::new();
+    for line in files.iter().flat_map(|file| file.lines()) {
+        let is_active = conditions.iter().all(|&condition| condition);
+        let Some(directive) = line.trim_start().strip_prefix("//#") else {
+            if is_active && !line.trim_start().starts_with("//") {
+                let _ = writeln!(source, "{line}");
+            }
+            continue;
+        };
+        if let Some(name) = directive.strip_prefix("if ") {
+            let flag = flags.iter().find(|(flag, _)| *flag == name);
+            conditions.push(flag.unwrap_or_else(|| panic!("Bug: unknown shader flag {name}")).1);
+        } else if directive == "end" {
+            conditions.pop();
+        } else if is_active {
+            let insert = inserts.iter().find(|(insert, _)| *insert == directive);
+            source.push_str(insert.unwrap_or_else(|| panic!("Bug: unknown shader insert {directive}")).1);
+        }
+    }
+    assert!(conditions.is_empty(), "Bug: unterminated if in a shader");
+    source
+}
 
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,10 @@
-// The sky, which is the inside of a cylinder around the head with a picture for each direction, and the haze: a ring above the horizon of
-// an infinite plane, which hides where the plane ends.
+// Skybox and haze. The skybox is the inside of a cylinder around the camera with a cube texture. The haze is a ring
+// above the horizon of an infinite plane, which hides the edge of the plane.
 
-@group(1) @binding(0) var image: texture_cube<f32>;
-@group(1) @binding(1) var image_sampler: sampler;
+@group(1) @binding(0) var color_texture: texture_cube<f32>;
+@group(1) @binding(1) var color_sampler: sampler;
 
-struct Between {
+struct Varyings {
     @builtin(position) position: vec4f,
     @location(0) direction: vec3f,
     @location(1) color: vec4f,
@@ -14,16 +14,17 @@ struct Between {
 //#end
 }
 
-// A corner of the sky is seen from the head; one of the haze is in the world's frame.
+// Vertices of the skybox are relative to the camera, vertices of the haze in world space. The w component of the vertex
+// is 1 for the haze.
 @vertex
-fn vertex(@location(0) corner: vec4f, @location(1) color: vec4f) -> Between {
-    var out: Between;
-    let world = select(view.eye.xyz + corner.xyz * view.sky.w, corner.xyz, corner.w > 0.5);
+fn vs_main(@location(0) vertex: vec4f, @location(1) color: vec4f) -> Varyings {
+    var out: Varyings;
+    let world = select(view.camera.xyz + vertex.xyz * view.sky.w, vertex.xyz, vertex.w > 0.5);
     out.position = view.clip * vec4f(world, 1.0);
-    // What is up in the world is y in the picture.
-    out.direction = vec3f(corner.x, corner.z, -corner.y);
+    // The z-axis of the world is the y-axis of the cube texture.
+    out.direction = vec3f(vertex.x, vertex.z, -vertex.y);
     out.color = color;
-    out.is_haze = corner.w;
+    out.is_haze = vertex.w;
 //#if FOG
     out.depth = dot(view.depth, vec4f(world, 1.0));
 //#end
@@ -31,11 +32,11 @@ fn vertex(@location(0) corner: vec4f, @location(1) color: vec4f) -> Between {
 }
 
 @fragment
-fn fragment(in: Between) -> @location(0) vec4f {
-    let texel = textureSample(image, image_sampler, in.direction).rgb;
+fn fs_main(in: Varyings) -> @location(0) vec4f {
+    let texel = textureSample(color_texture, color_sampler, in.direction).rgb;
     var color = select(texel, in.color.rgb, in.is_haze > 0.5);
 //#if FOG
-    color = fogged(color, in.depth);
+    color = apply_fog(color, in.depth);
 //#end
     return vec4f(color, in.color.a);
 }

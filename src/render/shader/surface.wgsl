@@ -1,6 +1,6 @@
-// A surface: a shape in its place, in the light of all lights at once.
+// Surface of a geom, with all lights in one pass.
 
-struct Between {
+struct Varyings {
     @builtin(position) position: vec4f,
 //#if IDS
     @location(0) @interpolate(flat) id: u32,
@@ -16,7 +16,7 @@ struct Between {
     @location(2) @interpolate(flat) rgba: vec4f,
     @location(3) @interpolate(flat) material: vec3f,
 //#end
-//#if FLAT
+//#if UNLIT
     @location(0) @interpolate(flat) rgba: vec4f,
 //#end
 //#if TEXTURED
@@ -28,23 +28,23 @@ struct Between {
 //#if CLIP
     @location(6) side: f32,
 //#end
-//#between
+//#varyings
 //#end
 }
 
-//#if TEXTURE_FLAT
-@group(1) @binding(0) var image: texture_2d<f32>;
-@group(1) @binding(1) var image_sampler: sampler;
+//#if TEXTURE_2D
+@group(1) @binding(0) var color_texture: texture_2d<f32>;
+@group(1) @binding(1) var color_sampler: sampler;
 //#end
 //#if TEXTURE_CUBE
-@group(1) @binding(0) var image: texture_cube<f32>;
-@group(1) @binding(1) var image_sampler: sampler;
+@group(1) @binding(0) var color_texture: texture_cube<f32>;
+@group(1) @binding(1) var color_sampler: sampler;
 //#end
 
 @vertex
-fn vertex(corner: Corner, instance: Instance) -> Between {
-    var out: Between;
-    let world = placed(instance, corner.position);
+fn vs_main(vertex: Vertex, instance: Instance) -> Varyings {
+    var out: Varyings;
+    let world = to_world(instance, vertex.position);
     out.position = view.clip * vec4f(world, 1.0);
 //#if IDS
     out.id = instance.id;
@@ -52,19 +52,20 @@ fn vertex(corner: Corner, instance: Instance) -> Between {
 //#end
 //#if COLOR
 //#if LIT
-    // The columns of the matrix, each divided by the square of its length: the inverse of its transpose.
-    let across = vec3f(instance.x.x, instance.y.x, instance.z.x);
-    let along = vec3f(instance.x.y, instance.y.y, instance.z.y);
-    let upward = vec3f(instance.x.z, instance.y.z, instance.z.z);
-    let tilted = across * (corner.normal.x / max(dot(across, across), 1e-30))
-        + along * (corner.normal.y / max(dot(along, along), 1e-30))
-        + upward * (corner.normal.z / max(dot(upward, upward), 1e-30));
-    let normal = tilted * inverseSqrt(max(dot(tilted, tilted), 1e-30));
-    let rgba = vec4f(instance.rgba.rgb * view.eye.w, instance.rgba.a);
+    // Normal matrix, the inverse transpose: the columns of the matrix, each divided by its squared length. The columns
+    // are orthogonal.
+    let x_axis = vec3f(instance.x.x, instance.y.x, instance.z.x);
+    let y_axis = vec3f(instance.x.y, instance.y.y, instance.z.y);
+    let z_axis = vec3f(instance.x.z, instance.y.z, instance.z.z);
+    let scaled = x_axis * (vertex.normal.x / max(dot(x_axis, x_axis), 1e-30))
+        + y_axis * (vertex.normal.y / max(dot(y_axis, y_axis), 1e-30))
+        + z_axis * (vertex.normal.z / max(dot(z_axis, z_axis), 1e-30));
+    let normal = scaled * inverseSqrt(max(dot(scaled, scaled), 1e-30));
+    let rgba = vec4f(instance.rgba.rgb * view.camera.w, instance.rgba.a);
 //#end
 //#if VERTEX_LIGHT
-    let point = Point(world, normal, normalize(view.eye.xyz - world), rgba.rgb, instance.material.xyz);
-    out.base = vec4f(unshadowed(point), rgba.a);
+    let point = SurfacePoint(world, normal, normalize(view.camera.xyz - world), rgba.rgb, instance.material.xyz);
+    out.base = vec4f(unshadowed_light(point), rgba.a);
 //#vertex_light
 //#end
 //#if PIXEL_LIGHT
@@ -73,13 +74,13 @@ fn vertex(corner: Corner, instance: Instance) -> Between {
     out.rgba = rgba;
     out.material = instance.material.xyz;
 //#end
-//#if FLAT
+//#if UNLIT
     out.rgba = instance.rgba;
 //#end
 //#if TEXTURED
-    // For flat pictures as for those in all directions: what a driver makes of this for the one serves the other.
-    let spread = corner.position * instance.texgen.xyz + vec3f(0.0, 0.0, instance.texgen.w);
-    out.texcoord = select(spread, vec3f(corner.texcoord + 0.5, 0.0), instance.texgen.w < -3e38);
+    // 2D and cube textures share this code, so that drivers can reuse the compiled shader.
+    let generated = vertex.position * instance.texgen.xyz + vec3f(0.0, 0.0, instance.texgen.w);
+    out.texcoord = select(generated, vec3f(vertex.texcoord + 0.5, 0.0), instance.texgen.w < -3e38);
 //#end
 //#if FOG
     out.depth = dot(view.depth, vec4f(world, 1.0));
@@ -94,19 +95,19 @@ fn vertex(corner: Corner, instance: Instance) -> Between {
 
 //#if IDS
 @fragment
-fn fragment(in: Between) -> @location(0) vec2u {
+fn fs_main(in: Varyings) -> @location(0) vec2u {
     return vec2u(in.id, bitcast<u32>(in.depth));
 }
 //#end
 //#if COLOR
 @fragment
-fn fragment(in: Between) -> @location(0) vec4f {
-    // Before anything else, while all pixels do the same.
-//#if TEXTURE_FLAT
-    let texel = textureSample(image, image_sampler, in.texcoord.xy - 0.5).rgb;
+fn fs_main(in: Varyings) -> @location(0) vec4f {
+    // Textures are sampled first, in uniform control flow.
+//#if TEXTURE_2D
+    let texel = textureSample(color_texture, color_sampler, in.texcoord.xy - 0.5).rgb;
 //#end
 //#if TEXTURE_CUBE
-    let texel = textureSample(image, image_sampler, in.texcoord).rgb;
+    let texel = textureSample(color_texture, color_sampler, in.texcoord).rgb;
 //#end
 //#if CLIP
     if in.side < 0.0 {
@@ -115,15 +116,15 @@ fn fragment(in: Between) -> @location(0) vec4f {
 //#end
 //#if PIXEL_LIGHT
     let normal = in.normal * inverseSqrt(max(dot(in.normal, in.normal), 1e-30));
-    let point = Point(in.world, normal, normalize(view.eye.xyz - in.world), in.rgba.rgb, in.material);
-    var color = unshadowed(point);
+    let point = SurfacePoint(in.world, normal, normalize(view.camera.xyz - in.world), in.rgba.rgb, in.material);
+    var color = unshadowed_light(point);
     let alpha = in.rgba.a;
 //#end
 //#if VERTEX_LIGHT
     var color = in.base.rgb;
     let alpha = in.base.a;
 //#end
-//#if FLAT
+//#if UNLIT
     var color = in.rgba.rgb;
     let alpha = in.rgba.a;
 //#end
@@ -132,7 +133,7 @@ fn fragment(in: Between) -> @location(0) vec4f {
     color *= texel;
 //#end
 //#if FOG
-    color = fogged(color, in.depth);
+    color = apply_fog(color, in.depth);
 //#end
     return vec4f(color, alpha);
 }

@@ -1,23 +1,23 @@
-//! Every program is valid, without a graphics card.
+//! Validation of all shader variants with naga, without a graphics adapter.
 
 use wgpu::naga::front::wgsl;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use super::{Coat, Output, Program, Shade, Subject};
-use crate::render::frame::LightKind;
+use super::{Output, ShaderKind, ShaderVariant, Shading, TextureKind, preprocess};
+use crate::render::view::LightFeatures;
 
-fn check(program: &Program<'_>) {
-    let source = program.source();
+fn check(variant: &ShaderVariant<'_>) {
+    let source = variant.source();
     let module = wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}\n{source}", error.emit_to_string(&source)));
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
     validator.validate(&module).unwrap_or_else(|error| panic!("{}\n{source}", error.emit_to_string(&source)));
 }
 
-/// Every kind of light, by the bits of a number.
-fn kind(bits: u32) -> LightKind {
+/// Decodes light features from the bits of a number.
+fn features(bits: u32) -> LightFeatures {
     let bit = |index: u32| bits >> index & 1 == 1;
     let directional = bit(0);
-    LightKind {
+    LightFeatures {
         directional,
         attenuated: bit(1) && !directional,
         spot: bit(2) && !directional,
@@ -28,54 +28,69 @@ fn kind(bits: u32) -> LightKind {
     }
 }
 
-const SURFACE: Program<'static> = Program {
-    subject: Subject::Surface,
+const SURFACE: ShaderVariant<'static> = ShaderVariant {
+    kind: ShaderKind::Surface,
     output: Output::Color,
-    coat: Coat::Plain,
-    shade: Shade::Pixel,
+    texture_kind: TextureKind::None,
+    shading: Shading::Pixel,
     lights: &[],
     fog: false,
     clip: false,
 };
 
 #[test]
-fn surfaces_are_valid_in_every_light() {
-    for shade in [Shade::Vertex, Shade::Pixel] {
-        check(&Program { shade, ..SURFACE });
+fn surface_shader_is_valid_for_every_light() {
+    for shading in [Shading::Vertex, Shading::Pixel] {
+        check(&ShaderVariant { shading, ..SURFACE });
         for bits in 0..1 << 7 {
-            let lights = [kind(bits), LightKind { shadow: true, ..kind(bits) }];
-            check(&Program { shade, lights: &lights, ..SURFACE });
+            let lights = [features(bits), LightFeatures { shadow: true, ..features(bits) }];
+            check(&ShaderVariant { shading, lights: &lights, ..SURFACE });
         }
     }
 }
 
 #[test]
-fn surfaces_are_valid_with_any_number_of_lights() {
-    for shade in [Shade::Vertex, Shade::Pixel] {
+fn surface_shader_is_valid_for_any_number_of_lights() {
+    for shading in [Shading::Vertex, Shading::Pixel] {
         for count in 0..=8 {
-            let mut lights = vec![kind(0b111_1110); count];
-            lights.extend([kind(0); 3]);
-            check(&Program { shade, lights: &lights, coat: Coat::Flat, fog: true, clip: true, ..SURFACE });
+            let mut lights = vec![features(0b111_1110); count];
+            lights.extend([features(0); 3]);
+            check(&ShaderVariant {
+                shading,
+                lights: &lights,
+                texture_kind: TextureKind::D2,
+                fog: true,
+                clip: true,
+                ..SURFACE
+            });
         }
-        check(&Program { shade, lights: &[kind(0b11_0110); 100], ..SURFACE });
+        check(&ShaderVariant { shading, lights: &[features(0b11_0110); 100], ..SURFACE });
     }
 }
 
 #[test]
-fn every_subject_is_valid_with_every_addition() {
-    for subject in [Subject::Surface, Subject::Line, Subject::Depth, Subject::Sky, Subject::Label] {
-        for output in [Output::Color, Output::Ids, Output::Nothing] {
-            for coat in [Coat::Plain, Coat::Flat, Coat::Cube] {
-                for shade in [Shade::None, Shade::Vertex, Shade::Pixel] {
+fn every_shader_is_valid_with_every_option() {
+    for kind in [ShaderKind::Surface, ShaderKind::Line, ShaderKind::Depth, ShaderKind::Sky, ShaderKind::Label] {
+        for output in [Output::Color, Output::Ids, Output::DepthOnly] {
+            for texture_kind in [TextureKind::None, TextureKind::D2, TextureKind::Cube] {
+                for shading in [Shading::None, Shading::Vertex, Shading::Pixel] {
                     for bits in 0..4 {
-                        // What has numbers or nothing has no picture either.
-                        let coat = if output == Output::Color { coat } else { Coat::Plain };
-                        let lights = &[kind(0b111_1110), kind(1)];
+                        // Only colour output has textures.
+                        let texture_kind = if output == Output::Color { texture_kind } else { TextureKind::None };
+                        let lights = &[features(0b111_1110), features(1)];
                         let (fog, clip) = (bits & 1 == 1, bits & 2 == 2);
-                        check(&Program { subject, output, coat, shade, lights, fog, clip });
+                        check(&ShaderVariant { kind, output, texture_kind, shading, lights, fog, clip });
                     }
                 }
             }
         }
     }
+}
+
+#[test]
+fn preprocessor_selects_lines_and_inserts() {
+    let file = "a\n//#if X\nb\n//#if Y\nc\n//#end\nd\n//#end\n// a comment\n//#here\ne";
+    let inserts = [("here", "new\n")];
+    assert_eq!(preprocess(&[file], &[("X", true), ("Y", false)], &inserts), "a\nb\nd\nnew\ne\n");
+    assert_eq!(preprocess(&[file], &[("X", false), ("Y", true)], &inserts), "a\nnew\ne\n");
 }

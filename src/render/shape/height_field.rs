@@ -1,16 +1,17 @@
-//! A height field of the model, with its sides and its bottom.
+//! Triangles of the model's height fields.
 
 use super::Triangles;
 use crate::error::Result;
 use crate::id::HeightFieldId;
 use crate::model::Model;
 
-/// A height field in its own frame: flat triangles on top, four sides down to its base, and the base.
+/// Generates the flat-shaded triangles of a height field in its local frame: the top surface, four sides down to the
+/// base, and the base.
 ///
 /// # Errors
 ///
-/// [`Error::Unsupported`](crate::Error::Unsupported) for more than `most` corners.
-pub(crate) fn height_field(model: &Model, id: HeightFieldId, most: usize) -> Result<Triangles> {
+/// [`Error::Unsupported`](crate::Error::Unsupported) for more than `max_vertices` vertices.
+pub(crate) fn height_field(model: &Model, id: HeightFieldId, max_vertices: usize) -> Result<Triangles> {
     let field = model.height_field(id);
     let (rows, columns) = (field.nrow(), field.ncol());
     let mut triangles = Triangles::default();
@@ -20,7 +21,7 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, most: usize) -> Res
     let cells = (rows - 1).saturating_mul(columns - 1);
     let border = 2 * (rows - 1) + 2 * (columns - 1);
     let vertices = cells.saturating_mul(6).saturating_add(9 * border);
-    Triangles::check_room(|| format!("{field:?}"), vertices, most)?;
+    Triangles::check_size(|| format!("{field:?}"), vertices, max_vertices)?;
     triangles.vertices.reserve(vertices);
     triangles.indices.reserve(vertices);
 
@@ -32,7 +33,7 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, most: usize) -> Res
     let base = |[row, column]: [usize; 2]| [x(column), y(row), -depth];
     let mut flat = |corners| triangles.flat(corners, [[0.0; 2]; 3]);
 
-    // Each cell is cut from its corner of least x and y to that of most, as it is for collisions.
+    // The diagonal of each cell connects the corners of least and of greatest x and y, as in collision detection.
     for row in 0..rows - 1 {
         for column in 0..columns - 1 {
             let corners = [[row, column], [row, column + 1], [row + 1, column + 1], [row + 1, column]].map(top);
@@ -40,7 +41,7 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, most: usize) -> Res
             flat([corners[0], corners[2], corners[3]]);
         }
     }
-    // Once around the border, counterclockwise from above.
+    // The border, counterclockwise from above.
     let (last_row, last_column) = (rows - 1, columns - 1);
     let front = (0..last_column).map(|column| [0, column]);
     let right = (0..last_row).map(|row| [row, last_column]);
@@ -57,7 +58,7 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, most: usize) -> Res
 
 #[cfg(test)]
 mod tests {
-    use super::super::check::{assert_closed, assert_finite, assert_normals_agree, volume};
+    use super::super::test_support::{assert_closed, assert_finite, assert_normals_agree, volume};
     use super::height_field;
     use crate::{HeightFieldId, Model};
 
@@ -87,9 +88,10 @@ mod tests {
             let mut expected = 0.0;
             for row in 0..rows - 1 {
                 for column in 0..columns - 1 {
-                    // The two that are on the cut count for both halves of the cell.
-                    let cut = elevation(row, column) + elevation(row + 1, column + 1);
-                    expected += half_cell / 3.0 * (2.0 * cut + elevation(row, column + 1) + elevation(row + 1, column));
+                    // Both triangles of the cell contain the two corners on the diagonal.
+                    let diagonal = elevation(row, column) + elevation(row + 1, column + 1);
+                    let others = elevation(row, column + 1) + elevation(row + 1, column);
+                    expected += half_cell / 3.0 * (2.0 * diagonal + others);
                 }
             }
             assert!((volume(&[&shape]) - expected).abs() < 1e-4 * expected, "{rows} x {columns}");
@@ -97,12 +99,12 @@ mod tests {
     }
 
     #[test]
-    fn elevations_that_are_nowhere_are_holes() {
-        for nowhere in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            let (model, id) = model(3, 3, |index| if index == 4 { nowhere } else { 0.5 });
+    fn non_finite_elevations_leave_holes() {
+        for elevation in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let (model, id) = model(3, 3, |index| if index == 4 { elevation } else { 0.5 });
             let shape = height_field(&model, id, usize::MAX).unwrap();
             assert_finite(&shape);
-            // Six of the eight triangles on top have a corner in the middle.
+            // Six of the eight triangles of the top surface contain the centre point.
             assert_eq!(shape.indices.len(), 3 * (2 + 3 * 8));
         }
         let (model, id) = model(2, 2, |_| f32::MAX);
@@ -115,6 +117,6 @@ mod tests {
         let needed = 6 * 6 + 9 * 10;
         assert_eq!(height_field(&model, id, needed).unwrap().vertices.len(), needed);
         let error = height_field(&model, id, needed - 1).unwrap_err();
-        assert!(error.to_string().contains("height field 0 'h' has 126 corners"), "{error}");
+        assert!(error.to_string().contains("height field 0 'h' has 126 vertices"), "{error}");
     }
 }

@@ -1,53 +1,35 @@
-//! What the graphics card keeps of each shape: its corners, in the shape's own frame.
+//! Generation of triangle meshes on the CPU: unit shapes, and the model's meshes, convex hulls, height fields and
+//! skins, each in its local frame.
 //!
-//! | file | what is in it |
-//! |---|---|
-//! | `detail.rs` | into how many parts a shape is cut |
-//! | `lathe.rs` | a profile turned about the z-axis: what the round shapes are made with |
-//! | `plane.rs`, `cuboid.rs` | flat ones |
-//! | `sphere.rs`, `cylinder.rs`, `disk.rs`, `cone.rs` | round ones |
-//! | `mesh.rs` | a mesh of the model, and its convex hull |
-//! | `height_field.rs` | a height field of the model, with its sides and its bottom |
-//! | `skin.rs` | what of a skin stays as it is while it bends |
-//!
-//! Every number in [`Triangles`] is finite, whatever the model contains: a triangle of which a corner is nowhere is left out.
+//! All values of [`Triangles`] are finite, even if the model contains NaN or infinity: triangles with a non-finite
+//! vertex are skipped.
 
-mod cone;
-mod cuboid;
-mod cylinder;
-mod detail;
-mod disk;
+mod flat;
 mod height_field;
-mod lathe;
 mod mesh;
-mod plane;
-mod skin;
-mod sphere;
+mod revolution;
+#[cfg(test)]
+mod test_support;
 
-pub(crate) use self::cone::cone;
-pub(crate) use self::cuboid::cuboid;
-pub(crate) use self::cylinder::cylinder;
-pub(crate) use self::detail::Detail;
-pub(crate) use self::disk::disk;
+pub(crate) use self::flat::{cuboid, plane};
 pub(crate) use self::height_field::height_field;
-pub(crate) use self::mesh::{hull, mesh};
-pub(crate) use self::plane::plane;
-pub(crate) use self::skin::{SkinSurface, skin};
-pub(crate) use self::sphere::{hemisphere, sphere};
+pub(crate) use self::mesh::{SkinTopology, hull, mesh, skin};
+pub(crate) use self::revolution::{cone, cylinder, disk, hemisphere, sphere};
 use crate::error::{Error, Result};
+use crate::model::Model;
 
-/// A corner of a triangle.
+/// Vertex in the vertex buffer.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Vertex {
     pub(crate) position: [f32; 3],
-    /// Of length one.
+    /// Unit normal.
     pub(crate) normal: [f32; 3],
-    /// Where a picture is glued to the shape by its author; zero where it is generated.
+    /// Explicit texture coordinates of the asset; zero if the shader generates them.
     pub(crate) texcoord: [f32; 2],
 }
 
-/// Triangles, each three indices of corners, counterclockwise from outside.
+/// Indexed triangle list. Front faces are counterclockwise.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Triangles {
     pub(crate) vertices: Vec<Vertex>,
@@ -55,59 +37,97 @@ pub(crate) struct Triangles {
 }
 
 impl Triangles {
-    /// Adds a corner without a glued picture, and returns its index.
+    /// Appends a vertex without explicit texture coordinates and returns its index.
     fn vertex(&mut self, position: [f32; 3], normal: [f32; 3]) -> u32 {
         self.vertices.push(Vertex { position, normal, texcoord: [0.0; 2] });
         self.vertices.len() as u32 - 1
     }
 
-    /// Adds the rectangle of four corners, counterclockwise from outside, cut from the second to the fourth: where light
-    /// is computed at corners, the cut is seen, and there OpenGL has it.
-    fn rectangle(&mut self, [a, b, c, d]: [u32; 4]) {
+    /// Appends a quadrilateral with counterclockwise vertices. The diagonal connects the second and the fourth vertex,
+    /// as in the engine's renderer: the diagonal is visible with per-vertex lighting.
+    fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
         self.indices.extend([a, b, d, b, c, d]);
     }
 
-    /// Adds a triangle that shares no corner with others, so that it is flat, unless it has no place.
-    fn flat(&mut self, corners: [[f32; 3]; 3], texcoords: [[f32; 2]; 3]) {
-        let Some(normal) = face_normal(corners) else { return };
-        for (position, texcoord) in corners.into_iter().zip(texcoords) {
+    /// Appends a flat-shaded triangle, which shares no vertex with others. Skips a non-finite triangle.
+    fn flat(&mut self, positions: [[f32; 3]; 3], texcoords: [[f32; 2]; 3]) {
+        let Some(normal) = face_normal(positions) else { return };
+        for (position, texcoord) in positions.into_iter().zip(texcoords) {
             self.indices.push(self.vertices.len() as u32);
             self.vertices.push(Vertex { position, normal, texcoord: texcoord.map(finite_or_zero) });
         }
     }
 
-    /// An error if so many corners, of `what`, are more than the graphics card can hold.
-    fn check_room(what: impl FnOnce() -> String, vertices: usize, most: usize) -> Result<()> {
-        if vertices <= most.min(u32::MAX as usize) {
+    /// Returns an error if the number of vertices of `what` exceeds the limit of the vertex buffer.
+    fn check_size(what: impl FnOnce() -> String, vertices: usize, max_vertices: usize) -> Result<()> {
+        if vertices <= max_vertices.min(u32::MAX as usize) {
             return Ok(());
         }
         Err(Error::Unsupported(format!(
-            "{} has {vertices} corners of triangles to draw, and there is room for {most}",
+            "{} has {vertices} vertices to render, but the limit of the vertex buffer is {max_vertices}",
             what()
         )))
     }
 }
 
-/// The unit normal of a triangle; that of the z-axis if it is a line or a point; none unless its corners are finite.
-fn face_normal(corners: [[f32; 3]; 3]) -> Option<[f32; 3]> {
-    if !corners.as_flattened().iter().all(|coordinate| coordinate.is_finite()) {
-        return None;
-    }
-    // In double precision, in which the products of large and of small edges are numbers still.
-    let edge = |to: usize| [0, 1, 2].map(|axis| f64::from(corners[to][axis]) - f64::from(corners[0][axis]));
-    let (u, v) = (edge(1), edge(2));
-    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    Some(unit(normal))
+/// Tessellation of the unit shapes. Finer tessellation is rounder and slower to render.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Tessellation {
+    /// Subdivisions around the axis of a round shape: at least 3.
+    pub(crate) slices: u32,
+    /// Subdivisions along the axis: at least 2.
+    pub(crate) stacks: u32,
+    /// Subdivisions along each edge of a flat shape: at least 1.
+    pub(crate) quads: u32,
 }
 
-/// A vector of length one along another; along z if that has no direction.
-fn unit(vector: [f64; 3]) -> [f32; 3] {
-    let length = vector.iter().map(|component| component * component).sum::<f64>().sqrt();
-    if length > 0.0 && length.is_finite() {
-        vector.map(|component| (component / length) as f32)
+impl Tessellation {
+    /// Upper limit of all subdivisions. The edges of 256 slices are within 0.0001 radii of the circle, which is
+    /// invisible.
+    pub(crate) const MAX: u32 = 256;
+
+    /// Creates a tessellation, clamped to the valid range.
+    pub(crate) fn new(slices: usize, stacks: usize, quads: usize) -> Self {
+        let clamp = |count: usize, least: u32| (count.min(Self::MAX as usize) as u32).max(least);
+        Self { slices: clamp(slices, 3), stacks: clamp(stacks, 2), quads: clamp(quads, 1) }
+    }
+
+    /// Reads the model's `visual/quality` settings. The engine's compiler accepts any number in them.
+    pub(crate) fn of_model(model: &Model) -> Self {
+        let quality = model.visual().quality;
+        Self::new(quality.numslices, quality.numstacks, quality.numquads)
+    }
+
+    /// Limits the number of slices and reduces the other subdivisions in proportion, for shapes that are small on the
+    /// screen.
+    pub(crate) fn with_slices(self, slices: u32) -> Self {
+        let slices = slices.clamp(3, self.slices);
+        let scaled = |count: u32| (u64::from(count) * u64::from(slices)).div_ceil(u64::from(self.slices)) as usize;
+        Self::new(slices as usize, scaled(self.stacks), scaled(self.quads))
+    }
+
+    /// Returns the largest distance between a circle and the edges of its regular polygon, in radii: `1 - cos(π /
+    /// slices)`. A sphere is subdivided in two directions, whose errors add up.
+    pub(crate) fn chord_error(slices_per_circle: u32) -> f64 {
+        1.0 - (std::f64::consts::PI / f64::from(slices_per_circle)).cos()
+    }
+}
+
+/// Returns the unit normal of a triangle: the z-axis for a degenerate triangle, `None` for a non-finite one.
+fn face_normal(positions: [[f32; 3]; 3]) -> Option<[f32; 3]> {
+    if !positions.as_flattened().iter().all(|coordinate| coordinate.is_finite()) {
+        return None;
+    }
+    // Double precision: products of large and of small edges neither overflow nor underflow.
+    let edge = |to: usize| [0, 1, 2].map(|axis| f64::from(positions[to][axis]) - f64::from(positions[0][axis]));
+    let (u, v) = (edge(1), edge(2));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let length = normal.iter().map(|component| component * component).sum::<f64>().sqrt();
+    Some(if length > 0.0 && length.is_finite() {
+        normal.map(|component| (component / length) as f32)
     } else {
         [0.0, 0.0, 1.0]
-    }
+    })
 }
 
 fn finite_or_zero(number: f32) -> f32 {
@@ -115,4 +135,27 @@ fn finite_or_zero(number: f32) -> f32 {
 }
 
 #[cfg(test)]
-mod check;
+mod tests {
+    use super::Tessellation;
+
+    #[test]
+    fn subdivisions_are_clamped() {
+        assert_eq!(Tessellation::new(0, 0, 0), Tessellation { slices: 3, stacks: 2, quads: 1 });
+        let max = Tessellation::MAX;
+        assert_eq!(Tessellation::new(usize::MAX, 1 << 32, 1000), Tessellation { slices: max, stacks: max, quads: max });
+        assert_eq!(Tessellation::new(28, 16, 4), Tessellation { slices: 28, stacks: 16, quads: 4 });
+    }
+
+    #[test]
+    fn fewer_slices_reduce_all_subdivisions_and_more_slices_have_no_effect() {
+        let tessellation = Tessellation::new(28, 16, 4);
+        assert_eq!(tessellation.with_slices(14), Tessellation { slices: 14, stacks: 8, quads: 2 });
+        assert_eq!(tessellation.with_slices(0), Tessellation { slices: 3, stacks: 2, quads: 1 });
+        assert_eq!(tessellation.with_slices(100), tessellation);
+    }
+
+    #[test]
+    fn the_finest_tessellation_has_the_documented_chord_error() {
+        assert!(Tessellation::chord_error(Tessellation::MAX) < 1e-4);
+    }
+}

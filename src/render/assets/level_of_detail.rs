@@ -1,0 +1,71 @@
+//! Levels of detail of round shapes.
+
+use crate::render::Lighting;
+use crate::render::shape::{self, Tessellation, Triangles};
+
+/// Round shape, tessellated in several levels of detail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RoundShape {
+    Sphere,
+    Hemisphere,
+    /// Lateral surface of a cylinder.
+    Cylinder,
+    /// Lateral surface of a cylinder that is much longer than wide.
+    LongCylinder,
+    Disk,
+    Cone,
+}
+
+/// Level of detail of a round shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DetailLevel {
+    /// For colour images: level 0 has the model's tessellation, higher levels have fewer vertices.
+    Color(usize),
+    /// For depth and segmentation images: index into [`DEPTH_LEVELS`], independent of the model's tessellation.
+    Depth(usize),
+}
+
+/// Number of levels of detail for colour images.
+pub(crate) const COLOR_LEVELS: usize = 3;
+
+/// Maximum number of slices of each level for colour images.
+const COLOR_SLICES: [u32; COLOR_LEVELS] = [Tessellation::MAX, 14, 8];
+
+/// Number of slices of each level for depth and segmentation images.
+pub(crate) const DEPTH_LEVELS: [u32; 4] = [32, 64, 128, Tessellation::MAX];
+
+impl RoundShape {
+    pub(super) const ALL: [Self; 6] =
+        [Self::Sphere, Self::Hemisphere, Self::Cylinder, Self::LongCylinder, Self::Disk, Self::Cone];
+
+    /// Generates the triangles of all levels for colour images.
+    pub(super) fn color_levels(self, tessellation: Tessellation, lighting: Lighting) -> [Triangles; COLOR_LEVELS] {
+        COLOR_SLICES.map(|slices| {
+            let tessellation = tessellation.with_slices(slices);
+            let Tessellation { slices, stacks, .. } = tessellation;
+            // Straight surfaces need stacks for per-vertex lighting only.
+            let lit_stacks = if lighting == Lighting::PerVertex { stacks } else { 2 };
+            match self {
+                Self::Sphere => shape::sphere(tessellation),
+                Self::Hemisphere => shape::hemisphere(tessellation),
+                Self::Cylinder => shape::cylinder(slices, lit_stacks),
+                Self::LongCylinder => shape::cylinder(slices, stacks),
+                Self::Disk => shape::disk(slices, (lit_stacks / 2).max(1)),
+                Self::Cone => shape::cone(slices, stacks),
+            }
+        })
+    }
+
+    /// Generates the triangles of all levels for depth and segmentation images. Doubly curved surfaces have cells of
+    /// equal width and height. Straight surfaces may have long cells because no vertex is lit.
+    pub(super) fn depth_levels(self) -> [Triangles; DEPTH_LEVELS.len()] {
+        DEPTH_LEVELS.map(|slices| match self {
+            Self::Sphere => shape::sphere(Tessellation { slices, stacks: slices / 2, quads: 1 }),
+            Self::Hemisphere => shape::hemisphere(Tessellation { slices, stacks: slices / 2, quads: 1 }),
+            Self::Cylinder => shape::cylinder(slices, 2),
+            Self::LongCylinder => shape::cylinder(slices, 16),
+            Self::Disk => shape::disk(slices, 1),
+            Self::Cone => shape::cone(slices, 1),
+        })
+    }
+}

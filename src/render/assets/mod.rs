@@ -1,0 +1,13 @@
+//! GPU copies of the model's assets: vertex and index buffers of all shapes, textures with mip maps, and the glyph
+//! atlas of labels.
+
+mod glyph_atlas;
+mod level_of_detail;
+mod mipmap;
+mod shapes;
+mod textures;
+
+pub(crate) use self::glyph_atlas::{GLYPH_SIZE, GlyphAtlas};
+pub(crate) use self::level_of_detail::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel, RoundShape};
+pub(crate) use self::shapes::{Shapes, Tile};
+pub(crate) use self::textures::{TextureLayouts, Textures};

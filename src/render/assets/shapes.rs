@@ -1,0 +1,358 @@
+//! Vertex and index buffers of the unit shapes and of the model's planes, meshes, height fields and skins.
+
+use std::ops::Range;
+
+use wgpu::util::DeviceExt;
+
+use super::level_of_detail::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel, RoundShape};
+use crate::id::{HeightFieldId, MeshId};
+use crate::model::Model;
+use crate::render::settings::{VisualSettings, is_drawable};
+use crate::render::shape::{self, SkinTopology, Tessellation, Triangles, Vertex};
+use crate::render::{Gpu, Lighting, RenderError};
+use crate::scene::Scene;
+
+/// Maximum number of cells of a plane in each direction; infinite planes have this many. Equal to the engine's limit.
+const MAX_CELLS: u32 = 200;
+
+/// Maximum number of cells with per-pixel lighting, sufficient for the precision of depth.
+const PER_PIXEL_CELLS: u32 = 64;
+
+/// Plane of the model.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plane {
+    pub(crate) shape: u32,
+    /// Half-lengths in x and y, m; of an infinite plane those that are rendered.
+    pub(crate) half: [f32; 2],
+}
+
+/// GPU buffers of all shapes. A shape is identified by its index.
+#[derive(Debug)]
+pub(crate) struct Shapes {
+    buffers: Vec<ShapeBuffers>,
+    planes: Vec<Plane>,
+    /// Infinite plane for geoms that are not from the model.
+    infinite_plane: Plane,
+    /// First of the round shapes for depth images, which are created on first use.
+    depth_levels: Option<u32>,
+    square: u32,
+    cuboid: u32,
+    line: u32,
+    /// First mesh; each mesh is followed by its convex hull.
+    meshes: u32,
+    nmesh: u32,
+    height_fields: u32,
+    nhfield: u32,
+    skins: u32,
+    skin_topologies: Vec<SkinTopology>,
+    /// Scratch memory for the vertices of a skin.
+    skin_vertices: Vec<Vertex>,
+    max_vertices: usize,
+}
+
+impl Shapes {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        model: &Model,
+        settings: &VisualSettings,
+        lighting: Lighting,
+    ) -> Result<Self, RenderError> {
+        let max_vertices = (gpu.limits().max_buffer_size / size_of::<Vertex>() as u64) as usize;
+        let tessellation = Tessellation::of_model(model);
+        let mut shapes = Self {
+            buffers: Vec::new(),
+            planes: Vec::new(),
+            infinite_plane: Plane { shape: 0, half: [0.0; 2] },
+            depth_levels: None,
+            square: 0,
+            cuboid: 0,
+            line: 0,
+            meshes: 0,
+            nmesh: model.nmesh() as u32,
+            height_fields: 0,
+            nhfield: model.nhfield() as u32,
+            skins: 0,
+            skin_topologies: Vec::new(),
+            skin_vertices: Vec::new(),
+            max_vertices,
+        };
+        for shape in RoundShape::ALL {
+            for triangles in shape.color_levels(tessellation, lighting) {
+                shapes.push(gpu, &triangles)?;
+            }
+        }
+        shapes.square = shapes.push(gpu, &shape::plane(tessellation.quads))?;
+        shapes.cuboid = shapes.push(gpu, &shape::cuboid(tessellation.quads))?;
+        shapes.line = shapes.push(gpu, &line())?;
+        shapes.add_planes(gpu, model, settings, lighting)?;
+        shapes.meshes = shapes.buffers.len() as u32;
+        for mesh in model.meshes() {
+            shapes.push(gpu, &shape::mesh(model, mesh.id(), max_vertices)?)?;
+            shapes.push(gpu, &shape::hull(model, mesh.id(), max_vertices)?)?;
+        }
+        shapes.height_fields = shapes.buffers.len() as u32;
+        for field in model.height_fields() {
+            shapes.push(gpu, &shape::height_field(model, field.id(), max_vertices)?)?;
+        }
+        shapes.skins = shapes.buffers.len() as u32;
+        for skin in model.skins() {
+            let topology = shape::skin(model, skin.id(), max_vertices)?;
+            shapes.buffers.push(ShapeBuffers::dynamic(gpu, topology.vertices, &topology.indices)?);
+            shapes.skin_topologies.push(topology);
+        }
+        Ok(shapes)
+    }
+
+    /// Creates the round shapes for depth images, unless they exist.
+    pub(crate) fn create_depth_levels(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
+        if self.depth_levels.is_some() {
+            return Ok(());
+        }
+        let first = self.buffers.len();
+        for triangles in RoundShape::ALL.into_iter().flat_map(RoundShape::depth_levels) {
+            if let Err(error) = self.push(gpu, &triangles) {
+                self.buffers.truncate(first);
+                return Err(error);
+            }
+        }
+        self.depth_levels = Some(first as u32);
+        Ok(())
+    }
+
+    fn push(&mut self, gpu: &Gpu, triangles: &Triangles) -> Result<u32, RenderError> {
+        self.buffers.push(ShapeBuffers::new(gpu, triangles)?);
+        Ok(self.buffers.len() as u32 - 1)
+    }
+
+    fn add_planes(
+        &mut self,
+        gpu: &Gpu,
+        model: &Model,
+        settings: &VisualSettings,
+        lighting: Lighting,
+    ) -> Result<(), RenderError> {
+        let limited = |cells: u32| if lighting == Lighting::PerVertex { cells } else { cells.min(PER_PIXEL_CELLS) };
+        // Planes with the same number of cells share their buffers.
+        let mut created: Vec<(u32, u32)> = Vec::new();
+        let mut shape = |shapes: &mut Self, cells: u32| {
+            if let Some(&(_, shape)) = created.iter().find(|(existing, _)| *existing == cells) {
+                return Ok(shape);
+            }
+            shapes.buffers.push(ShapeBuffers::tiled(gpu, cells)?);
+            let shape = shapes.buffers.len() as u32 - 1;
+            created.push((cells, shape));
+            Ok::<u32, RenderError>(shape)
+        };
+        self.infinite_plane =
+            Plane { shape: shape(self, limited(MAX_CELLS))?, half: [infinite_half_length(settings, 0.0); 2] };
+        for geom in model.geoms().filter(|geom| geom.geom_type() == crate::GeomType::Plane) {
+            let [x, y, spacing] = geom.size().map(|length| length as f32);
+            let repeat = geom.material().map_or([0.0; 2], |material| *model.material(material).texrepeat());
+            let lengths = [x, y];
+            let mut cells = 1;
+            let half = [0, 1].map(|axis| {
+                if lengths[axis] > 0.0 {
+                    let spacing = spacing.max(lengths[axis] / (MAX_CELLS as f32 - 2.0));
+                    cells = cells.max(((lengths[axis] / spacing) as u32).saturating_add(2).min(MAX_CELLS));
+                    lengths[axis]
+                } else {
+                    cells = MAX_CELLS;
+                    infinite_half_length(settings, repeat[axis])
+                }
+            });
+            let shape = shape(self, limited(cells))?;
+            self.planes.push(Plane { shape, half });
+        }
+        Ok(())
+    }
+
+    /// Replaces the buffers of a mesh and of its convex hull.
+    pub(crate) fn update_mesh(&mut self, gpu: &Gpu, model: &Model, id: MeshId) -> Result<(), RenderError> {
+        let index = self.meshes as usize + 2 * id.index();
+        let mesh = ShapeBuffers::new(gpu, &shape::mesh(model, id, self.max_vertices)?)?;
+        let hull = ShapeBuffers::new(gpu, &shape::hull(model, id, self.max_vertices)?)?;
+        (self.buffers[index], self.buffers[index + 1]) = (mesh, hull);
+        Ok(())
+    }
+
+    /// Replaces the buffers of a height field.
+    pub(crate) fn update_height_field(
+        &mut self,
+        gpu: &Gpu,
+        model: &Model,
+        id: HeightFieldId,
+    ) -> Result<(), RenderError> {
+        let buffers = ShapeBuffers::new(gpu, &shape::height_field(model, id, self.max_vertices)?)?;
+        self.buffers[self.height_fields as usize + id.index()] = buffers;
+        Ok(())
+    }
+
+    /// Writes the vertices of the skins of a scene.
+    pub(crate) fn update_skins(&mut self, gpu: &Gpu, scene: &Scene) {
+        for (index, skin) in scene.skins().enumerate() {
+            let Some(topology) = self.skin_topologies.get(index) else { break };
+            let drawable = |vector: [f32; 3]| vector.map(|number| if is_drawable(number) { number } else { 0.0 });
+            self.skin_vertices.clear();
+            self.skin_vertices.extend(skin.vertices.iter().zip(skin.normals).zip(&topology.texcoords).map(
+                |((&position, &normal), &texcoord)| Vertex {
+                    position: drawable(position),
+                    normal: drawable(normal),
+                    texcoord,
+                },
+            ));
+            let buffer = &self.buffers[self.skins as usize + index].vertices;
+            let bytes: &[u8] = bytemuck::cast_slice(&self.skin_vertices);
+            if bytes.len() as u64 <= buffer.size() {
+                gpu.queue().write_buffer(buffer, 0, bytes);
+            }
+        }
+    }
+
+    pub(crate) fn buffers(&self, shape: u32) -> &ShapeBuffers {
+        &self.buffers[shape as usize]
+    }
+
+    /// Returns a round shape. Before [`create_depth_levels`](Self::create_depth_levels), depth levels fall back to the
+    /// model's tessellation.
+    pub(crate) fn round(&self, shape: RoundShape, level: DetailLevel) -> u32 {
+        let at =
+            |first: u32, levels: usize, level: usize| first + (shape as usize * levels + level.min(levels - 1)) as u32;
+        match (level, self.depth_levels) {
+            (DetailLevel::Color(level), _) => at(0, COLOR_LEVELS, level),
+            (DetailLevel::Depth(level), Some(first)) => at(first, DEPTH_LEVELS.len(), level),
+            (DetailLevel::Depth(_), None) => at(0, COLOR_LEVELS, 0),
+        }
+    }
+
+    /// Returns a plane of the model by its index among the model's planes.
+    pub(crate) fn plane(&self, index: Option<usize>) -> Option<Plane> {
+        self.planes.get(index?).copied()
+    }
+
+    /// Returns the infinite plane for geoms that are not from the model.
+    pub(crate) fn infinite_plane(&self) -> Plane {
+        self.infinite_plane
+    }
+
+    pub(crate) fn square(&self) -> u32 {
+        self.square
+    }
+
+    pub(crate) fn cuboid(&self) -> u32 {
+        self.cuboid
+    }
+
+    pub(crate) fn line(&self) -> u32 {
+        self.line
+    }
+
+    pub(crate) fn mesh(&self, mesh: usize, is_hull: bool) -> Option<u32> {
+        (mesh < self.nmesh as usize).then(|| self.meshes + 2 * mesh as u32 + u32::from(is_hull))
+    }
+
+    pub(crate) fn height_field(&self, field: usize) -> Option<u32> {
+        (field < self.nhfield as usize).then(|| self.height_fields + field as u32)
+    }
+
+    pub(crate) fn skin(&self, skin: usize) -> Option<u32> {
+        (skin < self.skin_topologies.len()).then(|| self.skins + skin as u32)
+    }
+}
+
+/// Vertex and index buffer of a shape.
+#[derive(Debug)]
+pub(crate) struct ShapeBuffers {
+    pub(crate) vertices: wgpu::Buffer,
+    pub(crate) indices: wgpu::Buffer,
+    /// Number of indices; 0 for an empty shape.
+    pub(crate) index_count: u32,
+    /// Tiles of a large plane, for culling; empty for other shapes.
+    pub(crate) tiles: Vec<Tile>,
+}
+
+/// Rectangular part of a plane, culled separately.
+#[derive(Debug, Clone)]
+pub(crate) struct Tile {
+    pub(crate) indices: Range<u32>,
+    /// Minimum and maximum of x and y, in the local frame of the shape.
+    pub(crate) bounds: [[f32; 2]; 2],
+}
+
+impl ShapeBuffers {
+    fn new(gpu: &Gpu, triangles: &Triangles) -> Result<Self, RenderError> {
+        Self::with_usage(gpu, bytemuck::cast_slice(&triangles.vertices), &triangles.indices, wgpu::BufferUsages::VERTEX)
+    }
+
+    /// Creates buffers whose vertices are rewritten later.
+    fn dynamic(gpu: &Gpu, vertices: usize, indices: &[u32]) -> Result<Self, RenderError> {
+        let zeros = vec![0; vertices * size_of::<Vertex>()];
+        Self::with_usage(gpu, &zeros, indices, wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST)
+    }
+
+    fn with_usage(gpu: &Gpu, vertices: &[u8], indices: &[u32], usage: wgpu::BufferUsages) -> Result<Self, RenderError> {
+        let limit = gpu.limits().max_buffer_size;
+        let size = (vertices.len() as u64).max(size_of_val(indices) as u64);
+        if size > limit {
+            let what = "the size of the vertex or index buffer of a shape, bytes,".to_owned();
+            return Err(RenderError::TooLarge { what, size, limit });
+        }
+        let buffer = |contents, usage| {
+            gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+        };
+        Ok(Self {
+            vertices: buffer(vertices, usage),
+            indices: buffer(bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX),
+            index_count: indices.len() as u32,
+            tiles: Vec::new(),
+        })
+    }
+
+    /// Creates the square from -1 to 1, divided into tiles if it has many cells.
+    fn tiled(gpu: &Gpu, cells: u32) -> Result<Self, RenderError> {
+        /// Cells along each edge of a tile.
+        const TILE_CELLS: u32 = 20;
+        let mut square = shape::plane(cells);
+        let mut tiles = Vec::new();
+        if cells > TILE_CELLS {
+            let rows = std::mem::take(&mut square.indices);
+            let coordinate = |cell: u32| 2.0 * cell as f32 / cells as f32 - 1.0;
+            let ranges =
+                || (0..cells).step_by(TILE_CELLS as usize).map(|first| (first, (first + TILE_CELLS).min(cells)));
+            for (bottom, top) in ranges() {
+                for (left, right) in ranges() {
+                    let first = square.indices.len() as u32;
+                    for row in bottom..top {
+                        // Six indices per cell, row by row.
+                        let range = [left, right].map(|column| 6 * (row * cells + column) as usize);
+                        square.indices.extend_from_slice(&rows[range[0]..range[1]]);
+                    }
+                    let bounds = [[coordinate(left), coordinate(bottom)], [coordinate(right), coordinate(top)]];
+                    tiles.push(Tile { indices: first..square.indices.len() as u32, bounds });
+                }
+            }
+        }
+        Ok(Self { tiles, ..Self::new(gpu, &square)? })
+    }
+}
+
+/// Returns the half-length of an infinite plane: beyond the skybox by two texture periods.
+fn infinite_half_length(settings: &VisualSettings, repeat: f32) -> f32 {
+    let sky = 2.1 * settings.far;
+    let period =
+        if repeat > 0.0 && repeat.is_finite() { 2.0 / f64::from(repeat) } else { sky / (f64::from(MAX_CELLS) - 2.0) };
+    let half = 0.5 * (sky + 2.0 * period);
+    if is_drawable(half as f32) { half as f32 } else { 0.0 }
+}
+
+/// Generates the rectangle of a line. x is the position along the line, y the position across it.
+fn line() -> Triangles {
+    let vertex = |along: f32, across: f32| Vertex {
+        position: [along, across, 0.0],
+        normal: [0.0, 0.0, 1.0],
+        texcoord: [0.0; 2],
+    };
+    Triangles {
+        vertices: vec![vertex(0.0, -1.0), vertex(1.0, -1.0), vertex(1.0, 1.0), vertex(0.0, 1.0)],
+        indices: vec![0, 1, 2, 0, 2, 3],
+    }
+}

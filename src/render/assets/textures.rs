@@ -1,0 +1,187 @@
+//! GPU textures of the model, and the glyph atlas.
+
+use super::GlyphAtlas;
+use super::mipmap::{Faces, MipChain, MipLevel};
+use crate::id::TextureId;
+use crate::model::Model;
+use crate::render::Gpu;
+use crate::render::shader::TextureKind;
+
+/// Bind group layouts of a texture with its sampler.
+#[derive(Debug, Clone)]
+pub(crate) struct TextureLayouts {
+    pub(crate) d2: wgpu::BindGroupLayout,
+    pub(crate) cube: wgpu::BindGroupLayout,
+}
+
+impl TextureLayouts {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let layout = |view_dimension| {
+            let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty,
+                count: None,
+            };
+            let sample_type = wgpu::TextureSampleType::Float { filterable: true };
+            let texture = wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
+            let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+            gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: None,
+                entries: &[entry(0, texture), entry(1, sampler)],
+            })
+        };
+        Self { d2: layout(wgpu::TextureViewDimension::D2), cube: layout(wgpu::TextureViewDimension::Cube) }
+    }
+}
+
+/// Textures of a model, as bind groups.
+#[derive(Debug)]
+pub(crate) struct Textures {
+    bind_groups: Vec<(TextureKind, wgpu::BindGroup)>,
+    /// First skybox texture.
+    sky: Option<usize>,
+    layouts: TextureLayouts,
+    repeat: wgpu::Sampler,
+    clamp: wgpu::Sampler,
+}
+
+impl Textures {
+    pub(crate) fn new(gpu: &Gpu, layouts: &TextureLayouts, model: &Model) -> Self {
+        let sampler = |address_mode| {
+            gpu.device().create_sampler(&wgpu::SamplerDescriptor {
+                address_mode_u: address_mode,
+                address_mode_v: address_mode,
+                address_mode_w: address_mode,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            })
+        };
+        let mut textures = Self {
+            bind_groups: Vec::new(),
+            sky: None,
+            layouts: layouts.clone(),
+            repeat: sampler(wgpu::AddressMode::Repeat),
+            clamp: sampler(wgpu::AddressMode::ClampToEdge),
+        };
+        for texture in model.textures() {
+            if textures.sky.is_none() && texture.texture_type() == crate::TextureType::Skybox {
+                textures.sky = Some(textures.bind_groups.len());
+            }
+            let created = textures.create(gpu, model, texture.id());
+            textures.bind_groups.push(created);
+        }
+        textures
+    }
+
+    /// Replaces a texture.
+    pub(crate) fn update(&mut self, gpu: &Gpu, model: &Model, id: TextureId) {
+        self.bind_groups[id.index()] = self.create(gpu, model, id);
+    }
+
+    fn create(&self, gpu: &Gpu, model: &Model, id: TextureId) -> (TextureKind, wgpu::BindGroup) {
+        let MipChain { faces, levels } = MipChain::new(model, id, gpu.limits().max_texture_dimension_2d);
+        let layers = faces.count() as u32;
+        let (kind, dimension, layout, sampler) = match faces {
+            Faces::D2 => (TextureKind::D2, wgpu::TextureViewDimension::D2, &self.layouts.d2, &self.repeat),
+            Faces::Cube => (TextureKind::Cube, wgpu::TextureViewDimension::Cube, &self.layouts.cube, &self.clamp),
+        };
+        let white = [MipLevel { width: 1, height: 1, rgba: vec![u8::MAX; 4 * faces.count()] }];
+        let levels = if is_complete(&levels, layers) { &levels[..] } else { &white };
+        let first = &levels[0];
+        let size = wgpu::Extent3d { width: first.width, height: first.height, depth_or_array_layers: layers };
+        let texture = create_texture(gpu, size, levels.len() as u32, wgpu::TextureFormat::Rgba8Unorm);
+        for (number, MipLevel { width, height, rgba }) in levels.iter().enumerate() {
+            let size = wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: layers };
+            write(gpu, &texture, number as u32, size, rgba, 4);
+        }
+        let view =
+            texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() });
+        (kind, bind_group(gpu, layout, &view, sampler))
+    }
+
+    /// Returns the bind group of a texture.
+    pub(crate) fn get(&self, texture: u32) -> Option<&wgpu::BindGroup> {
+        self.bind_groups.get(texture as usize).map(|(_, group)| group)
+    }
+
+    /// Returns the kind of a texture.
+    pub(crate) fn kind(&self, texture: usize) -> TextureKind {
+        self.bind_groups.get(texture).map_or(TextureKind::None, |(kind, _)| *kind)
+    }
+
+    /// Returns the bind group of the first skybox texture.
+    pub(crate) fn sky(&self) -> Option<&wgpu::BindGroup> {
+        self.bind_groups.get(self.sky?).map(|(_, group)| group)
+    }
+
+    /// Creates the bind group of the glyph atlas.
+    pub(crate) fn glyph_atlas(&self, gpu: &Gpu) -> wgpu::BindGroup {
+        let atlas = GlyphAtlas::get();
+        let size = wgpu::Extent3d { width: atlas.width, height: atlas.height, depth_or_array_layers: 1 };
+        let texture = create_texture(gpu, size, 1, wgpu::TextureFormat::Rg8Unorm);
+        write(gpu, &texture, 0, size, &atlas.pixels, 2);
+        bind_group(gpu, &self.layouts.d2, &texture.create_view(&wgpu::TextureViewDescriptor::default()), &self.clamp)
+    }
+}
+
+/// Returns whether the mip chain is non-empty and each level has the size and the number of bytes that wgpu requires.
+fn is_complete(levels: &[MipLevel], layers: u32) -> bool {
+    let Some(first) = levels.first() else { return false };
+    let is_square = layers == 1 || first.width == first.height;
+    is_square
+        && levels.iter().enumerate().all(|(number, level)| {
+            let size = [first.width, first.height].map(|length| (length >> number).max(1));
+            let bytes = 4 * u64::from(level.width) * u64::from(level.height) * u64::from(layers);
+            [level.width, level.height] == size && level.rgba.len() as u64 == bytes
+        })
+}
+
+fn create_texture(gpu: &Gpu, size: wgpu::Extent3d, mip_level_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
+    gpu.device().create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size,
+        mip_level_count,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+fn write(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, size: wgpu::Extent3d, data: &[u8], bytes_per_pixel: u32) {
+    gpu.queue().write_texture(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level,
+            origin: wgpu::Origin3d::ZERO,
+            aspect: wgpu::TextureAspect::All,
+        },
+        data,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(bytes_per_pixel * size.width),
+            rows_per_image: Some(size.height),
+        },
+        size,
+    );
+}
+
+fn bind_group(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    view: &wgpu::TextureView,
+    sampler: &wgpu::Sampler,
+) -> wgpu::BindGroup {
+    gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(view) },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
+        ],
+    })
+}

@@ -1,0 +1,317 @@
+//! Draw list: the geoms of a scene as batches of instances, in the order of their draw calls.
+//!
+//! A scene may contain any numbers, because users add geoms and models are not validated. Geoms with values that cannot
+//! be rendered are skipped.
+
+mod instance;
+mod mirror;
+mod primitive;
+mod shadow_caster;
+
+use self::instance::Appearance;
+pub(crate) use self::instance::{Batch, BatchKey, Instance, MirrorSide, Visibility};
+pub(crate) use self::mirror::Mirror;
+use self::primitive::Part;
+use self::shadow_caster::ShadowCasters;
+use super::assets::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel, Shapes, Textures};
+use super::bounding_volume::{AssetBounds, BoundingVolume, signed_distance, sorting_radius};
+use super::settings::is_drawable;
+use super::shape::Tessellation;
+use super::view::{Lights, ViewFrustum};
+use crate::scene::{RenderFlags, Scene, SceneGeom, SceneGeomType};
+
+/// Draw list of a scene. The memory is reused from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct DrawList {
+    /// All instances: the reflector, opaque geoms, transparent geoms front to back, and transparent geoms back to
+    /// front.
+    pub(crate) instances: Vec<Instance>,
+    /// Batches of the reflective geom.
+    pub(crate) reflector: Vec<Batch>,
+    pub(crate) opaque: Vec<Batch>,
+    pub(crate) transparent: Vec<Batch>,
+    /// Number of the transparent batches in front-to-back order, which come first.
+    pub(crate) front_to_back: usize,
+    pub(crate) mirror: Option<Mirror>,
+    /// First infinite plane.
+    pub(crate) horizon: Option<Horizon>,
+    /// Bounds of the casters in each shadow map, in the clip space of the light; `None` if it has no casters.
+    pub(crate) shadow_bounds: Vec<Option<[[f64; 2]; 2]>>,
+    pending: Vec<PendingInstance>,
+    /// Sort keys and indices of pending opaque instances.
+    opaque_order: Vec<(u64, u32)>,
+    /// Distances and index ranges of pending transparent instances.
+    transparent_order: Vec<(f32, u32, u32)>,
+    parts: Vec<Part>,
+}
+
+/// Infinite plane, which forms the horizon.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Horizon {
+    pub(crate) pos: [f32; 3],
+    pub(crate) mat: [f32; 9],
+    pub(crate) is_opaque: bool,
+}
+
+/// Instance before sorting.
+#[derive(Debug, Clone, Copy)]
+struct PendingInstance {
+    key: BatchKey,
+    visibility: Visibility,
+    instance: Instance,
+}
+
+/// Inputs of [`DrawList::update`].
+pub(crate) struct DrawListInputs<'a> {
+    pub(crate) frustum: &'a ViewFrustum,
+    pub(crate) lights: &'a Lights,
+    pub(crate) shapes: &'a Shapes,
+    pub(crate) textures: &'a Textures,
+    pub(crate) bounds: &'a AssetBounds,
+    /// Auxiliary output instead of a lit colour image. It has no transparency and no mirror.
+    pub(crate) aux: Option<AuxOutput>,
+}
+
+/// Auxiliary output of the renderer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AuxOutput {
+    /// Segmentation with a distinct colour for each geom.
+    SegmentColors,
+    /// Segmentation with the geom's id encoded as a colour.
+    IdColors,
+    /// Segmentation with geom ids.
+    Ids,
+    /// Depth. Transparent geoms are skipped.
+    Depth,
+}
+
+impl DrawList {
+    /// Rebuilds the draw list for a scene.
+    pub(crate) fn update(&mut self, scene: &Scene, inputs: &DrawListInputs<'_>) {
+        self.clear();
+        let (frustum, flags) = (inputs.frustum, scene.render_flags());
+        let camera = frustum.position.map(|coordinate| coordinate as f32);
+        let reflector = self.find_reflector(scene, inputs, camera);
+        let planes = frustum.planes();
+        let mirror_planes = self.mirror.as_ref().map(|mirror| frustum.mirrored(&mirror.reflection).planes());
+        let mut casters = ShadowCasters::new(inputs.lights, flags.contains(RenderFlags::CULL_FACE), planes);
+        let mut reflector_instances = 0;
+        for (index, geom) in scene.geoms().enumerate() {
+            if !is_valid(geom) {
+                continue;
+            }
+            let is_behind = is_camera_behind(geom, camera);
+            let is_transparent = match inputs.aux {
+                None => is_transparent(geom, is_behind),
+                Some(AuxOutput::Depth) if is_transparent(geom, is_behind) => continue,
+                Some(_) => false,
+            };
+            let volume = inputs.bounds.volume(geom);
+            if volume == BoundingVolume::Empty {
+                continue;
+            }
+            if self.horizon.is_none() && is_infinite_plane(geom) {
+                self.horizon = Some(Horizon { pos: geom.pos(), mat: geom.mat(), is_opaque: !is_transparent });
+            }
+            let is_line = geom.geom_type() == SceneGeomType::Line;
+            let is_plane = geom.geom_type() == SceneGeomType::Plane;
+            let mut visibility = self.visibility(&volume, &planes, mirror_planes.as_ref());
+            if !is_line {
+                visibility.shadow_mask = casters.add(geom, &volume, visibility.in_frustum);
+            }
+            self.parts.clear();
+            let level = detail_level(geom, &volume, frustum, inputs.aux);
+            primitive::parts(geom, inputs.shapes, level, &mut self.parts);
+            let appearance = Appearance::new(index, geom, inputs, is_behind);
+            let first = self.pending.len() as u32;
+            for part in &self.parts {
+                let (key, instance) = appearance.instance(geom, part, is_line, is_behind && is_plane);
+                self.pending.push(PendingInstance { key, visibility, instance });
+            }
+            let last = self.pending.len() as u32;
+            if is_transparent {
+                let distance = [0, 1, 2].map(|axis| geom.pos()[axis] - camera[axis]);
+                let distance = distance.iter().map(|part| part * part).sum::<f32>().sqrt() - sorting_radius(geom);
+                let distance = if is_plane { 1e10 } else { distance };
+                self.transparent_order.push((distance, first, last));
+            } else if reflector == Some(index) {
+                reflector_instances = last - first;
+                self.opaque_order.extend((first..last).map(|pending| (REFLECTOR_SORT_KEY, pending)));
+            } else {
+                let keys = (first..last).map(|pending| (sort_key(&self.pending[pending as usize]), pending));
+                self.opaque_order.extend(keys);
+            }
+        }
+        self.shadow_bounds = casters.into_bounds();
+        self.sort(reflector_instances);
+    }
+
+    fn clear(&mut self) {
+        self.instances.clear();
+        self.reflector.clear();
+        self.opaque.clear();
+        self.transparent.clear();
+        self.pending.clear();
+        self.opaque_order.clear();
+        self.transparent_order.clear();
+        (self.mirror, self.horizon, self.front_to_back) = (None, None, 0);
+    }
+
+    /// Finds the reflector: the first opaque plane or box with reflectance. It is drawn separately even if mirror
+    /// images are disabled.
+    fn find_reflector(&mut self, scene: &Scene, inputs: &DrawListInputs<'_>, camera: [f32; 3]) -> Option<usize> {
+        if inputs.aux.is_some() {
+            return None;
+        }
+        let (index, geom) = scene.geoms().enumerate().find(|&(_, geom)| {
+            matches!(geom.geom_type(), SceneGeomType::Plane | SceneGeomType::Box)
+                && geom.reflectance() > 0.0
+                && is_valid(geom)
+                && !is_transparent(geom, is_camera_behind(geom, camera))
+        })?;
+        if scene.render_flags().contains(RenderFlags::REFLECTION) {
+            self.mirror = Mirror::new(geom, camera, inputs.shapes);
+        }
+        Some(index)
+    }
+
+    /// Computes the visibility of a bounding volume in the frustum and in the mirror.
+    fn visibility(
+        &self,
+        volume: &BoundingVolume,
+        planes: &[[f32; 4]; 6],
+        mirror_planes: Option<&[[f32; 4]; 6]>,
+    ) -> Visibility {
+        let BoundingVolume::Sphere(sphere) = volume else {
+            return Visibility { in_frustum: true, mirror_side: MirrorSide::Across, shadow_mask: 0 };
+        };
+        // NaN distances cull nothing.
+        let is_inside =
+            |planes: &[[f32; 4]; 6]| !planes.iter().any(|plane| signed_distance(sphere.centre, plane) < -sphere.radius);
+        let mirror_side = match (&self.mirror, mirror_planes) {
+            (Some(mirror), Some(planes)) if is_inside(planes) => {
+                let distance = signed_distance(sphere.centre, &mirror.plane);
+                if distance > sphere.radius {
+                    MirrorSide::InFront
+                } else if distance < -sphere.radius {
+                    MirrorSide::Behind
+                } else {
+                    MirrorSide::Across
+                }
+            }
+            _ => MirrorSide::Behind,
+        };
+        Visibility { in_frustum: is_inside(planes), mirror_side, shadow_mask: 0 }
+    }
+
+    /// Sorts the pending instances and forms batches: the reflector, opaque geoms by batch key, transparent geoms by
+    /// distance.
+    fn sort(&mut self, reflector_instances: u32) {
+        let Self { instances, pending, opaque_order, transparent_order, .. } = self;
+        opaque_order.sort_unstable();
+        for (number, &(_, index)) in opaque_order.iter().enumerate() {
+            let batches = if number < reflector_instances as usize { &mut self.reflector } else { &mut self.opaque };
+            push(batches, instances, &pending[index as usize]);
+        }
+        transparent_order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for &(_, first, last) in &*transparent_order {
+            for pending in &pending[first as usize..last as usize] {
+                push(&mut self.transparent, instances, pending);
+            }
+        }
+        self.front_to_back = self.transparent.len();
+        let mut back_to_front = Vec::new();
+        for &(_, first, last) in transparent_order.iter().rev() {
+            for pending in &pending[first as usize..last as usize] {
+                push(&mut back_to_front, instances, pending);
+            }
+        }
+        self.transparent.append(&mut back_to_front);
+    }
+}
+
+/// Appends an instance, to the last batch if its key and visibility are equal.
+fn push(batches: &mut Vec<Batch>, instances: &mut Vec<Instance>, pending: &PendingInstance) {
+    let index = instances.len() as u32;
+    instances.push(pending.instance);
+    match batches.last_mut() {
+        Some(batch) if batch.key == pending.key && batch.visibility == pending.visibility => {
+            batch.instances.end = index + 1;
+        }
+        _ => batches.push(Batch { key: pending.key, visibility: pending.visibility, instances: index..index + 1 }),
+    }
+}
+
+/// Sort key of the reflector, less than all others.
+const REFLECTOR_SORT_KEY: u64 = 0;
+
+/// Computes the sort key of an opaque instance. Instances with equal keys become one batch.
+fn sort_key(pending: &PendingInstance) -> u64 {
+    let BatchKey { shape, texture_kind, texture, line, back_faces } = pending.key;
+    let Visibility { in_frustum, mirror_side, shadow_mask } = pending.visibility;
+    let flags =
+        [line, back_faces, !in_frustum].iter().fold(mirror_side as u64, |flags, &flag| flags << 1 | u64::from(flag));
+    let texture = (texture_kind as u64) << 32 | u64::from(texture & 0xFFFF) << 16;
+    1 << 63
+        | u64::from(shadow_mask) << 54
+        | u64::from(shape >> 16 & 0xFF) << 46
+        | flags << 40
+        | texture
+        | u64::from(shape & 0xFFFF)
+}
+
+/// Returns whether the pose, the size and the opacity of a geom can be rendered.
+fn is_valid(geom: SceneGeom<'_>) -> bool {
+    let (pos, mat, size) = (geom.pos(), geom.mat(), geom.size());
+    pos.iter().chain(&mat).chain(&size).all(|&number| is_drawable(number)) && geom.rgba()[3] >= 0.0
+}
+
+/// Returns whether the camera is at negative z in the local frame of a geom.
+fn is_camera_behind(geom: SceneGeom<'_>, camera: [f32; 3]) -> bool {
+    let (pos, mat) = (geom.pos(), geom.mat());
+    let height: f32 = (0..3).map(|axis| (camera[axis] - pos[axis]) * mat[3 * axis + 2]).sum();
+    height < 0.0
+}
+
+/// Returns whether a geom is transparent, as is a plane seen from behind.
+fn is_transparent(geom: SceneGeom<'_>, is_camera_behind: bool) -> bool {
+    geom.rgba()[3] < 0.995 || geom.geom_type() == SceneGeomType::Plane && is_camera_behind
+}
+
+/// Returns whether a geom is a plane that is infinite in both directions.
+fn is_infinite_plane(geom: SceneGeom<'_>) -> bool {
+    geom.geom_type() == SceneGeomType::Plane && geom.size()[0] == 0.0 && geom.size()[1] == 0.0
+}
+
+/// Selects the level of detail of a geom: for colour images by its size on the screen, for depth by the required
+/// precision.
+fn detail_level(
+    geom: SceneGeom<'_>,
+    volume: &BoundingVolume,
+    frustum: &ViewFrustum,
+    aux: Option<AuxOutput>,
+) -> DetailLevel {
+    /// Radii below which the next level is used, pixels. The edges of the two levels then differ by less than a fifth
+    /// of a pixel.
+    const MAX_RADII: [f64; COLOR_LEVELS - 1] = [6.0, 2.5];
+    /// Largest distance between a geom and its triangles, relative to the distance from the camera. At a viewing angle
+    /// of 15° this is 1/5000 of the depth.
+    const PRECISION: f64 = 5e-5;
+    let (BoundingVolume::Sphere(sphere), None | Some(AuxOutput::Depth | AuxOutput::Ids)) = (volume, aux) else {
+        return DetailLevel::Color(0);
+    };
+    let [x, y, z] = geom.size();
+    let radius = match geom.geom_type() {
+        SceneGeomType::Sphere | SceneGeomType::Ellipsoid => x.max(y).max(z),
+        _ => x.max(y),
+    };
+    let nearest = (frustum.depth_of(sphere.centre) - f64::from(sphere.radius)).max(frustum.range[0]);
+    let relative_radius = frustum.scale * f64::from(radius) / nearest;
+    if aux.is_some() {
+        // The chord errors of the two directions of a sphere add up.
+        let is_precise = |&slices: &u32| 2.0 * Tessellation::chord_error(slices) * relative_radius <= PRECISION;
+        return DetailLevel::Depth(DEPTH_LEVELS.iter().position(is_precise).unwrap_or(DEPTH_LEVELS.len() - 1));
+    }
+    let pixels = frustum.pixels_per_metre * relative_radius;
+    DetailLevel::Color(MAX_RADII.iter().take_while(|&&max| pixels < max).count())
+}

@@ -1,0 +1,102 @@
+//! GPU buffers: a buffer that grows on demand, and a staging buffer for texture read-back.
+
+use crate::render::{Gpu, RenderError};
+
+/// GPU buffer that is rewritten every frame. It grows by half and never shrinks.
+#[derive(Debug)]
+pub(crate) struct GrowableBuffer {
+    buffer: wgpu::Buffer,
+    usage: wgpu::BufferUsages,
+}
+
+impl GrowableBuffer {
+    pub(crate) fn new(gpu: &Gpu, usage: wgpu::BufferUsages) -> Self {
+        let usage = usage | wgpu::BufferUsages::COPY_DST;
+        Self { buffer: create_buffer(gpu, 256, usage), usage }
+    }
+
+    /// Writes the bytes. Returns whether the buffer was reallocated, so that bind groups of it are stale.
+    pub(crate) fn write(&mut self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, RenderError> {
+        let (size, limit) = (bytes.len() as u64, gpu.limits().max_buffer_size);
+        if size > limit {
+            let what = "the size of a buffer of the scene, bytes,".to_owned();
+            return Err(RenderError::TooLarge { what, size, limit });
+        }
+        let grows = size > self.buffer.size();
+        if grows {
+            let capacity = (size + size / 2).min(limit).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).min(limit);
+            self.buffer = create_buffer(gpu, capacity.max(size), self.usage);
+        }
+        if !bytes.is_empty() {
+            gpu.queue().write_buffer(&self.buffer, 0, bytes);
+        }
+        Ok(grows)
+    }
+
+    pub(crate) fn buffer(&self) -> &wgpu::Buffer {
+        &self.buffer
+    }
+}
+
+/// Staging buffer to read a texture back.
+#[derive(Debug)]
+pub(crate) struct ReadBackBuffer {
+    buffer: wgpu::Buffer,
+    size: [u32; 2],
+    bytes_per_pixel: u32,
+    /// Includes the padding that wgpu requires.
+    bytes_per_row: u32,
+}
+
+impl ReadBackBuffer {
+    pub(crate) fn new(gpu: &Gpu, size: [u32; 2], bytes_per_pixel: u32) -> Result<Self, RenderError> {
+        let bytes_per_row = (size[0] * bytes_per_pixel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let (bytes, limit) = (u64::from(bytes_per_row) * u64::from(size[1]), gpu.limits().max_buffer_size);
+        if bytes > limit {
+            let what = "the size of the read-back buffer of an image, bytes,".to_owned();
+            return Err(RenderError::TooLarge { what, size: bytes, limit });
+        }
+        let buffer = create_buffer(gpu, bytes, wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ);
+        Ok(Self { buffer, size, bytes_per_pixel, bytes_per_row })
+    }
+
+    pub(crate) fn matches(&self, size: [u32; 2], bytes_per_pixel: u32) -> bool {
+        (self.size, self.bytes_per_pixel) == (size, bytes_per_pixel)
+    }
+
+    /// Encodes a copy of a texture of the same size.
+    pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) {
+        let [width, height] = self.size;
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &self.buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(self.bytes_per_row),
+                    rows_per_image: Some(height),
+                },
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+    }
+
+    /// Waits for the copy and passes each row to `each`, last row first: images are rendered upside down.
+    pub(crate) fn rows(&self, gpu: &Gpu, mut each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+        let slice = self.buffer.slice(..);
+        slice.map_async(wgpu::MapMode::Read, |_| {});
+        gpu.wait()?;
+        let mapped = slice.get_mapped_range().map_err(|error| RenderError::Lost { message: error.to_string() })?;
+        let used = (self.size[0] * self.bytes_per_pixel) as usize;
+        for row in mapped.chunks_exact(self.bytes_per_row as usize).rev() {
+            each(&row[..used]);
+        }
+        drop(mapped);
+        self.buffer.unmap();
+        Ok(())
+    }
+}
+
+fn create_buffer(gpu: &Gpu, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    gpu.device().create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+}

@@ -1,0 +1,94 @@
+//! Pass for auxiliary output: geom ids and depths, and segmentation colours. It has no lighting, textures or
+//! multisampling.
+
+use super::target::{create_texture, default_view, depth_format};
+use super::{DrawContext, PassKind, PipelineKey, Target};
+use crate::render::Gpu;
+use crate::render::draw_list::DrawList;
+
+/// Format of geom ids and depths in metres. The depth is the bit pattern of a floating-point number, because not every
+/// adapter can render to 32-bit float formats.
+const ID_DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
+
+/// Render target for geom ids and depths.
+#[derive(Debug)]
+pub(crate) struct AuxTarget {
+    pub(crate) texture: wgpu::Texture,
+    color: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    size: [u32; 2],
+}
+
+impl AuxTarget {
+    pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let texture = create_texture(gpu, size, ID_DEPTH_FORMAT, 1, usage | wgpu::TextureUsages::COPY_SRC);
+        let depth = default_view(&create_texture(gpu, size, depth_format(false), 1, usage));
+        Self { color: default_view(&texture), texture, depth, size }
+    }
+
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+}
+
+/// Encodes the pass for geom ids and depths, rendered upside down.
+pub(crate) fn encode_ids(
+    encoder: &mut wgpu::CommandEncoder,
+    draw: &mut DrawContext<'_>,
+    list: &DrawList,
+    view: &wgpu::BindGroup,
+    target: &AuxTarget,
+    cull: bool,
+) {
+    let pass = begin(encoder, &target.color, &target.depth);
+    encode(pass, draw, list, view, &PipelineKey::untextured(PassKind::Ids, ID_DEPTH_FORMAT, cull, true));
+}
+
+/// Encodes the pass for segmentation colours, to a target without multisampling.
+pub(crate) fn encode_segment_colors(
+    encoder: &mut wgpu::CommandEncoder,
+    draw: &mut DrawContext<'_>,
+    list: &DrawList,
+    view: &wgpu::BindGroup,
+    (target, color): (&Target, &wgpu::TextureView),
+    [cull, flip_y]: [bool; 2],
+) {
+    let pass = begin(encoder, color, &target.depth);
+    encode(pass, draw, list, view, &PipelineKey::untextured(PassKind::FlatColor, target.format, cull, flip_y));
+}
+
+fn encode(
+    mut pass: wgpu::RenderPass<'_>,
+    draw: &mut DrawContext<'_>,
+    list: &DrawList,
+    view: &wgpu::BindGroup,
+    key: &PipelineKey,
+) {
+    pass.set_bind_group(0, view, &[]);
+    for batch in list.opaque.iter().filter(|batch| batch.visibility.in_frustum) {
+        draw.batch(&mut pass, batch, key);
+    }
+}
+
+fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    color: &wgpu::TextureView,
+    depth: &wgpu::TextureView,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("auxiliary output"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: color,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: depth,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    })
+}

@@ -1,0 +1,231 @@
+//! Shadow maps: the depth of the nearest surface in each direction of a light. Only the region that contains casters is
+//! allocated, aligned to the texel grid of the whole map, so that shadow edges do not depend on the region.
+//!
+//! Software rasterisers take as long to clear a map as to render to it. Each frame therefore uses a nearer depth range
+//! than the previous frame, which makes stale depths ineffective; see [`ShadowRegion::depth_range`].
+
+use super::target::{create_texture, default_view};
+use super::{COLOR_FORMAT, DrawContext, PassKind, PipelineKey};
+use crate::render::draw_list::{Batch, BatchKey, DrawList};
+use crate::render::gpu::buffer::GrowableBuffer;
+use crate::render::view::matrix::product;
+use crate::render::view::{Lights, ShadowRegion, UniformData, ViewUniforms};
+use crate::render::{Gpu, GpuKind, RenderError};
+
+/// Shadow map of one light.
+#[derive(Debug)]
+struct ShadowMap {
+    region: ShadowRegion,
+    view: wgpu::TextureView,
+    uniform: GrowableBuffer,
+    bind_group: Option<wgpu::BindGroup>,
+    has_casters: bool,
+    /// The map may contain depths nearer than the depth range of the frame.
+    needs_clear: bool,
+}
+
+/// Shadow maps of all lights.
+#[derive(Debug)]
+pub(crate) struct ShadowMaps {
+    /// Width and height of a whole map, texels.
+    size: u32,
+    maps: Vec<ShadowMap>,
+    regions: Vec<ShadowRegion>,
+    /// Number of texture allocations.
+    version: u64,
+}
+
+/// Granularity of the size of regions, texels. It reduces reallocations when geoms move.
+const GRANULARITY: u32 = 128;
+
+/// Number of frames after which a map is cleared, long before its depth range underflows.
+const CLEAR_INTERVAL: u32 = 64;
+
+/// Ratio of allocated to required texels above which a smaller texture is allocated.
+const MAX_EXCESS: u64 = 3;
+
+impl ShadowMaps {
+    pub(crate) fn new(size: u32) -> Self {
+        // Smaller maps have no texel inside their border.
+        let size = if size < 4 { 0 } else { size };
+        Self { size, maps: Vec::new(), regions: Vec::new(), version: 0 }
+    }
+
+    /// Returns whether shadows are enabled.
+    pub(crate) fn is_enabled(&self) -> bool {
+        self.size > 0
+    }
+
+    pub(crate) fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// Returns the allocated regions for the lights of the last [`prepare`](Self::prepare).
+    pub(crate) fn regions(&self) -> &[ShadowRegion] {
+        &self.regions
+    }
+
+    pub(crate) fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Iterates over the texture views of the maps in use.
+    pub(crate) fn views(&self) -> impl Iterator<Item = &wgpu::TextureView> {
+        self.maps[..self.regions.len()].iter().map(|map| &map.view)
+    }
+
+    /// Allocates the regions for the casters of a draw list, and writes the uniform buffers.
+    pub(crate) fn prepare(&mut self, gpu: &Gpu, lights: &Lights, list: &DrawList) -> Result<(), RenderError> {
+        self.regions.clear();
+        let clears_every_frame = gpu.kind() != GpuKind::Software;
+        for (index, (matrix, bounds)) in lights.shadows().zip(&list.shadow_bounds).enumerate() {
+            let required = self.required_region(*bounds);
+            if index == self.maps.len() {
+                self.maps.push(ShadowMap::new(gpu, required));
+                self.version += 1;
+            }
+            let map = &mut self.maps[index];
+            let texels = |size: [u32; 2]| u64::from(size[0]) * u64::from(size[1]);
+            let allocated = map.region.size;
+            let fits = allocated[0] >= required.size[0] && allocated[1] >= required.size[1];
+            if fits && texels(allocated) <= MAX_EXCESS * texels(required.size) {
+                map.region.origin = required.origin;
+                // Hardware clears at no cost and renders faster to a cleared attachment.
+                map.region.frames_since_clear =
+                    if clears_every_frame { 0 } else { (map.region.frames_since_clear + 1) % CLEAR_INTERVAL };
+            } else {
+                (map.region, map.view) = (required, map_view(gpu, required.size));
+                self.version += 1;
+            }
+            map.needs_clear |= map.region.frames_since_clear == 0;
+            map.has_casters = bounds.is_some();
+            let clip = product(&map.region.clip_to_region(self.size), matrix);
+            if map.uniform.write(gpu, UniformData::unlit(&ViewUniforms::of_shadow_map(&clip)).bytes())? {
+                map.bind_group = None;
+            }
+            self.regions.push(map.region);
+        }
+        Ok(())
+    }
+
+    /// Returns the region for bounds in the clip space of a light, with an empty texel around it.
+    fn required_region(&self, bounds: Option<[[f64; 2]; 2]>) -> ShadowRegion {
+        let Some([low, high]) = bounds else {
+            return ShadowRegion { origin: [0; 2], size: [GRANULARITY.min(self.size); 2], frames_since_clear: 0 };
+        };
+        let inner = f64::from(self.size) - 2.0;
+        let texel = |coordinate: f64| 1.0 + (0.5 + 0.5 * coordinate) * inner;
+        let origin = low.map(|low| (texel(low).floor() as u32).saturating_sub(2));
+        let end = high.map(|high| (texel(high).ceil() as u32 + 2).min(self.size));
+        let size = [0, 1].map(|axis| (end[axis] - origin[axis]).next_multiple_of(GRANULARITY).min(self.size));
+        ShadowRegion { origin, size, frames_since_clear: 0 }
+    }
+
+    /// Requests a clear of all maps. Required if encoded commands may not have been executed.
+    pub(crate) fn invalidate(&mut self) {
+        for map in &mut self.maps {
+            map.needs_clear = true;
+        }
+    }
+
+    /// Encodes the shadow passes.
+    pub(crate) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        draw: &mut DrawContext<'_>,
+        list: &DrawList,
+        cull: bool,
+    ) {
+        // Rendered upside down, so that the texels are in OpenGL's order. The colour format is unused.
+        let key = PipelineKey::untextured(PassKind::Shadow, COLOR_FORMAT, cull, true);
+        for (light, map) in self.maps[..self.regions.len()].iter_mut().enumerate() {
+            if !map.has_casters && !map.needs_clear {
+                continue;
+            }
+            let load = if map.needs_clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
+            map.needs_clear = false;
+            let bind_group =
+                map.bind_group.get_or_insert_with(|| draw.pipelines.view_bind_group(draw.gpu, &map.uniform, &[]));
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("shadow map"),
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &map.view,
+                    depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+                    stencil_ops: None,
+                }),
+                ..Default::default()
+            });
+            if !map.has_casters {
+                continue;
+            }
+            let Some([[left, right], [top, bottom]]) = inside_border(&map.region, self.size) else { continue };
+            let [width, height] = map.region.size.map(|length| length as f32);
+            let [near, far] = map.region.depth_range();
+            pass.set_viewport(0.0, 0.0, width, height, near, far);
+            pass.set_scissor_rect(left, top, right - left, bottom - top);
+            pass.set_bind_group(0, &*bind_group, &[]);
+            let opaque = list.reflector.iter().chain(&list.opaque);
+            let casts = |batch: &&Batch| batch.visibility.shadow_mask & 1 << light != 0;
+            for batch in opaque.chain(&list.transparent[..list.front_to_back]).filter(casts) {
+                // The side of a plane that the camera sees does not matter for the light.
+                let batch = Batch { key: BatchKey { back_faces: false, ..batch.key }, ..batch.clone() };
+                draw.batch(&mut pass, &batch, &key);
+            }
+        }
+    }
+}
+
+impl ShadowMap {
+    fn new(gpu: &Gpu, region: ShadowRegion) -> Self {
+        Self {
+            region,
+            view: map_view(gpu, region.size),
+            uniform: GrowableBuffer::new(gpu, wgpu::BufferUsages::UNIFORM),
+            bind_group: None,
+            has_casters: false,
+            needs_clear: true,
+        }
+    }
+}
+
+fn map_view(gpu: &Gpu, size: [u32; 2]) -> wgpu::TextureView {
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+    default_view(&create_texture(gpu, size, wgpu::TextureFormat::Depth32Float, 1, usage))
+}
+
+/// Returns the part of a region inside the border of the whole map, as ranges in x and y; `None` if it is empty.
+fn inside_border(region: &ShadowRegion, size: u32) -> Option<[[u32; 2]; 2]> {
+    let range = [0, 1].map(|axis| {
+        let origin = region.origin[axis];
+        let low = 1_u32.saturating_sub(origin);
+        let high = (size - 1).saturating_sub(origin).min(region.size[axis]);
+        [low, high]
+    });
+    range.iter().all(|[low, high]| low < high).then_some(range)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ShadowMaps, ShadowRegion, inside_border};
+
+    fn region(origin: [u32; 2], size: [u32; 2]) -> ShadowRegion {
+        ShadowRegion { origin, size, frames_since_clear: 0 }
+    }
+
+    #[test]
+    fn a_region_has_an_empty_texel_around_the_casters() {
+        let maps = ShadowMaps::new(1024);
+        let ShadowRegion { origin, size, .. } = maps.required_region(Some([[-0.5, 0.0], [0.0, 0.25]]));
+        // Texels 1 + 0.25 * 1022 = 256.5 and 1 + 0.5 * 1022 = 512 in x; 512 and 639.75 in y.
+        assert!(origin[0] < 256 && origin[0] + size[0] > 513, "{origin:?} {size:?}");
+        assert!(origin[1] < 511 && origin[1] + size[1] > 641, "{origin:?} {size:?}");
+        assert!(size[0] < 512 && size[1] < 384, "{size:?} exceeds the granularity");
+    }
+
+    #[test]
+    fn the_border_of_the_whole_map_stays_empty() {
+        assert_eq!(inside_border(&region([0, 0], [1024, 1024]), 1024), Some([[1, 1023], [1, 1023]]));
+        assert_eq!(inside_border(&region([900, 100], [128, 128]), 1024), Some([[0, 123], [0, 128]]));
+        assert_eq!(inside_border(&region([1023, 0], [128, 128]), 1024), None);
+    }
+}

@@ -1,0 +1,185 @@
+//! Encoding of the render passes of a scene, and read-back of the results.
+
+use super::Renderer;
+use crate::error::Error;
+use crate::render::draw_list::{AuxOutput, DrawListInputs};
+use crate::render::gpu::buffer::ReadBackBuffer;
+use crate::render::pass::{
+    AuxTarget, COLOR_FORMAT, DrawContext, FrameInputs, Target, check_size, create_texture, default_view, encode_ids,
+    encode_segment_colors,
+};
+use crate::render::shader::Shading;
+use crate::render::view::{Lights, UniformData, ViewFrustum, ViewUniforms};
+use crate::render::{Lighting, RenderError};
+use crate::scene::{RenderFlags, Scene};
+
+impl Renderer {
+    /// Renders a colour image and passes its rows to `each`: four bytes per pixel.
+    pub(super) fn render_color(&mut self, scene: &Scene, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            let (texture, view) = self.color_texture();
+            let mut encoder = self.encode(scene, &view, COLOR_FORMAT, self.size, true)?;
+            self.read_back_buffer(4)?.encode(&mut encoder, &texture);
+            gpu.queue().submit([encoder.finish()]);
+            self.read_back_buffer(4)?.rows(&gpu, each)
+        })
+        .inspect_err(|_| self.shadow_maps.invalidate())
+    }
+
+    /// Returns the colour texture for read-back, which is recreated after a change of the size.
+    pub(super) fn color_texture(&mut self) -> (wgpu::Texture, wgpu::TextureView) {
+        let existing = self.color.take().filter(|(texture, _)| [texture.width(), texture.height()] == self.size);
+        let color = existing.unwrap_or_else(|| {
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+            let texture = create_texture(&self.gpu, self.size, COLOR_FORMAT, 1, usage);
+            let view = default_view(&texture);
+            (texture, view)
+        });
+        self.color.insert(color).clone()
+    }
+
+    /// Renders geom ids and depths, and passes the rows to `each`: eight bytes per pixel.
+    pub(super) fn render_aux(
+        &mut self,
+        scene: &Scene,
+        output: AuxOutput,
+        each: impl FnMut(&[u8]),
+    ) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            let frustum = self.update_draw_list(scene, self.size, Some(output), true)?.0;
+            self.update_aux_view(&frustum)?;
+            if self.aux_target.as_ref().is_none_or(|target| target.size() != self.size) {
+                self.aux_target = Some(AuxTarget::new(&gpu, self.size));
+            }
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let Self { list, pipelines, shapes, textures, instances, aux_view, aux_target, .. } = self;
+            let (Some(view), Some(target)) = (aux_view, aux_target) else { return Ok(()) };
+            let instances = instances.buffer();
+            let mut draw = DrawContext { gpu: &gpu, pipelines, shapes, textures, instances, tile_culling: None };
+            let cull = scene.render_flags().contains(RenderFlags::CULL_FACE);
+            encode_ids(&mut encoder, &mut draw, list, view, target, cull);
+            let texture = target.texture.clone();
+            self.read_back_buffer(8)?.encode(&mut encoder, &texture);
+            gpu.queue().submit([encoder.finish()]);
+            self.read_back_buffer(8)?.rows(&gpu, each)
+        })
+    }
+
+    /// Returns the read-back buffer, which is recreated after a change of the size or of the format.
+    fn read_back_buffer(&mut self, bytes_per_pixel: u32) -> Result<&ReadBackBuffer, RenderError> {
+        if !self.read_back.as_ref().is_some_and(|buffer| buffer.matches(self.size, bytes_per_pixel)) {
+            self.read_back = Some(ReadBackBuffer::new(&self.gpu, self.size, bytes_per_pixel)?);
+        }
+        self.read_back.as_ref().ok_or(RenderError::OutOfMemory)
+    }
+
+    /// Updates the draw list and uploads its instances.
+    fn update_draw_list(
+        &mut self,
+        scene: &Scene,
+        size: [u32; 2],
+        aux: Option<AuxOutput>,
+        flip_y: bool,
+    ) -> Result<(ViewFrustum, Lights), RenderError> {
+        if scene.lineage() != self.lineage {
+            return Err(Error::OtherModel { what: "the scene to draw" }.into());
+        }
+        let frustum = ViewFrustum::new(scene, &scene.viewpoint(), size)?;
+        let frustum = if flip_y { frustum.flipped() } else { frustum };
+        let has_shadows = aux.is_none() && self.shadow_maps.is_enabled();
+        let lights = Lights::new(scene, &frustum, &self.settings, has_shadows);
+        let Self { gpu, list, shapes, textures, bounds, instances, .. } = self;
+        if matches!(aux, Some(AuxOutput::Depth | AuxOutput::Ids)) {
+            shapes.create_depth_levels(gpu)?;
+        }
+        list.update(scene, &DrawListInputs { frustum: &frustum, lights: &lights, shapes, textures, bounds, aux });
+        // The stencil mark of the mirror is the last instance.
+        let stencil_mark = list.mirror.as_ref().and_then(|mirror| mirror.stencil_mark);
+        list.instances.extend(stencil_mark.map(|(_, instance)| instance));
+        instances.write(gpu, bytemuck::cast_slice(&list.instances))?;
+        shapes.update_skins(gpu, scene);
+        Ok((frustum, lights))
+    }
+
+    /// Writes the uniform buffer of auxiliary output and creates its bind group.
+    fn update_aux_view(&mut self, frustum: &ViewFrustum) -> Result<(), RenderError> {
+        let view = ViewUniforms::new(frustum, &self.settings, self.size, false);
+        let is_stale = self.aux_uniform.write(&self.gpu, UniformData::unlit(&view).bytes())?;
+        if is_stale || self.aux_view.is_none() {
+            self.aux_view = Some(self.pipelines.view_bind_group(&self.gpu, &self.aux_uniform, &[]));
+        }
+        Ok(())
+    }
+
+    /// Encodes all passes that render a scene to a colour texture, upside down for read-back.
+    pub(super) fn encode(
+        &mut self,
+        scene: &Scene,
+        color: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        size: [u32; 2],
+        flip_y: bool,
+    ) -> Result<wgpu::CommandEncoder, RenderError> {
+        check_size(&self.gpu, size)?;
+        let flags = scene.render_flags();
+        let aux = flags.contains(RenderFlags::SEGMENT).then_some(if flags.contains(RenderFlags::IDCOLOR) {
+            AuxOutput::IdColors
+        } else {
+            AuxOutput::SegmentColors
+        });
+        let (frustum, lights) = self.update_draw_list(scene, size, aux, flip_y)?;
+        let stencil = self.list.mirror.as_ref().is_some_and(|mirror| mirror.stencil_mark.is_some());
+        let samples = if aux.is_some() { 1 } else { self.samples };
+        if !self.target.as_ref().is_some_and(|target| target.matches(size, format, samples, stencil)) {
+            self.target = Some(Target::new(&self.gpu, size, format, samples, stencil)?);
+        }
+        let mut encoder = self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let cull = flags.contains(RenderFlags::CULL_FACE);
+        if aux.is_some() {
+            self.update_aux_view(&frustum)?;
+            let Self { gpu, list, pipelines, shapes, textures, instances, aux_view, target, .. } = self;
+            let (Some(view), Some(target)) = (aux_view, target) else { return Ok(encoder) };
+            let instances = instances.buffer();
+            let mut draw = DrawContext { gpu, pipelines, shapes, textures, instances, tile_culling: None };
+            encode_segment_colors(&mut encoder, &mut draw, list, view, (target, color), [cull, flip_y]);
+            return Ok(encoder);
+        }
+        let shading = match self.options.lighting {
+            Lighting::PerPixel => Shading::Pixel,
+            Lighting::PerVertex => Shading::Vertex,
+        };
+        let Self {
+            gpu,
+            settings,
+            list,
+            pipelines,
+            shapes,
+            textures,
+            instances,
+            main_pass,
+            shadow_maps,
+            sky,
+            labels,
+            target,
+            ..
+        } = self;
+        let Some(target) = target else { return Ok(encoder) };
+        let frame = FrameInputs { frustum: &frustum, lights: &lights, settings, size, flags, shading };
+        let planes = frustum.planes();
+        shadow_maps.prepare(gpu, &lights, list)?;
+        sky.prepare(gpu, list, &frustum, settings, flags.contains(RenderFlags::HAZE))?;
+        labels.prepare(gpu, scene, &frustum, size)?;
+        if labels.count > 0 && labels.atlas.is_none() {
+            labels.atlas = Some(textures.glyph_atlas(gpu));
+        }
+        main_pass.prepare(gpu, &frame, list, shadow_maps)?;
+        let instances = instances.buffer();
+        let mut draw = DrawContext { gpu, pipelines, shapes, textures, instances, tile_culling: None };
+        shadow_maps.encode(&mut encoder, &mut draw, list, cull);
+        draw.tile_culling = Some((&planes, &list.instances));
+        main_pass.encode(&mut encoder, &mut draw, &frame, list, (shadow_maps, sky, labels), (target, color));
+        Ok(encoder)
+    }
+}

@@ -1,0 +1,108 @@
+// Declarations shared by all shaders.
+
+//#if LIT
+// Light. `view/uniform.rs` declares the same structure.
+struct Light {
+    // Position; for a directional light the direction towards it.
+    position: vec4f,
+    // Axis of the cone; spot exponent.
+    axis: vec4f,
+    // Constant, linear and quadratic attenuation; cosine of the cutoff angle.
+    attenuation: vec4f,
+    ambient: vec4f,
+    diffuse: vec4f,
+    specular: vec4f,
+}
+
+// Shadow map. `view/uniform.rs` declares the same structure.
+struct Shadow {
+    // Projection from world space to texels and depths.
+    texels: mat4x4f,
+    // Coordinates of the last texel; farthest depth.
+    last: vec4f,
+}
+
+// Point of a surface.
+struct SurfacePoint {
+    world: vec3f,
+    normal: vec3f,
+    to_camera: vec3f,
+    rgb: vec3f,
+    // Emission, specularity and shininess.
+    material: vec3f,
+}
+//#end
+
+// Per-view uniforms. `view/uniform.rs` declares the same structure.
+struct View {
+    clip: mat4x4f,
+    // Position of the camera; factor on all colours.
+    camera: vec4f,
+    // Product with a point (x, y, z, 1) is its depth, m.
+    depth: vec4f,
+    // Ambient light of the scene.
+    ambient: vec4f,
+    fog_color: vec4f,
+    // Visibility in fog: slope and offset of a linear function of the depth.
+    fog: vec4f,
+    // Clipping plane. Shaders with clipping discard fragments on its negative side.
+    plane: vec4f,
+    // Width and height of the image, pixels; line width, pixels; distance of the near plane, m.
+    pixels: vec4f,
+    // Colour of the haze; distance of the skybox.
+    sky: vec4f,
+//#if LIGHTS
+    lights: array<Light, LIGHT_COUNT>,
+//#end
+//#if SHADOWS
+    shadows: array<Shadow, SHADOW_COUNT>,
+//#end
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+
+//#if FOG
+fn apply_fog(color: vec3f, depth: f32) -> vec3f {
+    return mix(view.fog_color.rgb, color, clamp(view.fog.x * depth + view.fog.y, 0.0, 1.0));
+}
+//#end
+
+//#if INSTANCED
+// Vertex, in the local frame of the shape.
+struct Vertex {
+    @location(0) position: vec3f,
+//#if LIT
+    @location(1) normal: vec3f,
+//#end
+//#if TEXTURED
+    @location(2) texcoord: vec2f,
+//#end
+}
+
+// Instance. `draw_list/instance.rs` declares the same structure.
+struct Instance {
+    // Rows of the transformation from the local frame to world space.
+    @location(3) x: vec4f,
+    @location(4) y: vec4f,
+    @location(5) z: vec4f,
+//#if INSTANCE_COLOR
+    @location(6) rgba: vec4f,
+//#end
+//#if LIT
+    // Emission, specularity and shininess.
+    @location(7) material: vec4f,
+//#end
+//#if TEXTURED
+    // Texture coordinate generation: scale of the local position; offset of z, or -3.4e38 for explicit coordinates.
+    @location(8) texgen: vec4f,
+//#end
+//#if INSTANCE_ID
+    @location(9) id: u32,
+//#end
+}
+
+fn to_world(instance: Instance, position: vec3f) -> vec3f {
+    let point = vec4f(position, 1.0);
+    return vec3f(dot(instance.x, point), dot(instance.y, point), dot(instance.z, point));
+}
+//#end

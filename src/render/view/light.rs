@@ -1,0 +1,180 @@
+//! Active lights, their shadow projections, and the allocated regions of shadow maps.
+
+use super::ViewFrustum;
+use super::matrix::{IDENTITY, Matrix4, cross, dot, look_to, orthographic, perspective, product, unit};
+use crate::render::settings::{VisualSettings, is_drawable};
+use crate::scene::{RenderFlags, Scene, SceneLight};
+
+/// Maximum number of shadow-casting lights. Each one needs a texture, and adapters guarantee only 16 textures per
+/// shader stage.
+pub(crate) const MAX_SHADOWS: usize = 8;
+
+/// Features of a light for which the shader is specialised, instead of branching at run time.
+#[allow(clippy::struct_excessive_bools, reason = "each is an independent switch")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub(crate) struct LightFeatures {
+    pub(crate) directional: bool,
+    /// Distance attenuation.
+    pub(crate) attenuated: bool,
+    /// Cutoff at the edge of a cone.
+    pub(crate) spot: bool,
+    /// Intensity falls off towards the edge of the cone (non-zero spot exponent).
+    pub(crate) focused: bool,
+    pub(crate) ambient: bool,
+    pub(crate) specular: bool,
+    pub(crate) shadow: bool,
+}
+
+/// Light of the scene, validated.
+#[derive(Debug, Clone)]
+pub(crate) struct ActiveLight {
+    pub(crate) features: LightFeatures,
+    pub(crate) light: SceneLight,
+    /// Projection from world space to the clip space of the shadow map; `None` for a light without shadows.
+    pub(crate) shadow: Option<Matrix4>,
+}
+
+/// Active lights of a scene.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Lights {
+    pub(crate) active: Vec<ActiveLight>,
+    /// The scene has no lights at all and is rendered with ambient light.
+    pub(crate) ambient_only: bool,
+}
+
+impl Lights {
+    /// Collects the lights of a scene, without lights that have invalid values.
+    pub(crate) fn new(scene: &Scene, frustum: &ViewFrustum, settings: &VisualSettings, has_shadows: bool) -> Self {
+        let has_shadows = has_shadows && scene.render_flags().contains(RenderFlags::SHADOW);
+        let mut shadows = 0;
+        let mut active = Vec::new();
+        for (index, mut light) in scene.lights().enumerate() {
+            if index == 0 && light.headlight {
+                light.pos = frustum.position.map(|coordinate| coordinate as f32);
+                light.dir = frustum.forward.map(|coordinate| coordinate as f32);
+            }
+            let Some(mut features) = sanitise(&mut light) else { continue };
+            let mut shadow = None;
+            if has_shadows && light.castshadow && shadows < MAX_SHADOWS {
+                shadow = shadow_matrix(&light, frustum, settings);
+            }
+            features.shadow = shadow.is_some();
+            shadows += usize::from(features.shadow);
+            active.push(ActiveLight { features, light, shadow });
+        }
+        Self { ambient_only: scene.lights().len() == 0, active }
+    }
+
+    /// Iterates over the features of all lights.
+    pub(crate) fn features(&self) -> impl Iterator<Item = LightFeatures> + Clone + '_ {
+        self.active.iter().map(|light| light.features)
+    }
+
+    /// Iterates over the shadow projections of the lights that cast shadows.
+    pub(crate) fn shadows(&self) -> impl Iterator<Item = &Matrix4> + '_ {
+        self.active.iter().filter_map(|light| light.shadow.as_ref())
+    }
+}
+
+/// Clamps the parameters of a light to the ranges of OpenGL and returns its features, or `None` if a parameter cannot
+/// be rendered.
+fn sanitise(light: &mut SceneLight) -> Option<LightFeatures> {
+    let colors = light.ambient.iter().chain(&light.diffuse).chain(&light.specular);
+    let mut numbers = light.pos.iter().chain(&light.dir).chain(&light.attenuation).chain(colors);
+    if !numbers.all(|&number| is_drawable(number)) {
+        return None;
+    }
+    if light.directional {
+        light.attenuation = [1.0, 0.0, 0.0];
+        light.exponent = 0.0;
+    }
+    light.exponent = if light.exponent.is_finite() { light.exponent.clamp(0.0, 128.0) } else { 0.0 };
+    let is_spot = !light.directional && (0.0..=90.0).contains(&light.cutoff);
+    Some(LightFeatures {
+        directional: light.directional,
+        attenuated: light.attenuation != [1.0, 0.0, 0.0],
+        spot: is_spot,
+        focused: is_spot && light.exponent > 0.0,
+        ambient: light.ambient != [0.0; 3],
+        specular: light.specular != [0.0; 3],
+        shadow: false,
+    })
+}
+
+/// Computes the projection from world space to the clip space of a shadow map.
+fn shadow_matrix(light: &SceneLight, frustum: &ViewFrustum, settings: &VisualSettings) -> Option<Matrix4> {
+    let (pos, dir) = (light.pos.map(f64::from), light.dir.map(f64::from));
+    let projection = if light.directional {
+        if settings.shadow_clip <= 0.0 {
+            return None;
+        }
+        orthographic(settings.shadow_clip, frustum.range)
+    } else {
+        let angle = (2.0 * f64::from(light.cutoff) * settings.shadow_scale).min(160.0);
+        if angle.is_nan() || angle <= 0.0 {
+            return None;
+        }
+        let half = (angle / 2.0).to_radians().tan() * frustum.range[0];
+        perspective([-half, half], [-half, half], frustum.range)
+    };
+    let view = look_to(pos, dir, perpendicular(dir));
+    let matrix = product(&projection, &view);
+    matrix.as_flattened().iter().all(|&number| is_drawable(number as f32)).then_some(matrix)
+}
+
+/// Returns a unit vector perpendicular to a direction.
+fn perpendicular(direction: [f64; 3]) -> [f64; 3] {
+    let across = cross(direction, [-1.0, 0.0, 0.0]);
+    unit(if dot(across, across) > 0.01 { across } else { cross(direction, [0.0, 1.0, 0.0]) })
+}
+
+/// Allocated region of a shadow map: its first texel, its size, and its depth range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ShadowRegion {
+    pub(crate) origin: [u32; 2],
+    pub(crate) size: [u32; 2],
+    /// Number of frames since the map was cleared; see [`depth_range`](Self::depth_range).
+    pub(crate) frames_since_clear: u32,
+}
+
+impl ShadowRegion {
+    /// Returns the transformation from the clip space of the light to the clip space of the region, for a whole map of
+    /// `size` texels. The map has a border of one texel, to which nothing is rendered.
+    pub(crate) fn clip_to_region(&self, size: u32) -> Matrix4 {
+        let mut matrix = IDENTITY;
+        let inner = f64::from(size) - 2.0;
+        #[allow(clippy::needless_range_loop, reason = "rows and columns by the same axis")]
+        for axis in 0..2 {
+            let (origin, length) = (f64::from(self.origin[axis]), f64::from(self.size[axis]));
+            matrix[axis][axis] = inner / length;
+            // A point has texel coordinate 1 + (x + 1) / 2 * inner.
+            matrix[3][axis] = 2.0 * (1.0 + inner / 2.0 - origin) / length - 1.0;
+        }
+        matrix[1][1] = -matrix[1][1];
+        matrix[3][1] = -matrix[3][1];
+        matrix
+    }
+
+    /// Returns the nearest and the farthest depth of the frame. The range of each frame is nearer than that of the
+    /// previous frame by a factor of two. Depths of previous frames in the map are thus behind everything in this
+    /// frame, which has the same effect as clearing the map. Powers of two are exact, so all frames of a scene are
+    /// equal.
+    pub(crate) fn depth_range(&self) -> [f32; 2] {
+        let far = 0.5_f32.powi(self.frames_since_clear as i32);
+        [far / 2.0, far]
+    }
+
+    /// Returns the transformation from the clip space of the light to texels and depths of the region. It ignores the
+    /// border, as does the engine.
+    pub(super) fn clip_to_texels(&self, size: u32) -> Matrix4 {
+        let mut matrix = IDENTITY;
+        let [near, far] = self.depth_range().map(f64::from);
+        (matrix[2][2], matrix[3][2]) = (far - near, near);
+        #[allow(clippy::needless_range_loop, reason = "rows and columns by the same axis")]
+        for axis in 0..2 {
+            matrix[axis][axis] = f64::from(size) / 2.0;
+            matrix[3][axis] = f64::from(size) / 2.0 - f64::from(self.origin[axis]);
+        }
+        matrix
+    }
+}

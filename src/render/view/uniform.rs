@@ -1,0 +1,139 @@
+//! Uniform data of a view, in the memory layout of the shaders.
+
+use super::matrix::{Matrix4, product, row, to_f32, unit};
+use super::{Lights, ShadowRegion, ViewFrustum};
+use crate::render::settings::VisualSettings;
+
+/// Per-view uniforms, at the start of the uniform buffer of each view. `common.wgsl` declares the same structure.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct ViewUniforms {
+    pub(crate) clip: [[f32; 4]; 4],
+    /// Position of the camera; factor on all colours.
+    pub(crate) camera: [f32; 4],
+    /// Product with a point (x, y, z, 1) is its depth, m.
+    pub(crate) depth: [f32; 4],
+    /// Ambient light of the scene.
+    pub(crate) ambient: [f32; 4],
+    pub(crate) fog_color: [f32; 4],
+    /// Visibility in fog: slope and offset of a linear function of the depth.
+    pub(crate) fog: [f32; 4],
+    /// Clipping plane. Shaders with clipping discard fragments on its negative side.
+    pub(crate) plane: [f32; 4],
+    /// Width and height of the image, pixels; line width, pixels; distance of the near plane, m.
+    pub(crate) pixels: [f32; 4],
+    /// Colour of the haze; distance of the skybox.
+    pub(crate) sky: [f32; 4],
+}
+
+/// Light in the uniform buffer. `common.wgsl` declares the same structure.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct LightUniforms {
+    /// Position; for a directional light the direction towards it.
+    position: [f32; 4],
+    /// Axis of the cone; spot exponent.
+    axis: [f32; 4],
+    /// Constant, linear and quadratic attenuation; cosine of the cutoff angle.
+    attenuation: [f32; 4],
+    ambient: [f32; 4],
+    diffuse: [f32; 4],
+    specular: [f32; 4],
+}
+
+/// Shadow map in the uniform buffer. `common.wgsl` declares the same structure.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct ShadowUniforms {
+    /// Projection from world space to texels and depths.
+    texels: [[f32; 4]; 4],
+    /// Coordinates of the last texel; farthest depth.
+    last: [f32; 4],
+}
+
+impl ViewUniforms {
+    /// Computes the uniforms of a view frustum.
+    pub(crate) fn new(
+        frustum: &ViewFrustum,
+        settings: &VisualSettings,
+        [width, height]: [u32; 2],
+        has_fog: bool,
+    ) -> Self {
+        let [x, y, z] = frustum.position.map(|coordinate| coordinate as f32);
+        let [start, end] = settings.fog;
+        // An empty fog range disables fog, as in OpenGL, which rejects it.
+        let fog = if has_fog && end > start { [-1.0 / (end - start), end / (end - start)] } else { [0.0, 1.0] };
+        let [red, green, blue, _] = settings.haze_color;
+        Self {
+            clip: to_f32(&frustum.clip),
+            camera: [x, y, z, 1.0],
+            depth: frustum.depth.map(|number| number as f32),
+            ambient: [0.0; 4],
+            fog_color: settings.fog_color,
+            fog: [fog[0], fog[1], 0.0, 0.0],
+            plane: [0.0, 0.0, 0.0, 1.0],
+            pixels: [width as f32, height as f32, settings.line_width, frustum.range[0] as f32],
+            sky: [red, green, blue, frustum.sky_distance() as f32],
+        }
+    }
+
+    /// Returns the uniforms of a shadow map, of which only the projection is used.
+    pub(crate) fn of_shadow_map(clip: &Matrix4) -> Self {
+        Self { clip: to_f32(clip), ..bytemuck::Zeroable::zeroed() }
+    }
+}
+
+/// Contents of the uniform buffer of a view.
+#[derive(Debug, Default)]
+pub(crate) struct UniformData {
+    bytes: Vec<u8>,
+}
+
+impl UniformData {
+    /// Creates the uniforms of a view without lights.
+    pub(crate) fn unlit(view: &ViewUniforms) -> Self {
+        Self { bytes: bytemuck::bytes_of(view).to_vec() }
+    }
+
+    /// Creates the uniforms of a view with lights, and with shadow maps of `shadow_size` texels unless `regions` is
+    /// empty.
+    pub(crate) fn lit(view: &ViewUniforms, lights: &Lights, regions: &[ShadowRegion], shadow_size: u32) -> Self {
+        let mut view = *view;
+        if lights.ambient_only {
+            view.ambient = [0.3, 0.3, 0.3, 1.0];
+        }
+        let mut uniforms = Self::unlit(&view);
+        for active in &lights.active {
+            let light = &active.light;
+            let dir = unit(light.dir.map(f64::from)).map(|part| part as f32);
+            let vec4 = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+            let position = if active.features.directional { dir.map(|part| -part) } else { light.pos };
+            uniforms.push(&LightUniforms {
+                position: vec4(position, 0.0),
+                axis: vec4(dir, light.exponent),
+                attenuation: vec4(light.attenuation, light.cutoff.to_radians().cos()),
+                ambient: vec4(light.ambient, 0.0),
+                diffuse: vec4(light.diffuse, 0.0),
+                specular: vec4(light.specular, 0.0),
+            });
+        }
+        for (matrix, region) in lights.shadows().zip(regions) {
+            let clip_to_texels = region.clip_to_texels(shadow_size);
+            debug_assert_eq!(row(&clip_to_texels, 3), [0.0, 0.0, 0.0, 1.0], "w must be unchanged");
+            let last = region.size.map(|length| length as f32 - 1.0);
+            uniforms.push(&ShadowUniforms {
+                texels: to_f32(&product(&clip_to_texels, matrix)),
+                last: [last[0], last[1], region.depth_range()[1], 0.0],
+            });
+        }
+        uniforms
+    }
+
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    fn push(&mut self, value: &impl bytemuck::NoUninit) {
+        self.bytes.extend_from_slice(bytemuck::bytes_of(value));
+    }
+}
