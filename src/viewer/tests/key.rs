@@ -2,13 +2,10 @@
 
 use super::{Bench, Pressed, trajectories};
 use crate::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFlags};
-use crate::viewer::event::Event;
 use crate::viewer::input::{
     Action, BINDINGS, Key, KeyPress, Modifiers, Section, WindowAction, action, help, help_text,
 };
-use crate::viewer::mode::Mode;
-use crate::viewer::request::Request;
-use crate::viewer::snapshot::Status;
+use crate::viewer::link::{EndpointRequest, Event, Mode, Status};
 use crate::{Data, Model, sample};
 
 const NONE: Modifiers = Modifiers::NONE;
@@ -109,15 +106,15 @@ fn flags_are_switched_and_switched_back() {
 #[test]
 fn what_is_shown_reaches_the_scene() {
     let mut bench = Bench::humanoid();
-    let geoms = bench.shown().scene.ngeom();
+    let geoms = bench.snapshot().scene.ngeom();
     bench.press(character('j'), NONE);
-    let with_joints = bench.shown().scene.ngeom();
+    let with_joints = bench.snapshot().scene.ngeom();
     assert!(with_joints > geoms);
     bench.press(character('j'), NONE);
-    assert_eq!(bench.shown().scene.ngeom(), geoms);
+    assert_eq!(bench.snapshot().scene.ngeom(), geoms);
     bench.press(character('w'), NONE);
-    let (snapshot, _) = bench.front.latest().unwrap();
-    bench.view.prepare(snapshot).unwrap();
+    let (snapshot, _) = bench.window.latest().unwrap();
+    bench.view.update_snapshot(snapshot).unwrap();
     assert!(snapshot.scene.render_flags().contains(RenderFlags::WIREFRAME));
 }
 
@@ -164,7 +161,7 @@ fn tab_goes_through_the_cameras_and_back_to_the_free_one() {
     let mut bench = Bench::new(Data::new(Model::from_xml_str(text).unwrap()).unwrap());
     let index = |bench: &mut Bench, modifiers| {
         bench.press(Key::Tab, modifiers);
-        let seen_from = bench.shown().camera.view;
+        let seen_from = bench.snapshot().camera.view;
         assert_eq!(seen_from, bench.view.camera.view);
         match bench.view.camera.view {
             CameraView::Fixed(camera) => Some(camera.index()),
@@ -239,22 +236,22 @@ fn what_only_the_window_can_do_is_left_to_it() {
 #[test]
 fn space_lets_it_go_and_pauses_it() {
     let mut bench = Bench::humanoid();
-    assert_eq!(bench.shown().status, Status::Paused, "a viewer starts paused");
+    assert_eq!(bench.snapshot().status, Status::Paused, "a viewer starts paused");
     bench.press(Key::Space, NONE);
-    assert_eq!(bench.shown().status, Status::Running);
+    assert_eq!(bench.snapshot().status, Status::Running);
     assert!(bench.pass(0.5).time > 0.45);
     bench.press(Key::Space, NONE);
-    let time = bench.shown().time;
-    assert_eq!(bench.shown().status, Status::Paused);
+    let time = bench.snapshot().time;
+    assert_eq!(bench.snapshot().status, Status::Paused);
     assert_eq!(bench.pass(1.0).time, time);
 }
 
 #[test]
 fn arrows_step_forward_and_back_while_paused() {
     let mut bench = Bench::humanoid();
-    let timestep = bench.shown().model.timestep();
-    let start = bench.shown().qpos.clone();
-    let steps = |bench: &mut Bench| (bench.shown().time / timestep).round() as i64;
+    let timestep = bench.snapshot().model.timestep();
+    let start = bench.snapshot().qpos.clone();
+    let steps = |bench: &mut Bench| (bench.snapshot().time / timestep).round() as i64;
     for (key, modifiers, expected) in [
         (Key::Right, NONE, 1),
         (Key::Right, SHIFT, 51),
@@ -265,7 +262,7 @@ fn arrows_step_forward_and_back_while_paused() {
         bench.press(key, modifiers);
         assert_eq!(steps(&mut bench), expected, "{modifiers}{key}");
     }
-    assert_eq!(bench.shown().qpos, start, "bit for bit");
+    assert_eq!(bench.snapshot().qpos, start, "bit for bit");
     // With the modifier of another key they do not step.
     bench.press(Key::Right, COMMAND);
     assert_eq!(steps(&mut bench), 0);
@@ -280,7 +277,7 @@ fn arrows_step_forward_and_back_while_paused() {
 #[test]
 fn speed_is_switched_doubled_and_halved() {
     let mut bench = Bench::humanoid();
-    let pace = |bench: &mut Bench| (bench.shown().pace.wanted(), bench.shown().pace.text());
+    let pace = |bench: &mut Bench| (bench.snapshot().speed.target(), bench.snapshot().speed.text());
     assert_eq!(pace(&mut bench), (1.0, "1".to_owned()));
     bench.press(Key::Enter, NONE);
     assert_eq!(pace(&mut bench), (0.1, "10x (slower)".to_owned()));
@@ -312,20 +309,20 @@ fn a_slow_down_keeps_its_word() {
     bench.press(Key::Space, NONE);
     let snapshot = bench.pass(5.0);
     assert!((snapshot.time - 0.5).abs() < 0.01, "{}", snapshot.time);
-    assert!((snapshot.pace.measured - 0.1).abs() < 0.02, "{:?}", snapshot.pace);
+    assert!((snapshot.speed.measured - 0.1).abs() < 0.02, "{:?}", snapshot.speed);
 }
 
 #[test]
 fn backspace_returns_to_the_state_of_the_start() {
     let mut bench = Bench::humanoid();
-    let start = bench.shown().qpos.clone();
-    assert_ne!(start, bench.shown().model.qpos0());
+    let start = bench.snapshot().qpos.clone();
+    assert_ne!(start, bench.snapshot().model.qpos0());
     bench.press(Key::Space, NONE);
     assert_ne!(bench.pass(0.5).qpos, start);
     bench.press(Key::Space, NONE);
     bench.press(Key::Backspace, NONE);
-    assert_eq!(bench.shown().qpos, start);
-    assert_eq!(bench.shown().time, 0.0);
+    assert_eq!(bench.snapshot().qpos, start);
+    assert_eq!(bench.snapshot().time, 0.0);
 }
 
 #[test]
@@ -334,7 +331,7 @@ fn modes_go_round() {
     data.qpos_mut()[1] = 0.2;
     let controller = |data: &mut Data| data.ctrl_mut()[0] = 1.0;
     let mut bench = Bench::with(data, Some(Box::new(controller)), trajectories());
-    assert_eq!(bench.shown().modes, [Mode::Controller, Mode::Trajectory, Mode::Passive]);
+    assert_eq!(bench.snapshot().modes, [Mode::Controller, Mode::Trajectory, Mode::Passive]);
     let mut modes = Vec::new();
     for key in [Key::Right, Key::Right, Key::Right, Key::Left, Key::Left] {
         modes.push(bench.mode());
@@ -348,32 +345,32 @@ fn modes_go_round() {
 #[test]
 fn page_up_selects_the_parent() {
     let mut bench = Bench::humanoid();
-    let model = bench.shown().model.clone();
+    let model = bench.snapshot().model.clone();
     let foot = model.body("foot_left").unwrap();
-    bench.ask(Request::SelectBody(Some(foot.id())));
-    assert_eq!(bench.shown().selected.unwrap().body, foot.id());
+    bench.send(EndpointRequest::SelectBody(Some(foot.id())));
+    assert_eq!(bench.snapshot().selected.unwrap().body, foot.id());
     bench.press(Key::PageUp, NONE);
-    assert_eq!(bench.shown().selected.unwrap().body, foot.parent());
+    assert_eq!(bench.snapshot().selected.unwrap().body, foot.parent());
 }
 
 #[test]
 fn keys_for_states_copy_keep_and_clear() {
     let mut bench = Bench::humanoid();
-    let model = bench.shown().model.clone();
-    bench.ask(Request::SetControl(model.actuator(0).unwrap().id(), 0.5));
+    let model = bench.snapshot().model.clone();
+    bench.send(EndpointRequest::SetControl(model.actuator(0).unwrap().id(), 0.5));
     bench.press(character('c'), COMMAND);
     let events = bench.events();
     assert!(matches!(&events[..], [Event::Copied(text)] if text.starts_with("<key time=\"0\" qpos=\"")), "{events:?}");
     bench.press(character('s'), COMMAND);
-    assert_eq!(bench.shown().captured.len(), 1);
+    assert_eq!(bench.snapshot().captured.len(), 1);
     bench.press(Key::Backspace, COMMAND);
-    assert!(bench.shown().ctrl.iter().all(|&ctrl| ctrl == 0.0));
+    assert!(bench.snapshot().ctrl.iter().all(|&ctrl| ctrl == 0.0));
 }
 
 #[test]
 fn keys_of_the_trajectory_mode() {
     let mut bench = Bench::with(Data::new(sample::cartpole()).unwrap(), None, trajectories());
-    let playback = |bench: &mut Bench| bench.shown().playback.unwrap();
+    let playback = |bench: &mut Bench| bench.snapshot().playback.unwrap();
     assert_eq!(bench.mode(), Mode::Trajectory);
     assert_eq!((playback(&mut bench).frame, playback(&mut bench).trajectory), (0, 0));
     bench.press(Key::Up, NONE);

@@ -5,8 +5,7 @@ use std::time::Duration;
 use super::Bench;
 use crate::scene::{CameraView, MouseAction, PerturbationFlags};
 use crate::viewer::input::{Gesture, Modifiers, Moment, Mouse, MouseButton};
-use crate::viewer::mode::Mode;
-use crate::viewer::request::{Place, Request};
+use crate::viewer::link::{Mode, Request};
 use crate::viewer::view::Effect;
 use crate::{Data, sample};
 
@@ -136,10 +135,10 @@ fn the_wheel_zooms_as_in_the_engines_programs_and_turns_the_burst_by_fractions_t
 
 /// Does a gesture as the window would.
 fn done(bench: &mut Bench, gesture: Gesture) {
-    let snapshot = bench.front.latest().unwrap().0;
+    let snapshot = bench.window.latest().unwrap().0;
     match bench.view.gesture(gesture, snapshot).unwrap() {
-        Effect::Ask(request) => _ = bench.ask(request),
-        Effect::Done => _ = bench.turn(),
+        Effect::Ask(request) => _ = bench.send(request),
+        Effect::Done => _ = bench.tick(),
         Effect::Window(action) => panic!("a gesture is no {action:?}"),
     }
 }
@@ -152,7 +151,7 @@ fn looking_at_the_torso() -> Bench {
     data.reset_to_key("squat").unwrap();
     data.forward().unwrap();
     bench.view.camera.lookat = *data.body("torso").unwrap().xpos();
-    bench.turn();
+    bench.tick();
     bench
 }
 
@@ -160,14 +159,14 @@ fn looking_at_the_torso() -> Bench {
 fn a_body_is_selected_and_unselected() {
     let mut bench = looking_at_the_torso();
     done(&mut bench, Gesture::Select(MIDDLE));
-    let selected = bench.shown().selected.expect("the torso");
-    assert_eq!(bench.shown().model.body(selected.body).name(), Some("torso"));
+    let selected = bench.snapshot().selected.expect("the torso");
+    assert_eq!(bench.snapshot().model.body(selected.body).name(), Some("torso"));
     assert!(selected.geom.is_some() && !selected.active);
     assert!(selected.localpos.iter().all(|number| number.abs() < 0.5));
     bench.view.camera.lookat[2] += 50.0; // to the sky
     bench.view.camera.elevation = 10.0;
     done(&mut bench, Gesture::Select(MIDDLE));
-    assert_eq!(bench.shown().selected, None);
+    assert_eq!(bench.snapshot().selected, None);
 }
 
 #[test]
@@ -181,19 +180,19 @@ fn the_camera_looks_at_a_point_and_follows_a_body() {
     assert_eq!(bench.view.camera.view, CameraView::Free);
     done(&mut bench, Gesture::Track(MIDDLE));
     bench.events();
-    let torso = bench.shown().model.body("torso").unwrap().id();
+    let torso = bench.snapshot().model.body("torso").unwrap().id();
     assert_eq!(bench.view.camera.view, CameraView::Tracking(torso));
-    bench.ask(Request::Pause(false));
+    bench.send(Request::Pause(false));
     bench.pass(1.0);
-    bench.ask(Request::Pause(true));
+    bench.send(Request::Pause(true));
     // While it stands the camera still comes nearer, and then rests.
     bench.pass(2.0);
-    let lookat = bench.shown().camera.lookat;
-    let number = bench.shown().number;
+    let lookat = bench.snapshot().camera.lookat;
+    let number = bench.snapshot().number;
     bench.pass(2.0);
-    assert_eq!(bench.shown().number, number, "nothing moves, so nothing is shown anew");
+    assert_eq!(bench.snapshot().number, number, "nothing moves, so nothing is shown anew");
     let com = {
-        let snapshot = bench.shown();
+        let snapshot = bench.snapshot();
         let mut data = Data::new(snapshot.model.clone()).unwrap();
         data.qpos_mut().copy_from_slice(&snapshot.qpos);
         data.forward().unwrap();
@@ -213,7 +212,7 @@ fn drags_reach_the_camera_and_the_wheel_zooms_out() {
     let zoom = mouse().scroll(1.0, NONE, Mode::Passive);
     done(&mut bench, zoom);
     assert!(bench.view.camera.distance > before.distance);
-    let seen_from = bench.shown().camera;
+    let seen_from = bench.snapshot().camera;
     assert_eq!(seen_from, bench.view.camera);
 }
 
@@ -221,32 +220,32 @@ fn drags_reach_the_camera_and_the_wheel_zooms_out() {
 fn a_picture_follows_the_mouse_though_the_physics_does_nothing() {
     let mut bench = looking_at_the_torso();
     bench.view.camera.azimuth += 30.0;
-    let (snapshot, _) = bench.front.latest().unwrap();
+    let (snapshot, _) = bench.window.latest().unwrap();
     let before = snapshot.scene.viewpoint();
-    bench.view.prepare(snapshot).unwrap();
+    bench.view.update_snapshot(snapshot).unwrap();
     let at_once = snapshot.scene.viewpoint();
     assert_ne!(at_once, before);
-    bench.turn();
-    assert_eq!(bench.shown().scene.viewpoint(), at_once, "the same as the physics makes of it");
+    bench.tick();
+    assert_eq!(bench.snapshot().scene.viewpoint(), at_once, "the same as the physics makes of it");
 }
 
 #[test]
 fn a_body_is_pulled_while_it_runs_and_the_force_is_told() {
     let mut bench = looking_at_the_torso();
     done(&mut bench, Gesture::Select(MIDDLE));
-    bench.ask(Request::Pause(false));
+    bench.send(Request::Pause(false));
     done(&mut bench, Gesture::StartPerturbation(PerturbationFlags::TRANSLATE));
     done(&mut bench, Gesture::Perturbation(MouseAction::MoveV, [0.0, -0.5]));
     bench.pass(0.05);
-    let selected = bench.shown().selected.unwrap();
+    let selected = bench.snapshot().selected.unwrap();
     assert!(selected.active && selected.force[2] > 1.0, "{selected:?}");
     bench.pass(0.5);
-    let height = bench.shown().qpos[2];
+    let height = bench.snapshot().qpos[2];
     done(&mut bench, Gesture::StopPerturbation);
     bench.pass(0.05);
-    assert_eq!(bench.shown().selected.unwrap().force, [0.0; 6]);
+    assert_eq!(bench.snapshot().selected.unwrap().force, [0.0; 6]);
     let mut alone = Bench::humanoid();
-    alone.ask(Request::Pause(false));
+    alone.send(Request::Pause(false));
     assert!(height > alone.pass(0.55).qpos[2] + 0.05, "{height}");
 }
 
@@ -254,14 +253,14 @@ fn a_body_is_pulled_while_it_runs_and_the_force_is_told() {
 fn a_floating_body_is_moved_while_it_stands() {
     let mut bench = looking_at_the_torso();
     done(&mut bench, Gesture::Select(MIDDLE));
-    let before = bench.shown().qpos.clone();
+    let before = bench.snapshot().qpos.clone();
     done(&mut bench, Gesture::StartPerturbation(PerturbationFlags::TRANSLATE));
-    assert_eq!(bench.shown().qpos, before, "it moves with the mouse, not with the button");
+    assert_eq!(bench.snapshot().qpos, before, "it moves with the mouse, not with the button");
     done(&mut bench, Gesture::Perturbation(MouseAction::MoveV, [0.0, -0.2]));
-    let moved = bench.shown().clone_numbers();
+    let moved = bench.snapshot().clone_numbers();
     assert!(moved.0[2] > before[2] + 0.05 && moved.1 == 0.0, "{moved:?}");
     done(&mut bench, Gesture::StopPerturbation);
-    assert_eq!(bench.turn().qpos, moved.0);
+    assert_eq!(bench.tick().qpos, moved.0);
 }
 
 impl crate::viewer::snapshot::Snapshot {
