@@ -1,4 +1,4 @@
-//! What fails is told, and does not end the viewer.
+//! Errors and panics pause the simulation and do not end the viewer.
 
 use super::Bench;
 use crate::viewer::link::{EndpointRequest, Request, SimulationRequest, Status};
@@ -9,7 +9,7 @@ fn cartpole(controller: impl FnMut(&mut Data) -> crate::Result<()> + Send + 'sta
 }
 
 #[test]
-fn an_error_of_a_controller_pauses_and_is_told_until_it_goes_on() {
+fn controller_error_pauses_and_is_shown_until_resumed() {
     let mut calls = 0;
     let mut bench = cartpole(move |data| {
         calls += 1;
@@ -21,7 +21,7 @@ fn an_error_of_a_controller_pauses_and_is_told_until_it_goes_on() {
     assert_eq!(bench.snapshot().status, Status::Paused);
     assert_eq!(bench.snapshot().problem, "no solution");
     let timestep = bench.snapshot().model.timestep();
-    assert!((bench.snapshot().time - 5.0 * timestep).abs() < 1e-12, "it stands as before the step that failed");
+    assert!((bench.snapshot().time - 5.0 * timestep).abs() < 1e-12, "the state before the failed step is restored");
     assert_eq!(bench.snapshot().ctrl, [5.0]);
     bench.send(Request::Pause(false));
     bench.pass(0.1);
@@ -29,7 +29,7 @@ fn an_error_of_a_controller_pauses_and_is_told_until_it_goes_on() {
 }
 
 #[test]
-fn a_panic_of_a_controller_is_an_error_like_another() {
+fn controller_panic_is_an_error() {
     for (index, expected) in
         ["the controller panicked: at once", "the controller panicked: number 7"].iter().enumerate()
     {
@@ -41,7 +41,7 @@ fn a_panic_of_a_controller_is_an_error_like_another() {
 }
 
 #[test]
-fn controls_that_are_no_numbers_are_told_and_taken_back() {
+fn nan_controls_are_reported_and_reverted() {
     let mut bench = cartpole(|data| {
         data.ctrl_mut()[0] = f64::NAN;
         Ok(())
@@ -55,7 +55,7 @@ fn controls_that_are_no_numbers_are_told_and_taken_back() {
     assert_eq!(bench.snapshot().problem, "");
 }
 
-/// A spring so stiff that the simulation explodes after some steps.
+/// Spring so stiff that the simulation becomes unstable after a few steps.
 const UNSTABLE: &str = r#"<mujoco>
     <option timestep="0.1"/>
     <worldbody><body><joint name="slide" type="slide" stiffness="1e6"/><geom size="0.1"/></body></worldbody>
@@ -63,7 +63,7 @@ const UNSTABLE: &str = r#"<mujoco>
   </mujoco>"#;
 
 #[test]
-fn a_simulation_that_explodes_stands_before_the_explosion_and_can_be_reset() {
+fn unstable_simulation_pauses_before_the_failed_step_and_can_be_reset() {
     let mut data = Data::new(Model::from_xml_str(UNSTABLE).unwrap()).unwrap();
     data.reset_to_key(0).unwrap();
     let start = data.qpos().to_vec();
@@ -77,7 +77,7 @@ fn a_simulation_that_explodes_stands_before_the_explosion_and_can_be_reset() {
     assert!(time > 0.0 && qpos.abs() > 10.0 && qpos.is_finite(), "{qpos} at {time}");
     bench.send(Request::Pause(false));
     bench.pass(1.0);
-    assert_eq!((bench.snapshot().status, bench.snapshot().time), (Status::Paused, time), "it explodes again");
+    assert_eq!((bench.snapshot().status, bench.snapshot().time), (Status::Paused, time), "the same step fails again");
     bench.send(SimulationRequest::Step(-2));
     assert!(bench.snapshot().time < time);
     bench.send(Request::Reset);
@@ -85,7 +85,7 @@ fn a_simulation_that_explodes_stands_before_the_explosion_and_can_be_reset() {
 }
 
 #[test]
-fn a_data_that_had_failed_before_it_was_shown_can_be_reset() {
+fn data_that_failed_before_it_was_shown_can_be_reset() {
     let mut data = Data::new(Model::from_xml_str(UNSTABLE).unwrap()).unwrap();
     data.reset_to_key(0).unwrap();
     while data.step().is_ok() {}
@@ -96,13 +96,10 @@ fn a_data_that_had_failed_before_it_was_shown_can_be_reset() {
     assert_eq!(bench.snapshot().status, Status::Paused);
     assert!(!bench.snapshot().problem.is_empty());
     let model = bench.snapshot().model.clone();
-    for request in [
-        SimulationRequest::Step(1),
-        SimulationRequest::Step(-1),
-        SimulationRequest::Scrub(0),
-        EndpointRequest::CopyState,
-        EndpointRequest::SelectParent,
-    ] {
+    for request in [SimulationRequest::Step(1), SimulationRequest::Step(-1), SimulationRequest::Scrub(0)] {
+        bench.send(request);
+    }
+    for request in [EndpointRequest::CopyState, EndpointRequest::SelectParent] {
         bench.send(request);
     }
     bench.send(EndpointRequest::LoadKey(model.keyframe(0).unwrap().id()));
@@ -112,7 +109,7 @@ fn a_data_that_had_failed_before_it_was_shown_can_be_reset() {
 }
 
 #[test]
-fn a_controller_that_replaces_the_simulation_is_followed() {
+fn controller_may_replace_the_data() {
     let mut bench = cartpole(|data| {
         if data.model().nq() != 28 {
             *data = Data::new(sample::humanoid())?;

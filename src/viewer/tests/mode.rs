@@ -1,14 +1,14 @@
 //! Controller, trajectories, passive dynamics.
 
 use super::{Bench, trajectories};
-use crate::viewer::link::{Mode, PlaybackRequest, Request, SimulationRequest, Status};
+use crate::viewer::link::{Mode, PlaybackRequest, Request, SimulationRequest, Status, link};
 use crate::{Data, Error, Trajectory, sample};
 
 fn cartpole() -> Data {
     Data::new(sample::cartpole()).unwrap()
 }
 
-/// The trajectory mode, playing.
+/// Creates a bench that plays trajectories.
 fn playing() -> Bench {
     let mut bench = Bench::with(cartpole(), None, trajectories());
     bench.send(Request::Pause(false));
@@ -20,7 +20,7 @@ fn frame(bench: &mut Bench) -> usize {
 }
 
 #[test]
-fn the_first_mode_is_there_at_once() {
+fn viewer_starts_in_the_first_available_mode() {
     let mut bench = Bench::with(cartpole(), None, trajectories());
     assert_eq!(bench.mode(), Mode::Trajectory);
     assert_eq!(bench.snapshot().qpos, trajectories()[0].qpos(0), "the first record is shown");
@@ -31,7 +31,7 @@ fn the_first_mode_is_there_at_once() {
 }
 
 #[test]
-fn a_trajectory_is_played_in_the_time_that_it_took_and_round_again() {
+fn trajectory_is_played_in_real_time_and_repeats() {
     let mut bench = playing();
     let interval = 0.01;
     bench.pass(20.0 * interval + 0.001);
@@ -44,19 +44,19 @@ fn a_trajectory_is_played_in_the_time_that_it_took_and_round_again() {
 }
 
 #[test]
-fn it_plays_in_reverse_at_any_speed_and_says_so() {
+fn reverse_playback_works_at_any_speed() {
     let mut bench = playing();
     bench.send(PlaybackRequest::ToggleReverse);
     assert_eq!(bench.snapshot().status, Status::Reversed);
     bench.pass(0.1);
     let at = frame(&mut bench);
     assert!((29..=31).contains(&at), "{at}");
-    // Another speed is another speed, not another direction.
+    // The speed does not change the direction.
     bench.send(SimulationRequest::SetSpeed(0.5));
     bench.pass(0.1);
     let slower = frame(&mut bench);
     assert!((4..=6).contains(&(at - slower)), "{at} to {slower}");
-    // The passive mode does not know of it.
+    // The direction does not affect the passive mode.
     bench.send(SimulationRequest::SetMode(Mode::Passive));
     assert_eq!(bench.snapshot().status, Status::Running);
     let time = bench.snapshot().time;
@@ -65,11 +65,11 @@ fn it_plays_in_reverse_at_any_speed_and_says_so() {
 }
 
 #[test]
-fn trajectories_of_different_lengths_are_cycled_through() {
+fn trajectories_of_different_lengths_are_cycled() {
     let mut bench = Bench::with(cartpole(), None, trajectories());
     bench.send(PlaybackRequest::SetFrame(30));
     bench.send(PlaybackRequest::CycleTrajectory(1));
-    assert_eq!((frame(&mut bench), bench.snapshot().playback.unwrap().frames), (9, 10), "as far as it goes");
+    assert_eq!((frame(&mut bench), bench.snapshot().playback.unwrap().frames), (9, 10), "limited to the last record");
     bench.send(PlaybackRequest::CycleTrajectory(-2));
     assert_eq!(bench.snapshot().playback.unwrap().trajectory, 2);
     bench.send(PlaybackRequest::SetTrajectory(99));
@@ -83,7 +83,7 @@ fn trajectories_of_different_lengths_are_cycled_through() {
 }
 
 #[test]
-fn a_burst_shows_other_moments_in_the_same_picture() {
+fn burst_shows_several_records_in_one_scene() {
     let mut bench = Bench::with(cartpole(), None, trajectories());
     let alone = bench.snapshot().scene.ngeom();
     bench.send(PlaybackRequest::SetTrajectory(2));
@@ -95,7 +95,7 @@ fn a_burst_shows_other_moments_in_the_same_picture() {
     bench.send(PlaybackRequest::ChangeBurstFactor(-100.0));
     assert!(bench.snapshot().scene.ngeom() < with);
     bench.send(PlaybackRequest::ChangeBurstFactor(0.4));
-    assert_eq!(bench.snapshot().playback.unwrap().burst.factor, 1.4, "touchpads turn by fractions");
+    assert_eq!(bench.snapshot().playback.unwrap().burst.factor, 1.4, "touchpads change it by fractions");
     bench.send(PlaybackRequest::ChangeBurstFactor(100.0));
     bench.send(PlaybackRequest::SetFrame(100));
     bench.send(PlaybackRequest::ToggleDoppler);
@@ -109,7 +109,7 @@ fn a_burst_shows_other_moments_in_the_same_picture() {
 }
 
 #[test]
-fn a_burst_of_a_single_record_and_of_a_full_scene_does_no_harm() {
+fn burst_of_a_single_record_is_valid() {
     let data = cartpole();
     let mut single = Trajectory::new(data.model());
     single.push(&data).unwrap();
@@ -123,7 +123,7 @@ fn a_burst_of_a_single_record_and_of_a_full_scene_does_no_harm() {
 }
 
 #[test]
-fn the_panel_says_how_trajectories_are_played() {
+fn info_panel_shows_the_playback() {
     let mut bench = Bench::with(cartpole(), None, trajectories());
     bench.send(SimulationRequest::Step(3));
     let text = |bench: &mut Bench| -> Vec<String> {
@@ -143,7 +143,7 @@ fn the_panel_says_how_trajectories_are_played() {
 }
 
 #[test]
-fn a_controller_decides_and_leaves_nothing_behind() {
+fn controls_and_forces_of_a_controller_do_not_persist() {
     let controller = |data: &mut Data| {
         data.ctrl_mut()[0] = 0.3;
         data.qfrc_applied_mut()[1] = 0.2;
@@ -158,11 +158,11 @@ fn a_controller_decides_and_leaves_nothing_behind() {
     bench.send(SimulationRequest::SetMode(Mode::Passive));
     assert_eq!(bench.snapshot().ctrl, [0.0]);
     let data = bench.simulation.into_data();
-    assert_eq!(data.qfrc_applied(), [0.1, 0.0], "what was applied from the start stays");
+    assert_eq!(data.qfrc_applied(), [0.1, 0.0], "the forces of the start state are restored");
 }
 
 #[test]
-fn the_controlled_simulation_is_the_one_that_a_program_would_step() {
+fn controlled_simulation_equals_a_program_with_the_same_controller() {
     let lqr = || {
         let mut data = cartpole();
         let weights = crate::LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
@@ -180,13 +180,13 @@ fn the_controlled_simulation_is_the_one_that_a_program_would_step() {
 }
 
 #[test]
-fn trajectories_that_cannot_be_shown_are_refused() {
-    let refuse = |trajectories| {
-        let (_front, physics) = crate::viewer::link::link(|| ());
+fn unsuitable_trajectories_are_rejected() {
+    let reject = |trajectories| {
+        let (_window, physics) = link(|| ());
         crate::viewer::simulation::Simulation::new(cartpole(), None, trajectories, physics).err()
     };
-    assert!(matches!(refuse(vec![Trajectory::new(&sample::cartpole())]), Some(Error::Invalid { .. })));
+    assert!(matches!(reject(vec![Trajectory::new(&sample::cartpole())]), Some(Error::Invalid { .. })));
     let mut other = Trajectory::new(&sample::humanoid());
     other.push(&Data::new(sample::humanoid()).unwrap()).unwrap();
-    assert!(matches!(refuse(vec![other]), Some(Error::Shape { .. })));
+    assert!(matches!(reject(vec![other]), Some(Error::Shape { .. })));
 }

@@ -1,11 +1,11 @@
-//! Every request does what it says.
+//! Requests and their effects.
 
 use std::sync::Arc;
 
 use super::{Bench, trajectories};
 use crate::scene::{FrameMode, PerturbationFlags};
 use crate::viewer::link::{
-    EndpointRequest, Event, Mode, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest,
+    EndpointRequest, Event, Mode, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest, link,
 };
 use crate::{Data, EnableFlags, Integrator, Model, sample};
 
@@ -26,7 +26,7 @@ fn tied() -> Bench {
 }
 
 #[test]
-fn controls_and_positions_are_set_and_wrong_ones_are_refused() {
+fn controls_and_positions_are_set_and_invalid_values_rejected() {
     let mut bench = tied();
     let model = bench.snapshot().model.clone();
     let (motor, hinge) = (model.actuator("motor").unwrap().id(), model.joint("hinge").unwrap().id());
@@ -34,7 +34,7 @@ fn controls_and_positions_are_set_and_wrong_ones_are_refused() {
     assert_eq!(bench.snapshot().ctrl, [0.25]);
     bench.send(EndpointRequest::SetPosition(hinge, 0, 0.75));
     assert_eq!(bench.snapshot().qpos[7], 0.75);
-    assert_eq!(bench.snapshot().sensordata, [0.75], "what depends on it is up to date");
+    assert_eq!(bench.snapshot().sensordata, [0.75], "dependent quantities are recomputed");
     assert!(bench.events().is_empty());
     bench.send(EndpointRequest::SetControl(motor, f64::NAN));
     bench.send(EndpointRequest::SetPosition(hinge, 0, f64::INFINITY));
@@ -46,7 +46,7 @@ fn controls_and_positions_are_set_and_wrong_ones_are_refused() {
 }
 
 #[test]
-fn a_part_of_a_quaternion_that_is_set_leaves_it_a_rotation() {
+fn setting_an_element_of_a_quaternion_normalises_it() {
     let mut bench = tied();
     let free = bench.snapshot().model.joint("free").unwrap().id();
     bench.send(EndpointRequest::SetPosition(free, 4, 1.0));
@@ -58,7 +58,7 @@ fn a_part_of_a_quaternion_that_is_set_leaves_it_a_rotation() {
 }
 
 #[test]
-fn keyframes_are_loaded_kept_and_loaded_again() {
+fn keyframes_are_loaded_captured_and_deleted() {
     let mut bench = tied();
     let key = bench.snapshot().model.keyframe("high").unwrap().id();
     bench.send(EndpointRequest::LoadKey(key));
@@ -80,13 +80,13 @@ fn keyframes_are_loaded_kept_and_loaded_again() {
 }
 
 #[test]
-fn equalities_and_options_are_switched_for_this_simulation_only() {
+fn equalities_and_options_change_in_this_simulation_only() {
     let mut bench = tied();
     let before = bench.snapshot().model.clone();
     let tie = before.equality("tie").unwrap().id();
     bench.send(EndpointRequest::SetEquality(tie, true));
     assert!(bench.snapshot().model.equality(tie).active() && !before.equality(tie).active());
-    assert!(bench.snapshot().nefc > 0, "it is computed at once");
+    assert!(bench.snapshot().nefc > 0, "the constraint is computed immediately");
     let mut options = before.options();
     options.integrator = Integrator::Rk4;
     options.gravity = [0.0, 0.0, 1.0];
@@ -99,13 +99,13 @@ fn equalities_and_options_are_switched_for_this_simulation_only() {
     assert_eq!(bench.snapshot().model.options().timestep, before.timestep());
     let events = bench.events();
     assert!(matches!(&events[..], [Event::Notice(text)] if text.contains("timestep")), "{events:?}");
-    assert_eq!(bench.snapshot().generation, 0, "it is the same model");
+    assert_eq!(bench.snapshot().generation, 0, "the model was edited, not replaced");
     bench.send(Request::Pause(false));
     assert!(bench.pass(0.1).time > 0.05);
 }
 
 #[test]
-fn the_past_is_gone_through_and_gone_on_from() {
+fn history_is_scrubbed_and_continued() {
     let mut bench = Bench::humanoid();
     bench.send(SimulationRequest::Step(20));
     let newest = bench.snapshot().qpos.clone();
@@ -118,15 +118,15 @@ fn the_past_is_gone_through_and_gone_on_from() {
     assert_eq!(bench.snapshot().qpos, newest);
     bench.send(SimulationRequest::Scrub(5));
     bench.send(SimulationRequest::Step(15));
-    assert_eq!(bench.snapshot().qpos, newest, "it happens again, bit for bit");
+    assert_eq!(bench.snapshot().qpos, newest, "the steps are reproduced bit for bit");
     bench.send(Request::Pause(false));
     bench.send(SimulationRequest::Scrub(0));
     assert_eq!(bench.snapshot().time, 0.0);
-    assert_eq!(bench.pass(1.0).time, 0.0, "who looks at the past has paused");
+    assert_eq!(bench.pass(1.0).time, 0.0, "scrubbing pauses");
 }
 
 #[test]
-fn fifty_steps_forward_and_fifty_back_restore_everything_bit_for_bit() {
+fn fifty_steps_forward_and_back_restore_the_state_bit_for_bit() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("stand").unwrap();
     let start = data.state(crate::StateSpec::INTEGRATION);
@@ -139,7 +139,7 @@ fn fifty_steps_forward_and_fifty_back_restore_everything_bit_for_bit() {
 }
 
 #[test]
-fn forces_that_the_program_applies_survive_a_pull() {
+fn pull_preserves_applied_forces() {
     let mut data = Data::new(Model::from_xml_str(TIED).unwrap()).unwrap();
     let ball = data.model().body("ball").unwrap().id();
     let applied = [0.0, 0.0, 12.5, 0.0, 0.0, 0.0];
@@ -155,7 +155,7 @@ fn forces_that_the_program_applies_survive_a_pull() {
 }
 
 #[test]
-fn a_mocap_body_is_dragged_while_it_runs_and_while_it_stands() {
+fn mocap_body_is_dragged_while_running_and_while_paused() {
     let mut bench = tied();
     let hand = bench.snapshot().model.body("hand").unwrap().id();
     bench.send(EndpointRequest::SelectBody(Some(hand)));
@@ -173,7 +173,7 @@ fn a_mocap_body_is_dragged_while_it_runs_and_while_it_stands() {
 }
 
 #[test]
-fn the_world_is_not_pulled_and_nothing_follows_it() {
+fn world_cannot_be_pulled() {
     let mut bench = tied();
     let world = bench.snapshot().model.body(0).unwrap().id();
     bench.send(EndpointRequest::SelectBody(Some(world)));
@@ -181,14 +181,14 @@ fn the_world_is_not_pulled_and_nothing_follows_it() {
     bench.send(EndpointRequest::MovePerturbation(crate::scene::MouseAction::MoveV, [0.3, 0.0]));
     assert!(!bench.snapshot().selected.unwrap().active);
     bench.send(EndpointRequest::SelectParent);
-    assert_eq!(bench.snapshot().selected.unwrap().body, world, "the world has no parent but itself");
+    assert_eq!(bench.snapshot().selected.unwrap().body, world, "the world is its own parent");
     bench.send(EndpointRequest::SelectBody(None));
     bench.send(EndpointRequest::SelectParent);
     assert_eq!(bench.snapshot().selected, None);
 }
 
 #[test]
-fn another_model_is_gone_on_with_and_ids_of_the_old_one_are_ignored() {
+fn model_is_replaced_and_ids_of_the_old_model_are_ignored() {
     let mut bench = tied();
     let old = bench.snapshot().model.clone();
     bench.send(EndpointRequest::SelectBody(Some(old.body("ball").unwrap().id())));
@@ -222,7 +222,7 @@ fn another_model_is_gone_on_with_and_ids_of_the_old_one_are_ignored() {
 }
 
 #[test]
-fn trajectories_that_do_not_fit_another_model_are_left_out() {
+fn trajectories_of_another_model_are_dropped() {
     let mut bench = Bench::with(Data::new(sample::cartpole()).unwrap(), None, trajectories());
     bench.send(SimulationRequest::Reload(SharedModel(Arc::new(sample::cartpole()))));
     assert_eq!(bench.mode(), Mode::Trajectory);
@@ -234,7 +234,7 @@ fn trajectories_that_do_not_fit_another_model_are_left_out() {
 }
 
 #[test]
-fn a_copied_camera_sees_the_same_when_a_model_has_it() {
+fn copied_camera_has_the_same_viewpoint_in_a_model() {
     let mut bench = tied();
     bench.view.camera.azimuth = 33.0;
     bench.view.camera.elevation = -21.0;
@@ -254,7 +254,7 @@ fn a_copied_camera_sees_the_same_when_a_model_has_it() {
 }
 
 #[test]
-fn a_warning_of_the_engine_is_told_once() {
+fn engine_warning_is_reported_once() {
     let text = r#"<mujoco><size nconmax="1"/><worldbody>
         <geom type="plane" size="5 5 1"/>
         <body pos="0 0 0.1"><freejoint/><geom size="0.1"/></body>
@@ -270,7 +270,7 @@ fn a_warning_of_the_engine_is_told_once() {
 }
 
 #[test]
-fn pausing_and_looking_on_do_not_change_what_happens() {
+fn pausing_and_publishing_do_not_change_the_simulation() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     let mut alone = data.clone();
@@ -290,15 +290,15 @@ fn pausing_and_looking_on_do_not_change_what_happens() {
 }
 
 #[test]
-fn motions_that_wait_become_one() {
-    let (mut window, physics) = crate::viewer::link::link(|| ());
+fn queued_motions_are_merged() {
+    let (mut window, physics) = link(|| ());
     let motion = |x| EndpointRequest::MovePerturbation(crate::scene::MouseAction::MoveV, [x, 0.25]);
     for _ in 0..100 {
         window.send(motion(0.5));
     }
-    assert!(matches!(physics.next(), Some(EndpointRequest::MovePerturbation(_, [50.0, 25.0]))));
+    assert!(matches!(physics.next(), Some(Request::Endpoint(EndpointRequest::MovePerturbation(_, [50.0, 25.0])))));
     assert!(physics.next().is_none());
-    // A program that never looks is not handed all that was ever asked for.
+    // The queue is bounded.
     for _ in 0..100_000 {
         window.send(Request::TogglePause);
     }
@@ -306,5 +306,5 @@ fn motions_that_wait_become_one() {
     window.set_view(&SceneView::default());
     assert!(physics.take_view().is_some());
     window.set_view(&SceneView::default());
-    assert!(physics.take_view().is_none(), "what was said is not said again");
+    assert!(physics.take_view().is_none(), "an unchanged view is not sent again");
 }

@@ -1,4 +1,4 @@
-//! How a viewer ends, and what goes wrong.
+//! Interrupts, failing controllers, lost surfaces, idle windows and missing displays.
 
 use std::process::Command;
 
@@ -6,8 +6,8 @@ use mujoco_safe::record::RecorderOptions;
 use mujoco_safe::viewer::{Viewer, ViewerError, ViewerOptions};
 use mujoco_safe::{Controller, Data, Result, sample};
 
-use crate::case::{press, show, state};
-use crate::hand::wait_until;
+use crate::harness::{press, show, state};
+use crate::input::wait_until;
 
 pub fn interrupt() {
     let folder = tempfile::tempdir().unwrap();
@@ -17,11 +17,11 @@ pub fn interrupt() {
         recording: RecorderOptions { frames_per_second: 10.0, ..RecorderOptions::default() },
         ..ViewerOptions::default()
     };
-    let data = show(Viewer::new().options(options), Data::new(sample::cartpole()).unwrap(), |hand| {
-        press(hand, "space", "it runs", |state| state.time > 0.0);
-        press(hand, "ctrl+v", "it records", |state| state.recording.is_some_and(|frames| frames >= 2));
-        assert!(!film.exists(), "a file is whole or not there");
-        // The shell's own: not every system has a program of that name.
+    let data = show(Viewer::new().options(options), Data::new(sample::cartpole()).unwrap(), |input| {
+        press(input, "space", "it runs", |state| state.time > 0.0);
+        press(input, "ctrl+v", "it records", |state| state.recording.is_some_and(|frames| frames >= 2));
+        assert!(!film.exists(), "the file appears only when it is complete");
+        // `kill` is a builtin of the shell; not every system has a program of that name.
         let status = Command::new("sh").arg("-c").arg(format!("kill -INT {}", std::process::id())).status().unwrap();
         assert!(status.success());
         wait_until("the recording is finished", || film.exists());
@@ -30,7 +30,7 @@ pub fn interrupt() {
     assert!(std::fs::read(film).unwrap().starts_with(b"GIF89a"));
 }
 
-/// Fails at some time, in one way or the other.
+/// Controller that fails with an error or a panic.
 struct Failing {
     panics: bool,
 }
@@ -48,32 +48,32 @@ impl Controller for Failing {
 pub fn panic() {
     for (panics, words) in [(true, "has had enough"), (false, "gives up")] {
         let data = Data::new(sample::cartpole()).unwrap();
-        show(Viewer::new().controller(Failing { panics }), data, |hand| {
-            hand.key("space");
+        show(Viewer::new().controller(Failing { panics }), data, |input| {
+            input.key("space");
             wait_until("it is shown, and paused", || state().problem.contains(words) && state().status == "Paused");
-            press(hand, "ctrl+Right", "the rest goes on", |state| state.mode == "Passive Dynamics");
+            press(input, "ctrl+Right", "the passive mode is available", |state| state.mode == "Passive Dynamics");
             let then = state().time;
-            press(hand, "space", "and runs", |state| state.time > then);
+            press(input, "space", "it runs", |state| state.time > then);
         });
     }
 }
 
 pub fn lost_surface() {
     let data = Data::new(sample::cartpole()).unwrap();
-    show(Viewer::new(), data, |hand| {
-        press(hand, "space", "it runs", |state| state.time > 0.0);
+    show(Viewer::new(), data, |input| {
+        press(input, "space", "it runs", |state| state.time > 0.0);
         for _ in 0..3 {
             let frame = state().frame;
-            mujoco_safe::viewer::probe::lose_surface();
+            mujoco_safe::viewer::test_hooks::lose_surface();
             wait_until("it is drawn again", || state().frame > frame + 2);
         }
     });
 }
 
-/// Nothing is drawn, and nothing computed, where nothing moves.
+/// Checks that an idle window neither draws nor computes.
 pub fn rest() {
     show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {
-        // Until messages are gone and the rate of frames is "at rest".
+        // Until messages have expired and the refresh rate is idle.
         let mut frame = state().frame;
         wait_until("it is not drawn for a second", || {
             let before = std::mem::replace(&mut frame, state().frame);
@@ -83,13 +83,13 @@ pub fn rest() {
         let seconds = processor_time();
         std::thread::sleep(std::time::Duration::from_secs(1));
         let used = processor_time() - seconds;
-        assert!(used < 0.2, "{used} s of the processor in a second of rest");
+        assert!(used < 0.2, "{used} s of processor time in an idle second");
     });
 }
 
-/// The processor's time that this process has used, s.
+/// Returns the processor time of this process, s.
 fn processor_time() -> f64 {
-    // In hundredths of a second, in the user's and in the system's code: fields 14 and 15, counted behind the name.
+    // Fields 14 and 15, which follow the name: user and system time, in hundredths of a second.
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
     let behind = stat.rsplit(')').next().unwrap().split_whitespace();
     behind.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0

@@ -1,21 +1,21 @@
-//! The ways to show a window.
+//! Functions that show a window: `Viewer::run`, `run` and `launch`.
 
 use std::thread;
 
 use mujoco_safe::viewer::{self, Handle, Key, Viewer, ViewerError, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
-use crate::case::{SIZE, fresh_title, or_exit, press, show, state};
-use crate::hand::{Hand, wait_until};
+use crate::harness::{SIZE, exit_on_panic, press, show, state, unique_title};
+use crate::input::{Input, wait_until};
 
-/// Simulated time, s.
-const A_WHILE: f64 = 1.0;
+/// Simulated time until the pause, s.
+const RUN_TIME: f64 = 1.0;
 
 fn options() -> ViewerOptions {
-    ViewerOptions { title: fresh_title(), size: Some(SIZE), ..ViewerOptions::default() }
+    ViewerOptions { title: unique_title(), size: Some(SIZE), ..ViewerOptions::default() }
 }
 
-/// A program's own loop, until the window is closed. Returned are the keys that it got.
+/// Steps a simulation until the window is closed. Returns the keys without a binding.
 fn steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerError> {
     let mut keys = Vec::new();
     while handle.is_running() {
@@ -30,33 +30,33 @@ fn steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerError> 
 }
 
 pub fn one_after_another() {
-    // The simulation's own, then a program's, then one that the program closes.
-    let data = show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |hand| {
-        press(hand, "Right", "a step", |state| state.time > 0.0);
+    // A window with the viewer's simulation, one with a program's simulation, and one that the program closes.
+    let data = show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
+        press(input, "Right", "a step", |state| state.time > 0.0);
     });
-    assert!(data.time() > 0.0, "how it stands at the end is returned");
+    assert!(data.time() > 0.0, "`run` returns the final state");
 
     let mut data = Data::new(sample::humanoid()).unwrap();
-    viewer::probe::start();
+    viewer::test_hooks::start();
     let programs = options();
     let title = programs.title.clone();
     let keys = thread::scope(|scope| {
         scope.spawn(|| {
-            or_exit(|| {
+            exit_on_panic(|| {
                 wait_until("the program's simulation is seen", || {
-                    viewer::probe::latest().is_some_and(|state| state.status == "Program" && state.nbody > 10)
+                    viewer::test_hooks::latest().is_some_and(|state| state.status == "Program" && state.nbody > 10)
                 });
-                let hand = Hand::at(&title);
-                hand.key("Home");
-                wait_until("a while of the simulation", || state().time > A_WHILE);
-                press(&hand, "space", "the program pauses", |state| state.status == "Paused");
-                press(&hand, "BackSpace", "the start", |state| state.time < A_WHILE);
-                hand.key("Escape");
+                let input = Input::at(&title);
+                input.key("Home");
+                wait_until("the simulation runs", || state().time > RUN_TIME);
+                press(&input, "space", "the program pauses", |state| state.status == "Paused");
+                press(&input, "BackSpace", "the start", |state| state.time < RUN_TIME);
+                input.key("Escape");
             });
         });
         viewer::run(programs, |handle| steps(handle, &mut data)).unwrap()
     });
-    assert_eq!(keys, [Key::Home], "keys that the viewer has no use for are the program's");
+    assert_eq!(keys, [Key::Home], "keys without a binding reach the program");
 
     let answer = viewer::run(options(), |handle| -> Result<u32, ViewerError> {
         handle.sync(&mut data)?;
@@ -89,20 +89,20 @@ impl std::fmt::Debug for Failure {
 
 pub fn launched() {
     let mut data = Data::new(sample::cartpole()).unwrap();
-    // One after another, and two at once.
+    // One window after another, then two at the same time.
     for _ in 0..2 {
-        viewer::probe::start();
+        viewer::test_hooks::start();
         let options = options();
         let title = options.title.clone();
         let mut handle = viewer::launch(options).unwrap();
-        let hand = thread::spawn(move || {
-            or_exit(|| {
-                wait_until("it is drawn", || viewer::probe::latest().is_some());
-                Hand::at(&title).key("ctrl+q");
+        let input = thread::spawn(move || {
+            exit_on_panic(|| {
+                wait_until("it is drawn", || viewer::test_hooks::latest().is_some());
+                Input::at(&title).key("ctrl+q");
             });
         });
         steps(&mut handle, &mut data).unwrap();
-        hand.join().unwrap();
+        input.join().unwrap();
     }
     let mut one = viewer::launch(options()).unwrap();
     let others = options();
@@ -110,14 +110,14 @@ pub fn launched() {
     let mut other = viewer::launch(others).unwrap();
     one.sync(&mut data).unwrap();
     other.sync(&mut data).unwrap();
-    let hand = Hand::at(&title);
-    hand.key("Escape");
-    wait_until("one of two is closed", || !other.is_running());
+    let input = Input::at(&title);
+    input.key("Escape");
+    wait_until("one of two windows is closed", || !other.is_running());
     assert!(one.is_running());
     drop(one);
-    // A window that waits for its program is shown by the same thread.
-    let data = show(Viewer::new(), data, |hand| {
-        press(hand, "Right", "a step", |state| state.status == "Paused" && state.time > 0.0);
+    // `Viewer::run` uses the same background thread.
+    let data = show(Viewer::new(), data, |input| {
+        press(input, "Right", "a step", |state| state.status == "Paused" && state.time > 0.0);
     });
     drop(data);
 }
@@ -128,6 +128,6 @@ pub fn two_threads() {
     assert!(matches!(error, ViewerError::OtherThread), "{error}");
     let error = viewer::launch(options()).map(drop).unwrap_err();
     assert!(matches!(error, ViewerError::OtherThread), "{error}");
-    // And the thread that shows them goes on.
+    // The first thread can still show windows.
     show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {});
 }

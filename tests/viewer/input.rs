@@ -1,14 +1,14 @@
-//! Keys and mouse, through the X server: what xdotool does.
+//! Keyboard and mouse input through the X server, with xdotool.
 
 use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A wait that takes longer has failed, even on a machine that other programs keep busy.
-const MOST: Duration = Duration::from_secs(90);
+/// Time limit of a wait, generous for a loaded machine.
+const TIMEOUT: Duration = Duration::from_secs(90);
 
-/// The hand at one window.
-pub struct Hand {
+/// Input for one window.
+pub struct Input {
     window: String,
 }
 
@@ -21,11 +21,11 @@ fn act(arguments: &[&str]) {
     assert!(xdotool(arguments).is_some(), "xdotool {arguments:?}");
 }
 
-#[allow(clippy::unused_self, reason = "what is typed goes to the window that the hand is at")]
-impl Hand {
-    /// Waits for the window of this title, and gives it the keyboard: there is no window manager that would.
+#[allow(clippy::unused_self, reason = "input goes to the focused window")]
+impl Input {
+    /// Waits for the window with this title and focuses it, because there is no window manager.
     pub fn at(title: &str) -> Self {
-        let deadline = Instant::now() + MOST;
+        let deadline = Instant::now() + TIMEOUT;
         loop {
             let found = xdotool(&["search", "--onlyvisible", "--name", &format!("^{title}$")]).unwrap_or_default();
             if let Some(window) = found.lines().next()
@@ -33,7 +33,7 @@ impl Hand {
             {
                 return Self { window: window.to_owned() };
             }
-            assert!(Instant::now() < deadline, "no window called {title} came up");
+            assert!(Instant::now() < deadline, "no window with the title {title}");
             thread::sleep(Duration::from_millis(20));
         }
     }
@@ -55,7 +55,7 @@ impl Hand {
         act(&["mousemove", "--window", &self.window, &x.to_string(), &y.to_string()]);
     }
 
-    /// Clicks so many times, fast, with a button: 1 left, 2 middle, 3 right, 4 wheel up, 5 wheel down.
+    /// Clicks several times in quick succession: 1 left, 2 middle, 3 right, 4 wheel up, 5 wheel down.
     pub fn click(&self, at: [i32; 2], button: u8, times: u8) {
         self.move_to(at);
         act(&["click", "--repeat", &times.to_string(), "--delay", "40", &button.to_string()]);
@@ -65,7 +65,7 @@ impl Hand {
         self.click(at, button, 2);
     }
 
-    /// Drags with a button, while modifiers such as `ctrl` are held, and lets go if it is told to.
+    /// Drags with a button while modifiers such as `ctrl` are held, and releases them.
     pub fn drag(&self, from: [i32; 2], by: [i32; 2], button: u8, modifiers: &[&str]) {
         self.press(from, button, modifiers);
         self.pull(by);
@@ -79,7 +79,7 @@ impl Hand {
         }
     }
 
-    pub fn let_go(&self, modifiers: &[&str]) {
+    pub fn release_modifiers(&self, modifiers: &[&str]) {
         for modifier in modifiers {
             act(&["keyup", modifier]);
         }
@@ -91,7 +91,7 @@ impl Hand {
         act(&["mousedown", &button.to_string()]);
     }
 
-    /// Moves the mouse in a few steps.
+    /// Moves the pointer in a few steps.
     pub fn pull(&self, by: [i32; 2]) {
         const STEPS: i32 = 5;
         for _ in 0..STEPS {
@@ -102,7 +102,7 @@ impl Hand {
 
     pub fn release(&self, button: u8, modifiers: &[&str]) {
         act(&["mouseup", &button.to_string()]);
-        self.let_go(modifiers);
+        self.release_modifiers(modifiers);
     }
 
     pub fn resize(&self, [width, height]: [u32; 2]) {
@@ -110,11 +110,11 @@ impl Hand {
     }
 }
 
-/// Waits until something is so, and says what did not come true.
-pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let deadline = Instant::now() + MOST;
-    while !is_so() {
-        assert!(Instant::now() < deadline, "this did not come true: {what}");
+/// Waits for a condition, and panics with its description after the time limit.
+pub fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
+    let deadline = Instant::now() + TIMEOUT;
+    while !condition() {
+        assert!(Instant::now() < deadline, "timeout while waiting for: {what}");
         thread::sleep(Duration::from_millis(10));
     }
 }
