@@ -1,35 +1,35 @@
-//! Why there is no window.
+//! Errors of the viewer.
 
 use crate::error::Error;
 use crate::render::RenderError;
 
-/// Why a viewer could not be shown, or has ended early.
+/// Reason why a window could not be shown or has ended early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewerError {
-    /// There is no display: nothing to open a window on.
+    /// No display is available.
     #[error(
-        "there is no display to open a window on ({0}). On Linux, DISPLAY has to name an X server; where there is no screen, \
-         xvfb-run makes one that is not seen, and the renderer draws pictures without a window"
+        "no display is available for a window ({0}). On Linux, DISPLAY must name an X server; on a machine without a screen, \
+         xvfb-run provides a virtual display, and the renderer draws pictures without a window"
     )]
     NoDisplay(String),
 
-    /// Another thread of this process shows viewers. An event loop cannot be handed from thread to thread.
+    /// Another thread of this process shows viewers. An event loop cannot move between threads.
     #[error(
-        "another thread of this program shows viewers, and it alone can: the windowing system gives a program one event loop. \
-         Open all viewers from that thread, or all of them with viewer::launch"
+        "another thread of this program shows viewers: the windowing system allows one event loop per program, which cannot move \
+         between threads. Open all viewers from that thread, or all of them with viewer::launch"
     )]
     OtherThread,
 
-    /// This thread waits for a viewer to be closed, and cannot show another meanwhile.
-    #[error("this thread shows a viewer already, or has panicked while it did")]
+    /// This thread waits for another viewer to be closed.
+    #[error("this thread already shows a viewer, or has panicked while it did")]
     Nested,
 
-    /// The program uses the windowing library itself.
-    #[error("this program has made an event loop of its own, besides which there can be no viewer: a process has one")]
+    /// The program has created an event loop of the windowing library itself.
+    #[error("this program has created an event loop itself, but a process can have only one, which the viewer needs")]
     EventLoopTaken,
 
-    /// Nothing can draw to the window.
+    /// The window cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
 
@@ -41,7 +41,7 @@ pub enum ViewerError {
     #[error("a thread could not be started: {0}")]
     Thread(#[source] std::io::Error),
 
-    /// What was asked for is not possible.
+    /// A call of this library has failed.
     #[error(transparent)]
     Engine(#[from] Error),
 }

@@ -1,60 +1,56 @@
-//! For programs that have a loop of their own.
+//! Handle of a window for programs that step their simulation themselves.
 
 use std::fmt;
 use std::time::{Duration, Instant};
 
-use super::bridge::{Bridge, Outcome};
-use super::clock::Meter;
-use super::event::{Asset, Event};
+use super::endpoint::SimulationEndpoint;
 use super::input::KeyPress;
-use super::link::{Back, Look};
-use super::mode::Mode;
-use super::request::Request;
-use super::snapshot::{Pace, Snapshot, Status};
+use super::link::{Asset, Event, Mode, PhysicsEnd, Request, SceneView, SimulationSpeed, Snapshot, Status};
+use super::simulation::SpeedMeter;
 use crate::data::Data;
 use crate::error::Result;
 use crate::id::{BodyId, HeightFieldId, MeshId, TextureId};
 use crate::scene::{Camera, NewGeom, Scene, SceneOptions};
 
-/// A window that a program shows its simulation in, from a loop of its own.
+/// Handle of a window for a program that steps its simulation itself.
 ///
-/// The program owns the [`Data`] and steps it. [`sync`](Self::sync) shows how it stands and does to it what the user has asked
-/// for in the window: pulling bodies, setting controls and joints, resetting it to the state in which the window saw it first.
-/// Pausing and the keys that the viewer has no use for are told to the program, which may make of them what it likes.
+/// The program owns the [`Data`]. [`sync`](Self::sync) shows its present state and executes the user's requests on it: pulling
+/// bodies, setting controls and joints, resetting it to the state of the first call. The program decides how to react to a pause and
+/// to keys that the viewer does not use.
 ///
-/// The handle may go to another thread; it is no longer of use when the window is closed, and does no harm then.
+/// The handle can move to another thread. After the window was closed, its methods have no effect.
 pub struct Handle {
-    /// Until the first look at a simulation there is only the link.
-    back: Option<Back>,
-    bridge: Option<Bridge>,
+    /// `Some` before the first call of `sync`, when the endpoint takes the link over.
+    link: Option<PhysicsEnd>,
+    endpoint: Option<SimulationEndpoint>,
     geoms: Vec<NewGeom>,
-    /// What was changed since the last look.
+    /// Assets that were modified since the last call of `sync`.
     assets: Vec<Asset>,
     paused: bool,
-    /// What the program has set before the first look at a simulation.
-    look: Option<Look>,
+    /// View that the program has set before the first call of `sync`.
+    view: Option<SceneView>,
     epoch: Instant,
-    meter: Meter,
-    /// The simulated time at the last look.
+    meter: SpeedMeter,
+    /// Simulated time of the last call of `sync`.
     time: f64,
 }
 
 impl Handle {
-    pub(crate) fn new(back: Back) -> Self {
+    pub(crate) fn new(link: PhysicsEnd) -> Self {
         Self {
-            back: Some(back),
-            bridge: None,
+            link: Some(link),
+            endpoint: None,
             geoms: Vec::new(),
             assets: Vec::new(),
             paused: false,
-            look: None,
+            view: None,
             epoch: Instant::now(),
-            meter: Meter::default(),
+            meter: SpeedMeter::default(),
             time: 0.0,
         }
     }
 
-    /// Whether the window is open. `false` once the user has closed it, or [`close`](Self::close) was called.
+    /// Returns `true` while the window is open: until the user closes it or the program calls [`close`](Self::close).
     pub fn is_running(&self) -> bool {
         !self.link().is_closed()
     }
@@ -64,82 +60,81 @@ impl Handle {
         self.link().close();
     }
 
-    /// Shows the simulation as it stands, and does to it what was asked for in the window. Call it once for each picture, or after
-    /// each step: it takes some microseconds.
+    /// Shows the present state of the simulation, and executes the user's requests on it. Call it once per frame or after each step; a
+    /// call takes a few microseconds.
     ///
-    /// While a body is pulled, the force is among its [`xfrc_applied`](Data::xfrc_applied) until the next call, added to what the
-    /// program applies. A simulation in which nothing was computed yet is brought up to date with [`Data::forward`], and so is one
-    /// whose state was changed from the window. One that has failed is shown as it was before; the user can reset it.
+    /// While the user pulls a body, [`xfrc_applied`](Data::xfrc_applied) contains the force until the next call, added to the
+    /// program's own forces. [`Data::forward`] is called if the poses have not been computed or if a request has changed the state.
+    /// The scene of unusable data stays as it was; the user can reset the data.
     ///
-    /// It may be another simulation than at the last call, of another model too.
+    /// The data may be other data than in the last call, also of another model.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) for a geom of the program's that cannot be shown,
+    /// [`Error::Invalid`](crate::Error::Invalid) for an invalid geom of the program,
     /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if there is no memory for the
-    /// picture. What the user asked for and cannot be done is told to the user, and is no error here.
+    /// scene. Failed requests of the user are not errors; the window reports them.
     ///
     /// # Panics
     ///
-    /// If a mesh, a height field or a texture of a geom of the program's belongs to another model.
+    /// If a mesh, a height field or a texture of a geom of the program belongs to another model.
     pub fn sync(&mut self, data: &mut Data) -> Result<()> {
-        let mut bridge = match (self.bridge.take(), self.back.take()) {
-            (Some(bridge), _) => bridge,
-            (None, Some(back)) => Bridge::new(back, data),
+        let mut endpoint = match (self.endpoint.take(), self.link.take()) {
+            (Some(endpoint), _) => endpoint,
+            (None, Some(link)) => SimulationEndpoint::new(link, data),
             (None, None) => unreachable!("Bug: a handle without a link"),
         };
-        bridge.adopt(data);
-        if let Some(look) = self.look.take() {
-            bridge.set_look(look);
+        endpoint.adopt(data);
+        if let Some(view) = self.view.take() {
+            endpoint.set_view(view);
         }
-        if bridge.back.is_closed() {
-            // Nobody pulls any more, and nobody could let it go on.
-            bridge.stop_perturbation(data);
+        if endpoint.link.is_closed() {
+            // The user can no longer end a pull or a pause.
+            endpoint.stop_perturbation(data);
             self.paused = false;
-            self.bridge = Some(bridge);
+            self.endpoint = Some(endpoint);
             return Ok(());
         }
         let mut changed = false;
-        // The program sees what one request begins before the next one ends it: requests of the second kind wait in the queue.
+        // A request that ends a pause or a pull stays in the queue until the program has seen the pause or the pull.
         let (was_paused, mut pulled) = (self.paused, false);
-        while let Some(request) = bridge.back.next_if(|next| {
+        while let Some(request) = endpoint.link.next_if(|next| {
             let unseen_pause = self.paused != was_paused && next.changes_pause();
-            !(unseen_pause || (pulled && next.ends_pull()))
+            !(unseen_pause || (pulled && next.ends_perturbation()))
         }) {
             if changed && request.reads_poses() {
-                changed = bridge.refresh(data).is_err();
+                changed = endpoint.refresh(data).is_err();
             }
-            pulled |= matches!(request, Request::MovePerturbation(..)) && !self.paused && bridge.is_pulling();
-            changed |= self.execute(request, &mut bridge, data);
+            pulled |= request.moves_perturbation() && !self.paused && endpoint.is_perturbing();
+            changed |= self.execute(request, &mut endpoint, data);
         }
-        let told = if data.check_usable().is_ok() { self.pull(&mut bridge, data, changed) } else { Ok(()) };
+        let perturbed = if data.check_usable().is_ok() { self.perturb(&mut endpoint, data, changed) } else { Ok(()) };
 
         let now = self.epoch.elapsed();
         self.meter.add((data.time() - self.time).max(0.0), now);
         self.time = data.time();
-        let problem = data.check_usable().err().or(told.err()).map(|error| error.to_string());
+        let problem = data.check_usable().err().or(perturbed.err()).map(|error| error.to_string());
         let status = if self.paused { Status::Paused } else { Status::Program };
-        let pace = Pace { factor: 1.0, by_factor: false, measured: self.meter.measured(), dropped: 0.0 };
+        let speed = SimulationSpeed { factor: 1.0, by_factor: false, measured: self.meter.measured(), dropped: 0.0 };
         let geoms = &self.geoms;
         let add = |scene: &mut Scene, _: &SceneOptions| geoms.iter().try_for_each(|geom| scene.push(geom).map(|_| ()));
-        let published = bridge.publish(data, add, |snapshot: &mut Snapshot| {
-            (snapshot.status, snapshot.pace) = (status, pace);
+        let published = endpoint.publish(data, add, |snapshot: &mut Snapshot| {
+            (snapshot.status, snapshot.speed) = (status, speed);
             snapshot.problem.clear();
             snapshot.problem.push_str(problem.as_deref().unwrap_or_default());
             snapshot.modes.clear();
             snapshot.mode = Mode::Passive;
             snapshot.info.clear();
         });
-        // The snapshot that has the changed model is there.
+        // After the snapshot that contains the modified model.
         for asset in self.assets.drain(..) {
-            bridge.back.tell(Event::Asset(asset));
+            endpoint.link.send(Event::Asset(asset));
         }
-        self.bridge = Some(bridge);
+        self.endpoint = Some(endpoint);
         published
     }
 
-    /// Whether the user wants the simulation to stand still, which a user who has closed the window does not. The program does not
-    /// have to care:
+    /// Returns `true` if the user has paused the simulation. `false` after the window was closed. The program may ignore the pause:
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
@@ -160,44 +155,44 @@ impl Handle {
         self.paused
     }
 
-    /// Says that the simulation stands still, or goes on, as if the user had.
+    /// Pauses or resumes the simulation on behalf of the user.
     pub fn set_paused(&mut self, paused: bool) {
         self.paused = paused;
     }
 
-    /// Waits until the user asks for something, moves the view or closes the window, but no longer than this.
+    /// Blocks until the user makes a request, changes the view or closes the window, or the timeout passes.
     pub fn wait(&self, timeout: Duration) {
         self.link().wait(Instant::now().checked_add(timeout));
     }
 
-    /// From where the window looks. `None` before the first [`sync`](Self::sync).
+    /// Returns the camera of the window. `None` before the first [`sync`](Self::sync).
     pub fn camera(&self) -> Option<Camera> {
-        self.bridge.as_ref().and_then(|bridge| bridge.present_look().camera)
+        self.endpoint.as_ref().and_then(|endpoint| endpoint.view().camera)
     }
 
-    /// Sets from where the window looks. The user may look elsewhere from there.
+    /// Sets the camera of the window. The user may move it afterwards.
     ///
     /// # Panics
     ///
-    /// At the next [`sync`](Self::sync), if the camera is one of another model, or follows a body of another one.
+    /// At the next [`sync`](Self::sync), if the camera or the body that it tracks belongs to another model.
     pub fn set_camera(&mut self, camera: Camera) {
-        let look = Look { camera: Some(camera), ..self.look() };
-        self.set_look(look);
+        let view = SceneView { camera: Some(camera), ..self.view() };
+        self.set_view(view);
     }
 
-    /// What the window shows.
+    /// Returns the scene options of the window.
     pub fn options(&self) -> SceneOptions {
-        self.look().options
+        self.view().options
     }
 
-    /// Sets what the window shows. The user may change it from there.
+    /// Sets the scene options of the window. The user may change them afterwards.
     pub fn set_options(&mut self, options: SceneOptions) {
-        let look = Look { options, ..self.look() };
-        self.set_look(look);
+        let view = SceneView { options, ..self.view() };
+        self.set_view(view);
     }
 
-    /// Geoms of the program's, which are shown with those of the model from the next [`sync`](Self::sync) on: goals, paths,
-    /// arrows. They stay until they are taken out.
+    /// Returns the program's geoms, which the window shows in addition to the model from the next [`sync`](Self::sync) on: goals,
+    /// paths, arrows. They stay until the program removes them.
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::Handle) -> mujoco_safe::Result<()> {
@@ -213,8 +208,7 @@ impl Handle {
         &mut self.geoms
     }
 
-    /// The keys that were pressed and that the viewer has no use for, since the last call. They arrive with
-    /// [`sync`](Self::sync).
+    /// Removes and returns the key presses for which the viewer has no binding. They arrive with [`sync`](Self::sync).
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) {
@@ -229,11 +223,10 @@ impl Handle {
     /// ```
     #[doc(alias = "key_callback")]
     pub fn keys(&mut self) -> Vec<KeyPress> {
-        self.bridge.as_mut().map(Bridge::take_keys).unwrap_or_default()
+        self.endpoint.as_mut().map(SimulationEndpoint::take_keys).unwrap_or_default()
     }
 
-    /// Says that a texture of the model was changed, so that it is drawn anew as the model has it that the next
-    /// [`sync`](Self::sync) sees. One of another model is ignored.
+    /// Uploads a modified texture of the model again, with the next [`sync`](Self::sync). A texture of another model is ignored.
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
@@ -248,74 +241,78 @@ impl Handle {
         self.assets.push(Asset::Texture(texture));
     }
 
-    /// Says that a mesh of the model was changed, as [`update_texture`](Self::update_texture) does of a texture.
+    /// Uploads a modified mesh of the model again, like [`update_texture`](Self::update_texture).
     pub fn update_mesh(&mut self, mesh: MeshId) {
         self.assets.push(Asset::Mesh(mesh));
     }
 
-    /// Says that a height field of the model was changed, as [`update_texture`](Self::update_texture) does of a texture.
+    /// Uploads a modified height field of the model again, like [`update_texture`](Self::update_texture).
     pub fn update_height_field(&mut self, height_field: HeightFieldId) {
         self.assets.push(Asset::HeightField(height_field));
     }
 
-    /// The body that the user has selected.
+    /// Returns the body that the user has selected.
     pub fn selected(&self) -> Option<BodyId> {
-        self.bridge.as_ref().and_then(Bridge::selected_body)
+        self.endpoint.as_ref().and_then(SimulationEndpoint::selected_body)
     }
 
-    fn link(&self) -> &Back {
-        let back = self.bridge.as_ref().map(|bridge| &bridge.back).or(self.back.as_ref());
-        back.expect("Bug: a handle without a link")
+    fn link(&self) -> &PhysicsEnd {
+        let link = self.endpoint.as_ref().map(|endpoint| &endpoint.link).or(self.link.as_ref());
+        link.expect("Bug: a handle without a link")
     }
 
-    fn look(&self) -> Look {
-        let present = || self.bridge.as_ref().map(Bridge::present_look);
-        self.look.clone().or_else(present).unwrap_or_default()
+    fn view(&self) -> SceneView {
+        let present = || self.endpoint.as_ref().map(SimulationEndpoint::view);
+        self.view.clone().or_else(present).unwrap_or_default()
     }
 
-    fn set_look(&mut self, look: Look) {
-        match &mut self.bridge {
-            Some(bridge) => bridge.set_look(look),
-            None => self.look = Some(look),
+    fn set_view(&mut self, view: SceneView) {
+        match &mut self.endpoint {
+            Some(endpoint) => endpoint.set_view(view),
+            None => self.view = Some(view),
         }
     }
 
-    /// Does what was asked for. Whether the simulation has changed is returned.
-    fn execute(&mut self, request: Request, bridge: &mut Bridge, data: &mut Data) -> bool {
-        match request {
-            Request::Pause(paused) => self.paused = paused,
-            Request::TogglePause => self.paused = !self.paused,
-            other => match bridge.execute(other, data) {
-                Ok(Outcome::Changed) => return true,
-                Ok(Outcome::Done) => return self.paused && Self::drag(bridge, data),
-                Ok(Outcome::Left) => {
-                    bridge.back.tell(Event::Notice("the program has the simulation in its own hands".to_owned()));
-                }
-                Err(error) => bridge.back.tell(Event::Notice(error.to_string())),
-            },
-        }
-        false
-    }
-
-    /// Moves the selected body to the pose that the mouse has dragged it to. Returns whether the simulation has changed.
-    fn drag(bridge: &mut Bridge, data: &mut Data) -> bool {
-        bridge.drag(data).unwrap_or_else(|error| {
-            bridge.back.tell(Event::Notice(error.to_string()));
+    /// Executes a request. Returns `true` if the simulation has changed.
+    fn execute(&mut self, request: Request, endpoint: &mut SimulationEndpoint, data: &mut Data) -> bool {
+        let executed = match request {
+            Request::Pause(paused) => {
+                self.paused = paused;
+                return false;
+            }
+            Request::TogglePause => {
+                self.paused = !self.paused;
+                return false;
+            }
+            Request::Simulation(_) | Request::Playback(_) => {
+                endpoint.link.send(Event::Notice("the program steps this simulation itself".to_owned()));
+                return false;
+            }
+            Request::Reset => endpoint.reset(data).map(|()| true),
+            Request::Endpoint(request) => endpoint.execute(request, data),
+        };
+        // While paused, a drag takes effect before the next request.
+        let changed = match executed {
+            Ok(false) if self.paused => endpoint.drag(data),
+            other => other,
+        };
+        changed.unwrap_or_else(|error| {
+            endpoint.link.send(Event::Notice(error.to_string()));
             false
         })
     }
 
-    /// Moves or pulls the body that is dragged, and brings a simulation up to date that has changed.
-    fn pull(&self, bridge: &mut Bridge, data: &mut Data, changed: bool) -> Result<()> {
+    /// Applies the perturbation, and recomputes the quantities that depend on the state if it has changed.
+    fn perturb(&self, endpoint: &mut SimulationEndpoint, data: &mut Data, changed: bool) -> Result<()> {
         if self.paused {
-            bridge.remove_perturbation(data);
-            let dragged = bridge.drag(data)?;
-            return if dragged || changed { bridge.refresh(data) } else { Ok(()) };
+            endpoint.remove_perturbation(data);
+            let dragged = endpoint.drag(data)?;
+            return if dragged || changed { endpoint.refresh(data) } else { Ok(()) };
         }
         if changed {
-            bridge.refresh(data)?;
+            endpoint.refresh(data)?;
         }
-        bridge.apply_perturbation(data)
+        endpoint.apply_perturbation(data)
     }
 }
 

@@ -1,19 +1,18 @@
-//! Ways to show a window.
+//! Options of a viewer, and the functions that open a window.
 
 use std::path::PathBuf;
 use std::thread;
 
 use super::error::ViewerError;
 use super::handle::Handle;
-use super::simulation::Simulation;
-use super::window::Asked;
-use super::worker::Worker;
+use super::simulation::{PhysicsThread, Simulation};
+use super::window::WindowRequest;
 use crate::controller::Controller;
 use crate::data::Data;
 use crate::record::RecorderOptions;
 use crate::trajectory::Trajectory;
 
-/// How a viewer is set up.
+/// Options of a viewer.
 ///
 /// ```
 /// use mujoco_safe::viewer::ViewerOptions;
@@ -22,21 +21,21 @@ use crate::trajectory::Trajectory;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewerOptions {
-    /// What stands above the window.
+    /// Title of the window.
     pub title: String,
-    /// Width and height of the window, pixels. `None` for two thirds of the monitor.
+    /// Width and height of the window, in pixels. `None` for two thirds of the monitor.
     pub size: Option<[u32; 2]>,
-    /// Whether frames wait for the screen, so that no picture is torn.
+    /// Vertical synchronisation, which prevents tearing.
     pub vsync: bool,
-    /// The file of the model, for Ctrl+L to load it anew.
+    /// File of the model, which Ctrl+L reloads.
     pub file: Option<PathBuf>,
-    /// Where Ctrl+P saves a picture. A number is put behind the name where there is such a file already.
+    /// Path of the screenshots of Ctrl+P. If the file exists, a number is appended to the name instead of overwriting it.
     pub screenshots: PathBuf,
-    /// Where Ctrl+V records to; a number is put behind the name where there is such a file already. The extension says what it
-    /// becomes: see [`Recorder::create`](crate::record::Recorder::create). `None` for `recording.mp4`, or `recording.gif` where
-    /// there is no `ffmpeg`.
+    /// Path of the recordings of Ctrl+V. If the file exists, a number is appended to the name instead of overwriting it. The extension
+    /// selects the format: see [`Recorder::create`](crate::record::Recorder::create). `None` for `recording.mp4`, or
+    /// `recording.gif` without `ffmpeg`.
     pub recordings: Option<PathBuf>,
-    /// How it is recorded.
+    /// Options of the recordings.
     pub recording: RecorderOptions,
 }
 
@@ -54,17 +53,16 @@ impl Default for ViewerOptions {
     }
 }
 
-/// A window in which a simulation runs by itself: with a controller, played from recorded trajectories, or with nothing but its
-/// dynamics.
+/// Window that steps a simulation itself: with a controller, by playing recorded trajectories, or with passive dynamics.
 ///
 /// ```no_run
 /// use mujoco_safe::viewer::Viewer;
 /// use mujoco_safe::{Data, sample};
 ///
 /// let data = Data::new(sample::humanoid())?;
-/// // Waits until the window is closed.
-/// let data = Viewer::new().title("a humanoid that falls").run(data)?;
-/// println!("it was looked at until {} s", data.time());
+/// // Blocks until the window is closed.
+/// let data = Viewer::new().title("falling humanoid").run(data)?;
+/// println!("the simulation ended at {} s", data.time());
 /// # Ok::<(), mujoco_safe::viewer::ViewerError>(())
 /// ```
 #[derive(Default)]
@@ -86,7 +84,7 @@ impl std::fmt::Debug for Viewer {
 }
 
 impl Viewer {
-    /// One without controller and trajectories.
+    /// Creates a viewer without a controller and without trajectories.
     pub fn new() -> Self {
         Self::default()
     }
@@ -97,72 +95,73 @@ impl Viewer {
         self
     }
 
-    /// Sets what stands above the window.
+    /// Sets the title of the window.
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.options.title = title.into();
         self
     }
 
-    /// Sets width and height of the window, in pixels.
+    /// Sets the width and height of the window, in pixels.
     pub fn size(mut self, size: [u32; 2]) -> Self {
         self.options.size = Some(size);
         self
     }
 
-    /// Names the file of the model, for Ctrl+L to load it anew.
+    /// Sets the file of the model, which Ctrl+L reloads.
     pub fn file(mut self, file: impl Into<PathBuf>) -> Self {
         self.options.file = Some(file.into());
         self
     }
 
-    /// Sets what decides on the controls. It begins in this mode then.
+    /// Sets the controller, which adds the controller mode and makes it the initial mode.
     ///
-    /// An error of the controller, or a panic in it, pauses the simulation, and the window says what happened. While it decides,
-    /// the window is drawn, but waits for it to close.
+    /// An error or a panic of the controller pauses the simulation, and the window shows the message. While the controller computes,
+    /// the window is still drawn, but can only close after the controller returns.
     ///
-    /// A reset, or a step back, changes the simulation and not what the controller itself remembers: one that has a memory can
-    /// tell by [`Data::time`], which goes back too.
+    /// A reset or a step back restores the simulation, not the internal state of the controller. A stateful controller can detect
+    /// it by [`Data::time`], which decreases.
     pub fn controller(mut self, controller: impl Controller + Send + 'static) -> Self {
         self.controller = Some(Box::new(controller));
         self
     }
 
-    /// Sets what has been recorded. Without a controller it begins in this mode. Their lengths may differ.
+    /// Sets recorded trajectories, which add the trajectory mode. It is the initial mode if there is no controller. The lengths may
+    /// differ.
     pub fn trajectories(mut self, trajectories: impl IntoIterator<Item = Trajectory>) -> Self {
         self.trajectories = trajectories.into_iter().collect();
         self
     }
 
-    /// Shows the window until it is closed. The simulation is paused at first, in the state that it has; that is also the one that
-    /// a reset returns to. Returned is how it stands at the end.
+    /// Shows the window until it is closed. The simulation starts paused in its present state, which is also the state that a reset
+    /// restores. Returns the data in its final state.
     ///
-    /// The windowing system gives a process one event loop, which stays with the thread that calls this first; on macOS that has
-    /// to be the main thread.
+    /// The windowing system allows one event loop per process, which stays with the thread that calls this function first. On macOS
+    /// it must be the main thread.
     ///
     /// # Errors
     ///
-    /// [`ViewerError::NoDisplay`], [`ViewerError::Render`], [`ViewerError::OtherThread`] and the others if there can be no window;
+    /// [`ViewerError::NoDisplay`], [`ViewerError::Render`], [`ViewerError::OtherThread`] and others if the window cannot be shown;
     /// [`ViewerError::Engine`] for a trajectory that is empty or of another model.
     pub fn run(self, data: Data) -> Result<Data, ViewerError> {
-        let (asked, back) = Asked::here(self.options)?;
-        let simulation = Simulation::new(data, self.controller, self.trajectories, back)?;
-        let worker = Worker::start(simulation).map_err(ViewerError::Thread)?;
-        let (place, opened) = asked.split();
-        // A window elsewhere is waited for with its physics.
-        place.map_or(Ok(()), |place| place.show())?;
+        let (request, link) = WindowRequest::on_this_thread(self.options)?;
+        let simulation = Simulation::new(data, self.controller, self.trajectories, link)?;
+        let physics = PhysicsThread::start(simulation).map_err(ViewerError::Thread)?;
+        let (event_loop, opened) = request.split();
+        // A window of the background thread needs no event loop here; the physics thread ends with the window.
+        event_loop.map_or(Ok(()), |event_loop| event_loop.run())?;
         opened.wait()?;
-        worker.join().ok_or_else(|| ViewerError::Window("the thread of the physics has panicked".to_owned()))
+        physics.join().ok_or_else(|| ViewerError::Window("the physics thread has panicked".to_owned()))
     }
 }
 
-/// Shows a window for a program that steps its simulation itself. The program runs on another thread, and this one shows the window:
-/// the form that works on every platform. Where the program ends, so does the window.
+/// Shows a window for a program that steps its simulation itself. The program runs on another thread, and the calling thread shows the
+/// window, which works on every platform. The window closes when the program ends.
 ///
-/// A window that is closed does not end the program: [`Handle::is_running`] tells it.
+/// Closing the window does not end the program: [`Handle::is_running`] returns `false` then.
 ///
 /// # Errors
 ///
-/// Those of the program, and as for [`Viewer::run`]: then the program is not begun.
+/// Those of the program, and those of [`Viewer::run`], in which case the program is not started.
 ///
 /// ```no_run
 /// use mujoco_safe::viewer::{self, ViewerError, ViewerOptions};
@@ -183,32 +182,32 @@ where
     R: Send,
     E: From<ViewerError> + Send,
 {
-    let (asked, back) = Asked::here(options)?;
-    let (place, opened) = asked.split();
+    let (request, link) = WindowRequest::on_this_thread(options)?;
+    let (event_loop, opened) = request.split();
     let program = move || {
         opened.wait()?;
-        program(&mut Handle::new(back))
+        program(&mut Handle::new(link))
     };
-    let Some(place) = place else { return program() };
+    let Some(event_loop) = event_loop else { return program() };
     thread::scope(|scope| {
         let program = thread::Builder::new()
             .name("program".to_owned())
             .spawn_scoped(scope, program)
             .map_err(ViewerError::Thread)?;
-        let shown = place.show();
-        let outcome = program.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        let shown = event_loop.run();
+        let result = program.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         shown?;
-        outcome
+        result
     })
 }
 
-/// Opens a window for a program that steps its simulation itself, and returns at once. Any number of windows can be open, and any
-/// thread can ask for them: the first that does starts a thread for all of them, which lives as long as the program. Not on
-/// macOS, where windows belong to the main thread: [`run`] works there too.
+/// Opens a window for a program that steps its simulation itself, and returns immediately. Any thread can open any number of windows.
+/// The first call starts a background thread for all windows, which lives as long as the process. Not available on macOS, where
+/// windows belong to the main thread; [`run`] works there too.
 ///
 /// # Errors
 ///
-/// As for [`Viewer::run`].
+/// Those of [`Viewer::run`].
 ///
 /// ```no_run
 /// use mujoco_safe::viewer::{self, ViewerError, ViewerOptions};
@@ -220,13 +219,13 @@ where
 ///     data.step()?;
 ///     handle.sync(&mut data)?;
 /// }
-/// // The window closes with the handle.
+/// // Dropping the handle closes the window.
 /// # Ok::<(), ViewerError>(())
 /// ```
 #[cfg(not(target_os = "macos"))]
 pub fn launch(options: ViewerOptions) -> Result<Handle, ViewerError> {
-    let (asked, back) = Asked::elsewhere(options)?;
-    let (_, opened) = asked.split();
+    let (request, link) = WindowRequest::on_window_thread(options)?;
+    let (_, opened) = request.split();
     opened.wait()?;
-    Ok(Handle::new(back))
+    Ok(Handle::new(link))
 }

@@ -1,10 +1,10 @@
-//! A window to look at a simulation, and to work on it while it runs.
+//! Interactive window for a simulation.
 //!
-//! | | who steps | where the window is |
+//! | | steps the simulation | shows the window |
 //! |---|---|---|
-//! | [`Viewer::run`] | the viewer: a controller, recorded trajectories, the dynamics alone | in this thread, which waits |
-//! | [`run`] | the program, in another thread | in this thread, which waits |
-//! | [`launch`] | the program, in this thread | in a thread of its own |
+//! | [`Viewer::run`] | the viewer, with a controller, recorded trajectories or passive dynamics | the calling thread, which blocks |
+//! | [`run`] | the program, on another thread | the calling thread, which blocks |
+//! | [`launch`] | the program, on the calling thread | a background thread |
 //!
 //! ```no_run
 //! use mujoco_safe::viewer::Viewer;
@@ -14,72 +14,42 @@
 //! # Ok::<(), mujoco_safe::viewer::ViewerError>(())
 //! ```
 //!
-//! It begins paused: Space starts it. **F1 lists all keys and what the mouse does**, on the screen and on the terminal. A body is
-//! selected with a double-click and pulled with Ctrl and the right button. Ctrl+1 and Ctrl+2 open the panels: simulation,
-//! trajectories, keyframes, what is shown, physics, numbers to watch; controls, joints and the selected body. F3 and F4 plot. A
-//! model's file that is dropped onto the window is loaded.
+//! [`Viewer::run`] starts paused; Space resumes. **F1 lists all keys and mouse gestures**, on the screen and on the terminal. A
+//! double-click selects a body; Ctrl and the right button pull it. Ctrl+1 and Ctrl+2 open the side panels: simulation,
+//! trajectories, keyframes, visualisation, physics options and watched values on the left; controls, joints and the selected body on
+//! the right. F3 and F4 open plots. A model file that is dropped onto the window is loaded.
 //!
 //! # Platforms
 //!
-//! Tested on Linux with X11, with a driver in software and without a screen. On Wayland it runs through XWayland. Windows and
-//! macOS are provided for in the code (there [`launch`] is missing, since windows belong to the main thread, and Cmd takes the
-//! place of Ctrl), but have not been tried.
+//! Tested on Linux with X11, with a software driver on a virtual display. On Wayland the window runs through XWayland. The code
+//! supports Windows and macOS, but has not been tested there. On macOS [`launch`] is missing, because windows belong to the main
+//! thread, and Cmd replaces Ctrl.
 //!
-//! A window needs the libraries that every desktop has; on a bare Debian they are the packages `libx11-6 libx11-xcb1 libxcursor1
+//! A window needs the libraries of a desktop. On a minimal Debian they are the packages `libx11-6 libx11-xcb1 libxcursor1
 //! libxi6 libxkbcommon0 libxkbcommon-x11-0 libvulkan1 mesa-vulkan-drivers`.
 //!
-//! # How it works
+//! # Threads
 //!
-//! Physics and window are two threads that share nothing but a link: requests go one way, snapshots and events the other.
-//! No simulation is ever copied. Physics keeps to real time and gives up what it cannot reach; a window is drawn when there is
-//! something new to be seen, and sleeps otherwise. The first window gives the engine a clock, as
+//! Physics and window run on two threads that share only a link: requests flow to the physics, snapshots and events flow to the
+//! window. The data of the simulation is never copied as a whole. The physics follows real time and drops time that it cannot catch
+//! up. The window is drawn when something has changed, and sleeps otherwise. The first window installs the engine's clock, as
 //! [`enable_timers`](crate::enable_timers) does, for the plot of computing times.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `launch.rs`, `error.rs` | [`Viewer`], [`run`], [`launch`], and why there is no window |
-//! | `window/` | the window: events, frames, files |
-//! | `panel/` | what lies over the picture |
-//! | `input/` | keys and mouse: one table of what each does |
-//! | `request.rs`, `event.rs`, `snapshot.rs` | what the two threads tell each other |
-//! | `expected.rs` | the state that requests without an answer lead to |
-//! | `link.rs` | how: a queue, and a slot for the newest snapshot |
-//! | `view.rs` | the window's side: camera, what is shown |
-//! | `bridge/` | the physics' side: requests done, snapshots made |
-//! | `simulation/` | what the physics thread owns: modes, pause, steps, history |
-//! | `mode/` | controller, trajectories, passive dynamics |
-//! | `clock.rs` | real time |
-//! | `history.rs` | states to go back to |
-//! | `worker.rs` | the physics thread |
-//! | `handle.rs` | for programs that have a loop of their own: [`Handle`] |
-//! | `capture.rs` | states as keyframes in XML |
-//! | `watch.rs`, `plot.rs` | numbers over time |
 
 #![forbid(unsafe_code)]
 
-mod bridge;
-mod capture;
-mod clock;
+mod endpoint;
 mod error;
-mod event;
-mod expected;
 mod handle;
-mod history;
 mod input;
 mod launch;
 mod link;
-mod mode;
 mod panel;
-mod plot;
-#[doc(hidden)]
-pub mod probe;
-mod request;
 mod simulation;
-mod snapshot;
+#[cfg(feature = "test-hooks")]
+#[doc(hidden)]
+pub mod test_hooks;
 mod view;
-mod watch;
 mod window;
-mod worker;
 
 pub use self::error::ViewerError;
 pub use self::handle::Handle;

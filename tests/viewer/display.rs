@@ -1,4 +1,4 @@
-//! An X server of the test's own, without a screen.
+//! Virtual X server of the test.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use tempfile::TempDir;
 
+/// Virtual X server.
 pub struct Display {
     server: Child,
     name: String,
@@ -13,9 +14,9 @@ pub struct Display {
 }
 
 impl Display {
-    /// Starts a server on the first number that is free.
+    /// Starts a server on the first free display number.
     pub fn start() -> Self {
-        let folder = tempfile::tempdir().expect("a folder for the picture of the screen");
+        let folder = tempfile::tempdir().expect("a folder for the framebuffer");
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset", "-fbdir"])
             .arg(folder.path())
@@ -24,16 +25,16 @@ impl Display {
             .spawn()
             .unwrap_or_else(|error| panic!("Xvfb: {error}; scripts/setup --tests installs what these tests need"));
         let mut number = String::new();
-        BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number).expect("Xvfb says its number");
+        BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number).expect("Xvfb prints its number");
         Self { server, name: format!(":{}", number.trim()), folder }
     }
 
-    /// What `DISPLAY` is set to.
+    /// Returns the value of `DISPLAY`.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The file that has the pixels of the screen.
+    /// Returns the path of the framebuffer.
     pub fn framebuffer(&self) -> PathBuf {
         self.folder.path().join("Xvfb_screen0")
     }
@@ -46,15 +47,15 @@ impl Drop for Display {
     }
 }
 
-/// What is on the screen: red, green and blue of each pixel.
+/// Pixels of the screen: red, green and blue.
 pub struct Screen {
     width: usize,
     rgb: Vec<u8>,
 }
 
 impl Screen {
-    /// Looks at the screen: an X window dump, whose header has numbers of 32 bits, the most significant byte first.
-    pub fn look(framebuffer: &Path) -> Self {
+    /// Reads the framebuffer: an X window dump, whose header consists of big-endian 32-bit numbers.
+    pub fn read(framebuffer: &Path) -> Self {
         let bytes = std::fs::read(framebuffer).expect("the screen's pixels");
         let number = |index: usize| {
             let at = 4 * index;
@@ -75,7 +76,7 @@ impl Screen {
         [self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]]
     }
 
-    /// The upper left part, as a PNG file.
+    /// Saves the upper left part as a PNG file.
     pub fn save(&self, path: &Path, [width, height]: [u32; 2]) {
         let file = std::io::BufWriter::new(std::fs::File::create(path).expect("a file for a picture"));
         let mut encoder = png::Encoder::new(file, width, height);

@@ -1,11 +1,11 @@
-//! Every key that changes the simulation or what is shown.
+//! Keys of the simulation and of the visualisation.
 
 use mujoco_safe::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFlags};
 use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, Model, PdController, sample};
 
-use crate::case::{press, show, state};
-use crate::hand::wait_until;
+use crate::harness::{press, show, state};
+use crate::input::wait_until;
 
 fn humanoid() -> Data {
     let mut data = Data::new(sample::humanoid()).unwrap();
@@ -17,51 +17,51 @@ pub fn simulation() {
     let data = humanoid();
     let controller = PdController::new(data.model(), 10.0, 1.0);
     let timestep = data.model().timestep();
-    show(Viewer::new().controller(controller), data, |hand| {
+    show(Viewer::new().controller(controller), data, |input| {
         let first = state();
         assert_eq!((first.mode.as_str(), first.status.as_str(), first.time), ("Controller", "Paused", 0.0));
         let at = |steps: f64| move |time: f64| (time - steps * timestep).abs() < 1e-9;
 
-        press(hand, "Right", "a step forward", |state| at(1.0)(state.time));
-        press(hand, "shift+Right", "fifty more", |state| at(51.0)(state.time));
-        press(hand, "Left", "a step back", |state| at(50.0)(state.time));
-        press(hand, "shift+Left", "fifty back", |state| at(0.0)(state.time));
+        press(input, "Right", "a step forward", |state| at(1.0)(state.time));
+        press(input, "shift+Right", "fifty more", |state| at(51.0)(state.time));
+        press(input, "Left", "a step back", |state| at(50.0)(state.time));
+        press(input, "shift+Left", "fifty back", |state| at(0.0)(state.time));
 
-        press(hand, "space", "it runs", |state| state.status == "Forward Simulation" && state.time > 0.0);
-        press(hand, "space", "it is paused", |state| state.status == "Paused");
+        press(input, "space", "it runs", |state| state.status == "Forward Simulation" && state.time > 0.0);
+        press(input, "space", "it is paused", |state| state.status == "Paused");
         let paused = state();
         assert!(paused.ctrl.iter().any(|ctrl| *ctrl != 0.0), "the controller decided on controls");
-        press(hand, "ctrl+Right", "the next mode", |state| state.mode == "Passive Dynamics");
+        press(input, "ctrl+Right", "the next mode", |state| state.mode == "Passive Dynamics");
         assert_eq!(state().time, paused.time, "another mode is no step");
-        press(hand, "ctrl+Right", "and round again", |state| state.mode == "Controller");
-        press(hand, "ctrl+Left", "and back", |state| state.mode == "Passive Dynamics");
-        press(hand, "BackSpace", "the start", |state| state.time == 0.0);
+        press(input, "ctrl+Right", "and round again", |state| state.mode == "Controller");
+        press(input, "ctrl+Left", "and back", |state| state.mode == "Passive Dynamics");
+        press(input, "BackSpace", "the start", |state| state.time == 0.0);
         assert_eq!(state().qpos, first.qpos);
 
-        press(hand, "shift+Down", "half the speed that is set", |state| state.wanted < 1.0);
-        let slow = state().wanted;
-        press(hand, "shift+Up", "twice that", |state| state.wanted == 2.0 * slow);
-        press(hand, "Return", "real time", |state| state.wanted == 1.0);
-        press(hand, "Return", "that speed again", |state| state.wanted == 2.0 * slow);
-        press(hand, "Return", "real time", |state| state.wanted == 1.0);
+        press(input, "shift+Down", "half the speed that is set", |state| state.target_speed < 1.0);
+        let slow = state().target_speed;
+        press(input, "shift+Up", "twice that", |state| state.target_speed == 2.0 * slow);
+        press(input, "Return", "real time", |state| state.target_speed == 1.0);
+        press(input, "Return", "that speed again", |state| state.target_speed == 2.0 * slow);
+        press(input, "Return", "real time", |state| state.target_speed == 1.0);
 
-        press(hand, "ctrl+s", "a keyframe is kept", |state| state.captured == 1);
-        press(hand, "ctrl+Right", "the controller", |state| state.mode == "Controller");
-        press(hand, "shift+Right", "steps", |state| state.ctrl.iter().any(|ctrl| *ctrl != 0.0));
-        press(hand, "ctrl+BackSpace", "no controls", |state| state.ctrl.iter().all(|ctrl| *ctrl == 0.0));
+        press(input, "ctrl+s", "a keyframe is kept", |state| state.captured == 1);
+        press(input, "ctrl+Right", "the controller", |state| state.mode == "Controller");
+        press(input, "shift+Right", "steps", |state| state.ctrl.iter().any(|ctrl| *ctrl != 0.0));
+        press(input, "ctrl+BackSpace", "no controls", |state| state.ctrl.iter().all(|ctrl| *ctrl == 0.0));
 
         let copied = |parts: [&str; 2]| {
             let text = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.get_text());
             text.is_ok_and(|text| parts.iter().all(|part| text.contains(part)))
         };
-        hand.key("ctrl+c");
+        input.key("ctrl+c");
         wait_until("the state is in the clipboard", || copied(["<key", "qpos="]));
-        hand.key("ctrl+shift+c");
+        input.key("ctrl+shift+c");
         wait_until("the camera is in the clipboard", || copied(["<camera", "pos="]));
     });
 }
 
-/// A model that is drawn fast, since each key leads to a frame.
+/// Model that renders fast, because each key causes a frame.
 const SMALL: &str = r#"
 <mujoco>
   <visual><quality shadowsize="256"/></visual>
@@ -77,11 +77,11 @@ pub fn shown() {
     let mut data = Data::new(Model::from_xml_str(SMALL).unwrap()).unwrap();
     data.forward().unwrap();
     let model = data.model().clone();
-    show(Viewer::new(), data, |hand| {
+    show(Viewer::new(), data, |input| {
         for (keys, part) in [("F1", 0), ("F2", 1), ("ctrl+1", 2), ("ctrl+2", 3), ("F3", 4), ("F4", 5)] {
             let before = state().panels;
-            press(hand, keys, "a panel comes or goes", |state| state.panels[part] != before[part]);
-            press(hand, keys, "and back", |state| state.panels == before);
+            press(input, keys, "a panel comes or goes", |state| state.panels[part] != before[part]);
+            press(input, keys, "and back", |state| state.panels == before);
         }
 
         for (key, flag) in [
@@ -110,8 +110,8 @@ pub fn shown() {
             ("semicolon", VisualFlags::SKIN),
         ] {
             let wanted = state().options.flags ^ flag;
-            press(hand, key, "a part of the scene", |state| state.options.flags == wanted);
-            press(hand, key, "and back", |state| state.options.flags == wanted ^ flag);
+            press(input, key, "a part of the scene", |state| state.options.flags == wanted);
+            press(input, key, "and back", |state| state.options.flags == wanted ^ flag);
         }
         for (key, flag) in [
             ("s", RenderFlags::SHADOW),
@@ -125,36 +125,36 @@ pub fn shown() {
             ("period", RenderFlags::IDCOLOR),
         ] {
             let wanted = state().render ^ flag;
-            press(hand, key, "an effect", |state| state.render == wanted);
-            press(hand, key, "and back", |state| state.render == wanted ^ flag);
+            press(input, key, "an effect", |state| state.render == wanted);
+            press(input, key, "and back", |state| state.render == wanted ^ flag);
         }
         for group in 0..6 {
             let key = (group + 1).to_string();
             let wanted = !state().options.geomgroup[group];
-            press(hand, &key, "a group of geoms", |state| state.options.geomgroup[group] == wanted);
-            press(hand, &key, "and back", |state| state.options.geomgroup[group] != wanted);
+            press(input, &key, "a group of geoms", |state| state.options.geomgroup[group] == wanted);
+            press(input, &key, "and back", |state| state.options.geomgroup[group] != wanted);
             let key = format!("shift+{key}");
             let wanted = !state().options.sitegroup[group];
-            press(hand, &key, "a group of sites", |state| state.options.sitegroup[group] == wanted);
+            press(input, &key, "a group of sites", |state| state.options.sitegroup[group] == wanted);
         }
 
-        // What is shown reaches the scene.
+        // The options reach the scene.
         let before = state().ngeom;
-        press(hand, "j", "joints are in the scene", |state| state.ngeom > before);
+        press(input, "j", "joints are in the scene", |state| state.ngeom > before);
 
-        press(hand, "equal", "the next label", |state| state.options.label == LabelMode::Body);
-        press(hand, "minus", "the label before", |state| state.options.label == LabelMode::None);
-        press(hand, "minus", "and round", |state| state.options.label == LabelMode::ContactForce);
-        press(hand, "F7", "and round", |state| state.options.label == LabelMode::None);
-        press(hand, "bracketright", "the next frame", |state| state.options.frame == FrameMode::Body);
-        press(hand, "bracketleft", "the frame before", |state| state.options.frame == FrameMode::None);
-        press(hand, "bracketleft", "and round", |state| state.options.frame == FrameMode::World);
-        press(hand, "F6", "and round", |state| state.options.frame == FrameMode::None);
+        press(input, "equal", "the next label", |state| state.options.label == LabelMode::Body);
+        press(input, "minus", "the label before", |state| state.options.label == LabelMode::None);
+        press(input, "minus", "and round", |state| state.options.label == LabelMode::ContactForce);
+        press(input, "F7", "and round", |state| state.options.label == LabelMode::None);
+        press(input, "bracketright", "the next frame", |state| state.options.frame == FrameMode::Body);
+        press(input, "bracketleft", "the frame before", |state| state.options.frame == FrameMode::None);
+        press(input, "bracketleft", "and round", |state| state.options.frame == FrameMode::World);
+        press(input, "F6", "and round", |state| state.options.frame == FrameMode::None);
 
-        press(hand, "Tab", "a camera of the model's", |state| matches!(state.camera.view, CameraView::Fixed(_)));
-        press(hand, "shift+Tab", "the free camera", |state| state.camera.view == CameraView::Free);
-        press(hand, "shift+Tab", "and round", |state| matches!(state.camera.view, CameraView::Fixed(_)));
-        press(hand, "ctrl+a", "free, on the whole model", |state| state.camera.view == CameraView::Free);
+        press(input, "Tab", "a camera of the model's", |state| matches!(state.camera.view, CameraView::Fixed(_)));
+        press(input, "shift+Tab", "the free camera", |state| state.camera.view == CameraView::Free);
+        press(input, "shift+Tab", "and round", |state| matches!(state.camera.view, CameraView::Fixed(_)));
+        press(input, "ctrl+a", "free, on the whole model", |state| state.camera.view == CameraView::Free);
         assert_eq!(state().camera.distance, 1.5 * model.statistics().extent);
     });
 }

@@ -1,25 +1,25 @@
-//! The window, used as a person uses it: keys and mouse come through an X server of the test's own, and what they do is looked for
-//! in how the viewer stands. Each case is a process of its own, since a process has one event loop, whose thread is the main one.
+//! End-to-end tests of the viewer: keyboard and mouse input arrive through a virtual X server, and the feature `test-hooks` reports the
+//! state of the window. Each case runs in a separate process, because a process has one event loop, on its main thread.
 //!
 //! ```text
 //! cargo test --features viewer --test viewer              all of them
-//! cargo test --features viewer --test viewer -- mouse     those whose names have this in them
-//! cargo test --features viewer --test viewer -- pictures DIRECTORY     pictures of the panels, to be looked at
+//! cargo test --features viewer --test viewer -- mouse     those whose names contain this text
+//! cargo test --features viewer --test viewer -- pictures DIRECTORY     pictures of the panels, for inspection
 //! ```
 
 #![forbid(unsafe_code)]
 
-mod busy;
-mod case;
 mod display;
-mod ends;
-mod forms;
-mod hand;
+mod errors;
+mod harness;
+mod input;
 mod keys;
+mod launch;
 mod leaks;
 mod mouse;
 mod panels;
 mod pictures;
+mod queued_events;
 mod trajectories;
 mod window;
 
@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 
 use display::Display;
 
-/// A case: its name, and what it does.
+/// Name and function of a case.
 type Case = (&'static str, fn());
 
 const CASES: &[Case] = &[
@@ -40,29 +40,29 @@ const CASES: &[Case] = &[
     ("mouse", mouse::gestures),
     ("trajectories", trajectories::keys_and_wheel),
     ("panels", panels::panels),
-    ("gestures_that_come_while_a_frame_is_drawn", busy::gestures),
-    ("windows_one_after_another_in_one_thread", forms::one_after_another),
-    ("windows_of_a_thread_of_their_own", forms::launched),
-    ("a_process_has_one_thread_for_windows", forms::two_threads),
-    ("an_interrupt_finishes_the_recording", ends::interrupt),
-    ("a_controller_that_panics_is_shown", ends::panic),
-    ("a_lost_surface_is_made_anew", ends::lost_surface),
-    ("a_simulation_at_rest_costs_nothing", ends::rest),
+    ("gestures_that_come_while_a_frame_is_drawn", queued_events::gestures),
+    ("windows_one_after_another_in_one_thread", launch::one_after_another),
+    ("windows_of_a_thread_of_their_own", launch::launched),
+    ("a_process_has_one_thread_for_windows", launch::two_threads),
+    ("an_interrupt_finishes_the_recording", errors::interrupt),
+    ("a_controller_that_panics_is_shown", errors::panic),
+    ("lost_surface_is_recreated", errors::lost_surface),
+    ("a_simulation_at_rest_costs_nothing", errors::rest),
     ("nothing_leaks", leaks::nothing_leaks),
 ];
 
-/// Cases that have no display.
-const BLIND: &[Case] = &[("without_a_display_there_is_an_error", ends::no_display)];
+/// Cases without a display.
+const WITHOUT_DISPLAY: &[Case] = &[("without_a_display_there_is_an_error", errors::no_display)];
 
-/// A case that takes longer hangs, even on a machine that other programs keep busy.
-const MOST: Duration = Duration::from_secs(900);
+/// Time limit of a case, generous for a loaded machine.
+const TIMEOUT: Duration = Duration::from_secs(900);
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words[..] {
         ["case", name] => {
-            let case = CASES.iter().chain(BLIND).find(|(known, _)| *known == name);
+            let case = CASES.iter().chain(WITHOUT_DISPLAY).find(|(known, _)| *known == name);
             case.expect("an unknown case").1();
             ExitCode::SUCCESS
         }
@@ -78,7 +78,7 @@ fn main() -> ExitCode {
             ExitCode::from(u8::from(!status.is_ok_and(|status| status.success())))
         }
         _ if words.contains(&"--list") => {
-            CASES.iter().chain(BLIND).for_each(|(name, _)| println!("{name}: test"));
+            CASES.iter().chain(WITHOUT_DISPLAY).for_each(|(name, _)| println!("{name}: test"));
             ExitCode::SUCCESS
         }
         _ => all(words.iter().copied().find(|word| !word.starts_with('-'))),
@@ -86,12 +86,12 @@ fn main() -> ExitCode {
 }
 
 fn this(arguments: &[&str]) -> Command {
-    // What runs in a shell's background ignores Ctrl-C, and hands that down; a case wants to see what Ctrl-C does.
+    // Background jobs of a shell ignore SIGINT, and children inherit that. A case tests Ctrl-C.
     let mut command = Command::new("env");
-    command.arg("--default-signal=INT").arg(std::env::current_exe().expect("the test's own path"));
+    command.arg("--default-signal=INT").arg(std::env::current_exe().expect("the path of the test"));
     command.args(arguments).env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
     command.env("RUST_BACKTRACE", "0");
-    // Mesa complains where there is none.
+    // Without this variable Mesa prints a warning.
     command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
     command
 }
@@ -100,7 +100,7 @@ fn all(filter: Option<&str>) -> ExitCode {
     let is_wanted = |case: &&Case| filter.is_none_or(|filter| case.0.contains(filter));
     let display = Display::start();
     let seeing = CASES.iter().filter(is_wanted).map(|case| (case, true));
-    let blind = BLIND.iter().filter(is_wanted).map(|case| (case, false));
+    let blind = WITHOUT_DISPLAY.iter().filter(is_wanted).map(|case| (case, false));
     let mut failures = 0;
     for ((name, _), sees) in seeing.chain(blind) {
         let mut command = this(&["case", name]);
@@ -108,7 +108,7 @@ fn all(filter: Option<&str>) -> ExitCode {
             command.env("DISPLAY", display.name()).env("FRAMEBUFFER", display.framebuffer());
         }
         let begin = Instant::now();
-        let outcome = case::limited(&mut command, MOST);
+        let outcome = harness::run_with_timeout(&mut command, TIMEOUT);
         let seconds = begin.elapsed().as_secs_f64();
         match outcome {
             Ok(()) => println!("test {name} ... ok ({seconds:.1} s)"),

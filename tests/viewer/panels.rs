@@ -1,53 +1,53 @@
-//! The panels: what is done in them is done, and what is done in the picture is not done to them.
+//! Separation of the input of the panels and of the picture.
 
 use std::path::PathBuf;
 
 use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, sample};
 
-use crate::case::{SIZE, press, settle, show, state};
 use crate::display::Screen;
-use crate::hand::wait_until;
+use crate::harness::{SIZE, press, settle, show, state};
+use crate::input::wait_until;
 
 pub fn panels() {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
-    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |hand| {
+    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
         let [width, height] = SIZE.map(|pixels| pixels as i32);
-        // A panel is seen where the picture was.
+        // The panel covers the picture.
         let right = [width as usize - 4, height as usize / 2];
-        let before = Screen::look(&framebuffer).pixel(right);
-        press(hand, "ctrl+2", "a panel at the right", |state| state.panels[3]);
-        wait_until("its ground is seen", || Screen::look(&framebuffer).pixel(right) != before);
+        let before = Screen::read(&framebuffer).pixel(right);
+        press(input, "ctrl+2", "a panel at the right", |state| state.panels[3]);
+        wait_until("its ground is seen", || Screen::read(&framebuffer).pixel(right) != before);
 
-        // The pointer over a panel belongs to it.
+        // Over a panel, the pointer belongs to the panel.
         let camera = state().camera;
         let on_panel = [width - 140, height / 2];
-        hand.drag(on_panel, [30, 0], 1, &[]);
-        hand.click(on_panel, 4, 1);
-        settle(hand);
+        input.drag(on_panel, [30, 0], 1, &[]);
+        input.click(on_panel, 4, 1);
+        settle(input);
         assert_eq!(state().camera, camera, "a drag on a panel does not move the camera");
 
-        // A slider moves a control: that of the only actuator.
+        // The slider of the only actuator sets its control.
         let [rail, number] = state().sliders.first().copied().expect("a slider").map(|at| at.map(|at| at as i32));
-        hand.drag(rail, [25, 0], 1, &[]);
+        input.drag(rail, [25, 0], 1, &[]);
         wait_until("the slider sets the control", || state().ctrl[0] != 0.0);
 
-        // A number is typed; its keys are no commands.
+        // Keys in a text field have no bindings.
         let before = state();
-        hand.click(number, 1, 1);
+        input.click(number, 1, 1);
         wait_until("the number is edited", || state().editing);
-        hand.write("0.25");
-        hand.key("Return");
+        input.write("0.25");
+        input.key("Return");
         wait_until("it is set", || state().ctrl[0] == 0.25 && !state().editing);
         let now = state();
-        assert_eq!((now.options, now.wanted), (before.options, before.wanted));
+        assert_eq!((now.options, now.target_speed), (before.options, before.target_speed));
 
-        // A drag that began in the picture stays there, wherever it goes.
+        // A drag that starts in the picture belongs to the picture until its end.
         let camera = state().camera;
-        hand.drag([60, rail[1]], [rail[0] - 60 + 20, 0], 1, &[]);
+        input.drag([60, rail[1]], [rail[0] - 60 + 20, 0], 1, &[]);
         wait_until("the camera turns", || state().camera.azimuth != camera.azimuth);
-        settle(hand);
+        settle(input);
         assert_eq!(state().ctrl[0], 0.25);
-        press(hand, "ctrl+2", "no panel at the right", |state| !state.panels[3]);
+        press(input, "ctrl+2", "no panel at the right", |state| !state.panels[3]);
     });
 }

@@ -1,15 +1,93 @@
-//! The table: which key does what, in which mode. Everything about keys comes from here: what a press does, the help on the
-//! screen and on the terminal, and the tests.
+//! Table of the key bindings, the single source for key presses, the help on the screen and on the terminal, and the tests.
 //!
-//! Where the programs that people know disagree, it goes by MuJoCo.jl's viewer, and has the keys of the engine's `simulate`
-//! besides where they are free: `-` and `=` are labels, not speed, `[` and `]` frames, not cameras, Esc quits. The engine's own
-//! table has the comma twice; here it is the activations, and with Shift the segments.
+//! Where the common programs disagree, the bindings follow MuJoCo.jl's viewer. Keys of the engine's `simulate` are added where they
+//! are free: `-` and `=` select labels, not the speed; `[` and `]` select frames, not cameras; Esc quits. The engine's own table
+//! assigns the comma twice; here it toggles activations, and segmentation with Shift.
 
-use super::{Action, Key, KeyPress, Modifiers, Panel, PlotKind, WindowAction};
+use super::{Key, KeyPress, Modifiers};
 use crate::scene::{RenderFlags, VisualFlags};
-use crate::viewer::mode::Mode;
+use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SimulationRequest};
 
-/// Under which heading of the help something stands.
+/// Effect of a key or a button of a panel.
+#[derive(Clone, Debug)]
+pub(crate) enum Action {
+    /// Modifies the view.
+    View(ViewAction),
+    /// Affects the window or its files.
+    Window(WindowAction),
+    /// Sends a request to the physics.
+    Send(Request),
+}
+
+/// Action on the view of a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ViewAction {
+    /// Toggles the help, and prints it to the terminal when it opens.
+    Help,
+    /// Toggles the info panel.
+    Info,
+    /// Toggles a side panel.
+    Panel(Panel),
+    /// Toggles a plot.
+    Plot(PlotKind),
+    /// Centres the free camera on the model.
+    Align,
+    /// Advances by this number of cameras: the free camera, then the cameras of the model.
+    Camera(i32),
+    /// Advances by this number of kinds of labels.
+    Label(i32),
+    /// Advances by this number of kinds of frames.
+    Frame(i32),
+    /// Toggles a part of the scene.
+    Visual(VisualFlags),
+    /// Toggles a rendering effect.
+    Render(RenderFlags),
+    /// Toggles a group of geoms.
+    GeomGroup(usize),
+    /// Toggles a group of sites.
+    SiteGroup(usize),
+}
+
+/// Action on the window or its files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum WindowAction {
+    /// Closes the window.
+    Quit,
+    /// Sets the width and the height in pixels.
+    Resize([u32; 2]),
+    /// Restores the initial size.
+    DefaultSize,
+    /// Toggles full screen.
+    FullScreen,
+    /// Starts or stops a recording.
+    Record,
+    /// Saves a screenshot.
+    Screenshot,
+    /// Reloads the model's file.
+    Reload,
+    /// Prints the help to the terminal.
+    PrintHelp,
+    /// Enables or disables vertical synchronisation.
+    SetVsync(bool),
+}
+
+/// Panel at a side of the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Panel {
+    Left,
+    Right,
+}
+
+/// Kind of plot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PlotKind {
+    /// Solver statistics and computing times.
+    Profile,
+    /// Sensor readings.
+    Sensors,
+}
+
+/// Section of the help.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Section {
     Standard,
@@ -21,7 +99,7 @@ pub(crate) enum Section {
 }
 
 impl Section {
-    /// All of them, in the order of the help.
+    /// All sections, in the order of the help.
     pub const ALL: [Self; 6] =
         [Self::Standard, Self::Window, Self::Camera, Self::Visual, Self::Effects, Self::Trajectory];
 
@@ -30,26 +108,26 @@ impl Section {
             Self::Standard => "Simulation",
             Self::Window => "Window",
             Self::Camera => "Camera",
-            Self::Visual => "What is shown",
+            Self::Visual => "Visualisation",
             Self::Effects => "Effects",
             Self::Trajectory => "Trajectory",
         }
     }
 }
 
-/// A line of the table.
-#[derive(Clone, Copy, Debug)]
+/// Entry of the table.
+#[derive(Clone, Debug)]
 pub(crate) struct Binding {
     pub key: Key,
-    /// Exactly these.
+    /// Required modifiers. No other modifier may be held.
     pub modifiers: Modifiers,
-    /// Whether it is done again while the key is held.
+    /// The action repeats while the key is held.
     pub repeats: bool,
-    /// In which mode only.
+    /// Mode to which the binding is limited.
     pub mode: Option<Mode>,
     pub action: Action,
     pub section: Section,
-    /// Neighbours with the same text are one line of the help.
+    /// Text of the help. Adjacent entries with the same text share a line.
     pub help: &'static str,
 }
 
@@ -58,110 +136,134 @@ const fn on(section: Section, key: Key, action: Action, help: &'static str) -> B
 }
 
 impl Binding {
-    const fn with(self, modifiers: Modifiers) -> Self {
-        Self { modifiers, ..self }
+    const fn with(mut self, modifiers: Modifiers) -> Self {
+        self.modifiers = modifiers;
+        self
     }
 
-    const fn once(self) -> Self {
-        Self { repeats: false, ..self }
+    const fn once(mut self) -> Self {
+        self.repeats = false;
+        self
     }
 
-    const fn only(self, mode: Mode) -> Self {
-        Self { mode: Some(mode), ..self }
-    }
-
-    /// As help texts name what to press.
+    /// Returns the key press that triggers the binding.
     pub fn press(&self) -> KeyPress {
         KeyPress { key: self.key, modifiers: self.modifiers, repeat: false }
     }
 }
 
 const fn visual(key: char, flag: VisualFlags, help: &'static str) -> Binding {
-    on(Section::Visual, Key::Character(key), Action::Visual(flag), help)
+    shown(Key::Character(key), ViewAction::Visual(flag), help)
 }
 
 const fn effect(key: char, flag: RenderFlags, help: &'static str) -> Binding {
-    on(Section::Effects, Key::Character(key), Action::Render(flag), help)
+    on(Section::Effects, Key::Character(key), Action::View(ViewAction::Render(flag)), help)
 }
 
 const fn geoms(key: char, group: usize) -> Binding {
-    on(Section::Visual, Key::Character(key), Action::GeomGroup(group), "Geoms of groups 0 to 5")
+    shown(Key::Character(key), ViewAction::GeomGroup(group), "Geoms of groups 0 to 5")
 }
 
 const fn sites(key: char, group: usize) -> Binding {
-    on(Section::Visual, Key::Character(key), Action::SiteGroup(group), "Sites of groups 0 to 5").with(SHIFT)
+    shown(Key::Character(key), ViewAction::SiteGroup(group), "Sites of groups 0 to 5").with(SHIFT)
 }
 
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const COMMAND: Modifiers = Modifiers::COMMAND;
 
-const fn standard(key: Key, action: Action, help: &'static str) -> Binding {
-    on(Section::Standard, key, action, help)
+const fn standard(key: Key, request: Request, help: &'static str) -> Binding {
+    on(Section::Standard, key, Action::Send(request), help)
+}
+
+const fn simulation(key: Key, request: SimulationRequest, help: &'static str) -> Binding {
+    standard(key, Request::Simulation(request), help)
+}
+
+const fn endpoint(key: Key, request: EndpointRequest, help: &'static str) -> Binding {
+    standard(key, Request::Endpoint(request), help)
 }
 
 const fn window(key: Key, action: WindowAction, help: &'static str) -> Binding {
-    on(Section::Window, key, Action::Window(action), help).once()
+    on(Section::Window, key, Action::Window(action), help)
 }
 
-const fn shown(key: Key, action: Action, help: &'static str) -> Binding {
-    on(Section::Visual, key, action, help)
+const fn panel(key: Key, action: ViewAction, help: &'static str) -> Binding {
+    on(Section::Window, key, Action::View(action), help)
 }
 
-const fn trajectory(key: Key, action: Action, help: &'static str) -> Binding {
-    on(Section::Trajectory, key, action, help).only(Mode::Trajectory)
+const fn camera(key: Key, action: ViewAction, help: &'static str) -> Binding {
+    on(Section::Camera, key, Action::View(action), help)
 }
 
-const QUIT: WindowAction = WindowAction::Quit;
-const FULL_SCREEN: &str = "Full screen, or back";
-const STEP_50: &str = "Where paused: 50 steps forward";
-const BACK_50: &str = "Where paused: 50 steps back";
+const fn shown(key: Key, action: ViewAction, help: &'static str) -> Binding {
+    on(Section::Visual, key, Action::View(action), help)
+}
+
+const fn trajectory(key: Key, request: PlaybackRequest, help: &'static str) -> Binding {
+    let mut binding = on(Section::Trajectory, key, Action::Send(Request::Playback(request)), help);
+    binding.mode = Some(Mode::Trajectory);
+    binding
+}
+
+const FULL_SCREEN: &str = "Full screen on or off";
+const STEP_50: &str = "While paused: 50 steps forward";
+const BACK_50: &str = "While paused: 50 steps back";
 
 pub(crate) static BINDINGS: &[Binding] = &[
-    standard(Key::Space, Action::Pause, "Pause, or go on"),
-    standard(Key::Backspace, Action::Reset, "Back to the start"),
-    standard(Key::Right, Action::Step(1), "Where paused: a step forward"),
-    standard(Key::Right, Action::Step(50), STEP_50).with(SHIFT),
-    standard(Key::Left, Action::Step(-1), "Where paused: a step back"),
-    standard(Key::Left, Action::Step(-50), BACK_50).with(SHIFT),
-    standard(Key::Enter, Action::Speed, "Real time, or the speed that is set"),
-    standard(Key::Up, Action::Faster, "Double the speed").with(SHIFT),
-    standard(Key::Down, Action::Slower, "Halve the speed").with(SHIFT),
-    standard(Key::Right, Action::Mode(1), "Next mode").with(COMMAND),
-    standard(Key::Left, Action::Mode(-1), "Previous mode").with(COMMAND),
-    standard(Key::PageUp, Action::SelectParent, "Select the parent of the selected body"),
-    standard(Key::Backspace, Action::ClearControls, "Set all controls to zero").with(COMMAND),
-    standard(Key::Character('s'), Action::SaveKey, "Keep the state as a keyframe").with(COMMAND).once(),
-    standard(Key::Character('c'), Action::CopyState, "Copy the state as a <key> to the clipboard").with(COMMAND).once(),
-    on(Section::Camera, Key::Character('c'), Action::CopyCamera, "Copy the camera as a <camera> to the clipboard")
-        .with(COMMAND.and(SHIFT))
+    standard(Key::Space, Request::TogglePause, "Pause or resume"),
+    standard(Key::Backspace, Request::Reset, "Reset to the start"),
+    simulation(Key::Right, SimulationRequest::Step(1), "While paused: one step forward"),
+    simulation(Key::Right, SimulationRequest::Step(50), STEP_50).with(SHIFT),
+    simulation(Key::Left, SimulationRequest::Step(-1), "While paused: one step back"),
+    simulation(Key::Left, SimulationRequest::Step(-50), BACK_50).with(SHIFT),
+    simulation(Key::Enter, SimulationRequest::ToggleSpeed, "Real time or the speed factor"),
+    simulation(Key::Up, SimulationRequest::Faster, "Double the speed factor").with(SHIFT),
+    simulation(Key::Down, SimulationRequest::Slower, "Halve the speed factor").with(SHIFT),
+    simulation(Key::Right, SimulationRequest::CycleMode(1), "Next mode").with(COMMAND),
+    simulation(Key::Left, SimulationRequest::CycleMode(-1), "Previous mode").with(COMMAND),
+    endpoint(Key::PageUp, EndpointRequest::SelectParent, "Select the parent of the selected body"),
+    endpoint(Key::Backspace, EndpointRequest::ClearControls, "Set all controls to zero").with(COMMAND),
+    endpoint(Key::Character('s'), EndpointRequest::SaveKey(None), "Capture the state as a keyframe")
+        .with(COMMAND)
         .once(),
-    on(Section::Window, Key::Escape, Action::Window(QUIT), "Quit"),
-    on(Section::Window, Key::Character('q'), Action::Window(QUIT), "Quit").with(COMMAND),
-    on(Section::Window, Key::Function(1), Action::Help, "Help, here and on the terminal"),
-    on(Section::Window, Key::Function(2), Action::Info, "Info panel"),
-    on(Section::Window, Key::Function(3), Action::Plot(PlotKind::Profile), "Plot of the solver and of computing times"),
-    on(Section::Window, Key::Function(4), Action::Plot(PlotKind::Sensors), "Plot of the sensors"),
-    on(Section::Window, Key::Character('1'), Action::Panel(Panel::Left), "Panel at the left").with(COMMAND),
-    on(Section::Window, Key::Character('2'), Action::Panel(Panel::Right), "Panel at the right").with(COMMAND),
-    window(Key::Function(8), WindowAction::Resize([1024, 768]), "1024 x 768 (XGA)"),
-    window(Key::Function(8), WindowAction::Resize([1280, 1024]), "1280 x 1024 (SXGA)").with(SHIFT),
-    window(Key::Function(9), WindowAction::Resize([1280, 720]), "1280 x 720 (HD)"),
-    window(Key::Function(9), WindowAction::Resize([1920, 1080]), "1920 x 1080 (Full HD)").with(SHIFT),
-    window(Key::Function(10), WindowAction::DefaultSize, "The size that the window had first"),
-    window(Key::Function(11), WindowAction::FullScreen, FULL_SCREEN),
-    window(Key::Function(5), WindowAction::FullScreen, FULL_SCREEN),
-    window(Key::Character('v'), WindowAction::Record, "Start or end a video recording").with(COMMAND),
-    window(Key::Character('p'), WindowAction::Screenshot, "Save a picture").with(COMMAND),
-    window(Key::Character('l'), WindowAction::Reload, "Load the model's file anew").with(COMMAND),
-    on(Section::Camera, Key::Character('a'), Action::Align, "Free camera on the middle of the model").with(COMMAND),
-    on(Section::Camera, Key::Tab, Action::Camera(1), "Next camera").once(),
-    on(Section::Camera, Key::Tab, Action::Camera(-1), "Previous camera").with(SHIFT).once(),
-    shown(Key::Character('-'), Action::Label(-1), "Labels: previous kind"),
-    shown(Key::Character('='), Action::Label(1), "Labels: next kind"),
-    shown(Key::Function(7), Action::Label(1), "Labels: next kind"),
-    shown(Key::Character('['), Action::Frame(-1), "Frames: previous kind"),
-    shown(Key::Character(']'), Action::Frame(1), "Frames: next kind"),
-    shown(Key::Function(6), Action::Frame(1), "Frames: next kind"),
+    endpoint(Key::Character('c'), EndpointRequest::CopyState, "Copy the state as a <key> to the clipboard")
+        .with(COMMAND)
+        .once(),
+    on(
+        Section::Camera,
+        Key::Character('c'),
+        Action::Send(Request::Endpoint(EndpointRequest::CopyCamera)),
+        "Copy the camera as a <camera> to the clipboard",
+    )
+    .with(COMMAND.and(SHIFT))
+    .once(),
+    window(Key::Escape, WindowAction::Quit, "Quit"),
+    window(Key::Character('q'), WindowAction::Quit, "Quit").with(COMMAND),
+    panel(Key::Function(1), ViewAction::Help, "Help, here and on the terminal"),
+    panel(Key::Function(2), ViewAction::Info, "Info panel"),
+    panel(Key::Function(3), ViewAction::Plot(PlotKind::Profile), "Plots of the solver and of computing times"),
+    panel(Key::Function(4), ViewAction::Plot(PlotKind::Sensors), "Plot of the sensors"),
+    panel(Key::Character('1'), ViewAction::Panel(Panel::Left), "Left panel").with(COMMAND),
+    panel(Key::Character('2'), ViewAction::Panel(Panel::Right), "Right panel").with(COMMAND),
+    window(Key::Function(8), WindowAction::Resize([1024, 768]), "1024 x 768 (XGA)").once(),
+    window(Key::Function(8), WindowAction::Resize([1280, 1024]), "1280 x 1024 (SXGA)").with(SHIFT).once(),
+    window(Key::Function(9), WindowAction::Resize([1280, 720]), "1280 x 720 (HD)").once(),
+    window(Key::Function(9), WindowAction::Resize([1920, 1080]), "1920 x 1080 (Full HD)").with(SHIFT).once(),
+    window(Key::Function(10), WindowAction::DefaultSize, "Initial size of the window").once(),
+    window(Key::Function(11), WindowAction::FullScreen, FULL_SCREEN).once(),
+    window(Key::Function(5), WindowAction::FullScreen, FULL_SCREEN).once(),
+    window(Key::Character('v'), WindowAction::Record, "Start or stop a video recording").with(COMMAND).once(),
+    window(Key::Character('p'), WindowAction::Screenshot, "Save a screenshot").with(COMMAND).once(),
+    window(Key::Character('l'), WindowAction::Reload, "Reload the model's file").with(COMMAND).once(),
+    camera(Key::Character('a'), ViewAction::Align, "Free camera, centred on the model").with(COMMAND),
+    camera(Key::Tab, ViewAction::Camera(1), "Next camera").once(),
+    camera(Key::Tab, ViewAction::Camera(-1), "Previous camera").with(SHIFT).once(),
+    shown(Key::Character('-'), ViewAction::Label(-1), "Labels: previous kind"),
+    shown(Key::Character('='), ViewAction::Label(1), "Labels: next kind"),
+    shown(Key::Function(7), ViewAction::Label(1), "Labels: next kind"),
+    shown(Key::Character('['), ViewAction::Frame(-1), "Frames: previous kind"),
+    shown(Key::Character(']'), ViewAction::Frame(1), "Frames: next kind"),
+    shown(Key::Function(6), ViewAction::Frame(1), "Frames: next kind"),
     geoms('1', 0),
     geoms('2', 1),
     geoms('3', 2),
@@ -185,13 +287,13 @@ pub(crate) static BINDINGS: &[Binding] = &[
     visual('y', VisualFlags::RANGEFINDER, "Rangefinders"),
     visual('n', VisualFlags::CONSTRAINT, "Equality constraints"),
     visual('i', VisualFlags::INERTIA, "Inertia boxes"),
-    visual('\'', VisualFlags::SCLINERTIA, "Inertia boxes as large as water would be"),
+    visual('\'', VisualFlags::SCLINERTIA, "Inertia boxes at the density of water"),
     visual('b', VisualFlags::PERTFORCE, "Applied forces"),
-    visual('o', VisualFlags::PERTOBJ, "Where a body is pulled to"),
+    visual('o', VisualFlags::PERTOBJ, "Target of the pull"),
     visual('c', VisualFlags::CONTACTPOINT, "Contact points"),
     visual('f', VisualFlags::CONTACTFORCE, "Contact forces"),
     visual('p', VisualFlags::CONTACTSPLIT, "Contact forces split into normal and friction"),
-    visual('t', VisualFlags::TRANSPARENT, "Moving bodies transparent"),
+    visual('t', VisualFlags::TRANSPARENT, "Transparent moving bodies"),
     visual('a', VisualFlags::AUTOCONNECT, "Lines from bodies to joints and parents"),
     visual('m', VisualFlags::COM, "Centres of mass"),
     visual('e', VisualFlags::SELECT, "The selected point"),
@@ -204,17 +306,19 @@ pub(crate) static BINDINGS: &[Binding] = &[
     effect('k', RenderFlags::SKYBOX, "Sky"),
     effect('g', RenderFlags::FOG, "Fog"),
     effect('/', RenderFlags::HAZE, "Haze"),
-    effect(',', RenderFlags::SEGMENT, "Segments").with(SHIFT),
-    effect('.', RenderFlags::IDCOLOR, "Segments shaded by their number"),
-    trajectory(Key::Character('r'), Action::Reverse, "In reverse, or forward again").with(COMMAND),
-    trajectory(Key::Up, Action::Trajectory(1), "Next trajectory"),
-    trajectory(Key::Down, Action::Trajectory(-1), "Previous trajectory"),
-    trajectory(Key::Character('b'), Action::Burst, "Burst: other moments in the same picture").with(COMMAND),
-    trajectory(Key::Character('d'), Action::Doppler, "Doppler: past moments red, future ones blue").with(COMMAND),
+    effect(',', RenderFlags::SEGMENT, "Segmentation").with(SHIFT),
+    effect('.', RenderFlags::IDCOLOR, "Segmentation, shaded by index"),
+    trajectory(Key::Character('r'), PlaybackRequest::ToggleReverse, "Reverse or forward playback").with(COMMAND),
+    trajectory(Key::Up, PlaybackRequest::CycleTrajectory(1), "Next trajectory"),
+    trajectory(Key::Down, PlaybackRequest::CycleTrajectory(-1), "Previous trajectory"),
+    trajectory(Key::Character('b'), PlaybackRequest::ToggleBurst, "Burst: several records in one picture")
+        .with(COMMAND),
+    trajectory(Key::Character('d'), PlaybackRequest::ToggleDoppler, "Doppler: past records red, future records blue")
+        .with(COMMAND),
 ];
 
-/// What a key does in a mode.
-pub(crate) fn action(press: KeyPress, mode: Mode) -> Option<Action> {
+/// Returns the action of a key press in a mode.
+pub(crate) fn find_action(press: KeyPress, mode: Mode) -> Option<&'static Action> {
     BINDINGS
         .iter()
         .find(|binding| {
@@ -223,5 +327,5 @@ pub(crate) fn action(press: KeyPress, mode: Mode) -> Option<Action> {
                 && (binding.repeats || !press.repeat)
                 && binding.mode.is_none_or(|only| only == mode)
         })
-        .map(|binding| binding.action)
+        .map(|binding| &binding.action)
 }

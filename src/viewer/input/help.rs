@@ -1,34 +1,34 @@
-//! The table as a text: for the screen, and for the terminal.
+//! Help on keys and mouse, for the screen and for the terminal.
 
 use super::{BINDINGS, Modifiers, Section};
-use crate::viewer::mode::Mode;
+use crate::viewer::link::Mode;
 
-/// A table of the help.
+/// Section of the help.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct HelpSection {
     pub title: &'static str,
-    /// What to press, and what it does.
+    /// Keys or gesture, and their effect.
     pub lines: Vec<(String, &'static str)>,
 }
 
-/// What the mouse does: modifiers, the gesture, what it does, and in which mode only.
+/// Mouse gestures: modifiers, gesture, effect, and the mode to which the gesture is limited.
 const MOUSE: &[(Modifiers, &str, &str, Option<Mode>)] = &[
-    (Modifiers::NONE, "left drag", "Turn the view", None),
-    (Modifiers::SHIFT, "left drag", "Turn the view too", None),
-    (Modifiers::NONE, "right drag", "Move the view up, down and sideways", None),
-    (Modifiers::SHIFT, "right drag", "Move the view over the ground", None),
+    (Modifiers::NONE, "left drag", "Rotate the view", None),
+    (Modifiers::SHIFT, "left drag", "Rotate the view", None),
+    (Modifiers::NONE, "right drag", "Move the view vertically and sideways", None),
+    (Modifiers::SHIFT, "right drag", "Move the view horizontally", None),
     (Modifiers::NONE, "middle drag, wheel", "Zoom", None),
-    (Modifiers::NONE, "left double-click", "Select a body, or nothing", None),
+    (Modifiers::NONE, "left double-click", "Select a body or unselect", None),
     (Modifiers::NONE, "right double-click", "Look at a point", None),
-    (Modifiers::COMMAND, "right double-click", "Follow a body", None),
-    (Modifiers::COMMAND, "left drag", "Turn the selected body", None),
-    (Modifiers::COMMAND, "right drag", "Pull the selected body; where paused, move it", None),
-    (Modifiers::COMMAND, "wheel", "Burst: more or fewer moments", Some(Mode::Trajectory)),
+    (Modifiers::COMMAND, "right double-click", "Track a body", None),
+    (Modifiers::COMMAND, "left drag", "Rotate the selected body", None),
+    (Modifiers::COMMAND, "right drag", "Pull the selected body; while paused, move it", None),
+    (Modifiers::COMMAND, "wheel", "Burst: more or fewer records", Some(Mode::Trajectory)),
     (Modifiers::SHIFT, "wheel", "Burst: slower or faster fading", Some(Mode::Trajectory)),
 ];
 
-/// The help for a mode.
-pub(crate) fn help(mode: Mode) -> Vec<HelpSection> {
+/// Returns the help for a mode.
+pub(crate) fn help_sections(mode: Mode) -> Vec<HelpSection> {
     let here = |only: Option<Mode>| only.is_none_or(|only| only == mode);
     let mouse = MOUSE.iter().filter(|(.., only)| here(*only));
     let mouse = mouse.map(|&(modifiers, gesture, help, _)| (format!("{modifiers}{gesture}"), help)).collect();
@@ -51,9 +51,9 @@ pub(crate) fn help(mode: Mode) -> Vec<HelpSection> {
     sections
 }
 
-/// The same as a text of at most so many columns, where the words allow it.
+/// Formats the help as text. Lines have at most this number of columns, except for longer words.
 pub(crate) fn help_text(mode: Mode, columns: usize) -> String {
-    let sections = help(mode);
+    let sections = help_sections(mode);
     let widest = sections.iter().flat_map(|section| &section.lines).map(|(keys, _)| keys.chars().count()).max();
     let left = widest.unwrap_or(0).min(columns / 2);
     let right = columns.saturating_sub(left + 3).max(10);
@@ -75,7 +75,7 @@ pub(crate) fn help_text(mode: Mode, columns: usize) -> String {
     text
 }
 
-/// Lines of at most so many characters; a word that is longer has a line of its own.
+/// Wraps a text at spaces. A word that is longer than the width gets a separate line.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

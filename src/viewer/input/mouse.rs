@@ -1,136 +1,133 @@
-//! Gestures of the mouse.
+//! Recognition of mouse gestures.
 
 use std::time::Duration;
 
 use super::{Modifiers, MouseButton};
 use crate::scene::{MouseAction, PerturbationFlags};
-use crate::viewer::mode::Mode;
-use crate::viewer::request::Place;
+use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, ViewportPoint};
 
-/// How soon a second click makes a double-click.
+/// Longest time between the presses of a double-click.
 const DOUBLE_CLICK: Duration = Duration::from_millis(250);
 
-/// A pointer that has moved farther than this while a button is held, in pixels, has dragged and not clicked.
+/// Motion of the pointer, in pixels, beyond which a click becomes a drag.
 const JITTER: f64 = 5.0;
 
-/// By how much a notch of the wheel zooms, in heights of the window: as in the engine's programs, away from the user is away
+/// Zoom by a notch of the wheel, in units of the window's height. As in the engine's programs, turning away from the user moves away
 /// from the scene.
 const NOTCH: f64 = -0.05;
 
-/// What a motion of the mouse means.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Meaning of a mouse event.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Gesture {
-    /// Nothing.
     None,
-    /// Moves the camera, in heights of the window.
+    /// Moves the camera, in units of the window's height.
     Camera(MouseAction, [f64; 2]),
-    /// Begins to turn or pull the selected body.
-    StartPerturbation(PerturbationFlags),
-    /// Moves where it is pulled to, in heights of the window.
-    Perturbation(MouseAction, [f64; 2]),
-    /// Lets it go.
-    StopPerturbation,
-    /// Selects what is there.
-    Select(Place),
-    /// Looks at what is there.
-    LookAt(Place),
-    /// Follows what is there.
-    Track(Place),
-    /// So many notches more other moments of the trajectory.
-    BurstFactor(f64),
-    /// So many notches slower fading of them.
-    BurstGamma(f64),
+    /// Sends a request to the physics.
+    Send(Request),
 }
 
-/// The time of an event by any clock, as far as it is known: an event that waits in a queue while a frame is drawn has no time.
+impl From<EndpointRequest> for Gesture {
+    fn from(request: EndpointRequest) -> Self {
+        Self::Send(request.into())
+    }
+}
+
+impl From<PlaybackRequest> for Gesture {
+    fn from(request: PlaybackRequest) -> Self {
+        Self::Send(request.into())
+    }
+}
+
+/// Bounds of the time of an event, by any monotonic clock. The exact time is unknown, because an event may have waited in the queue
+/// while a frame was drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Moment {
+pub(crate) struct EventTime {
     pub earliest: Duration,
     pub latest: Duration,
 }
 
-impl From<Duration> for Moment {
+impl From<Duration> for EventTime {
     fn from(time: Duration) -> Self {
         Self { earliest: time, latest: time }
     }
 }
 
-/// Makes gestures of what the mouse does. Positions are in pixels, from the upper left corner of the picture.
+/// Recogniser of mouse gestures. Positions are in pixels from the upper left corner of the window.
 #[derive(Debug)]
 pub(crate) struct Mouse {
-    at: [f64; 2],
+    position: [f64; 2],
     size: [f64; 2],
-    /// The button that is held, and whether it pulls a body.
+    /// Held button, and `true` if it perturbs a body.
     held: Option<(MouseButton, bool)>,
-    /// The last press, unless it began a drag.
+    /// Last press, unless it started a drag.
     last_press: Option<(MouseButton, Duration)>,
-    /// The place of the last press.
+    /// Position of the last press.
     pressed_at: [f64; 2],
 }
 
 impl Default for Mouse {
     fn default() -> Self {
-        Self { at: [0.0; 2], size: [1.0; 2], held: None, last_press: None, pressed_at: [0.0; 2] }
+        Self { position: [0.0; 2], size: [1.0; 2], held: None, last_press: None, pressed_at: [0.0; 2] }
     }
 }
 
 impl Mouse {
-    /// The size of the picture, pixels.
+    /// Sets the size of the window, pixels.
     pub fn resize(&mut self, size: [f64; 2]) {
         self.size = size.map(|pixels| pixels.max(1.0));
     }
 
-    /// Where it is.
-    pub fn place(&self) -> Place {
-        let ([x, y], [width, height]) = (self.at, self.size);
-        Place { aspectratio: width / height, at: [x / width, 1.0 - y / height] }
+    /// Returns the position of the pointer in the window.
+    fn point(&self) -> ViewportPoint {
+        let ([x, y], [width, height]) = (self.position, self.size);
+        ViewportPoint { aspectratio: width / height, position: [x / width, 1.0 - y / height] }
     }
 
-    /// Handles the press of a button. `selected` says whether there is a body to pull. Two presses are a double-click if they may
-    /// have come close enough after one another.
+    /// Handles the press of a button. `selected` is `true` if there is a body to perturb. Two presses are a double-click if the bounds
+    /// of their times allow it.
     pub fn press(
         &mut self,
         button: MouseButton,
         modifiers: Modifiers,
-        moment: impl Into<Moment>,
+        time: impl Into<EventTime>,
         selected: bool,
     ) -> Gesture {
-        let moment = moment.into();
+        let time = time.into();
         if matches!(self.held, Some((_, true))) {
-            // One hand pulls already.
+            // A perturbation is in progress.
             return Gesture::None;
         }
         let double = self
             .last_press
             .take()
-            .is_some_and(|(last, then)| last == button && moment.earliest.saturating_sub(then) < DOUBLE_CLICK);
-        let pulls = modifiers.contains(Modifiers::COMMAND) && selected && button != MouseButton::Middle && !double;
-        (self.held, self.pressed_at) = (Some((button, pulls)), self.at);
+            .is_some_and(|(last, then)| last == button && time.earliest.saturating_sub(then) < DOUBLE_CLICK);
+        let perturbs = modifiers.contains(Modifiers::COMMAND) && selected && button != MouseButton::Middle && !double;
+        (self.held, self.pressed_at) = (Some((button, perturbs)), self.position);
         if double {
             return match (button, modifiers) {
-                (MouseButton::Left, Modifiers::NONE) => Gesture::Select(self.place()),
-                (MouseButton::Right, Modifiers::NONE) => Gesture::LookAt(self.place()),
-                (MouseButton::Right, Modifiers::COMMAND) => Gesture::Track(self.place()),
+                (MouseButton::Left, Modifiers::NONE) => EndpointRequest::Select(self.point()).into(),
+                (MouseButton::Right, Modifiers::NONE) => EndpointRequest::LookAt(self.point()).into(),
+                (MouseButton::Right, Modifiers::COMMAND) => EndpointRequest::Track(self.point()).into(),
                 _ => Gesture::None,
             };
         }
-        self.last_press = Some((button, moment.latest));
+        self.last_press = Some((button, time.latest));
         match button {
-            MouseButton::Left if pulls => Gesture::StartPerturbation(PerturbationFlags::ROTATE),
-            MouseButton::Right if pulls => Gesture::StartPerturbation(PerturbationFlags::TRANSLATE),
+            MouseButton::Left if perturbs => EndpointRequest::StartPerturbation(PerturbationFlags::ROTATE).into(),
+            MouseButton::Right if perturbs => EndpointRequest::StartPerturbation(PerturbationFlags::TRANSLATE).into(),
             _ => Gesture::None,
         }
     }
 
-    /// The mouse has come to a place.
-    pub fn moved(&mut self, at: [f64; 2], modifiers: Modifiers) -> Gesture {
-        let before = std::mem::replace(&mut self.at, at);
-        let Some((button, pulls)) = self.held else { return Gesture::None };
-        if (0..2).any(|axis| (at[axis] - self.pressed_at[axis]).abs() > JITTER) {
+    /// Handles a motion of the pointer to a position.
+    pub fn moved(&mut self, position: [f64; 2], modifiers: Modifiers) -> Gesture {
+        let before = std::mem::replace(&mut self.position, position);
+        let Some((button, perturbs)) = self.held else { return Gesture::None };
+        if (0..2).any(|axis| (position[axis] - self.pressed_at[axis]).abs() > JITTER) {
             self.last_press = None;
         }
-        // By the height in both directions, so that a picture that is wide does not turn faster.
-        let motion = [0, 1].map(|axis| (at[axis] - before[axis]) / self.size[1]);
+        // Relative to the height in both directions, so that the speed does not depend on the aspect ratio.
+        let motion = [0, 1].map(|axis| (position[axis] - before[axis]) / self.size[1]);
         if motion == [0.0; 2] {
             return Gesture::None;
         }
@@ -141,37 +138,41 @@ impl Mouse {
             (MouseButton::Right, true) => MouseAction::MoveH,
             (MouseButton::Middle, _) => MouseAction::Zoom,
         };
-        if pulls { Gesture::Perturbation(action, motion) } else { Gesture::Camera(action, motion) }
+        if perturbs {
+            EndpointRequest::MovePerturbation(action, motion).into()
+        } else {
+            Gesture::Camera(action, motion)
+        }
     }
 
-    /// A button is released.
+    /// Handles the release of a button.
     pub fn release(&mut self, button: MouseButton) -> Gesture {
         match self.held {
-            Some((held, pulls)) if held == button => {
+            Some((held, perturbs)) if held == button => {
                 self.held = None;
-                if pulls { Gesture::StopPerturbation } else { Gesture::None }
+                if perturbs { EndpointRequest::StopPerturbation.into() } else { Gesture::None }
             }
             _ => Gesture::None,
         }
     }
 
-    /// The window has lost the mouse: whatever is held is released.
+    /// Releases the held button after the window has lost the focus.
     pub fn leave(&mut self) -> Gesture {
         self.last_press = None;
         self.held.map_or(Gesture::None, |(button, _)| self.release(button))
     }
 
-    /// The wheel has turned by so many notches, away from the user; touchpads turn by fractions.
+    /// Handles a turn of the wheel, in notches away from the user. Touchpads produce fractions.
     pub fn scroll(&self, notches: f64, modifiers: Modifiers, mode: Mode) -> Gesture {
-        // Whoever drags with the wheel turns it by mistake.
+        // The wheel may turn by accident while it is the pressed middle button.
         let dragged = matches!(self.held, Some((MouseButton::Middle, _)));
         if !notches.is_finite() || notches == 0.0 || dragged {
             return Gesture::None;
         }
         match (modifiers, mode) {
             (Modifiers::NONE, _) => Gesture::Camera(MouseAction::Zoom, [0.0, NOTCH * notches]),
-            (Modifiers::COMMAND, Mode::Trajectory) => Gesture::BurstFactor(notches),
-            (Modifiers::SHIFT, Mode::Trajectory) => Gesture::BurstGamma(notches),
+            (Modifiers::COMMAND, Mode::Trajectory) => PlaybackRequest::ChangeBurstFactor(notches).into(),
+            (Modifiers::SHIFT, Mode::Trajectory) => PlaybackRequest::ChangeBurstGamma(notches).into(),
             _ => Gesture::None,
         }
     }

@@ -1,26 +1,27 @@
-//! Where the panels are. All of them lie over the picture, in layers above the background, so that whether the pointer is over one
-//! of them can be told at any time.
+//! Layout and style of the panels. All panels lie over the picture, in layers above the background layer, so that the overlay can
+//! always determine if the pointer is over a panel.
 
-use egui::{Align2, Area, CollapsingHeader, Context, Id, Order, RichText, ScrollArea, TextWrapMode, Ui, Vec2};
+use egui::{
+    Align2, Area, CollapsingHeader, Color32, Context, CornerRadius, FontFamily, FontId, Frame, Id, Margin, Order,
+    RichText, ScrollArea, Shadow, Stroke, TextStyle, TextWrapMode, Theme, Ui, Vec2,
+};
 
-use super::style;
-
-/// Width of the panels at the sides, points.
-pub(super) const SIDE: f32 = 286.0;
-/// Between a panel and what is next to it.
+/// Width of the side panels, points.
+pub(super) const SIDE_WIDTH: f32 = 286.0;
+/// Gap around the panels, points.
 pub(super) const GAP: f32 = 8.0;
 
 fn side(context: &Context, id: &'static str, anchor: Align2, content: impl FnOnce(&mut Ui)) {
     let height = context.content_rect().height();
     Area::new(Id::unique(id)).anchor(anchor, Vec2::ZERO).order(Order::Middle).show(context, |ui| {
-        let frame = style::side();
+        let frame = side_frame();
         let margin = frame.total_margin().sum();
         frame.show(ui, |ui| {
-            let width = SIDE - margin.x;
+            let width = SIDE_WIDTH - margin.x;
             ui.set_width(width);
             ui.set_height(height - margin.y);
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                // Beside the bar, that comes and goes.
+                // Leaves space for the scroll bar, which is visible only if needed.
                 ui.set_width(width - ui.spacing().scroll.bar_width - ui.spacing().scroll.bar_inner_margin);
                 ui.style_mut().wrap_mode = Some(TextWrapMode::Truncate);
                 content(ui);
@@ -29,36 +30,36 @@ fn side(context: &Context, id: &'static str, anchor: Align2, content: impl FnOnc
     });
 }
 
-/// A panel at the left side of the window.
+/// Shows a panel at the left side of the window.
 pub(super) fn left(context: &Context, content: impl FnOnce(&mut Ui)) {
     side(context, "left", Align2::LEFT_TOP, content);
 }
 
-/// A panel at the right side of the window.
+/// Shows a panel at the right side of the window.
 pub(super) fn right(context: &Context, content: impl FnOnce(&mut Ui)) {
     side(context, "right", Align2::RIGHT_TOP, content);
 }
 
-/// In the lower left corner, beside the left panel.
+/// Shows a panel in the lower left corner, beside the left panel if it is open.
 pub(super) fn lower_left(context: &Context, beside: bool, content: impl FnOnce(&mut Ui)) {
-    let left = GAP + if beside { SIDE } else { 0.0 };
+    let left = GAP + if beside { SIDE_WIDTH } else { 0.0 };
     Area::new(Id::unique("lower left"))
         .anchor(Align2::LEFT_BOTTOM, [left, -GAP])
         .order(Order::Middle)
         .interactable(false)
-        .show(context, |ui| style::frame().show(ui, content));
+        .show(context, |ui| frame().show(ui, content));
 }
 
-/// In the middle of the window.
-pub(super) fn middle(context: &Context, id: &'static str, content: impl FnOnce(&mut Ui)) {
+/// Shows a panel in the centre of the window.
+pub(super) fn center(context: &Context, id: &'static str, content: impl FnOnce(&mut Ui)) {
     Area::new(Id::unique(id))
         .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
         .order(Order::Foreground)
         .default_size(context.content_rect().size())
-        .show(context, |ui| style::opaque().show(ui, content));
+        .show(context, |ui| opaque_frame().show(ui, content));
 }
 
-/// A part of a panel, that opens and closes.
+/// Shows a collapsible section of a panel.
 pub(super) fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) {
     CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open).show_unindented(ui, |ui| {
         content(ui);
@@ -66,17 +67,17 @@ pub(super) fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce
     });
 }
 
-/// Things side by side in two columns of the same width.
-pub(super) fn pairs<T>(ui: &mut Ui, things: impl IntoIterator<Item = T>, mut show: impl FnMut(&mut Ui, T)) {
+/// Shows items in two columns of the same width.
+pub(super) fn two_columns<T>(ui: &mut Ui, items: impl IntoIterator<Item = T>, mut show: impl FnMut(&mut Ui, T)) {
     ui.columns(2, |columns| {
-        for (index, thing) in things.into_iter().enumerate() {
-            show(&mut columns[index % 2], thing);
+        for (index, item) in items.into_iter().enumerate() {
+            show(&mut columns[index % 2], item);
         }
     });
 }
 
-/// A name of a fixed width, cut where it is longer, and something beside it.
-pub(super) fn named<R>(ui: &mut Ui, name: &str, width: f32, content: impl FnOnce(&mut Ui) -> R) -> R {
+/// Shows content beside a label of a fixed width, which is truncated if it is longer.
+pub(super) fn labelled<R>(ui: &mut Ui, name: &str, width: f32, content: impl FnOnce(&mut Ui) -> R) -> R {
     ui.horizontal(|ui| {
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -87,4 +88,79 @@ pub(super) fn named<R>(ui: &mut Ui, name: &str, width: f32, content: impl FnOnce
         content(ui)
     })
     .inner
+}
+
+/// Colour of headings and active elements.
+pub(super) const ACCENT: Color32 = Color32::from_rgb(86, 180, 233);
+/// Colour of warnings.
+pub(super) const WARNING: Color32 = Color32::from_rgb(230, 159, 0);
+/// Colour of errors.
+pub(super) const FAILURE: Color32 = Color32::from_rgb(235, 110, 90);
+/// Colour of secondary text.
+pub(super) const FAINT: Color32 = Color32::from_gray(150);
+const TEXT: Color32 = Color32::from_gray(222);
+const BACKGROUND: Color32 = Color32::from_rgba_premultiplied(22, 24, 28, 232);
+
+/// Palette of the curves: distinguishable with colour blindness (Okabe and Ito, 2008), brightened for a dark background.
+pub(super) const LINES: [Color32; 8] = [
+    Color32::from_rgb(86, 180, 233),
+    Color32::from_rgb(230, 159, 0),
+    Color32::from_rgb(0, 190, 140),
+    Color32::from_rgb(240, 228, 66),
+    Color32::from_rgb(213, 94, 0),
+    Color32::from_rgb(204, 121, 167),
+    Color32::from_rgb(60, 120, 220),
+    Color32::from_rgb(200, 200, 200),
+];
+
+/// Returns the translucent frame of a panel.
+pub(super) fn frame() -> Frame {
+    Frame::new().fill(BACKGROUND).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(10, 8))
+}
+
+/// Returns the opaque frame of a panel.
+fn opaque_frame() -> Frame {
+    frame().fill(BACKGROUND.to_opaque())
+}
+
+/// Returns the frame of a side panel.
+fn side_frame() -> Frame {
+    frame().corner_radius(CornerRadius::ZERO)
+}
+
+/// Applies the style of the panels: dark, compact, and without animations.
+pub fn apply_style(context: &Context) {
+    context.set_theme(Theme::Dark);
+    context.style_mut_of(Theme::Dark, |style| {
+        use FontFamily::{Monospace, Proportional};
+        style.text_styles = [
+            (TextStyle::Heading, FontId::new(16.0, Proportional)),
+            (TextStyle::Body, FontId::new(13.0, Proportional)),
+            (TextStyle::Button, FontId::new(13.0, Proportional)),
+            (TextStyle::Small, FontId::new(11.0, Proportional)),
+            (TextStyle::Monospace, FontId::new(12.0, Monospace)),
+        ]
+        .into();
+        style.spacing.item_spacing = egui::vec2(6.0, 4.0);
+        style.spacing.button_padding = egui::vec2(6.0, 2.0);
+        style.spacing.slider_width = 96.0;
+        style.spacing.interact_size.y = 18.0;
+        style.spacing.scroll.floating = false;
+        style.spacing.scroll.bar_width = 6.0;
+        style.animation_time = 0.0;
+        let visuals = &mut style.visuals;
+        visuals.panel_fill = BACKGROUND;
+        visuals.window_fill = BACKGROUND;
+        visuals.window_stroke = Stroke::new(1.0, Color32::from_gray(60));
+        visuals.window_shadow = Shadow::NONE;
+        visuals.popup_shadow = Shadow::NONE;
+        visuals.extreme_bg_color = Color32::from_rgb(12, 13, 16);
+        visuals.faint_bg_color = Color32::from_rgb(30, 32, 37);
+        visuals.override_text_color = Some(TEXT);
+        visuals.selection.bg_fill = Color32::from_rgb(38, 92, 128);
+        visuals.selection.stroke = Stroke::new(1.0, Color32::WHITE);
+        visuals.slider_trailing_fill = true;
+        visuals.collapsing_header_frame = false;
+        visuals.indent_has_left_vline = false;
+    });
 }

@@ -1,17 +1,17 @@
-//! What the simulation computes with.
+//! Panels of the physics options and the equality constraints.
 
 use egui::{DragValue, Ui};
 
-use super::{Shown, layout, visual};
+use super::{PanelContext, display_name, layout, visual};
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
 use crate::model::{DisableFlags, EnableFlags};
-use crate::viewer::request::Request;
+use crate::viewer::link::EndpointRequest;
 
-/// Width of the names.
-const NAMES: f32 = 104.0;
+/// Width of the labels, points.
+const LABEL_WIDTH: f32 = 104.0;
 
-pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
-    let mut options = shown.options;
+pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let mut options = cx.options;
     let before = options;
 
     choice(ui, "integrator", &mut options.integrator, Integrator::from_raw);
@@ -34,17 +34,17 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
     vector(ui, "wind, m/s", &mut options.wind);
     vector(ui, "magnetic", &mut options.magnetic);
 
-    ui.strong("Parts of a step");
+    ui.strong("Enabled by default");
     let mut disable = options.disable;
-    flags(ui, DisableFlags::all().iter_names(), |flag| !options.disable.contains(flag), |flag| disable.toggle(flag));
+    toggles(ui, DisableFlags::all().iter_names(), |flag| !options.disable.contains(flag), |flag| disable.toggle(flag));
     options.disable = disable;
-    ui.strong("Extras");
+    ui.strong("Optional");
     let mut enable = options.enable;
-    flags(ui, EnableFlags::all().iter_names(), |flag| options.enable.contains(flag), |flag| enable.toggle(flag));
+    toggles(ui, EnableFlags::all().iter_names(), |flag| options.enable.contains(flag), |flag| enable.toggle(flag));
     options.enable = enable;
 
     if options != before {
-        shown.ask(Request::SetOptions(Box::new(options)));
+        cx.send(EndpointRequest::SetOptions(Box::new(options)));
     }
 }
 
@@ -54,29 +54,27 @@ fn choice<T: Copy + PartialEq + std::fmt::Debug>(
     value: &mut T,
     from_raw: fn(i32) -> Option<T>,
 ) {
-    layout::named(ui, name, NAMES, |ui| visual::choice(ui, name, value, (0..).map_while(from_raw)));
+    layout::labelled(ui, name, LABEL_WIDTH, |ui| visual::choice(ui, name, value, (0..).map_while(from_raw)));
 }
 
-fn number(ui: &mut Ui, name: &str, value: &mut f64, speed: f64, least: f64) {
-    layout::named(ui, name, NAMES, |ui| {
+fn number(ui: &mut Ui, name: &str, value: &mut f64, speed: f64, min: f64) {
+    layout::labelled(ui, name, LABEL_WIDTH, |ui| {
         let text =
             |value: f64, _| if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { format!("{value}") };
         ui.add(
-            DragValue::new(value)
-                .speed(speed)
-                .range(least..=f64::MAX)
-                .custom_formatter(text)
-                .update_while_editing(false),
+            DragValue::new(value).speed(speed).range(min..=f64::MAX).custom_formatter(text).update_while_editing(false),
         );
     });
 }
 
 fn count(ui: &mut Ui, name: &str, value: &mut usize) {
-    layout::named(ui, name, NAMES, |ui| ui.add(DragValue::new(value).range(0..=100_000).update_while_editing(false)));
+    layout::labelled(ui, name, LABEL_WIDTH, |ui| {
+        ui.add(DragValue::new(value).range(0..=100_000).update_while_editing(false))
+    });
 }
 
 fn vector(ui: &mut Ui, name: &str, values: &mut [f64; 3]) {
-    layout::named(ui, name, NAMES, |ui| {
+    layout::labelled(ui, name, LABEL_WIDTH, |ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         for value in values {
             ui.add(DragValue::new(value).speed(0.01).max_decimals(2).update_while_editing(false));
@@ -84,16 +82,27 @@ fn vector(ui: &mut Ui, name: &str, values: &mut [f64; 3]) {
     });
 }
 
-fn flags<F: Copy>(
+fn toggles<F: Copy>(
     ui: &mut Ui,
-    every: impl Iterator<Item = (&'static str, F)>,
+    flags: impl Iterator<Item = (&'static str, F)>,
     is_on: impl Fn(F) -> bool,
     mut toggle: impl FnMut(F),
 ) {
-    layout::pairs(ui, every, |ui, (name, flag)| {
+    layout::two_columns(ui, flags, |ui, (name, flag)| {
         let mut on = is_on(flag);
-        if ui.checkbox(&mut on, visual::sentence(name)).changed() {
+        if ui.checkbox(&mut on, visual::words(name)).changed() {
             toggle(flag);
         }
     });
+}
+
+pub(super) fn show_equalities(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let model = cx.snapshot.model.clone();
+    for equality in model.equalities() {
+        let mut active = equality.active();
+        let text = format!("{} ({:?})", display_name(equality.name(), equality.index()), equality.equality_type());
+        if ui.checkbox(&mut active, text).changed() {
+            cx.send(EndpointRequest::SetEquality(equality.id(), active));
+        }
+    }
 }

@@ -1,59 +1,60 @@
-//! Numbers over time.
+//! Plots of values over time, and the panel of watched values.
 
-use egui::{Align2, Area, Color32, Context, Id, Order, RichText, Ui};
+use egui::{Align2, Area, Color32, Context, Id, Order, RichText, TextEdit, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
 
-use super::layout::{GAP, SIDE};
-use super::{Shown, style};
+use super::curves::{Curve, Curves};
+use super::layout::{GAP, SIDE_WIDTH};
+use super::{PanelContext, layout};
 use crate::model::EnableFlags;
-use crate::viewer::plot::{Curve, Plots as Curves};
-use crate::viewer::snapshot::Snapshot;
-use crate::viewer::watch::Watch;
+use crate::viewer::endpoint::Watch;
+use crate::viewer::link::{EndpointRequest, Snapshot};
 
 /// Width of the plots, points.
 const WIDTH: f32 = 330.0;
-/// Their greatest height.
-pub(super) const HEIGHT: f32 = 120.0;
-/// What is above a plot.
-const ABOVE: f32 = 40.0;
-/// How many curves a plot has at most: more cannot be told apart.
-const MOST_CURVES: usize = 16;
+/// Greatest height of a plot, points.
+const MAX_HEIGHT: f32 = 120.0;
+/// Height of the title and the legend of a plot, points.
+const TITLE_HEIGHT: f32 = 40.0;
+/// Most curves in a plot. More could not be distinguished.
+const MAX_CURVES: usize = 16;
 
-/// The curves, and which snapshot they have seen last.
+/// Plots at the lower right of the window.
 #[derive(Default)]
-pub(super) struct Plots {
+pub(super) struct PlotPanel {
     curves: Curves,
-    seen: Option<(u64, u64)>,
+    /// Generation and number of the last snapshot.
+    last: Option<(u64, u64)>,
 }
 
-impl Plots {
-    /// Adds what a snapshot says, if it is a new one.
-    pub fn take(&mut self, snapshot: &Snapshot, watched: &[Watch]) {
-        let name = (snapshot.generation, snapshot.number);
-        if self.seen != Some(name) {
-            self.seen = Some(name);
-            self.curves.take(snapshot, watched.iter().map(Watch::to_string));
+impl PlotPanel {
+    /// Adds the values of a snapshot to the curves unless it was added already.
+    pub fn update(&mut self, snapshot: &Snapshot, watched: &[Watch]) {
+        let id = (snapshot.generation, snapshot.number);
+        if self.last != Some(id) {
+            self.last = Some(id);
+            self.curves.update(snapshot, watched.iter().map(Watch::to_string));
         }
     }
 
-    /// The curves of what is watched.
+    /// Returns the curves of the watched values.
     pub fn watched(&self) -> &[Curve] {
         &self.curves.watched
     }
 
-    pub fn show(&self, context: &Context, shown: &Shown<'_>) {
-        let view = &*shown.view;
+    pub fn show(&self, context: &Context, cx: &PanelContext<'_>) {
+        let view = &*cx.view;
         let mut plots: Vec<(&str, &str, &[Curve])> = Vec::new();
         if view.sensors {
             plots.push((
                 "sensors",
-                if self.curves.sensors.is_empty() { "there are none" } else { "" },
+                if self.curves.sensors.is_empty() { "none in this model" } else { "" },
                 &self.curves.sensors,
             ));
         }
         if view.profile {
-            let computed = shown.snapshot.model.options().enable.contains(EnableFlags::ENERGY);
-            let unit = if computed { "J" } else { "switch it on in Physics" };
+            let computed = cx.snapshot.model.options().enable.contains(EnableFlags::ENERGY);
+            let unit = if computed { "J" } else { "enable ENERGY in Physics" };
             plots.push(("solver", "", &self.curves.solver));
             plots.push(("time of a step", "ms", &self.curves.timing));
             plots.push(("energy", unit, &self.curves.energy));
@@ -61,41 +62,41 @@ impl Plots {
         if plots.is_empty() {
             return;
         }
-        // One above another, as high as there is room for.
+        // The plots are stacked and share the height of the window.
         let room = context.content_rect().height() - 4.0 * GAP;
-        let legend = if view.sensors { 2.0 * ABOVE } else { 0.0 };
-        let height = ((room - legend) / plots.len() as f32 - ABOVE).clamp(40.0, HEIGHT);
-        let right = GAP + if view.right_panel { SIDE } else { 0.0 };
-        let place = Area::new(Id::unique("plots")).anchor(Align2::RIGHT_BOTTOM, [-right, -GAP]);
-        place.order(Order::Middle).show(context, |ui| {
-            style::frame().show(ui, |ui| {
+        let legend = if view.sensors { 2.0 * TITLE_HEIGHT } else { 0.0 };
+        let height = ((room - legend) / plots.len() as f32 - TITLE_HEIGHT).clamp(40.0, MAX_HEIGHT);
+        let right = GAP + if view.right_panel { SIDE_WIDTH } else { 0.0 };
+        let area = Area::new(Id::unique("plots")).anchor(Align2::RIGHT_BOTTOM, [-right, -GAP]);
+        area.order(Order::Middle).show(context, |ui| {
+            layout::frame().show(ui, |ui| {
                 ui.set_width(WIDTH);
                 for (title, unit, curves) in plots {
-                    plot(ui, title, unit, curves, height);
+                    show_plot(ui, title, unit, curves, height);
                 }
             });
         });
     }
 }
 
-/// A plot over the time of the simulation, in the width that there is.
-pub(super) fn plot(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], height: f32) {
-    // The same again, darker, where there are more.
+/// Shows a plot over simulated time in the available width.
+fn show_plot(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], height: f32) {
+    // Further curves reuse the palette with darker colours.
     let color = |index: usize| {
-        let color = style::LINES[index % style::LINES.len()];
-        if index < style::LINES.len() { color } else { color.gamma_multiply(0.55) }
+        let color = layout::LINES[index % layout::LINES.len()];
+        if index < layout::LINES.len() { color } else { color.gamma_multiply(0.55) }
     };
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(7.0, 1.0);
         ui.label(RichText::new(title).strong());
         if !unit.is_empty() {
-            ui.label(RichText::new(unit).small().color(style::FAINT));
+            ui.label(RichText::new(unit).small().color(layout::FAINT));
         }
-        for (index, curve) in curves.iter().take(MOST_CURVES).enumerate() {
+        for (index, curve) in curves.iter().take(MAX_CURVES).enumerate() {
             ui.label(RichText::new(&curve.name).small().color(color(index)));
         }
-        if curves.len() > MOST_CURVES {
-            ui.label(RichText::new(format!("and {} more", curves.len() - MOST_CURVES)).small().color(style::FAINT));
+        if curves.len() > MAX_CURVES {
+            ui.label(RichText::new(format!("and {} more", curves.len() - MAX_CURVES)).small().color(layout::FAINT));
         }
     });
     let width = ui.available_width();
@@ -112,9 +113,74 @@ pub(super) fn plot(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], heigh
         .set_margin_fraction(egui::vec2(0.0, 0.1))
         .y_axis_min_width(38.0)
         .show(ui, |plot| {
-            for (index, curve) in curves.iter().take(MOST_CURVES).enumerate() {
+            for (index, curve) in curves.iter().take(MAX_CURVES).enumerate() {
                 let points: PlotPoints<'_> = curve.points().filter(|[_, value]| value.is_finite()).collect();
                 plot.line(Line::new(curve.name.clone(), points).color(color(index)).width(1.2));
             }
         });
+}
+
+/// Most watched values.
+const MAX_WATCHES: usize = 16;
+
+/// Panel of the watched values.
+#[derive(Default)]
+pub(super) struct WatchPanel {
+    watched: Vec<Watch>,
+    /// Text of the input field.
+    text: String,
+    /// Message of the last parse error.
+    problem: String,
+}
+
+impl WatchPanel {
+    pub fn watched(&self) -> &[Watch] {
+        &self.watched
+    }
+
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>, curves: &[Curve]) {
+        let mut changed = false;
+        ui.horizontal(|ui| {
+            let edit = TextEdit::singleline(&mut self.text).desired_width(150.0).hint_text("qpos[2]");
+            let entered = ui.add(edit).lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            if (ui.button("Watch").clicked() || entered) && self.watched.len() < MAX_WATCHES {
+                match self.text.parse::<Watch>() {
+                    Ok(watch) => {
+                        if !self.watched.contains(&watch) {
+                            self.watched.push(watch);
+                            changed = true;
+                        }
+                        self.text.clear();
+                        self.problem.clear();
+                    }
+                    Err(error) => self.problem = error.to_string(),
+                }
+            }
+        });
+        if !self.problem.is_empty() {
+            ui.add(egui::Label::new(RichText::new(&self.problem).color(layout::WARNING)).wrap());
+        }
+        let mut removed = None;
+        for (index, watch) in self.watched.iter().enumerate() {
+            ui.horizontal(|ui| {
+                if ui.small_button("x").on_hover_text("removes this value").clicked() {
+                    removed = Some(index);
+                }
+                ui.label(watch.to_string());
+                let value = cx.snapshot.watched.get(index).copied().unwrap_or(f64::NAN);
+                let value = if value.is_nan() { "none".to_owned() } else { format!("{value:.6}") };
+                ui.label(RichText::new(value).monospace());
+            });
+        }
+        if let Some(index) = removed {
+            self.watched.remove(index);
+            changed = true;
+        }
+        if changed {
+            cx.send(EndpointRequest::Watch(self.watched.clone()));
+        }
+        if !self.watched.is_empty() {
+            show_plot(ui, "watched", "", curves, MAX_HEIGHT);
+        }
+    }
 }

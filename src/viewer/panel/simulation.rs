@@ -1,115 +1,159 @@
-//! Pause, step, speed, mode, history.
+//! Panels of the simulation and of the playback of trajectories.
 
 use egui::{Button, RichText, Slider, Ui};
 
-use super::{Shown, layout, style};
+use super::{PanelContext, layout};
 use crate::viewer::input::{Action, WindowAction};
-use crate::viewer::mode::Mode;
-use crate::viewer::request::Request;
-use crate::viewer::snapshot::Status;
+use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SimulationRequest, Status};
 
-/// Width of the names.
-const NAMES: f32 = 56.0;
+/// Width of the labels, points.
+const LABEL_WIDTH: f32 = 56.0;
 
-pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
-    let status = shown.snapshot.status;
-    let own = status != Status::Program;
-    if own {
-        buttons(ui, shown);
-        modes(ui, shown);
-        speed(ui, shown);
-        history(ui, shown);
+pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let status = cx.snapshot.status;
+    if status != Status::Program {
+        buttons(ui, cx);
+        modes(ui, cx);
+        speed(ui, cx);
+        history(ui, cx);
     } else {
-        ui.label(RichText::new("The program steps this simulation.").color(style::FAINT));
+        ui.label(RichText::new("The program steps this simulation.").color(layout::FAINT));
         ui.horizontal(|ui| {
             if ui.button("Reset").clicked() {
-                shown.ask(Request::Reset);
+                cx.send(Request::Reset);
             }
         });
     }
-    files(ui, shown);
+    files(ui, cx);
 }
 
-fn buttons(ui: &mut Ui, shown: &mut Shown<'_>) {
-    let paused = shown.snapshot.status == Status::Paused;
+fn buttons(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let paused = cx.snapshot.status == Status::Paused;
     ui.horizontal(|ui| {
         if ui.add(Button::new(if paused { "Run" } else { "Pause" }).min_size(egui::vec2(46.0, 0.0))).clicked() {
-            shown.ask(Request::Pause(!paused));
+            cx.send(Request::Pause(!paused));
         }
         for (text, steps) in [("−50", -50), ("−1", -1), ("+1", 1), ("+50", 50)] {
             if ui.add_enabled(paused, Button::new(text)).clicked() {
-                shown.ask(Request::Step(steps));
+                cx.send(SimulationRequest::Step(steps));
             }
         }
-        if ui.button("Reset").on_hover_text("back to the start").clicked() {
-            shown.ask(Request::Reset);
+        if ui.button("Reset").on_hover_text("restores the start state").clicked() {
+            cx.send(Request::Reset);
         }
     });
 }
 
-fn files(ui: &mut Ui, shown: &mut Shown<'_>) {
+fn files(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     ui.horizontal(|ui| {
-        if ui.button("Reload").on_hover_text("reads the model's file again").clicked() {
-            shown.act(Action::Window(WindowAction::Reload));
+        if ui.button("Reload").on_hover_text("reloads the model's file").clicked() {
+            cx.actions.push(Action::Window(WindowAction::Reload));
         }
         if ui.button("Copy state").on_hover_text("as a <key> for the model's XML").clicked() {
-            shown.ask(Request::CopyState);
+            cx.send(EndpointRequest::CopyState);
         }
-        if ui.button("Picture").on_hover_text("saves what is seen, without the panels").clicked() {
-            shown.act(Action::Window(WindowAction::Screenshot));
+        if ui.button("Screenshot").on_hover_text("saves a screenshot without the panels").clicked() {
+            cx.actions.push(Action::Window(WindowAction::Screenshot));
         }
-        let recording = shown.facts.recording.is_some();
+        let recording = cx.status.recording.is_some();
         if ui.selectable_label(recording, if recording { "Stop" } else { "Record" }).clicked() {
-            shown.act(Action::Window(WindowAction::Record));
+            cx.actions.push(Action::Window(WindowAction::Record));
         }
     });
 }
 
-fn modes(ui: &mut Ui, shown: &mut Shown<'_>) {
-    layout::named(ui, "mode", 40.0, |ui| {
+fn modes(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    layout::labelled(ui, "mode", 40.0, |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for mode in shown.snapshot.modes.clone() {
+        for mode in cx.snapshot.modes.clone() {
             let text = if mode == Mode::Passive { "Passive".to_owned() } else { mode.to_string() };
-            if ui.selectable_label(mode == shown.snapshot.mode, text).clicked() {
-                shown.ask(Request::SetMode(mode));
+            if ui.selectable_label(mode == cx.snapshot.mode, text).clicked() {
+                cx.send(SimulationRequest::SetMode(mode));
             }
         }
     });
 }
 
-fn speed(ui: &mut Ui, shown: &mut Shown<'_>) {
-    let pace = shown.snapshot.pace;
-    layout::named(ui, "speed", NAMES, |ui| {
-        let mut factor = pace.wanted();
+fn speed(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let speed = cx.snapshot.speed;
+    layout::labelled(ui, "speed", LABEL_WIDTH, |ui| {
+        let mut factor = speed.target();
         let slider =
             Slider::new(&mut factor, 0.01..=10.0).logarithmic(true).custom_formatter(|value, _| format!("{value:.2}x"));
         if ui.add(slider).changed() {
-            shown.ask(Request::SetSpeed(factor));
+            cx.send(SimulationRequest::SetSpeed(factor));
         }
-        if ui.add_enabled(pace.by_factor, Button::new("1x")).on_hover_text("in real time").clicked() {
-            shown.ask(Request::ToggleSpeed);
+        if ui.add_enabled(speed.by_factor, Button::new("1x")).on_hover_text("in real time").clicked() {
+            cx.send(SimulationRequest::ToggleSpeed);
         }
     });
-    layout::named(ui, "reached", NAMES, |ui| {
-        if shown.snapshot.status == Status::Paused || pace.measured <= 0.0 {
-            ui.label(RichText::new("at rest").color(style::FAINT));
+    layout::labelled(ui, "measured", LABEL_WIDTH, |ui| {
+        if cx.snapshot.status == Status::Paused || speed.measured <= 0.0 {
+            ui.label(RichText::new("idle").color(layout::FAINT));
             return;
         }
-        let text = RichText::new(format!("{:.2}x real time", pace.measured)).monospace();
-        let slow = pace.measured < 0.9 * pace.wanted();
-        ui.label(if slow { text.color(style::WARNING) } else { text })
-            .on_hover_text(format!("{:.1} s were given up since the start", pace.dropped));
+        let text = RichText::new(format!("{:.2}x real time", speed.measured)).monospace();
+        let slow = speed.measured < 0.9 * speed.target();
+        ui.label(if slow { text.color(layout::WARNING) } else { text })
+            .on_hover_text(format!("{:.1} s were dropped since the start", speed.dropped));
     });
 }
 
-fn history(ui: &mut Ui, shown: &mut Shown<'_>) {
-    let (count, moment) = (shown.snapshot.history, shown.snapshot.moment);
-    layout::named(ui, "history", NAMES, |ui| {
-        let mut at = moment.min(count);
-        let slider = Slider::new(&mut at, 0..=count).show_value(false);
-        if ui.add_enabled(count > 0, slider).on_hover_text("states to go back to").changed() {
-            shown.ask(Request::Scrub(at));
+fn history(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let (count, position) = (cx.snapshot.history_len, cx.snapshot.history_position);
+    layout::labelled(ui, "history", LABEL_WIDTH, |ui| {
+        let mut index = position.min(count);
+        let slider = Slider::new(&mut index, 0..=count).show_value(false);
+        if ui.add_enabled(count > 0, slider).on_hover_text("previous states").changed() {
+            cx.send(SimulationRequest::Scrub(index));
         }
-        ui.label(RichText::new(format!("{}", at as i64 - count as i64)).monospace().color(style::FAINT));
+        ui.label(RichText::new(format!("{}", index as i64 - count as i64)).monospace().color(layout::FAINT));
     });
+}
+
+/// Width of the labels, points.
+const PLAYBACK_LABEL_WIDTH: f32 = 84.0;
+
+pub(super) fn show_playback(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let Some(playback) = cx.snapshot.playback else { return };
+    layout::labelled(ui, "trajectory", PLAYBACK_LABEL_WIDTH, |ui| {
+        let mut number = playback.trajectory + 1;
+        let slider = Slider::new(&mut number, 1..=playback.trajectories)
+            .custom_formatter(|value, _| format!("{value} / {}", playback.trajectories));
+        if ui.add_enabled(playback.trajectories > 1, slider).changed() {
+            cx.send(PlaybackRequest::SetTrajectory(number - 1));
+        }
+    });
+    layout::labelled(ui, "record", PLAYBACK_LABEL_WIDTH, |ui| {
+        let mut record = playback.frame + 1;
+        let slider = Slider::new(&mut record, 1..=playback.frames)
+            .custom_formatter(|value, _| format!("{value} / {}", playback.frames));
+        if ui.add(slider).changed() {
+            cx.send(PlaybackRequest::SetFrame(record - 1));
+        }
+    });
+    let burst = playback.burst;
+    ui.horizontal(|ui| {
+        for (text, on, request) in [
+            ("reverse", playback.reversed, PlaybackRequest::ToggleReverse),
+            ("burst", burst.on, PlaybackRequest::ToggleBurst),
+            ("Doppler", burst.doppler, PlaybackRequest::ToggleDoppler),
+        ] {
+            let mut on = on;
+            if ui.checkbox(&mut on, text).changed() {
+                cx.send(request);
+            }
+        }
+    });
+    let mut notches = |ui: &mut Ui, name: &str, value: f64, request: fn(f64) -> PlaybackRequest| {
+        layout::labelled(ui, name, PLAYBACK_LABEL_WIDTH, |ui| {
+            let mut wanted = value;
+            let slider = Slider::new(&mut wanted, 1.0..=40.0).step_by(1.0);
+            if ui.add_enabled(burst.on, slider).changed() {
+                cx.send(request(wanted - value));
+            }
+        });
+    };
+    notches(ui, "density", burst.factor, PlaybackRequest::ChangeBurstFactor);
+    notches(ui, "fading", burst.gamma, PlaybackRequest::ChangeBurstGamma);
 }

@@ -1,55 +1,54 @@
-//! What is shown: labels, frames and the parts of a scene.
+//! Panels of the visualisation: labels, frames, parts of the scene, groups, effects and camera.
 
-use egui::{ComboBox, Ui};
+use egui::{ComboBox, DragValue, RichText, Ui};
 
-use super::{Shown, layout};
-use crate::scene::{FrameMode, LabelMode};
-use crate::viewer::input::{Action, BINDINGS};
+use super::{PanelContext, display_name, layout};
+use crate::scene::{CameraView, FrameMode, LabelMode, RenderFlags};
+use crate::viewer::input::{Action, BINDINGS, ViewAction, WindowAction};
+use crate::viewer::link::EndpointRequest;
 
-/// Width of the names.
-const NAMES: f32 = 64.0;
+/// Width of the labels, points.
+const LABEL_WIDTH: f32 = 64.0;
 
-pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>) {
-    let options = &mut shown.view.options;
-    layout::named(ui, "label", NAMES, |ui| {
-        let every = (0..).map_while(LabelMode::from_raw);
-        choice(ui, "label", &mut options.label, every);
+pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let options = &mut cx.view.options;
+    layout::labelled(ui, "label", LABEL_WIDTH, |ui| {
+        choice(ui, "label", &mut options.label, (0..).map_while(LabelMode::from_raw));
     });
-    layout::named(ui, "frame", NAMES, |ui| {
-        let every = (0..).map_while(FrameMode::from_raw);
-        choice(ui, "frame", &mut options.frame, every);
+    layout::labelled(ui, "frame", LABEL_WIDTH, |ui| {
+        choice(ui, "frame", &mut options.frame, (0..).map_while(FrameMode::from_raw));
     });
     let flags = BINDINGS.iter().filter_map(|binding| match binding.action {
-        Action::Visual(flag) => Some((flag, binding)),
+        Action::View(ViewAction::Visual(flag)) => Some((flag, binding)),
         _ => None,
     });
-    layout::pairs(ui, flags, |ui, (flag, binding)| {
+    layout::two_columns(ui, flags, |ui, (flag, binding)| {
         let mut on = options.flags.contains(flag);
-        let text = sentence(&flag.iter_names().map(|(name, _)| name).collect::<String>());
+        let text = words(&flag.iter_names().map(|(name, _)| name).collect::<String>());
         if ui.checkbox(&mut on, text).on_hover_text(format!("{} ({})", binding.help, binding.key)).changed() {
             options.flags.set(flag, on);
         }
     });
 }
 
-/// One of several values, by their names.
+/// Shows a combo box with the names of values.
 pub(super) fn choice<T: Copy + PartialEq + std::fmt::Debug>(
     ui: &mut Ui,
     id: &str,
     value: &mut T,
-    every: impl IntoIterator<Item = T>,
+    values: impl IntoIterator<Item = T>,
 ) -> bool {
     let before = *value;
     ComboBox::from_id_salt(id).width(140.0).selected_text(format!("{value:?}")).show_ui(ui, |ui| {
-        for one in every {
-            ui.selectable_value(value, one, format!("{one:?}"));
+        for item in values {
+            ui.selectable_value(value, item, format!("{item:?}"));
         }
     });
     *value != before
 }
 
-/// The engine's spelling of a flag, as words.
-pub(super) fn sentence(name: &str) -> String {
+/// Converts the engine's name of a flag to words.
+pub(super) fn words(name: &str) -> String {
     let known = [
         ("CONVEXHULL", "convex hull"),
         ("RANGEFINDER", "rangefinder"),
@@ -69,4 +68,82 @@ pub(super) fn sentence(name: &str) -> String {
         .iter()
         .find(|(spelling, _)| *spelling == name)
         .map_or_else(|| name.to_lowercase().replace('_', " "), |(_, words)| (*words).to_owned())
+}
+
+/// Width of the labels, points.
+const GROUP_LABEL_WIDTH: f32 = 72.0;
+
+pub(super) fn show_groups(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let options = &mut cx.view.options;
+    for (name, groups) in [
+        ("geoms", &mut options.geomgroup),
+        ("sites", &mut options.sitegroup),
+        ("joints", &mut options.jointgroup),
+        ("tendons", &mut options.tendongroup),
+        ("actuators", &mut options.actuatorgroup),
+        ("skins", &mut options.skingroup),
+    ] {
+        layout::labelled(ui, name, GROUP_LABEL_WIDTH, |ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            for (number, on) in groups.iter_mut().enumerate() {
+                ui.toggle_value(on, number.to_string());
+            }
+        });
+    }
+}
+
+pub(super) fn show_rendering(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    camera(ui, cx);
+    layout::two_columns(ui, RenderFlags::all().iter_names(), |ui, (name, flag)| {
+        let mut on = cx.view.render.contains(flag);
+        if ui.checkbox(&mut on, words(name)).changed() {
+            cx.view.render.set(flag, on);
+        }
+    });
+    let mut vsync = cx.status.vsync;
+    if ui.checkbox(&mut vsync, "vertical synchronisation").changed() {
+        cx.actions.push(Action::Window(WindowAction::SetVsync(vsync)));
+    }
+    ui.label(RichText::new(format!("GPU: {}", cx.status.gpu)).small().color(layout::FAINT));
+}
+
+fn camera(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let model = cx.snapshot.model.clone();
+    let selected = cx.snapshot.selected.map(|selected| selected.body);
+    let camera = &mut cx.view.camera;
+    let text = match camera.view {
+        CameraView::Free => "free".to_owned(),
+        CameraView::User => "set by the program".to_owned(),
+        CameraView::Tracking(body) => format!("tracking {}", display_name(model.body(body).name(), body.index())),
+        CameraView::Fixed(fixed) => display_name(model.camera(fixed).name(), fixed.index()),
+    };
+    layout::labelled(ui, "camera", LABEL_WIDTH, |ui| {
+        ComboBox::from_id_salt("camera").width(140.0).selected_text(text).show_ui(ui, |ui| {
+            ui.selectable_value(&mut camera.view, CameraView::Free, "free");
+            if let Some(body) = selected {
+                let text = format!("track {}", display_name(model.body(body).name(), body.index()));
+                ui.selectable_value(&mut camera.view, CameraView::Tracking(body), text);
+            }
+            for fixed in model.cameras() {
+                let text = display_name(fixed.name(), fixed.index());
+                ui.selectable_value(&mut camera.view, CameraView::Fixed(fixed.id()), text);
+            }
+        });
+    });
+    ui.horizontal(|ui| {
+        if ui.button("Align").on_hover_text("free camera on the whole model").clicked() {
+            cx.actions.push(Action::View(ViewAction::Align));
+        }
+        if ui.button("Copy camera").on_hover_text("as a <camera> for the model's XML").clicked() {
+            cx.send(EndpointRequest::CopyCamera);
+        }
+    });
+    let camera = &mut cx.view.camera;
+    if matches!(camera.view, CameraView::Free | CameraView::Tracking(_)) {
+        layout::labelled(ui, "from", LABEL_WIDTH, |ui| {
+            ui.add(DragValue::new(&mut camera.azimuth).suffix("°").fixed_decimals(0));
+            ui.add(DragValue::new(&mut camera.elevation).suffix("°").range(-90.0..=90.0).fixed_decimals(0));
+            ui.add(DragValue::new(&mut camera.distance).suffix(" m").speed(0.01).range(0.001..=1e6).fixed_decimals(2));
+        });
+    }
 }

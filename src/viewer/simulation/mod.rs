@@ -1,134 +1,135 @@
-//! What the physics thread owns: the simulation, what makes it move, its past.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `turn.rs` | one turn of the thread's loop: requests, steps that are due, a snapshot |
-//! | `step.rs` | one step, in each mode, and what becomes of one that fails |
-//! | `request.rs` | requests that are for a simulation |
-//! | `caught.rs` | a panic as an error |
+//! Simulation of the physics thread: modes, pause, speed, history and the loop that steps it in real time.
 
-mod caught;
+mod clock;
+mod history;
+mod playback;
 mod request;
 mod step;
-mod turn;
+mod tick;
 
+use std::io;
 use std::sync::Arc;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use self::step::Effort;
-use super::bridge::Bridge;
-use super::clock::Clock;
-use super::history::History;
-use super::link::Back;
-use super::mode::{InfoLine, Mode, Player};
-use super::snapshot::{Pace, Status};
+use self::clock::RealTimeClock;
+pub(super) use self::clock::SpeedMeter;
+use self::history::History;
+use self::playback::Player;
+pub(crate) use self::playback::{Burst, PlaybackState};
+use self::step::StepTiming;
+use super::endpoint::SimulationEndpoint;
+use super::link::{InfoLine, Mode, PhysicsEnd, SimulationSpeed, Status};
 use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::Result;
+use crate::model::Model;
 use crate::trajectory::Trajectory;
 
-/// The factor that a viewer begins with, and the least and the largest.
-const FACTOR: f64 = 0.1;
-const LEAST_FACTOR: f64 = 1.0 / 1024.0;
-const MOST_FACTOR: f64 = 1024.0;
+/// Initial speed factor and its range.
+const INITIAL_FACTOR: f64 = 0.1;
+const MIN_FACTOR: f64 = 1.0 / 1024.0;
+const MAX_FACTOR: f64 = 1024.0;
 
-/// What the physics thread owns.
+/// Simulation that the viewer steps itself.
 #[allow(clippy::struct_excessive_bools, reason = "independent of each other")]
 pub(crate) struct Simulation {
     data: Data,
-    bridge: Bridge,
+    endpoint: SimulationEndpoint,
     controller: Option<Box<dyn Controller + Send>>,
     player: Option<Player>,
     modes: Vec<Mode>,
     mode: Mode,
     paused: bool,
-    /// The simulation was unpaused or a body was pulled, and no step has been taken since.
+    /// The simulation was resumed or a body was pulled, and no step has been taken since.
     owes_step: bool,
+    /// Speed factor.
     factor: f64,
+    /// The speed factor applies instead of real time.
     by_factor: bool,
-    clock: Clock,
+    clock: RealTimeClock,
     history: History,
-    effort: Effort,
-    /// What went wrong, until something goes on.
+    timing: StepTiming,
+    /// Message of the last error, until the simulation resumes.
     problem: String,
-    /// Memory for what the mode says.
+    /// Buffer of the info lines.
     lines: Vec<InfoLine>,
-    /// The state is not what the quantities were computed from.
+    /// The quantities that depend on the state were computed from another state.
     stale: bool,
-    /// The window has to see something new.
-    unseen: bool,
+    /// Something has changed since the last snapshot.
+    unpublished: bool,
+    /// Time of the last snapshot.
     published: Duration,
 }
 
 impl Simulation {
-    /// Of a simulation in the state that a reset is to return to. The modes are those that there is something for; it starts
-    /// paused in the first. The first snapshot is there when this returns.
+    /// Creates a paused simulation in the first available mode, and publishes the first snapshot. A reset restores the present state.
     ///
     /// # Errors
     ///
-    /// For a trajectory without records, or of another model; if there is no memory.
+    /// For a trajectory without records or of another model, and if there is no memory.
     pub fn new(
         data: Data,
         controller: Option<Box<dyn Controller + Send>>,
         trajectories: Vec<Trajectory>,
-        back: Back,
+        link: PhysicsEnd,
     ) -> Result<Self> {
         let player = if trajectories.is_empty() { None } else { Some(Player::new(trajectories, data.model())?) };
-        let bridge = Bridge::new(back, &data);
+        let endpoint = SimulationEndpoint::new(link, &data);
         let history = History::new(data.model());
         let mut simulation = Self {
             data,
-            bridge,
+            endpoint,
             controller,
             player,
             modes: Vec::new(),
             mode: Mode::Passive,
             paused: true,
             owes_step: false,
-            factor: FACTOR,
+            factor: INITIAL_FACTOR,
             by_factor: false,
-            clock: Clock::default(),
+            clock: RealTimeClock::default(),
             history,
-            effort: Effort::default(),
+            timing: StepTiming::default(),
             problem: String::new(),
             lines: Vec::new(),
             stale: true,
-            unseen: true,
+            unpublished: true,
             published: Duration::ZERO,
         };
-        simulation.find_modes();
+        simulation.update_modes();
         simulation.mode = simulation.modes[0];
         simulation.show_record();
-        simulation.turn(&|| Duration::ZERO);
+        simulation.tick(&|| Duration::ZERO);
         Ok(simulation)
     }
 
-    /// Ends it.
+    /// Returns the data without the force of the perturbation.
     pub fn into_data(mut self) -> Data {
-        self.bridge.remove_perturbation(&mut self.data);
+        self.endpoint.remove_perturbation(&mut self.data);
         self.data
     }
 
-    fn find_modes(&mut self) {
-        let there = [self.controller.is_some(), self.player.is_some(), true];
+    fn update_modes(&mut self) {
+        let available = [self.controller.is_some(), self.player.is_some(), true];
         self.modes.clear();
         let modes = [Mode::Controller, Mode::Trajectory, Mode::Passive];
-        self.modes.extend(modes.into_iter().zip(there).filter(|(_, there)| *there).map(|(mode, _)| mode));
+        self.modes.extend(modes.into_iter().zip(available).filter(|(_, available)| *available).map(|(mode, _)| mode));
     }
 
-    /// In the trajectory mode: the simulation is what the present record says.
+    /// Sets the state to the present record in the trajectory mode.
     fn show_record(&mut self) {
         if self.mode == Mode::Trajectory
             && let Some(player) = &self.player
         {
             let shown = player.show(&mut self.data);
-            (self.stale, self.unseen) = (true, true);
-            self.note(shown);
+            (self.stale, self.unpublished) = (true, true);
+            self.check(shown);
         }
     }
 
-    /// Tells what went wrong, if it did, and pauses.
-    fn note<T>(&mut self, result: Result<T>) -> Option<T> {
+    /// Returns the value of a result. An error pauses the simulation and is shown.
+    fn check<T>(&mut self, result: Result<T>) -> Option<T> {
         match result {
             Ok(value) => Some(value),
             Err(error) => {
@@ -139,18 +140,14 @@ impl Simulation {
     }
 
     fn fail(&mut self, problem: String) {
-        log::warn!("the viewer pauses: {problem}");
+        log::warn!("the viewer pauses the simulation: {problem}");
         self.problem = problem;
         (self.paused, self.owes_step) = (true, false);
-        self.unseen = true;
+        self.unpublished = true;
     }
 
-    fn speed(&self) -> f64 {
-        self.pace().wanted()
-    }
-
-    fn pace(&self) -> Pace {
-        Pace {
+    fn speed(&self) -> SimulationSpeed {
+        SimulationSpeed {
             factor: self.factor,
             by_factor: self.by_factor,
             measured: self.clock.measured(),
@@ -167,15 +164,14 @@ impl Simulation {
         }
     }
 
-    /// Goes on with another model, in its reference position.
-    fn reload(&mut self, model: Arc<crate::model::Model>) -> Result<()> {
-        let data = Data::new(model)?;
-        self.data = data;
-        self.bridge.adopt(&self.data);
+    /// Replaces the model, and starts in its reference configuration.
+    fn reload(&mut self, model: Arc<Model>) -> Result<()> {
+        self.data = Data::new(model)?;
+        self.endpoint.adopt(&self.data);
         self.history = History::new(self.data.model());
         if self.player.as_ref().is_some_and(|player| !player.fits(self.data.model())) {
             self.player = None;
-            self.find_modes();
+            self.update_modes();
             if !self.modes.contains(&self.mode) {
                 self.mode = self.modes[0];
             }
@@ -184,5 +180,24 @@ impl Simulation {
         self.stale = true;
         self.show_record();
         Ok(())
+    }
+}
+
+/// Thread that runs a simulation. It ends when the window's end of the link is closed or dropped.
+#[derive(Debug)]
+pub(crate) struct PhysicsThread {
+    thread: JoinHandle<Data>,
+}
+
+impl PhysicsThread {
+    /// Starts the thread.
+    pub fn start(simulation: Simulation) -> io::Result<Self> {
+        let thread = thread::Builder::new().name("physics".to_owned()).spawn(move || simulation.run())?;
+        Ok(Self { thread })
+    }
+
+    /// Waits for the end of the thread. `None` if it has panicked.
+    pub fn join(self) -> Option<Data> {
+        self.thread.join().ok()
     }
 }

@@ -1,65 +1,76 @@
-//! Requests that are for a simulation.
+//! Execution of requests by the simulation.
 
-use super::{LEAST_FACTOR, MOST_FACTOR, Simulation};
-use crate::viewer::bridge::Outcome;
-use crate::viewer::event::Event;
-use crate::viewer::mode::{Burst, Mode, Player};
-use crate::viewer::request::Request;
+use super::{Burst, MAX_FACTOR, MIN_FACTOR, Player, Simulation};
+use crate::viewer::link::{Event, Mode, PlaybackRequest, Request, SimulationRequest};
 
-/// How many steps are taken at once at most.
-const MOST_STEPS: u32 = 10_000;
+/// Most steps of a single request.
+const MAX_STEPS: u32 = 10_000;
 
 impl Simulation {
     /// Executes a request.
     pub(super) fn execute(&mut self, request: Request) {
-        self.unseen = true;
+        self.unpublished = true;
         if self.stale && request.reads_poses() && self.data.check_usable().is_ok() {
             self.refresh();
         }
-        // The force of a pull acts in a step. Records are played without forces.
-        if matches!(request, Request::MovePerturbation(..)) && !self.paused && self.mode != Mode::Trajectory {
-            self.owes_step |= self.bridge.is_pulling();
+        // A pull acts during a step. The playback of records applies no forces.
+        if request.moves_perturbation() && !self.paused && self.mode != Mode::Trajectory {
+            self.owes_step |= self.endpoint.is_perturbing();
         }
         match request {
             Request::Pause(paused) => self.pause(paused),
             Request::TogglePause => self.pause(!self.paused),
-            Request::Step(steps) => self.step_by(steps),
-            Request::ToggleSpeed => self.by_factor = !self.by_factor,
-            Request::Faster => self.set_factor(self.factor * 2.0),
-            Request::Slower => self.set_factor(self.factor / 2.0),
-            Request::SetSpeed(factor) => self.set_factor(factor),
-            Request::CycleMode(step) => {
+            Request::Reset => self.reset(),
+            Request::Simulation(request) => self.execute_simulation(request),
+            Request::Playback(request) => self.execute_playback(request),
+            Request::Endpoint(request) => match self.endpoint.execute(request, &mut self.data) {
+                Ok(changed) => self.stale |= changed,
+                // Only the request has failed; the simulation is unchanged.
+                Err(error) => self.endpoint.link.send(Event::Notice(error.to_string())),
+            },
+        }
+    }
+
+    fn execute_simulation(&mut self, request: SimulationRequest) {
+        match request {
+            SimulationRequest::Step(steps) => self.step_by(steps),
+            SimulationRequest::ToggleSpeed => self.by_factor = !self.by_factor,
+            SimulationRequest::Faster => self.set_factor(self.factor * 2.0),
+            SimulationRequest::Slower => self.set_factor(self.factor / 2.0),
+            SimulationRequest::SetSpeed(factor) => self.set_factor(factor),
+            SimulationRequest::CycleMode(step) => {
                 let present = self.modes.iter().position(|&mode| mode == self.mode).unwrap_or(0) as i32;
                 let next = (present + step).rem_euclid(self.modes.len() as i32) as usize;
                 self.set_mode(self.modes[next]);
             }
-            Request::SetMode(mode) if self.modes.contains(&mode) => self.set_mode(mode),
-            Request::SetMode(_) => {}
-            Request::Scrub(index) => self.scrub(index),
-            Request::Reload(model) => {
-                let reloaded = self.reload(model);
-                self.note(reloaded);
+            SimulationRequest::SetMode(mode) => {
+                if self.modes.contains(&mode) {
+                    self.set_mode(mode);
+                }
             }
-            Request::Reset => self.reset(),
-            Request::Reverse => self.play(|player| player.reversed = !player.reversed),
-            Request::CycleTrajectory(step) => self.play(|player| player.cycle(step)),
-            Request::SetTrajectory(index) => self.play(|player| player.choose(index)),
-            Request::SetFrame(frame) => self.play(|player| player.go_to(frame)),
-            Request::Burst => self.play(|player| player.burst.on = !player.burst.on),
-            Request::Doppler => self.play(|player| player.burst.doppler = !player.burst.doppler),
-            Request::BurstFactor(notches) => {
-                self.play(|player| player.burst.factor = Burst::turned(player.burst.factor, notches));
+            SimulationRequest::Scrub(index) => self.scrub(index),
+            SimulationRequest::Reload(model) => {
+                let reloaded = self.reload(model.0);
+                self.check(reloaded);
             }
-            Request::BurstGamma(notches) => {
-                self.play(|player| player.burst.gamma = Burst::turned(player.burst.gamma, notches));
-            }
-            other => match self.bridge.execute(other, &mut self.data) {
-                Ok(Outcome::Changed) => self.stale = true,
-                Ok(Outcome::Done | Outcome::Left) => {}
-                // The simulation goes on as it was; what has failed is what was asked for.
-                Err(error) => self.bridge.back.tell(Event::Notice(error.to_string())),
-            },
         }
+    }
+
+    fn execute_playback(&mut self, request: PlaybackRequest) {
+        self.with_player(|player| match request {
+            PlaybackRequest::ToggleReverse => player.reversed = !player.reversed,
+            PlaybackRequest::CycleTrajectory(step) => player.cycle(step),
+            PlaybackRequest::SetTrajectory(index) => player.choose(index),
+            PlaybackRequest::SetFrame(frame) => player.go_to(frame),
+            PlaybackRequest::ToggleBurst => player.burst.on = !player.burst.on,
+            PlaybackRequest::ToggleDoppler => player.burst.doppler = !player.burst.doppler,
+            PlaybackRequest::ChangeBurstFactor(notches) => {
+                player.burst.factor = Burst::adjusted(player.burst.factor, notches);
+            }
+            PlaybackRequest::ChangeBurstGamma(notches) => {
+                player.burst.gamma = Burst::adjusted(player.burst.gamma, notches);
+            }
+        });
     }
 
     fn pause(&mut self, paused: bool) {
@@ -69,7 +80,7 @@ impl Simulation {
             }
             self.problem.clear();
         } else if !self.paused && self.mode != Mode::Trajectory {
-            // A step leaves quantities of the state before it, which is not what is shown standing still.
+            // A step leaves quantities of the state before it; the paused picture must show the present state.
             self.stale = true;
         }
         self.owes_step = !paused && (self.paused || self.owes_step);
@@ -82,18 +93,18 @@ impl Simulation {
         }
         if self.mode == Mode::Trajectory {
             let timestep = self.data.model().timestep();
-            self.play(|player| {
+            self.with_player(|player| {
                 player.advance(steps.into(), timestep);
             });
             return;
         }
-        let number = steps.unsigned_abs().min(MOST_STEPS);
+        let number = steps.unsigned_abs().min(MAX_STEPS);
         if steps < 0 { self.step_back(number) } else { self.step_while_paused(number) }
     }
 
     fn set_factor(&mut self, factor: f64) {
         if factor.is_finite() {
-            self.factor = factor.clamp(LEAST_FACTOR, MOST_FACTOR);
+            self.factor = factor.clamp(MIN_FACTOR, MAX_FACTOR);
             self.by_factor = true;
         }
     }
@@ -103,9 +114,9 @@ impl Simulation {
             return;
         }
         if self.mode != Mode::Passive {
-            // What a controller or a record has set is not to go on by itself.
-            let cleared = self.bridge.clear_inputs(&mut self.data);
-            self.note(cleared);
+            // Controls of a controller or a record must not persist.
+            let cleared = self.endpoint.clear_inputs(&mut self.data);
+            self.check(cleared);
         }
         self.mode = mode;
         self.stale = true;
@@ -116,12 +127,12 @@ impl Simulation {
     fn reset(&mut self) {
         self.problem.clear();
         if self.mode == Mode::Trajectory {
-            self.play(|player| player.go_to(0));
+            self.with_player(|player| player.go_to(0));
             return;
         }
-        let reset = self.bridge.reset(&mut self.data);
+        let reset = self.endpoint.reset(&mut self.data);
         self.stale = false;
-        self.note(reset);
+        self.check(reset);
     }
 
     fn scrub(&mut self, index: usize) {
@@ -135,8 +146,8 @@ impl Simulation {
         }
     }
 
-    /// Changes how trajectories are played, where they are.
-    fn play(&mut self, change: impl FnOnce(&mut Player)) {
+    /// Modifies the player in the trajectory mode, and shows the present record.
+    fn with_player(&mut self, change: impl FnOnce(&mut Player)) {
         if let Some(player) = self.player.as_mut().filter(|_| self.mode == Mode::Trajectory) {
             change(player);
             self.show_record();

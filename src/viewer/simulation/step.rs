@@ -1,35 +1,33 @@
-//! One step, in each mode, and what becomes of one that fails.
+//! Single steps in each mode, and recovery from steps that fail.
 
 use std::time::{Duration, Instant};
 
-use super::Simulation;
-use super::caught::caught;
+use super::{History, Simulation};
 use crate::controller::Controller;
 use crate::data::Data;
-use crate::error::Result;
-use crate::viewer::bridge::Bridge;
-use crate::viewer::history::History;
-use crate::viewer::mode::{InfoLine, InfoLines, Mode};
+use crate::error::{Result, catch_panic};
+use crate::viewer::endpoint::SimulationEndpoint;
+use crate::viewer::link::{InfoLine, InfoLines, Mode};
 
-/// How much of the mean the newest step is.
-const NEWEST: f64 = 0.1;
+/// Weight of the newest step in the moving averages.
+const WEIGHT: f64 = 0.1;
 
-/// How long steps take, s: means in which the newest count most.
+/// Exponential moving averages of the computing time of a step, s.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Effort {
+pub(super) struct StepTiming {
     controller: f64,
     step: f64,
 }
 
-impl Effort {
-    fn take(&mut self, controller: Duration, step: Duration) {
+impl StepTiming {
+    fn record(&mut self, controller: Duration, step: Duration) {
         for (mean, new) in [(&mut self.controller, controller), (&mut self.step, step)] {
             let new = new.as_secs_f64();
-            *mean = if *mean == 0.0 { new } else { *mean + NEWEST * (new - *mean) };
+            *mean = if *mean == 0.0 { new } else { *mean + WEIGHT * (new - *mean) };
         }
     }
 
-    /// What the controller mode says in the info panel.
+    /// Writes the lines of the controller mode in the info panel.
     pub fn describe(self, timestep: f64, lines: &mut Vec<InfoLine>) {
         let mut lines = InfoLines::new(lines);
         let whole = self.controller + self.step;
@@ -45,16 +43,16 @@ impl Effort {
 }
 
 impl Simulation {
-    /// Takes a step forward in time, or plays a record. How long it lasts in simulated time is returned, s; `None` if it failed:
-    /// then it is told, and the simulation stands as it was before.
+    /// Takes a step forward in time, or plays a record. Returns the simulated duration, s. After an error it returns `None`, and the
+    /// simulation is paused in the state before the step.
     pub(super) fn step(&mut self) -> Option<f64> {
         let timestep = self.data.model().timestep();
         if self.mode == Mode::Trajectory {
-            let player = self.player.as_mut().expect("Bug: the trajectory mode without trajectories");
-            let taken = player.play(timestep);
+            let player = self.player.as_mut().expect("Bug: trajectory mode without a player");
+            let duration = player.play(timestep);
             self.owes_step = false;
             self.show_record();
-            return (!self.paused).then_some(taken);
+            return (!self.paused).then_some(duration);
         }
         if self.stale {
             self.refresh();
@@ -64,14 +62,14 @@ impl Simulation {
         }
         self.history.record(&self.data);
         let controller = self.controller.as_deref_mut().filter(|_| self.mode == Mode::Controller);
-        match Self::take_step(&mut self.data, &mut self.bridge, controller, &mut self.effort) {
+        match Self::take_step(&mut self.data, &mut self.endpoint, controller, &mut self.timing) {
             Ok(()) => {
-                if !self.bridge.is_for(&self.data) {
-                    // The controller may replace the simulation by any other.
-                    self.bridge.adopt(&self.data);
+                if !self.endpoint.is_for(&self.data) {
+                    // The controller may replace the data by data of another model.
+                    self.endpoint.adopt(&self.data);
                     self.history = History::new(self.data.model());
                 }
-                (self.unseen, self.owes_step) = (true, false);
+                (self.unpublished, self.owes_step) = (true, false);
                 Some(timestep)
             }
             Err(problem) => {
@@ -82,67 +80,74 @@ impl Simulation {
         }
     }
 
-    /// Takes so many steps forward while paused.
+    /// Takes steps forward while paused.
     pub(super) fn step_while_paused(&mut self, steps: u32) {
         self.problem.clear();
         for _ in 0..steps {
-            if self.step().is_none() || self.bridge.back.is_closed() {
+            if self.step().is_none() || self.endpoint.link.is_closed() {
                 return;
             }
         }
-        // The last step has left quantities of the state before it.
+        // The last step leaves quantities of the state before it.
         self.stale = true;
     }
 
-    /// Goes so many steps back while paused.
+    /// Goes back by this number of steps while paused.
     pub(super) fn step_back(&mut self, steps: u32) {
         if self.data.check_usable().is_err() {
             return;
         }
         if self.history.back(steps as usize, &mut self.data) {
             self.problem.clear();
-            (self.stale, self.unseen) = (true, true);
+            (self.stale, self.unpublished) = (true, true);
         }
     }
 
-    /// Brings what depends on the state up to date.
+    /// Recomputes the quantities that depend on the state.
     pub(super) fn refresh(&mut self) {
-        let refreshed = self.bridge.refresh(&mut self.data);
-        // What cannot be computed is told once, not again and again.
-        self.unseen = true;
-        if self.note(refreshed).is_some() {
+        let refreshed = self.endpoint.refresh(&mut self.data);
+        self.unpublished = true;
+        if self.check(refreshed).is_some() {
             self.stale = false;
         }
     }
 
     fn take_step(
         data: &mut Data,
-        bridge: &mut Bridge,
+        endpoint: &mut SimulationEndpoint,
         controller: Option<&mut (dyn Controller + Send + 'static)>,
-        effort: &mut Effort,
+        timing: &mut StepTiming,
     ) -> Result<(), String> {
         let start = Instant::now();
         if let Some(controller) = controller {
-            caught("the controller", || controller.control(data))?;
+            catch("the controller", || controller.control(data))?;
         }
         let controlled = Instant::now();
-        let stepped = caught("the step", || {
-            // After the controller, which may set all applied forces.
-            bridge.apply_perturbation(data)?;
+        let stepped = catch("the step", || {
+            // After the controller, because it may overwrite all applied forces.
+            endpoint.apply_perturbation(data)?;
             data.step()
         });
-        bridge.remove_perturbation(data);
+        endpoint.remove_perturbation(data);
         stepped?;
-        effort.take(controlled - start, controlled.elapsed());
+        timing.record(controlled - start, controlled.elapsed());
         Ok(())
     }
 
-    /// Puts the simulation where it was before a step that failed.
+    /// Restores the state before a step that failed.
     fn recover(&mut self) {
         if self.data.check_usable().is_err() && self.data.reset().is_err() {
             return;
         }
-        self.history.take_back(&mut self.data);
-        self.stale = self.bridge.refresh(&mut self.data).is_err();
+        self.history.undo(&mut self.data);
+        self.stale = self.endpoint.refresh(&mut self.data).is_err();
+    }
+}
+
+/// Calls a closure, and converts an error or a panic into a message. The caller must restore what the closure has modified.
+fn catch<T>(what: &str, call: impl FnOnce() -> Result<T>) -> Result<T, String> {
+    match catch_panic(call) {
+        Ok(result) => result.map_err(|error| error.to_string()),
+        Err(message) => Err(format!("{what} panicked: {message}")),
     }
 }

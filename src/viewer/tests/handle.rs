@@ -1,46 +1,45 @@
-//! Programs that have a loop of their own.
+//! Programs that step their simulation themselves.
 
 use std::time::{Duration, Instant};
 
 use crate::scene::{Camera, CameraView, FrameMode, MouseAction, NewGeom, PerturbationFlags, SceneOptions};
-use crate::viewer::event::{Asset, Event};
 use crate::viewer::handle::Handle;
 use crate::viewer::input::{Key, KeyPress, Modifiers};
-use crate::viewer::link::{Front, link};
-use crate::viewer::request::Request;
-use crate::viewer::snapshot::{Snapshot, Status};
+use crate::viewer::link::{
+    Asset, EndpointRequest, Event, Request, SimulationRequest, Snapshot, Status, WindowEnd, link,
+};
 use crate::viewer::view::View;
 use crate::{Data, Error, Model, sample};
 
-fn shown(front: &mut Front) -> &mut Snapshot {
-    front.latest().expect("a snapshot").0
+fn newest(window: &mut WindowEnd) -> &mut Snapshot {
+    window.latest().expect("a snapshot").0
 }
 
-fn squatting() -> (Front, Handle, Data) {
-    let (front, back) = link(|| ());
+fn squatting() -> (WindowEnd, Handle, Data) {
+    let (window, physics) = link(|| ());
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
-    let mut handle = Handle::new(back);
+    let mut handle = Handle::new(physics);
     handle.sync(&mut data).unwrap();
-    (front, handle, data)
+    (window, handle, data)
 }
 
 #[test]
-fn the_window_sees_what_the_program_does() {
-    let (mut front, mut handle, mut data) = squatting();
+fn window_shows_the_state_of_the_program() {
+    let (mut window, mut handle, mut data) = squatting();
     for _ in 0..10 {
         data.step().unwrap();
         handle.sync(&mut data).unwrap();
-        assert_eq!(shown(&mut front).time, data.time());
-        assert_eq!(shown(&mut front).qpos, data.qpos());
+        assert_eq!(newest(&mut window).time, data.time());
+        assert_eq!(newest(&mut window).qpos, data.qpos());
     }
-    assert_eq!(shown(&mut front).status, Status::Program);
-    assert!(shown(&mut front).scene.ngeom() > 10);
+    assert_eq!(newest(&mut window).status, Status::Program);
+    assert!(newest(&mut window).scene.ngeom() > 10);
 }
 
 #[test]
-fn looking_on_does_not_change_what_happens() {
-    let (_front, mut handle, mut data) = squatting();
+fn sync_does_not_change_the_simulation() {
+    let (_window, mut handle, mut data) = squatting();
     let mut alone = Data::new(data.model().clone()).unwrap();
     alone.reset_to_key("squat").unwrap();
     for _ in 0..100 {
@@ -52,142 +51,142 @@ fn looking_on_does_not_change_what_happens() {
 }
 
 #[test]
-fn what_the_user_asks_for_is_done_to_the_programs_simulation() {
-    let (mut front, mut handle, mut data) = squatting();
+fn requests_are_executed_on_the_programs_simulation() {
+    let (mut window, mut handle, mut data) = squatting();
     let start = data.qpos().to_vec();
     let actuator = data.model().actuator(0).unwrap().id();
-    front.ask(Request::SetControl(actuator, 0.5));
+    window.send(EndpointRequest::SetControl(actuator, 0.5));
     handle.sync(&mut data).unwrap();
     assert_eq!(data.ctrl()[0], 0.5);
     for _ in 0..20 {
         data.step().unwrap();
     }
-    front.ask(Request::Reset);
+    window.send(Request::Reset);
     handle.sync(&mut data).unwrap();
-    assert_eq!((data.qpos(), data.time()), (&start[..], 0.0), "the state in which the window saw it first");
-    front.ask(Request::CopyState);
-    front.ask(Request::Step(1));
+    assert_eq!((data.qpos(), data.time()), (&start[..], 0.0), "the state of the first sync");
+    window.send(EndpointRequest::CopyState);
+    window.send(SimulationRequest::Step(1));
     handle.sync(&mut data).unwrap();
-    let events = front.events();
+    let events = window.take_events();
     assert!(matches!(&events[..], [Event::Copied(_), Event::Notice(_)]), "{events:?}");
-    assert_eq!(data.time(), 0.0, "steps are the program's");
-    assert_eq!(shown(&mut front).qpos, start);
+    assert_eq!(data.time(), 0.0, "only the program steps the simulation");
+    assert_eq!(newest(&mut window).qpos, start);
 }
 
 #[test]
-fn pausing_is_told_to_the_program() {
-    let (mut front, mut handle, mut data) = squatting();
+fn program_learns_of_a_pause() {
+    let (mut window, mut handle, mut data) = squatting();
     assert!(!handle.is_paused());
-    front.ask(Request::TogglePause);
+    window.send(Request::TogglePause);
     handle.sync(&mut data).unwrap();
     assert!(handle.is_paused());
-    assert_eq!(shown(&mut front).status, Status::Paused);
+    assert_eq!(newest(&mut window).status, Status::Paused);
     handle.set_paused(false);
     handle.sync(&mut data).unwrap();
-    assert_eq!(shown(&mut front).status, Status::Program);
+    assert_eq!(newest(&mut window).status, Status::Program);
 }
 
 #[test]
-fn a_body_is_pulled_and_forces_of_the_program_stay() {
-    let (mut front, mut handle, mut data) = squatting();
+fn pull_is_added_to_the_forces_of_the_program() {
+    let (mut window, mut handle, mut data) = squatting();
     let torso = data.model().body("torso").unwrap().id();
     let own = [1.0, 2.0, 3.0, 0.0, 0.0, 0.0];
     data.xfrc_applied_mut()[torso.index()] = own;
-    front.ask(Request::SelectBody(Some(torso)));
-    front.ask(Request::StartPerturbation(PerturbationFlags::TRANSLATE));
-    front.ask(Request::MovePerturbation(MouseAction::MoveV, [0.0, -0.5]));
+    window.send(EndpointRequest::SelectBody(Some(torso)));
+    window.send(EndpointRequest::StartPerturbation(PerturbationFlags::TRANSLATE));
+    window.send(EndpointRequest::MovePerturbation(MouseAction::MoveV, [0.0, -0.5]));
     for _ in 0..5 {
         handle.sync(&mut data).unwrap();
-        let force = shown(&mut front).selected.unwrap().force;
+        let force = newest(&mut window).selected.unwrap().force;
         assert!(force[2] > 1.0);
         assert_eq!(data.xfrc_applied()[torso.index()], std::array::from_fn(|i| own[i] + force[i]));
         data.step().unwrap();
     }
     assert_eq!(handle.selected(), Some(torso));
-    front.ask(Request::StopPerturbation);
+    window.send(EndpointRequest::StopPerturbation);
     handle.sync(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[torso.index()], own);
-    // While it stands, it is moved.
+    // While paused, the drag moves the body.
     handle.set_paused(true);
     let height = data.qpos()[2];
-    front.ask(Request::StartPerturbation(PerturbationFlags::TRANSLATE));
-    front.ask(Request::MovePerturbation(MouseAction::MoveV, [0.0, -0.2]));
+    window.send(EndpointRequest::StartPerturbation(PerturbationFlags::TRANSLATE));
+    window.send(EndpointRequest::MovePerturbation(MouseAction::MoveV, [0.0, -0.2]));
     handle.sync(&mut data).unwrap();
     assert!(data.qpos()[2] > height + 0.05);
     assert_eq!(data.xfrc_applied()[torso.index()], own);
 }
 
 #[test]
-fn a_window_that_is_closed_lets_the_body_go() {
-    let (front, mut handle, mut data) = squatting();
+fn closing_the_window_releases_the_body_and_the_pause() {
+    let (window, mut handle, mut data) = squatting();
     let torso = data.model().body("torso").unwrap().id();
-    front.ask(Request::SelectBody(Some(torso)));
-    front.ask(Request::StartPerturbation(PerturbationFlags::TRANSLATE));
-    front.ask(Request::MovePerturbation(MouseAction::MoveV, [0.0, -0.5]));
+    window.send(EndpointRequest::SelectBody(Some(torso)));
+    window.send(EndpointRequest::StartPerturbation(PerturbationFlags::TRANSLATE));
+    window.send(EndpointRequest::MovePerturbation(MouseAction::MoveV, [0.0, -0.5]));
     handle.sync(&mut data).unwrap();
     assert_ne!(data.xfrc_applied()[torso.index()], [0.0; 6]);
     handle.set_paused(true);
-    drop(front);
+    drop(window);
     assert!(!handle.is_running());
     handle.sync(&mut data).unwrap();
     assert_eq!(data.xfrc_applied()[torso.index()], [0.0; 6]);
-    assert!(!handle.is_paused(), "a program that waits for the user goes on");
+    assert!(!handle.is_paused(), "a program that waits for the user resumes");
 }
 
 #[test]
-fn what_the_program_has_changed_is_drawn_anew_once() {
+fn modified_assets_are_uploaded_once() {
     let text = r#"<mujoco><asset><hfield name="ground" nrow="2" ncol="2" size="1 1 1 1"/></asset>
         <worldbody><geom type="hfield" hfield="ground"/></worldbody></mujoco>"#;
-    let (mut front, back) = link(|| ());
+    let (mut window, physics) = link(|| ());
     let mut data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
-    let mut handle = Handle::new(back);
+    let mut handle = Handle::new(physics);
     handle.sync(&mut data).unwrap();
     let ground = data.model().height_field("ground").unwrap().id();
     data.edit_model(|model| model.hfield_data_mut()[0] = 0.5).unwrap();
     handle.update_height_field(ground);
     handle.sync(&mut data).unwrap();
-    assert_eq!(front.events(), [Event::Asset(Asset::HeightField(ground))]);
-    assert_eq!(shown(&mut front).model.hfield_data()[0], 0.5);
-    assert_eq!(shown(&mut front).generation, 0);
+    assert_eq!(window.take_events(), [Event::Asset(Asset::HeightField(ground))]);
+    assert_eq!(newest(&mut window).model.hfield_data()[0], 0.5);
+    assert_eq!(newest(&mut window).generation, 0);
     handle.sync(&mut data).unwrap();
-    assert!(front.events().is_empty());
-    // What is said of a model is said of the one that is there, or not at all.
+    assert!(window.take_events().is_empty());
+    // Events about a replaced model are discarded.
     let mut other = Data::new(sample::cartpole()).unwrap();
     handle.update_height_field(ground);
     handle.sync(&mut other).unwrap();
-    assert!(front.events().is_empty());
-    assert_eq!(front.drawn().unwrap().model.nq(), 2, "the newest snapshot comes with the events");
-    assert!(front.latest().unwrap().1, "and is new still");
-    assert!(!front.latest().unwrap().1);
+    assert!(window.take_events().is_empty());
+    assert_eq!(window.current().unwrap().model.nq(), 2, "the newest snapshot comes with the events");
+    assert!(window.latest().unwrap().1, "and counts as new");
+    assert!(!window.latest().unwrap().1);
 }
 
 #[test]
-fn geoms_of_the_program_are_shown_until_they_are_taken_out() {
-    let (mut front, mut handle, mut data) = squatting();
-    let before = shown(&mut front).scene.ngeom();
+fn geoms_of_the_program_are_shown_until_removed() {
+    let (mut window, mut handle, mut data) = squatting();
+    let before = newest(&mut window).scene.ngeom();
     handle.geoms_mut().push(NewGeom::sphere(0.1).label("goal").unwrap());
     for _ in 0..3 {
         handle.sync(&mut data).unwrap();
-        let scene = &shown(&mut front).scene;
+        let scene = &newest(&mut window).scene;
         assert_eq!((scene.ngeom(), scene.geom(before).label()), (before + 1, "goal"));
     }
     handle.geoms_mut().clear();
     handle.sync(&mut data).unwrap();
-    assert_eq!(shown(&mut front).scene.ngeom(), before);
+    assert_eq!(newest(&mut window).scene.ngeom(), before);
     handle.geoms_mut().push(NewGeom::sphere(f64::NAN));
     assert!(matches!(handle.sync(&mut data), Err(Error::Invalid { .. })));
     handle.geoms_mut().clear();
     handle.geoms_mut().resize(20_000, NewGeom::sphere(0.1));
     handle.sync(&mut data).unwrap();
     handle.sync(&mut data).unwrap();
-    let events = front.events();
-    assert!(matches!(&events[..], [Event::Notice(text)] if text.contains("room")), "told once: {events:?}");
+    let events = window.take_events();
+    assert!(matches!(&events[..], [Event::Notice(text)] if text.contains("room")), "reported once: {events:?}");
 }
 
 #[test]
 fn camera_and_options_are_read_and_set() {
-    let (mut front, back) = link(|| ());
-    let mut handle = Handle::new(back);
+    let (mut window, physics) = link(|| ());
+    let mut handle = Handle::new(physics);
     assert_eq!(handle.camera(), None);
     let options = SceneOptions { frame: FrameMode::Body, ..SceneOptions::default() };
     handle.set_options(options.clone());
@@ -198,84 +197,84 @@ fn camera_and_options_are_read_and_set() {
     let mut view = View::new(data.model());
     handle.set_camera(Camera::tracking(data.model(), torso));
     handle.sync(&mut data).unwrap();
-    for event in front.events() {
-        view.take(&event);
+    for event in window.take_events() {
+        view.handle_event(&event);
     }
     assert_eq!(view.camera.view, CameraView::Tracking(torso));
-    assert_eq!(view.options, options, "the window knows");
+    assert_eq!(view.options, options, "the window adopts the options");
     view.camera.azimuth = 12.0;
-    front.look(&view.look());
+    window.set_view(&view.scene_view());
     handle.sync(&mut data).unwrap();
-    assert_eq!(handle.camera().unwrap().azimuth, 12.0, "the user has turned it");
-    assert_eq!(shown(&mut front).camera.view, CameraView::Tracking(torso));
+    assert_eq!(handle.camera().unwrap().azimuth, 12.0, "the user has rotated the camera");
+    assert_eq!(newest(&mut window).camera.view, CameraView::Tracking(torso));
 }
 
 #[test]
 #[should_panic(expected = "of another model")]
-fn a_camera_of_another_model_is_a_mistake() {
-    let (_front, mut handle, _data) = squatting();
+fn camera_of_another_model_panics() {
+    let (_window, mut handle, _data) = squatting();
     let other = sample::cartpole();
     handle.set_camera(Camera::tracking(&other, other.body("cart").unwrap().id()));
 }
 
 #[test]
-fn keys_that_the_viewer_has_no_use_for_are_the_programs() {
-    let (front, mut handle, mut data) = squatting();
+fn keys_without_a_binding_reach_the_program() {
+    let (window, mut handle, mut data) = squatting();
     let press = KeyPress { key: Key::Home, modifiers: Modifiers::ALT, repeat: false };
-    front.ask(Request::Key(press));
+    window.send(EndpointRequest::ForwardKey(press));
     assert!(handle.keys().is_empty());
     handle.sync(&mut data).unwrap();
     assert_eq!(handle.keys(), [press]);
     assert!(handle.keys().is_empty());
     for _ in 0..10_000 {
-        front.ask(Request::Key(press));
+        window.send(EndpointRequest::ForwardKey(press));
     }
     handle.sync(&mut data).unwrap();
-    assert!(handle.keys().len() <= 256, "a program that does not ask is not drowned");
+    assert!(handle.keys().len() <= 256, "the queue is bounded");
 }
 
 #[test]
-fn a_simulation_that_has_failed_is_told_of_and_reset_from_the_window() {
+fn failed_simulation_is_reported_and_reset_from_the_window() {
     let text = r#"<mujoco><option timestep="0.1"/>
         <worldbody><body><joint type="slide" stiffness="1e6"/><geom size="0.1"/></body></worldbody></mujoco>"#;
-    let (mut front, back) = link(|| ());
+    let (mut window, physics) = link(|| ());
     let mut data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
     data.qpos_mut()[0] = 1.0;
-    let mut handle = Handle::new(back);
+    let mut handle = Handle::new(physics);
     handle.sync(&mut data).unwrap();
     while data.step().is_ok() {}
     handle.sync(&mut data).unwrap();
-    assert!(shown(&mut front).problem.contains("unusable"), "{}", shown(&mut front).problem);
-    front.ask(Request::Reset);
+    assert!(newest(&mut window).problem.contains("unusable"), "{}", newest(&mut window).problem);
+    window.send(Request::Reset);
     handle.sync(&mut data).unwrap();
-    assert_eq!((data.qpos(), shown(&mut front).problem.as_str()), (&[1.0][..], ""));
+    assert_eq!((data.qpos(), newest(&mut window).problem.as_str()), (&[1.0][..], ""));
     data.step().unwrap();
 }
 
 #[test]
-fn another_simulation_may_be_shown_with_the_next_look() {
-    let (mut front, mut handle, _) = squatting();
+fn sync_accepts_data_of_another_model() {
+    let (mut window, mut handle, _) = squatting();
     let mut other = Data::new(sample::cartpole()).unwrap();
     handle.sync(&mut other).unwrap();
-    assert_eq!((shown(&mut front).generation, shown(&mut front).qpos.len()), (1, 2));
+    assert_eq!((newest(&mut window).generation, newest(&mut window).qpos.len()), (1, 2));
     other.qpos_mut()[0] = 0.3;
-    front.ask(Request::Reset);
+    window.send(Request::Reset);
     handle.sync(&mut other).unwrap();
-    assert_eq!(other.qpos()[0], 0.0, "its own start");
+    assert_eq!(other.qpos()[0], 0.0, "the start state of the new data");
 }
 
 #[test]
-fn waiting_ends_when_the_user_asks_for_something_or_closes_the_window() {
-    let (front, mut handle, mut data) = squatting();
-    front.ask(Request::TogglePause);
+fn wait_ends_with_a_request_or_with_the_window() {
+    let (window, mut handle, mut data) = squatting();
+    window.send(Request::TogglePause);
     let start = Instant::now();
     handle.wait(Duration::from_secs(600));
     handle.sync(&mut data).unwrap();
     handle.wait(Duration::from_millis(1));
-    front.close();
+    window.close();
     handle.wait(Duration::MAX);
     assert!(!handle.is_running());
     assert!(start.elapsed() < Duration::from_secs(60));
-    // It does no harm any more.
+    // Without effect on a closed window.
     handle.sync(&mut data).unwrap();
 }

@@ -1,14 +1,12 @@
-//! Every key of the table does what it says.
+//! Key bindings and their effects.
 
 use super::{Bench, Pressed, trajectories};
 use crate::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFlags};
-use crate::viewer::event::Event;
 use crate::viewer::input::{
-    Action, BINDINGS, Key, KeyPress, Modifiers, Section, WindowAction, action, help, help_text,
+    Action, BINDINGS, Key, KeyPress, Modifiers, Section, ViewAction, WindowAction, find_action, help_sections,
+    help_text,
 };
-use crate::viewer::mode::Mode;
-use crate::viewer::request::Request;
-use crate::viewer::snapshot::Status;
+use crate::viewer::link::{EndpointRequest, Event, Mode, Status};
 use crate::{Data, Model, sample};
 
 const NONE: Modifiers = Modifiers::NONE;
@@ -20,7 +18,7 @@ fn character(character: char) -> Key {
 }
 
 #[test]
-fn no_key_has_two_meanings_in_one_mode() {
+fn keys_are_unique_in_each_mode() {
     for (index, one) in BINDINGS.iter().enumerate() {
         for other in &BINDINGS[index + 1..] {
             let same_press = one.press() == other.press();
@@ -37,19 +35,20 @@ fn modifiers_are_exact() {
         let mode = binding.mode.unwrap_or(Mode::Passive);
         for more in all.into_iter().filter(|more| !binding.modifiers.contains(*more)) {
             let press = KeyPress { modifiers: binding.modifiers | more, ..binding.press() };
-            let found = action(press, mode);
-            assert!(found.is_none_or(|found| found != binding.action), "{press} does what {} does", binding.press());
+            let found = find_action(press, mode);
+            let same = |found: &Action| format!("{found:?}") == format!("{:?}", binding.action);
+            assert!(!found.is_some_and(same), "{press} has the effect of {}", binding.press());
         }
     }
 }
 
 #[test]
-fn what_repeats_is_done_again_while_the_key_is_held_and_nothing_else_is() {
+fn only_repeating_bindings_react_to_held_keys() {
     let once: Vec<String> =
         BINDINGS.iter().filter(|binding| !binding.repeats).map(|binding| binding.press().to_string()).collect();
     for binding in BINDINGS {
         let mode = binding.mode.unwrap_or(Mode::Passive);
-        let held = action(KeyPress { repeat: true, ..binding.press() }, mode);
+        let held = find_action(KeyPress { repeat: true, ..binding.press() }, mode);
         assert_eq!(held.is_some(), binding.repeats, "{}", binding.press());
     }
     for press in ["F8", "Shift+F8", "F9", "Shift+F9", "F10", "F11", "Tab"] {
@@ -58,43 +57,51 @@ fn what_repeats_is_done_again_while_the_key_is_held_and_nothing_else_is() {
 }
 
 #[test]
-fn keys_of_a_mode_do_nothing_in_another() {
+fn keys_of_the_trajectory_mode_are_limited_to_it() {
     for binding in BINDINGS.iter().filter(|binding| binding.mode == Some(Mode::Trajectory)) {
         for mode in [Mode::Controller, Mode::Passive] {
-            assert_ne!(action(binding.press(), mode), Some(binding.action), "{}", binding.press());
+            let found = find_action(binding.press(), mode);
+            let same = |found: &Action| format!("{found:?}") == format!("{:?}", binding.action);
+            assert!(!found.is_some_and(same), "{}", binding.press());
         }
     }
 }
 
 #[test]
-fn every_flag_of_the_engine_that_has_a_key_there_has_the_same_one_here() {
-    let of = |key: char, modifiers| action(KeyPress { key: character(key), modifiers, repeat: false }, Mode::Passive);
-    // The keys in mjVISSTRING and mjRNDSTRING of the library, in the order of the flags.
+fn flags_have_the_keys_of_the_engine() {
+    let of = |key: char, modifiers| {
+        let press = KeyPress { key: character(key.to_ascii_lowercase()), modifiers, repeat: false };
+        match find_action(press, Mode::Passive) {
+            Some(Action::View(action)) => Some(*action),
+            _ => None,
+        }
+    };
+    // Keys in mjVISSTRING and mjRNDSTRING of the engine, in the order of the flags.
     let visual = "HXJQU,ZVYNI'BOCFPTAMED;";
     for (bit, key) in visual.chars().enumerate() {
         let flag = VisualFlags::from_bits(1 << bit).unwrap();
-        assert_eq!(of(key.to_ascii_lowercase(), NONE), Some(Action::Visual(flag)), "{key}");
+        assert_eq!(of(key, NONE), Some(ViewAction::Visual(flag)), "{key}");
     }
     let render = "SWRLKG/,.";
     for (bit, key) in render.chars().enumerate() {
         let flag = RenderFlags::from_bits(1 << bit).unwrap();
-        // The comma is there twice.
+        // The engine assigns the comma twice.
         let modifiers = if key == ',' { SHIFT } else { NONE };
-        assert_eq!(of(key.to_ascii_lowercase(), modifiers), Some(Action::Render(flag)), "{key}");
+        assert_eq!(of(key, modifiers), Some(ViewAction::Render(flag)), "{key}");
     }
 }
 
 #[test]
-fn flags_are_switched_and_switched_back() {
+fn flags_are_toggled() {
     let mut bench = Bench::humanoid();
     for binding in BINDINGS {
         let before = bench.view.clone();
         match binding.action {
-            Action::Visual(flag) => {
+            Action::View(ViewAction::Visual(flag)) => {
                 bench.press(binding.key, binding.modifiers);
                 assert_eq!(bench.view.options.flags, before.options.flags ^ flag);
             }
-            Action::Render(flag) => {
+            Action::View(ViewAction::Render(flag)) => {
                 bench.press(binding.key, binding.modifiers);
                 assert_eq!(bench.view.render, before.render ^ flag);
             }
@@ -107,22 +114,22 @@ fn flags_are_switched_and_switched_back() {
 }
 
 #[test]
-fn what_is_shown_reaches_the_scene() {
+fn view_reaches_the_scene() {
     let mut bench = Bench::humanoid();
-    let geoms = bench.shown().scene.ngeom();
+    let geoms = bench.snapshot().scene.ngeom();
     bench.press(character('j'), NONE);
-    let with_joints = bench.shown().scene.ngeom();
+    let with_joints = bench.snapshot().scene.ngeom();
     assert!(with_joints > geoms);
     bench.press(character('j'), NONE);
-    assert_eq!(bench.shown().scene.ngeom(), geoms);
+    assert_eq!(bench.snapshot().scene.ngeom(), geoms);
     bench.press(character('w'), NONE);
-    let (snapshot, _) = bench.front.latest().unwrap();
-    bench.view.prepare(snapshot).unwrap();
+    let (snapshot, _) = bench.window.latest().unwrap();
+    bench.view.update_snapshot(snapshot).unwrap();
     assert!(snapshot.scene.render_flags().contains(RenderFlags::WIREFRAME));
 }
 
 #[test]
-fn digits_switch_groups_of_geoms_and_with_shift_of_sites() {
+fn digits_toggle_groups_of_geoms_and_with_shift_of_sites() {
     let mut bench = Bench::humanoid();
     for group in 0..6 {
         let key = character(char::from(b'1' + group as u8));
@@ -136,7 +143,7 @@ fn digits_switch_groups_of_geoms_and_with_shift_of_sites() {
 }
 
 #[test]
-fn labels_and_frames_go_round() {
+fn labels_and_frames_are_cyclic() {
     let mut bench = Bench::humanoid();
     bench.press(character('-'), NONE);
     assert_eq!(bench.view.options.label, LabelMode::ContactForce);
@@ -157,14 +164,14 @@ fn labels_and_frames_go_round() {
 }
 
 #[test]
-fn tab_goes_through_the_cameras_and_back_to_the_free_one() {
+fn tab_cycles_through_the_cameras() {
     let text = r#"<mujoco><worldbody>
         <camera name="a" pos="0 -2 1"/><camera name="b" pos="0 -3 1"/><geom size="0.1"/>
       </worldbody></mujoco>"#;
     let mut bench = Bench::new(Data::new(Model::from_xml_str(text).unwrap()).unwrap());
     let index = |bench: &mut Bench, modifiers| {
         bench.press(Key::Tab, modifiers);
-        let seen_from = bench.shown().camera.view;
+        let seen_from = bench.snapshot().camera.view;
         assert_eq!(seen_from, bench.view.camera.view);
         match bench.view.camera.view {
             CameraView::Fixed(camera) => Some(camera.index()),
@@ -187,7 +194,7 @@ fn align_shows_the_whole_model() {
 }
 
 #[test]
-fn panels_and_plots_are_shown_and_hidden() {
+fn panels_and_plots_are_toggled() {
     type Shown = fn(&Bench) -> bool;
     let mut bench = Bench::humanoid();
     let panels: [(Key, Modifiers, Shown); 5] = [
@@ -207,7 +214,7 @@ fn panels_and_plots_are_shown_and_hidden() {
 }
 
 #[test]
-fn help_is_on_the_screen_and_on_the_terminal() {
+fn help_is_shown_on_the_screen_and_on_the_terminal() {
     let mut bench = Bench::humanoid();
     assert_eq!(bench.press(Key::Function(1), NONE), Pressed::Window(WindowAction::PrintHelp));
     assert!(bench.view.help);
@@ -216,7 +223,7 @@ fn help_is_on_the_screen_and_on_the_terminal() {
 }
 
 #[test]
-fn what_only_the_window_can_do_is_left_to_it() {
+fn window_actions_are_passed_to_the_window() {
     let mut bench = Bench::humanoid();
     for (key, modifiers, window) in [
         (Key::Escape, NONE, WindowAction::Quit),
@@ -237,24 +244,24 @@ fn what_only_the_window_can_do_is_left_to_it() {
 }
 
 #[test]
-fn space_lets_it_go_and_pauses_it() {
+fn space_resumes_and_pauses() {
     let mut bench = Bench::humanoid();
-    assert_eq!(bench.shown().status, Status::Paused, "a viewer starts paused");
+    assert_eq!(bench.snapshot().status, Status::Paused, "a viewer starts paused");
     bench.press(Key::Space, NONE);
-    assert_eq!(bench.shown().status, Status::Running);
+    assert_eq!(bench.snapshot().status, Status::Running);
     assert!(bench.pass(0.5).time > 0.45);
     bench.press(Key::Space, NONE);
-    let time = bench.shown().time;
-    assert_eq!(bench.shown().status, Status::Paused);
+    let time = bench.snapshot().time;
+    assert_eq!(bench.snapshot().status, Status::Paused);
     assert_eq!(bench.pass(1.0).time, time);
 }
 
 #[test]
 fn arrows_step_forward_and_back_while_paused() {
     let mut bench = Bench::humanoid();
-    let timestep = bench.shown().model.timestep();
-    let start = bench.shown().qpos.clone();
-    let steps = |bench: &mut Bench| (bench.shown().time / timestep).round() as i64;
+    let timestep = bench.snapshot().model.timestep();
+    let start = bench.snapshot().qpos.clone();
+    let steps = |bench: &mut Bench| (bench.snapshot().time / timestep).round() as i64;
     for (key, modifiers, expected) in [
         (Key::Right, NONE, 1),
         (Key::Right, SHIFT, 51),
@@ -265,11 +272,11 @@ fn arrows_step_forward_and_back_while_paused() {
         bench.press(key, modifiers);
         assert_eq!(steps(&mut bench), expected, "{modifiers}{key}");
     }
-    assert_eq!(bench.shown().qpos, start, "bit for bit");
-    // With the modifier of another key they do not step.
+    assert_eq!(bench.snapshot().qpos, start, "bit for bit");
+    // Ctrl selects another binding.
     bench.press(Key::Right, COMMAND);
     assert_eq!(steps(&mut bench), 0);
-    // Nor do they while it runs.
+    // Ignored while running.
     bench.press(Key::Space, NONE);
     bench.pass(0.1);
     let before = steps(&mut bench);
@@ -278,63 +285,63 @@ fn arrows_step_forward_and_back_while_paused() {
 }
 
 #[test]
-fn speed_is_switched_doubled_and_halved() {
+fn speed_factor_is_toggled_doubled_and_halved() {
     let mut bench = Bench::humanoid();
-    let pace = |bench: &mut Bench| (bench.shown().pace.wanted(), bench.shown().pace.text());
-    assert_eq!(pace(&mut bench), (1.0, "1".to_owned()));
+    let speed = |bench: &mut Bench| (bench.snapshot().speed.target(), bench.snapshot().speed.text());
+    assert_eq!(speed(&mut bench), (1.0, "1".to_owned()));
     bench.press(Key::Enter, NONE);
-    assert_eq!(pace(&mut bench), (0.1, "10x (slower)".to_owned()));
+    assert_eq!(speed(&mut bench), (0.1, "10x (slower)".to_owned()));
     bench.press(Key::Enter, NONE);
-    assert_eq!(pace(&mut bench).0, 1.0);
-    // What is set is what it goes by, and what the panel says.
+    assert_eq!(speed(&mut bench).0, 1.0);
+    // A change of the factor applies it.
     bench.press(Key::Up, SHIFT);
-    assert_eq!(pace(&mut bench), (0.2, "5x (slower)".to_owned()));
+    assert_eq!(speed(&mut bench), (0.2, "5x (slower)".to_owned()));
     bench.press(Key::Down, SHIFT);
-    assert_eq!(pace(&mut bench).0, 0.1);
+    assert_eq!(speed(&mut bench).0, 0.1);
     for _ in 0..5 {
         bench.press(Key::Up, SHIFT);
     }
-    assert_eq!(pace(&mut bench), (3.2, "3.2x (faster)".to_owned()));
+    assert_eq!(speed(&mut bench), (3.2, "3.2x (faster)".to_owned()));
     for _ in 0..100 {
         bench.press(Key::Up, SHIFT);
     }
-    assert!(pace(&mut bench).0.is_finite());
+    assert!(speed(&mut bench).0.is_finite());
     for _ in 0..200 {
         bench.press(Key::Down, SHIFT);
     }
-    assert!(pace(&mut bench).0 > 0.0);
+    assert!(speed(&mut bench).0 > 0.0);
 }
 
 #[test]
-fn a_slow_down_keeps_its_word() {
+fn slow_motion_reaches_its_target_speed() {
     let mut bench = Bench::humanoid();
     bench.press(Key::Enter, NONE);
     bench.press(Key::Space, NONE);
     let snapshot = bench.pass(5.0);
     assert!((snapshot.time - 0.5).abs() < 0.01, "{}", snapshot.time);
-    assert!((snapshot.pace.measured - 0.1).abs() < 0.02, "{:?}", snapshot.pace);
+    assert!((snapshot.speed.measured - 0.1).abs() < 0.02, "{:?}", snapshot.speed);
 }
 
 #[test]
-fn backspace_returns_to_the_state_of_the_start() {
+fn backspace_restores_the_start_state() {
     let mut bench = Bench::humanoid();
-    let start = bench.shown().qpos.clone();
-    assert_ne!(start, bench.shown().model.qpos0());
+    let start = bench.snapshot().qpos.clone();
+    assert_ne!(start, bench.snapshot().model.qpos0());
     bench.press(Key::Space, NONE);
     assert_ne!(bench.pass(0.5).qpos, start);
     bench.press(Key::Space, NONE);
     bench.press(Key::Backspace, NONE);
-    assert_eq!(bench.shown().qpos, start);
-    assert_eq!(bench.shown().time, 0.0);
+    assert_eq!(bench.snapshot().qpos, start);
+    assert_eq!(bench.snapshot().time, 0.0);
 }
 
 #[test]
-fn modes_go_round() {
+fn modes_are_cyclic() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     data.qpos_mut()[1] = 0.2;
     let controller = |data: &mut Data| data.ctrl_mut()[0] = 1.0;
     let mut bench = Bench::with(data, Some(Box::new(controller)), trajectories());
-    assert_eq!(bench.shown().modes, [Mode::Controller, Mode::Trajectory, Mode::Passive]);
+    assert_eq!(bench.snapshot().modes, [Mode::Controller, Mode::Trajectory, Mode::Passive]);
     let mut modes = Vec::new();
     for key in [Key::Right, Key::Right, Key::Right, Key::Left, Key::Left] {
         modes.push(bench.mode());
@@ -348,32 +355,32 @@ fn modes_go_round() {
 #[test]
 fn page_up_selects_the_parent() {
     let mut bench = Bench::humanoid();
-    let model = bench.shown().model.clone();
+    let model = bench.snapshot().model.clone();
     let foot = model.body("foot_left").unwrap();
-    bench.ask(Request::SelectBody(Some(foot.id())));
-    assert_eq!(bench.shown().selected.unwrap().body, foot.id());
+    bench.send(EndpointRequest::SelectBody(Some(foot.id())));
+    assert_eq!(bench.snapshot().selected.unwrap().body, foot.id());
     bench.press(Key::PageUp, NONE);
-    assert_eq!(bench.shown().selected.unwrap().body, foot.parent());
+    assert_eq!(bench.snapshot().selected.unwrap().body, foot.parent());
 }
 
 #[test]
-fn keys_for_states_copy_keep_and_clear() {
+fn keys_copy_and_capture_the_state_and_clear_the_controls() {
     let mut bench = Bench::humanoid();
-    let model = bench.shown().model.clone();
-    bench.ask(Request::SetControl(model.actuator(0).unwrap().id(), 0.5));
+    let model = bench.snapshot().model.clone();
+    bench.send(EndpointRequest::SetControl(model.actuator(0).unwrap().id(), 0.5));
     bench.press(character('c'), COMMAND);
     let events = bench.events();
     assert!(matches!(&events[..], [Event::Copied(text)] if text.starts_with("<key time=\"0\" qpos=\"")), "{events:?}");
     bench.press(character('s'), COMMAND);
-    assert_eq!(bench.shown().captured.len(), 1);
+    assert_eq!(bench.snapshot().captured.len(), 1);
     bench.press(Key::Backspace, COMMAND);
-    assert!(bench.shown().ctrl.iter().all(|&ctrl| ctrl == 0.0));
+    assert!(bench.snapshot().ctrl.iter().all(|&ctrl| ctrl == 0.0));
 }
 
 #[test]
 fn keys_of_the_trajectory_mode() {
     let mut bench = Bench::with(Data::new(sample::cartpole()).unwrap(), None, trajectories());
-    let playback = |bench: &mut Bench| bench.shown().playback.unwrap();
+    let playback = |bench: &mut Bench| bench.snapshot().playback.unwrap();
     assert_eq!(bench.mode(), Mode::Trajectory);
     assert_eq!((playback(&mut bench).frame, playback(&mut bench).trajectory), (0, 0));
     bench.press(Key::Up, NONE);
@@ -399,16 +406,16 @@ fn keys_of_the_trajectory_mode() {
 }
 
 #[test]
-fn every_action_of_the_table_has_a_place_in_the_help_of_its_mode() {
+fn help_lists_every_binding_of_the_mode() {
     for mode in [Mode::Passive, Mode::Controller, Mode::Trajectory] {
-        let sections = help(mode);
+        let sections = help_sections(mode);
         for binding in BINDINGS {
             let listed = sections.iter().filter(|section| section.title == binding.section.title()).any(|section| {
                 section.lines.iter().any(|(keys, help)| {
                     *help == binding.help && keys.split(", ").any(|key| key == binding.press().to_string())
                 })
             });
-            // The comma separates keys, and is one.
+            // The comma separates keys and is a key itself.
             let comma = binding.key == character(',');
             let here = binding.mode.is_none_or(|only| only == mode);
             assert!(comma || listed == here, "{} in {mode}", binding.press());
@@ -418,7 +425,7 @@ fn every_action_of_the_table_has_a_place_in_the_help_of_its_mode() {
 }
 
 #[test]
-fn the_help_fits_the_terminal() {
+fn help_fits_the_terminal() {
     for columns in [40, 60, 80, 200] {
         let text = help_text(Mode::Trajectory, columns);
         for line in text.lines() {
@@ -426,6 +433,6 @@ fn the_help_fits_the_terminal() {
         }
     }
     let wide = help_text(Mode::Passive, 120);
-    assert!(wide.contains("Where paused: 50 steps back"), "{wide}");
+    assert!(wide.contains("While paused: 50 steps back"), "{wide}");
     assert!(wide.lines().any(|line| line.contains("left double-click") && line.contains("Select a body")));
 }

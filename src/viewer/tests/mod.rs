@@ -1,11 +1,9 @@
-//! The viewer without a window: keys, mouse, requests, modes, failures, threads.
+//! Tests of the viewer without a window: keys, mouse, requests, modes, failures and threads.
 
 mod batch;
-mod expected;
 mod failure;
 mod handle;
 mod key;
-mod memory;
 mod mode;
 mod mouse;
 mod request;
@@ -14,21 +12,17 @@ mod thread;
 use std::cell::Cell;
 use std::time::Duration;
 
-use super::event::Event;
-use super::input::{Key, KeyPress, Modifiers, action};
-use super::link::{Front, link};
-use super::mode::Mode;
-use super::request::Request;
+use super::input::{Action, Key, KeyPress, Modifiers, WindowAction, find_action};
+use super::link::{Event, Mode, Request, Snapshot, WindowEnd, link};
 use super::simulation::Simulation;
-use super::snapshot::Snapshot;
-use super::view::{Effect, View};
+use super::view::View;
 use crate::controller::Controller;
 use crate::data::Data;
 use crate::{Trajectory, sample};
 
-/// A viewer without a window: the physics takes its turns when the test says, and time passes when the test says.
+/// Viewer without a window. The test controls the ticks of the simulation and the clock.
 pub(super) struct Bench {
-    pub front: Front,
+    pub window: WindowEnd,
     pub simulation: Simulation,
     pub view: View,
     pub now: Cell<Duration>,
@@ -41,106 +35,104 @@ impl Bench {
 
     pub fn with(data: Data, controller: Option<Box<dyn Controller + Send>>, trajectories: Vec<Trajectory>) -> Self {
         let view = View::new(data.model());
-        let (front, back) = link(|| ());
-        let simulation = Simulation::new(data, controller, trajectories, back).unwrap();
-        let mut bench = Self { front, simulation, view, now: Cell::new(Duration::ZERO) };
-        bench.shown();
+        let (window, physics) = link(|| ());
+        let simulation = Simulation::new(data, controller, trajectories, physics).unwrap();
+        let mut bench = Self { window, simulation, view, now: Cell::new(Duration::ZERO) };
+        bench.snapshot();
         bench
     }
 
-    /// The humanoid above the ground, and standing still for ever in the air if it is not let go.
+    /// Creates a bench with the humanoid above the ground.
     pub fn humanoid() -> Self {
         let mut data = Data::new(sample::humanoid()).unwrap();
         data.reset_to_key("squat").unwrap();
         Self::new(data)
     }
 
-    /// Asks, has the physics take its turn, and looks.
-    pub fn ask(&mut self, request: Request) -> &Snapshot {
-        self.front.look(&self.view.look());
-        self.front.ask(request);
-        self.turn()
+    /// Sends a request, ticks the simulation and returns the newest snapshot.
+    pub fn send(&mut self, request: impl Into<Request>) -> &Snapshot {
+        self.window.set_view(&self.view.scene_view());
+        self.window.send(request);
+        self.tick()
     }
 
-    /// A turn of the physics, and a look at what it shows.
-    pub fn turn(&mut self) -> &Snapshot {
-        self.front.look(&self.view.look());
+    /// Ticks the simulation and returns the newest snapshot.
+    pub fn tick(&mut self) -> &Snapshot {
+        self.window.set_view(&self.view.scene_view());
         let now = &self.now;
-        self.simulation.turn(&|| now.get());
-        self.shown()
+        self.simulation.tick(&|| now.get());
+        self.snapshot()
     }
 
-    /// Lets time pass: the physics takes its turns whenever it wants to, and a step takes no time.
+    /// Advances the clock and ticks the simulation at the times that it requests. A step costs no time.
     pub fn pass(&mut self, seconds: f64) -> &Snapshot {
         let end = self.now.get() + Duration::from_secs_f64(seconds);
-        self.front.look(&self.view.look());
+        self.window.set_view(&self.view.scene_view());
         loop {
             let now = &self.now;
-            // A clock that stands still would have it step for ever, were it not for what is due.
-            let until = self.simulation.turn(&|| now.get());
-            match until {
-                Some(until) if until < end => {
-                    self.now.set(until.max(self.now.get() + Duration::from_micros(100)));
+            // The clock stands still during the tick, so the simulation takes only the steps that are due.
+            let next = self.simulation.tick(&|| now.get());
+            match next {
+                Some(next) if next < end => {
+                    self.now.set(next.max(self.now.get() + Duration::from_micros(100)));
                 }
                 _ => break,
             }
-            self.shown();
+            self.snapshot();
         }
         self.now.set(end);
-        self.turn()
+        self.tick()
     }
 
-    /// The newest snapshot.
-    pub fn shown(&mut self) -> &Snapshot {
-        self.front.latest().expect("a snapshot").0
+    /// Returns the newest snapshot.
+    pub fn snapshot(&mut self) -> &Snapshot {
+        self.window.latest().expect("a snapshot").0
     }
 
-    /// Presses a key, as the window would.
+    /// Presses a key as the window does.
     pub fn press(&mut self, key: Key, modifiers: Modifiers) -> Pressed {
-        self.hold(KeyPress { key, modifiers, repeat: false })
-    }
-
-    /// Presses a key or holds it.
-    pub fn hold(&mut self, press: KeyPress) -> Pressed {
-        let mode = self.shown().mode;
-        let Some(action) = action(press, mode) else { return Pressed::Unused };
-        let model = self.shown().model.clone();
-        match self.view.act(action, &model) {
-            Effect::Done => {
-                self.turn();
+        let press = KeyPress { key, modifiers, repeat: false };
+        let mode = self.snapshot().mode;
+        let Some(action) = find_action(press, mode) else { return Pressed::Unused };
+        let model = self.snapshot().model.clone();
+        match action {
+            Action::View(action) => {
+                let window_action = self.view.apply(*action, &model);
+                self.tick();
+                window_action.map_or(Pressed::Done, Pressed::Window)
+            }
+            Action::Send(request) => {
+                self.send(request.clone());
                 Pressed::Done
             }
-            Effect::Ask(request) => {
-                self.ask(request);
-                Pressed::Done
-            }
-            Effect::Window(action) => Pressed::Window(action),
+            Action::Window(action) => Pressed::Window(*action),
         }
     }
 
-    /// What the physics has said once.
+    /// Removes the events and applies them to the view.
     pub fn events(&mut self) -> Vec<Event> {
-        let events = self.front.events();
+        let events = self.window.take_events();
         for event in &events {
-            self.view.take(event);
+            self.view.handle_event(event);
         }
         events
     }
 
     pub fn mode(&mut self) -> Mode {
-        self.shown().mode
+        self.snapshot().mode
     }
 }
 
-/// What became of a key.
+/// Effect of a key press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Pressed {
     Unused,
     Done,
-    Window(super::input::WindowAction),
+    /// Action for the window.
+    Window(WindowAction),
 }
 
-/// Three trajectories of the cart-pole, of different lengths.
+/// Records three trajectories of the cart-pole with different lengths.
 pub(super) fn trajectories() -> Vec<Trajectory> {
     [40, 10, 200]
         .into_iter()

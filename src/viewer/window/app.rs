@@ -1,54 +1,55 @@
-//! The windows that are open, and the events that they get.
+//! Event handler of the event loop: open windows, and their closing by Ctrl-C.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
 use winit::event::{StartCause, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::WindowId;
 
+use super::event_loop::{Wake, WindowToken};
 use super::session::Session;
-use super::wake::{Token, Wake};
 
-/// A wait for events that is shorter found them in the queue. It is not zero since the thread may be without a processor meanwhile.
-const AT_ONCE: Duration = Duration::from_millis(20);
+/// A shorter wait for events found them in the queue. The limit is not zero, because the thread may be preempted during the wait.
+const MIN_WAIT: Duration = Duration::from_millis(20);
 
-/// All windows of the process. Each is drawn when something in it has changed, and the thread sleeps otherwise.
+/// All windows of the process. A window is drawn when something in it has changed; otherwise the thread sleeps.
 pub(super) struct App {
     sessions: HashMap<WindowId, Session>,
-    ends: Ends,
+    exit: ExitCondition,
 }
 
-/// When the event loop ends.
-enum Ends {
+/// Condition on which the event loop exits.
+enum ExitCondition {
     Never,
-    /// When this window has come and gone. What is told about windows of before may come first.
-    After(Token),
-    /// When no window is left.
+    /// After this window was opened and all windows are closed. Messages about previous windows may arrive before it opens.
+    After(WindowToken),
     WhenEmpty,
 }
 
 impl App {
-    /// Ends when this window is closed, and all others that there are.
-    pub fn until_closed(token: Token) -> Self {
-        Self { sessions: HashMap::new(), ends: Ends::After(token) }
+    /// Creates an app that exits when this window and all other windows are closed.
+    pub fn until_closed(token: WindowToken) -> Self {
+        Self { sessions: HashMap::new(), exit: ExitCondition::After(token) }
     }
 
-    /// Waits for the next window when its last one is closed.
+    /// Creates an app that never exits.
     #[cfg(not(target_os = "macos"))]
     pub fn forever() -> Self {
-        Self { sessions: HashMap::new(), ends: Ends::Never }
+        Self { sessions: HashMap::new(), exit: ExitCondition::Never }
     }
 
-    fn by_token(&mut self, token: Token) -> Option<&mut Session> {
+    fn by_token(&mut self, token: WindowToken) -> Option<&mut Session> {
         self.sessions.values_mut().find(|session| session.token() == token)
     }
 
-    /// Takes away the windows that are done.
-    fn sweep(&mut self, event_loop: &ActiveEventLoop) {
-        self.sessions.retain(|_, session| !session.is_over());
-        if matches!(self.ends, Ends::WhenEmpty) && self.sessions.is_empty() {
+    /// Removes the closed windows.
+    fn remove_closed(&mut self, event_loop: &ActiveEventLoop) {
+        self.sessions.retain(|_, session| !session.is_closed());
+        if matches!(self.exit, ExitCondition::WhenEmpty) && self.sessions.is_empty() {
             event_loop.exit();
         }
     }
@@ -59,8 +60,8 @@ impl ApplicationHandler<Wake> for App {
         let (StartCause::WaitCancelled { start, .. } | StartCause::ResumeTimeReached { start, .. }) = cause else {
             return;
         };
-        if start.elapsed() > AT_ONCE {
-            self.sessions.values_mut().for_each(Session::waited);
+        if start.elapsed() > MIN_WAIT {
+            self.sessions.values_mut().for_each(Session::events_awaited);
         }
     }
 
@@ -69,28 +70,28 @@ impl ApplicationHandler<Wake> for App {
     fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {
         match wake {
             Wake::Open(opening) => {
-                if matches!(self.ends, Ends::After(awaited) if awaited == opening.waker.token()) {
-                    self.ends = Ends::WhenEmpty;
+                if matches!(self.exit, ExitCondition::After(awaited) if awaited == opening.waker.token()) {
+                    self.exit = ExitCondition::WhenEmpty;
                 }
                 if let Some((id, session)) = Session::open(event_loop, *opening) {
                     self.sessions.insert(id, session);
                 }
             }
-            Wake::Look(token) => {
+            Wake::Update(token) => {
                 if let Some(session) = self.by_token(token) {
-                    session.look();
+                    session.handle_update();
                 }
             }
             Wake::CloseAll => self.sessions.values_mut().for_each(Session::close),
         }
-        self.sweep(event_loop);
+        self.remove_closed(event_loop);
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, id: WindowId, event: WindowEvent) {
         if let Some(session) = self.sessions.get_mut(&id) {
-            session.event(event_loop, &event);
+            session.handle_event(&event);
         }
-        self.sweep(event_loop);
+        self.remove_closed(event_loop);
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
@@ -98,11 +99,52 @@ impl ApplicationHandler<Wake> for App {
         let mut next: Option<Instant> = None;
         for session in self.sessions.values() {
             match session.due() {
-                Some(due) if due <= now => session.ask_to_be_drawn(),
+                Some(due) if due <= now => session.window.request_redraw(),
                 Some(due) => next = Some(next.map_or(due, |next| next.min(due))),
                 None => {}
             }
         }
         event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+    }
+}
+
+/// Exit status of a program that Ctrl-C has ended, by the convention of shells.
+const INTERRUPTED: i32 = 130;
+
+/// Number of open windows.
+static WINDOWS: AtomicUsize = AtomicUsize::new(0);
+static PROXY: Mutex<Option<EventLoopProxy<Wake>>> = Mutex::new(None);
+static ONCE: Once = Once::new();
+
+/// Guard during whose lifetime Ctrl-C closes the windows, so that a running recording is finished and the program continues. Without
+/// windows, Ctrl-C ends the program as usual.
+pub(super) struct InterruptGuard(());
+
+impl InterruptGuard {
+    pub fn new(proxy: &EventLoopProxy<Wake>) -> Self {
+        *PROXY.lock().unwrap_or_else(PoisonError::into_inner) = Some(proxy.clone());
+        WINDOWS.fetch_add(1, Ordering::AcqRel);
+        ONCE.call_once(|| {
+            if let Err(error) = ctrlc::try_set_handler(handle_interrupt) {
+                // The program has installed a handler itself.
+                log::debug!("the viewer does not handle Ctrl-C: {error}");
+            }
+        });
+        Self(())
+    }
+}
+
+impl Drop for InterruptGuard {
+    fn drop(&mut self) {
+        WINDOWS.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
+fn handle_interrupt() {
+    if WINDOWS.load(Ordering::Acquire) == 0 {
+        std::process::exit(INTERRUPTED);
+    }
+    if let Some(proxy) = &*PROXY.lock().unwrap_or_else(PoisonError::into_inner) {
+        let _ = proxy.send_event(Wake::CloseAll);
     }
 }

@@ -1,90 +1,92 @@
-//! The one event loop that a process may have, and who runs it.
+//! The event loop of the process, and messages to its thread.
 //!
-//! The windowing library lets a process make a single event loop, ever. It is kept when a window is closed, for the next one: in
-//! the thread that asked first ([`run_here`]), or in a thread of its own ([`host`]) that lives as long as the process.
+//! The windowing library allows a process to create a single event loop. It is therefore kept for the next window after a window is
+//! closed: in the thread that opened the first window ([`run_on_this_thread`]), or in a background thread ([`window_thread`]) that
+//! lives as long as the process.
 
 use std::cell::RefCell;
-use std::sync::mpsc;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread::{self, ThreadId};
 
 use winit::error::EventLoopError;
 use winit::event_loop::{EventLoop, EventLoopProxy};
 use winit::platform::run_on_demand::EventLoopExtRunOnDemand;
 
+use super::Opening;
 use super::app::App;
-use super::wake::{Token, Wake};
 use crate::viewer::error::ViewerError;
 
 thread_local! {
-    /// This thread's event loop while it does not run.
-    static RESTING: RefCell<Option<Box<EventLoop<Wake>>>> = const { RefCell::new(None) };
+    /// Event loop of this thread while it does not run.
+    static IDLE: RefCell<Option<Box<EventLoop<Wake>>>> = const { RefCell::new(None) };
 }
 
-/// Whose the event loop is.
+/// Owner of the event loop.
 enum Owner {
-    Nobody,
-    /// A thread that shows a window when it asks for one.
+    None,
+    /// Thread that has called [`Viewer::run`](crate::viewer::Viewer::run) or [`run`](crate::viewer::run) first.
     Caller(ThreadId),
-    /// The thread of its own.
-    Host(EventLoopProxy<Wake>),
-    /// It could not be made, and cannot be tried again: the library counts the attempt.
+    /// Background thread.
+    WindowThread(EventLoopProxy<Wake>),
+    /// The creation has failed. The library does not allow a second attempt.
     Failed(String),
 }
 
-static OWNER: Mutex<Owner> = Mutex::new(Owner::Nobody);
+static OWNER: Mutex<Owner> = Mutex::new(Owner::None);
 
 fn owner() -> MutexGuard<'static, Owner> {
     OWNER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Where a window can be shown.
-pub(super) enum Place {
-    /// In this thread, which then waits until it is closed.
-    Here(Box<EventLoop<Wake>>),
-    /// In the thread of its own.
-    Hosted(EventLoopProxy<Wake>),
+/// Access to the event loop.
+pub(super) enum EventLoopAccess {
+    /// The calling thread must run the event loop.
+    ThisThread(Box<EventLoop<Wake>>),
+    /// The background thread runs the event loop.
+    WindowThread(EventLoopProxy<Wake>),
 }
 
-/// Where a window of this thread's can be shown: in the thread of its own if there is one, else here.
-pub(super) fn place() -> Result<Place, ViewerError> {
+/// Returns the event loop for a window of the calling thread: that of the background thread if it was started, else that of the calling
+/// thread.
+pub(super) fn acquire() -> Result<EventLoopAccess, ViewerError> {
     let mut owner = owner();
     match &*owner {
-        Owner::Host(proxy) => return Ok(Place::Hosted(proxy.clone())),
+        Owner::WindowThread(proxy) => return Ok(EventLoopAccess::WindowThread(proxy.clone())),
         Owner::Caller(thread) if *thread != thread::current().id() => return Err(ViewerError::OtherThread),
         Owner::Caller(_) => {
-            let resting = RESTING.with(RefCell::take);
-            return resting.map(Place::Here).ok_or(ViewerError::Nested);
+            let idle = IDLE.with(RefCell::take);
+            return idle.map(EventLoopAccess::ThisThread).ok_or(ViewerError::Nested);
         }
         Owner::Failed(reason) => return Err(ViewerError::NoDisplay(reason.clone())),
-        Owner::Nobody => {}
+        Owner::None => {}
     }
-    let event_loop = remembered(&mut owner, build())?;
+    let event_loop = record_failure(&mut owner, build())?;
     *owner = Owner::Caller(thread::current().id());
-    Ok(Place::Here(Box::new(event_loop)))
+    Ok(EventLoopAccess::ThisThread(Box::new(event_loop)))
 }
 
-/// Shows the window that was asked for through the loop's proxy, in this thread, until it is closed.
-pub(super) fn run_here(mut event_loop: Box<EventLoop<Wake>>, token: Token) -> Result<(), ViewerError> {
-    let outcome = event_loop.run_app_on_demand(&mut App::until_closed(token));
-    rest(event_loop);
-    outcome.map_err(|error| failure(&error))
+/// Runs the event loop on the calling thread until the window, which was requested through the loop's proxy, is closed.
+pub(super) fn run_on_this_thread(mut event_loop: Box<EventLoop<Wake>>, token: WindowToken) -> Result<(), ViewerError> {
+    let result = event_loop.run_app_on_demand(&mut App::until_closed(token));
+    store(event_loop);
+    result.map_err(|error| convert(&error))
 }
 
-/// Keeps this thread's event loop for its next window.
-pub(super) fn rest(event_loop: Box<EventLoop<Wake>>) {
-    RESTING.with(|resting| resting.replace(Some(event_loop)));
+/// Stores the event loop of this thread for its next window.
+pub(super) fn store(event_loop: Box<EventLoop<Wake>>) {
+    IDLE.with(|idle| idle.replace(Some(event_loop)));
 }
 
-/// The thread of its own, started by the first that asks.
+/// Returns a proxy of the background thread's event loop. The first call starts the thread.
 #[cfg(not(target_os = "macos"))]
-pub(super) fn host() -> Result<EventLoopProxy<Wake>, ViewerError> {
+pub(super) fn window_thread() -> Result<EventLoopProxy<Wake>, ViewerError> {
     let mut owner = owner();
     match &*owner {
-        Owner::Host(proxy) => return Ok(proxy.clone()),
+        Owner::WindowThread(proxy) => return Ok(proxy.clone()),
         Owner::Caller(_) => return Err(ViewerError::OtherThread),
         Owner::Failed(reason) => return Err(ViewerError::NoDisplay(reason.clone())),
-        Owner::Nobody => {}
+        Owner::None => {}
     }
     let (sender, receiver) = mpsc::channel();
     thread::Builder::new()
@@ -93,30 +95,30 @@ pub(super) fn host() -> Result<EventLoopProxy<Wake>, ViewerError> {
             Ok(event_loop) => {
                 let _ = sender.send(Ok(event_loop.create_proxy()));
                 if let Err(error) = event_loop.run_app(&mut App::forever()) {
-                    log::error!("the thread of the windows has ended: {error}");
+                    log::error!("the window thread has ended: {error}");
                 }
             }
             Err(error) => drop(sender.send(Err(error))),
         })
         .map_err(ViewerError::Thread)?;
-    let answer = receiver.recv().map_err(|_| ViewerError::Window("the thread of the windows has panicked".into()))?;
-    let proxy = remembered(&mut owner, answer)?;
-    *owner = Owner::Host(proxy.clone());
+    let answer = receiver.recv().map_err(|_| ViewerError::Window("the window thread has panicked".into()))?;
+    let proxy = record_failure(&mut owner, answer)?;
+    *owner = Owner::WindowThread(proxy.clone());
     Ok(proxy)
 }
 
-/// Notes that there will never be an event loop.
-fn remembered<T>(owner: &mut Owner, made: Result<T, ViewerError>) -> Result<T, ViewerError> {
-    if let Err(ViewerError::NoDisplay(reason)) = &made {
+/// Records that the creation of the event loop has failed for good.
+fn record_failure<T>(owner: &mut Owner, created: Result<T, ViewerError>) -> Result<T, ViewerError> {
+    if let Err(ViewerError::NoDisplay(reason)) = &created {
         *owner = Owner::Failed(reason.clone());
     }
-    made
+    created
 }
 
-/// Makes the event loop.
+/// Creates the event loop.
 fn build() -> Result<EventLoop<Wake>, ViewerError> {
     let mut builder = EventLoop::with_user_event();
-    // A program's main thread is not always the one that shows windows. (On macOS it has to be.)
+    // Any thread may show windows, except on macOS.
     #[cfg(target_os = "linux")]
     {
         use winit::platform::x11::EventLoopBuilderExtX11;
@@ -127,13 +129,70 @@ fn build() -> Result<EventLoop<Wake>, ViewerError> {
         use winit::platform::windows::EventLoopBuilderExtWindows;
         builder.with_any_thread(true);
     }
-    builder.build().map_err(|error| failure(&error))
+    builder.build().map_err(|error| convert(&error))
 }
 
-fn failure(error: &EventLoopError) -> ViewerError {
+fn convert(error: &EventLoopError) -> ViewerError {
     match error {
         EventLoopError::RecreationAttempt => ViewerError::EventLoopTaken,
         EventLoopError::Os(_) | EventLoopError::NotSupported(_) => ViewerError::NoDisplay(error.to_string()),
         EventLoopError::ExitFailure(_) => ViewerError::Window(error.to_string()),
+    }
+}
+
+/// Identifier of a window for other threads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct WindowToken(u64);
+
+impl WindowToken {
+    /// Returns a unique token.
+    pub fn next() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+/// Message to the thread of the event loop.
+pub(super) enum Wake {
+    /// Opens a window.
+    Open(Box<Opening>),
+    /// Notifies a window of a new snapshot or event, or of its closing.
+    Update(WindowToken),
+    /// Closes all windows.
+    CloseAll,
+}
+
+/// Sender of update messages for one window.
+#[derive(Clone)]
+pub(super) struct Waker {
+    proxy: EventLoopProxy<Wake>,
+    token: WindowToken,
+    /// A message was sent and has not been acknowledged yet.
+    pending: Arc<AtomicBool>,
+}
+
+impl Waker {
+    pub fn new(proxy: EventLoopProxy<Wake>, token: WindowToken) -> Self {
+        Self { proxy, token, pending: Arc::default() }
+    }
+
+    /// Sends an update message, unless the last message has not been acknowledged yet.
+    pub fn wake(&self) {
+        if !self.pending.swap(true, Ordering::AcqRel) {
+            let _ = self.proxy.send_event(Wake::Update(self.token));
+        }
+    }
+
+    pub fn token(&self) -> WindowToken {
+        self.token
+    }
+
+    pub fn proxy(&self) -> &EventLoopProxy<Wake> {
+        &self.proxy
+    }
+
+    /// Acknowledges the messages so far. The next update sends a message again.
+    pub fn acknowledge(&self) {
+        self.pending.store(false, Ordering::Release);
     }
 }

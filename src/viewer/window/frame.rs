@@ -1,178 +1,180 @@
-//! A session's frames.
+//! Frames of a session.
 
 use std::time::{Duration, Instant};
 
-use winit::event_loop::ActiveEventLoop;
-
-use super::canvas::Canvas;
-use super::overlay::{Overlay, Painted};
-use super::screen::{Place, Screen};
+use super::overlay::{Overlay, PanelOutput};
 use super::session::Session;
+use super::surface::{SceneRenderer, SurfaceFrame, WindowSurface};
 use crate::render::{Gpu, RenderError};
-use crate::viewer::event::Event;
-use crate::viewer::panel::{Facts, Panels, Request as PanelRequest, Shown};
-use crate::viewer::probe;
+use crate::viewer::link::Event;
+use crate::viewer::panel::{PanelContext, Panels, WindowStatus};
+#[cfg(feature = "test-hooks")]
+use crate::viewer::test_hooks;
 use crate::viewer::view::View;
 
-/// How long a surface that is not ready is left alone.
-const RETRY: Duration = Duration::from_millis(30);
+/// Delay before the next attempt to acquire a surface that is not ready.
+const RETRY_DELAY: Duration = Duration::from_millis(30);
+/// Delay before the next frame after an error.
+const RECOVERY_DELAY: Duration = Duration::from_secs(1);
 
 impl Session {
-    /// Draws a frame, if the window can be seen.
-    pub(super) fn draw(&mut self, _: &ActiveEventLoop) -> Result<(), RenderError> {
+    /// Draws a frame if the window is visible.
+    pub(super) fn draw(&mut self) -> Result<(), RenderError> {
         let now = Instant::now();
-        self.pace.drawn(now);
-        self.frame_began = Some(self.now());
-        // What comes from here on wakes it again.
-        self.waker.looked();
-        self.hear()?;
-        if self.over {
+        self.scheduler.frame_started(now);
+        self.frame_start = Some(self.now());
+        // Updates from here on wake the window again.
+        self.waker.acknowledge();
+        self.handle_physics_events()?;
+        if self.closed {
             return Ok(());
         }
-        probe::wait_while_held();
-        if probe::takes_surface() {
-            self.screen.remake()?;
+        #[cfg(feature = "test-hooks")]
+        {
+            test_hooks::wait_while_held();
+            if test_hooks::take_surface_loss() {
+                self.surface.recreate()?;
+            }
         }
-        let texture = match self.screen.place()? {
-            Place::Ready(texture) => texture,
-            Place::Hidden => {
-                // Nothing is seen of it, and what is recorded goes on.
-                self.show(None)?;
+        let texture = match self.surface.acquire()? {
+            SurfaceFrame::Ready(texture) => texture,
+            SurfaceFrame::Hidden => {
+                // A recording continues while the window is hidden.
+                self.render(None)?;
                 return Ok(());
             }
-            Place::Soon => {
-                self.pace.ask_after(now, RETRY);
+            SurfaceFrame::NotReady => {
+                self.scheduler.request_after(now, RETRY_DELAY);
                 return Ok(());
             }
         };
-        self.mouse.resize(self.screen.size().map(f64::from));
-        let again = self.show(Some(&texture))?;
-        self.screen.present(texture);
-        self.pace.ask_after(now, again);
+        self.mouse.resize(self.surface.size().map(f64::from));
+        let repaint_delay = self.render(Some(&texture))?;
+        self.surface.present(texture);
+        self.scheduler.request_after(now, repaint_delay);
         Ok(())
     }
 
-    /// Listens to what the physics has to say.
-    fn hear(&mut self) -> Result<(), RenderError> {
-        for event in self.front.events() {
+    fn handle_physics_events(&mut self) -> Result<(), RenderError> {
+        for event in self.link.take_events() {
             if let Some(view) = &mut self.view {
-                view.take(&event);
+                view.handle_event(&event);
             }
             match event {
                 Event::Copied(text) => {
                     if self.overlay.copy(text) {
                         self.panels.notice("copied to the clipboard".to_owned());
                     } else {
-                        self.panels.warn("there is no clipboard to copy to".to_owned());
+                        self.panels.warn("the system has no clipboard".to_owned());
                     }
                 }
                 Event::Notice(text) => self.panels.notice(text),
                 Event::Asset(asset) => {
-                    if let Some(snapshot) = self.front.drawn() {
-                        self.canvas.update(snapshot, asset)?;
+                    if let Some(snapshot) = self.link.current() {
+                        self.renderer.update(snapshot, asset)?;
                     }
                 }
                 Event::LookAt(_) | Event::Track(_) | Event::View(_) => {}
             }
         }
-        self.meet();
-        if self.front.is_closing() {
+        self.update_model();
+        if self.link.is_closing() {
             self.close();
         }
         Ok(())
     }
 
-    /// Looks at the newest snapshot's model: a camera of another one is of no use.
-    pub(super) fn meet(&mut self) {
-        let Some((snapshot, _)) = self.front.latest() else { return };
+    /// Takes the newest snapshot, and resets the view and the panels if its model was replaced.
+    pub(super) fn update_model(&mut self) {
+        let Some((snapshot, _)) = self.link.latest() else { return };
         let view = self.view.get_or_insert_with(|| View::new(&snapshot.model));
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
             view.model_replaced(&snapshot.model);
-            self.panels.forget_model();
+            self.panels.reset_model();
         }
     }
 
-    /// Draws the newest snapshot and the panels over it. Returns how long until the panels change by themselves.
-    fn show(&mut self, texture: Option<&wgpu::SurfaceTexture>) -> Result<Duration, RenderError> {
-        let gpu = self.screen.gpu().clone();
-        let size = self.screen.size();
+    /// Renders the newest snapshot and the panels. Returns the time until the panels change by themselves.
+    fn render(&mut self, texture: Option<&wgpu::SurfaceTexture>) -> Result<Duration, RenderError> {
+        let gpu = self.surface.gpu().clone();
+        let size = self.surface.size();
         let target = texture.map(|texture| texture.texture.create_view(&wgpu::TextureViewDescriptor::default()));
-        // One that may have come in between is looked at anew.
-        self.meet();
-        let (Some(snapshot), Some(view)) = (self.front.drawn_mut(), &mut self.view) else {
+        // Another snapshot may have arrived since `handle_physics_events`.
+        self.update_model();
+        let (Some(snapshot), Some(view)) = (self.link.current_mut(), &mut self.view) else {
             if let Some(target) = &target {
-                Canvas::draw_nothing(&gpu, target);
-                let painted = self.overlay.run(&self.window, Panels::wait);
-                self.overlay.paint(&gpu, target, size, &painted);
+                SceneRenderer::draw_empty(&gpu, target);
+                let panels = self.overlay.run(&self.window, Panels::show_waiting);
+                self.overlay.paint(&gpu, target, size, &panels);
             }
             return Ok(Duration::MAX);
         };
-        view.prepare(snapshot)?;
+        view.update_snapshot(snapshot)?;
 
-        let outcome = self.output.take(&mut self.canvas, &gpu, snapshot, size);
-        outcome.notice.into_iter().for_each(|notice| self.panels.notice(notice));
-        outcome.problem.into_iter().for_each(|problem| self.panels.warn(problem));
+        let report = self.output.save_frame(&mut self.renderer, &gpu, snapshot, size);
+        report.notice.into_iter().for_each(|notice| self.panels.notice(notice));
+        report.problem.into_iter().for_each(|problem| self.panels.warn(problem));
         let Some(target) = target else { return Ok(Duration::MAX) };
-        self.canvas.draw(&gpu, snapshot, &target, size)?;
+        self.renderer.draw(&gpu, snapshot, &target, size)?;
 
-        let Some(painted) = self.lay_out() else { return Ok(Duration::MAX) };
-        self.overlay.paint(&gpu, &target, size, &painted);
-        if probe::is_on()
-            && let (Some(snapshot), Some(view)) = (self.front.drawn(), &self.view)
-        {
-            let asked = self.front.asked();
-            let messages = self.panels.messages();
-            probe::put(snapshot, asked, view, &self.facts(&gpu), messages, self.overlay.is_editing());
+        let Some(panels) = self.run_panels() else { return Ok(Duration::MAX) };
+        self.overlay.paint(&gpu, &target, size, &panels);
+        #[cfg(feature = "test-hooks")]
+        if let (Some(snapshot), Some(view)) = (self.link.current(), &self.view) {
+            test_hooks::record(test_hooks::Frame {
+                snapshot,
+                view,
+                status: &self.status(&gpu),
+                queued: self.link.queued(),
+                full_screen: self.window.fullscreen().is_some(),
+                editing: self.overlay.is_editing(),
+                messages: self.panels.messages(),
+            });
         }
-        Ok(painted.again)
+        Ok(panels.repaint_delay)
     }
 
-    /// Lays the panels out for the events so far, and executes the requests that they make.
-    pub(super) fn lay_out(&mut self) -> Option<Painted> {
-        let gpu = self.screen.gpu().clone();
-        let facts = self.facts(&gpu);
-        let (Some(snapshot), Some(view)) = (self.front.drawn(), &mut self.view) else { return None };
-        let options = self.expected.options(snapshot);
-        let mut requests = Vec::new();
-        let painted = self.overlay.run(&self.window, |ui| {
-            requests.clear();
-            let mut shown = Shown { snapshot, view, options, facts: &facts, requests: &mut requests };
-            self.panels.show(ui, &mut shown);
+    /// Runs a pass of the panels for the events so far, and performs the resulting actions.
+    pub(super) fn run_panels(&mut self) -> Option<PanelOutput> {
+        let gpu = self.surface.gpu().clone();
+        let status = self.status(&gpu);
+        let (Some(snapshot), Some(view)) = (self.link.current(), &mut self.view) else { return None };
+        let options = self.predicted.options(snapshot);
+        let mut actions = Vec::new();
+        let panels = self.overlay.run(&self.window, |ui| {
+            actions.clear();
+            let mut cx = PanelContext { snapshot, view, options, status: &status, actions: &mut actions };
+            self.panels.show(ui, &mut cx);
         });
-        let look = view.look();
-        self.front.look(&look);
-        for request in requests {
-            match request {
-                PanelRequest::Physics(request) => self.ask(*request),
-                PanelRequest::Act(action) => self.act(action),
-                PanelRequest::Vsync(vsync) => self.screen.set_vsync(vsync),
-            }
-            self.pace.ask(Instant::now());
+        let view = view.scene_view();
+        self.link.set_view(&view);
+        for action in actions {
+            self.act(&action);
+            self.scheduler.request(Instant::now());
         }
-        Some(painted)
+        Some(panels)
     }
 
-    fn facts<'a>(&self, gpu: &'a Gpu) -> Facts<'a> {
-        Facts {
-            size: self.screen.size(),
-            rate: self.pace.rate(),
+    fn status<'a>(&self, gpu: &'a Gpu) -> WindowStatus<'a> {
+        WindowStatus {
+            size: self.surface.size(),
+            rate: self.scheduler.rate(),
             recording: self.output.frames(),
-            vsync: self.screen.has_vsync(),
-            full_screen: self.window.fullscreen().is_some(),
+            vsync: self.surface.has_vsync(),
             gpu: gpu.name(),
         }
     }
 
-    /// After a frame that could not be drawn: makes what was lost anew, or says why there is nothing.
+    /// Recovers from a frame that could not be drawn. Recreates the GPU resources if they were lost, and shows the problem.
     pub(super) fn recover(&mut self, problem: &RenderError) {
         log::warn!("a frame could not be drawn: {problem}");
-        self.canvas.clear();
+        self.renderer.drop_renderer();
         if matches!(problem, RenderError::Lost { .. }) {
-            match Screen::new(self.window.clone(), self.screen.has_vsync()) {
-                Ok(screen) => {
-                    self.screen = screen;
-                    self.overlay = Overlay::new(&self.window, self.screen.gpu().device(), self.screen.format());
+            match WindowSurface::new(self.window.clone(), self.surface.has_vsync()) {
+                Ok(surface) => {
+                    self.surface = surface;
+                    self.overlay = Overlay::new(&self.window, self.surface.gpu().device(), self.surface.format());
                 }
                 Err(error) => {
                     log::error!("{error}");
@@ -182,7 +184,7 @@ impl Session {
             }
         }
         self.panels.warn(problem.to_string());
-        // Not at once: what fails each time is not to be tried all the time.
-        self.pace.ask_after(Instant::now(), Duration::from_secs(1));
+        // The delay limits the load of a permanent error.
+        self.scheduler.request_after(Instant::now(), RECOVERY_DELAY);
     }
 }

@@ -1,57 +1,58 @@
-//! A session's keys, mouse and files.
+//! Keyboard, mouse and dropped files of a session.
 
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
 use winit::dpi::PhysicalSize;
-use winit::event::{ElementState, KeyEvent, MouseButton as WinitButton, WindowEvent};
+use winit::event::{ElementState, KeyEvent, MouseButton as WinitButton, MouseScrollDelta, WindowEvent};
+use winit::keyboard::{Key as WinitKey, ModifiersState, NamedKey};
+use winit::platform::modifier_supplement::KeyEventExtModifierSupplement;
 use winit::window::Fullscreen;
 
 use super::session::Session;
-use super::translate;
 use crate::model::Model;
-use crate::viewer::input::{Action, Gesture, KeyPress, WindowAction, action, help_text};
-use crate::viewer::mode::Mode;
-use crate::viewer::probe;
-use crate::viewer::request::Request;
-use crate::viewer::view::Effect;
+use crate::viewer::input::{
+    Action, Gesture, Key, KeyPress, Modifiers, MouseButton, WindowAction, find_action, help_text,
+};
+use crate::viewer::link::{EndpointRequest, Mode, Request, SharedModel, SimulationRequest};
 
-/// Columns of a terminal that does not tell.
-const USUAL_COLUMNS: usize = 80;
+/// Columns of the terminal if `COLUMNS` is not set.
+const DEFAULT_COLUMNS: usize = 80;
+/// Pixels that a touchpad scrolls for one notch of a wheel.
+const PIXELS_PER_NOTCH: f64 = 50.0;
 
 impl Session {
-    /// Hands an event to the panels or to the picture.
-    pub(super) fn input(&mut self, event: &WindowEvent) {
+    /// Dispatches an input event to the panels and to the picture.
+    pub(super) fn handle_input(&mut self, event: &WindowEvent) {
         if self.overlay.needs_pass_before(event) {
-            self.lay_out();
+            self.run_panels();
         }
-        self.overlay.hear(&self.window, event, self.modifiers);
+        self.overlay.handle_event(&self.window, event, self.modifiers);
         let changes = match event {
             WindowEvent::ModifiersChanged(modifiers) => {
                 self.modifiers = modifiers.state();
                 true
             }
             WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
-                self.key(event);
+                self.press_key(event);
                 true
             }
             WindowEvent::MouseInput { state, button, .. } => {
-                self.button(*state, *button);
+                self.change_button(*state, *button);
                 true
             }
-            WindowEvent::CursorMoved { position, .. } => self.moved([position.x, position.y]),
+            WindowEvent::CursorMoved { position, .. } => self.move_pointer([position.x, position.y]),
             WindowEvent::MouseWheel { delta, .. } => {
                 if !self.overlay.is_over(self.pointer) {
                     let mode = self.mode();
-                    let gesture =
-                        self.mouse.scroll(translate::notches(*delta), translate::modifiers(self.modifiers), mode);
-                    self.gesture(gesture);
+                    let gesture = self.mouse.scroll(notches(*delta), modifiers(self.modifiers), mode);
+                    self.perform(gesture);
                 }
                 true
             }
             WindowEvent::Focused(false) => {
-                self.let_go();
+                self.release_all();
                 true
             }
             WindowEvent::DroppedFile(path) => {
@@ -65,66 +66,66 @@ impl Session {
             _ => false,
         };
         if changes {
-            self.pace.ask(Instant::now());
+            self.scheduler.request(Instant::now());
         }
     }
 
     fn mode(&self) -> Mode {
-        self.front.drawn().map_or(Mode::Passive, |snapshot| self.expected.mode(snapshot))
+        self.link.current().map_or(Mode::Passive, |snapshot| self.predicted.mode(snapshot))
     }
 
-    fn key(&mut self, event: &KeyEvent) {
+    fn press_key(&mut self, event: &KeyEvent) {
         if event.state != ElementState::Pressed || self.overlay.is_editing() {
             return;
         }
-        let Some(key) = translate::key(event) else { return };
-        probe::note_key(key);
-        let press = KeyPress { key, modifiers: translate::modifiers(self.modifiers), repeat: event.repeat };
-        match action(press, self.mode()) {
+        let Some(key) = translate_key(event) else { return };
+        #[cfg(feature = "test-hooks")]
+        crate::viewer::test_hooks::count_marker(key);
+        let press = KeyPress { key, modifiers: modifiers(self.modifiers), repeat: event.repeat };
+        match find_action(press, self.mode()) {
             Some(action) => self.act(action),
-            None => self.ask(Request::Key(press)),
+            None => self.send(EndpointRequest::ForwardKey(press).into()),
         }
     }
 
-    /// Queues a request for the simulation.
-    pub(super) fn ask(&mut self, request: Request) {
+    /// Sends a request to the physics.
+    fn send(&mut self, request: Request) {
         if let Some(view) = &self.view {
-            self.front.look(&view.look());
+            self.link.set_view(&view.scene_view());
         }
-        if let Some(snapshot) = self.front.drawn() {
-            self.expected.note(&request, self.front.next_number(&request), snapshot);
+        if let Some(snapshot) = self.link.current() {
+            self.predicted.update(&request, self.link.next_number(&request), snapshot);
         }
-        self.front.ask(request);
+        self.link.send(request);
     }
 
-    pub(super) fn act(&mut self, action: Action) {
-        let (Some(view), Some(snapshot)) = (&mut self.view, self.front.drawn()) else {
-            // Before there is something to be seen, a window can be closed and sized.
-            if let Action::Window(action) = action {
-                self.act_on_window(action);
+    /// Performs the action of a key or a panel. Before the first snapshot, only actions on the window have an effect.
+    pub(super) fn act(&mut self, action: &Action) {
+        let (view, snapshot) = (self.view.as_mut(), self.link.current());
+        match action {
+            Action::Window(action) => self.act_on_window(*action),
+            Action::View(action) => {
+                let (Some(view), Some(snapshot)) = (view, snapshot) else { return };
+                if let Some(action) = view.apply(*action, &snapshot.model) {
+                    self.act_on_window(action);
+                }
             }
-            return;
-        };
-        let effect = view.act(action, &snapshot.model);
-        self.effect(effect);
-    }
-
-    fn effect(&mut self, effect: Effect) {
-        match effect {
-            Effect::Done => {}
-            Effect::Ask(request) => self.ask(request),
-            Effect::Window(action) => self.act_on_window(action),
+            Action::Send(request) => {
+                if view.is_some() && snapshot.is_some() {
+                    self.send(request.clone());
+                }
+            }
         }
     }
 
-    pub(super) fn act_on_window(&mut self, action: WindowAction) {
+    fn act_on_window(&mut self, action: WindowAction) {
         match action {
             WindowAction::Quit => self.close(),
-            // A recording keeps its size, and so does what is seen of it.
+            // The pictures of a recording have the same size.
             WindowAction::Resize(_) | WindowAction::DefaultSize | WindowAction::FullScreen
                 if self.output.is_recording() =>
             {
-                self.panels.notice("the size stays while a recording runs".to_owned());
+                self.panels.notice("the size cannot change during a recording".to_owned());
             }
             WindowAction::Resize(size) => self.resize(size),
             WindowAction::DefaultSize => {
@@ -137,83 +138,163 @@ impl Session {
                 self.window.set_fullscreen(full.then_some(Fullscreen::Borderless(None)));
             }
             WindowAction::Record => self.toggle_recording(),
-            WindowAction::Screenshot => self.screenshot(),
+            WindowAction::Screenshot => self.request_screenshot(),
             WindowAction::Reload => match self.options.file.clone() {
                 Some(file) => self.load(&file),
-                None => self.panels.notice("this model is not from a file; drop one onto the window".to_owned()),
+                None => self.panels.notice("this model has no file; drop a file onto the window".to_owned()),
             },
             WindowAction::PrintHelp => self.print_help(),
+            WindowAction::SetVsync(vsync) => self.surface.set_vsync(vsync),
         }
     }
 
     fn resize(&mut self, [width, height]: [u32; 2]) {
         self.window.set_fullscreen(None);
         self.window.set_maximized(false);
-        // If it was done at once, there is no event.
+        // `Some` means that the size has changed immediately, without an event.
         if self.window.request_inner_size(PhysicalSize::new(width, height)).is_some() {
-            self.screen.resize();
-            self.mouse.resize(self.screen.size().map(f64::from));
+            self.surface.resize();
+            self.mouse.resize(self.surface.size().map(f64::from));
         }
     }
 
     fn print_help(&self) {
-        let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok()).unwrap_or(USUAL_COLUMNS);
+        let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok()).unwrap_or(DEFAULT_COLUMNS);
         println!("{}", help_text(self.mode(), columns));
     }
 
-    /// Replaces the model by that of a file.
-    pub(super) fn load(&mut self, path: &Path) {
+    /// Replaces the model by the model of a file.
+    fn load(&mut self, path: &Path) {
         let is_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mjb"));
         let model = if is_binary { Model::from_binary_path(path) } else { Model::from_xml_path(path) };
         match model {
             Ok(model) => {
                 self.options.file = Some(path.to_owned());
-                self.ask(Request::Reload(Arc::new(model)));
+                self.send(SimulationRequest::Reload(SharedModel(Arc::new(model))).into());
                 self.panels.notice(format!("loaded {}", path.display()));
             }
             Err(error) => self.panels.warn(error.to_string()),
         }
     }
 
-    fn button(&mut self, state: ElementState, button: WinitButton) {
-        let Some(button) = translate::button(button) else { return };
+    /// Handles the press or the release of a mouse button.
+    fn change_button(&mut self, state: ElementState, button: WinitButton) {
+        let Some(button) = translate_button(button) else { return };
         let gesture = if state == ElementState::Released {
-            self.holds_picture = false;
+            self.picture_pressed = false;
             self.mouse.release(button)
         } else if self.overlay.is_over(self.pointer) {
             return;
         } else {
-            self.holds_picture = true;
+            self.picture_pressed = true;
             self.overlay.stop_editing();
-            let selected = self.front.drawn().is_some_and(|snapshot| self.expected.is_selected(snapshot));
-            self.mouse.press(button, translate::modifiers(self.modifiers), self.moment(), selected)
+            let selected = self.link.current().is_some_and(|snapshot| self.predicted.may_be_selected(snapshot));
+            self.mouse.press(button, modifiers(self.modifiers), self.event_time(), selected)
         };
-        self.gesture(gesture);
+        self.perform(gesture);
     }
 
-    /// Says whether something is to be seen of it.
-    fn moved(&mut self, at: [f64; 2]) -> bool {
+    /// Handles a motion of the pointer. Returns `true` if the picture or a panel may have changed.
+    fn move_pointer(&mut self, position: [f64; 2]) -> bool {
         let was_over = self.overlay.is_over(self.pointer);
-        self.pointer = at;
-        let gesture = self.mouse.moved(at, translate::modifiers(self.modifiers));
+        self.pointer = position;
+        let gesture = self.mouse.moved(position, modifiers(self.modifiers));
         let moves = gesture != Gesture::None;
-        self.gesture(gesture);
-        moves || was_over || (!self.holds_picture && self.overlay.is_over(at))
+        self.perform(gesture);
+        moves || was_over || (!self.picture_pressed && self.overlay.is_over(position))
     }
 
-    /// The window has lost the keyboard, and with it the release of what is held.
-    fn let_go(&mut self) {
+    /// Releases the held button after the window has lost the focus, because the release event will not arrive.
+    fn release_all(&mut self) {
         let gesture = self.mouse.leave();
-        self.gesture(gesture);
-        self.holds_picture = false;
+        self.perform(gesture);
+        self.picture_pressed = false;
     }
 
-    fn gesture(&mut self, gesture: Gesture) {
-        let (Some(view), Some(snapshot)) = (&mut self.view, self.front.drawn()) else { return };
-        match view.gesture(gesture, snapshot) {
-            Ok(effect) => self.effect(effect),
-            // As when a camera is pushed beyond all numbers: it stays where it is.
-            Err(error) => log::debug!("{error}"),
+    fn perform(&mut self, gesture: Gesture) {
+        let (Some(view), Some(snapshot)) = (&mut self.view, self.link.current()) else { return };
+        match gesture {
+            Gesture::None => {}
+            Gesture::Camera(action, motion) => {
+                // A camera at the limits of finite numbers stays where it is.
+                if let Err(error) = view.move_camera(action, motion, snapshot) {
+                    log::debug!("{error}");
+                }
+            }
+            Gesture::Send(request) => self.send(request),
         }
+    }
+}
+
+/// Converts a key by its symbol without modifiers. `None` for keys that the viewer does not support.
+fn translate_key(event: &KeyEvent) -> Option<Key> {
+    let named = match event.key_without_modifiers() {
+        WinitKey::Named(named) => named,
+        WinitKey::Character(text) => return character(&text),
+        _ => return None,
+    };
+    Some(match named {
+        NamedKey::Escape => Key::Escape,
+        NamedKey::Enter => Key::Enter,
+        NamedKey::Space => Key::Space,
+        NamedKey::Tab => Key::Tab,
+        NamedKey::Backspace => Key::Backspace,
+        NamedKey::Delete => Key::Delete,
+        NamedKey::Insert => Key::Insert,
+        NamedKey::Home => Key::Home,
+        NamedKey::End => Key::End,
+        NamedKey::PageUp => Key::PageUp,
+        NamedKey::PageDown => Key::PageDown,
+        NamedKey::ArrowUp => Key::Up,
+        NamedKey::ArrowDown => Key::Down,
+        NamedKey::ArrowLeft => Key::Left,
+        NamedKey::ArrowRight => Key::Right,
+        function => Key::Function(FUNCTIONS.iter().position(|key| *key == function)? as u8 + 1),
+    })
+}
+
+const FUNCTIONS: [NamedKey; 12] = [
+    NamedKey::F1,
+    NamedKey::F2,
+    NamedKey::F3,
+    NamedKey::F4,
+    NamedKey::F5,
+    NamedKey::F6,
+    NamedKey::F7,
+    NamedKey::F8,
+    NamedKey::F9,
+    NamedKey::F10,
+    NamedKey::F11,
+    NamedKey::F12,
+];
+
+fn character(text: &str) -> Option<Key> {
+    let mut characters = text.chars().flat_map(char::to_lowercase);
+    let first = characters.next()?;
+    match (first, characters.next()) {
+        (' ', None) => Some(Key::Space),
+        (character, None) => Some(Key::Character(character)),
+        _ => None,
+    }
+}
+
+pub(super) fn modifiers(state: ModifiersState) -> Modifiers {
+    Modifiers::held(state.shift_key(), state.control_key(), state.alt_key(), state.super_key())
+}
+
+fn translate_button(button: WinitButton) -> Option<MouseButton> {
+    match button {
+        WinitButton::Left => Some(MouseButton::Left),
+        WinitButton::Middle => Some(MouseButton::Middle),
+        WinitButton::Right => Some(MouseButton::Right),
+        _ => None,
+    }
+}
+
+/// Returns a scroll distance in notches of a wheel, upwards.
+fn notches(delta: MouseScrollDelta) -> f64 {
+    match delta {
+        MouseScrollDelta::LineDelta(_, lines) => lines.into(),
+        MouseScrollDelta::PixelDelta(pixels) => pixels.y / PIXELS_PER_NOTCH,
     }
 }

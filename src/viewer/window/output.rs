@@ -1,31 +1,29 @@
-//! A session's pictures and recordings.
+//! Screenshots and recordings of a session.
 
 use std::path::{Path, PathBuf};
 
-use super::canvas::Canvas;
-use super::file_name;
-use super::recording::Recording;
 use super::session::Session;
+use super::surface::SceneRenderer;
 use crate::error::{Error, Result};
-use crate::record::{Recorder, RecorderOptions};
-use crate::render::Gpu;
+use crate::record::{Recorder, RecorderOptions, Summary};
+use crate::render::{Gpu, Picture, RenderError};
 use crate::viewer::error::ViewerError;
 use crate::viewer::launch::ViewerOptions;
-use crate::viewer::snapshot::Snapshot;
+use crate::viewer::link::Snapshot;
 
-/// Where pictures and recordings go, and the recording that runs.
+/// Screenshots and recordings of a session.
 pub(super) struct Output {
     screenshots: PathBuf,
     recordings: Option<PathBuf>,
     options: RecorderOptions,
     recording: Option<Recording>,
-    /// Whether the next frame is to be saved.
-    wants_screenshot: bool,
+    /// The next frame is saved as a screenshot.
+    screenshot_requested: bool,
 }
 
-/// What came of a frame's outputs, for the user.
+/// Messages for the user about the outputs of a frame.
 #[derive(Default)]
-pub(super) struct Outcome {
+pub(super) struct OutputReport {
     pub notice: Option<String>,
     pub problem: Option<String>,
 }
@@ -37,7 +35,7 @@ impl Output {
             recordings: options.recordings.clone(),
             options: options.recording.clone(),
             recording: None,
-            wants_screenshot: false,
+            screenshot_requested: false,
         }
     }
 
@@ -45,23 +43,23 @@ impl Output {
         self.recording.is_some()
     }
 
-    /// The frames of the recording that runs.
+    /// Returns the number of frames of the running recording.
     pub fn frames(&self) -> Option<u64> {
         self.recording.as_ref().map(Recording::frames)
     }
 
-    /// Begins a recording, of pictures of this size. Returns where it goes.
+    /// Starts a recording with pictures of this size. Returns the path of the file.
     fn start(&mut self, size: [u32; 2]) -> Result<PathBuf> {
         let recorder = match &self.recordings {
-            Some(path) => Recorder::create(file_name::free(path), self.options.clone())?,
+            Some(path) => Recorder::create(free_path(path), self.options.clone())?,
             None => {
-                Recorder::create(file_name::free(Path::new("recording.mp4")), self.options.clone()).or_else(|_| {
-                    // There is no ffmpeg.
+                Recorder::create(free_path(Path::new("recording.mp4")), self.options.clone()).or_else(|_| {
+                    // `ffmpeg` is not available.
                     let options = RecorderOptions {
                         frames_per_second: self.options.frames_per_second.min(50.0),
                         ..self.options.clone()
                     };
-                    Recorder::create(file_name::free(Path::new("recording.gif")), options)
+                    Recorder::create(free_path(Path::new("recording.gif")), options)
                 })?
             }
         };
@@ -70,30 +68,36 @@ impl Output {
         Ok(path)
     }
 
-    /// Completes the running recording, which lasts until this simulation time. Returns a message for the user.
+    /// Finishes the running recording, which lasts until this simulation time. Returns a message for the user.
     pub fn finish(&mut self, time: Option<f64>) -> Result<Option<String>> {
         let Some(recording) = self.recording.take() else { return Ok(None) };
         let Some(summary) = recording.finish(time)? else { return Ok(Some("nothing was recorded".to_owned())) };
         Ok(Some(format!("{}: {} frames, {:.1} s", summary.path.display(), summary.frames, summary.seconds)))
     }
 
-    /// Saves what of a frame is to be saved.
-    pub fn take(&mut self, canvas: &mut Canvas, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Outcome {
-        let mut outcome = Outcome::default();
-        if std::mem::take(&mut self.wants_screenshot) {
-            match self.save(canvas, gpu, snapshot, size) {
-                Ok(path) => outcome.notice = Some(format!("saved {}", path.display())),
-                Err(error) => outcome.problem = Some(error.to_string()),
+    /// Saves a requested screenshot and records the snapshot.
+    pub fn save_frame(
+        &mut self,
+        renderer: &mut SceneRenderer,
+        gpu: &Gpu,
+        snapshot: &Snapshot,
+        size: [u32; 2],
+    ) -> OutputReport {
+        let mut report = OutputReport::default();
+        if std::mem::take(&mut self.screenshot_requested) {
+            match self.save_screenshot(renderer, gpu, snapshot, size) {
+                Ok(path) => report.notice = Some(format!("saved {}", path.display())),
+                Err(error) => report.problem = Some(error.to_string()),
             }
         }
-        outcome.problem = self.record(canvas, gpu, snapshot).or(outcome.problem);
-        outcome
+        report.problem = self.record(renderer, gpu, snapshot).or(report.problem);
+        report
     }
 
-    /// Records a snapshot if a recording runs and a picture is due. Returns the problem that ends the recording.
-    fn record(&mut self, canvas: &mut Canvas, gpu: &Gpu, snapshot: &Snapshot) -> Option<String> {
+    /// Records a snapshot if a recording runs and a picture is due. An error ends the recording and is returned as a message.
+    fn record(&mut self, renderer: &mut SceneRenderer, gpu: &Gpu, snapshot: &Snapshot) -> Option<String> {
         if let Some(recording) = &mut self.recording
-            && let Err(error) = recording.take(snapshot.time, |size| canvas.picture(gpu, snapshot, size))
+            && let Err(error) = recording.add(snapshot.time, |size| renderer.picture(gpu, snapshot, size))
         {
             self.recording = None;
             return Some(format!("the recording has ended: {error}"));
@@ -101,56 +105,57 @@ impl Output {
         None
     }
 
-    fn save(
+    fn save_screenshot(
         &self,
-        canvas: &mut Canvas,
+        renderer: &mut SceneRenderer,
         gpu: &Gpu,
         snapshot: &Snapshot,
         size: [u32; 2],
     ) -> Result<PathBuf, ViewerError> {
-        let path = file_name::free(&self.screenshots);
-        canvas.picture(gpu, snapshot, size)?.save_png(&path)?;
+        let path = free_path(&self.screenshots);
+        renderer.picture(gpu, snapshot, size)?.save_png(&path)?;
         Ok(path)
     }
 }
 
 impl Session {
-    pub(super) fn screenshot(&mut self) {
-        self.output.wants_screenshot = true;
+    /// Requests a screenshot of the next frame.
+    pub(super) fn request_screenshot(&mut self) {
+        self.output.screenshot_requested = true;
     }
 
     pub(super) fn toggle_recording(&mut self) {
         if self.output.is_recording() {
-            let outcome = self.finish_recording();
+            let finished = self.finish_recording();
             self.window.set_resizable(true);
-            self.tell(outcome.map(Option::unwrap_or_default));
+            self.report(finished.map(Option::unwrap_or_default));
         } else {
-            let size = self.screen.size();
-            let begun = self.output.start(size);
-            self.window.set_resizable(begun.is_err());
-            self.tell(begun.map(|path| format!("recording to {}", path.display())));
-            // The recording begins now, even if the next frame is drawn much later.
+            let size = self.surface.size();
+            let started = self.output.start(size);
+            self.window.set_resizable(started.is_err());
+            self.report(started.map(|path| format!("recording to {}", path.display())));
+            // The recording starts now, even if the next frame is drawn much later.
             self.record_newest();
         }
     }
 
-    /// Completes the running recording with the newest snapshot: the time since the last frame belongs to it too.
+    /// Finishes the running recording with the newest snapshot, so that it includes the time since the last frame.
     pub(super) fn finish_recording(&mut self) -> Result<Option<String>> {
         self.record_newest();
-        let time = self.front.drawn().map(|snapshot| snapshot.time);
+        let time = self.link.current().map(|snapshot| snapshot.time);
         self.output.finish(time)
     }
 
-    /// Records the newest snapshot, whether or not the window is drawn.
+    /// Records the newest snapshot, even if the window is hidden.
     fn record_newest(&mut self) {
         if !self.output.is_recording() {
             return;
         }
-        self.meet();
-        let (Some(snapshot), Some(view)) = (self.front.drawn_mut(), &mut self.view) else { return };
-        let gpu = self.screen.gpu().clone();
-        let problem = match view.prepare(snapshot) {
-            Ok(()) => self.output.record(&mut self.canvas, &gpu, snapshot),
+        self.update_model();
+        let (Some(snapshot), Some(view)) = (self.link.current_mut(), &mut self.view) else { return };
+        let gpu = self.surface.gpu().clone();
+        let problem = match view.update_snapshot(snapshot) {
+            Ok(()) => self.output.record(&mut self.renderer, &gpu, snapshot),
             Err(error) => Some(error.to_string()),
         };
         if let Some(problem) = problem {
@@ -158,10 +163,148 @@ impl Session {
         }
     }
 
-    fn tell(&mut self, outcome: Result<String, Error>) {
-        match outcome {
+    fn report(&mut self, result: Result<String, Error>) {
+        match result {
             Ok(notice) => self.panels.notice(notice),
             Err(error) => self.panels.warn(error.to_string()),
         }
+    }
+}
+
+/// Running recording. Its duration is the simulated time, independent of the frame rate of the window: each picture is repeated until
+/// the next.
+struct Recording {
+    recorder: Recorder,
+    /// Size of all pictures, even if the window is resized.
+    size: [u32; 2],
+}
+
+impl Recording {
+    /// Creates a recording with pictures of this size.
+    fn new(recorder: Recorder, size: [u32; 2]) -> Self {
+        // Video formats require even sizes.
+        Self { recorder, size: size.map(|pixels| (pixels & !1).max(2)) }
+    }
+
+    /// Returns the number of frames so far.
+    fn frames(&self) -> u64 {
+        self.recorder.frames()
+    }
+
+    /// Adds the picture of a simulation time, in s, if it is due.
+    fn add<'a>(
+        &mut self,
+        time: f64,
+        draw: impl FnOnce([u32; 2]) -> Result<&'a Picture, RenderError>,
+    ) -> Result<(), ViewerError> {
+        // A state with a time that is not finite is never due.
+        if self.recorder.is_due(time) {
+            self.recorder.push(draw(self.size)?, time)?;
+        }
+        Ok(())
+    }
+
+    /// Finishes the recording, which lasts until this simulation time if it is known. Returns `None` if there is no picture.
+    fn finish(self, time: Option<f64>) -> Result<Option<Summary>> {
+        if self.recorder.frames() == 0 {
+            return Ok(None);
+        }
+        match time.filter(|time| time.is_finite()) {
+            Some(time) => self.recorder.finish_at(time).map(Some),
+            None => self.recorder.finish().map(Some),
+        }
+    }
+}
+
+/// Returns the path itself or, if it exists, the first free path of `name-2.png`, `name-3.png`, ….
+fn free_path(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map(|extension| format!(".{}", extension.to_string_lossy())).unwrap_or_default();
+    let mut free = path.to_owned();
+    let mut number = 2_u64;
+    while free.exists() {
+        free = path.with_file_name(format!("{stem}-{number}{extension}"));
+        number += 1;
+    }
+    free
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::path::Path;
+
+    use super::{Recording, free_path};
+    use crate::record::{Recorder, RecorderOptions};
+    use crate::render::Picture;
+
+    fn start(path: &Path) -> Recording {
+        let options = RecorderOptions { frames_per_second: 10.0, ..RecorderOptions::default() };
+        Recording::new(Recorder::create(path, options).unwrap(), [7, 5])
+    }
+
+    /// Returns the display times of the pictures of a file, in hundredths of a second.
+    fn delays(path: &Path) -> Vec<u16> {
+        let mut decoder = gif::Decoder::new(File::open(path).unwrap()).unwrap();
+        let mut delays = Vec::new();
+        while let Some(frame) = decoder.read_next_frame().unwrap() {
+            delays.push(frame.delay);
+        }
+        delays
+    }
+
+    #[test]
+    fn recording_lasts_as_long_as_the_simulation_at_any_frame_rate() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("clip.gif");
+        // Times at which the window is drawn, from 1 s to 4 s of the simulation, and the display times of the frames.
+        for (times, expected) in [
+            (vec![1.0], vec![300]),
+            (vec![1.0, 1.05, 3.7], vec![270, 30]),
+            (vec![1.0, 2.5, 4.0], vec![150, 150, 10]),
+            ((10..40).map(|tenth| f64::from(tenth) / 10.0).collect(), vec![10; 30]),
+        ] {
+            let mut recording = start(&path);
+            for (number, time) in times.into_iter().enumerate() {
+                let mut picture = Picture::new(6, 4);
+                picture.set_pixel(number % 6, number / 6 % 4, [255; 3]);
+                recording
+                    .add(time, |size| {
+                        Ok({
+                            assert_eq!(size, [6, 4]);
+                            &picture
+                        })
+                    })
+                    .unwrap();
+            }
+            let summary = recording.finish(Some(4.0)).unwrap().unwrap();
+            assert_eq!(delays(&path), expected);
+            assert_eq!(summary.seconds, f64::from(expected.iter().sum::<u16>()) / 100.0);
+        }
+    }
+
+    #[test]
+    fn recording_without_pictures_leaves_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("clip.gif");
+        let mut recording = start(&path);
+        recording.add(f64::NAN, |_| unreachable!()).unwrap();
+        assert!(recording.finish(Some(4.0)).unwrap().is_none());
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn existing_files_are_not_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("view.of.it.png");
+        assert_eq!(free_path(&path), path);
+        std::fs::write(&path, "").unwrap();
+        let second = folder.path().join("view.of.it-2.png");
+        assert_eq!(free_path(&path), second);
+        std::fs::write(&second, "").unwrap();
+        assert_eq!(free_path(&path), folder.path().join("view.of.it-3.png"));
+        let folder_name = folder.path().join("frames");
+        std::fs::create_dir(&folder_name).unwrap();
+        assert_eq!(free_path(&folder_name), folder.path().join("frames-2"));
     }
 }

@@ -1,4 +1,4 @@
-//! One window: what belongs to it, and how it comes and goes.
+//! Session of a window: its state, opening, closing and dispatch of events.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,101 +10,98 @@ use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
 use super::Opening;
-use super::canvas::Canvas;
-use super::interrupt;
+use super::app::InterruptGuard;
+use super::event_loop::{Waker, WindowToken};
 use super::output::Output;
 use super::overlay::Overlay;
-use super::pace::Pace;
-use super::screen::Screen;
-use super::wake::{Token, Waker};
+use super::scheduler::FrameScheduler;
+use super::surface::{SceneRenderer, WindowSurface};
 use crate::viewer::error::ViewerError;
-use crate::viewer::expected::Expected;
-use crate::viewer::input::{Moment, Mouse};
+use crate::viewer::input::{EventTime, Mouse};
 use crate::viewer::launch::ViewerOptions;
-use crate::viewer::link::Front;
+use crate::viewer::link::{PredictedState, WindowEnd};
 use crate::viewer::panel::Panels;
 use crate::viewer::view::View;
 
-/// The size of a window where no monitor tells its own.
-const USUAL_SIZE: [u32; 2] = [1280, 720];
+/// Size of a window if no monitor reports its size.
+const DEFAULT_SIZE: [u32; 2] = [1280, 720];
 
-/// One window.
+/// Window with its surface, its panels and its end of the link.
 pub(super) struct Session {
-    // Dropped in this order: what draws before what it draws on.
+    // Fields are dropped in this order: renderers before the surface, the surface before the window.
     pub output: Output,
-    pub canvas: Canvas,
+    pub renderer: SceneRenderer,
     pub overlay: Overlay,
-    pub screen: Screen,
+    pub surface: WindowSurface,
     pub window: Arc<Window>,
 
-    pub front: Front,
+    pub link: WindowEnd,
     pub waker: Waker,
     pub options: ViewerOptions,
-    /// What it looks at. `None` before the first snapshot.
+    /// `None` before the first snapshot.
     pub view: Option<View>,
-    /// The model that the view was made for.
+    /// Generation of the model to which the view belongs.
     pub generation: u64,
     pub panels: Panels,
     pub mouse: Mouse,
     pub modifiers: ModifiersState,
-    /// Where the pointer is, in pixels from the upper left corner.
+    /// Position of the pointer, in pixels from the upper left corner.
     pub pointer: [f64; 2],
-    /// Whether a button went down in the picture and not on a panel: until it is released, the panels are not there.
-    pub holds_picture: bool,
-    /// The state that requests without an answer lead to.
-    pub expected: Expected,
+    /// A button was pressed over the picture. Until its release, the panels ignore the pointer.
+    pub picture_pressed: bool,
+    pub predicted: PredictedState,
     pub opened: Instant,
-    /// The start of the frame after which the present events are processed, if they may have come while it was drawn.
-    pub frame_began: Option<Duration>,
-    pub pace: Pace,
-    pub over: bool,
-    _interrupt: interrupt::Guard,
+    /// Start of the last frame, if the events that are processed now may have arrived while it was drawn.
+    pub frame_start: Option<Duration>,
+    pub scheduler: FrameScheduler,
+    pub closed: bool,
+    _interrupt: InterruptGuard,
 }
 
 impl Session {
-    /// Opens a window, and tells who asked for it whether it came.
+    /// Opens a window, and sends the result to the thread that requested it.
     pub fn open(event_loop: &ActiveEventLoop, opening: Opening) -> Option<(WindowId, Self)> {
-        if opening.front.is_closing() {
-            // Whoever asked for it has changed its mind.
+        if opening.link.is_closing() {
+            // The caller has already closed the window.
             return None;
         }
-        let answer = opening.opened.clone();
-        let (session, told) = match Self::make(event_loop, opening) {
+        let sender = opening.result.clone();
+        let (session, result) = match Self::new(event_loop, opening) {
             Ok(session) => (Some((session.window.id(), session)), Ok(())),
             Err(error) => (None, Err(error)),
         };
-        // Nobody may wait for it any more.
-        let _ = answer.send(told);
+        // Fails if the caller no longer waits.
+        let _ = sender.send(result);
         session
     }
 
-    fn make(event_loop: &ActiveEventLoop, opening: Opening) -> Result<Self, ViewerError> {
-        let Opening { waker, front, mut options, .. } = opening;
+    fn new(event_loop: &ActiveEventLoop, opening: Opening) -> Result<Self, ViewerError> {
+        let Opening { waker, link, mut options, .. } = opening;
         let monitor = event_loop.primary_monitor().or_else(|| event_loop.available_monitors().next());
         let two_thirds = |size: PhysicalSize<u32>| [2 * size.width / 3, 2 * size.height / 3];
-        let usual = monitor.as_ref().map(|monitor| two_thirds(monitor.size())).filter(|size| !size.contains(&0));
-        let size = *options.size.get_or_insert(usual.unwrap_or(USUAL_SIZE));
+        let default = monitor.as_ref().map(|monitor| two_thirds(monitor.size())).filter(|size| !size.contains(&0));
+        let size = *options.size.get_or_insert(default.unwrap_or(DEFAULT_SIZE));
         let rate = monitor.and_then(|monitor| monitor.refresh_rate_millihertz()).map(|rate| f64::from(rate) / 1000.0);
 
         let attributes =
             Window::default_attributes().with_title(&options.title).with_inner_size(PhysicalSize::<u32>::from(size));
         let window = event_loop.create_window(attributes).map_err(|error| ViewerError::Window(error.to_string()))?;
         let window = Arc::new(window);
-        let screen = Screen::new(window.clone(), options.vsync)?;
-        let overlay = Overlay::new(&window, screen.gpu().device(), screen.format());
+        let surface = WindowSurface::new(window.clone(), options.vsync)?;
+        let overlay = Overlay::new(&window, surface.gpu().device(), surface.format());
         let mut mouse = Mouse::default();
-        mouse.resize(screen.size().map(f64::from));
-        let mut pace = Pace::new(rate);
+        mouse.resize(surface.size().map(f64::from));
+        let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
-        pace.ask(now);
+        scheduler.request(now);
         Ok(Self {
             output: Output::new(&options),
-            canvas: Canvas::default(),
+            renderer: SceneRenderer::default(),
             overlay,
-            screen,
+            surface,
             window,
-            front,
-            _interrupt: interrupt::Guard::new(waker.proxy()),
+            link,
+            _interrupt: InterruptGuard::new(waker.proxy()),
             waker,
             options,
             view: None,
@@ -113,84 +110,81 @@ impl Session {
             mouse,
             modifiers: ModifiersState::empty(),
             pointer: [0.0; 2],
-            holds_picture: false,
-            expected: Expected::default(),
+            picture_pressed: false,
+            predicted: PredictedState::default(),
             opened: now,
-            frame_began: None,
-            pace,
-            over: false,
+            frame_start: None,
+            scheduler,
+            closed: false,
         })
     }
 
-    pub fn token(&self) -> Token {
+    pub fn token(&self) -> WindowToken {
         self.waker.token()
     }
 
-    /// Whether it is to be taken away.
-    pub fn is_over(&self) -> bool {
-        self.over
+    pub fn is_closed(&self) -> bool {
+        self.closed
     }
 
-    /// There is something new to be seen.
-    pub fn look(&mut self) {
-        // Told again only when this is drawn: a simulation that is faster than the screen does not wake it for nothing.
-        if self.front.is_closing() {
+    /// Handles an update of the physics: a new snapshot or event, or the request to close the window.
+    pub fn handle_update(&mut self) {
+        // `draw` acknowledges the update, so a simulation that is faster than the screen sends one message per frame.
+        if self.link.is_closing() {
             self.close();
         }
-        self.pace.ask(Instant::now());
+        self.scheduler.request(Instant::now());
     }
 
-    /// Closes it: finishes what is recorded, and ends the physics.
+    /// Finishes the recording, ends the physics and hides the window.
     pub fn close(&mut self) {
         if let Err(problem) = self.finish_recording() {
             log::error!("{problem}");
         }
-        self.front.close();
-        // At once: what destroys it is sent only with what comes next, which may never come.
+        self.link.close();
+        // The destruction of the window is sent to the server with the next request only, which may never come.
         self.window.set_visible(false);
-        self.over = true;
+        self.closed = true;
     }
 
-    /// When the next frame is due.
+    /// Returns the time of the next frame, if any.
     pub fn due(&self) -> Option<Instant> {
-        self.pace.due()
+        self.scheduler.due()
     }
 
-    pub fn ask_to_be_drawn(&self) {
-        self.window.request_redraw();
-    }
-
+    /// Returns the time since the window was opened.
     pub fn now(&self) -> Duration {
         self.opened.elapsed()
     }
 
-    /// Returns when the event that is processed now has come. The queue has no times: it may have come since the frame before began.
-    pub fn moment(&self) -> Moment {
+    /// Returns bounds of the time of the event that is processed now. The event queue has no times, so the event may have arrived at
+    /// any time since the start of the last frame.
+    pub fn event_time(&self) -> EventTime {
         let latest = self.now();
-        Moment { earliest: self.frame_began.unwrap_or(latest), latest }
+        EventTime { earliest: self.frame_start.unwrap_or(latest), latest }
     }
 
-    /// The thread has waited for events: the next ones have come since then.
-    pub fn waited(&mut self) {
-        self.frame_began = None;
+    /// Records that the thread has waited for events, so that the next events have arrived after the last frame.
+    pub fn events_awaited(&mut self) {
+        self.frame_start = None;
     }
 
-    pub fn event(&mut self, event_loop: &ActiveEventLoop, event: &WindowEvent) {
+    pub fn handle_event(&mut self, event: &WindowEvent) {
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => self.close(),
             WindowEvent::RedrawRequested => {
-                if let Err(problem) = self.draw(event_loop) {
+                if let Err(problem) = self.draw() {
                     self.recover(&problem);
                 }
             }
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
-                self.screen.resize();
-                self.mouse.resize(self.screen.size().map(f64::from));
-                self.overlay.hear(&self.window, event, self.modifiers);
-                self.pace.ask(Instant::now());
+                self.surface.resize();
+                self.mouse.resize(self.surface.size().map(f64::from));
+                self.overlay.handle_event(&self.window, event, self.modifiers);
+                self.scheduler.request(Instant::now());
             }
-            WindowEvent::Occluded(false) => self.pace.ask(Instant::now()),
-            _ => self.input(event),
+            WindowEvent::Occluded(false) => self.scheduler.request(Instant::now()),
+            _ => self.handle_input(event),
         }
     }
 }

@@ -1,0 +1,200 @@
+//! Physics' side of the link: execution of the requests that do not depend on who steps the simulation, and publication of snapshots.
+
+mod keyframe;
+mod publish;
+mod request;
+mod selection;
+mod watch;
+
+use std::sync::Arc;
+
+pub(crate) use self::keyframe::CapturedKey;
+pub(crate) use self::watch::Watch;
+use super::input::KeyPress;
+use super::link::{Event, PhysicsEnd, SceneView, Snapshot};
+use crate::data::{Data, Stage, StateSpec, Warning};
+use crate::error::Result;
+use crate::id::BodyId;
+use crate::model::Model;
+use crate::scene::{Camera, CameraView, Perturbation, Selection};
+
+/// Connection of a simulation to its window.
+pub(crate) struct SimulationEndpoint {
+    pub link: PhysicsEnd,
+    /// Model to which the other fields refer.
+    model: Arc<Model>,
+    generation: u64,
+    number: u64,
+    /// State that a reset restores.
+    start: Vec<f64>,
+    view: SceneView,
+    camera: Camera,
+    perturbation: Perturbation,
+    /// The mouse has moved the target of the perturbation since the pose was last applied.
+    dragged: bool,
+    clicked: Option<Selection>,
+    spare: Option<Box<Snapshot>>,
+    captured: Arc<Vec<CapturedKey>>,
+    /// Number of keyframes that were ever captured.
+    captures: usize,
+    watches: Vec<Watch>,
+    keys: Vec<KeyPress>,
+    /// The user has been notified that the scene is full.
+    scene_full_reported: bool,
+    /// Engine warnings of which the user has been notified.
+    warned: [bool; Warning::ALL.len()],
+    /// Buffer of [`refresh`](Self::refresh).
+    state: Vec<f64>,
+}
+
+impl SimulationEndpoint {
+    /// Creates an endpoint for a simulation. A reset restores its present state.
+    pub fn new(link: PhysicsEnd, data: &Data) -> Self {
+        let model = data.model().clone();
+        Self {
+            link,
+            camera: Camera::free(&model),
+            generation: 0,
+            number: 0,
+            start: data.state(StateSpec::INTEGRATION),
+            view: SceneView::default(),
+            perturbation: Perturbation::default(),
+            dragged: false,
+            clicked: None,
+            spare: None,
+            captured: Arc::default(),
+            captures: 0,
+            watches: Vec::new(),
+            keys: Vec::new(),
+            scene_full_reported: false,
+            warned: [false; Warning::ALL.len()],
+            state: Vec::new(),
+            model,
+        }
+    }
+
+    /// Returns `true` if the model of the simulation has the structure of the endpoint's model.
+    pub fn is_for(&self, data: &Data) -> bool {
+        self.model.is_same_structure(data.model())
+    }
+
+    /// Adopts the model of a simulation after it was edited or replaced.
+    pub fn adopt(&mut self, data: &Data) {
+        let model = data.model();
+        if !self.is_for(data) {
+            self.generation += 1;
+            self.start = data.state(StateSpec::INTEGRATION);
+            self.camera = Camera::free(model);
+            self.view.camera = None;
+            self.perturbation = Perturbation::default();
+            (self.clicked, self.dragged, self.scene_full_reported) = (None, false, false);
+            // The spare snapshot has a scene of the old model.
+            self.spare = None;
+            self.captured = Arc::default();
+        }
+        if !Arc::ptr_eq(&self.model, model) {
+            self.model = model.clone();
+        }
+    }
+
+    /// Restores the start state.
+    pub fn reset(&mut self, data: &mut Data) -> Result<()> {
+        data.reset()?;
+        data.set_state(StateSpec::INTEGRATION, &self.start)?;
+        self.refresh(data)
+    }
+
+    /// Clears the controls, and restores the applied forces of the start state.
+    pub fn clear_inputs(&mut self, data: &mut Data) -> Result<()> {
+        const APPLIED: StateSpec = StateSpec::QFRC_APPLIED.union(StateSpec::XFRC_APPLIED);
+        self.perturbation.remove_force(data);
+        let model = data.model().clone();
+        let before = model.state_size(
+            StateSpec::TIME
+                | StateSpec::QPOS
+                | StateSpec::QVEL
+                | StateSpec::ACT
+                | StateSpec::WARMSTART
+                | StateSpec::CTRL,
+        );
+        data.ctrl_mut().fill(0.0);
+        data.set_state(APPLIED, &self.start[before..before + model.state_size(APPLIED)])
+    }
+
+    /// Recomputes the quantities that depend on the state, and leaves the state unchanged bit for bit: forward dynamics alone would
+    /// change the warm start of the solver and the last bits of quaternions.
+    pub fn refresh(&mut self, data: &mut Data) -> Result<()> {
+        self.state.resize(data.model().state_size(StateSpec::INTEGRATION), 0.0);
+        data.state_into(StateSpec::INTEGRATION, &mut self.state)?;
+        let result = data.forward();
+        data.set_state(StateSpec::INTEGRATION, &self.state)?;
+        result
+    }
+
+    /// Calls [`refresh`](Self::refresh) if quantities that the scene shows have not been computed.
+    pub fn refresh_if_needed(&mut self, data: &mut Data) -> Result<()> {
+        let needs = if self.view.options.shows_contacts() { Stage::Acceleration } else { Stage::Position };
+        if data.stage() < needs { self.refresh(data) } else { Ok(()) }
+    }
+
+    /// Adopts the newest view of the window. Returns `true` if it has changed.
+    pub fn update_view(&mut self) -> bool {
+        let Some(view) = self.link.take_view() else { return false };
+        self.adopt_view(view);
+        true
+    }
+
+    fn adopt_view(&mut self, view: SceneView) {
+        self.view = view;
+        let Some(camera) = self.view.camera else { return };
+        if self.is_of_model(&camera) {
+            // A tracking camera has moved further here than in the window's copy.
+            let follows = matches!(camera.view, CameraView::Tracking(_)) && camera.view == self.camera.view;
+            let lookat = if follows { self.camera.lookat } else { camera.lookat };
+            self.camera = Camera { lookat, ..camera };
+        }
+    }
+
+    /// Returns the present camera and scene options.
+    pub fn view(&self) -> SceneView {
+        SceneView { camera: Some(self.camera), options: self.view.options.clone() }
+    }
+
+    /// Sets the camera and the scene options, in the window too.
+    ///
+    /// # Panics
+    ///
+    /// If the camera belongs to another model.
+    pub fn set_view(&mut self, view: SceneView) {
+        if let Some(camera) = view.camera {
+            assert!(
+                self.is_of_model(&camera),
+                "the camera for the viewer belongs to another model than the simulation"
+            );
+            self.camera = camera;
+        }
+        // A pending view of the window is older than this view.
+        let _ = self.link.take_view();
+        self.view = view;
+        self.link.send(Event::View(Box::new(self.view())));
+    }
+
+    /// Returns `true` if the camera does not refer to another model.
+    fn is_of_model(&self, camera: &Camera) -> bool {
+        match camera.view {
+            CameraView::Fixed(id) => !self.is_stale(id),
+            CameraView::Tracking(id) => !self.is_stale(id),
+            CameraView::Free | CameraView::User => true,
+        }
+    }
+
+    /// Returns the selected body.
+    pub fn selected_body(&self) -> Option<BodyId> {
+        self.perturbation.select
+    }
+
+    /// Removes the key presses without a binding.
+    pub fn take_keys(&mut self) -> Vec<KeyPress> {
+        std::mem::take(&mut self.keys)
+    }
+}

@@ -1,0 +1,114 @@
+//! Publication of snapshots.
+
+use std::sync::Arc;
+
+use super::SimulationEndpoint;
+use crate::data::{Data, Warning};
+use crate::error::{Error, Result};
+use crate::scene::{CameraView, Categories, Scene, SceneOptions};
+use crate::viewer::link::{Event, SelectedBody, Snapshot};
+
+impl SimulationEndpoint {
+    /// Publishes a snapshot of the simulation. `add` adds geoms to the scene; `fill` sets the fields that depend on who steps the
+    /// simulation, such as status, mode and speed. If the data is unusable, the snapshot has its values and the previous scene.
+    ///
+    /// # Errors
+    ///
+    /// If there is no memory for a scene, or if a geom that `add` adds is invalid. The snapshot is published in the second case.
+    pub fn publish(
+        &mut self,
+        data: &mut Data,
+        add: impl FnOnce(&mut Scene, &SceneOptions) -> Result<()>,
+        fill: impl FnOnce(&mut Snapshot),
+    ) -> Result<()> {
+        self.adopt(data);
+        self.update_view();
+        let mut snapshot = self.take_spare()?;
+        let usable = data.check_usable().is_ok() && self.refresh_if_needed(data).is_ok();
+        let updated = if usable { self.update_scene(&mut snapshot, data, add) } else { Ok(()) };
+
+        self.report_warnings(data);
+
+        snapshot.copy_values(data);
+        snapshot.watched.clear();
+        snapshot.watched.extend(self.watches.iter().map(|watch| watch.value(data)));
+        if !Arc::ptr_eq(&snapshot.model, &self.model) {
+            snapshot.model = self.model.clone();
+        }
+        if !Arc::ptr_eq(&snapshot.captured, &self.captured) {
+            snapshot.captured = self.captured.clone();
+        }
+        self.number += 1;
+        snapshot.executed = self.link.executed();
+        (snapshot.generation, snapshot.number, snapshot.camera) = (self.generation, self.number, self.camera);
+        snapshot.selected = self.selected(data);
+        fill(&mut snapshot);
+        self.spare = self.link.publish(snapshot);
+        updated
+    }
+
+    /// Returns `true` if a tracking camera has not reached its body yet.
+    pub fn camera_lags(&self, data: &Data) -> bool {
+        let CameraView::Tracking(body) = self.camera.view else { return false };
+        if data.check_usable().is_err() {
+            return false;
+        }
+        let target = data.subtree_com()[body.index()];
+        let off = (0..3).map(|axis| (target[axis] - self.camera.lookat[axis]).powi(2)).sum::<f64>().sqrt();
+        off > 1e-3 * self.camera.distance.abs()
+    }
+
+    fn update_scene(
+        &mut self,
+        snapshot: &mut Snapshot,
+        data: &mut Data,
+        add: impl FnOnce(&mut Scene, &SceneOptions) -> Result<()>,
+    ) -> Result<()> {
+        let (scene, options) = (&mut snapshot.scene, &self.view.options);
+        let updated = scene.update(data, options, Some(&self.perturbation), &mut self.camera, Categories::all());
+        match updated.and_then(|()| add(scene, options)) {
+            Err(error @ Error::SceneFull { .. }) => {
+                // Reported once until the scene fits again.
+                if !std::mem::replace(&mut self.scene_full_reported, true) {
+                    self.link.send(Event::Notice(error.to_string()));
+                }
+                Ok(())
+            }
+            other => {
+                self.scene_full_reported = false;
+                other
+            }
+        }
+    }
+
+    /// Reports the first engine warning of each kind. `SceneFull` is reported separately.
+    fn report_warnings(&mut self, data: &Data) {
+        for (reported, warning) in self.warned.iter_mut().zip(Warning::ALL) {
+            let count = data.warning(warning);
+            if count.number > 0 && !*reported && warning != Warning::VisualGeomFull {
+                self.link.send(Event::Notice(warning.message(count.last_info, data)));
+            }
+            *reported = count.number > 0;
+        }
+    }
+
+    fn selected(&mut self, data: &mut Data) -> Option<SelectedBody> {
+        let body = self.perturbation.select?;
+        let clicked = self.clicked.filter(|clicked| clicked.body == body);
+        Some(SelectedBody {
+            body,
+            geom: clicked.and_then(|clicked| clicked.geom),
+            localpos: self.perturbation.localpos,
+            active: !self.perturbation.active.is_empty(),
+            force: self.perturbation.force(data).unwrap_or_default(),
+        })
+    }
+
+    /// Returns a snapshot of the present model that may be overwritten.
+    pub(super) fn take_spare(&mut self) -> Result<Box<Snapshot>> {
+        match self.spare.take() {
+            Some(spare) if spare.model.is_same_structure(&self.model) => Ok(spare),
+            _ => Ok(Box::new(Snapshot::new(&self.model)?)),
+        }
+    }
+}

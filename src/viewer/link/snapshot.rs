@@ -1,0 +1,250 @@
+//! State of a simulation as the window draws it and the panels show it.
+
+use std::fmt::{self, Arguments, Write};
+use std::sync::Arc;
+
+use crate::data::{Data, SolverIteration, Timer, TimerCount};
+use crate::error::Result;
+use crate::id::{BodyId, GeomId};
+use crate::model::Model;
+use crate::scene::{Camera, Scene};
+use crate::viewer::endpoint::CapturedKey;
+use crate::viewer::simulation::PlaybackState;
+
+/// Capacity of a scene, in geoms.
+const MAX_GEOMS: usize = 10_000;
+
+/// State of a simulation. Triple-buffered: three snapshots circulate, and their memory is reused.
+#[derive(Debug)]
+pub(crate) struct Snapshot {
+    pub scene: Scene,
+    /// Another `Arc` than in the last snapshot means that the model was edited; another `generation`, that it was replaced.
+    pub model: Arc<Model>,
+    /// Number of times that the model was replaced.
+    pub generation: u64,
+    /// Camera of the scene. A tracking camera has moved with its body.
+    pub camera: Camera,
+    /// Sequence number of the snapshot.
+    pub number: u64,
+    /// Number of the last request that was executed.
+    pub executed: u64,
+
+    pub time: f64,
+    pub qpos: Vec<f64>,
+    pub qvel: Vec<f64>,
+    pub ctrl: Vec<f64>,
+    pub sensordata: Vec<f64>,
+    /// Potential and kinetic energy, J, if they are computed.
+    pub energy: [f64; 2],
+    pub nefc: usize,
+    /// Solver iterations of the last step.
+    pub solver: Vec<SolverIteration>,
+    /// Accumulated since the last reset, in the order of [`Timer::ALL`].
+    pub timers: [TimerCount; Timer::ALL.len()],
+    /// Watched values, in the order of the request. NaN for an index out of range.
+    pub watched: Vec<f64>,
+
+    pub status: Status,
+    /// Message of the last error, until the simulation resumes. Empty without an error.
+    pub problem: String,
+    pub speed: SimulationSpeed,
+    /// Available modes.
+    pub modes: Vec<Mode>,
+    pub mode: Mode,
+    /// Lines of the mode in the info panel.
+    pub info: Vec<InfoLine>,
+    /// `Some` in the trajectory mode.
+    pub playback: Option<PlaybackState>,
+    /// Number of states in the history.
+    pub history_len: usize,
+    /// Index of the present state in the history; `history_len` for the newest state, which the history does not contain.
+    pub history_position: usize,
+    pub selected: Option<SelectedBody>,
+    /// Keyframes that the user has captured.
+    pub captured: Arc<Vec<CapturedKey>>,
+}
+
+/// Source of the motion of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Mode {
+    /// A controller sets the controls before each step.
+    Controller,
+    /// Recorded states are shown.
+    Trajectory,
+    /// Dynamics without a controller.
+    Passive,
+}
+
+impl fmt::Display for Mode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Controller => "Controller",
+            Self::Trajectory => "Trajectory",
+            Self::Passive => "Passive Dynamics",
+        })
+    }
+}
+
+/// State of execution of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Status {
+    Paused,
+    Running,
+    /// A trajectory is played in reverse.
+    Reversed,
+    /// The program steps the simulation.
+    Program,
+}
+
+impl Status {
+    /// Returns the text of the info panel.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Paused => "Paused",
+            Self::Running => "Forward Simulation",
+            Self::Reversed => "Reverse Simulation",
+            Self::Program => "Program",
+        }
+    }
+}
+
+/// Simulated time relative to real time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SimulationSpeed {
+    /// Speed factor, simulated over real time.
+    pub factor: f64,
+    /// `true` if the factor applies; `false` for real time.
+    pub by_factor: bool,
+    /// Measured over the last half second. Zero while nothing runs.
+    pub measured: f64,
+    /// Real time that was dropped since the start because the simulation could not keep up, s.
+    pub dropped: f64,
+}
+
+impl SimulationSpeed {
+    /// Returns the target: simulated over real time.
+    pub fn target(&self) -> f64 {
+        if self.by_factor { self.factor } else { 1.0 }
+    }
+
+    /// Returns the text of the info panel: `10x (slower)`, `2x (faster)`, `1`.
+    pub fn text(&self) -> String {
+        let target = self.target();
+        if target > 1.0 {
+            format!("{}x (faster)", rounded(target))
+        } else if target < 1.0 {
+            format!("{}x (slower)", rounded(1.0 / target))
+        } else {
+            "1".to_owned()
+        }
+    }
+}
+
+/// Rounds to two decimals.
+fn rounded(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+/// Selected body and its perturbation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SelectedBody {
+    pub body: BodyId,
+    /// Geom that the user has clicked on.
+    pub geom: Option<GeomId>,
+    /// Point that the user has clicked on, m, body frame.
+    pub localpos: [f64; 3],
+    /// `true` while the body is pulled or rotated.
+    pub active: bool,
+    /// Force, N, and torque, N m, on the centre of mass, world frame. Zero while paused, because the pose is set directly then.
+    pub force: [f64; 6],
+}
+
+/// Line of the info panel.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub(crate) struct InfoLine {
+    pub name: &'static str,
+    pub value: String,
+}
+
+/// Writer that overwrites lines of the info panel and reuses their memory.
+pub(crate) struct InfoLines<'l> {
+    lines: &'l mut Vec<InfoLine>,
+    used: usize,
+}
+
+impl<'l> InfoLines<'l> {
+    pub fn new(lines: &'l mut Vec<InfoLine>) -> Self {
+        Self { lines, used: 0 }
+    }
+
+    pub fn push(&mut self, name: &'static str, value: Arguments<'_>) {
+        if self.used == self.lines.len() {
+            self.lines.push(InfoLine::default());
+        }
+        let line = &mut self.lines[self.used];
+        line.name = name;
+        line.value.clear();
+        // Writing to a string cannot fail.
+        let _ = line.value.write_fmt(value);
+        self.used += 1;
+    }
+
+    /// Removes the old lines that were not overwritten.
+    pub fn finish(self) {
+        self.lines.truncate(self.used);
+    }
+}
+
+impl Snapshot {
+    /// Creates an empty snapshot with the buffers that this model needs.
+    pub fn new(model: &Arc<Model>) -> Result<Self> {
+        Ok(Self {
+            scene: Scene::new(model, MAX_GEOMS)?,
+            model: model.clone(),
+            generation: 0,
+            camera: Camera::free(model),
+            number: 0,
+            executed: 0,
+            time: 0.0,
+            qpos: Vec::with_capacity(model.nq()),
+            qvel: Vec::with_capacity(model.nv()),
+            ctrl: Vec::with_capacity(model.nu()),
+            sensordata: Vec::with_capacity(model.nsensordata()),
+            energy: [0.0; 2],
+            nefc: 0,
+            solver: Vec::new(),
+            timers: [TimerCount::default(); Timer::ALL.len()],
+            watched: Vec::new(),
+            status: Status::Paused,
+            problem: String::new(),
+            speed: SimulationSpeed { factor: 1.0, by_factor: false, measured: 0.0, dropped: 0.0 },
+            modes: Vec::new(),
+            mode: Mode::Passive,
+            info: Vec::new(),
+            playback: None,
+            history_len: 0,
+            history_position: 0,
+            selected: None,
+            captured: Arc::default(),
+        })
+    }
+
+    /// Copies the values that the panels show.
+    pub fn copy_values(&mut self, data: &Data) {
+        self.time = data.time();
+        for (to, from) in [
+            (&mut self.qpos, data.qpos()),
+            (&mut self.qvel, data.qvel()),
+            (&mut self.ctrl, data.ctrl()),
+            (&mut self.sensordata, data.sensordata()),
+        ] {
+            to.clear();
+            to.extend_from_slice(from);
+        }
+        self.energy = data.energy();
+        self.nefc = data.nefc();
+        self.solver.clear();
+        self.solver.extend(data.solver());
+        self.timers = Timer::ALL.map(|timer| data.timer(timer));
+    }
+}

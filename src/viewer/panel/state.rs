@@ -1,0 +1,164 @@
+//! Panels of the state: selected body, controls, joints and keyframes.
+
+use std::f64::consts::PI;
+
+use egui::{DragValue, Grid, RichText, Slider, Ui};
+
+use super::{PanelContext, display_name, layout};
+use crate::enums::JointType;
+use crate::id::JointId;
+use crate::viewer::link::EndpointRequest;
+
+/// Width of the labels, points.
+const LABEL_WIDTH: f32 = 88.0;
+
+pub(super) fn show_selection(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let Some(selected) = cx.snapshot.selected else {
+        ui.label(RichText::new("double-click on a body to select it").color(layout::FAINT));
+        return;
+    };
+    let model = cx.snapshot.model.clone();
+    let body = model.body(selected.body);
+    ui.horizontal(|ui| {
+        ui.strong(display_name(body.name(), body.index()));
+        if ui.button("Unselect").clicked() {
+            cx.send(EndpointRequest::SelectBody(None));
+        }
+        if ui.button("Parent").clicked() {
+            cx.send(EndpointRequest::SelectParent);
+        }
+    });
+    let three = |numbers: &[f64]| format!("{:7.2} {:7.2} {:7.2}", numbers[0], numbers[1], numbers[2]);
+    Grid::new("selection").num_columns(2).min_col_width(70.0).spacing([6.0, 2.0]).show(ui, |ui| {
+        let mut line = |name: &str, value: String, highlighted: bool| {
+            ui.label(RichText::new(name).color(layout::FAINT));
+            let value = RichText::new(value).monospace();
+            ui.label(if highlighted { value.color(layout::WARNING) } else { value });
+            ui.end_row();
+        };
+        if let Some(geom) = selected.geom {
+            line("geom", display_name(model.geom(geom).name(), geom.index()), false);
+        }
+        line("point, m", three(&selected.localpos), false);
+        line("force, N", three(&selected.force[..3]), selected.active);
+        line("torque, N m", three(&selected.force[3..]), selected.active);
+    });
+}
+
+pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    if ui.button("Set all to zero").clicked() {
+        cx.send(EndpointRequest::ClearControls);
+    }
+    let (model, snapshot) = (cx.snapshot.model.clone(), cx.snapshot);
+    for (actuator, &ctrl) in model.actuators().zip(&snapshot.ctrl) {
+        let [low, high] = if actuator.ctrllimited() { *actuator.ctrlrange() } else { [-1.0, 1.0] };
+        layout::labelled(ui, &display_name(actuator.name(), actuator.index()), LABEL_WIDTH, |ui| {
+            let mut value = ctrl;
+            let range = low.min(ctrl)..=high.max(ctrl);
+            let slider = ui.add(Slider::new(&mut value, range).fixed_decimals(2));
+            #[cfg(feature = "test-hooks")]
+            {
+                // The rail is at the left, the number at the right.
+                let rail = slider.rect.left_center() + egui::vec2(ui.spacing().slider_width / 2.0, 0.0);
+                crate::viewer::test_hooks::add_slider(rail, slider.rect.right_center() - egui::vec2(10.0, 0.0));
+            }
+            if slider.changed() {
+                cx.send(EndpointRequest::SetControl(actuator.id(), value));
+            }
+        });
+    }
+}
+
+pub(super) fn show_joints(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    let (model, snapshot, editable) = (cx.snapshot.model.clone(), cx.snapshot, cx.is_editable());
+    if !editable {
+        ui.label(RichText::new("pause to edit").small().color(layout::FAINT));
+    }
+    for joint in model.joints() {
+        let name = display_name(joint.name(), joint.index());
+        // Only a snapshot whose values and model do not match has no such element.
+        let Some(qpos) = snapshot.qpos.get(joint.qpos_range()) else { return };
+        let unlimited = match joint.joint_type() {
+            JointType::Hinge => PI,
+            JointType::Slide => 1.0,
+            JointType::Free | JointType::Ball => {
+                show_elements(ui, cx, &name, joint.id(), qpos, editable);
+                continue;
+            }
+        };
+        let [low, high] = if joint.limited() { *joint.range() } else { [-unlimited, unlimited] };
+        layout::labelled(ui, &name, LABEL_WIDTH, |ui| {
+            let mut value = qpos[0];
+            let range = low.min(value)..=high.max(value);
+            if ui.add_enabled(editable, Slider::new(&mut value, range).fixed_decimals(3)).changed() {
+                cx.send(EndpointRequest::SetPosition(joint.id(), 0, value));
+            }
+        });
+    }
+}
+
+/// Shows the elements of a position and a quaternion.
+fn show_elements(ui: &mut Ui, cx: &mut PanelContext<'_>, name: &str, joint: JointId, qpos: &[f64], editable: bool) {
+    ui.label(name);
+    let split = if qpos.len() == 7 { 3 } else { 0 };
+    for (what, part) in [("position", 0..split), ("rotation", split..qpos.len())] {
+        if part.is_empty() {
+            continue;
+        }
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            ui.label(RichText::new(what).small().color(layout::FAINT));
+            for index in part {
+                let mut value = qpos[index];
+                let drag = DragValue::new(&mut value).speed(0.005).fixed_decimals(2);
+                if ui.add_enabled(editable, drag).changed() {
+                    cx.send(EndpointRequest::SetPosition(joint, index, value));
+                }
+            }
+        });
+    }
+}
+
+/// Panel of the model's keyframes and the captured keyframes.
+#[derive(Default)]
+pub(super) struct KeyframesPanel {
+    /// Name of the next captured keyframe.
+    name: String,
+}
+
+impl KeyframesPanel {
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
+        let model = cx.snapshot.model.clone();
+        for key in model.keyframes() {
+            ui.horizontal(|ui| {
+                if ui.button("Load").clicked() {
+                    cx.send(EndpointRequest::LoadKey(key.id()));
+                }
+                ui.label(display_name(key.name(), key.index()));
+            });
+        }
+        let captured = cx.snapshot.captured.clone();
+        for key in captured.iter() {
+            ui.horizontal(|ui| {
+                if ui.button("Load").clicked() {
+                    cx.send(EndpointRequest::LoadCaptured(key.number));
+                }
+                if ui.button("Copy").on_hover_text("copies a <key> element for the model's XML").clicked() {
+                    ui.ctx().copy_text(key.xml.clone());
+                }
+                if ui.button("Delete").clicked() {
+                    cx.send(EndpointRequest::RemoveCaptured(key.number));
+                }
+                ui.label(&key.name);
+                ui.label(RichText::new(format!("{:.2} s", key.time)).color(layout::FAINT));
+            });
+        }
+        ui.horizontal(|ui| {
+            ui.add(egui::TextEdit::singleline(&mut self.name).desired_width(130.0).hint_text("name"));
+            if ui.button("Capture state").clicked() {
+                let name = std::mem::take(&mut self.name);
+                cx.send(EndpointRequest::SaveKey((!name.is_empty()).then_some(name)));
+            }
+        });
+    }
+}

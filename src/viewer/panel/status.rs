@@ -1,0 +1,228 @@
+//! Panels on the state of the viewer: info panel, messages and help.
+
+use std::time::{Duration, Instant};
+
+use egui::{Align2, Area, Context, Grid, Id, Order, RichText, ScrollArea, Ui};
+
+use super::layout::{GAP, SIDE_WIDTH};
+use super::{PanelContext, layout};
+use crate::viewer::input::{HelpSection, Modifiers, help_sections};
+use crate::viewer::link::Status;
+
+/// Time without a frame after which the refresh rate is shown as idle.
+const IDLE_TIME: Duration = Duration::from_millis(600);
+
+pub(super) fn show_info(ui: &mut Ui, cx: &PanelContext<'_>) {
+    let (snapshot, options, status) = (cx.snapshot, &cx.view.options, cx.status);
+    if status.rate.is_some() {
+        // One more frame after the last change updates the rate.
+        ui.ctx().request_repaint_after(IDLE_TIME);
+    }
+    let rate = status.rate.map_or_else(|| "idle".to_owned(), |rate| format!("{rate:.0} Hz"));
+    let [width, height] = status.size;
+    let mut lines = vec![
+        ("Mode", snapshot.mode.to_string()),
+        ("Status", snapshot.status.text().to_owned()),
+        ("Time", format!("{:.3} s", snapshot.time)),
+        ("Refresh Rate", rate),
+        ("Resolution", format!("({width}, {height})")),
+        ("Sim Speed", snapshot.speed.text()),
+    ];
+    if snapshot.status != Status::Paused && snapshot.speed.measured > 0.0 {
+        lines.push(("Real Time", format!("{:.2}x", snapshot.speed.measured)));
+    }
+    if let Some(selected) = snapshot.selected.filter(|selected| selected.active) {
+        let norm = |part: &[f64]| part.iter().map(|number| number * number).sum::<f64>().sqrt();
+        lines.push(("Pull", format!("{:.1} N, {:.1} N m", norm(&selected.force[..3]), norm(&selected.force[3..]))));
+    }
+    lines.extend([("Frame", format!("{:?}", options.frame)), ("Label", format!("{:?}", options.label))]);
+    Grid::new("info").num_columns(2).spacing([14.0, 2.0]).show(ui, |ui| {
+        for (name, value) in lines {
+            show_line(ui, name, &value);
+        }
+        for info in &snapshot.info {
+            show_line(ui, info.name, &info.value);
+        }
+    });
+    let command = Modifiers::COMMAND;
+    ui.label(RichText::new(format!("F1 help   {command}1 {command}2 panels")).small().color(layout::FAINT));
+}
+
+fn show_line(ui: &mut Ui, name: &str, value: &str) {
+    ui.label(RichText::new(name).color(layout::FAINT));
+    // A monospace font keeps the width of the panel constant while digits change.
+    ui.monospace(value);
+    ui.end_row();
+}
+
+/// Display time of a notice.
+const NOTICE_TIME: Duration = Duration::from_secs(4);
+/// Display time of a problem.
+const PROBLEM_TIME: Duration = Duration::from_secs(12);
+/// Most messages shown at the same time.
+const MAX_MESSAGES: usize = 4;
+
+struct Message {
+    text: String,
+    is_problem: bool,
+    until: Instant,
+}
+
+/// Notices and problems at the top of the window.
+#[derive(Default)]
+pub(super) struct Messages {
+    messages: Vec<Message>,
+}
+
+impl Messages {
+    pub fn notice(&mut self, text: String) {
+        self.add(text, false, NOTICE_TIME);
+    }
+
+    pub fn warn(&mut self, text: String) {
+        self.add(text, true, PROBLEM_TIME);
+    }
+
+    #[cfg(feature = "test-hooks")]
+    pub fn texts(&self) -> Vec<String> {
+        self.messages.iter().map(|message| message.text.clone()).collect()
+    }
+
+    fn add(&mut self, text: String, is_problem: bool, time: Duration) {
+        if text.is_empty() {
+            return;
+        }
+        self.messages.retain(|message| message.text != text);
+        if self.messages.len() == MAX_MESSAGES {
+            self.messages.remove(0);
+        }
+        self.messages.push(Message { text, is_problem, until: Instant::now() + time });
+    }
+
+    pub fn show(&mut self, context: &Context, cx: &PanelContext<'_>) {
+        let now = Instant::now();
+        self.messages.retain(|message| message.until > now);
+        if let Some(next) = self.messages.iter().map(|message| message.until - now).min() {
+            context.request_repaint_after(next);
+        }
+        let problem = cx.snapshot.problem.as_str();
+        let recording = cx.status.recording;
+        if self.messages.is_empty() && problem.is_empty() && recording.is_none() {
+            return;
+        }
+        // Centred between the side panels.
+        let sides = SIDE_WIDTH * (f32::from(u8::from(cx.view.left_panel)) + f32::from(u8::from(cx.view.right_panel)));
+        let shift =
+            SIDE_WIDTH / 2.0 * (f32::from(u8::from(cx.view.left_panel)) - f32::from(u8::from(cx.view.right_panel)));
+        let width = (context.content_rect().width() - sides - 4.0 * GAP).clamp(120.0, 560.0);
+        Area::new(Id::unique("messages"))
+            .anchor(Align2::CENTER_TOP, [shift, GAP])
+            .order(Order::Foreground)
+            .interactable(false)
+            .show(context, |ui| {
+                layout::frame().show(ui, |ui| {
+                    ui.set_max_width(width);
+                    if let Some(frames) = recording {
+                        ui.label(RichText::new(format!("● recording, {frames} frames")).color(layout::FAILURE));
+                    }
+                    if !problem.is_empty() {
+                        ui.label(RichText::new(problem).color(layout::FAILURE));
+                    }
+                    for message in &self.messages {
+                        let text = RichText::new(&message.text);
+                        ui.label(if message.is_problem { text.color(layout::WARNING) } else { text });
+                    }
+                });
+            });
+    }
+}
+
+/// Most columns of tables in the help.
+const MAX_COLUMNS: usize = 3;
+/// Widths of the keys and of their description in the help, points.
+const WIDTHS: [f32; 2] = [138.0, 236.0];
+const ROW_HEIGHT: f32 = 15.0;
+
+pub(super) fn show_help(context: &Context, cx: &PanelContext<'_>) {
+    let sections = help_sections(cx.snapshot.mode);
+    let room = context.content_rect().size() - egui::vec2(40.0, 64.0);
+    let columns = ((room.x / (WIDTHS[0] + WIDTHS[1] + 24.0)) as usize).clamp(1, MAX_COLUMNS);
+    layout::center(context, "help", |ui| {
+        ui.horizontal(|ui| {
+            ui.heading("Keys and mouse");
+            ui.label(RichText::new("F1 closes the help").small().color(layout::FAINT));
+        });
+        ui.add_space(4.0);
+        let wanted = columns as f32 * (WIDTHS[0] + WIDTHS[1] + 24.0) - 14.0;
+        ui.set_min_width(wanted.min(room.x));
+        ScrollArea::both()
+            .auto_shrink([false, true])
+            .min_scrolled_height(room.y)
+            .max_height(room.y)
+            .max_width(room.x)
+            .show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    ui.spacing_mut().item_spacing.x = 14.0;
+                    for column in split(&sections, columns) {
+                        ui.vertical(|ui| column.into_iter().for_each(|section| table(ui, section)));
+                    }
+                });
+            });
+    });
+}
+
+/// Distributes sections over columns: the longest first, each into the shortest column. Keeps their order within and between columns.
+fn split(sections: &[HelpSection], columns: usize) -> Vec<Vec<&HelpSection>> {
+    let length = |section: usize| sections[section].lines.len() + 2;
+    let mut order: Vec<usize> = (0..sections.len()).collect();
+    order.sort_by_key(|&section| std::cmp::Reverse(length(section)));
+    let mut parts = vec![Vec::new(); columns];
+    for section in order {
+        let shortest = parts
+            .iter_mut()
+            .min_by_key(|part: &&mut Vec<usize>| part.iter().map(|&other| length(other)).sum::<usize>());
+        shortest.expect("Bug: help without columns").push(section);
+    }
+    for part in &mut parts {
+        part.sort_unstable();
+    }
+    parts.sort_by_key(|part| part.first().copied());
+    parts.into_iter().map(|part| part.into_iter().map(|section| &sections[section]).collect()).collect()
+}
+
+fn table(ui: &mut Ui, section: &HelpSection) {
+    ui.label(RichText::new(section.title).strong().color(layout::ACCENT));
+    Grid::new(section.title).num_columns(2).spacing([8.0, 1.0]).min_row_height(ROW_HEIGHT).show(ui, |ui| {
+        for (keys, description) in &section.lines {
+            cell(ui, WIDTHS[0], RichText::new(keys).monospace().size(11.0));
+            cell(ui, WIDTHS[1], RichText::new(*description).size(12.0));
+            ui.end_row();
+        }
+    });
+    ui.add_space(6.0);
+}
+
+/// Shows a text that is wrapped to a fixed width.
+fn cell(ui: &mut Ui, width: f32, text: RichText) {
+    ui.vertical(|ui| {
+        ui.set_width(width);
+        ui.add(egui::Label::new(text).wrap());
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sections_are_distributed_over_columns_in_order() {
+        let section = |title, lines| HelpSection { title, lines: vec![(String::new(), ""); lines] };
+        let sections = [section("a", 3), section("b", 10), section("c", 2), section("d", 4)];
+        let names = |columns| {
+            let parts = split(&sections, columns);
+            parts.iter().map(|part| part.iter().map(|section| section.title).collect::<String>()).collect::<Vec<_>>()
+        };
+        assert_eq!(names(1), ["abcd"]);
+        assert_eq!(names(2), ["acd", "b"]);
+    }
+}

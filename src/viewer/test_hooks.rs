@@ -1,0 +1,192 @@
+//! Hooks of the integration tests: state of the window that was drawn last, and control over its frames. Compiled only with the feature
+//! `test-hooks`, which the tests enable. Not part of the public API.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::input::Key;
+use super::link::Snapshot;
+use super::panel::WindowStatus;
+use super::view::View;
+use crate::scene::{Camera, RenderFlags, SceneOptions};
+
+static LOSES_SURFACE: AtomicBool = AtomicBool::new(false);
+static HOLDS: AtomicBool = AtomicBool::new(false);
+static HELD: AtomicBool = AtomicBool::new(false);
+static MARKERS: AtomicU64 = AtomicU64::new(0);
+static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
+static LATEST: Mutex<Option<WindowState>> = Mutex::new(None);
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// State of a window in its last frame.
+#[derive(Clone, Debug)]
+pub struct WindowState {
+    /// Number of frames since [`start`].
+    pub frame: u64,
+    /// The simulation has executed all requests of the window.
+    pub answered: bool,
+    /// Number of times that the model was replaced.
+    pub generation: u64,
+    /// Camera of the view.
+    pub camera: Camera,
+    /// Scene options of the view.
+    pub options: SceneOptions,
+    /// Rendering effects of the view.
+    pub render: RenderFlags,
+    /// Open panels: help, info, left, right, profile, sensors.
+    pub panels: [bool; 6],
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Name of the mode.
+    pub mode: String,
+    /// Status as in the info panel.
+    pub status: String,
+    /// Simulated time, s.
+    pub time: f64,
+    /// Target of simulated over real time.
+    pub target_speed: f64,
+    /// Message of the last error.
+    pub problem: String,
+    /// Index of the selected body, and `true` while it is pulled or rotated.
+    pub selected: Option<(usize, bool)>,
+    /// Force, N, and torque, N m, on the selected body.
+    pub force: [f64; 6],
+    /// Positions.
+    pub qpos: Vec<f64>,
+    /// Controls.
+    pub ctrl: Vec<f64>,
+    /// Index of the trajectory and of the record.
+    pub playback: Option<[usize; 2]>,
+    /// Reverse playback, burst, Doppler.
+    pub playback_flags: [bool; 3],
+    /// Burst factor and gamma.
+    pub burst: [f64; 2],
+    /// Number of captured keyframes.
+    pub captured: usize,
+    /// Number of frames of the running recording.
+    pub recording: Option<u64>,
+    /// Geoms in the scene.
+    pub ngeom: usize,
+    /// Bodies of the model.
+    pub nbody: usize,
+    /// The user edits a text.
+    pub editing: bool,
+    /// Number of presses of F12, which has no binding.
+    pub markers: u64,
+    /// The window fills the screen.
+    pub full_screen: bool,
+    /// Notices and problems on the screen.
+    pub messages: Vec<String>,
+    /// Positions of the rails of the sliders of the controls, and of the numbers beside them, pixels.
+    pub sliders: Vec<[[f32; 2]; 2]>,
+}
+
+/// Discards the state of previous windows.
+pub fn start() {
+    *lock(&LATEST) = None;
+}
+
+/// Returns the state of the window that was drawn last.
+pub fn latest() -> Option<WindowState> {
+    lock(&LATEST).clone()
+}
+
+/// Makes the next frame lose its surface.
+pub fn lose_surface() {
+    LOSES_SURFACE.store(true, Ordering::Relaxed);
+}
+
+/// Blocks the window thread in its next frame until [`release`], so that events wait in the queue.
+pub fn hold() {
+    HOLDS.store(true, Ordering::Release);
+}
+
+/// Returns `true` while the window thread is blocked.
+pub fn is_held() -> bool {
+    HELD.load(Ordering::Acquire)
+}
+
+/// Ends a [`hold`].
+pub fn release() {
+    HOLDS.store(false, Ordering::Release);
+}
+
+pub(super) fn wait_while_held() {
+    while HOLDS.load(Ordering::Acquire) {
+        HELD.store(true, Ordering::Release);
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    HELD.store(false, Ordering::Release);
+}
+
+/// Returns `true` once after [`lose_surface`].
+pub(super) fn take_surface_loss() -> bool {
+    LOSES_SURFACE.swap(false, Ordering::Relaxed)
+}
+
+/// Counts presses of F12.
+pub(super) fn count_marker(key: Key) {
+    if key == Key::Function(12) {
+        MARKERS.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// Adds the position of a slider of the present frame, in points.
+pub(super) fn add_slider(rail: egui::Pos2, number: egui::Pos2) {
+    lock(&SLIDERS).push([[rail.x, rail.y], [number.x, number.y]]);
+}
+
+/// Frame that was drawn.
+pub(super) struct Frame<'a> {
+    pub snapshot: &'a Snapshot,
+    pub view: &'a View,
+    pub status: &'a WindowStatus<'a>,
+    /// Number of requests that the window has sent.
+    pub queued: u64,
+    pub full_screen: bool,
+    pub editing: bool,
+    pub messages: Vec<String>,
+}
+
+/// Records the state of a window after a frame.
+pub(super) fn record(frame: Frame<'_>) {
+    let Frame { snapshot, view, status, queued, full_screen, editing, messages } = frame;
+    let sliders = std::mem::take(&mut *lock(&SLIDERS));
+    let mut latest = lock(&LATEST);
+    let playback = snapshot.playback;
+    *latest = Some(WindowState {
+        frame: latest.as_ref().map_or(0, |state| state.frame) + 1,
+        answered: snapshot.executed >= queued,
+        generation: snapshot.generation,
+        camera: view.camera,
+        options: view.options.clone(),
+        render: view.render,
+        panels: [view.help, view.info, view.left_panel, view.right_panel, view.profile, view.sensors],
+        size: status.size,
+        mode: snapshot.mode.to_string(),
+        status: snapshot.status.text().to_owned(),
+        time: snapshot.time,
+        target_speed: snapshot.speed.target(),
+        problem: snapshot.problem.clone(),
+        selected: snapshot.selected.map(|selected| (selected.body.index(), selected.active)),
+        force: snapshot.selected.map_or([0.0; 6], |selected| selected.force),
+        qpos: snapshot.qpos.clone(),
+        ctrl: snapshot.ctrl.clone(),
+        playback: playback.map(|playback| [playback.trajectory, playback.frame]),
+        playback_flags: playback
+            .map_or([false; 3], |playback| [playback.reversed, playback.burst.on, playback.burst.doppler]),
+        burst: playback.map_or([0.0; 2], |playback| [playback.burst.factor, playback.burst.gamma]),
+        captured: snapshot.captured.len(),
+        recording: status.recording,
+        ngeom: snapshot.scene.ngeom(),
+        nbody: snapshot.model.nbody(),
+        editing,
+        markers: MARKERS.load(Ordering::Relaxed),
+        full_screen,
+        messages,
+        sliders,
+    });
+}

@@ -1,0 +1,106 @@
+//! Scheduling of the frames of a window: a frame follows each change, at most at the refresh rate of the screen.
+
+use std::time::{Duration, Instant};
+
+/// Refresh rate of a screen that does not report it, Hz.
+const DEFAULT_RATE: f64 = 60.0;
+
+/// Time without a frame after which the window counts as idle, s.
+const IDLE_TIME: f64 = 0.5;
+
+/// Scheduler of the frames of a window.
+#[derive(Debug)]
+pub(super) struct FrameScheduler {
+    /// Least time between two frames.
+    interval: Duration,
+    last: Option<Instant>,
+    /// Time of the next frame, if one was requested.
+    due: Option<Instant>,
+    /// Moving average of the time between frames, s.
+    average: Option<f64>,
+}
+
+impl FrameScheduler {
+    /// Creates a scheduler for a screen with this refresh rate, in Hz.
+    pub fn new(rate: Option<f64>) -> Self {
+        let rate = rate.filter(|rate| (1.0..=1000.0).contains(rate)).unwrap_or(DEFAULT_RATE);
+        Self { interval: Duration::from_secs_f64(1.0 / rate), last: None, due: None, average: None }
+    }
+
+    /// Requests a frame as soon as possible.
+    pub fn request(&mut self, now: Instant) {
+        self.request_after(now, Duration::ZERO);
+    }
+
+    /// Requests a frame after a delay.
+    pub fn request_after(&mut self, now: Instant, delay: Duration) {
+        // Delays of an hour or more mean never.
+        let Some(time) = now.checked_add(delay).filter(|_| delay < Duration::from_secs(3600)) else { return };
+        let time = self.last.map_or(time, |last| time.max(last + self.interval));
+        self.due = Some(self.due.map_or(time, |due| due.min(time)));
+    }
+
+    /// Returns the time of the next frame, if one was requested.
+    pub fn due(&self) -> Option<Instant> {
+        self.due
+    }
+
+    /// Records the start of a frame.
+    pub fn frame_started(&mut self, now: Instant) {
+        if let Some(last) = self.last {
+            let passed = now.saturating_duration_since(last).as_secs_f64();
+            // An idle period does not lower the rate.
+            if passed < IDLE_TIME {
+                self.average = Some(self.average.map_or(passed, |average| 0.9 * average + 0.1 * passed));
+            } else {
+                self.average = None;
+            }
+        }
+        self.last = Some(now);
+        self.due = None;
+    }
+
+    /// Returns the mean frame rate, in Hz, unless the window was idle before the last frame.
+    pub fn rate(&self) -> Option<f64> {
+        self.average.filter(|average| *average > 0.0).map(|average| 1.0 / average)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_limited_to_the_refresh_rate() {
+        let mut scheduler = FrameScheduler::new(Some(50.0));
+        let start = Instant::now();
+        assert_eq!(scheduler.due(), None);
+        scheduler.request(start);
+        assert_eq!(scheduler.due(), Some(start));
+        scheduler.frame_started(start);
+        assert_eq!(scheduler.due(), None);
+        scheduler.request(start + Duration::from_millis(5));
+        assert_eq!(scheduler.due(), Some(start + Duration::from_millis(20)));
+        scheduler.request_after(start, Duration::from_secs(1));
+        assert_eq!(scheduler.due(), Some(start + Duration::from_millis(20)), "the earlier request takes precedence");
+    }
+
+    #[test]
+    fn infinite_delay_schedules_no_frame() {
+        let mut scheduler = FrameScheduler::new(None);
+        scheduler.request_after(Instant::now(), Duration::MAX);
+        assert_eq!(scheduler.due(), None);
+    }
+
+    #[test]
+    fn rate_is_the_mean_rate_of_consecutive_frames() {
+        let mut scheduler = FrameScheduler::new(None);
+        let start = Instant::now();
+        for frame in 0..100 {
+            scheduler.frame_started(start + Duration::from_millis(25) * frame);
+        }
+        assert!((scheduler.rate().unwrap() - 40.0).abs() < 1e-6);
+        scheduler.frame_started(start + Duration::from_secs(60));
+        assert_eq!(scheduler.rate(), None, "the rate is unknown after an idle period");
+    }
+}

@@ -1,0 +1,105 @@
+//! Interrupts, failing controllers, lost surfaces, idle windows and missing displays.
+
+use std::process::Command;
+
+use mujoco_safe::record::RecorderOptions;
+use mujoco_safe::viewer::{Viewer, ViewerError, ViewerOptions};
+use mujoco_safe::{Controller, Data, Result, sample};
+
+use crate::harness::{press, show, state};
+use crate::input::wait_until;
+
+pub fn interrupt() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = folder.path().join("film.gif");
+    let options = ViewerOptions {
+        recordings: Some(film.clone()),
+        recording: RecorderOptions { frames_per_second: 10.0, ..RecorderOptions::default() },
+        ..ViewerOptions::default()
+    };
+    let data = show(Viewer::new().options(options), Data::new(sample::cartpole()).unwrap(), |input| {
+        press(input, "space", "it runs", |state| state.time > 0.0);
+        press(input, "ctrl+v", "it records", |state| state.recording.is_some_and(|frames| frames >= 2));
+        assert!(!film.exists(), "the file appears only when it is complete");
+        // `kill` is a builtin of the shell; not every system has a program of that name.
+        let status = Command::new("sh").arg("-c").arg(format!("kill -INT {}", std::process::id())).status().unwrap();
+        assert!(status.success());
+        wait_until("the recording is finished", || film.exists());
+    });
+    assert!(data.time() > 0.0);
+    assert!(std::fs::read(film).unwrap().starts_with(b"GIF89a"));
+}
+
+/// Controller that fails with an error or a panic.
+struct Failing {
+    panics: bool,
+}
+
+impl Controller for Failing {
+    fn control(&mut self, data: &mut Data) -> Result<()> {
+        if data.time() < 0.02 {
+            return Ok(());
+        }
+        assert!(!self.panics, "this controller has had enough");
+        Err(mujoco_safe::Error::Unsupported("this controller gives up".to_owned()))
+    }
+}
+
+pub fn panic() {
+    for (panics, words) in [(true, "has had enough"), (false, "gives up")] {
+        let data = Data::new(sample::cartpole()).unwrap();
+        show(Viewer::new().controller(Failing { panics }), data, |input| {
+            input.key("space");
+            wait_until("it is shown, and paused", || state().problem.contains(words) && state().status == "Paused");
+            press(input, "ctrl+Right", "the passive mode is available", |state| state.mode == "Passive Dynamics");
+            let then = state().time;
+            press(input, "space", "it runs", |state| state.time > then);
+        });
+    }
+}
+
+pub fn lost_surface() {
+    let data = Data::new(sample::cartpole()).unwrap();
+    show(Viewer::new(), data, |input| {
+        press(input, "space", "it runs", |state| state.time > 0.0);
+        for _ in 0..3 {
+            let frame = state().frame;
+            mujoco_safe::viewer::test_hooks::lose_surface();
+            wait_until("it is drawn again", || state().frame > frame + 2);
+        }
+    });
+}
+
+/// Checks that an idle window neither draws nor computes.
+pub fn rest() {
+    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {
+        // Until messages have expired and the refresh rate is idle.
+        let mut frame = state().frame;
+        wait_until("it is not drawn for a second", || {
+            let before = std::mem::replace(&mut frame, state().frame);
+            std::thread::sleep(std::time::Duration::from_secs(1));
+            before == state().frame
+        });
+        let seconds = processor_time();
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        let used = processor_time() - seconds;
+        assert!(used < 0.2, "{used} s of processor time in an idle second");
+    });
+}
+
+/// Returns the processor time of this process, s.
+fn processor_time() -> f64 {
+    // Fields 14 and 15, which follow the name: user and system time, in hundredths of a second.
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
+    let behind = stat.rsplit(')').next().unwrap().split_whitespace();
+    behind.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0
+}
+
+pub fn no_display() {
+    for _ in 0..2 {
+        let data = Data::new(sample::cartpole()).unwrap();
+        let error = Viewer::new().run(data).map(drop).unwrap_err();
+        assert!(matches!(error, ViewerError::NoDisplay(_)), "{error}");
+        assert!(error.to_string().contains("DISPLAY"), "{error}");
+    }
+}

@@ -1,0 +1,106 @@
+//! Functions that the cases share.
+
+use std::io::Read;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use mujoco_safe::Data;
+use mujoco_safe::viewer::Viewer;
+use mujoco_safe::viewer::test_hooks::{self, WindowState};
+
+use crate::input::{Input, wait_until};
+
+/// Returns a unique title, because a closed window may still exist for a moment.
+pub fn unique_title() -> String {
+    static NEXT: AtomicU32 = AtomicU32::new(1);
+    format!("test {} of the viewer", NEXT.fetch_add(1, Ordering::Relaxed))
+}
+
+/// Size of the windows, small because a software driver draws them.
+pub const SIZE: [u32; 2] = [480, 360];
+
+/// Runs a process with a time limit. Returns its output if it fails.
+pub fn run_with_timeout(command: &mut Command, timeout: Duration) -> Result<(), String> {
+    let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let mut child = child.map_err(|error| error.to_string())?;
+    let (mut out, mut err) = (child.stdout.take().expect("a pipe"), child.stderr.take().expect("a pipe"));
+    let read = |pipe: &mut dyn Read| {
+        let mut text = Vec::new();
+        let _ = pipe.read_to_end(&mut text);
+        String::from_utf8_lossy(&text).into_owned()
+    };
+    thread::scope(|scope| {
+        let out = scope.spawn(move || read(&mut out));
+        let err = scope.spawn(move || read(&mut err));
+        let deadline = Instant::now() + timeout;
+        let status = loop {
+            match child.try_wait() {
+                Ok(Some(status)) => break Some(status),
+                Ok(None) if Instant::now() < deadline => thread::sleep(Duration::from_millis(20)),
+                _ => {
+                    let _ = child.kill();
+                    let _ = child.wait();
+                    break None;
+                }
+            }
+        };
+        let text = || format!("{}{}", out.join().unwrap_or_default(), err.join().unwrap_or_default());
+        match status {
+            Some(status) if status.success() => Ok(()),
+            Some(status) => Err(format!("{}\n{status}", text())),
+            None => Err(format!("{}\nit took more than {timeout:?}", text())),
+        }
+    })
+}
+
+/// Calls a closure, and ends the process if it panics, because its window would never close.
+pub fn exit_on_panic<R>(act: impl FnOnce() -> R) -> R {
+    catch_unwind(AssertUnwindSafe(act)).unwrap_or_else(|_| std::process::exit(101))
+}
+
+/// Shows a viewer on this thread while a closure performs input on another thread. The closure must leave the window open; Esc closes
+/// it afterwards.
+pub fn show(viewer: Viewer, data: Data, act: impl FnOnce(&Input) + Send) -> Data {
+    test_hooks::start();
+    let title = unique_title();
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            exit_on_panic(|| {
+                // The previous window may still exist before.
+                wait_until("the window is drawn", || test_hooks::latest().is_some());
+                let input = Input::at(&title);
+                act(&input);
+                input.key("Escape");
+            });
+        });
+        viewer.title(&*title).size(SIZE).run(data).expect("a window")
+    })
+}
+
+/// Returns the state of the window in its last frame.
+pub fn state() -> WindowState {
+    test_hooks::latest().expect("a window that was drawn")
+}
+
+/// Waits until the window has processed all events so far, and the simulation the resulting requests. Events are processed in order,
+/// and F12 has no binding.
+pub fn settle(input: &Input) {
+    let markers = press_marker(input);
+    wait_until("all events are processed", || state().markers >= markers && state().answered);
+}
+
+/// Presses F12. Returns the number of presses in this process.
+pub fn press_marker(input: &Input) -> u64 {
+    static MARKERS: AtomicU64 = AtomicU64::new(0);
+    input.key("F12");
+    MARKERS.fetch_add(1, Ordering::Relaxed) + 1
+}
+
+/// Presses a key, and waits for a condition.
+pub fn press(input: &Input, key: &str, what: &str, mut condition: impl FnMut(&WindowState) -> bool) {
+    input.key(key);
+    wait_until(&format!("{key}: {what}"), || condition(&state()));
+}
