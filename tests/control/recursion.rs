@@ -22,7 +22,7 @@ fn upright() -> (DMatrix<f64>, DMatrix<f64>) {
 }
 
 #[test]
-fn over_a_long_horizon_the_first_gain_equals_scipys() {
+fn over_a_long_horizon_the_first_gain_equals_scipy() {
     let (a, b) = upright();
     let mut recursion = RiccatiRecursion::new(&DMatrix::zeros(4, 4), 1).unwrap();
     for _ in 0..5000 {

@@ -125,9 +125,9 @@ fn every_setter_sets_a_field_of_the_engine() {
 #[test]
 fn the_page_of_fields_is_up_to_date() {
     let setters = setters();
-    let mut page = "Every field of the engine's structs, what reads it here and what writes it. Sizes, addresses and ids are\n\
-         never written to: the engine trusts them. Neither are the reals that decide where it reads, nor what a simulation computes\n\
-         as integers.\n"
+    let mut page = "Every field of the engine's structs, with its reader and its writer in this library. Sizes, addresses and ids are\n\
+         read-only, because the engine trusts them. So are the reals that decide where the engine reads, and the integers that\n\
+         a simulation computes.\n"
         .to_owned();
     for of in structs() {
         let written = of.fields.iter().filter(|field| access(&of, field, &setters).1.is_some()).count();

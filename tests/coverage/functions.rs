@@ -88,11 +88,11 @@ fn the_page_of_functions_is_up_to_date() {
     let (wrapped, left): (Vec<&Row>, Vec<&Row>) =
         rows.iter().filter(|row| !row.section.starts_with(NEWER)).partition(|row| !row.here.is_empty());
     let mut page = format!(
-        "Every function of `mujoco.h` 2.2.2, and where it is here: {} of them are, {} are not and say why.\n\n",
+        "Every function of `mujoco.h` 2.2.2: {} have an equivalent here, and {} have none, with the reason.\n\n",
         wrapped.len(),
         left.len()
     );
-    page.push_str("Two families are left out as a whole:\n\n");
+    page.push_str("Two families have no equivalents:\n\n");
     for (prefix, why) in FAMILIES {
         let count = declared().iter().filter(|name| name.starts_with(prefix)).count();
         let _ = writeln!(page, "- `{prefix}*` ({count} functions): {why}.");

@@ -64,8 +64,8 @@ fn every_kind_has_a_view() {
 
 #[test]
 fn the_page_of_kinds_is_up_to_date() {
-    let mut page = "Every kind of element, and its fields: on the left what MuJoCo.jl's named access calls a field, then what it is\n\
-         called here, then what is here beyond it. An address and a count there are one range here, an id is typed.\n"
+    let mut page = "Every kind of element and its fields: the name in MuJoCo.jl's named access, the name here, and the additional fields\n\
+         here. An address with a count is a range here, and an id is typed.\n"
         .to_owned();
     for ((kind, owner), fields) in declared() {
         let view = if owner == "Data" { format!("{kind}Data") } else { kind.clone() };
@@ -87,7 +87,8 @@ fn the_page_of_kinds_is_up_to_date() {
         let beyond: Vec<String> =
             fields.iter().filter(|field| !known.contains(field.as_str())).map(|field| format!("`{field}`")).collect();
         if !beyond.is_empty() {
-            let _ = writeln!(page, "{}Beyond it: {}.", if reference.is_empty() { "" } else { "\n" }, beyond.join(", "));
+            let _ =
+                writeln!(page, "{}Additional: {}.", if reference.is_empty() { "" } else { "\n" }, beyond.join(", "));
         }
     }
     is_committed("kinds.md", &page);

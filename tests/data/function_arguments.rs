@@ -136,7 +136,7 @@ fn sparse_rows_out_of_bounds_are_errors() {
         ("rows in another order", &|rows| rows.rowadr.swap(3, 4)),
         ("a row without room", &|rows| rows.rowadr[4] = rows.rowadr[3] + 1),
         ("a last row without room", &|rows| rows.rowadr[last] = (nv * nv) as i32 - 1),
-        ("a column that there is not", &|rows| rows.colind[3 * nv] = nv as i32),
+        ("a column out of range", &|rows| rows.colind[3 * nv] = nv as i32),
         ("a negative column", &|rows| rows.colind[3 * nv] = -1),
         ("a column twice", &|rows| rows.rownnz[3] = 2),
     ];

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use mujoco_safe::{Data, Differences, Matrix, Model, engine_version, sample};
 use serde_json::Value;
 
-/// Whether the recording was made with this libm.
+/// True on the platform of the recording, whose libm gives the same bits.
 const SAME_BITS: bool = cfg!(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"));
 
 /// Returns the recording for a model, unless it is of another engine.
@@ -63,7 +63,7 @@ fn reset(data: &mut Data, keyframe: &str) {
 }
 
 #[test]
-fn sizes_equal_pythons() {
+fn sizes_equal_python() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
         for (size, ours) in [
@@ -81,7 +81,7 @@ fn sizes_equal_pythons() {
 }
 
 #[test]
-fn trajectories_equal_pythons() {
+fn trajectories_equal_python() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
         let mut data = Data::new(model).unwrap();
@@ -109,7 +109,7 @@ fn trajectories_equal_pythons() {
 }
 
 #[test]
-fn inverse_dynamics_equal_pythons() {
+fn inverse_dynamics_equal_python() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
         let mut data = Data::new(model).unwrap();
@@ -126,7 +126,7 @@ fn inverse_dynamics_equal_pythons() {
 }
 
 #[test]
-fn contacts_equal_pythons() {
+fn contacts_equal_python() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
         let mut data = Data::new(model.clone()).unwrap();
@@ -150,7 +150,7 @@ fn contacts_equal_pythons() {
 }
 
 #[test]
-fn jacobians_equal_pythons() {
+fn jacobians_equal_python() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
         let mut data = Data::new(model.clone()).unwrap();
@@ -179,7 +179,7 @@ fn jacobians_equal_pythons() {
 }
 
 #[test]
-fn linearisations_equal_pythons() {
+fn linearisations_equal_python() {
     for (name, model) in models() {
         let Some(recorded) = recorded(name) else { return };
         let mut data = Data::new(model).unwrap();

@@ -71,7 +71,7 @@ mod cartpole {
     }
 
     #[test]
-    fn the_gain_the_cost_and_the_closed_loop_equal_scipys() {
+    fn the_gain_the_cost_and_the_closed_loop_equal_scipy() {
         let system = linearised(&mut upright());
         let solution = Lqr::solve(&system, &weights()).unwrap();
         assert_all_near("K", solution.k.as_slice(), &K, 1e-8);

@@ -12,7 +12,7 @@ const H: [[f64; 4]; 4] = [[4.0, 1.0, 0.5, -1.0], [1.0, 3.0, -0.5, 0.25], [0.5, -
 const G: [f64; 4] = [-8.0, 1.5, -6.0, 2.0];
 
 #[test]
-fn solutions_equal_scipys() {
+fn solutions_equal_scipy() {
     // scipy.optimize.lsq_linear(Lᵀ, −L⁻¹ g, bounds, method="bvls") of scipy 1.15.3.
     let mut solver = BoxQp::new(4);
     let mut x = [0.0; 4];

@@ -17,7 +17,7 @@ fn lower(factor: &Matrix) -> DMatrix<f64> {
 }
 
 #[test]
-fn factors_and_solutions_equal_nalgebras() {
+fn factors_and_solutions_equal_nalgebra() {
     let mut random = random(20);
     for n in [0, 1, 2, 5, 17] {
         let full = definite(&mut random, n);
@@ -55,7 +55,7 @@ fn updates_and_downdates_equal_factors_of_the_sum_and_difference() {
 
 #[test]
 fn a_rank_deficient_matrix_has_the_engines_factor() {
-    // Of rank 2.
+    // A matrix of rank 2.
     let mut ours = Matrix::from_rows(&[[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 2.0]]);
     let mut theirs = ours.as_slice().to_vec();
     assert_eq!(math::chol_factor(&mut ours, 1e-10).unwrap(), 2);

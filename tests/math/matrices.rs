@@ -17,7 +17,7 @@ fn assert_is(ours: &Matrix, theirs: &nalgebra::DMatrix<f64>) {
 }
 
 #[test]
-fn products_equal_nalgebras() {
+fn products_equal_nalgebra() {
     let mut random = random(10);
     for (r, k, s) in SHAPES {
         let (a, b) = (matrix(&mut random, r, k), matrix(&mut random, k, s));

@@ -15,7 +15,7 @@ fn numbers(quat: &UnitQuaternion<f64>) -> [f64; 4] {
 }
 
 #[test]
-fn quaternions_equal_nalgebras() {
+fn quaternions_equal_nalgebra() {
     let mut random = random(50);
     for _ in 0..100 {
         let (p, q) = (unit(&mut random), unit(&mut random));
@@ -71,7 +71,7 @@ fn quaternions_equal_c() {
 }
 
 #[test]
-fn euler_angles_equal_scipys() {
+fn euler_angles_equal_scipy() {
     // scipy 1.15.3, Rotation.from_euler, where capital letters are intrinsic axes.
     let rigid = [
         ("xyz", [0.378_251_062_430_539_1, -0.435_530_330_865_275_3, -0.306_014_489_582_654, 0.757_360_282_053_409_3]),
@@ -154,7 +154,7 @@ fn power_does_not_depend_on_the_frame() {
 }
 
 #[test]
-fn eigenvalues_equal_nalgebras() {
+fn eigenvalues_equal_nalgebra() {
     let mut random = random(55);
     for _ in 0..50 {
         let half = Matrix3::from_row_slice(&array::<9>(&mut random));

@@ -10,7 +10,7 @@ use crate::child;
 
 /// Renders a picture, with the expected backend if set.
 #[test]
-fn a_picture_in_a_process_of_its_own() {
+fn a_picture_in_a_child_process() {
     if !child::is_child() {
         return;
     }
@@ -35,7 +35,7 @@ fn a_picture_in_a_process_of_its_own() {
 
 /// Runs the test above with these variables, and without the variables of a desktop session.
 fn prints_nothing(variables: &[(&str, &str)]) {
-    let output = child::command("quiet::a_picture_in_a_process_of_its_own")
+    let output = child::command("quiet::a_picture_in_a_child_process")
         .env_remove("XDG_RUNTIME_DIR")
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("DISPLAY")

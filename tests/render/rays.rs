@@ -86,7 +86,11 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
         let met = all.meet(pixel);
         if met.view != View::Outline {
             let is_there = met.geom == seen || seen.is_some_and(|geom| all.distance(geom, met.direction) <= met.far());
-            assert!(is_there, "{name} at {pixel:?}: {seen:?} is shown, {:?} is met at {} m", met.geom, met.depth);
+            assert!(
+                is_there,
+                "{name} at {pixel:?}: the picture has {seen:?}, the ray meets {:?} at {} m",
+                met.geom, met.depth
+            );
         }
         let met = if transparent.is_empty() { met } else { solid.meet(pixel) };
         let found = f64::from(depth.metres(pixel[0], pixel[1]));
@@ -96,7 +100,11 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
             View::Outline => return met.view,
         };
         let is_right = found == near || found >= near * (1.0 - PRECISION) && found <= far * (1.0 + PRECISION);
-        assert!(is_right, "{name} at {pixel:?}: {found} m is shown, {:?} is met at {near} to {far} m", met.geom);
+        assert!(
+            is_right,
+            "{name} at {pixel:?}: the picture has {found} m, the ray meets {:?} at {near} to {far} m",
+            met.geom
+        );
         met.view
     };
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2022);

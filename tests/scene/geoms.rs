@@ -253,7 +253,7 @@ fn a_full_scene_is_an_error_and_keeps_the_first_geoms() {
         let mut camera = Camera::free(&twins.model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let error = ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap_err();
-        assert!(matches!(error, Error::SceneFull { what: "geoms", room: told } if told == room), "{error}");
+        assert!(matches!(error, Error::SceneFull { what: "geoms", room: found } if found == room), "{error}");
         // The engine logs only the first warning, which is disabled here.
         // SAFETY: the data belongs to this test.
         unsafe { (*twins.raw.d).warning[sys::mjWARN_VGEOMFULL as usize].number += 1 };

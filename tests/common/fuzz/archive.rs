@@ -202,7 +202,7 @@ mod damaged {
         let folder = tempfile::tempdir().expect("no temporary folder");
         let path = folder.path().join("trajectory.npz");
         trajectory(&mut data, bytes).save_npz(&path).expect("a file is written");
-        let mut file = std::fs::read(&path).expect("it was written");
+        let mut file = std::fs::read(&path).expect("a written file");
         if bytes.once_in(3) {
             damage_bytes(&mut file, bytes, log);
         } else {

@@ -76,7 +76,7 @@ fn mutated_csv(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     let folder = tempfile::tempdir().expect("no temporary folder");
     let path = folder.path().join("trajectory.csv");
     trajectory(&mut data, bytes).save_csv(&path).expect("a file is written");
-    let mut text = std::fs::read_to_string(&path).expect("it was written");
+    let mut text = std::fs::read_to_string(&path).expect("a written file");
     for _ in 0..bytes.below(3) {
         damage(&mut text, bytes, log);
     }
@@ -192,7 +192,7 @@ mod json {
         // JSON cannot represent infinite numbers or NaN.
         if !text.contains("null") {
             let again: U = serde_json::from_str(&text).expect("a value that was written can be read");
-            assert_eq!(serde_json::to_string(&again).expect("it is written"), text);
+            assert_eq!(serde_json::to_string(&again).expect("a serialisable value"), text);
         }
         Some(read)
     }

@@ -88,7 +88,7 @@ fn solutions_equal_closed_forms_and_scipy() {
     let mut compared = 0;
     for example in examples() {
         let p = example.solve().p;
-        // As precisely as the equation determines the solution: a radius of 1 - 1e-8 costs half of the digits.
+        // The tolerance follows the conditioning: a radius of 1 - 1e-8 costs half of the digits.
         let determined = if example.name.starts_with("2.3") { 1e-6 } else { 1e-10 };
         for (source, expected) in [("its formula", &example.formula), ("SciPy", &example.scipy)] {
             if let Some(expected) = expected {
@@ -115,7 +115,7 @@ fn a_reused_workspace_gives_the_same_solutions() {
 fn solving_again_at_the_same_size_allocates_nothing() {
     let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
     for example in examples() {
-        // Where R is singular, its eigenvalues are computed first.
+        // For a singular R, its eigenvalues are computed first.
         if example.name.starts_with("1.3") || example.name.starts_with("1.4") {
             continue;
         }

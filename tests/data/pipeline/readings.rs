@@ -68,7 +68,7 @@ fn a_reading_is_an_error_until_the_stage_of_its_sensor_has_been_computed() {
 }
 
 #[test]
-fn a_second_half_of_a_step_does_not_make_readings_of_a_first_half_that_has_none() {
+fn step2_does_not_validate_readings_that_step1_has_not_computed() {
     let mut data = Data::new(model()).unwrap();
     data.fwd_position().unwrap();
     data.fwd_velocity().unwrap();
@@ -108,7 +108,7 @@ fn forces_on_bodies_are_an_error_until_they_have_been_computed() {
 }
 
 #[test]
-fn a_requirement_is_met_exactly_by_what_has_been_computed() {
+fn require_succeeds_exactly_for_computed_results() {
     let mut data = Data::new(model()).unwrap();
     let met = |data: &Data| {
         [Stage::Nothing, Stage::Position, Stage::Velocity, Stage::Acceleration].map(|stage| data.require(stage).is_ok())
@@ -184,7 +184,7 @@ proptest! {
 
     /// Calling the sensor's stage again gives the same reading.
     #[test]
-    fn every_reading_that_is_handed_out_is_that_of_the_quantities_that_are_there(
+    fn every_available_reading_is_current(
         calls in prop::collection::vec((0..CALLS.len(), -1.0..1.0), 1..12),
     ) {
         let mut data = Data::new(model()).unwrap();

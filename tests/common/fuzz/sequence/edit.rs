@@ -204,7 +204,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("update_constants", |scene, _| scene.data.edit_model(|model| model.update_constants())?),
     ("no edit", |scene, _| scene.data.edit_model(|_| ())),
-    ("the model as it was", |scene, _| {
+    ("the original model", |scene, _| {
         scene.data = Data::new(scene.model.clone())?;
         Ok(())
     }),

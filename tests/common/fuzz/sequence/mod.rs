@@ -52,7 +52,7 @@ type Call = fn(&mut Scene<'_>, &mut Bytes<'_>) -> Result<()>;
 struct Table {
     /// Relative frequency of the table.
     weight: usize,
-    /// Whether most calls need the results of a step.
+    /// True if most calls need the results of a step.
     needs_step: bool,
     calls: &'static [(&'static str, Call)],
 }

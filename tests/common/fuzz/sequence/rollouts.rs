@@ -97,7 +97,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         };
         rollout.run_into(buffers).map(drop)
     }),
-    ("a Rollout that there is no memory for", |scene, bytes| {
+    ("a Rollout larger than memory", |scene, bytes| {
         let model = scene.data.model().clone();
         let (nroll, nstep) = [(TOO_MANY, 1), (1, TOO_MANY), (usize::MAX, usize::MAX)][bytes.below(3)];
         let rollout = Rollout::new(model, nroll, nstep).record(StateSpec::TIME).outputs(TOO_MANY, |_, _| ());
