@@ -89,6 +89,29 @@ unsafe extern "C" fn posix_memalign(block: *mut *mut c_void, alignment: usize, s
     }
 }
 
+/// Statistics of the C library's allocator.
+#[repr(C)]
+struct MallInfo2 {
+    before: [usize; 4],
+    /// Bytes in blocks from `mmap`.
+    hblkhd: usize,
+    between: [usize; 2],
+    /// Bytes in all other allocated blocks.
+    uordblks: usize,
+    after: [usize; 2],
+}
+
+unsafe extern "C" {
+    fn mallinfo2() -> MallInfo2;
+}
+
+/// Returns the number of bytes that Rust, C and C++ have allocated and not freed in this process.
+pub(crate) fn allocated_bytes() -> usize {
+    // SAFETY: no precondition.
+    let info = unsafe { mallinfo2() };
+    info.hblkhd + info.uordblks
+}
+
 /// Returns the number of allocations of `action` on this thread, and its result.
 fn allocations<T>(action: impl FnOnce() -> T) -> (usize, T) {
     let before = COUNT.get();

@@ -3,21 +3,15 @@
 //! `cargo test` runs a few hundred rounds with small models, and the long form 10 000 rounds with the humanoid:
 //! `cargo test --release --test resources -- --ignored`.
 #![forbid(unsafe_code)]
-#![cfg(target_os = "linux")]
+#![cfg(all(target_os = "linux", target_env = "gnu"))]
 
 use std::fs;
 use std::path::Path;
 
 use mujoco_safe::{Callbacks, Data, Error, Integrator, LoadOptions, Model, RandomController, Trajectory, sample};
 
+use crate::allocations::allocated_bytes;
 use crate::{trouble, turn};
-
-/// Returns the resident memory of this process in bytes.
-fn resident() -> usize {
-    let pages = fs::read_to_string("/proc/self/statm").unwrap();
-    // The page size is 4096 on all platforms of the engine's package. Larger pages only make the test stricter.
-    pages.split_whitespace().nth(1).unwrap().parse::<usize>().unwrap() * 4096
-}
 
 /// Returns the number of open files of this process.
 fn open_files() -> usize {
@@ -33,9 +27,9 @@ fn stays_flat(what: &str, rounds: usize, mut round: impl FnMut()) {
     let files = open_files();
     let mut grown = usize::MAX;
     for _ in 0..ATTEMPTS {
-        let memory = resident();
+        let memory = allocated_bytes();
         (0..rounds).for_each(|_| round());
-        grown = grown.min(resident().saturating_sub(memory));
+        grown = grown.min(allocated_bytes().saturating_sub(memory));
         assert_eq!(files, open_files(), "{what}: open files");
         if grown <= SLACK {
             break;

@@ -210,7 +210,7 @@ fn camera_and_options_are_read_and_set() {
 }
 
 #[test]
-#[should_panic(expected = "of another model")]
+#[should_panic(expected = "belongs to another model")]
 fn camera_of_another_model_panics() {
     let (_window, mut handle, _data) = squatting();
     let other = sample::cartpole();

@@ -116,7 +116,7 @@ fn a_full_disk_is_reported_once_and_ends_the_recording() {
             .unwrap();
         assert!(matches!(&error, Error::File { path, .. } if path.ends_with(name)), "{error}");
         let error = recorder.push_rgb(WIDTH, HEIGHT, &picture(0), 2000.0).unwrap_err();
-        assert!(error.to_string().contains("failed before"), "{error}");
+        assert!(error.to_string().contains("an earlier write failed"), "{error}");
         recorder.finish().unwrap_err();
     }
 }
