@@ -166,7 +166,6 @@ impl Report {
 }
 
 /// Describes the machine and the engine.
-
 fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

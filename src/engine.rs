@@ -8,41 +8,10 @@ use mujoco_sys::{callback, guard, mj_version, mjVERSION_HEADER};
 
 use crate::error::{Error, Result, catch_panic};
 use crate::ffi;
+pub use crate::version::Version;
 
 /// Log target of the engine's messages.
 pub(crate) const LOG_TARGET: &str = "mujoco";
-
-/// Version of the engine.
-///
-/// ```
-/// let version = mujoco_safe::engine_version();
-/// assert_eq!(version, mujoco_safe::built_against());
-/// println!("MuJoCo {version}");
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Version {
-    /// Major version: the 2 of 2.1.0.
-    pub major: u32,
-    /// Minor version: the 1 of 2.1.0.
-    pub minor: u32,
-    /// Patch version: the 0 of 2.1.0.
-    pub patch: u32,
-}
-
-impl Version {
-    /// Decodes the version number of the engine: one digit for each part up to 3.4 (`222`), three digits for each minor and patch
-    /// version from 3.5 (`3005000`).
-    const fn from_number(number: u32) -> Self {
-        let base = if number < 1_000_000 { 10 } else { 1000 };
-        Self { major: number / (base * base), minor: number / base % base, patch: number % base }
-    }
-}
-
-impl std::fmt::Display for Version {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}.{}.{}", self.major, self.minor, self.patch)
-    }
-}
 
 /// Returns the version of the engine library that is loaded at run time.
 #[doc(alias = "mj_version")]
@@ -120,16 +89,4 @@ unsafe extern "C" fn on_warning(message: *const c_char) {
             log::warn!(target: LOG_TARGET, "{message}");
         }
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Version;
-
-    #[test]
-    fn both_encodings_of_version_numbers_are_decoded() {
-        assert_eq!(Version::from_number(222).to_string(), "2.2.2");
-        assert_eq!(Version::from_number(337).to_string(), "3.3.7");
-        assert_eq!(Version::from_number(3_017_000).to_string(), "3.17.0");
-    }
 }

@@ -1,20 +1,18 @@
-//! Documentation of the engine's fields at run time: [`Model::field_docs`], [`Model::fields`] and the same functions of the other
-//! structs. The texts are those of the engine's headers, in the engine's spelling.
+//! Documentation of the engine's fields at run time: [`Model::field_docs`](crate::Model::field_docs), [`Model::fields`](crate::Model::fields) and the
+//! same functions of the other structs. The texts are those of the engine's headers, in the engine's spelling.
 
 use std::fmt;
 
 use mujoco_sys::FIELDS;
 
-use crate::data::Data;
 use crate::error::{Error, Result, near_names};
-use crate::model::{Model, Options, Statistics, Visual};
 
 /// Field of one of the engine's structs. `Display` writes its name and documentation: `nv: number of degrees of freedom =
 /// dim(qvel)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Field {
-    /// Name in the engine. Names in [`Visual`] are dotted: `global.fovy`.
+    /// Name in the engine. Names in [`Visual`](crate::Visual) are dotted: `global.fovy`.
     pub name: &'static str,
     /// C type of one value.
     pub ctype: &'static str,
@@ -30,7 +28,7 @@ pub struct Field {
 
 impl Field {
     /// Returns the fields of a struct, in the engine's order.
-    fn all(structure: &'static str) -> impl Iterator<Item = Self> {
+    pub(crate) fn all(structure: &'static str) -> impl Iterator<Item = Self> {
         FIELDS.lines().skip(1).filter_map(move |line| {
             let mut cells = line.split('\t');
             if cells.next() != Some(structure) {
@@ -44,7 +42,7 @@ impl Field {
     }
 
     /// Returns the name and documentation of a field.
-    fn docs_of(structure: &'static str, name: &str) -> Result<String> {
+    pub(crate) fn docs_of(structure: &'static str, name: &str) -> Result<String> {
         Self::all(structure).find(|field| field.name == name).map(|field| field.to_string()).ok_or_else(|| {
             Error::NoSuchField {
                 structure,
@@ -77,7 +75,8 @@ impl fmt::Display for Field {
     }
 }
 
-/// Declares both functions of a struct, each with an example.
+/// Declares `field_docs` and `fields` of a type: the type, its struct in the engine, and a field, its documentation and the number of fields
+/// for the examples.
 macro_rules! field_docs {
     ($type:ident, $structure:literal, $name:literal, $docs:literal, $count:literal) => {
         impl $type {
@@ -85,7 +84,7 @@ macro_rules! field_docs {
             ///
             /// # Errors
             ///
-            /// [`Error::NoSuchField`] with similar names.
+            /// [`Error::NoSuchField`](crate::Error::NoSuchField) with similar names.
             ///
             /// ```
             #[doc = concat!("use mujoco_safe::{Error, ", stringify!($type), "};")]
@@ -97,8 +96,8 @@ macro_rules! field_docs {
             /// # Ok::<(), Error>(())
             /// ```
             #[doc(alias = "show_docs")]
-            pub fn field_docs(name: &str) -> Result<String> {
-                Field::docs_of($structure, name)
+            pub fn field_docs(name: &str) -> $crate::Result<String> {
+                $crate::field_docs::Field::docs_of($structure, name)
             }
 
             #[doc = concat!("Returns the fields of `mj", $structure, "`, each with the engine's documentation.")]
@@ -107,15 +106,10 @@ macro_rules! field_docs {
             #[doc = concat!("let fields = mujoco_safe::", stringify!($type), "::fields();")]
             #[doc = concat!("assert_eq!(fields.count(), ", $count, ");")]
             /// ```
-            pub fn fields() -> impl Iterator<Item = Field> {
-                Field::all($structure)
+            pub fn fields() -> impl Iterator<Item = $crate::Field> {
+                $crate::field_docs::Field::all($structure)
             }
         }
     };
 }
-
-field_docs!(Model, "Model", "nv", "number of degrees of freedom = dim(qvel)", 331);
-field_docs!(Data, "Data", "xpos", "Cartesian position of body frame (nbody x 3)", 118);
-field_docs!(Options, "Option", "apirate", "update rate for remote API (Hz)", 24);
-field_docs!(Visual, "Visual", "global.fovy", "y-field of view for free camera (degrees)", 68);
-field_docs!(Statistics, "Statistic", "extent", "spatial extent", 5);
+pub(crate) use field_docs;

@@ -4,18 +4,18 @@
 //! use std::sync::Arc;
 //! use mujoco_safe::{Controller, Data, Lqr, LqrWeights, Trajectory, sample};
 //!
-//! // A model is loaded once and shared; a simulation holds on to it.
+//! // Simulations share the model.
 //! let model = Arc::new(sample::cartpole()); // or Model::from_xml_path("cartpole.xml")?
 //! let mut data = Data::new(model.clone())?;
 //!
-//! // Elements by name: an unknown one is an error that lists the names there are.
+//! // An unknown name is an error that lists the valid names.
 //! let hinge = model.joint("hinge")?;
 //!
-//! // Linearise a step about the upright position and solve for the regulator.
+//! // Linearise a step about the upright position and compute the regulator.
 //! let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
 //! let mut lqr = Lqr::at_present_state(&mut data, &weights)?;
 //!
-//! // Let the pole lean, and record how it comes back.
+//! // Tilt the pole and record its recovery.
 //! data.joint_mut(hinge).qpos_mut()[0] = 0.1;
 //! let mut trajectory = Trajectory::new(&model);
 //! trajectory.record(&mut data, &mut lqr, 1000)?;
@@ -23,7 +23,7 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! # The way through
+//! # Data flow
 //!
 //! ```text
 //!  humanoid.xml ──load──▶ Model ──Arc──▶ Data ──qpos, qvel──▶ Controller ──ctrl──▶ Data::step ──▶ Trajectory ──▶ CSV
@@ -33,43 +33,65 @@
 //!                                         └── transition_fd ─▶ StateSpace (A, B, C, D) ─▶ Lqr (Riccati) ─▶ K
 //! ```
 //!
-//! - [`Model`]: what is simulated. Loaded from MJCF, URDF or MJB, constant once it is shared, changed through
-//!   [`Model::edit`] before and [`Data::edit_model`] after. [`Options`], [`Visual`] and [`Statistics`] are typed and checked.
-//! - [`Data`]: a simulation. Every array of the engine is a method of the engine's name: [`Data::qpos`],
+//! - [`Model`]: description of a mechanism. Loaded from MJCF, URDF or MJB, edited by [`Model::edit`] before it is shared and by
+//!   [`Data::edit_model`] afterwards. [`Options`], [`Visual`] and [`Statistics`] are typed and checked.
+//! - [`Data`]: a simulation. Every array of the engine is a method with the engine's name: [`Data::qpos`],
 //!   [`Data::ctrl_mut`], [`Data::xfrc_applied_mut`], [`Model::body_mass`]. So is every function: `mj_step` is
-//!   [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]; the search of this documentation finds them by their C names.
-//! - [`element`]: one joint, body, sensor, … by its name: all 21 kinds.
-//! - [`Matrix`]: row-major, as the engine writes, and nalgebra's view of it without a copy. [`math`] is the engine's own.
-//! - [`callback`]: closures in the middle of a step.
-//! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR.
-//! - [`rollout`]: many simulations at once, on all cores.
-//! - [`Trajectory`]: what was recorded.
-//! - [`scene`]: the abstract picture of a simulation. `render` draws it, `record` makes films, `viewer` opens a window.
-//! - [`sample`]: models to begin with.
+//!   [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]. The search of this documentation finds them by their C names.
+//! - [`element`]: named access to single elements (joints, bodies, sensors, …) of all 21 kinds.
+//! - [`Matrix`]: row-major matrices as the engine writes them, with nalgebra views of the same memory. [`math`] wraps the
+//!   engine's mathematics.
+//! - [`callback`]: closures inside a step.
+//! - [`controller`]: the [`Controller`] trait and simple controllers.
+//! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR, iLQR.
+//! - [`rollout`]: many simulations on all cores.
+//! - [`Trajectory`]: recorded states and controls.
+//! - [`scene`]: abstract visualisation of a simulation. `render` draws it, `record` writes animations, `viewer` opens a window.
+//! - [`sample`]: sample models.
 //!
-//! And to read: [`cookbook`] has whole programs, [`promises`] says what can be relied on and how it is tested, [`coverage`] where
-//! each function, field and kind of the engine is. [`Model::field_docs`] says what a field means.
+//! The [`prelude`] imports the names that most programs need. The [`cookbook`] has complete programs, [`promises`] lists the guarantees with their
+//! tests, and [`coverage`] lists the counterpart of each function, field and kind of the engine. [`Model::field_docs`] returns the engine's
+//! description of a field.
 //!
-//! # Promises
+//! # Guarantees
 //!
-//! No call without `unsafe` can crash the process, read or write outside of the engine's memory, end the program, wait on
-//! standard input or write a file that was not asked for. What the engine answers with a message and an `exit` is an
-//! [`Error`] here; so is what it would answer with a silent reset or with numbers of another state. Compiling XML is the
-//! exception to be known: see [`Model::from_xml_str`].
+//! No call without `unsafe` can crash the process, access memory out of bounds, end the program, wait on
+//! standard input or write a file that the caller did not name. Where the engine prints a message and exits, a call returns an
+//! [`Error`]; also where the engine would silently reset the simulation or return values of another state. The known exception is the
+//! compilation of XML: see [`Model::from_xml_str`].
 //!
-//! What only a mistake in the program can get wrong, such as the id of another model, panics. Nothing that is called in a
-//! control loop allocates, unless its name says so by returning a `Vec` or a [`Matrix`].
+//! Mistakes in the program, such as the use of an id of another model, panic. Functions for control loops do not allocate, except those
+//! that return a `Vec` or a [`Matrix`].
 //!
 //! # Features
 //!
-//! None is on by default. `renderer`: pictures and films, without a window or a display. `viewer`: the window. `npz`: trajectories to
-//! and from NumPy's files. `serde`: options, states, matrices and trajectories as
-//! plain data, in any of serde's formats.
+//! All features are off by default. `renderer`: rendering and animations, without a window or a display. `viewer`: the window. `npz`: trajectories
+//! as NumPy files. `serde`: options, states, matrices and trajectories as plain data in the formats of serde.
 //!
 //! # Units and conventions
 //!
-//! SI throughout: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices count from 0. The
-//! number of positions `nq` and the number of degrees of freedom `nv` differ where there are free or ball joints.
+//! SI units: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices count from 0. The
+//! number of positions `nq` differs from the number of degrees of freedom `nv` if there are free or ball joints.
+//!
+//! # Layers
+//!
+//! Modules import only from layers below them:
+//!
+//! ```text
+//! viewer                                                      feature viewer
+//! render, record                                              feature renderer
+//! control
+//! rollout, derivative
+//! trajectory, scene
+//! controller, callback
+//! element
+//! data ⇄ model
+//! matrix, math, id, kind, enums, stage, error, engine, ffi, file, field_docs
+//! mujoco-sys
+//! ```
+//!
+//! `data` and `model` form the only cycle. A simulation belongs to a model, and three functions of the model need a simulation: an edit through
+//! [`Data::edit_model`] invalidates the simulation's results, and loading and saving compile or simulate the model to check it.
 
 pub mod callback;
 pub mod control;
@@ -87,9 +109,11 @@ mod field_docs;
 mod file;
 mod generated;
 mod id;
+pub mod kind;
 pub mod math;
 pub mod matrix;
 pub mod model;
+pub mod prelude;
 pub mod promises;
 #[cfg(feature = "renderer")]
 pub mod record;
@@ -102,16 +126,17 @@ pub mod scene;
 mod serialise;
 mod stage;
 mod trajectory;
+mod version;
 #[cfg(feature = "viewer")]
 pub mod viewer;
 
-/// The linear algebra that matrices are handed to, in the version that this crate uses.
+/// The linear algebra crate of the views of matrices, in the version that this crate uses.
 pub use nalgebra;
 
-/// The thread pools that rollouts run on, in the version that this crate uses.
+/// The crate of the thread pools that run rollouts, in the version that this crate uses.
 pub use rayon;
 
-/// The raw bindings, for calls past this crate.
+/// The raw bindings, for calls that this crate does not wrap.
 pub use mujoco_sys as sys;
 
 pub use crate::callback::Callbacks;
@@ -134,10 +159,10 @@ pub use crate::enums::{
 pub use crate::error::{Error, Result};
 pub use crate::field_docs::Field;
 pub use crate::id::{
-    ActuatorId, BodyId, CameraId, ElementKind, EqualityId, ExcludeId, GeomId, HeightFieldId, Id, Ids, JointId,
-    KeyframeId, Kind, LightId, MaterialId, MeshId, NumericId, PairId, SensorId, SiteId, SkinId, TendonId, TextId,
-    TextureId, TupleId, kind,
+    ActuatorId, BodyId, CameraId, EqualityId, ExcludeId, GeomId, HeightFieldId, Id, Ids, JointId, KeyframeId, LightId,
+    MaterialId, MeshId, NumericId, PairId, SensorId, SiteId, SkinId, TendonId, TextId, TextureId, TupleId,
 };
+pub use crate::kind::{ElementKind, Kind};
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{
     DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, LoadOptions, LostEdit, Model, ModelMut, Options,
@@ -148,7 +173,7 @@ pub use crate::rollout::{Batch, Rollout, RolloutBuffers, RolloutError, RolloutRe
 pub use crate::scene::Scene;
 pub use crate::trajectory::Trajectory;
 
-/// The README's example, as a test.
+/// Compiles the README's examples as tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

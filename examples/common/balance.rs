@@ -11,7 +11,6 @@ use set_point::SetPoint;
 use weights::{Dofs, weights};
 
 /// Creates the bundled humanoid at its set-point, together with the set-point and its regulator.
-
 pub fn humanoid() -> Result<(Data, SetPoint, Lqr)> {
     let mut data = Data::new(sample::humanoid())?;
     let model = data.model().clone();

@@ -42,6 +42,7 @@ pub use self::warning::{Warning, WarningCount};
 use crate::error::{Error, Result};
 pub use crate::error::{Instability, UnstableField};
 use crate::ffi;
+use crate::field_docs::field_docs;
 use crate::model::{Model, ModelMut};
 pub(crate) use crate::stage::PipelineFlags;
 pub use crate::stage::{MissingResults, Stage};
@@ -373,3 +374,5 @@ impl fmt::Debug for Data {
         }
     }
 }
+
+field_docs!(Data, "Data", "xpos", "Cartesian position of body frame (nbody x 3)", 118);

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::id::Kind;
+use crate::kind::Kind;
 
 /// Field with a number outside of the engine's valid range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

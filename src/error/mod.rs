@@ -9,9 +9,9 @@ use std::path::PathBuf;
 
 pub use self::instability::{Instability, UnstableField};
 pub(crate) use self::suggestion::near_names;
-use crate::engine::Version;
-use crate::id::Kind;
+use crate::kind::Kind;
 use crate::stage::MissingResults;
+use crate::version::Version;
 
 /// Result of the fallible functions of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;

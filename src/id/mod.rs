@@ -7,98 +7,21 @@ use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use mujoco_sys as sys;
-
 pub use self::key::{Key, Lookup};
+use crate::kind::for_each_kind;
+pub(crate) use crate::kind::sealed;
+pub use crate::kind::{self, ElementKind, Kind};
 
-/// Kind of element as a type, which prevents the use of a joint's id for a body. Implemented by the types in [`kind`].
-pub trait ElementKind: sealed::Sealed + 'static {
-    /// The kind as a value.
-    const KIND: Kind;
-}
-
-/// Restricts the implementation of the traits of this module to this crate.
-pub(crate) mod sealed {
-    pub trait Sealed {}
-}
-
-/// Declares the kinds, one per line: the variant of [`Kind`] and the type in [`kind`], the name in messages, the engine's `mjtObj`,
-/// and the type of the ids.
-macro_rules! kinds {
+/// Declares the id types.
+macro_rules! declare_ids {
     ($($name:ident, $text:literal, $object:ident, $id:ident;)*) => {
-        /// Kind of a named element.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        #[non_exhaustive]
-        #[allow(missing_docs, reason = "the variants are the engine's kinds")]
-        pub enum Kind {
-            $($name,)*
-        }
-
-        impl Kind {
-            /// All kinds, in the engine's order.
-            pub const ALL: &'static [Self] = &[$(Self::$name),*];
-
-            /// Returns the engine's `mjtObj`.
-            pub(crate) fn object_type(self) -> i32 {
-                (match self {
-                    $(Self::$name => sys::$object,)*
-                }) as i32
-            }
-        }
-
-        impl fmt::Display for Kind {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(match self {
-                    $(Self::$name => $text,)*
-                })
-            }
-        }
-
-        /// The kinds as types: one empty enum per kind.
-        pub mod kind {
-            use super::{ElementKind, Kind, sealed::Sealed};
-
-            $(
-                #[doc = concat!("[`Kind::", stringify!($name), "`] as a type.")]
-                #[derive(Debug)]
-                pub enum $name {}
-                impl Sealed for $name {}
-                impl ElementKind for $name {
-                    const KIND: Kind = Kind::$name;
-                }
-            )*
-        }
-
         $(
             #[doc = concat!("Id of a ", $text, ".")]
             pub type $id = Id<kind::$name>;
         )*
     };
 }
-
-kinds! {
-    Body, "body", mjOBJ_BODY, BodyId;
-    Joint, "joint", mjOBJ_JOINT, JointId;
-    Geom, "geom", mjOBJ_GEOM, GeomId;
-    Site, "site", mjOBJ_SITE, SiteId;
-    Camera, "camera", mjOBJ_CAMERA, CameraId;
-    Light, "light", mjOBJ_LIGHT, LightId;
-    Mesh, "mesh", mjOBJ_MESH, MeshId;
-    Skin, "skin", mjOBJ_SKIN, SkinId;
-    HeightField, "height field", mjOBJ_HFIELD, HeightFieldId;
-    Texture, "texture", mjOBJ_TEXTURE, TextureId;
-    Material, "material", mjOBJ_MATERIAL, MaterialId;
-    Pair, "pair", mjOBJ_PAIR, PairId;
-    Exclude, "exclude", mjOBJ_EXCLUDE, ExcludeId;
-    Equality, "equality", mjOBJ_EQUALITY, EqualityId;
-    Tendon, "tendon", mjOBJ_TENDON, TendonId;
-    Actuator, "actuator", mjOBJ_ACTUATOR, ActuatorId;
-    Sensor, "sensor", mjOBJ_SENSOR, SensorId;
-    Numeric, "numeric", mjOBJ_NUMERIC, NumericId;
-    Text, "text", mjOBJ_TEXT, TextId;
-    Tuple, "tuple", mjOBJ_TUPLE, TupleId;
-    Keyframe, "keyframe", mjOBJ_KEY, KeyframeId;
-}
+for_each_kind!(declare_ids);
 
 /// Id of one element of one model, typed by the kind of element. Small and `Copy`: look a name up once and keep the id.
 ///

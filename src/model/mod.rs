@@ -34,6 +34,7 @@ pub use crate::data::length_range::{LengthRangeMode, LengthRangeOptions};
 pub use crate::error::LostEdit;
 use crate::error::Result;
 use crate::ffi;
+use crate::field_docs::field_docs;
 use crate::id::Lineage;
 
 /// A compiled model.
@@ -198,3 +199,5 @@ impl fmt::Debug for Model {
         write!(f, " (nq {}, nv {}, nu {})", self.nq(), self.nv(), self.nu())
     }
 }
+
+field_docs!(Model, "Model", "nv", "number of degrees of freedom = dim(qvel)", 331);

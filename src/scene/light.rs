@@ -77,7 +77,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if positions have not been computed, [`Error::OtherModel`] for data of another model.
+    /// [`Error::NotComputed`](crate::Error::NotComputed) if positions have not been computed, [`Error::OtherModel`](crate::Error::OtherModel) for data of another model.
     #[doc(alias = "mjv_makeLights")]
     pub fn update_lights(&mut self, data: &Data) -> Result<()> {
         self.check_model(data.model(), "the data to show")?;

@@ -27,7 +27,7 @@
 //!
 //! # Models
 //!
-//! A scene belongs to the model that it was created for, to clones of that model and to every [`Data`] created from them.
+//! A scene belongs to the model that it was created for, to clones of that model and to every [`Data`](crate::Data) created from them.
 //! Data of another model give [`Error::OtherModel`]; ids of another model panic, as everywhere in this crate.
 //!
 //! # Quirks of the engine

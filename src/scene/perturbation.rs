@@ -290,7 +290,6 @@ impl Perturbation {
     }
 
     /// Copies the fields that the engine changed, if they are finite.
-
     fn take(&mut self, raw: &mjvPerturb) -> Result<()> {
         let &mjvPerturb { refpos, refquat, scale, .. } = raw;
         let moved = Self { refpos, refquat, scale, ..self.clone() };

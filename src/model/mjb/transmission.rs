@@ -186,7 +186,7 @@ fn actuators(view: &View<'_>) -> Result<(), Invalid> {
             mjTRN_SLIDERCRANK => is_in(view, field::actuator_trnid, second, ids(view.size(size::nsite)))?,
             mjTRN_SITE => is_in(view, field::actuator_trnid, second, -1..=view.size(size::nsite) as i64 - 1)?,
             _ => {
-                is(view, field::actuator_trnid, second, -1, "because only slider-cranks and sites have a second site")?
+                is(view, field::actuator_trnid, second, -1, "because only slider-cranks and sites have a second site")?;
             }
         }
     }

@@ -15,6 +15,7 @@ pub use self::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQ
 use super::Model;
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
 use crate::error::Result;
+use crate::field_docs::field_docs;
 
 /// Physics options of a model.
 ///
@@ -289,3 +290,7 @@ impl Model {
         self.raw().opt.timestep
     }
 }
+
+field_docs!(Options, "Option", "apirate", "update rate for remote API (Hz)", 24);
+field_docs!(Visual, "Visual", "global.fovy", "y-field of view for free camera (degrees)", 68);
+field_docs!(Statistics, "Statistic", "extent", "spatial extent", 5);

@@ -186,9 +186,8 @@ impl Pipelines {
         let shadows = bound.iter().filter(|light| light.shadow).count();
         let texture_layout = match (state.shader, key.texture_kind) {
             (ShaderKind::Sky, _) => Some(&self.texture_layouts.cube),
-            (ShaderKind::Label, _) => Some(&self.texture_layouts.d2),
+            (ShaderKind::Label, _) | (_, TextureKind::D2) => Some(&self.texture_layouts.d2),
             (_, TextureKind::None) => None,
-            (_, TextureKind::D2) => Some(&self.texture_layouts.d2),
             (_, TextureKind::Cube) => Some(&self.texture_layouts.cube),
         };
         let layouts = [Some(&self.view_layouts[shadows]), texture_layout];

@@ -11,18 +11,18 @@ const LABEL_WIDTH: f32 = 56.0;
 
 pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let status = cx.snapshot.status;
-    if status != Status::Program {
-        buttons(ui, cx);
-        modes(ui, cx);
-        speed(ui, cx);
-        history(ui, cx);
-    } else {
+    if status == Status::Program {
         ui.label(RichText::new("The program steps this simulation.").color(layout::FAINT));
         ui.horizontal(|ui| {
             if ui.button("Reset").clicked() {
                 cx.send(Request::Reset);
             }
         });
+    } else {
+        buttons(ui, cx);
+        modes(ui, cx);
+        speed(ui, cx);
+        history(ui, cx);
     }
     files(ui, cx);
 }
