@@ -176,7 +176,6 @@ fn plot(
 }
 
 /// Returns the quantile of some values at a fraction.
-
 fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values[(fraction * (values.len() - 1) as f64).round() as usize]

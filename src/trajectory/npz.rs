@@ -214,7 +214,6 @@ fn read_array(
 }
 
 /// Fields of an array's header, which is a Python dictionary literal.
-
 #[derive(Debug, PartialEq)]
 struct Header {
     descr: String,
