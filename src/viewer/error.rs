@@ -10,7 +10,7 @@ pub enum ViewerError {
     /// No display is available.
     #[error(
         "no display is available for a window ({0}). On Linux, DISPLAY must name an X server; on a machine without a screen, \
-         xvfb-run provides a virtual display, and the renderer draws pictures without a window"
+         xvfb-run provides a virtual display, and the renderer needs no window"
     )]
     NoDisplay(String),
 

@@ -14,13 +14,13 @@ use crate::scene::{Camera, NewGeom, Scene, SceneOptions};
 
 /// Handle of a window for a program that steps its simulation itself.
 ///
-/// The program owns the [`Data`]. [`sync`](Self::sync) shows its present state and executes the user's requests on it: pulling
+/// The program owns the [`Data`]. [`sync`](Self::sync) shows its current state and executes the user's requests on it: pulling
 /// bodies, setting controls and joints, resetting it to the state of the first call. The program decides how to react to a pause and
 /// to keys that the viewer does not use.
 ///
 /// The handle can move to another thread. After the window was closed, its methods have no effect.
 pub struct Handle {
-    /// `Some` before the first call of `sync`, when the endpoint takes the link over.
+    /// `Some` until the first call of `sync`, which moves the link into the endpoint.
     link: Option<PhysicsEnd>,
     endpoint: Option<SimulationEndpoint>,
     geoms: Vec<NewGeom>,
@@ -60,14 +60,14 @@ impl Handle {
         self.link().close();
     }
 
-    /// Shows the present state of the simulation, and executes the user's requests on it. Call it once per frame or after each step; a
+    /// Shows the current state of the simulation, and executes the user's requests on it. Call it once per frame or after each step; a
     /// call takes a few microseconds.
     ///
     /// While the user pulls a body, [`xfrc_applied`](Data::xfrc_applied) contains the force until the next call, added to the
     /// program's own forces. [`Data::forward`] is called if the poses have not been computed or if a request has changed the state.
-    /// The scene of unusable data stays as it was; the user can reset the data.
+    /// If the data is unusable, the scene does not change; the user can reset the data.
     ///
-    /// The data may be other data than in the last call, also of another model.
+    /// The data may differ from the data of the last call and may belong to another model.
     ///
     /// # Errors
     ///
@@ -126,7 +126,7 @@ impl Handle {
             snapshot.mode = Mode::Passive;
             snapshot.info.clear();
         });
-        // After the snapshot that contains the modified model.
+        // The window needs the snapshot with the modified model before these events.
         for asset in self.assets.drain(..) {
             endpoint.link.send(Event::Asset(asset));
         }
@@ -134,7 +134,7 @@ impl Handle {
         published
     }
 
-    /// Returns `true` if the user has paused the simulation. `false` after the window was closed. The program may ignore the pause:
+    /// Returns `true` if the user has paused the simulation, and `false` after the window was closed. The program may ignore the pause:
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
@@ -191,8 +191,8 @@ impl Handle {
         self.set_view(view);
     }
 
-    /// Returns the program's geoms, which the window shows in addition to the model from the next [`sync`](Self::sync) on: goals,
-    /// paths, arrows. They stay until the program removes them.
+    /// Returns the program's geoms, which the window shows in addition to the model from the next [`sync`](Self::sync) on, such as
+    /// goals, paths and arrows. They stay until the program removes them.
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::Handle) -> mujoco_safe::Result<()> {

@@ -29,9 +29,9 @@ pub struct ViewerOptions {
     pub vsync: bool,
     /// File of the model, which Ctrl+L reloads.
     pub file: Option<PathBuf>,
-    /// Path of the screenshots of Ctrl+P. If the file exists, a number is appended to the name instead of overwriting it.
+    /// Path of the screenshots of Ctrl+P. If the file exists, it is not overwritten: a number is appended to the name.
     pub screenshots: PathBuf,
-    /// Path of the recordings of Ctrl+V. If the file exists, a number is appended to the name instead of overwriting it. The extension
+    /// Path of the recordings of Ctrl+V. If the file exists, it is not overwritten: a number is appended to the name. The extension
     /// selects the format: see [`Recorder::create`](crate::record::Recorder::create). `None` for `recording.mp4`, or
     /// `recording.gif` without `ffmpeg`.
     pub recordings: Option<PathBuf>,
@@ -132,7 +132,7 @@ impl Viewer {
         self
     }
 
-    /// Shows the window until it is closed. The simulation starts paused in its present state, which is also the state that a reset
+    /// Shows the window until it is closed. The simulation starts paused in its current state, which is also the state that a reset
     /// restores. Returns the data in its final state.
     ///
     /// The windowing system allows one event loop per process, which stays with the thread that calls this function first. On macOS

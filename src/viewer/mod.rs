@@ -31,7 +31,7 @@
 //! # Threads
 //!
 //! Physics and window run on two threads that share only a link: requests flow to the physics, snapshots and events flow to the
-//! window. The data of the simulation is never copied as a whole. The physics follows real time and drops time that it cannot catch
+//! window. The simulation data is never copied completely. The physics follows real time and drops time that it cannot catch
 //! up. The window is drawn when something has changed, and sleeps otherwise. The first window installs the engine's clock, as
 //! [`enable_timers`](crate::enable_timers) does, for the plot of computing times.
 

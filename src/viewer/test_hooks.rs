@@ -10,8 +10,8 @@ use super::panel::WindowStatus;
 use super::view::View;
 use crate::scene::{Camera, RenderFlags, SceneOptions};
 
-static LOSES_SURFACE: AtomicBool = AtomicBool::new(false);
-static HOLDS: AtomicBool = AtomicBool::new(false);
+static SURFACE_LOSS_REQUESTED: AtomicBool = AtomicBool::new(false);
+static HOLD_REQUESTED: AtomicBool = AtomicBool::new(false);
 static HELD: AtomicBool = AtomicBool::new(false);
 static MARKERS: AtomicU64 = AtomicU64::new(0);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
@@ -96,12 +96,12 @@ pub fn latest() -> Option<WindowState> {
 
 /// Makes the next frame lose its surface.
 pub fn lose_surface() {
-    LOSES_SURFACE.store(true, Ordering::Relaxed);
+    SURFACE_LOSS_REQUESTED.store(true, Ordering::Relaxed);
 }
 
 /// Blocks the window thread in its next frame until [`release`], so that events wait in the queue.
 pub fn hold() {
-    HOLDS.store(true, Ordering::Release);
+    HOLD_REQUESTED.store(true, Ordering::Release);
 }
 
 /// Returns `true` while the window thread is blocked.
@@ -109,13 +109,13 @@ pub fn is_held() -> bool {
     HELD.load(Ordering::Acquire)
 }
 
-/// Ends a [`hold`].
+/// Resumes the window thread after [`hold`].
 pub fn release() {
-    HOLDS.store(false, Ordering::Release);
+    HOLD_REQUESTED.store(false, Ordering::Release);
 }
 
 pub(super) fn wait_while_held() {
-    while HOLDS.load(Ordering::Acquire) {
+    while HOLD_REQUESTED.load(Ordering::Acquire) {
         HELD.store(true, Ordering::Release);
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
@@ -124,7 +124,7 @@ pub(super) fn wait_while_held() {
 
 /// Returns `true` once after [`lose_surface`].
 pub(super) fn take_surface_loss() -> bool {
-    LOSES_SURFACE.swap(false, Ordering::Relaxed)
+    SURFACE_LOSS_REQUESTED.swap(false, Ordering::Relaxed)
 }
 
 /// Counts presses of F12.
@@ -134,7 +134,7 @@ pub(super) fn count_marker(key: Key) {
     }
 }
 
-/// Adds the position of a slider of the present frame, in points.
+/// Adds the position of a slider of the current frame, in points.
 pub(super) fn add_slider(rail: egui::Pos2, number: egui::Pos2) {
     lock(&SLIDERS).push([[rail.x, rail.y], [number.x, number.y]]);
 }

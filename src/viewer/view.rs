@@ -115,7 +115,7 @@ impl View {
         self.camera.move_by(&snapshot.model, &snapshot.scene, action, motion)
     }
 
-    /// Updates the viewpoint and the effects of a snapshot to the present view, so that the picture follows the mouse even if the
+    /// Updates the viewpoint and the effects of a snapshot to the current view, so that the image follows the mouse even if the
     /// physics is slow. A tracking camera adopts its look-at point from the snapshot.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Virtual X server of the test.
+//! Virtual X server, and the pixels of its screen.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -16,16 +16,20 @@ pub struct Display {
 impl Display {
     /// Starts a server on the first free display number.
     pub fn start() -> Self {
-        let folder = tempfile::tempdir().expect("a folder for the framebuffer");
+        let folder = tempfile::tempdir().expect("the temporary folder is writable");
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset", "-fbdir"])
             .arg(folder.path())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
-            .unwrap_or_else(|error| panic!("Xvfb: {error}; scripts/setup --tests installs what these tests need"));
+            .unwrap_or_else(|error| {
+                panic!("Xvfb did not start: {error}. `scripts/setup --tests` installs the programs for these tests")
+            });
         let mut number = String::new();
-        BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number).expect("Xvfb prints its number");
+        BufReader::new(server.stdout.take().expect("the output is piped"))
+            .read_line(&mut number)
+            .expect("Xvfb prints its number");
         Self { server, name: format!(":{}", number.trim()), folder }
     }
 
@@ -47,16 +51,16 @@ impl Drop for Display {
     }
 }
 
-/// Pixels of the screen: red, green and blue.
+/// RGB pixels of the screen.
 pub struct Screen {
     width: usize,
     rgb: Vec<u8>,
 }
 
 impl Screen {
-    /// Reads the framebuffer: an X window dump, whose header consists of big-endian 32-bit numbers.
+    /// Reads the framebuffer. It is an X window dump, whose header consists of big-endian 32-bit integers.
     pub fn read(framebuffer: &Path) -> Self {
-        let bytes = std::fs::read(framebuffer).expect("the screen's pixels");
+        let bytes = std::fs::read(framebuffer).expect("the framebuffer is readable");
         let number = |index: usize| {
             let at = 4 * index;
             u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize
@@ -78,11 +82,11 @@ impl Screen {
 
     /// Saves the upper left part as a PNG file.
     pub fn save(&self, path: &Path, [width, height]: [u32; 2]) {
-        let file = std::io::BufWriter::new(std::fs::File::create(path).expect("a file for a picture"));
+        let file = std::io::BufWriter::new(std::fs::File::create(path).expect("the file is writable"));
         let mut encoder = png::Encoder::new(file, width, height);
         encoder.set_color(png::ColorType::Rgb);
         let rows = self.rgb.chunks_exact(3 * self.width).take(height as usize);
         let part: Vec<u8> = rows.flat_map(|row| &row[..3 * width as usize]).copied().collect();
-        encoder.write_header().and_then(|mut writer| writer.write_image_data(&part)).expect("a picture");
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(&part)).expect("the image is written");
     }
 }

@@ -11,23 +11,25 @@ use crate::input::wait_until;
 
 pub fn interrupt() {
     let folder = tempfile::tempdir().unwrap();
-    let film = folder.path().join("film.gif");
+    let recording = folder.path().join("recording.gif");
     let options = ViewerOptions {
-        recordings: Some(film.clone()),
+        recordings: Some(recording.clone()),
         recording: RecorderOptions { frames_per_second: 10.0, ..RecorderOptions::default() },
         ..ViewerOptions::default()
     };
     let data = show(Viewer::new().options(options), Data::new(sample::cartpole()).unwrap(), |input| {
-        press(input, "space", "it runs", |state| state.time > 0.0);
-        press(input, "ctrl+v", "it records", |state| state.recording.is_some_and(|frames| frames >= 2));
-        assert!(!film.exists(), "the file appears only when it is complete");
-        // `kill` is a builtin of the shell; not every system has a program of that name.
+        press(input, "space", "the simulation runs", |state| state.time > 0.0);
+        press(input, "ctrl+v", "the recording has two frames", |state| {
+            state.recording.is_some_and(|frames| frames >= 2)
+        });
+        assert!(!recording.exists(), "the file appears only when it is complete");
+        // `kill` is a shell builtin; not every system has a `kill` program.
         let status = Command::new("sh").arg("-c").arg(format!("kill -INT {}", std::process::id())).status().unwrap();
         assert!(status.success());
-        wait_until("the recording is finished", || film.exists());
+        wait_until("the recording is finished", || recording.exists());
     });
     assert!(data.time() > 0.0);
-    assert!(std::fs::read(film).unwrap().starts_with(b"GIF89a"));
+    assert!(std::fs::read(recording).unwrap().starts_with(b"GIF89a"));
 }
 
 /// Controller that fails with an error or a panic.
@@ -40,20 +42,22 @@ impl Controller for Failing {
         if data.time() < 0.02 {
             return Ok(());
         }
-        assert!(!self.panics, "this controller has had enough");
-        Err(mujoco_safe::Error::Unsupported("this controller gives up".to_owned()))
+        assert!(!self.panics, "controller panic");
+        Err(mujoco_safe::Error::Unsupported("controller error".to_owned()))
     }
 }
 
-pub fn panic() {
-    for (panics, words) in [(true, "has had enough"), (false, "gives up")] {
+pub fn controller_failure() {
+    for (panics, message) in [(true, "controller panic"), (false, "controller error")] {
         let data = Data::new(sample::cartpole()).unwrap();
         show(Viewer::new().controller(Failing { panics }), data, |input| {
             input.key("space");
-            wait_until("it is shown, and paused", || state().problem.contains(words) && state().status == "Paused");
-            press(input, "ctrl+Right", "the passive mode is available", |state| state.mode == "Passive Dynamics");
-            let then = state().time;
-            press(input, "space", "it runs", |state| state.time > then);
+            wait_until("the failure is shown and pauses the simulation", || {
+                state().problem.contains(message) && state().status == "Paused"
+            });
+            press(input, "ctrl+Right", "the passive mode is selected", |state| state.mode == "Passive Dynamics");
+            let time = state().time;
+            press(input, "space", "the simulation runs", |state| state.time > time);
         });
     }
 }
@@ -61,21 +65,21 @@ pub fn panic() {
 pub fn lost_surface() {
     let data = Data::new(sample::cartpole()).unwrap();
     show(Viewer::new(), data, |input| {
-        press(input, "space", "it runs", |state| state.time > 0.0);
+        press(input, "space", "the simulation runs", |state| state.time > 0.0);
         for _ in 0..3 {
             let frame = state().frame;
             mujoco_safe::viewer::test_hooks::lose_surface();
-            wait_until("it is drawn again", || state().frame > frame + 2);
+            wait_until("more frames are drawn", || state().frame > frame + 2);
         }
     });
 }
 
 /// Checks that an idle window neither draws nor computes.
-pub fn rest() {
+pub fn idle() {
     show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {
-        // Until messages have expired and the refresh rate is idle.
+        // Waits until the messages have expired and the info panel shows an idle refresh rate.
         let mut frame = state().frame;
-        wait_until("it is not drawn for a second", || {
+        wait_until("no frame is drawn for a second", || {
             let before = std::mem::replace(&mut frame, state().frame);
             std::thread::sleep(std::time::Duration::from_secs(1));
             before == state().frame
@@ -89,10 +93,10 @@ pub fn rest() {
 
 /// Returns the processor time of this process, s.
 fn processor_time() -> f64 {
-    // Fields 14 and 15, which follow the name: user and system time, in hundredths of a second.
+    // Fields 14 and 15 are the user and system time, in hundredths of a second. Field 2, the name, may contain spaces.
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
-    let behind = stat.rsplit(')').next().unwrap().split_whitespace();
-    behind.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0
+    let fields = stat.rsplit(')').next().unwrap().split_whitespace();
+    fields.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / 100.0
 }
 
 pub fn no_display() {

@@ -1,4 +1,4 @@
-//! Functions that the cases share.
+//! Functions shared by the cases.
 
 use std::io::Read;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,7 +16,7 @@ use crate::input::{Input, wait_until};
 /// Returns a unique title, because a closed window may still exist for a moment.
 pub fn unique_title() -> String {
     static NEXT: AtomicU32 = AtomicU32::new(1);
-    format!("test {} of the viewer", NEXT.fetch_add(1, Ordering::Relaxed))
+    format!("viewer test {}", NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
 /// Size of the windows, small because a software driver draws them.
@@ -26,7 +26,8 @@ pub const SIZE: [u32; 2] = [480, 360];
 pub fn run_with_timeout(command: &mut Command, timeout: Duration) -> Result<(), String> {
     let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let mut child = child.map_err(|error| error.to_string())?;
-    let (mut out, mut err) = (child.stdout.take().expect("a pipe"), child.stderr.take().expect("a pipe"));
+    let (mut out, mut err) =
+        (child.stdout.take().expect("the output is piped"), child.stderr.take().expect("the output is piped"));
     let read = |pipe: &mut dyn Read| {
         let mut text = Vec::new();
         let _ = pipe.read_to_end(&mut text);
@@ -51,12 +52,12 @@ pub fn run_with_timeout(command: &mut Command, timeout: Duration) -> Result<(), 
         match status {
             Some(status) if status.success() => Ok(()),
             Some(status) => Err(format!("{}\n{status}", text())),
-            None => Err(format!("{}\nit took more than {timeout:?}", text())),
+            None => Err(format!("{}\ntimeout after {timeout:?}", text())),
         }
     })
 }
 
-/// Calls a closure, and ends the process if it panics, because its window would never close.
+/// Calls a closure, and exits the process if the closure panics, because nothing would close the window.
 pub fn exit_on_panic<R>(act: impl FnOnce() -> R) -> R {
     catch_unwind(AssertUnwindSafe(act)).unwrap_or_else(|_| std::process::exit(101))
 }
@@ -69,24 +70,24 @@ pub fn show(viewer: Viewer, data: Data, act: impl FnOnce(&Input) + Send) -> Data
     thread::scope(|scope| {
         scope.spawn(|| {
             exit_on_panic(|| {
-                // The previous window may still exist before.
+                // Until this window is drawn, the previous window may still exist.
                 wait_until("the window is drawn", || test_hooks::latest().is_some());
                 let input = Input::at(&title);
                 act(&input);
                 input.key("Escape");
             });
         });
-        viewer.title(&*title).size(SIZE).run(data).expect("a window")
+        viewer.title(&*title).size(SIZE).run(data).expect("the window opens")
     })
 }
 
 /// Returns the state of the window in its last frame.
 pub fn state() -> WindowState {
-    test_hooks::latest().expect("a window that was drawn")
+    test_hooks::latest().expect("the window was drawn")
 }
 
-/// Waits until the window has processed all events so far, and the simulation the resulting requests. Events are processed in order,
-/// and F12 has no binding.
+/// Waits until the window has processed all previous events and the simulation has executed the resulting requests. Relies on the
+/// order of events: F12, which has no binding, is processed last.
 pub fn settle(input: &Input) {
     let markers = press_marker(input);
     wait_until("all events are processed", || state().markers >= markers && state().answered);
@@ -99,8 +100,8 @@ pub fn press_marker(input: &Input) -> u64 {
     MARKERS.fetch_add(1, Ordering::Relaxed) + 1
 }
 
-/// Presses a key, and waits for a condition.
-pub fn press(input: &Input, key: &str, what: &str, mut condition: impl FnMut(&WindowState) -> bool) {
+/// Presses a key, and waits for a condition with this description.
+pub fn press(input: &Input, key: &str, description: &str, mut condition: impl FnMut(&WindowState) -> bool) {
     input.key(key);
-    wait_until(&format!("{key}: {what}"), || condition(&state()));
+    wait_until(&format!("{key}: {description}"), || condition(&state()));
 }

@@ -17,8 +17,8 @@ fn xdotool(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
-fn act(arguments: &[&str]) {
-    assert!(xdotool(arguments).is_some(), "xdotool {arguments:?}");
+fn run_xdotool(arguments: &[&str]) {
+    assert!(xdotool(arguments).is_some(), "xdotool {arguments:?} failed");
 }
 
 #[allow(clippy::unused_self, reason = "input goes to the focused window")]
@@ -40,81 +40,81 @@ impl Input {
 
     /// Presses and releases a key, with modifiers as in `ctrl+Right`.
     pub fn key(&self, name: &str) {
-        act(&["key", name]);
+        run_xdotool(&["key", name]);
     }
 
     pub fn keys(&self, names: &[&str]) {
-        act(&[&["key", "--delay", "30"], names].concat());
+        run_xdotool(&[&["key", "--delay", "30"], names].concat());
     }
 
     pub fn write(&self, text: &str) {
-        act(&["type", "--delay", "15", text]);
+        run_xdotool(&["type", "--delay", "15", text]);
     }
 
     pub fn move_to(&self, [x, y]: [i32; 2]) {
-        act(&["mousemove", "--window", &self.window, &x.to_string(), &y.to_string()]);
+        run_xdotool(&["mousemove", "--window", &self.window, &x.to_string(), &y.to_string()]);
     }
 
     /// Clicks several times in quick succession: 1 left, 2 middle, 3 right, 4 wheel up, 5 wheel down.
     pub fn click(&self, at: [i32; 2], button: u8, times: u8) {
         self.move_to(at);
-        act(&["click", "--repeat", &times.to_string(), "--delay", "40", &button.to_string()]);
+        run_xdotool(&["click", "--repeat", &times.to_string(), "--delay", "40", &button.to_string()]);
     }
 
     pub fn double_click(&self, at: [i32; 2], button: u8) {
         self.click(at, button, 2);
     }
 
-    /// Drags with a button while modifiers such as `ctrl` are held, and releases them.
+    /// Drags with a button while modifiers such as `ctrl` are held, and then releases the button and the modifiers.
     pub fn drag(&self, from: [i32; 2], by: [i32; 2], button: u8, modifiers: &[&str]) {
         self.press(from, button, modifiers);
-        self.pull(by);
+        self.move_by(by);
         self.release(button, modifiers);
     }
 
     /// Holds modifiers.
     pub fn hold(&self, modifiers: &[&str]) {
         for modifier in modifiers {
-            act(&["keydown", modifier]);
+            run_xdotool(&["keydown", modifier]);
         }
     }
 
     pub fn release_modifiers(&self, modifiers: &[&str]) {
         for modifier in modifiers {
-            act(&["keyup", modifier]);
+            run_xdotool(&["keyup", modifier]);
         }
     }
 
     pub fn press(&self, at: [i32; 2], button: u8, modifiers: &[&str]) {
         self.move_to(at);
         self.hold(modifiers);
-        act(&["mousedown", &button.to_string()]);
+        run_xdotool(&["mousedown", &button.to_string()]);
     }
 
-    /// Moves the pointer in a few steps.
-    pub fn pull(&self, by: [i32; 2]) {
+    /// Moves the pointer by this number of pixels in a few steps.
+    pub fn move_by(&self, by: [i32; 2]) {
         const STEPS: i32 = 5;
         for _ in 0..STEPS {
-            act(&["mousemove_relative", "--", &(by[0] / STEPS).to_string(), &(by[1] / STEPS).to_string()]);
+            run_xdotool(&["mousemove_relative", "--", &(by[0] / STEPS).to_string(), &(by[1] / STEPS).to_string()]);
             thread::sleep(Duration::from_millis(15));
         }
     }
 
     pub fn release(&self, button: u8, modifiers: &[&str]) {
-        act(&["mouseup", &button.to_string()]);
+        run_xdotool(&["mouseup", &button.to_string()]);
         self.release_modifiers(modifiers);
     }
 
     pub fn resize(&self, [width, height]: [u32; 2]) {
-        act(&["windowsize", &self.window, &width.to_string(), &height.to_string()]);
+        run_xdotool(&["windowsize", &self.window, &width.to_string(), &height.to_string()]);
     }
 }
 
 /// Waits for a condition, and panics with its description after the time limit.
-pub fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
+pub fn wait_until(description: &str, mut condition: impl FnMut() -> bool) {
     let deadline = Instant::now() + TIMEOUT;
     while !condition() {
-        assert!(Instant::now() < deadline, "timeout while waiting for: {what}");
+        assert!(Instant::now() < deadline, "timeout while waiting for: {description}");
         thread::sleep(Duration::from_millis(10));
     }
 }

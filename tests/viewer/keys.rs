@@ -22,33 +22,33 @@ pub fn simulation() {
         assert_eq!((first.mode.as_str(), first.status.as_str(), first.time), ("Controller", "Paused", 0.0));
         let at = |steps: f64| move |time: f64| (time - steps * timestep).abs() < 1e-9;
 
-        press(input, "Right", "a step forward", |state| at(1.0)(state.time));
-        press(input, "shift+Right", "fifty more", |state| at(51.0)(state.time));
-        press(input, "Left", "a step back", |state| at(50.0)(state.time));
-        press(input, "shift+Left", "fifty back", |state| at(0.0)(state.time));
+        press(input, "Right", "one step forward", |state| at(1.0)(state.time));
+        press(input, "shift+Right", "fifty steps forward", |state| at(51.0)(state.time));
+        press(input, "Left", "one step back", |state| at(50.0)(state.time));
+        press(input, "shift+Left", "fifty steps back", |state| at(0.0)(state.time));
 
-        press(input, "space", "it runs", |state| state.status == "Forward Simulation" && state.time > 0.0);
-        press(input, "space", "it is paused", |state| state.status == "Paused");
+        press(input, "space", "the simulation runs", |state| state.status == "Forward Simulation" && state.time > 0.0);
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
         let paused = state();
-        assert!(paused.ctrl.iter().any(|ctrl| *ctrl != 0.0), "the controller decided on controls");
-        press(input, "ctrl+Right", "the next mode", |state| state.mode == "Passive Dynamics");
-        assert_eq!(state().time, paused.time, "another mode is no step");
-        press(input, "ctrl+Right", "and round again", |state| state.mode == "Controller");
-        press(input, "ctrl+Left", "and back", |state| state.mode == "Passive Dynamics");
-        press(input, "BackSpace", "the start", |state| state.time == 0.0);
+        assert!(paused.ctrl.iter().any(|ctrl| *ctrl != 0.0), "the controller sets the controls");
+        press(input, "ctrl+Right", "the next mode is selected", |state| state.mode == "Passive Dynamics");
+        assert_eq!(state().time, paused.time, "a change of the mode takes no step");
+        press(input, "ctrl+Right", "the modes are cyclic", |state| state.mode == "Controller");
+        press(input, "ctrl+Left", "the previous mode is selected", |state| state.mode == "Passive Dynamics");
+        press(input, "BackSpace", "the start state is restored", |state| state.time == 0.0);
         assert_eq!(state().qpos, first.qpos);
 
-        press(input, "shift+Down", "half the speed that is set", |state| state.target_speed < 1.0);
+        press(input, "shift+Down", "the speed factor is halved", |state| state.target_speed < 1.0);
         let slow = state().target_speed;
-        press(input, "shift+Up", "twice that", |state| state.target_speed == 2.0 * slow);
-        press(input, "Return", "real time", |state| state.target_speed == 1.0);
-        press(input, "Return", "that speed again", |state| state.target_speed == 2.0 * slow);
-        press(input, "Return", "real time", |state| state.target_speed == 1.0);
+        press(input, "shift+Up", "the speed factor is doubled", |state| state.target_speed == 2.0 * slow);
+        press(input, "Return", "real time is selected", |state| state.target_speed == 1.0);
+        press(input, "Return", "the speed factor applies again", |state| state.target_speed == 2.0 * slow);
+        press(input, "Return", "real time is selected", |state| state.target_speed == 1.0);
 
-        press(input, "ctrl+s", "a keyframe is kept", |state| state.captured == 1);
-        press(input, "ctrl+Right", "the controller", |state| state.mode == "Controller");
-        press(input, "shift+Right", "steps", |state| state.ctrl.iter().any(|ctrl| *ctrl != 0.0));
-        press(input, "ctrl+BackSpace", "no controls", |state| state.ctrl.iter().all(|ctrl| *ctrl == 0.0));
+        press(input, "ctrl+s", "a keyframe is captured", |state| state.captured == 1);
+        press(input, "ctrl+Right", "the controller mode is selected", |state| state.mode == "Controller");
+        press(input, "shift+Right", "the controls are set", |state| state.ctrl.iter().any(|ctrl| *ctrl != 0.0));
+        press(input, "ctrl+BackSpace", "the controls are zero", |state| state.ctrl.iter().all(|ctrl| *ctrl == 0.0));
 
         let copied = |parts: [&str; 2]| {
             let text = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.get_text());
@@ -61,7 +61,7 @@ pub fn simulation() {
     });
 }
 
-/// Model that renders fast, because each key causes a frame.
+/// Model that renders fast, because each key press causes a frame.
 const SMALL: &str = r#"
 <mujoco>
   <visual><quality shadowsize="256"/></visual>
@@ -73,15 +73,15 @@ const SMALL: &str = r#"
   </worldbody>
 </mujoco>"#;
 
-pub fn shown() {
+pub fn visualisation() {
     let mut data = Data::new(Model::from_xml_str(SMALL).unwrap()).unwrap();
     data.forward().unwrap();
     let model = data.model().clone();
     show(Viewer::new(), data, |input| {
         for (keys, part) in [("F1", 0), ("F2", 1), ("ctrl+1", 2), ("ctrl+2", 3), ("F3", 4), ("F4", 5)] {
             let before = state().panels;
-            press(input, keys, "a panel comes or goes", |state| state.panels[part] != before[part]);
-            press(input, keys, "and back", |state| state.panels == before);
+            press(input, keys, "a panel is toggled", |state| state.panels[part] != before[part]);
+            press(input, keys, "the panel is restored", |state| state.panels == before);
         }
 
         for (key, flag) in [
@@ -109,9 +109,9 @@ pub fn shown() {
             ("d", VisualFlags::STATIC),
             ("semicolon", VisualFlags::SKIN),
         ] {
-            let wanted = state().options.flags ^ flag;
-            press(input, key, "a part of the scene", |state| state.options.flags == wanted);
-            press(input, key, "and back", |state| state.options.flags == wanted ^ flag);
+            let expected = state().options.flags ^ flag;
+            press(input, key, "a visual flag is toggled", |state| state.options.flags == expected);
+            press(input, key, "the visual flag is restored", |state| state.options.flags == expected ^ flag);
         }
         for (key, flag) in [
             ("s", RenderFlags::SHADOW),
@@ -124,37 +124,37 @@ pub fn shown() {
             ("shift+comma", RenderFlags::SEGMENT),
             ("period", RenderFlags::IDCOLOR),
         ] {
-            let wanted = state().render ^ flag;
-            press(input, key, "an effect", |state| state.render == wanted);
-            press(input, key, "and back", |state| state.render == wanted ^ flag);
+            let expected = state().render ^ flag;
+            press(input, key, "a rendering effect is toggled", |state| state.render == expected);
+            press(input, key, "the rendering effect is restored", |state| state.render == expected ^ flag);
         }
         for group in 0..6 {
             let key = (group + 1).to_string();
-            let wanted = !state().options.geomgroup[group];
-            press(input, &key, "a group of geoms", |state| state.options.geomgroup[group] == wanted);
-            press(input, &key, "and back", |state| state.options.geomgroup[group] != wanted);
+            let expected = !state().options.geomgroup[group];
+            press(input, &key, "a group of geoms is toggled", |state| state.options.geomgroup[group] == expected);
+            press(input, &key, "the group of geoms is restored", |state| state.options.geomgroup[group] != expected);
             let key = format!("shift+{key}");
-            let wanted = !state().options.sitegroup[group];
-            press(input, &key, "a group of sites", |state| state.options.sitegroup[group] == wanted);
+            let expected = !state().options.sitegroup[group];
+            press(input, &key, "a group of sites is toggled", |state| state.options.sitegroup[group] == expected);
         }
 
         // The options reach the scene.
         let before = state().ngeom;
         press(input, "j", "joints are in the scene", |state| state.ngeom > before);
 
-        press(input, "equal", "the next label", |state| state.options.label == LabelMode::Body);
-        press(input, "minus", "the label before", |state| state.options.label == LabelMode::None);
-        press(input, "minus", "and round", |state| state.options.label == LabelMode::ContactForce);
-        press(input, "F7", "and round", |state| state.options.label == LabelMode::None);
-        press(input, "bracketright", "the next frame", |state| state.options.frame == FrameMode::Body);
-        press(input, "bracketleft", "the frame before", |state| state.options.frame == FrameMode::None);
-        press(input, "bracketleft", "and round", |state| state.options.frame == FrameMode::World);
-        press(input, "F6", "and round", |state| state.options.frame == FrameMode::None);
+        press(input, "equal", "the next kind of label", |state| state.options.label == LabelMode::Body);
+        press(input, "minus", "the previous kind of label", |state| state.options.label == LabelMode::None);
+        press(input, "minus", "the kinds of labels are cyclic", |state| state.options.label == LabelMode::ContactForce);
+        press(input, "F7", "the kinds of labels are cyclic", |state| state.options.label == LabelMode::None);
+        press(input, "bracketright", "the next kind of frame", |state| state.options.frame == FrameMode::Body);
+        press(input, "bracketleft", "the previous kind of frame", |state| state.options.frame == FrameMode::None);
+        press(input, "bracketleft", "the kinds of frames are cyclic", |state| state.options.frame == FrameMode::World);
+        press(input, "F6", "the kinds of frames are cyclic", |state| state.options.frame == FrameMode::None);
 
-        press(input, "Tab", "a camera of the model's", |state| matches!(state.camera.view, CameraView::Fixed(_)));
+        press(input, "Tab", "a camera of the model", |state| matches!(state.camera.view, CameraView::Fixed(_)));
         press(input, "shift+Tab", "the free camera", |state| state.camera.view == CameraView::Free);
-        press(input, "shift+Tab", "and round", |state| matches!(state.camera.view, CameraView::Fixed(_)));
-        press(input, "ctrl+a", "free, on the whole model", |state| state.camera.view == CameraView::Free);
+        press(input, "shift+Tab", "the cameras are cyclic", |state| matches!(state.camera.view, CameraView::Fixed(_)));
+        press(input, "ctrl+a", "the free camera shows the whole model", |state| state.camera.view == CameraView::Free);
         assert_eq!(state().camera.distance, 1.5 * model.statistics().extent);
     });
 }

@@ -16,7 +16,7 @@ fn options() -> ViewerOptions {
 }
 
 /// Steps a simulation until the window is closed. Returns the keys without a binding.
-fn steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerError> {
+fn run_steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerError> {
     let mut keys = Vec::new();
     while handle.is_running() {
         if !handle.is_paused() {
@@ -29,46 +29,46 @@ fn steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerError> 
     Ok(keys)
 }
 
-pub fn one_after_another() {
-    // A window with the viewer's simulation, one with a program's simulation, and one that the program closes.
+pub fn consecutive() {
+    // Shows a window with the viewer's simulation, a window with the program's simulation, and a window that the program closes.
     let data = show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
-        press(input, "Right", "a step", |state| state.time > 0.0);
+        press(input, "Right", "one step is taken", |state| state.time > 0.0);
     });
     assert!(data.time() > 0.0, "`run` returns the final state");
 
     let mut data = Data::new(sample::humanoid()).unwrap();
     viewer::test_hooks::start();
-    let programs = options();
-    let title = programs.title.clone();
+    let window_options = options();
+    let title = window_options.title.clone();
     let keys = thread::scope(|scope| {
         scope.spawn(|| {
             exit_on_panic(|| {
-                wait_until("the program's simulation is seen", || {
+                wait_until("the program's simulation is shown", || {
                     viewer::test_hooks::latest().is_some_and(|state| state.status == "Program" && state.nbody > 10)
                 });
                 let input = Input::at(&title);
                 input.key("Home");
                 wait_until("the simulation runs", || state().time > RUN_TIME);
-                press(&input, "space", "the program pauses", |state| state.status == "Paused");
-                press(&input, "BackSpace", "the start", |state| state.time < RUN_TIME);
+                press(&input, "space", "the program is paused", |state| state.status == "Paused");
+                press(&input, "BackSpace", "the start state is restored", |state| state.time < RUN_TIME);
                 input.key("Escape");
             });
         });
-        viewer::run(programs, |handle| steps(handle, &mut data)).unwrap()
+        viewer::run(window_options, |handle| run_steps(handle, &mut data)).unwrap()
     });
     assert_eq!(keys, [Key::Home], "keys without a binding reach the program");
 
-    let answer = viewer::run(options(), |handle| -> Result<u32, ViewerError> {
+    let result = viewer::run(options(), |handle| -> Result<u32, ViewerError> {
         handle.sync(&mut data)?;
         Ok(42)
     });
-    assert_eq!(answer.unwrap(), 42, "the window closes with the program");
-    let error = viewer::run(options(), |_| -> Result<(), Failure> { Err(Failure::Own) }).unwrap_err();
-    assert!(matches!(error, Failure::Own));
+    assert_eq!(result.unwrap(), 42, "the window closes when the program ends");
+    let error = viewer::run(options(), |_| -> Result<(), Failure> { Err(Failure::Program) }).unwrap_err();
+    assert!(matches!(error, Failure::Program));
 }
 
 enum Failure {
-    Own,
+    Program,
     Viewer(ViewerError),
 }
 
@@ -81,7 +81,7 @@ impl From<ViewerError> for Failure {
 impl std::fmt::Debug for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Own => f.write_str("the program's own"),
+            Self::Program => f.write_str("an error of the program"),
             Self::Viewer(error) => write!(f, "{error}"),
         }
     }
@@ -97,27 +97,27 @@ pub fn launched() {
         let mut handle = viewer::launch(options).unwrap();
         let input = thread::spawn(move || {
             exit_on_panic(|| {
-                wait_until("it is drawn", || viewer::test_hooks::latest().is_some());
+                wait_until("the window is drawn", || viewer::test_hooks::latest().is_some());
                 Input::at(&title).key("ctrl+q");
             });
         });
-        steps(&mut handle, &mut data).unwrap();
+        run_steps(&mut handle, &mut data).unwrap();
         input.join().unwrap();
     }
-    let mut one = viewer::launch(options()).unwrap();
-    let others = options();
-    let title = others.title.clone();
-    let mut other = viewer::launch(others).unwrap();
-    one.sync(&mut data).unwrap();
-    other.sync(&mut data).unwrap();
+    let mut first = viewer::launch(options()).unwrap();
+    let second_options = options();
+    let title = second_options.title.clone();
+    let mut second = viewer::launch(second_options).unwrap();
+    first.sync(&mut data).unwrap();
+    second.sync(&mut data).unwrap();
     let input = Input::at(&title);
     input.key("Escape");
-    wait_until("one of two windows is closed", || !other.is_running());
-    assert!(one.is_running());
-    drop(one);
+    wait_until("the second window is closed", || !second.is_running());
+    assert!(first.is_running());
+    drop(first);
     // `Viewer::run` uses the same background thread.
     let data = show(Viewer::new(), data, |input| {
-        press(input, "Right", "a step", |state| state.status == "Paused" && state.time > 0.0);
+        press(input, "Right", "one step is taken", |state| state.status == "Paused" && state.time > 0.0);
     });
     drop(data);
 }

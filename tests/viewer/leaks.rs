@@ -10,39 +10,39 @@ use crate::input::{Input, wait_until};
 
 /// Frames in a period, which consists of rounds of at least 25 frames.
 const FRAMES: u64 = 400;
-/// Most periods.
+/// Maximum number of periods.
 const PERIODS: usize = 4;
-/// Growth that counts as a leak, in MB. A frame of the smallest size has 0.1 MB, and the texture of a model 3 MB.
+/// Growth in a period that counts as a leak, in MB. The smallest frame occupies 0.1 MB, and the texture of a model 3 MB.
 const MAX_GROWTH: f64 = 20.0;
 
 /// Returns the resident memory of this process, MB.
 fn resident() -> f64 {
-    let status = fs::read_to_string("/proc/self/status").expect("Linux");
+    let status = fs::read_to_string("/proc/self/status").expect("Linux has /proc");
     let line = status.lines().find(|line| line.starts_with("VmRSS:")).expect("the resident memory");
     line.split_whitespace().nth(1).and_then(|size| size.parse::<f64>().ok()).expect("a number") / 1024.0
 }
 
-/// Changes the size, the model and the mode once each.
-fn round(input: &Input, number: u32) {
+/// Resizes the window, reloads the model, and changes the mode and the panels.
+fn run_round(input: &Input, number: u32) {
     let size = [200 + 40 * (number % 4), 160 + 30 * (number % 3)];
     input.resize(size);
-    wait_until("another size", || state().size == size);
+    wait_until("the window is resized", || state().size == size);
     let generation = state().generation;
-    press(input, "ctrl+l", "the model is loaded again", |state| {
+    press(input, "ctrl+l", "the model is reloaded", |state| {
         state.generation > generation && state.mode == "Controller"
     });
     if state().status == "Paused" {
-        press(input, "space", "it runs", |state| state.status == "Forward Simulation");
+        press(input, "space", "the simulation runs", |state| state.status == "Forward Simulation");
     }
     let frame = state().frame;
-    wait_until("it is drawn for a while", || state().frame > frame + 25);
-    press(input, "ctrl+Right", "another mode", |state| state.mode == "Passive Dynamics");
-    press(input, "ctrl+Left", "and back", |state| state.mode == "Controller");
-    press(input, "ctrl+1", "panels", |state| state.panels[2]);
-    press(input, "ctrl+1", "and none", |state| !state.panels[2]);
+    wait_until("25 frames are drawn", || state().frame > frame + 25);
+    press(input, "ctrl+Right", "the passive mode is selected", |state| state.mode == "Passive Dynamics");
+    press(input, "ctrl+Left", "the controller mode is selected", |state| state.mode == "Controller");
+    press(input, "ctrl+1", "the left panel is open", |state| state.panels[2]);
+    press(input, "ctrl+1", "the left panel is closed", |state| !state.panels[2]);
 }
 
-pub fn nothing_leaks() {
+pub fn memory_does_not_leak() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("model.xml");
     fs::write(
@@ -57,19 +57,22 @@ pub fn nothing_leaks() {
     let controller = |data: &mut Data| data.ctrl_mut().fill(0.1);
     let options = ViewerOptions { file: Some(file), ..ViewerOptions::default() };
     show(Viewer::new().options(options).controller(controller), data, |input| {
-        // Fills the caches of the driver.
-        (0..6).for_each(|number| round(input, number));
-        // A leak grows in every period. Allocators and drivers may retain memory in some periods.
+        // Warms up the caches of the driver.
+        (0..6).for_each(|number| run_round(input, number));
+        // A leak grows in every period. Memory that allocators and drivers retain grows only in some periods.
         let mut growth = Vec::new();
         while growth.len() < PERIODS && growth.iter().all(|&grown| grown >= MAX_GROWTH) {
             let (memory, frame) = (resident(), state().frame);
             let mut number = 0;
             while state().frame < frame + FRAMES {
-                round(input, number);
+                run_round(input, number);
                 number += 1;
             }
             growth.push(resident() - memory);
         }
-        assert!(growth.iter().any(|&grown| grown < MAX_GROWTH), "{growth:.1?} MB more in periods of {FRAMES} frames");
+        assert!(
+            growth.iter().any(|&grown| grown < MAX_GROWTH),
+            "memory grows by {growth:.1?} MB in periods of {FRAMES} frames"
+        );
     });
 }

@@ -2,9 +2,9 @@
 //! state of the window. Each case runs in a separate process, because a process has one event loop, on its main thread.
 //!
 //! ```text
-//! cargo test --features viewer --test viewer              all of them
-//! cargo test --features viewer --test viewer -- mouse     those whose names contain this text
-//! cargo test --features viewer --test viewer -- pictures DIRECTORY     pictures of the panels, for inspection
+//! cargo test --features viewer --test viewer              all cases
+//! cargo test --features viewer --test viewer -- mouse     cases whose names contain this text
+//! cargo test --features viewer --test viewer -- screenshots DIRECTORY     screenshots of the panels, for visual inspection
 //! ```
 
 #![forbid(unsafe_code)]
@@ -18,8 +18,8 @@ mod launch;
 mod leaks;
 mod mouse;
 mod panels;
-mod pictures;
 mod queued_events;
+mod screenshots;
 mod trajectories;
 mod window;
 
@@ -33,26 +33,26 @@ use display::Display;
 type Case = (&'static str, fn());
 
 const CASES: &[Case] = &[
-    ("keys_of_the_simulation", keys::simulation),
-    ("keys_of_what_is_shown", keys::shown),
-    ("keys_of_the_window", window::keys),
-    ("pictures_and_recordings", window::outputs),
-    ("mouse", mouse::gestures),
-    ("trajectories", trajectories::keys_and_wheel),
-    ("panels", panels::panels),
-    ("gestures_that_come_while_a_frame_is_drawn", queued_events::gestures),
-    ("windows_one_after_another_in_one_thread", launch::one_after_another),
-    ("windows_of_a_thread_of_their_own", launch::launched),
-    ("a_process_has_one_thread_for_windows", launch::two_threads),
-    ("an_interrupt_finishes_the_recording", errors::interrupt),
-    ("a_controller_that_panics_is_shown", errors::panic),
+    ("simulation_keys", keys::simulation),
+    ("visualisation_keys", keys::visualisation),
+    ("window_keys", window::keys),
+    ("screenshots_and_recordings", window::outputs),
+    ("mouse_gestures", mouse::gestures),
+    ("trajectory_keys_and_wheel", trajectories::keys_and_wheel),
+    ("panels_receive_their_input", panels::panels),
+    ("gestures_during_a_slow_frame", queued_events::gestures),
+    ("consecutive_windows_on_one_thread", launch::consecutive),
+    ("windows_on_the_background_thread", launch::launched),
+    ("second_thread_cannot_show_windows", launch::two_threads),
+    ("interrupt_finishes_the_recording", errors::interrupt),
+    ("controller_failure_is_shown", errors::controller_failure),
     ("lost_surface_is_recreated", errors::lost_surface),
-    ("a_simulation_at_rest_costs_nothing", errors::rest),
-    ("nothing_leaks", leaks::nothing_leaks),
+    ("idle_window_uses_no_processor_time", errors::idle),
+    ("memory_does_not_leak", leaks::memory_does_not_leak),
 ];
 
 /// Cases without a display.
-const WITHOUT_DISPLAY: &[Case] = &[("without_a_display_there_is_an_error", errors::no_display)];
+const WITHOUT_DISPLAY: &[Case] = &[("missing_display_is_an_error", errors::no_display)];
 
 /// Time limit of a case, generous for a loaded machine.
 const TIMEOUT: Duration = Duration::from_secs(900);
@@ -63,30 +63,31 @@ fn main() -> ExitCode {
     match words[..] {
         ["case", name] => {
             let case = CASES.iter().chain(WITHOUT_DISPLAY).find(|(known, _)| *known == name);
-            case.expect("an unknown case").1();
+            case.expect("a known case").1();
             ExitCode::SUCCESS
         }
         ["draw", directory] => {
-            pictures::draw(Path::new(directory));
+            screenshots::draw(Path::new(directory));
             ExitCode::SUCCESS
         }
-        ["pictures", directory] => {
+        ["screenshots", directory] => {
             let display = Display::start();
             let framebuffer = display.framebuffer();
             let status =
-                this(&["draw", directory]).env("DISPLAY", display.name()).env("FRAMEBUFFER", framebuffer).status();
+                child(&["draw", directory]).env("DISPLAY", display.name()).env("FRAMEBUFFER", framebuffer).status();
             ExitCode::from(u8::from(!status.is_ok_and(|status| status.success())))
         }
         _ if words.contains(&"--list") => {
             CASES.iter().chain(WITHOUT_DISPLAY).for_each(|(name, _)| println!("{name}: test"));
             ExitCode::SUCCESS
         }
-        _ => all(words.iter().copied().find(|word| !word.starts_with('-'))),
+        _ => run_cases(words.iter().copied().find(|word| !word.starts_with('-'))),
     }
 }
 
-fn this(arguments: &[&str]) -> Command {
-    // Background jobs of a shell ignore SIGINT, and children inherit that. A case tests Ctrl-C.
+/// Returns a command that runs this program with other arguments.
+fn child(arguments: &[&str]) -> Command {
+    // Background jobs of a shell ignore SIGINT, and their children inherit this disposition. One case tests Ctrl-C.
     let mut command = Command::new("env");
     command.arg("--default-signal=INT").arg(std::env::current_exe().expect("the path of the test"));
     command.args(arguments).env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
@@ -96,20 +97,21 @@ fn this(arguments: &[&str]) -> Command {
     command
 }
 
-fn all(filter: Option<&str>) -> ExitCode {
-    let is_wanted = |case: &&Case| filter.is_none_or(|filter| case.0.contains(filter));
+/// Runs the cases whose names contain the filter.
+fn run_cases(filter: Option<&str>) -> ExitCode {
+    let is_selected = |case: &&Case| filter.is_none_or(|filter| case.0.contains(filter));
     let display = Display::start();
-    let seeing = CASES.iter().filter(is_wanted).map(|case| (case, true));
-    let blind = WITHOUT_DISPLAY.iter().filter(is_wanted).map(|case| (case, false));
+    let with_display = CASES.iter().filter(is_selected).map(|case| (case, true));
+    let without_display = WITHOUT_DISPLAY.iter().filter(is_selected).map(|case| (case, false));
     let mut failures = 0;
-    for ((name, _), sees) in seeing.chain(blind) {
-        let mut command = this(&["case", name]);
-        if sees {
+    for ((name, _), needs_display) in with_display.chain(without_display) {
+        let mut command = child(&["case", name]);
+        if needs_display {
             command.env("DISPLAY", display.name()).env("FRAMEBUFFER", display.framebuffer());
         }
-        let begin = Instant::now();
+        let start = Instant::now();
         let outcome = harness::run_with_timeout(&mut command, TIMEOUT);
-        let seconds = begin.elapsed().as_secs_f64();
+        let seconds = start.elapsed().as_secs_f64();
         match outcome {
             Ok(()) => println!("test {name} ... ok ({seconds:.1} s)"),
             Err(output) => {

@@ -31,8 +31,8 @@ pub fn gestures() {
     let mut data = Data::new(Model::from_xml_str(FLOATING).unwrap()).unwrap();
     data.forward().unwrap();
     show(Viewer::new(), data, |input| {
-        // The info panel would cover a part of the picture.
-        press(input, "F2", "the whole picture", |state| !state.panels[1]);
+        // The info panel would cover a part of the scene.
+        press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
         camera(input);
         selection(input);
         paused(input);
@@ -44,25 +44,27 @@ fn camera(input: &Input) {
     settle(input);
     let before = state().camera;
     input.drag(MIDDLE, [60, 40], 1, &[]);
-    wait_until("a left drag turns", || {
+    wait_until("a left drag rotates the camera", || {
         let camera = state().camera;
         camera.azimuth != before.azimuth && camera.elevation != before.elevation
     });
     settle(input);
     let before = state().camera;
     input.drag(MIDDLE, [60, 0], 1, &["shift"]);
-    wait_until("a left drag with Shift turns it too", || state().camera.azimuth != before.azimuth);
+    wait_until("a left drag with Shift rotates the camera", || state().camera.azimuth != before.azimuth);
 
     settle(input);
     let before = state().camera;
     input.drag(MIDDLE, [0, 40], 3, &[]);
-    wait_until("a right drag moves up and down", || state().camera.lookat[2] != before.lookat[2]);
+    wait_until("a right drag moves the camera vertically", || state().camera.lookat[2] != before.lookat[2]);
     settle(input);
     let before = state().camera;
     input.drag(MIDDLE, [40, 40], 3, &["shift"]);
-    wait_until("a right drag with Shift moves over the ground", || state().camera.lookat[..2] != before.lookat[..2]);
+    wait_until("a right drag with Shift moves the camera horizontally", || {
+        state().camera.lookat[..2] != before.lookat[..2]
+    });
     settle(input);
-    assert!((state().camera.lookat[2] - before.lookat[2]).abs() < 1e-6, "and only there");
+    assert!((state().camera.lookat[2] - before.lookat[2]).abs() < 1e-6, "the height is unchanged");
 
     settle(input);
     let before = state().camera;
@@ -71,7 +73,7 @@ fn camera(input: &Input) {
     settle(input);
     let before = state().camera;
     input.drag(MIDDLE, [0, 50], 2, &["shift"]);
-    wait_until("and so it does with Shift", || state().camera.distance != before.distance);
+    wait_until("a middle drag with Shift zooms", || state().camera.distance != before.distance);
     settle(input);
     let before = state().camera.distance;
     input.click(MIDDLE, 4, 1);
@@ -79,32 +81,34 @@ fn camera(input: &Input) {
     let far = state().camera.distance;
     input.click(MIDDLE, 5, 2);
     wait_until("the wheel zooms back", || (state().camera.distance < far) == (before < far));
-    press(input, "ctrl+a", "from the start", |state| state.camera.lookat == [0.0, 0.0, 1.0]);
+    press(input, "ctrl+a", "the camera is reset", |state| state.camera.lookat == [0.0, 0.0, 1.0]);
 }
 
 fn selection(input: &Input) {
     input.double_click(MIDDLE, 1);
-    wait_until("a double-click selects", || state().selected.is_some_and(|(body, _)| body == 2));
-    press(input, "Page_Up", "the parent", |state| state.selected.is_some_and(|(body, _)| body == 1));
+    wait_until("a double-click selects a body", || state().selected.is_some_and(|(body, _)| body == 2));
+    press(input, "Page_Up", "the parent is selected", |state| state.selected.is_some_and(|(body, _)| body == 1));
     input.double_click([5, 5], 1);
-    wait_until("a double-click on nothing unselects", || state().selected.is_none());
+    wait_until("a double-click on the background unselects", || state().selected.is_none());
 
     settle(input);
     let before = state().camera.lookat;
     input.double_click([MIDDLE[0] + 30, MIDDLE[1]], 3);
-    wait_until("a right double-click looks there", || state().camera.lookat != before);
-    press(input, "ctrl+a", "from the start", |state| state.camera.lookat == [0.0, 0.0, 1.0]);
+    wait_until("a right double-click moves the look-at point", || state().camera.lookat != before);
+    press(input, "ctrl+a", "the camera is reset", |state| state.camera.lookat == [0.0, 0.0, 1.0]);
 
     input.press(MIDDLE, 1, &[]);
     input.release(1, &[]);
     input.hold(&["ctrl"]);
     input.double_click(MIDDLE, 3);
     input.release_modifiers(&["ctrl"]);
-    wait_until("with Ctrl it follows the body", || matches!(state().camera.view, CameraView::Tracking(_)));
-    press(input, "ctrl+a", "from the start", |state| state.camera.view == CameraView::Free);
+    wait_until("a right double-click with Ctrl tracks the body", || {
+        matches!(state().camera.view, CameraView::Tracking(_))
+    });
+    press(input, "ctrl+a", "the camera is free", |state| state.camera.view == CameraView::Free);
     input.double_click(MIDDLE, 1);
-    wait_until("selected again", || state().selected.is_some());
-    press(input, "Page_Up", "the body that floats", |state| state.selected.is_some_and(|(body, _)| body == 1));
+    wait_until("the body is selected again", || state().selected.is_some());
+    press(input, "Page_Up", "the floating body is selected", |state| state.selected.is_some_and(|(body, _)| body == 1));
 }
 
 /// Checks that a drag moves and rotates a body while paused.
@@ -112,40 +116,40 @@ fn paused(input: &Input) {
     settle(input);
     let before = state().qpos;
     input.press(MIDDLE, 3, &["ctrl"]);
-    input.pull([40, 20]);
+    input.move_by([40, 20]);
     wait_until("a right drag with Ctrl moves the body", || state().qpos[..3] != before[..3]);
-    wait_until("which is seen", || state().selected.is_some_and(|(_, active)| active));
+    wait_until("the snapshot shows the drag", || state().selected.is_some_and(|(_, active)| active));
     input.release(3, &["ctrl"]);
-    wait_until("and let go", || state().selected.is_some_and(|(_, active)| !active));
+    wait_until("the body is released", || state().selected.is_some_and(|(_, active)| !active));
     settle(input);
     let before = state().qpos;
     input.drag(MIDDLE, [40, 20], 1, &["ctrl"]);
-    wait_until("a left drag with Ctrl turns it", || state().qpos[3..] != before[3..]);
+    wait_until("a left drag with Ctrl rotates the body", || state().qpos[3..] != before[3..]);
     settle(input);
     let before = state().qpos;
     input.drag(MIDDLE, [40, 20], 3, &["ctrl", "shift"]);
-    wait_until("a right drag with Ctrl and Shift moves it over the ground", || state().qpos[..2] != before[..2]);
+    wait_until("a right drag with Ctrl and Shift moves the body horizontally", || state().qpos[..2] != before[..2]);
     settle(input);
-    assert!((state().qpos[2] - before[2]).abs() < 1e-6, "and only there");
+    assert!((state().qpos[2] - before[2]).abs() < 1e-6, "the height is unchanged");
     let before = state().qpos;
     input.drag(MIDDLE, [40, 0], 1, &["ctrl", "shift"]);
-    wait_until("a left drag with Ctrl and Shift turns it", || state().qpos[3..] != before[3..]);
+    wait_until("a left drag with Ctrl and Shift rotates the body", || state().qpos[3..] != before[3..]);
     assert_eq!(state().time, 0.0);
 }
 
 /// Checks that a drag applies forces and torques to a body while running.
 fn running(input: &Input) {
-    press(input, "BackSpace", "the start", |state| state.qpos[0] == 0.0);
-    press(input, "space", "it runs", |state| state.time > 0.0);
+    press(input, "BackSpace", "the start state is restored", |state| state.qpos[0] == 0.0);
+    press(input, "space", "the simulation runs", |state| state.time > 0.0);
     input.press(MIDDLE, 3, &["ctrl"]);
-    input.pull([40, 0]);
-    wait_until("the body is pulled", || state().force[..3].iter().any(|force| *force != 0.0));
-    wait_until("and follows", || state().qpos[0].abs() + state().qpos[1].abs() > 1e-3);
+    input.move_by([40, 0]);
+    wait_until("a force is applied", || state().force[..3].iter().any(|force| *force != 0.0));
+    wait_until("the body moves", || state().qpos[0].abs() + state().qpos[1].abs() > 1e-3);
     input.release(3, &["ctrl"]);
-    wait_until("until it is let go", || state().force == [0.0; 6]);
+    wait_until("the body is released", || state().force == [0.0; 6]);
     input.press(MIDDLE, 1, &["ctrl"]);
-    input.pull([40, 0]);
-    wait_until("the body is turned", || state().force[3..].iter().any(|torque| *torque != 0.0));
+    input.move_by([40, 0]);
+    wait_until("a torque is applied", || state().force[3..].iter().any(|torque| *torque != 0.0));
     input.release(1, &["ctrl"]);
-    wait_until("until it is let go", || state().force == [0.0; 6]);
+    wait_until("the body is released", || state().force == [0.0; 6]);
 }

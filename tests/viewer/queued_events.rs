@@ -1,4 +1,4 @@
-//! Gestures during a slow frame, whose events the window processes late and all at once.
+//! Gestures during a slow frame. The window processes their events late and all at once.
 
 use std::thread;
 use std::time::Duration;
@@ -22,15 +22,15 @@ pub fn during_a_frame(input: &Input, act: impl FnOnce()) {
 }
 
 pub fn gestures() {
-    picture();
+    scene();
     panels();
 }
 
-fn picture() {
+fn scene() {
     let mut data = Data::new(Model::from_xml_str(FLOATING).unwrap()).unwrap();
     data.forward().unwrap();
     show(Viewer::new(), data, |input| {
-        press(input, "F2", "the whole picture", |state| !state.panels[1]);
+        press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
         settle(input);
         // The second click arrives during the frame that the first click causes.
         test_hooks::hold();
@@ -39,11 +39,11 @@ fn picture() {
         input.click(MIDDLE, 1, 1);
         thread::sleep(Duration::from_millis(400));
         test_hooks::release();
-        wait_until("a double-click selects", || state().selected.is_some());
+        wait_until("a double-click selects a body", || state().selected.is_some());
         during_a_frame(input, || input.double_click([5, 5], 1));
-        wait_until("a double-click on nothing unselects", || state().selected.is_none());
+        wait_until("a double-click on the background unselects", || state().selected.is_none());
 
-        // The drag starts before the physics has answered the double-click.
+        // The drag starts before the physics has processed the double-click.
         settle(input);
         let before = state();
         during_a_frame(input, || {
@@ -60,20 +60,20 @@ fn picture() {
 
 fn panels() {
     show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
-        press(input, "ctrl+2", "right panel", |state| state.panels[3]);
+        press(input, "ctrl+2", "the right panel is open", |state| state.panels[3]);
         let mut before = Vec::new();
         wait_until("the panel has its final size", || {
             let last = std::mem::replace(&mut before, state().sliders);
             settle(input);
             last == before && !before.is_empty()
         });
-        let [rail, number] = state().sliders[0].map(|at| at.map(|at| at as i32));
+        let [rail, text_field] = state().sliders[0].map(|at| at.map(|at| at as i32));
         during_a_frame(input, || input.drag(rail, [25, 0], 1, &[]));
         wait_until("the slider sets the control", || state().ctrl[0] != 0.0);
 
         let before = state();
         during_a_frame(input, || {
-            input.click(number, 1, 1);
+            input.click(text_field, 1, 1);
             input.write("0.25");
             input.key("Return");
         });
@@ -85,15 +85,15 @@ fn panels() {
             "keys in a text field have no bindings"
         );
 
-        // A drag from the picture to the slider belongs to the picture, even if the pointer is over the slider before the panels
+        // A drag from the scene to the slider belongs to the scene, even if the pointer is over the slider before the panels
         // process the press.
         during_a_frame(input, || {
             input.press([60, rail[1]], 1, &[]);
-            input.pull([rail[0] - 60 + 20, 0]);
+            input.move_by([rail[0] - 60 + 20, 0]);
         });
         settle(input);
         input.release(1, &[]);
-        wait_until("the camera turns", || state().camera.azimuth != before.camera.azimuth);
+        wait_until("the camera rotates", || state().camera.azimuth != before.camera.azimuth);
         settle(input);
         assert_eq!(state().ctrl[0], 0.25, "the slider is unchanged");
     });

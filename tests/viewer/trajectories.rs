@@ -29,46 +29,50 @@ pub fn keys_and_wheel() {
         assert_eq!(state().qpos, first, "the first record is shown at once");
         let frame = || state().playback.unwrap()[1];
 
-        press(input, "Right", "a record forward", |state| state.playback == Some([0, 1]));
-        press(input, "Left", "a record back", |state| state.playback == Some([0, 0]));
-        press(input, "Left", "and round to the last", |state| state.playback == Some([0, lengths[0] - 1]));
-        press(input, "Up", "the next trajectory, as far as it goes", |state| {
+        press(input, "Right", "one record forward", |state| state.playback == Some([0, 1]));
+        press(input, "Left", "one record back", |state| state.playback == Some([0, 0]));
+        press(input, "Left", "the records are cyclic", |state| state.playback == Some([0, lengths[0] - 1]));
+        press(input, "Up", "the last record of the next, shorter trajectory", |state| {
             state.playback == Some([1, lengths[1] - 1])
         });
-        press(input, "Down", "the one before", |state| state.playback.is_some_and(|playback| playback[0] == 0));
-        press(input, "BackSpace", "its first record", |state| state.playback == Some([0, 0]));
+        press(input, "Down", "the previous trajectory", |state| {
+            state.playback.is_some_and(|playback| playback[0] == 0)
+        });
+        press(input, "BackSpace", "the first record", |state| state.playback == Some([0, 0]));
 
-        press(input, "ctrl+r", "in reverse", |state| state.playback_flags[0]);
-        press(input, "space", "it plays back from the end", |state| state.status == "Reverse Simulation");
-        wait_until("records go down", || (1..lengths[0] - 1).contains(&frame()));
-        press(input, "shift+Down", "slower, and still in reverse", |state| {
+        press(input, "ctrl+r", "playback is reversed", |state| state.playback_flags[0]);
+        press(input, "space", "the trajectory plays in reverse", |state| state.status == "Reverse Simulation");
+        wait_until("the index of the record decreases", || (1..lengths[0] - 1).contains(&frame()));
+        press(input, "shift+Down", "playback is slower and still reversed", |state| {
             state.target_speed < 1.0 && state.playback_flags[0]
         });
-        let then = frame();
-        wait_until("it still plays", || frame() != then);
-        press(input, "space", "paused", |state| state.status == "Paused");
-        press(input, "ctrl+Right", "another mode", |state| state.mode == "Passive Dynamics");
-        let then = state().time;
-        press(input, "space", "which is not frozen", |state| state.status == "Forward Simulation" && state.time > then);
-        press(input, "space", "paused", |state| state.status == "Paused");
-        press(input, "ctrl+Left", "back to the trajectories", |state| state.mode == "Trajectory");
+        let previous = frame();
+        wait_until("playback continues", || frame() != previous);
+        press(input, "space", "playback is paused", |state| state.status == "Paused");
+        press(input, "ctrl+Right", "the passive mode is selected", |state| state.mode == "Passive Dynamics");
+        let time = state().time;
+        press(input, "space", "the simulation runs forward", |state| {
+            state.status == "Forward Simulation" && state.time > time
+        });
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
+        press(input, "ctrl+Left", "the trajectory mode is selected", |state| state.mode == "Trajectory");
 
         let geoms = state().ngeom;
-        press(input, "ctrl+b", "other moments are in the picture", |state| {
+        press(input, "ctrl+b", "the burst adds geoms to the scene", |state| {
             state.playback_flags[1] && state.ngeom > geoms
         });
-        press(input, "ctrl+d", "red and blue", |state| state.playback_flags[2]);
+        press(input, "ctrl+d", "the Doppler shading is on", |state| state.playback_flags[2]);
         let [factor, gamma] = state().burst;
         let middle = SIZE.map(|pixels| pixels as i32 / 2);
         input.hold(&["ctrl"]);
         input.click(middle, 4, 1);
         input.release_modifiers(&["ctrl"]);
-        wait_until("Ctrl and the wheel: more moments", || state().burst[0] > factor);
+        wait_until("Ctrl and the wheel: the burst has more records", || state().burst[0] > factor);
         input.hold(&["shift"]);
         input.click(middle, 5, 1);
         input.release_modifiers(&["shift"]);
-        wait_until("Shift and the wheel: other fading", || state().burst[1] < gamma);
-        press(input, "ctrl+d", "no colours", |state| !state.playback_flags[2]);
-        press(input, "ctrl+b", "one moment", |state| !state.playback_flags[1] && state.ngeom == geoms);
+        wait_until("Shift and the wheel: the fading changes", || state().burst[1] < gamma);
+        press(input, "ctrl+d", "the Doppler shading is off", |state| !state.playback_flags[2]);
+        press(input, "ctrl+b", "the burst is off", |state| !state.playback_flags[1] && state.ngeom == geoms);
     });
 }

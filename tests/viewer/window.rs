@@ -21,13 +21,13 @@ pub fn keys() {
             ("shift+F9", [1920, 1080]),
             ("F10", SIZE),
         ] {
-            press(input, key, "another size", |state| state.size == size);
+            press(input, key, "the window is resized", |state| state.size == size);
         }
         // Without a window manager the size does not change, so the test checks the requested state only.
-        press(input, "F11", "full screen", |state| state.full_screen);
-        press(input, "F5", "and back", |state| !state.full_screen);
+        press(input, "F11", "the window fills the screen", |state| state.full_screen);
+        press(input, "F5", "full screen is off", |state| !state.full_screen);
         input.resize([300, 200]);
-        wait_until("it follows its window", || state().size == [300, 200]);
+        wait_until("the frame has the size of the window", || state().size == [300, 200]);
     });
     show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| input.key("ctrl+q"));
 }
@@ -50,19 +50,19 @@ pub fn outputs() {
     let data = Data::new(mujoco_safe::Model::from_xml_path(&model).unwrap()).unwrap();
     let options = ViewerOptions {
         file: Some(model.clone()),
-        screenshots: path("picture.png"),
-        recordings: Some(path("film.gif")),
+        screenshots: path("screenshot.png"),
+        recordings: Some(path("recording.gif")),
         recording: RecorderOptions { frames_per_second: 10.0, ..RecorderOptions::default() },
         ..ViewerOptions::default()
     };
     show(Viewer::new().options(options), data, |input| {
         input.key("ctrl+p");
-        wait_until("a picture", || path("picture.png").exists());
+        wait_until("a screenshot is saved", || path("screenshot.png").exists());
         input.key("ctrl+p");
-        wait_until("another, beside it", || path("picture-2.png").exists());
-        let decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(path("picture.png")).unwrap()));
-        let picture = decoder.read_info().unwrap();
-        assert_eq!([picture.info().width, picture.info().height], SIZE);
+        wait_until("a second screenshot has another name", || path("screenshot-2.png").exists());
+        let decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(path("screenshot.png")).unwrap()));
+        let image = decoder.read_info().unwrap();
+        assert_eq!([image.info().width, image.info().height], SIZE);
 
         // The window is blocked when the recording starts and while the simulation runs.
         let before = state();
@@ -72,28 +72,33 @@ pub fn outputs() {
         });
         settle(input);
         let simulated = state().time - before.time;
-        assert!(simulated > 0.9, "500 steps");
-        press(input, "ctrl+v", "it has recorded", |state| state.recording.is_none());
-        let clip = seconds(&path("film.gif"));
-        assert!((simulated..simulated + 0.2).contains(&clip), "{clip} s of {simulated} s");
-        fs::remove_file(path("film.gif")).unwrap();
+        assert!(simulated > 0.9, "500 steps were taken");
+        press(input, "ctrl+v", "the recording is finished", |state| state.recording.is_none());
+        let clip = seconds(&path("recording.gif"));
+        assert!(
+            (simulated..simulated + 0.2).contains(&clip),
+            "a recording of {clip} s for {simulated} s of simulation"
+        );
+        fs::remove_file(path("recording.gif")).unwrap();
 
-        press(input, "space", "it runs", |state| state.time > simulated);
-        press(input, "ctrl+v", "it records", |state| state.recording.is_some_and(|frames| frames >= 3));
+        press(input, "space", "the simulation runs", |state| state.time > simulated);
+        press(input, "ctrl+v", "the recording has three frames", |state| {
+            state.recording.is_some_and(|frames| frames >= 3)
+        });
         input.key("F9");
-        press(input, "ctrl+v", "it has recorded", |state| state.recording.is_none());
-        assert_eq!(state().size, SIZE, "a recording keeps its size");
-        assert!(fs::read(path("film.gif")).unwrap().starts_with(b"GIF89a"));
+        press(input, "ctrl+v", "the recording is finished", |state| state.recording.is_none());
+        assert_eq!(state().size, SIZE, "the size cannot change during a recording");
+        assert!(fs::read(path("recording.gif")).unwrap().starts_with(b"GIF89a"));
 
         // Reloads a modified file.
         let two = "<mujoco><worldbody><body><geom size='.1'/></body><body pos='1 0 0'><geom size='.1'/></body></worldbody></mujoco>";
         fs::write(&model, two).unwrap();
-        press(input, "space", "it rests", |state| state.status == "Paused");
+        press(input, "space", "the simulation is paused", |state| state.status == "Paused");
         press(input, "ctrl+l", "the model is reloaded", |state| state.nbody == 3);
         assert_eq!(state().time, 0.0);
         fs::write(&model, "<mujoco><nonsense/></mujoco>").unwrap();
         input.key("ctrl+l");
-        wait_until("the error of the file is shown", || state().messages.iter().any(|text| text.contains("nonsense")));
-        assert_eq!(state().nbody, 3, "and the model stays");
+        wait_until("the parse error is shown", || state().messages.iter().any(|text| text.contains("nonsense")));
+        assert_eq!(state().nbody, 3, "the model is unchanged");
     });
 }

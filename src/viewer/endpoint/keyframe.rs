@@ -24,7 +24,7 @@ impl CapturedKey {
     const SPEC: StateSpec =
         StateSpec::FULL_PHYSICS.union(StateSpec::CTRL).union(StateSpec::MOCAP_POS).union(StateSpec::MOCAP_QUAT);
 
-    /// Captures the present state.
+    /// Captures the current state.
     pub fn new(data: &Data, number: usize, name: String) -> Self {
         let xml = key_xml(data, Some(&name));
         Self { number, name, time: data.time(), xml, state: data.state(Self::SPEC) }
@@ -41,7 +41,7 @@ impl CapturedKey {
     }
 }
 
-/// Formats the present state as a `<key>` element for an MJCF file, with all digits.
+/// Formats the current state as a `<key>` element for an MJCF file, with all digits.
 pub(crate) fn key_xml(data: &Data, name: Option<&str>) -> String {
     let mut xml = String::from("<key");
     if let Some(name) = name {

@@ -1,4 +1,4 @@
-//! Physics' side of the link: execution of the requests that do not depend on who steps the simulation, and publication of snapshots.
+//! Physics' side of the link: execution of the requests that any simulation supports, and publication of snapshots.
 
 mod keyframe;
 mod publish;
@@ -35,7 +35,7 @@ pub(crate) struct SimulationEndpoint {
     clicked: Option<Selection>,
     spare: Option<Box<Snapshot>>,
     captured: Arc<Vec<CapturedKey>>,
-    /// Number of keyframes that were ever captured.
+    /// Number of keyframes captured so far, including deleted keyframes.
     captures: usize,
     watches: Vec<Watch>,
     keys: Vec<KeyPress>,
@@ -48,7 +48,7 @@ pub(crate) struct SimulationEndpoint {
 }
 
 impl SimulationEndpoint {
-    /// Creates an endpoint for a simulation. A reset restores its present state.
+    /// Creates an endpoint for a simulation. A reset restores its current state.
     pub fn new(link: PhysicsEnd, data: &Data) -> Self {
         let model = data.model().clone();
         Self {
@@ -155,7 +155,7 @@ impl SimulationEndpoint {
         }
     }
 
-    /// Returns the present camera and scene options.
+    /// Returns the current camera and scene options.
     pub fn view(&self) -> SceneView {
         SceneView { camera: Some(self.camera), options: self.view.options.clone() }
     }

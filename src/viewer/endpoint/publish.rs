@@ -9,12 +9,13 @@ use crate::scene::{CameraView, Categories, Scene, SceneOptions};
 use crate::viewer::link::{Event, SelectedBody, Snapshot};
 
 impl SimulationEndpoint {
-    /// Publishes a snapshot of the simulation. `add` adds geoms to the scene; `fill` sets the fields that depend on who steps the
-    /// simulation, such as status, mode and speed. If the data is unusable, the snapshot has its values and the previous scene.
+    /// Publishes a snapshot of the simulation. `add` adds geoms to the scene; `fill` sets the fields that differ between the viewer's
+    /// and a program's simulation, such as status, mode and speed. If the data is unusable, the snapshot has its values and the
+    /// previous scene.
     ///
     /// # Errors
     ///
-    /// If there is no memory for a scene, or if a geom that `add` adds is invalid. The snapshot is published in the second case.
+    /// If there is no memory for a scene, or if `add` adds an invalid geom. The snapshot is published in the second case.
     pub fn publish(
         &mut self,
         data: &mut Data,
@@ -104,7 +105,7 @@ impl SimulationEndpoint {
         })
     }
 
-    /// Returns a snapshot of the present model that may be overwritten.
+    /// Returns a snapshot of the current model that may be overwritten.
     pub(super) fn take_spare(&mut self) -> Result<Box<Snapshot>> {
         match self.spare.take() {
             Some(spare) if spare.model.is_same_structure(&self.model) => Ok(spare),

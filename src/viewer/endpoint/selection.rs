@@ -135,7 +135,7 @@ impl SimulationEndpoint {
         self.with_scene(data, |scene, data| scene.select(data, &options, point.aspectratio, point.position))
     }
 
-    /// Calls a closure with a scene of the present state and view.
+    /// Calls a closure with a scene of the current state and view.
     fn with_scene<R>(&mut self, data: &mut Data, with: impl FnOnce(&Scene, &Data) -> Result<R>) -> Result<R> {
         self.refresh_if_needed(data)?;
         let mut snapshot = self.take_spare()?;

@@ -36,7 +36,7 @@ impl Watch {
         FIELDS.iter().map(|(name, _)| *name)
     }
 
-    /// Returns the present value, or NaN if the index is out of range.
+    /// Returns the current value, or NaN if the index is out of range.
     pub fn value(self, data: &Data) -> f64 {
         FIELDS[self.field].1(data, self.index).unwrap_or(f64::NAN)
     }

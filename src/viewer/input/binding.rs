@@ -1,6 +1,6 @@
 //! Table of the key bindings, the single source for key presses, the help on the screen and on the terminal, and the tests.
 //!
-//! Where the common programs disagree, the bindings follow MuJoCo.jl's viewer. Keys of the engine's `simulate` are added where they
+//! Where the common programs disagree, the bindings follow MuJoCo.jl's viewer. Keys of the engine's `simulate` are added if they
 //! are free: `-` and `=` select labels, not the speed; `[` and `]` select frames, not cameras; Esc quits. The engine's own table
 //! assigns the comma twice; here it toggles activations, and segmentation with Shift.
 
@@ -311,8 +311,7 @@ pub(crate) static BINDINGS: &[Binding] = &[
     trajectory(Key::Character('r'), PlaybackRequest::ToggleReverse, "Reverse or forward playback").with(COMMAND),
     trajectory(Key::Up, PlaybackRequest::CycleTrajectory(1), "Next trajectory"),
     trajectory(Key::Down, PlaybackRequest::CycleTrajectory(-1), "Previous trajectory"),
-    trajectory(Key::Character('b'), PlaybackRequest::ToggleBurst, "Burst: several records in one picture")
-        .with(COMMAND),
+    trajectory(Key::Character('b'), PlaybackRequest::ToggleBurst, "Burst: several records in one frame").with(COMMAND),
     trajectory(Key::Character('d'), PlaybackRequest::ToggleDoppler, "Doppler: past records red, future records blue")
         .with(COMMAND),
 ];

@@ -6,14 +6,14 @@ use super::{Modifiers, MouseButton};
 use crate::scene::{MouseAction, PerturbationFlags};
 use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, ViewportPoint};
 
-/// Longest time between the presses of a double-click.
+/// Maximum time between the presses of a double-click.
 const DOUBLE_CLICK: Duration = Duration::from_millis(250);
 
 /// Motion of the pointer, in pixels, beyond which a click becomes a drag.
 const JITTER: f64 = 5.0;
 
-/// Zoom by a notch of the wheel, in units of the window's height. As in the engine's programs, turning away from the user moves away
-/// from the scene.
+/// Zoom by a notch of the wheel, in units of the window's height. As in the engine's programs, turning the wheel away from the user
+/// moves the camera away from the scene.
 const NOTCH: f64 = -0.05;
 
 /// Meaning of a mouse event.
@@ -38,7 +38,7 @@ impl From<PlaybackRequest> for Gesture {
     }
 }
 
-/// Bounds of the time of an event, by any monotonic clock. The exact time is unknown, because an event may have waited in the queue
+/// Bounds of the time of an event, on any monotonic clock. The exact time is unknown, because an event may have waited in the queue
 /// while a frame was drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EventTime {

@@ -12,7 +12,7 @@ use crate::viewer::input::KeyPress;
 /// Request of the window to the physics. Ids of a model that was replaced in the meantime are ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Request {
-    /// Pauses the simulation (`true`) or lets it run.
+    /// Pauses (`true`) or resumes (`false`) the simulation.
     Pause(bool),
     TogglePause,
     /// Restores the start state; in the trajectory mode, shows the first record.
@@ -65,7 +65,7 @@ pub(crate) enum PlaybackRequest {
     ChangeBurstGamma(f64),
 }
 
-/// Request that any simulation can execute, no matter who steps it.
+/// Request that any simulation can execute, whether the viewer or the program steps it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum EndpointRequest {
     /// Sets the view to which the following requests refer.
@@ -179,8 +179,8 @@ impl Request {
             || matches!(self, Self::Endpoint(LookAt(_) | Track(_) | MovePerturbation(..) | CopyCamera))
     }
 
-    /// Merges the next request into this request if a single request is equivalent to both, so that a slow loop executes fewer of
-    /// them. Returns `false` if the two cannot be merged.
+    /// Merges the next request into this request if a single request is equivalent to both, so that a slow loop executes fewer
+    /// requests. Returns `false` if the two requests cannot be merged.
     pub fn merge(&mut self, next: &Self) -> bool {
         use EndpointRequest::{MovePerturbation, SetControl, SetPosition};
         match (self, next) {

@@ -123,7 +123,7 @@ impl WindowEnd {
                 log::warn!("the viewer drops the request {request:?}: {MAX_REQUESTS} requests wait for the program");
                 return;
             }
-            // A request that refers to the picture must be executed with the view from which the user made it.
+            // A request that refers to the displayed frame must be executed with the view from which the user made it.
             if request.reads_poses()
                 && let Some(view) = inbox.view.take()
             {

@@ -1,10 +1,10 @@
-//! State that the pending requests lead to.
+//! Prediction of the state after the pending requests.
 
 use super::{EndpointRequest, Mode, Request, SimulationRequest, Snapshot};
 use crate::model::Options;
 
-/// State that the pending requests lead to. The window interprets keys, buttons and edits by it, because the newest snapshot may be
-/// older than the last request while the simulation is busy.
+/// Predicted state after the pending requests. The window interprets keys, buttons and edits by it, because the newest snapshot may
+/// be older than the last request while the simulation is busy.
 ///
 /// Requests are numbered from 1. A snapshot contains the number of the last request that was executed before it.
 #[derive(Debug, Default)]

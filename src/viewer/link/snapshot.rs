@@ -14,11 +14,11 @@ use crate::viewer::simulation::PlaybackState;
 /// Capacity of a scene, in geoms.
 const MAX_GEOMS: usize = 10_000;
 
-/// State of a simulation. Triple-buffered: three snapshots circulate, and their memory is reused.
+/// State of a simulation, triple-buffered: three snapshots circulate and reuse their memory.
 #[derive(Debug)]
 pub(crate) struct Snapshot {
     pub scene: Scene,
-    /// Another `Arc` than in the last snapshot means that the model was edited; another `generation`, that it was replaced.
+    /// A different `Arc` than in the last snapshot means that the model was edited. A different `generation` means that it was replaced.
     pub model: Arc<Model>,
     /// Number of times that the model was replaced.
     pub generation: u64,
@@ -57,7 +57,7 @@ pub(crate) struct Snapshot {
     pub playback: Option<PlaybackState>,
     /// Number of states in the history.
     pub history_len: usize,
-    /// Index of the present state in the history; `history_len` for the newest state, which the history does not contain.
+    /// Index of the current state in the history; `history_len` for the newest state, which the history does not contain.
     pub history_position: usize,
     pub selected: Option<SelectedBody>,
     /// Keyframes that the user has captured.

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use crate::data::{Timer, TimerCount};
 use crate::viewer::link::Snapshot;
 
-/// Most points of a curve.
+/// Maximum number of points of a curve.
 const MAX_POINTS: usize = 1000;
 
 /// Newest points of a value over simulated time.
@@ -20,7 +20,7 @@ impl Curve {
         Self { name: name.into(), points: VecDeque::with_capacity(MAX_POINTS) }
     }
 
-    /// Appends a point. Removes the points from this time on, in case time went back. NaN leaves a gap.
+    /// Appends a point, and removes points at or after its time, which decreases after a step back. NaN leaves a gap.
     pub fn push(&mut self, time: f64, value: f64) {
         while self.points.back().is_some_and(|[last, _]| *last >= time) {
             self.points.pop_back();

@@ -1,4 +1,4 @@
-//! Layout and style of the panels. All panels lie over the picture, in layers above the background layer, so that the overlay can
+//! Layout and style of the panels. All panels lie over the scene, in layers above the background layer, so that the overlay can
 //! always determine if the pointer is over a panel.
 
 use egui::{

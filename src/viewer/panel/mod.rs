@@ -1,4 +1,4 @@
-//! Panels over the picture. They display a snapshot and the view, and turn the user's input into actions.
+//! Panels over the scene. They display a snapshot and the view, and turn the user's input into actions.
 
 mod curves;
 mod layout;
@@ -74,7 +74,7 @@ impl Panels {
         self.messages.warn(text);
     }
 
-    /// Returns the texts that are shown at present.
+    /// Returns the messages that are currently shown.
     #[cfg(feature = "test-hooks")]
     pub fn messages(&self) -> Vec<String> {
         self.messages.texts()

@@ -12,11 +12,11 @@ use crate::viewer::link::{EndpointRequest, Snapshot};
 
 /// Width of the plots, points.
 const WIDTH: f32 = 330.0;
-/// Greatest height of a plot, points.
+/// Maximum height of a plot, points.
 const MAX_HEIGHT: f32 = 120.0;
 /// Height of the title and the legend of a plot, points.
 const TITLE_HEIGHT: f32 = 40.0;
-/// Most curves in a plot. More could not be distinguished.
+/// Maximum number of curves in a plot. More curves could not be distinguished.
 const MAX_CURVES: usize = 16;
 
 /// Plots at the lower right of the window.
@@ -28,7 +28,7 @@ pub(super) struct PlotPanel {
 }
 
 impl PlotPanel {
-    /// Adds the values of a snapshot to the curves unless it was added already.
+    /// Adds the values of a snapshot to the curves, unless the curves contain it already.
     pub fn update(&mut self, snapshot: &Snapshot, watched: &[Watch]) {
         let id = (snapshot.generation, snapshot.number);
         if self.last != Some(id) {
@@ -120,7 +120,7 @@ fn show_plot(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], height: f32
         });
 }
 
-/// Most watched values.
+/// Maximum number of watched values.
 const MAX_WATCHES: usize = 16;
 
 /// Panel of the watched values.

@@ -59,7 +59,7 @@ fn show_line(ui: &mut Ui, name: &str, value: &str) {
 const NOTICE_TIME: Duration = Duration::from_secs(4);
 /// Display time of a problem.
 const PROBLEM_TIME: Duration = Duration::from_secs(12);
-/// Most messages shown at the same time.
+/// Maximum number of messages shown at the same time.
 const MAX_MESSAGES: usize = 4;
 
 struct Message {
@@ -137,7 +137,7 @@ impl Messages {
     }
 }
 
-/// Most columns of tables in the help.
+/// Maximum number of columns of tables in the help.
 const MAX_COLUMNS: usize = 3;
 /// Widths of the keys and of their description in the help, points.
 const WIDTHS: [f32; 2] = [138.0, 236.0];

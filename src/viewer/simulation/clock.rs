@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-/// Largest lag behind real time that is caught up, s. More is dropped, so that a simulation that is slower than real time does not
-/// accumulate a lag without bound.
+/// Maximum lag behind real time that is caught up, s. The excess is dropped, so that a simulation that is slower than real time does
+/// not accumulate an unbounded lag.
 const MAX_LAG: f64 = 0.1;
 
 /// Interval over which the speed is measured.

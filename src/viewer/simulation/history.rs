@@ -21,7 +21,7 @@ pub(super) struct History {
     /// Slot of the oldest state.
     first: usize,
     len: usize,
-    /// Index of the present state; `None` if it is newer than all states of the history.
+    /// Index of the current state; `None` if it is newer than all states of the history.
     position: Option<usize>,
 }
 
@@ -45,12 +45,12 @@ impl History {
         self.len
     }
 
-    /// Returns the index of the present state, or [`len`](Self::len) if it is newer than all states of the history.
+    /// Returns the index of the current state, or [`len`](Self::len) if it is newer than all states of the history.
     pub fn position(&self) -> usize {
         self.position.unwrap_or(self.len)
     }
 
-    /// Appends the present state before a step. Discards the states after it.
+    /// Appends the current state before a step. Discards the states after it.
     pub fn record(&mut self, data: &Data) {
         if let Some(position) = self.position.take() {
             self.len = position;
@@ -58,19 +58,19 @@ impl History {
         self.push(data);
     }
 
-    /// Restores the state this number of steps ago, or the oldest. Returns `false` if it is the present state already.
+    /// Restores the state this number of steps ago, or the oldest. Returns `false` if it is the current state already.
     pub fn back(&mut self, steps: usize, data: &mut Data) -> bool {
         self.go_to(self.position().saturating_sub(steps), data)
     }
 
-    /// Restores a state, or the newest if the index is too large. Returns `false` if it is the present state already.
+    /// Restores a state, or the newest if the index is too large. Returns `false` if it is the current state already.
     pub fn go_to(&mut self, index: usize, data: &mut Data) -> bool {
         if self.len == 0 || (self.position.is_none() && index >= self.len) {
             return false;
         }
         let mut index = index;
         if self.position.is_none() {
-            // Appends the present state, so that the user can return to it. A full ring loses its oldest state.
+            // Appends the current state, so that the user can return to it. A full ring loses its oldest state.
             index = index.saturating_sub(usize::from(self.len == self.capacity));
             self.push(data);
         }

@@ -42,7 +42,7 @@ pub(crate) struct Simulation {
     mode: Mode,
     paused: bool,
     /// The simulation was resumed or a body was pulled, and no step has been taken since.
-    owes_step: bool,
+    step_pending: bool,
     /// Speed factor.
     factor: f64,
     /// The speed factor applies instead of real time.
@@ -63,7 +63,7 @@ pub(crate) struct Simulation {
 }
 
 impl Simulation {
-    /// Creates a paused simulation in the first available mode, and publishes the first snapshot. A reset restores the present state.
+    /// Creates a paused simulation in the first available mode, and publishes the first snapshot. A reset restores the current state.
     ///
     /// # Errors
     ///
@@ -85,7 +85,7 @@ impl Simulation {
             modes: Vec::new(),
             mode: Mode::Passive,
             paused: true,
-            owes_step: false,
+            step_pending: false,
             factor: INITIAL_FACTOR,
             by_factor: false,
             clock: RealTimeClock::default(),
@@ -117,7 +117,7 @@ impl Simulation {
         self.modes.extend(modes.into_iter().zip(available).filter(|(_, available)| *available).map(|(mode, _)| mode));
     }
 
-    /// Sets the state to the present record in the trajectory mode.
+    /// Sets the state to the current record in the trajectory mode.
     fn show_record(&mut self) {
         if self.mode == Mode::Trajectory
             && let Some(player) = &self.player
@@ -142,7 +142,7 @@ impl Simulation {
     fn fail(&mut self, problem: String) {
         log::warn!("the viewer pauses the simulation: {problem}");
         self.problem = problem;
-        (self.paused, self.owes_step) = (true, false);
+        (self.paused, self.step_pending) = (true, false);
         self.unpublished = true;
     }
 

@@ -1,4 +1,4 @@
-//! Playback of trajectories, with bursts: several records of a trajectory in one picture.
+//! Playback of trajectories, with bursts: several records of a trajectory in one frame.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -13,11 +13,11 @@ use crate::viewer::link::{InfoLine, InfoLines};
 /// State of the playback for the panels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlaybackState {
-    /// Index of the present record in its trajectory, from 0.
+    /// Index of the current record in its trajectory, from 0.
     pub frame: usize,
     /// Number of records of the trajectory.
     pub frames: usize,
-    /// Index of the present trajectory, from 0.
+    /// Index of the current trajectory, from 0.
     pub trajectory: usize,
     /// Number of trajectories.
     pub trajectories: usize,
@@ -44,7 +44,7 @@ impl Player {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a trajectory of another model, [`Error::Invalid`] for one without records or an empty list.
+    /// [`Error::Shape`] for a trajectory of another model, [`Error::Invalid`] for a trajectory without records or an empty list.
     pub fn new(trajectories: Vec<Trajectory>, model: &Model) -> Result<Self> {
         for trajectory in &trajectories {
             trajectory.check_sizes(model)?;
@@ -83,12 +83,12 @@ impl Player {
         &self.trajectories[self.trajectory]
     }
 
-    /// Sets the state of the simulation to the present record.
+    /// Sets the state of the simulation to the current record.
     pub fn show(&self, data: &mut Data) -> Result<()> {
         self.present().apply(self.frame, data)
     }
 
-    /// Advances by this number of records, cyclically. Returns the duration of that, s.
+    /// Advances by this number of records, cyclically. Returns the corresponding duration, s.
     pub fn advance(&mut self, records: i64, timestep: f64) -> f64 {
         let (from, count) = (self.frame, self.present().len() as i64);
         self.frame = (self.frame as i64 + records).rem_euclid(count) as usize;
@@ -98,7 +98,7 @@ impl Player {
         if wrapped || !taken.is_finite() || taken == 0.0 { timestep } else { taken }
     }
 
-    /// Advances by one record in the direction of playback. Returns the duration of that, s.
+    /// Advances by one record in the direction of playback. Returns the corresponding duration, s.
     pub fn play(&mut self, timestep: f64) -> f64 {
         self.advance(if self.reversed { -1 } else { 1 }, timestep)
     }
@@ -182,7 +182,7 @@ impl Player {
     }
 }
 
-/// Display of several records of a trajectory in one picture.
+/// Display of several records of a trajectory in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Burst {
     pub on: bool,
@@ -242,7 +242,7 @@ impl Burst {
         let slowest = 0.85_f64.powf(sampling.interval / 0.01);
         let gamma = slowest + Self::fraction(self.gamma) * (1.0 - slowest);
         if self.doppler {
-            // From one half next to the present record to one at the ends of the trajectory.
+            // From one half next to the current record to one at the ends of the trajectory.
             let (ahead, whole) =
                 if record < present { (false, present + 1) } else { (true, sampling.count.saturating_sub(present)) };
             let beta = ((distance + 1.0) / whole.max(1) as f64 / 2.0 + 0.5).min(1.0) as f32;

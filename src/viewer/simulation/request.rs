@@ -3,7 +3,7 @@
 use super::{Burst, MAX_FACTOR, MIN_FACTOR, Player, Simulation};
 use crate::viewer::link::{Event, Mode, PlaybackRequest, Request, SimulationRequest};
 
-/// Most steps of a single request.
+/// Maximum number of steps of a single request.
 const MAX_STEPS: u32 = 10_000;
 
 impl Simulation {
@@ -15,7 +15,7 @@ impl Simulation {
         }
         // A pull acts during a step. The playback of records applies no forces.
         if request.moves_perturbation() && !self.paused && self.mode != Mode::Trajectory {
-            self.owes_step |= self.endpoint.is_perturbing();
+            self.step_pending |= self.endpoint.is_perturbing();
         }
         match request {
             Request::Pause(paused) => self.pause(paused),
@@ -80,10 +80,10 @@ impl Simulation {
             }
             self.problem.clear();
         } else if !self.paused && self.mode != Mode::Trajectory {
-            // A step leaves quantities of the state before it; the paused picture must show the present state.
+            // After a step, derived quantities refer to the state before it. A paused window must show the current state.
             self.stale = true;
         }
-        self.owes_step = !paused && (self.paused || self.owes_step);
+        self.step_pending = !paused && (self.paused || self.step_pending);
         self.paused = paused;
     }
 
@@ -146,7 +146,7 @@ impl Simulation {
         }
     }
 
-    /// Modifies the player in the trajectory mode, and shows the present record.
+    /// Modifies the player in the trajectory mode, and shows the current record.
     fn with_player(&mut self, change: impl FnOnce(&mut Player)) {
         if let Some(player) = self.player.as_mut().filter(|_| self.mode == Mode::Trajectory) {
             change(player);

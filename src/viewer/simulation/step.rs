@@ -30,9 +30,9 @@ impl StepTiming {
     /// Writes the lines of the controller mode in the info panel.
     pub fn describe(self, timestep: f64, lines: &mut Vec<InfoLine>) {
         let mut lines = InfoLines::new(lines);
-        let whole = self.controller + self.step;
-        if whole > 0.0 {
-            lines.push("Realtime Factor", format_args!("{:.2}x", timestep / whole));
+        let total = self.controller + self.step;
+        if total > 0.0 {
+            lines.push("Realtime Factor", format_args!("{:.2}x", timestep / total));
             lines.push("Controller Time", format_args!("{:.3} ms", 1e3 * self.controller));
             lines.push("Step Time", format_args!("{:.3} ms", 1e3 * self.step));
         } else {
@@ -50,7 +50,7 @@ impl Simulation {
         if self.mode == Mode::Trajectory {
             let player = self.player.as_mut().expect("Bug: trajectory mode without a player");
             let duration = player.play(timestep);
-            self.owes_step = false;
+            self.step_pending = false;
             self.show_record();
             return (!self.paused).then_some(duration);
         }
@@ -69,7 +69,7 @@ impl Simulation {
                     self.endpoint.adopt(&self.data);
                     self.history = History::new(self.data.model());
                 }
-                (self.unpublished, self.owes_step) = (true, false);
+                (self.unpublished, self.step_pending) = (true, false);
                 Some(timestep)
             }
             Err(problem) => {
@@ -88,7 +88,7 @@ impl Simulation {
                 return;
             }
         }
-        // The last step leaves quantities of the state before it.
+        // After a step, derived quantities refer to the state before it.
         self.stale = true;
     }
 

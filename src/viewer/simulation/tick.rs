@@ -8,7 +8,7 @@ use crate::data::Data;
 use crate::scene::{Scene, SceneOptions};
 use crate::viewer::link::{Mode, Request, Snapshot};
 
-/// Least time between two snapshots.
+/// Minimum time between two snapshots.
 const SNAPSHOT_INTERVAL: Duration = Duration::from_millis(8);
 
 impl Simulation {
@@ -25,12 +25,12 @@ impl Simulation {
     /// Executes the queued requests, takes the steps that are due and publishes a snapshot if anything has changed. Returns the time
     /// of the next tick, or `None` if there is nothing to do until the next request. `now` is any monotonic clock.
     ///
-    /// Each request of a batch takes effect before the next request is executed, as if they arrived in separate ticks. A gesture that
+    /// Each request of a batch takes effect before the next request is executed, as if each had a separate tick. A gesture that
     /// starts and ends while the thread is busy is therefore not lost.
     pub fn tick(&mut self, now: &dyn Fn() -> Duration) -> Option<Duration> {
         let mut requested = false;
         while let Some(request) = self.endpoint.link.next() {
-            self.take_owed_step(&request, now);
+            self.take_pending_step(&request, now);
             self.execute(request);
             if self.paused {
                 self.drag();
@@ -42,9 +42,9 @@ impl Simulation {
         if self.paused { self.tick_paused(now) } else { self.tick_running(requested, now) }
     }
 
-    /// Takes an owed step if the next request ends the run or the pull to which the step belongs, even if no step is due yet.
-    fn take_owed_step(&mut self, next: &Request, now: &dyn Fn() -> Duration) {
-        if !self.owes_step || self.paused || !(next.pauses() || next.ends_perturbation()) {
+    /// Takes the pending step if the next request ends the run or the pull that requires it, even if no step is due yet.
+    fn take_pending_step(&mut self, next: &Request, now: &dyn Fn() -> Duration) {
+        if !self.step_pending || self.paused || !(next.pauses() || next.ends_perturbation()) {
             return;
         }
         if let Some(simulated) = self.step() {
@@ -106,7 +106,7 @@ impl Simulation {
         let Self { data, endpoint, player, modes, history, timing, problem, lines, paused, .. } = self;
         let moves = !*paused && mode != Mode::Trajectory;
         if moves {
-            // For the arrow of the force in the scene. The next step applies the perturbation again and reports errors.
+            // The scene shows an arrow for this force. The next step applies the perturbation again and reports errors.
             let _ = endpoint.apply_perturbation(data);
         }
         let model = data.model().clone();
@@ -135,7 +135,7 @@ impl Simulation {
         endpoint.remove_perturbation(data);
         (self.unpublished, self.published) = (false, now);
         if let Err(error) = published {
-            // The same error is likely in every snapshot. It is reported once.
+            // The error is likely to recur in every snapshot. It is reported once.
             let problem = error.to_string();
             if self.problem != problem {
                 self.fail(problem);

@@ -74,7 +74,7 @@ fn requests_are_executed_on_the_programs_simulation() {
 }
 
 #[test]
-fn program_learns_of_a_pause() {
+fn program_can_read_and_end_a_pause() {
     let (mut window, mut handle, mut data) = squatting();
     assert!(!handle.is_paused());
     window.send(Request::TogglePause);

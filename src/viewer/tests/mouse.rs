@@ -220,7 +220,7 @@ fn camera_looks_at_a_point_and_tracks_a_body() {
 }
 
 #[test]
-fn drags_reach_the_camera_and_the_wheel_zooms_out() {
+fn drags_move_the_camera_and_the_wheel_zooms_out() {
     let mut bench = looking_at_the_torso();
     let before = bench.view.camera;
     perform(&mut bench, Gesture::Camera(MouseAction::RotateH, [0.1, 0.0]));
@@ -233,7 +233,7 @@ fn drags_reach_the_camera_and_the_wheel_zooms_out() {
 }
 
 #[test]
-fn picture_follows_the_mouse_without_the_physics() {
+fn viewpoint_follows_the_mouse_without_the_physics() {
     let mut bench = looking_at_the_torso();
     bench.view.camera.azimuth += 30.0;
     let (snapshot, _) = bench.window.latest().unwrap();

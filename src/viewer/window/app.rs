@@ -13,7 +13,8 @@ use winit::window::WindowId;
 use super::event_loop::{Wake, WindowToken};
 use super::session::Session;
 
-/// A shorter wait for events found them in the queue. The limit is not zero, because the thread may be preempted during the wait.
+/// After a shorter wait, the events were already in the queue. The limit is not zero, because the thread may be preempted during the
+/// wait.
 const MIN_WAIT: Duration = Duration::from_millis(20);
 
 /// All windows of the process. A window is drawn when something in it has changed; otherwise the thread sleeps.
@@ -116,8 +117,8 @@ static WINDOWS: AtomicUsize = AtomicUsize::new(0);
 static PROXY: Mutex<Option<EventLoopProxy<Wake>>> = Mutex::new(None);
 static ONCE: Once = Once::new();
 
-/// Guard during whose lifetime Ctrl-C closes the windows, so that a running recording is finished and the program continues. Without
-/// windows, Ctrl-C ends the program as usual.
+/// Guard of an open window. While a guard exists, Ctrl-C closes the windows, so that a running recording is finished and the program
+/// continues. Without windows, Ctrl-C ends the program as usual.
 pub(super) struct InterruptGuard(());
 
 impl InterruptGuard {

@@ -1,8 +1,8 @@
 //! The event loop of the process, and messages to its thread.
 //!
-//! The windowing library allows a process to create a single event loop. It is therefore kept for the next window after a window is
-//! closed: in the thread that opened the first window ([`run_on_this_thread`]), or in a background thread ([`window_thread`]) that
-//! lives as long as the process.
+//! The windowing library allows a process to create a single event loop. After a window is closed, the loop is therefore kept for the
+//! next window: in the thread that opened the first window ([`run_on_this_thread`]), or in a background thread ([`window_thread`])
+//! that lives as long as the process.
 
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -47,8 +47,8 @@ pub(super) enum EventLoopAccess {
     WindowThread(EventLoopProxy<Wake>),
 }
 
-/// Returns the event loop for a window of the calling thread: that of the background thread if it was started, else that of the calling
-/// thread.
+/// Returns the event loop for a window of the calling thread: the loop of the background thread if it was started, else the loop of
+/// the calling thread.
 pub(super) fn acquire() -> Result<EventLoopAccess, ViewerError> {
     let mut owner = owner();
     match &*owner {

@@ -23,7 +23,7 @@ const DEFAULT_COLUMNS: usize = 80;
 const PIXELS_PER_NOTCH: f64 = 50.0;
 
 impl Session {
-    /// Dispatches an input event to the panels and to the picture.
+    /// Dispatches an input event to the panels and to the scene.
     pub(super) fn handle_input(&mut self, event: &WindowEvent) {
         if self.overlay.needs_pass_before(event) {
             self.run_panels();
@@ -121,7 +121,7 @@ impl Session {
     fn act_on_window(&mut self, action: WindowAction) {
         match action {
             WindowAction::Quit => self.close(),
-            // The pictures of a recording have the same size.
+            // All frames of a recording have the same size.
             WindowAction::Resize(_) | WindowAction::DefaultSize | WindowAction::FullScreen
                 if self.output.is_recording() =>
             {
@@ -181,12 +181,12 @@ impl Session {
     fn change_button(&mut self, state: ElementState, button: WinitButton) {
         let Some(button) = translate_button(button) else { return };
         let gesture = if state == ElementState::Released {
-            self.picture_pressed = false;
+            self.scene_pressed = false;
             self.mouse.release(button)
         } else if self.overlay.is_over(self.pointer) {
             return;
         } else {
-            self.picture_pressed = true;
+            self.scene_pressed = true;
             self.overlay.stop_editing();
             let selected = self.link.current().is_some_and(|snapshot| self.predicted.may_be_selected(snapshot));
             self.mouse.press(button, modifiers(self.modifiers), self.event_time(), selected)
@@ -194,21 +194,21 @@ impl Session {
         self.perform(gesture);
     }
 
-    /// Handles a motion of the pointer. Returns `true` if the picture or a panel may have changed.
+    /// Handles a motion of the pointer. Returns `true` if the scene or a panel may have changed.
     fn move_pointer(&mut self, position: [f64; 2]) -> bool {
         let was_over = self.overlay.is_over(self.pointer);
         self.pointer = position;
         let gesture = self.mouse.moved(position, modifiers(self.modifiers));
         let moves = gesture != Gesture::None;
         self.perform(gesture);
-        moves || was_over || (!self.picture_pressed && self.overlay.is_over(position))
+        moves || was_over || (!self.scene_pressed && self.overlay.is_over(position))
     }
 
     /// Releases the held button after the window has lost the focus, because the release event will not arrive.
     fn release_all(&mut self) {
         let gesture = self.mouse.leave();
         self.perform(gesture);
-        self.picture_pressed = false;
+        self.scene_pressed = false;
     }
 
     fn perform(&mut self, gesture: Gesture) {
@@ -216,7 +216,7 @@ impl Session {
         match gesture {
             Gesture::None => {}
             Gesture::Camera(action, motion) => {
-                // A camera at the limits of finite numbers stays where it is.
+                // A camera that would leave the range of finite numbers is not moved.
                 if let Err(error) = view.move_camera(action, motion, snapshot) {
                     log::debug!("{error}");
                 }

@@ -72,7 +72,7 @@ impl WindowRequest {
         let waker = Waker::new(proxy.clone(), token);
         let wake = waker.clone();
         let (window, physics) = link(move || wake.wake());
-        // For the plot of computing times.
+        // The plot of computing times requires the timers.
         enable_timers();
         let (sender, receiver) = mpsc::channel();
         let opening = Opening { waker, link: window, options, result: sender };

@@ -48,7 +48,7 @@ impl Output {
         self.recording.as_ref().map(Recording::frames)
     }
 
-    /// Starts a recording with pictures of this size. Returns the path of the file.
+    /// Starts a recording with frames of this size. Returns the path of the file.
     fn start(&mut self, size: [u32; 2]) -> Result<PathBuf> {
         let recorder = match &self.recordings {
             Some(path) => Recorder::create(free_path(path), self.options.clone())?,
@@ -94,7 +94,7 @@ impl Output {
         report
     }
 
-    /// Records a snapshot if a recording runs and a picture is due. An error ends the recording and is returned as a message.
+    /// Records a snapshot if a recording runs and a frame is due. An error ends the recording and is returned as a message.
     fn record(&mut self, renderer: &mut SceneRenderer, gpu: &Gpu, snapshot: &Snapshot) -> Option<String> {
         if let Some(recording) = &mut self.recording
             && let Err(error) = recording.add(snapshot.time, |size| renderer.picture(gpu, snapshot, size))
@@ -171,16 +171,16 @@ impl Session {
     }
 }
 
-/// Running recording. Its duration is the simulated time, independent of the frame rate of the window: each picture is repeated until
-/// the next.
+/// Running recording. Its duration is the simulated time, independent of the frame rate of the window: each image is repeated until
+/// the next image.
 struct Recording {
     recorder: Recorder,
-    /// Size of all pictures, even if the window is resized.
+    /// Size of all frames, even if the window is resized.
     size: [u32; 2],
 }
 
 impl Recording {
-    /// Creates a recording with pictures of this size.
+    /// Creates a recording with frames of this size.
     fn new(recorder: Recorder, size: [u32; 2]) -> Self {
         // Video formats require even sizes.
         Self { recorder, size: size.map(|pixels| (pixels & !1).max(2)) }
@@ -191,7 +191,7 @@ impl Recording {
         self.recorder.frames()
     }
 
-    /// Adds the picture of a simulation time, in s, if it is due.
+    /// Adds an image of the state at a simulation time, in s, if a frame is due.
     fn add<'a>(
         &mut self,
         time: f64,
@@ -204,7 +204,7 @@ impl Recording {
         Ok(())
     }
 
-    /// Finishes the recording, which lasts until this simulation time if it is known. Returns `None` if there is no picture.
+    /// Finishes the recording, which lasts until this simulation time if it is known. Returns `None` if the recording has no frame.
     fn finish(self, time: Option<f64>) -> Result<Option<Summary>> {
         if self.recorder.frames() == 0 {
             return Ok(None);
@@ -243,7 +243,7 @@ mod tests {
         Recording::new(Recorder::create(path, options).unwrap(), [7, 5])
     }
 
-    /// Returns the display times of the pictures of a file, in hundredths of a second.
+    /// Returns the display times of the frames of a file, in hundredths of a second.
     fn delays(path: &Path) -> Vec<u16> {
         let mut decoder = gif::Decoder::new(File::open(path).unwrap()).unwrap();
         let mut delays = Vec::new();
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn recording_without_pictures_leaves_no_file() {
+    fn recording_without_frames_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("clip.gif");
         let mut recording = start(&path);

@@ -1,4 +1,4 @@
-//! Layer of the panels: the egui context, its input, and the render pass that draws the panels over the picture.
+//! Layer of the panels: the egui context, its input, and the render pass that draws the panels over the scene.
 
 use std::time::Duration;
 
@@ -38,7 +38,7 @@ pub(super) struct Overlay {
     context: Context,
     input: State,
     painter: Renderer,
-    /// Changes of textures since the panels were last panels.
+    /// Texture updates since the panels were last painted.
     textures: egui::TexturesDelta,
     pending: PendingPointerEvents,
     /// System clipboard, opened on first use. `None` if the system has none.
@@ -88,7 +88,7 @@ impl Overlay {
     }
 
     /// Returns `true` if the panels need a pass before the next event. A pass uses only the last position of the pointer and the last
-    /// state of a button. With a press and a motion in one pass, a drag on a panel would be lost, and a drag from the picture to a
+    /// state of a button. With a press and a motion in one pass, a drag on a panel would be lost, and a drag from the scene to a
     /// slider would start on the slider. A pass also determines if a click has started to edit a text, which receives the next key.
     pub fn needs_pass_before(&self, event: &WindowEvent) -> bool {
         match self.pending {
@@ -155,7 +155,7 @@ impl Overlay {
         PanelOutput { triangles, pixels_per_point: output.pixels_per_point, repaint_delay }
     }
 
-    /// Draws the output of a pass over the picture.
+    /// Draws the output of a pass over the scene.
     pub fn paint(&mut self, gpu: &Gpu, target: &wgpu::TextureView, size: [u32; 2], panels: &PanelOutput) {
         let (device, queue) = (gpu.device(), gpu.queue());
         for (id, deltas) in std::mem::take(&mut self.textures.set) {

@@ -11,7 +11,7 @@ const IDLE_TIME: f64 = 0.5;
 /// Scheduler of the frames of a window.
 #[derive(Debug)]
 pub(super) struct FrameScheduler {
-    /// Least time between two frames.
+    /// Minimum time between two frames.
     interval: Duration,
     last: Option<Instant>,
     /// Time of the next frame, if one was requested.

@@ -47,8 +47,8 @@ pub(super) struct Session {
     pub modifiers: ModifiersState,
     /// Position of the pointer, in pixels from the upper left corner.
     pub pointer: [f64; 2],
-    /// A button was pressed over the picture. Until its release, the panels ignore the pointer.
-    pub picture_pressed: bool,
+    /// A button was pressed over the scene. Until its release, the panels ignore the pointer.
+    pub scene_pressed: bool,
     pub predicted: PredictedState,
     pub opened: Instant,
     /// Start of the last frame, if the events that are processed now may have arrived while it was drawn.
@@ -110,7 +110,7 @@ impl Session {
             mouse,
             modifiers: ModifiersState::empty(),
             pointer: [0.0; 2],
-            picture_pressed: false,
+            scene_pressed: false,
             predicted: PredictedState::default(),
             opened: now,
             frame_start: None,
@@ -142,7 +142,7 @@ impl Session {
             log::error!("{problem}");
         }
         self.link.close();
-        // The destruction of the window is sent to the server with the next request only, which may never come.
+        // The destruction of the window reaches the server only with the next request, which may never be sent.
         self.window.set_visible(false);
         self.closed = true;
     }

@@ -17,7 +17,7 @@ pub(super) struct WindowSurface {
     surface: wgpu::Surface<'static>,
     gpu: Gpu,
     configuration: wgpu::SurfaceConfiguration,
-    /// The surface has the present configuration.
+    /// The surface has the current configuration.
     configured: bool,
 }
 
@@ -53,7 +53,7 @@ impl WindowSurface {
         [self.configuration.width, self.configuration.height]
     }
 
-    /// Adopts the present size of the window.
+    /// Adopts the current size of the window.
     pub fn resize(&mut self) {
         let size = self.window.inner_size();
         let max = self.gpu.limits().max_texture_dimension_2d;
@@ -98,7 +98,7 @@ impl WindowSurface {
             }
             match self.surface.get_current_texture() {
                 Acquired::Success(texture) => return Ok(SurfaceFrame::Ready(texture)),
-                // This frame is drawn nevertheless; the surface is reconfigured for the next frame.
+                // This frame is still drawn; the surface is reconfigured for the next frame.
                 Acquired::Suboptimal(texture) => {
                     self.configured = false;
                     return Ok(SurfaceFrame::Ready(texture));
@@ -130,7 +130,7 @@ fn present_mode(vsync: bool) -> wgpu::PresentMode {
     if vsync { wgpu::PresentMode::AutoVsync } else { wgpu::PresentMode::AutoNoVsync }
 }
 
-/// Renderer of the present model.
+/// Renderer of the current model.
 #[derive(Default)]
 pub(super) struct SceneRenderer {
     /// Generation of the model, and its renderer.
@@ -199,9 +199,9 @@ impl SceneRenderer {
         gpu.queue().submit([encoder.finish()]);
     }
 
-    /// Renders a snapshot without the panels to a picture.
+    /// Renders a snapshot without the panels to an image.
     pub fn picture(&mut self, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<&Picture, RenderError> {
-        // Reuses the memory of the last picture.
+        // Reuses the memory of the last image.
         let mut picture = std::mem::take(&mut self.picture);
         let renderer = self.renderer(gpu, snapshot, size)?;
         if renderer.size() != size {
