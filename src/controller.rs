@@ -1,7 +1,7 @@
 //! The [`Controller`] trait, and controllers that need no solver.
 //!
-//! A controller sets `ctrl` before each step. Rollouts, recordings, the viewer and the trajectory optimiser all take one.
-//! Regulators that solve for a gain are in [`control`](crate::control).
+//! A controller sets `ctrl` before each step. Rollouts, recordings, the viewer and the trajectory optimiser all accept a
+//! controller. Regulators that solve for a gain are in [`control`](crate::control).
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -32,7 +32,7 @@ pub trait Controller {
     ///
     /// # Errors
     ///
-    /// Any error of the controller. The caller then does not step.
+    /// Any error of the controller. The caller then does not take the step.
     fn control(&mut self, data: &mut Data) -> Result<()>;
 }
 
@@ -79,8 +79,8 @@ impl Controller for ZeroController {
     }
 }
 
-/// Controller that draws each control from a uniform distribution: over the control's range if it is limited, else over ±1.
-/// The same seed gives the same numbers on every machine.
+/// Controller that draws each control from a uniform distribution: over the control's range if it is limited, else over ±1. The
+/// same seed yields the same controls on every machine.
 ///
 /// ```
 /// use mujoco_safe::{Controller, Data, RandomController, sample};
@@ -152,7 +152,7 @@ impl PdController {
     ///
     /// # Panics
     ///
-    /// If the actuator belongs to another model than the one that the controller was created for.
+    /// If the actuator does not belong to the model that the controller was created for.
     pub fn set_target(&mut self, actuator: impl Into<ActuatorId>, length: f64) {
         let actuator = actuator.into();
         assert!(actuator.lineage() == self.lineage, "{actuator:?} belongs to another model than this controller");

@@ -1,6 +1,7 @@
 //! Stages and parts of the engine's pipeline, and the record of the parts whose results are valid.
 //!
-//! Below [`error`](crate::error), because [`Error::NotComputed`](crate::Error::NotComputed) names the results that are missing.
+//! This module does not depend on [`error`](crate::error), because [`Error::NotComputed`](crate::Error::NotComputed) names the
+//! missing results with these types.
 
 use std::fmt;
 
@@ -11,7 +12,7 @@ use bitflags::bitflags;
 /// results after they write the next state.
 ///
 /// A call that needs a later stage returns [`Error::NotComputed`](crate::Error::NotComputed). Without this check the engine would
-/// interpret arrays with the wrong layout, or return numbers of an earlier state.
+/// interpret arrays with the wrong layout, or return values of an earlier state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[doc(alias = "mjtStage")]
 pub enum Stage {
@@ -155,13 +156,13 @@ impl PipelineFlags {
     /// Parts that depend on the constraints only in a model with an adhesion actuator.
     const TRANSMISSION_AND_DEPENDENTS: Self = Self::TRANSMISSION.union(Self::TRANSMISSION.dependents());
 
-    /// Returns the parts that are valid after `gives` has been recomputed.
-    pub(crate) const fn after(self, gives: Self, adhesion: bool) -> Self {
-        let mut stale = gives.dependents();
-        if adhesion && gives.union(stale).intersects(Self::CONSTRAINT) {
+    /// Returns the parts that are valid after `results` has been recomputed.
+    pub(crate) const fn after(self, results: Self, adhesion: bool) -> Self {
+        let mut stale = results.dependents();
+        if adhesion && results.union(stale).intersects(Self::CONSTRAINT) {
             stale = stale.union(Self::TRANSMISSION_AND_DEPENDENTS);
         }
-        self.difference(stale).union(gives)
+        self.difference(stale).union(results)
     }
 
     /// Returns the sensor stages that are valid after forward or inverse dynamics with the stages up to `skip` left out.
@@ -196,7 +197,7 @@ impl From<Stage> for PipelineFlags {
     }
 }
 
-/// Results that a call needs: those of a whole [`Stage`], or of some parts of the pipeline. An argument of
+/// Results that a call needs: those of a [`Stage`], or of some parts of the pipeline. An argument of
 /// [`Data::require`](crate::Data::require), and a field of [`Error::NotComputed`](crate::Error::NotComputed).
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct MissingResults(Missing);

@@ -25,11 +25,11 @@
 //!
 //! # Safety and cost
 //!
-//! In the engine a callback is one function pointer for the whole process. Here a callback is a closure for one simulation in one
-//! scope ([`Data::with_callbacks`]): it is not called for other simulations, clones, or the compilation of models, in this thread
-//! or another. A closure reads the simulation during the step, so results that are not computed yet are
-//! [`Error::NotComputed`](crate::Error::NotComputed), and it can change only fields that the engine reads afterwards. If it panics,
-//! the call that ran it returns [`Error::Callback`](crate::Error::Callback), and the simulation must be reset.
+//! In the engine, each callback is one function pointer for the process. In this crate, a callback is a closure for one
+//! simulation in one scope ([`Data::with_callbacks`]): it is not called for other simulations, clones, or the compilation of
+//! models, in this thread or another. A closure reads the simulation during the step, so access to results that are not computed
+//! yet returns [`Error::NotComputed`](crate::Error::NotComputed). It can change only fields that the engine reads afterwards. If
+//! a closure panics, the call that ran it returns [`Error::Callback`](crate::Error::Callback), and the simulation must be reset.
 //!
 //! The function pointer of a kind of callback is installed at its first use in the process. Before that, a step has no additional
 //! cost. Afterwards, each step of a simulation without callbacks spends a few nanoseconds in a function that returns at once.
@@ -86,17 +86,18 @@ impl<'c> Callbacks<'c> {
         Self::default()
     }
 
-    /// Sets controls and applied forces during a step, from the results of the position and velocity stages, readings of
-    /// their sensors included. The Runge–Kutta integrator calls the closure in each of its four substeps, with the readings of the
-    /// first; [`Data::transition_fd`] calls it at each perturbed state, so that a feedback law is part of the linearisation. Controls
-    /// that are NaN or beyond ±10¹⁰ are [`Error::Unstable`](crate::Error::Unstable) of the step, and poison the data.
+    /// Sets controls and applied forces during a step, from the results of the position and velocity stages, including their
+    /// sensor readings. The Runge–Kutta integrator calls the closure in each of its four substeps, with the sensor readings of
+    /// the first substep; [`Data::transition_fd`] calls it at each perturbed state, so that a feedback law is part of the
+    /// linearisation. If a control is NaN or beyond ±10¹⁰, the call returns [`Error::Unstable`](crate::Error::Unstable) and the
+    /// data is poisoned.
     #[doc(alias = "mjcb_control")]
     pub fn control(mut self, control: impl FnMut(&mut ControlMoment<'_>) + Send + 'c) -> Self {
         self.control = Some(Box::new(control));
         self
     }
 
-    /// Adds to the passive forces, which are those of springs, dampers and the medium.
+    /// Adds to the engine's passive forces of springs, dampers and the medium.
     #[doc(alias = "mjcb_passive")]
     pub fn passive(mut self, passive: impl FnMut(&mut PassiveMoment<'_>) + Send + 'c) -> Self {
         self.passive = Some(Box::new(passive));
@@ -131,9 +132,9 @@ impl<'c> Callbacks<'c> {
         self
     }
 
-    /// Selects the pairs of geoms that may collide. The last argument is the result of the engine's rule (masks, and no collisions
-    /// within a body or between parent and child), which the returned value replaces. The closure is not called for pairs that the
-    /// model lists explicitly, nor for pairs that the broad phase excludes.
+    /// Selects the pairs of geoms that may collide. The last argument of the closure is the result of the engine's rule (masks,
+    /// and no collisions within a body or between parent and child). The return value replaces it. The closure is not called for
+    /// pairs that the model lists explicitly, nor for pairs that the broad phase excludes.
     ///
     /// ```
     /// use mujoco_safe::{Callbacks, Data, sample};
@@ -159,8 +160,8 @@ impl<'c> Callbacks<'c> {
         self
     }
 
-    /// Computes the gain of an actuator whose `gaintype` is `user`: the force for each unit of control or activation. The default
-    /// is 1.
+    /// Computes the gain of an actuator whose `gaintype` is `user`: the force per unit of control or activation. The default is
+    /// 1.
     #[doc(alias = "mjcb_act_gain")]
     pub fn actuator_gain(mut self, gain: impl FnMut(&Data, ActuatorId) -> f64 + Send + 'c) -> Self {
         self.actuator_gain = Some(Box::new(gain));
@@ -176,9 +177,9 @@ impl<'c> Callbacks<'c> {
 }
 
 impl Data {
-    /// Runs `run` with these closures active. Every call in it that computes results of this simulation, in any thread, calls
-    /// them at the points that [`callback`](crate::callback) describes. Clones do not have them. A nested scope has only its own
-    /// closures.
+    /// Runs `run` with these closures active. Within `run`, every call that computes results of this simulation, in any thread,
+    /// calls the closures at the points that [`callback`](crate::callback) lists. Clones of the simulation do not call them. A
+    /// nested scope uses only its own closures.
     ///
     /// ```
     /// use mujoco_safe::{Callbacks, Data, sample};

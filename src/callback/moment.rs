@@ -85,12 +85,12 @@ impl SensorMoment<'_> {
         self.data.stage()
     }
 
-    /// Returns the reading of a sensor for writing. For an id the slice itself, for a name or an index a
+    /// Returns the reading of a sensor for writing. An id yields the slice itself; a name or an index yields a
     /// [`Result`](crate::Result).
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     pub fn data_mut<Q: Key<kind::Sensor>>(&mut self, sensor: Q) -> Q::Found<&mut [f64]> {
         let id = sensor.id(self.data.model().as_ref());
         Q::found(id, |id| {

@@ -12,12 +12,12 @@ use crate::error::{Error, Result, catch_panic};
 use crate::ffi;
 use crate::id::Id;
 
-/// Engine call of this thread on a simulation with callbacks.
+/// Engine call in progress in this thread, on a simulation with callbacks.
 struct ActiveCall {
     data: *mut Data,
     raw: *const mjData,
     /// Results that the call computes.
-    reaches: PipelineFlags,
+    results: PipelineFlags,
     callbacks: *mut Callbacks<'static>,
     /// Error of the closure that ended the call.
     failure: RefCell<Option<Error>>,
@@ -41,12 +41,12 @@ impl EngineCallbacks for Callbacks<'_> {
         &mut self,
         data: *mut Data,
         raw: *const mjData,
-        reaches: PipelineFlags,
+        results: PipelineFlags,
         call: &mut dyn FnMut() -> c_int,
     ) -> (c_int, Option<Error>) {
         // The pointer is used only until this returns, so the lifetime of the borrows does not matter.
         let callbacks = ptr::from_mut(self).cast::<Callbacks<'static>>();
-        let active = ActiveCall { data, raw, reaches, callbacks, failure: RefCell::new(None) };
+        let active = ActiveCall { data, raw, results, callbacks, failure: RefCell::new(None) };
         let status = {
             let _restore = RestoreOuter(ACTIVE.replace(&raw const active));
             call()
@@ -100,7 +100,7 @@ unsafe extern "C" fn handler(
     let value = unsafe { &mut *value };
     let request = Request { kind, first: ffi::size(first), second: ffi::size(second) };
     let result = catch_panic(|| {
-        data.set_computed(request.valid_results() & active.reaches);
+        data.set_computed(request.valid_results() & active.results);
         request.call_closure(callbacks, data, value)
     });
     let failure = match result {
@@ -112,7 +112,7 @@ unsafe extern "C" fn handler(
     1
 }
 
-/// Call from the engine.
+/// Callback request of the engine.
 struct Request {
     kind: c_int,
     /// Stage, geom or actuator.

@@ -17,7 +17,7 @@ impl Feedback {
         Self { deviation: vec![0.0; nx] }
     }
 
-    /// Computes the deviation of a simulation from a set-point, which is at rest without `qvel0`.
+    /// Computes the deviation of a simulation from a set-point. Without `qvel0` the set-point is at rest.
     #[inline]
     pub(super) fn measure(&mut self, data: &Data, qpos0: &[f64], qvel0: Option<&[f64]>, act0: &[f64]) -> Result<()> {
         let model = data.model();
@@ -53,7 +53,7 @@ impl Feedback {
     }
 }
 
-/// Returns the range of a control, which is infinite unless it is limited.
+/// Returns the range of a control, which is infinite for an unlimited control.
 pub(super) fn control_range(model: &Model, index: usize) -> [f64; 2] {
     if model.actuator_ctrllimited()[index] == 0 {
         [f64::NEG_INFINITY, f64::INFINITY]
@@ -68,7 +68,7 @@ pub(super) fn clamp(data: &mut Data) {
     for index in 0..data.model().nu() {
         let [low, high] = control_range(data.model(), index);
         let ctrl = &mut data.ctrl_mut()[index];
-        // Not `f64::clamp`, which panics if an edited range has its ends in the wrong order. NaN stays NaN, which the engine
+        // Not `f64::clamp`, which panics if the ends of an edited range are in the wrong order. NaN stays NaN, which the engine
         // reports.
         if *ctrl < low {
             *ctrl = low;
@@ -78,8 +78,8 @@ pub(super) fn clamp(data: &mut Data) {
     }
 }
 
-/// Returns the scalar products of two vectors with a third. Each has four partial sums, which the compiler keeps in vector
-/// registers, and both are computed together, which loads the third vector once.
+/// Returns the scalar products of two vectors with a third. Each product has four partial sums, which the compiler keeps in
+/// vector registers. Both products are computed in one loop, so the third vector is loaded once.
 #[inline]
 fn dots([a, b]: [&[f64]; 2], x: &[f64]) -> [f64; 2] {
     let ((a, a_rest), (b, b_rest), (x, x_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>(), x.as_chunks::<4>());

@@ -22,7 +22,7 @@ pub struct LqrWeights {
 }
 
 impl LqrWeights {
-    /// Creates diagonal weights: one number for each state, `[dq; dv; da]`, and one for each control.
+    /// Creates diagonal weights: one weight per state, `[dq; dv; da]`, and one per control.
     pub fn diagonal(state: &[f64], control: &[f64]) -> Self {
         let diagonal = |values: &[f64]| DMatrix::from_diagonal(&DVector::from_column_slice(values));
         Self { q: diagonal(state), r: diagonal(control), s: None }
@@ -63,7 +63,7 @@ pub struct Lqr {
 }
 
 impl Lqr {
-    /// Step of central differences that suits a regulator whose system is computed by [`Data::transition_fd`].
+    /// Recommended step of central differences if [`Data::transition_fd`] computes the system of a regulator.
     pub const EPS: f64 = 1e-6;
 
     /// Linearises about the present state and controls, which become the set-point, and solves for the gain.
@@ -73,7 +73,8 @@ impl Lqr {
     ///
     /// # Errors
     ///
-    /// Those of [`Lineariser::linear_system_into`], and [`Error::Solver`] with a [`RiccatiError`] if there is no stabilising gain.
+    /// The errors of [`Lineariser::linear_system_into`], and [`Error::Solver`] with a [`RiccatiError`] if there is no stabilising
+    /// gain.
     pub fn at_present_state(data: &mut Data, weights: &LqrWeights) -> Result<Self> {
         let mut system = StateSpace::zeros(data.model());
         // The regulator does not use the sensors.

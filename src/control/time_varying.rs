@@ -18,7 +18,7 @@ use crate::matrix::Matrix;
 /// `states[k]`, as in [`Lqr`](super::Lqr). The time of the simulation determines the step: the table starts at
 /// [`start`](Self::start), and each row lasts for a time step of the model. Before the start, the first row applies. After the
 /// end, the last state is the set-point, with the gain and the controls of the last step. If the trajectory ends at rest, this
-/// holds the simulation there for a while; an [`Lqr`](super::Lqr) holds it for longer.
+/// holds the simulation there for a while; use an [`Lqr`](super::Lqr) to hold it for longer.
 ///
 /// [`control`](Controller::control) allocates nothing, and clones share the table.
 ///
@@ -71,13 +71,13 @@ impl TimeVaryingLqr {
     /// `controls` `(N, nu)`.
     ///
     /// The lineariser linearises each step. The gains minimise the cost of deviations: `weights` in each step, and `terminal`,
-    /// `(nx, nx)` with `nx = 2 nv + na`, at the end. The table starts at the present time of `data`, whose applied forces, mocap
-    /// poses and user data apply along the trajectory; see [`Lineariser::along`].
+    /// `(nx, nx)` with `nx = 2 nv + na`, at the end. The table starts at the present time of `data`. The applied forces, mocap
+    /// poses and user data of `data` apply along the trajectory; see [`Lineariser::along`].
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong shape, [`Error::Solver`] with a [`RiccatiError`] for weights of a wrong shape or without a
-    /// minimum of the cost, and those of [`Lineariser::along`].
+    /// [`Error::Shape`] for a wrong shape, [`Error::Solver`] with a [`RiccatiError`] for weights of a wrong shape or a cost
+    /// without a minimum, and the errors of [`Lineariser::along`].
     pub fn along(
         lineariser: &mut Lineariser,
         data: &Data,
@@ -165,7 +165,7 @@ impl TimeVaryingLqr {
 
     /// Returns the row of [`states`](Self::states) for the present time of a simulation, from 0 to `N`.
     pub fn row(&self, data: &Data) -> usize {
-        // The cast maps negative numbers and NaN to 0.
+        // The cast maps negative values and NaN to 0.
         let row = ((data.time() - self.start) / data.model().timestep()).round() as usize;
         row.min(self.steps())
     }

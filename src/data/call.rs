@@ -5,7 +5,7 @@
 //!
 //! | method | passes | for | after an engine error |
 //! |---|---|---|---|
-//! | [`Data::run`] | `*mut mjData` | parts of the pipeline, which warn, reset and call closures | poisoned |
+//! | [`Data::run`] | `*mut mjData` | parts of the pipeline, which may warn, reset the data and call closures | poisoned |
 //! | [`Data::call_mut`] | `*mut mjData` | every other function that writes to the data or to its stack | poisoned |
 //! | [`Data::call`] | `*const mjData` | functions that only read | unchanged |
 //!
@@ -93,9 +93,9 @@ impl Data {
             None => (call(), None),
             Some(slot) => {
                 // Calls that leave no valid results, such as finite differences, still run the whole pipeline.
-                let reaches = if computes.is_empty() { PipelineFlags::AFTER_FORWARD } else { computes };
+                let results = if computes.is_empty() { PipelineFlags::AFTER_FORWARD } else { computes };
                 // SAFETY: `self` is borrowed exclusively, and not used until `run` returns.
-                unsafe { slot.run(ptr::from_mut(self), data, reaches, &mut call) }
+                unsafe { slot.run(ptr::from_mut(self), data, results, &mut call) }
             }
         };
         let change = counters.restore(self.raw_mut());
@@ -108,7 +108,7 @@ impl Data {
 
     /// Logs the new warnings of a call, or poisons the data if the call failed.
     #[cold]
-    #[allow(clippy::too_many_arguments, reason = "the whole state of a call, in a cold function")]
+    #[allow(clippy::too_many_arguments, reason = "the complete state of a call, in a cold function")]
     fn finish(
         &mut self,
         function: &'static str,
@@ -150,9 +150,9 @@ impl Data {
         run: impl FnOnce(&mut Self) -> R,
     ) -> R {
         /// Empties the slot at the end of the scope, also during unwinding.
-        struct End(Arc<CallbackSlot>);
+        struct ClearOnDrop(Arc<CallbackSlot>);
 
-        impl Drop for End {
+        impl Drop for ClearOnDrop {
             fn drop(&mut self) {
                 // Waits for a call in another thread that is using the callbacks.
                 let callbacks = self.0.lock().take();
@@ -160,28 +160,28 @@ impl Data {
             }
         }
 
-        // SAFETY: only the lifetime changes. `end` takes the callbacks out of the slot before this function returns or unwinds, so
-        // before their borrows end, and they are called only through the slot, under its lock.
+        // SAFETY: only the lifetime changes. `clear` removes the callbacks from the slot before this function returns or unwinds,
+        // so before their borrows end, and they are called only through the slot, under its lock.
         let callbacks = unsafe {
             std::mem::transmute::<Box<dyn EngineCallbacks + '_>, Box<dyn EngineCallbacks + 'static>>(callbacks)
         };
         let outer = CallbackSlot::active(self.callbacks.take());
         let slot = Arc::new(CallbackSlot { callbacks: Mutex::new(Some(callbacks)), outer });
-        let end = End(slot.clone());
+        let clear = ClearOnDrop(slot.clone());
         self.callbacks = Some(slot.clone());
         let result = run(self);
-        // `run` may have replaced this simulation by another one, which has other callbacks.
+        // `run` may have replaced this simulation by another one with other callbacks.
         if self.callbacks.as_ref().is_some_and(|present| Arc::ptr_eq(present, &slot)) {
             self.callbacks.clone_from(&slot.outer);
         }
-        drop(end);
+        drop(clear);
         result
     }
 }
 
 /// Closures that the engine calls during a call on a simulation. Implemented by [`Callbacks`](crate::Callbacks).
 pub(crate) trait EngineCallbacks: Send {
-    /// Makes an engine call with these closures registered for the current thread. `reaches` are the results that the call
+    /// Makes an engine call with these closures registered for the current thread. `results` are the results that the call
     /// computes. Returns the status of the call, and the error if a closure failed.
     ///
     /// # Safety
@@ -192,7 +192,7 @@ pub(crate) trait EngineCallbacks: Send {
         &mut self,
         data: *mut Data,
         raw: *const mjData,
-        reaches: PipelineFlags,
+        results: PipelineFlags,
         call: &mut dyn FnMut() -> c_int,
     ) -> (c_int, Option<Error>);
 }
@@ -228,7 +228,7 @@ impl CallbackSlot {
         &self,
         data: *mut Data,
         raw: *const mjData,
-        reaches: PipelineFlags,
+        results: PipelineFlags,
         call: &mut dyn FnMut() -> c_int,
     ) -> (c_int, Option<Error>) {
         let mut slot = self;
@@ -236,7 +236,7 @@ impl CallbackSlot {
             // The lock keeps the scope from ending during the call.
             if let Some(callbacks) = slot.lock().as_mut() {
                 // SAFETY: the caller's guarantee.
-                return unsafe { callbacks.run(data, raw, reaches, call) };
+                return unsafe { callbacks.run(data, raw, results, call) };
             }
             match &slot.outer {
                 Some(outer) => slot = outer,

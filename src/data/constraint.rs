@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 
 impl Model {
-    /// Returns true if friction cones are pyramids.
+    /// Returns true if friction cones are pyramidal.
     #[doc(alias = "mj_isPyramidal")]
     pub fn is_pyramidal(&self) -> bool {
         // SAFETY: reads the options of a valid model.
@@ -61,8 +61,8 @@ impl Data {
         Ok(())
     }
 
-    /// Computes `result = Jᵀ vector` with the Jacobian J of the constraints: `result` of length nv, `vector` of length nefc. Without
-    /// constraints the result is zero. (The engine would not write to it.)
+    /// Computes `result = Jᵀ vector` with the Jacobian J of the constraints: `result` of length nv, `vector` of length nefc.
+    /// Without constraints the result is zero. (The engine does not write the result in that case.)
     ///
     /// # Errors
     ///

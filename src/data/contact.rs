@@ -72,7 +72,7 @@ impl<'d> Contact<'d> {
     /// Returns the axes of the contact frame as rows, world frame: the normal, which points from the first geom to the second,
     /// and two tangents.
     pub fn frame(&self) -> &'d [[f64; 3]; 3] {
-        self.raw.frame.as_chunks().0.try_into().expect("Bug: nine numbers are not three rows")
+        self.raw.frame.as_chunks().0.try_into().expect("Bug: nine values are not three rows")
     }
 
     /// Returns the unit normal, which points from the first geom to the second, world frame.
@@ -87,7 +87,7 @@ impl<'d> Contact<'d> {
         [self.raw.geom1, self.raw.geom2].map(|geom| Id::new(ffi::size(geom), self.data.model().lineage()))
     }
 
-    /// Returns the friction coefficients: two of sliding, one of spinning, two of rolling.
+    /// Returns the friction coefficients: two sliding, one torsional, two rolling.
     pub fn friction(&self) -> &'d [f64; 5] {
         &self.raw.friction
     }
@@ -164,7 +164,7 @@ pub struct NewContact {
     pub normal: [f64; 3],
     /// Distance below which the contact exerts forces, m.
     pub includemargin: f64,
-    /// Friction coefficients: two of sliding, one of spinning, two of rolling.
+    /// Friction coefficients: two sliding, one torsional, two rolling.
     pub friction: [f64; 5],
     /// Time constant (s) and damping ratio of the constraint, or its negated stiffness and damping.
     pub solref: [f64; 2],
@@ -199,7 +199,7 @@ impl NewContact {
         let (field, value, expected) = if !matches!(self.dim, 1 | 3 | 4 | 6) {
             ("dim", self.dim.to_string(), "1, 3, 4 or 6")
         } else if !finite {
-            ("a number", format!("{self:?}"), "finite")
+            ("a value", format!("{self:?}"), "finite")
         } else if !(length.is_finite() && length > 0.0) {
             ("normal", format!("{:?}", self.normal), "finite and not zero")
         } else if self.friction.iter().any(|&value| value < 0.0) {
@@ -238,7 +238,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If an id is of another model.
+    /// If an id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Data, NewContact, sample};
@@ -267,12 +267,16 @@ impl Data {
         self.check_parts("add_contact", PipelineFlags::COLLISION)?;
         contact.check()?;
         let model = self.model();
-        let [one, other] = contact.geoms.map(|geom| model.geom(geom).body());
-        if one == other {
-            // The rows that the engine creates for it would be longer than the space that it reserves.
-            return Err(Error::invalid("the geoms of a new contact", format!("both of {one:?}"), "of two bodies"));
+        let [first, second] = contact.geoms.map(|geom| model.geom(geom).body());
+        if first == second {
+            // The engine would create rows longer than the space that it reserves for them.
+            return Err(Error::invalid(
+                "the geoms of a new contact",
+                format!("both of {first:?}"),
+                "of different bodies",
+            ));
         }
-        // The engine would create no rows for it, and some of its functions assume that every contact has rows.
+        // The engine would create no rows for the contact, but some engine functions assume that every contact has rows.
         if model.options().disable.intersects(DisableFlags::CONTACT | DisableFlags::CONSTRAINT) {
             return Err(Error::Unsupported("add_contact to a model whose contacts are disabled".to_owned()));
         }

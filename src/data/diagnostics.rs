@@ -14,7 +14,7 @@ engine_enum! {
     /// Timed part of the computation.
     #[doc(alias = "mjtTimer")]
     Timer {
-        /// A whole step.
+        /// Complete step.
         Step = mjTIMER_STEP,
         /// Forward dynamics.
         Forward = mjTIMER_FORWARD,
@@ -111,7 +111,7 @@ impl From<&mjSolverStat> for SolverIteration {
 }
 
 impl Data {
-    /// Returns number and total duration of the computations of a part since the last reset.
+    /// Returns the number and the total duration of the computations of a part since the last reset.
     ///
     /// The duration is zero unless the process has installed a clock ([`enable_timers`](crate::enable_timers)), because the engine
     /// does not include one.
@@ -159,7 +159,7 @@ impl Data {
     /// Returns the discrepancy between forward and inverse dynamics: the norm of the difference of the constraint forces, and the
     /// norm of the difference between all applied forces and `qfrc_inverse`. [`compare_fwd_inv`](Self::compare_fwd_inv) computes
     /// both, and so do `step` and `step2` while [`EnableFlags::FWDINV`](crate::EnableFlags::FWDINV) is set. They are zero without
-    /// constraints. A program that clears the flag reads old numbers until the next reset.
+    /// constraints. If the flag is cleared, the values are stale until the next reset.
     ///
     /// ```
     /// use mujoco_safe::{Data, EnableFlags, sample};

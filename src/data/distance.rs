@@ -33,24 +33,24 @@ struct Nearest {
 const RESOLUTION: f64 = 1e-9;
 
 impl Data {
-    /// Computes the smallest signed distance between two geoms, or `None` if it is larger than `distmax` in m. This is
-    /// `mj_geomDistance` of newer engines, which 2.2.2 does not have; here it is computed with the collision functions.
+    /// Computes the smallest signed distance between two geoms, or `None` if it is larger than `distmax` in m. Newer engines
+    /// provide this as `mj_geomDistance`. Version 2.2.2 does not, so this method uses the collision functions.
     ///
     /// Pairs of planes, spheres and capsules, and spheres with boxes, have closed-form solutions. For all other pairs of convex
-    /// shapes the engine iterates (Minkowski portal refinement of libccd, to the precision `mpr_tolerance`): a positive
-    /// distance is found by bisection of the collision margin; a penetration depth separates the shapes, but may not be the
+    /// shapes the engine iterates (Minkowski portal refinement of libccd, to the precision `mpr_tolerance`): a positive distance
+    /// is found by bisection of the collision margin; a penetration depth is enough to separate the shapes, but may not be the
     /// smallest one. Meshes are replaced by their convex hulls.
     ///
     /// # Errors
     ///
     /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a `distmax` that is negative or not finite,
     /// [`Error::Unsupported`] for a pair without a collision function, such as two planes, or for a geom whose pose is not
-    /// finite, [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size is not positive. The
-    /// last one poisons the data, because the engine moves geoms during the call.
+    /// finite, [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size is not positive. This
+    /// last error poisons the data, because the engine moves geoms during the call.
     ///
     /// # Panics
     ///
-    /// If an id is of another model.
+    /// If an id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Data, Model};

@@ -58,7 +58,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Axes, Data, FrameId, sample};
@@ -90,7 +90,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Axes, Data, FrameId, sample};
@@ -124,8 +124,8 @@ impl Data {
         Ok(SpatialVector::from_engine(result))
     }
 
-    /// Adds the generalised force of a force (N) and a torque (N·m) on a body to `qfrc_target` (nv). The force acts at `point` (m).
-    /// All three vectors are in the world frame.
+    /// Converts a force (N) and a torque (N·m) on a body to generalised forces, and adds them to `qfrc_target` (nv). The force
+    /// acts at `point` (m). All three vectors are in the world frame.
     ///
     /// # Errors
     ///
@@ -134,7 +134,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -178,7 +178,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -220,7 +220,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     fn object(&self, object: FrameId) -> (c_int, c_int) {
         let model = self.model();
         let (object_type, index) = match object {

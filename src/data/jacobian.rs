@@ -46,7 +46,7 @@ macro_rules! jacobian_of {
         ///
         /// # Panics
         ///
-        /// If the id is of another model.
+        /// If the id belongs to another model.
         #[doc(alias = $alias)]
         pub fn $name(&self, id: impl Into<$id>) -> Result<Jacobian> {
             let mut jacobian = self.zero_jacobian();
@@ -62,7 +62,7 @@ macro_rules! jacobian_of {
         ///
         /// # Panics
         ///
-        /// If the id is of another model.
+        /// If the id belongs to another model.
         #[doc(alias = $alias)]
         #[inline]
         pub fn $into(&self, id: impl Into<$id>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
@@ -115,7 +115,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_jac")]
     pub fn jac(&self, body: impl Into<BodyId>, point: [f64; 3]) -> Result<Jacobian> {
         let mut jacobian = self.zero_jacobian();
@@ -131,7 +131,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_jac")]
     pub fn jac_into(
         &self,
@@ -155,7 +155,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_jacSubtreeCom")]
     pub fn jac_subtree_com(&mut self, body: impl Into<BodyId>) -> Result<Matrix> {
         let mut jacobian = Matrix::zeros(3, self.model().nv());
@@ -172,7 +172,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_jacSubtreeCom")]
     pub fn jac_subtree_com_into(&mut self, body: impl Into<BodyId>, jacobian: &mut Matrix) -> Result<()> {
         let index = self.index_for("jac_subtree_com", body.into())?;
@@ -192,7 +192,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -224,7 +224,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_jacPointAxis")]
     pub fn jac_point_axis_into(
         &mut self,
@@ -244,9 +244,9 @@ impl Data {
         })
     }
 
-    /// Computes the matrix `(3, nv)` that maps `qvel` to the angular momentum, kg·m²/s, of the subtree of a body about its
-    /// centre of mass, world frame (Orin and Goswami, Centroidal momentum matrix of a humanoid robot, IROS 2008). This is
-    /// `mj_angmomMat` of newer engines, which 2.2.2 does not have; [`subtree_vel`](Self::subtree_vel) computes the momenta.
+    /// Computes the matrix `(3, nv)` that maps `qvel` to the angular momentum, kg·m²/s, of the subtree of a body about its centre
+    /// of mass, world frame (Orin and Goswami, Centroidal momentum matrix of a humanoid robot, IROS 2008). Newer engines provide
+    /// this as `mj_angmomMat`; 2.2.2 does not. [`subtree_vel`](Self::subtree_vel) computes the momenta.
     ///
     /// # Errors
     ///
@@ -254,7 +254,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Data, sample};
@@ -286,7 +286,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_angmomMat")]
     pub fn angmom_mat_into(&self, body: impl Into<BodyId>, matrix: &mut Matrix) -> Result<()> {
         let root = body.into();

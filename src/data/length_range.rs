@@ -1,9 +1,9 @@
 //! Length ranges of actuators, computed by simulation.
 //!
 //! The engine's function drives an actuator to both ends of its range, and steps until a given time. An unstable step resets the
-//! time to zero, which 2.2.2 does not detect, so the function may never return. This module implements the same algorithm and does
-//! not call that function. If the compiler may call it for a text, the text is first compiled with the function disabled, and
-//! [`MuscleSimulation`] runs the algorithm on the resulting model.
+//! time to zero, which 2.2.2 does not detect, so the function may never return. This module implements the same algorithm and
+//! does not call that function. If the compilation of a text may call the engine's function, the text is first compiled with that
+//! function disabled. Then [`MuscleSimulation`] runs the algorithm on the resulting model.
 
 use mujoco_sys::{self as sys, mjBIAS_MUSCLE, mjBIAS_USER, mjGAIN_MUSCLE, mjGAIN_USER};
 use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
@@ -72,9 +72,10 @@ impl Default for LengthRangeOptions {
     }
 }
 
-/// Limit on the steps of one call: at the speed of a small model they take minutes.
+/// Limit on the number of steps of one call, which take minutes for a small model.
 const MOST_STEPS: f64 = 1e7;
-/// Limit on the steps for all actuators of a text together, whose simulation no call has requested explicitly.
+/// Limit on the total number of steps for all actuators of a text. It is lower, because the program has not requested these
+/// simulations explicitly.
 const MOST_STEPS_OF_A_TEXT: f64 = 1e6;
 
 impl LengthRangeOptions {
@@ -141,7 +142,8 @@ impl ModelMut<'_> {
     /// # Errors
     ///
     /// [`Error::Invalid`] for options out of range, [`Error::Unstable`] if the simulation is unstable, [`Error::Unsupported`] if
-    /// the range is empty or the length does not settle, and the errors of [`Data::step1`]. The range is unchanged then.
+    /// the range is empty or the length does not settle, and the errors of [`Data::step1`]. In these cases the range is
+    /// unchanged.
     ///
     /// # Panics
     ///
@@ -246,7 +248,7 @@ fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions)
     Ok(lengths.unwrap_or_default())
 }
 
-/// Settings in a text of the simulations by which the compiler computes length ranges.
+/// Settings of a text for the simulations in which the compiler computes length ranges.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct MuscleSimulation {
     pub(crate) options: LengthRangeOptions,

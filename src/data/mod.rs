@@ -66,8 +66,8 @@ pub use crate::stage::{MissingResults, Stage};
 ///
 /// # Errors of the engine
 ///
-/// In place of printing a message, waiting for a key and ending the process, as the engine does in C, the call returns
-/// [`Error::Engine`]. The effect on the data depends on the receiver of the call:
+/// If the engine raises an error during a call, the call returns [`Error::Engine`]. (In C, the engine prints a message, waits for
+/// a key and ends the process.) The effect on the data depends on the receiver of the call:
 ///
 /// - After a call with `&mut Data`, such as [`step`](Self::step), [`rne`](Self::rne) or
 ///   [`Scene::update`](crate::Scene::update), the data may be half computed. It is poisoned: every call that computes
@@ -89,7 +89,7 @@ pub use crate::stage::{MissingResults, Stage};
 /// println!("{:?}", knee.qpos());
 /// ```
 ///
-/// A step cannot change the arrays that it refers to:
+/// A step cannot change the arrays while such a borrow exists:
 ///
 /// ```compile_fail,E0502
 /// # use mujoco_safe::{Data, sample};
@@ -250,7 +250,7 @@ impl Data {
 
     /// Returns the potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and
     /// [`inverse`](Self::inverse) compute them while [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set. Without the flag
-    /// they are zero after a reset, but a program that clears the flag later reads old numbers.
+    /// they are zero after a reset. If the flag is cleared later, the values are stale.
     pub fn energy(&self) -> [f64; 2] {
         self.raw().energy
     }
@@ -264,12 +264,13 @@ impl Data {
     /// Returns an error unless these results have been computed for the present model: those of a [`Stage`], or of a constant of
     /// [`MissingResults`].
     ///
-    /// The getters of plain arrays such as [`xpos`](Self::xpos) and [`sensordata`](Self::sensordata) return slices of the engine's
-    /// memory without a check. Before the first [`forward`](Self::forward) these arrays are zero, and after a change of the model they
-    /// hold old numbers. Call this method before a loop that reads them, or inside: it costs a comparison of two integers.
+    /// The getters of plain arrays such as [`xpos`](Self::xpos) and [`sensordata`](Self::sensordata) return slices of the
+    /// engine's memory without a check. Before the first [`forward`](Self::forward) these arrays are zero, and after a change of
+    /// the model they hold stale values. Call this method before a loop that reads them, or inside: it costs a comparison of two
+    /// integers.
     ///
-    /// Results count as computed until a reset, a change of the model, or a new computation of the quantities that they depend on.
-    /// After [`step`](Self::step) they belong to the state before the step. Writes of a program, such as those to
+    /// Results count as computed until a reset, a change of the model, or a new computation of the quantities that they depend
+    /// on. After [`step`](Self::step) they belong to the state before the step. Writes to the arrays, for example through
     /// [`qpos_mut`](Self::qpos_mut), are not tracked: call `forward` after them.
     ///
     /// # Errors

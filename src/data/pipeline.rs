@@ -3,10 +3,10 @@
 //! [`Data::forward`] calls all parts in a valid order. A part that is called separately returns [`Error::NotComputed`] unless its
 //! inputs have been computed for the present model. All results that depend on the new results count as not computed afterwards.
 //!
-//! The crate tracks the order of the calls. It does not track writes of a program, such as those to `qpos`: start again with
+//! The crate tracks the order of the calls. It does not track writes to the arrays, such as `qpos`: start again with
 //! [`kinematics`](Data::kinematics) after a change of positions.
 //!
-//! A method has the prefix `compute_` if its plain name would be that of a field or an element.
+//! A method has the prefix `compute_` if the plain name is that of a field or an element.
 //!
 //! | part | engine | computes | inputs |
 //! |---|---|---|---|
@@ -51,7 +51,7 @@ type C = PipelineFlags;
 
 /// Defines methods that make one engine call each, from the inputs and the results of the call.
 macro_rules! parts {
-    ($($(#[$doc:meta])* $method:ident = $function:ident($alias:literal) reads $reads:expr, computes $gives:expr;)*) => {
+    ($($(#[$doc:meta])* $method:ident = $function:ident($alias:literal) reads $reads:expr, computes $results:expr;)*) => {
         impl Data {$(
             $(#[$doc])*
             ///
@@ -62,11 +62,11 @@ macro_rules! parts {
             #[doc(alias = $alias)]
             pub fn $method(&mut self) -> Result<()> {
                 const READS: PipelineFlags = $reads;
-                const GIVES: PipelineFlags = $gives;
+                const RESULTS: PipelineFlags = $results;
                 self.check_parts(stringify!($method), READS)?;
                 self.check_inputs()?;
-                self.clear_stale_inputs(GIVES);
-                self.run($alias, self.after(GIVES), |m, d| {
+                self.clear_stale_inputs(RESULTS);
+                self.run($alias, self.after(RESULTS), |m, d| {
                     // SAFETY: `run` passes a model and a data of this model. The inputs of the function have been computed for
                     // this model, so their counts and addresses match the arrays.
                     unsafe { guard::$function(m, d) }
@@ -144,7 +144,7 @@ parts! {
     /// Computes the constraint forces for the accelerations in `qacc`.
     inv_constraint = mj_inv_constraint("mj_invConstraint")
         reads C::REFERENCE, computes C::FORCE;
-    /// Compares forward with inverse dynamics: norms of the differences, of constraint forces and of applied forces, in
+    /// Compares forward with inverse dynamics. Writes the norms of the differences of constraint forces and of applied forces to
     /// `solver_fwdinv`.
     compare_fwd_inv = mj_compare_fwd_inv("mj_compareFwdInv")
         reads C::FORCES.union(C::ACTUATION), computes C::empty();
@@ -251,8 +251,8 @@ impl Data {
         })
     }
 
-    /// Computes forward dynamics like [`forward`](Self::forward), except for the stages up to `skip`, whose results of earlier
-    /// calls are used. [`Stage::Acceleration`] has the effect of [`Stage::Velocity`].
+    /// Computes forward dynamics like [`forward`](Self::forward), but reuses the results of earlier calls for the stages up to
+    /// `skip`. [`Stage::Acceleration`] has the effect of [`Stage::Velocity`].
     ///
     /// # Errors
     ///
@@ -273,23 +273,23 @@ impl Data {
         })
     }
 
-    /// Computes inverse dynamics like [`inverse`](Self::inverse), except for the stages up to `skip`, whose results of earlier
-    /// calls are used. [`Stage::Acceleration`] has the effect of [`Stage::Velocity`].
+    /// Computes inverse dynamics like [`inverse`](Self::inverse), but reuses the results of earlier calls for the stages up to
+    /// `skip`. [`Stage::Acceleration`] has the effect of [`Stage::Velocity`].
     ///
     /// # Errors
     ///
     /// As for [`inverse`](Self::inverse), and [`Error::NotComputed`] if the skipped stages have not been computed.
     #[doc(alias = "mj_inverseSkip")]
     pub fn inverse_skip(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
-        let (stage, needs, gives) = match skip {
+        let (stage, needs, results) = match skip {
             Stage::Nothing => (mjSTAGE_NONE, C::empty(), C::FORCES | C::CURRENT),
             Stage::Position => (mjSTAGE_POS, C::POSITION | C::CURRENT, C::FORCES - C::POSITION),
             Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::VELOCITY | C::CURRENT, C::FORCE),
         };
         self.check_parts("inverse_skip", needs)?;
         self.check_inputs()?;
-        self.clear_stale_inputs(gives);
-        let computes = (self.after(gives) - C::SENSORS) | self.computed.sensors_after(skip, skip_sensors);
+        self.clear_stale_inputs(results);
+        let computes = (self.after(results) - C::SENSORS) | self.computed.sensors_after(skip, skip_sensors);
         self.run("mj_inverseSkip", computes, |m, d| {
             // SAFETY: as for the other parts.
             unsafe { guard::mj_inverse_skip(m, d, stage as c_int, skip_sensors.into()) }
@@ -342,17 +342,17 @@ impl Data {
         }
     }
 
-    /// Returns the valid results after a call that computes `gives`.
-    pub(super) fn after(&self, gives: PipelineFlags) -> PipelineFlags {
-        self.computed.after(gives, self.model().has_adhesion())
+    /// Returns the valid results after a call that computes `results`.
+    pub(super) fn after(&self, results: PipelineFlags) -> PipelineFlags {
+        self.computed.after(results, self.model().has_adhesion())
     }
 
-    /// Clears contacts and rows of earlier calls that the computation of `gives` would read.
-    fn clear_stale_inputs(&mut self, gives: PipelineFlags) {
-        if gives.contains(C::POSITION) && !gives.contains(C::PROJECTION) {
+    /// Clears contacts and rows of earlier calls that the computation of `results` would read.
+    fn clear_stale_inputs(&mut self, results: PipelineFlags) {
+        if results.contains(C::POSITION) && !results.contains(C::PROJECTION) {
             self.clear_stale_contacts();
         }
-        if gives == C::CONSTRAINT {
+        if results == C::CONSTRAINT {
             self.clear_contact_rows();
         }
     }

@@ -1,8 +1,7 @@
 //! Ray casting.
 //!
-//! A ray starts at a point and has a direction of any length. Distances are in units of that length, so in metres for a
-//! direction of length 1. A direction of length zero and numbers that are not finite are errors here; the engine would end the
-//! process.
+//! A ray starts at a point and has a direction of any length. Distances are in units of that length, so in metres for a direction
+//! of length 1. A direction of length zero and values that are not finite are errors. (In C, they end the process.)
 
 use std::ffi::c_int;
 use std::ptr;
@@ -41,7 +40,7 @@ impl Default for RayOptions {
 pub struct RayHit {
     /// Distance from the start of the ray, in units of the length of its direction.
     pub distance: f64,
-    /// The geom that is hit.
+    /// Geom that the ray hits.
     pub geom: GeomId,
 }
 
@@ -50,13 +49,13 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a direction of length zero or a number that is not
-    /// finite, [`Error::Unsupported`] if the model has a height field with more rows than columns, which 2.2.2 reads out of bounds,
-    /// or one whose sizes or orientation are beyond the limits of the engine.
+    /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a direction of length zero or a value that is
+    /// not finite, [`Error::Unsupported`] if the model has a height field with more rows than columns, which 2.2.2 reads out of
+    /// bounds, or one whose sizes or orientation are beyond the limits of the engine.
     ///
     /// # Panics
     ///
-    /// If the id of the body to exclude is of another model.
+    /// If the id of the body to exclude belongs to another model.
     ///
     /// ```
     /// use mujoco_safe::{Data, RayOptions, sample};
@@ -132,7 +131,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_rayMesh")]
     pub fn ray_mesh(&self, geom: impl Into<GeomId>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_mesh", geom.into(), mjGEOM_MESH, "a mesh")?;
@@ -152,7 +151,7 @@ impl Data {
     ///
     /// # Panics
     ///
-    /// If the id is of another model.
+    /// If the id belongs to another model.
     #[doc(alias = "mj_rayHfield")]
     pub fn ray_hfield(&self, geom: impl Into<GeomId>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
         let index = self.geom_of_type("ray_hfield", geom.into(), mjGEOM_HFIELD, "a height field")?;
@@ -192,12 +191,12 @@ impl Data {
     /// conversion.)
     #[cold]
     pub(crate) fn check_field_poses(&self) -> Result<()> {
-        /// Far above the elements of rotations and their squares.
+        /// Limit of the elements, far above those of rotations and their squares.
         const LARGEST: f64 = 1e20;
         let model = self.model();
         let is_field = |&geom: &usize| model.geom_type()[geom] == mjGEOM_HFIELD as i32;
         let far = |values: &[f64]| values.iter().any(|value| value.abs() > LARGEST);
-        // The present pose, which a program can write to, and the model's quaternions, from which the next pose is computed.
+        // The present pose, which the program can modify, and the model's quaternions, which determine the next pose.
         let is_far = |&geom: &usize| {
             let body = ffi::size(model.geom_bodyid()[geom]);
             far(&self.geom_xmat()[geom]) || far(&model.geom_quat()[geom]) || far(&model.body_iquat()[body])

@@ -11,11 +11,11 @@ use crate::error::{Error, Result};
 use crate::id::{Id, Key, kind};
 
 impl Data {
-    /// Resets to the reference position, at rest, with no controls and no applied forces. Makes a poisoned data usable again.
+    /// Resets to the reference position, at rest, with no controls and no applied forces. Makes poisoned data usable again.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine fails. It fails for no model that was loaded.
+    /// [`Error::Engine`] if the engine fails, which does not occur for a loaded model.
     #[doc(alias = "mj_resetData")]
     pub fn reset(&mut self) -> Result<()> {
         self.reset_with("mj_resetData", |m, d| {
@@ -30,7 +30,7 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] if the keyframe does not exist; the data is unchanged then. (The engine
-    /// would make a plain reset.) [`Error::Engine`] as for [`reset`](Self::reset).
+    /// would do a plain reset.) [`Error::Engine`] as for [`reset`](Self::reset).
     ///
     /// ```
     /// use mujoco_safe::{Data, Error, sample};
@@ -106,8 +106,7 @@ impl Data {
         Ok(())
     }
 
-    /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. The copy of a poisoned data is
-    /// poisoned.
+    /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of poisoned data is poisoned.
     ///
     /// # Errors
     ///
@@ -132,8 +131,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] if the model of the other simulation was loaded separately. [`Error::Engine`] if the engine
-    /// fails. It fails for no two models of the same structure.
+    /// [`Error::OtherModel`] if the model of the other simulation was loaded separately. [`Error::Engine`] if the engine fails,
+    /// which does not occur for two models of the same structure.
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
         if !self.model.is_same_structure(&other.model) {
             return Err(Error::OtherModel { what: "the data to copy from" });
@@ -143,7 +142,7 @@ impl Data {
             // SAFETY: the models of both data have the same structure, so the data have the same sizes.
             other.with_empty_stack(|source| unsafe { guard::mj_copy_data(d, m, source, &raw mut copied) })
         })?;
-        // Other options may give results another layout.
+        // With other options, results may have another layout.
         self.computed = if Arc::ptr_eq(&self.model, &other.model) { other.computed } else { PipelineFlags::empty() };
         self.failure.clone_from(&other.failure);
         warning::restore_copied(self.raw_mut());
@@ -165,7 +164,7 @@ impl Clone for Data {
     ///
     /// If memory is exhausted; see [`try_clone`](Self::try_clone).
     fn clone(&self) -> Self {
-        self.try_clone().unwrap_or_else(|error| panic!("cannot clone a data: {error}"))
+        self.try_clone().unwrap_or_else(|error| panic!("cannot clone the data: {error}"))
     }
 
     /// Reuses the memory if the models have the same structure.

@@ -141,7 +141,7 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a wrong length. Numbers that are out of range are an error of the next step.
+    /// [`Error::Shape`] for a wrong length. If a value is out of range, the next step returns an error.
     #[doc(alias = "mj_setState")]
     pub fn set_state(&mut self, spec: StateSpec, state: &[f64]) -> Result<()> {
         Error::check_length("state", state.len(), self.model().state_size(spec))?;

@@ -30,8 +30,8 @@ impl Data {
         })
     }
 
-    /// Computes the first half of a step: all quantities that depend on positions and velocities. Set controls and forces from
-    /// them, then call [`step2`](Self::step2).
+    /// Computes the first half of a step: all quantities that depend on positions and velocities. Set controls and forces based
+    /// on them, then call [`step2`](Self::step2).
     ///
     /// # Errors
     ///
@@ -120,9 +120,9 @@ impl Data {
         })
     }
 
-    /// Clears contacts and constraints that the engine would read out of bounds. Its inverse dynamics computes the transmission of an
-    /// adhesion actuator from the contacts and constraints of the call before, which may belong to another model or not match
-    /// each other.
+    /// Clears contacts and constraints that the engine would read out of bounds. The engine's inverse dynamics computes the
+    /// transmission of an adhesion actuator from the contacts and constraints of the previous call. These may belong to another
+    /// model or not match each other.
     #[inline]
     pub(super) fn clear_stale_contacts(&mut self) {
         if self.model().has_adhesion() && !self.computed.contains(PipelineFlags::CONSTRAINT) {
@@ -222,20 +222,20 @@ mod tests {
         let mut data = Data::new(sample::humanoid()).unwrap();
         data.ctrl_mut().fill(-mjMAXVAL);
         assert!(data.check_inputs().is_ok());
-        for bad in [mjMAXVAL.next_up(), -mjMAXVAL.next_up(), f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -f64::NAN] {
+        for value in [mjMAXVAL.next_up(), -mjMAXVAL.next_up(), f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -f64::NAN] {
             for index in [0, 7, data.ctrl().len() - 1] {
                 data.ctrl_mut().fill(0.0);
-                data.ctrl_mut()[index] = bad;
-                assert!(data.check_inputs().is_err(), "{bad} at {index}");
+                data.ctrl_mut()[index] = value;
+                assert!(data.check_inputs().is_err(), "{value} at {index}");
             }
             data.ctrl_mut().fill(0.0);
             let last = data.qvel().len() - 1;
-            data.qvel_mut()[last] = bad;
-            assert!(data.check_inputs().is_err(), "{bad} in qvel");
+            data.qvel_mut()[last] = value;
+            assert!(data.check_inputs().is_err(), "{value} in qvel");
             data.qvel_mut()[last] = 0.0;
             let last = data.qpos().len() - 1;
-            let before = std::mem::replace(&mut data.qpos_mut()[last], bad);
-            assert!(data.check_inputs().is_err(), "{bad} in qpos");
+            let before = std::mem::replace(&mut data.qpos_mut()[last], value);
+            assert!(data.check_inputs().is_err(), "{value} in qpos");
             data.qpos_mut()[last] = before;
         }
         assert!(data.check_inputs().is_ok());

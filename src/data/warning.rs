@@ -31,13 +31,13 @@ pub enum Warning {
     ConstraintFull,
     /// The number of geoms exceeds the capacity of the scene.
     VisualGeomFull,
-    /// A number in `qpos` is out of range.
+    /// A value in `qpos` is out of range.
     BadQpos,
-    /// A number in `qvel` is out of range.
+    /// A value in `qvel` is out of range.
     BadQvel,
-    /// A number in `qacc` is out of range.
+    /// A value in `qacc` is out of range.
     BadQacc,
-    /// A number in `ctrl` is out of range.
+    /// A value in `ctrl` is out of range.
     BadCtrl,
 }
 
@@ -54,7 +54,7 @@ impl Warning {
         Self::BadCtrl,
     ];
 
-    /// Returns the log message for a warning and the number that the engine stores with it.
+    /// Returns the log message for a warning and the value that the engine stores with it.
     pub(crate) fn message(self, info: i32, data: &Data) -> String {
         let time = data.time();
         match self {
@@ -98,7 +98,7 @@ pub struct WarningCount {
     pub last_info: i32,
 }
 
-/// Start value of the counters during a call. No call counts up to it, or down from it to zero.
+/// Start value of the counters during a call. It is so large that counters do not reach zero or overflow within a call.
 const BASE: i32 = 1 << 30;
 
 /// Counters of a data while the engine uses counters that start at [`BASE`].
@@ -121,7 +121,7 @@ impl SavedCounters {
     /// Saves the counters, and sets those of the engine to [`BASE`].
     #[inline]
     pub(super) fn replace(data: &mut mjData) -> Self {
-        // Replaces the whole array, which takes a few vector instructions.
+        // Replacing the complete array takes a few vector instructions.
         Self { before: std::mem::replace(&mut data.warning, [mjWarningStat { lastinfo: 0, number: BASE }; COUNT]) }
     }
 
@@ -162,7 +162,7 @@ pub(super) fn restore_copied(data: &mut mjData) {
     }
 }
 
-/// Keeps the engine from printing warnings about a data, whose counters lose their meaning.
+/// Prevents the engine from printing warnings about a data. Its counters are meaningless afterwards.
 pub(crate) fn silence(data: &mut mjData) {
     for stat in &mut data.warning {
         stat.number = 1;

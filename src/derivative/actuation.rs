@@ -22,11 +22,11 @@ pub(super) struct Actuation {
 /// Derivatives of each actuator with respect to its own control, or its own activation.
 #[derive(Clone, Debug)]
 struct ActuatorDerivatives {
-    /// `(nu)`: of the force.
+    /// `(nu)`: derivatives of the force.
     force: Vec<f64>,
-    /// `(nu)`: of the activation after the step; zero for actuators without activation.
+    /// `(nu)`: derivatives of the activation after the step; zero for actuators without activation.
     activation: Vec<f64>,
-    /// `(nsensordata)`: of the actuator force sensors.
+    /// `(nsensordata)`: derivatives of the actuator force sensors.
     sensors: Vec<f64>,
 }
 

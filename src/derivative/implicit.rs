@@ -7,7 +7,7 @@
 //! ∂a/∂x = −H⁻¹ ∂g/∂x,      H = ∂g/∂a,
 //! ```
 //!
-//! so the differences are those of inverse dynamics at constant a. They run no constraint solver, whose rounding and tolerance
+//! so only inverse dynamics at constant a is differenced. This needs no constraint solver, whose rounding error and tolerance
 //! would be divided by ε. H is known (see `newton.rs`). A step of the Euler integrator with implicit damping D is
 //!
 //! ```text
@@ -45,7 +45,7 @@ use crate::math;
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// Ratio of the perturbation of accelerations, which are large numbers, to that of other inputs.
+/// Ratio of the perturbation of accelerations, which have large values, to that of other inputs.
 const ACCELERATION_EPS_FACTOR: f64 = 1e3;
 
 /// Indices of evaluations at the base point, to its right and to its left.
@@ -197,14 +197,14 @@ impl Linearisation {
         Ok(())
     }
 
-    /// Computes `M (a − s)`, which only damping needs.
+    /// Computes `M (a − s)`, which is needed only with damping.
     fn multiply_inertia(&mut self, data: &Data, side: usize) {
         if self.damped {
             multiply_inertia(data, &mut self.inertial[side], &self.spread);
         }
     }
 
-    /// Returns whether the model has acceleration sensors, whose derivatives columns need as an argument.
+    /// Returns whether the model has acceleration sensors. If so, their derivatives must be passed to each column.
     pub(super) fn has_acceleration_sensors(&self) -> bool {
         self.has_acceleration_sensors
     }

@@ -146,8 +146,8 @@ impl Data {
         Ok(jacobians)
     }
 
-    /// Computes the derivatives as [`inverse_fd`](Self::inverse_fd) does, into the caller's matrices, any of which may be omitted.
-    /// Allocates nothing, but uses `nq + 3 nv + 4 nmocap` numbers of the engine's stack.
+    /// Computes the derivatives as [`inverse_fd`](Self::inverse_fd) does, into the caller's matrices, any of which may be
+    /// omitted. Allocates nothing, but uses space for `nq + 3 nv + 4 nmocap` numbers on the engine's stack.
     ///
     /// # Errors
     ///

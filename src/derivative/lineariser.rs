@@ -14,10 +14,10 @@ use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// Fewest columns for which it pays to wake another thread.
+/// Minimum number of columns for which waking another thread is worthwhile.
 const MIN_COLUMNS_TO_SHARE: usize = 16;
 
-/// Largest number of threads. More would be a mistake, and each takes the memory of a simulation.
+/// Maximum number of threads. A larger number is probably a mistake, and each thread uses the memory of a simulation.
 const MAX_THREADS: usize = 1024;
 
 /// Linearises steps of a simulation by a choice of [methods](TransitionMethod), and keeps the required buffers: a simulation
@@ -36,9 +36,9 @@ const MAX_THREADS: usize = 1024;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 ///
-/// The threads of the current rayon pool share the columns; `ThreadPool::install` selects another pool than the global one.
-/// The caller's thread is one of them, and the result does not depend on their number. With one thread, or for a model of a
-/// few degrees of freedom, the caller's thread does all the work.
+/// The threads of the current rayon pool share the columns; `ThreadPool::install` selects another pool than the global one. The
+/// caller's thread takes part. The result does not depend on the number of threads. With one thread, or for a model of a few
+/// degrees of freedom, the caller's thread does all the work.
 #[derive(Debug)]
 pub struct Lineariser {
     options: TransitionOptions,
@@ -87,8 +87,8 @@ impl Lineariser {
     /// omitted. Allocates nothing, except what rayon occasionally needs to wake its threads.
     ///
     /// The simulation is unchanged afterwards, to the last bit and also after an error, unless it has
-    /// [callbacks](crate::callback): these can only be called with the simulation itself. Its computed quantities then count
-    /// as not computed, and after an error it has to be reset.
+    /// [callbacks](crate::callback), which can only be called on the simulation itself. In that case its computed quantities
+    /// count as not computed afterwards, and it must be reset after an error.
     ///
     /// # Errors
     ///
@@ -130,7 +130,7 @@ impl Lineariser {
     /// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() })?;
     /// let states = Matrix::from_rows(&[[0.0, 0.1, 0.0, 0.0], [0.0, 0.2, 0.0, 1.0], [0.1, 0.3, 0.0, 2.0]]);
     /// let systems = lineariser.along(&data, &states, &Matrix::zeros(3, 1))?;
-    /// // The further the pole leans, the less gravity accelerates it with the angle.
+    /// // The effect of the angle on the acceleration decreases as the pole leans further.
     /// assert!(systems[0].0.a[(3, 1)] > systems[1].0.a[(3, 1)]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```

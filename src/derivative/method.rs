@@ -12,9 +12,9 @@ pub enum TransitionMethod {
     Engine,
     /// The same differences, computed column by column and shared among the threads.
     Columns,
-    /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster than
-    /// differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
-    /// lineariser uses [`Columns`](Self::Columns) and states it in the [`LinearisationReport`].
+    /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster
+    /// than differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
+    /// lineariser uses [`Columns`](Self::Columns) and gives the reason in the [`LinearisationReport`].
     Inverse,
 }
 
@@ -65,7 +65,7 @@ pub enum Fallback {
     /// [`Engine`](TransitionMethod::Engine).
     Callbacks,
     /// The integrator is Runge–Kutta, for which the engine's differences would mix stages. The method is
-    /// [`Columns`](TransitionMethod::Columns), with whole steps.
+    /// [`Columns`](TransitionMethod::Columns), with complete steps.
     RungeKutta,
     /// The integrator is [`Implicit`](crate::Integrator::Implicit), whose step depends on derivatives of forces that the engine
     /// does not expose. The method is [`Columns`](TransitionMethod::Columns).

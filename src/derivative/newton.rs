@@ -90,7 +90,7 @@ impl Newton {
         Ok(())
     }
 
-    /// Refines `qacc`, as the constraint solver left it, to the accuracy of the arithmetic.
+    /// Refines `qacc`, the result of the constraint solver, to the accuracy of the arithmetic.
     ///
     /// Updates the constraint forces and leaves the Cholesky factor of H in [`factor`](Self::factor). Returns false if the
     /// solver's result was too far from the solution.

@@ -8,7 +8,7 @@ use crate::data::{Data, StateSpec};
 use crate::error::Result;
 use crate::model::Model;
 
-/// State components that a step or a perturbation changes and [`PerturbedData::restore`] writes back.
+/// State components that a step or a perturbation changes and [`PerturbedData::restore`] restores.
 const SAVED: StateSpec = StateSpec::TIME.union(StateSpec::PHYSICS).union(StateSpec::WARMSTART).union(StateSpec::CTRL);
 
 /// Input of the linear system, with its index. It determines a column of A and C, or of B and D.
@@ -63,8 +63,8 @@ pub(super) struct Settings<'m> {
 
 /// Returns the inputs in the order in which columns are computed.
 ///
-/// Each kind of input needs less of the results at the base point than the kinds before it, and overwrites the rest. So
-/// controls come first and positions last.
+/// Each kind of input needs fewer results at the base point than the preceding kinds, and overwrites the others. So controls come
+/// first and positions last.
 pub(super) fn inputs(model: &Model, wanted: Wanted) -> impl Iterator<Item = Input> + use<> {
     let range = |n: usize, wanted: bool| if wanted { 0..n } else { 0..0 };
     let (nv, na, nu) = (model.nv(), model.na(), model.nu());

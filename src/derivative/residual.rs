@@ -1,4 +1,4 @@
-//! The residual of the equations of motion at a given acceleration, which is what implicit differentiation differences.
+//! The residual of the equations of motion at a given acceleration, whose differences implicit differentiation uses.
 
 use std::ffi::c_int;
 
@@ -30,7 +30,7 @@ pub(super) struct Residual {
 }
 
 impl Residual {
-    /// Computes all forces at the present `qacc`, and the stages before them that depend on what changed: positions if
+    /// Computes all forces at the present `qacc`, and the preceding stages that depend on the changed quantities: positions if
     /// `positions_changed`, else velocities.
     pub(super) fn update_forces(self, data: &mut Data, positions_changed: bool, sensors: bool) -> Result<()> {
         if sensors || self.has_external_forces {
@@ -69,7 +69,7 @@ impl Residual {
 
     /// Computes the residual g of the equations of motion, `(nv)`, from forces that are up to date.
     pub(super) fn evaluate(self, data: &mut Data, residual: &mut [f64]) -> Result<()> {
-        assert_eq!(residual.len(), data.model().nv(), "Bug: a residual of nv entries");
+        assert_eq!(residual.len(), data.model().nv(), "Bug: the residual does not have nv entries");
         data.call_mut("mj_rne", |m, d| {
             // SAFETY: the result has nv entries, and the motion axes and their velocities were computed for this model.
             unsafe { guard::mj_rne(m, d, 1, residual.as_mut_ptr()) }
@@ -99,7 +99,7 @@ impl Residual {
 /// Computes `result = M vector`, both `(nv)`, with the inertia matrix of the present position.
 pub(super) fn multiply_inertia(data: &Data, result: &mut [f64], vector: &[f64]) {
     let nv = data.model().nv();
-    assert_eq!((result.len(), vector.len()), (nv, nv), "Bug: vectors of nv entries");
+    assert_eq!((result.len(), vector.len()), (nv, nv), "Bug: the vectors do not have nv entries");
     // SAFETY: both vectors have nv entries, and the inertia matrix was computed for this model.
     unsafe { sys::mj_mulM(data.model().as_ptr(), data.as_ptr(), result.as_mut_ptr(), vector.as_ptr()) };
 }

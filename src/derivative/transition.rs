@@ -150,8 +150,8 @@ impl Data {
         };
         let null = ptr::null_mut;
         // If the control of the last actuator can be perturbed to neither side, 2.2.2 clears nq + nv + na entries of a row of
-        // 2 nv + na. The surplus overwrites the memory behind the row: D, or the saved state that later columns start from.
-        // A call that computes B alone overwrites nothing that is still needed.
+        // 2 nv + na. The excess overwrites the memory after the row: D, or the saved state that later columns start from. A call
+        // that computes B alone overwrites nothing that is still needed.
         if !b.is_null() && spills {
             call(a, null(), c, null())?;
             call(null(), null(), null(), d)?;
@@ -166,7 +166,7 @@ impl Data {
     }
 
     /// Corrects two errors of 2.2.2 in C and D. If a control is perturbed to both sides, the engine subtracts the readings in the
-    /// wrong order. And since the time advances from one column to the next, clocks seem to depend on all inputs.
+    /// wrong order. And because the time advances from one column to the next, clocks seem to depend on all inputs.
     fn correct_sensors(&self, eps: f64, differences: Differences, outputs: &mut TransitionOutputs<'_>) {
         let model = self.model();
         if let Some(d) = &mut outputs.d {

@@ -1,17 +1,17 @@
 //! A work queue shared by a few threads, one of which is the caller's.
 //!
-//! A linearisation takes less than a millisecond, and waking a sleeping thread takes a good part of that. So no thread waits
-//! for another: the caller starts at once, threads that join later take the remaining items, and if none joins the caller does
-//! all the work. The result does not depend on the assignment of items to threads.
+//! A linearisation takes less than a millisecond, and waking a sleeping thread takes a large fraction of that time. So no thread
+//! waits for another. The caller starts at once, and threads that join later take the remaining items. If none joins, the caller
+//! does all the work. The result does not depend on the assignment of items to threads.
 
 use std::hint;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Fewest remaining items for which another worker joins.
+/// Minimum number of remaining items for which another worker joins.
 const MIN_ITEMS_TO_JOIN: usize = 4;
 
-/// Iterations that the caller spins for the other workers before it sleeps. They take longer than an item does.
+/// Number of spin iterations in which the caller waits for the other workers before it sleeps. They take longer than an item.
 const SPINS: usize = 20_000;
 
 /// Items of work, taken in order.

@@ -1,29 +1,29 @@
-//! Numbers of a simulation that leave the engine's valid range.
+//! Values of a simulation outside the engine's valid range.
 
 use std::fmt;
 
 use crate::kind::Kind;
 
-/// Field with a number outside of the engine's valid range.
+/// Field with a value outside the engine's valid range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum UnstableField {
-    /// A number in `qpos`.
+    /// A value in `qpos`.
     Position,
-    /// A number in `qvel`.
+    /// A value in `qvel`.
     Velocity,
-    /// A number in `qacc`. The state itself was in range.
+    /// A value in `qacc`. The state itself was in range.
     Acceleration,
-    /// A number in `ctrl`. (The engine would set all controls to zero for one step.)
+    /// A value in `ctrl`. (The engine would set all controls to zero for one step.)
     Control,
 }
 
 /// A value of the simulation that is NaN or beyond ±10¹⁰. The engine itself would reset the simulation, print a warning and
 /// continue.
 ///
-/// Positions, velocities and controls are checked before the engine is called. The data is unchanged then, and a program can correct
-/// the value. An acceleration that is out of range, and a control that a [closure](crate::Callbacks::control) sets, are detected
-/// during the call. The data is poisoned then: see [`Error::Poisoned`](crate::Error::Poisoned).
+/// Positions, velocities and controls are checked before the engine is called. In that case the data is unchanged, and a program
+/// can correct the value. An acceleration that is out of range, and a control that a [closure](crate::Callbacks::control) sets,
+/// are detected during the call, which poisons the data: see [`Error::Poisoned`](crate::Error::Poisoned).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Instability {

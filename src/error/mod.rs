@@ -52,13 +52,12 @@ pub enum Error {
         message: String,
     },
 
-    /// An earlier call with `&mut Data` ended in the engine with [`Engine`](Self::Engine), [`Callback`](Self::Callback),
+    /// An earlier call with `&mut Data` failed with [`Engine`](Self::Engine), [`Callback`](Self::Callback),
     /// [`OutOfMemory`](Self::OutOfMemory) or [`Unstable`](Self::Unstable). The data may be half computed.
     ///
-    /// [`reset`](crate::Data::reset), [`reset_to_key`](crate::Data::reset_to_key), and
-    /// [`copy_from`](crate::Data::copy_from) with a usable source make it usable again. Until then every call that computes
-    /// from the data returns this error. The arrays can be read and written, so a program can save the state; they hold the numbers
-    /// that the failed call left.
+    /// [`reset`](crate::Data::reset), [`reset_to_key`](crate::Data::reset_to_key), and [`copy_from`](crate::Data::copy_from) with
+    /// a usable source make it usable again. Until then every call that computes from the data returns this error. The arrays can
+    /// be read and written, so a program can save the state; they hold the values that the failed call left.
     #[error("this data is unusable since {failure}; reset it first")]
     Poisoned {
         /// Text of the error that poisoned the data.
@@ -70,7 +69,7 @@ pub enum Error {
     #[error(transparent)]
     Unstable(#[from] Instability),
 
-    /// A solver that is built on top of the simulation found no solution. [`solver`](Self::solver) returns the typed cause.
+    /// A solver that uses the simulation found no solution. [`solver`](Self::solver) returns the typed cause.
     ///
     /// Regulators return this error with a [`RiccatiError`](crate::control::riccati::RiccatiError) if the Riccati equation
     /// has no stabilising solution, or none of the required accuracy.
@@ -135,7 +134,7 @@ pub enum Error {
         source: std::io::Error,
     },
 
-    /// The model has no element of this name.
+    /// The model has no element with this name.
     #[error("there is no {kind} named '{name}'{}", suggestion::similar_and_known(name, known))]
     NoSuchName {
         /// Kind of the element.
@@ -146,7 +145,7 @@ pub enum Error {
         known: Vec<String>,
     },
 
-    /// The engine's struct has no field of this name.
+    /// The engine's struct has no field with this name.
     #[error("mj{structure} has no field '{name}'{}", suggestion::similar_only(near))]
     NoSuchField {
         /// Name of the struct without `mj`.
@@ -157,7 +156,7 @@ pub enum Error {
         near: Vec<String>,
     },
 
-    /// The model has no element of this index.
+    /// The model has no element with this index.
     #[error("there is no {kind} {index}: the model has {count}, counted from 0")]
     NoSuchIndex {
         /// Kind of the element.
@@ -224,9 +223,9 @@ pub enum Error {
     Unsupported(String),
 
     /// A scene has too little capacity for all geoms or lights.
-    #[error("the scene has room for {room} {what}, and there are more to show; the rest is left out")]
+    #[error("the scene has capacity for only {room} {what}; the rest is omitted")]
     SceneFull {
-        /// The kind of object that is left out: geoms or lights.
+        /// Kind of the omitted objects: geoms or lights.
         what: &'static str,
         /// Capacity of the scene.
         room: usize,

@@ -37,7 +37,7 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
     near.into_iter().take(SHOWN).map(|(_, candidate)| candidate.to_owned()).collect()
 }
 
-/// Returns true if a name at this edit distance is likely to be meant by the misspelt `name`.
+/// Returns true if `name` is likely to be a misspelling of a name at this edit distance.
 fn is_typo(distance: usize, name: &str) -> bool {
     distance <= 1 + name.len() / 3
 }

@@ -20,8 +20,8 @@ use crate::model::Model;
 /// The policy reads the observations and sets the controls of all simulations. It is called once per step, in the calling thread;
 /// stepping, observing and resetting run in parallel. The [module](crate::rollout) documents threads.
 ///
-/// Each simulation has its own [`Data`], which takes some megabytes, mostly for the constraints and the stack that the model's
-/// `njmax`, `nconmax` and `nstack` reserve.
+/// Each simulation has its own [`Data`] of several megabytes, mostly for the constraints and the stack that the model's `njmax`,
+/// `nconmax` and `nstack` reserve.
 ///
 /// ```
 /// use mujoco_safe::rollout::Batch;
@@ -96,7 +96,7 @@ impl<'a> Batch<'a> {
     /// Sets the closure that observes a simulation by writing to a row of `nobs` zeros.
     ///
     /// It is called after each step, when computed quantities are those of the state before the step, and after each reset, when
-    /// nothing is computed yet.
+    /// no quantities have been computed.
     ///
     /// # Panics
     ///
@@ -131,7 +131,7 @@ impl<'a> Batch<'a> {
         self.simulations.len()
     }
 
-    /// Returns whether there are no simulations.
+    /// Returns `true` if there are no simulations.
     pub fn is_empty(&self) -> bool {
         self.simulations.is_empty()
     }
@@ -155,7 +155,7 @@ impl<'a> Batch<'a> {
     ///
     /// # Panics
     ///
-    /// If there is no such simulation.
+    /// If the index is out of range.
     pub fn data(&self, index: usize) -> &Data {
         &self.simulations[index]
     }
@@ -164,7 +164,7 @@ impl<'a> Batch<'a> {
     ///
     /// # Panics
     ///
-    /// If there is no such simulation.
+    /// If the index is out of range.
     pub fn failure(&self, index: usize) -> Option<&Error> {
         self.failures[index].as_ref()
     }
@@ -182,7 +182,7 @@ impl<'a> Batch<'a> {
     ///
     /// # Errors
     ///
-    /// The error of the policy, if it returns one. Then no simulation is stepped.
+    /// The error of the policy, if it returns one. In that case no simulation is stepped.
     ///
     /// # Panics
     ///
@@ -246,7 +246,7 @@ impl<'a> Batch<'a> {
     ///
     /// # Panics
     ///
-    /// If there is no such simulation.
+    /// If the index is out of range.
     pub fn reset(&mut self, index: usize) -> Result<()> {
         restart(&mut self.simulations[index])?;
         self.failures[index] = None;
@@ -347,7 +347,7 @@ impl Member<'_> {
     }
 }
 
-/// Checks that memory suffices for all simulations, before they are allocated.
+/// Checks that there is enough memory for all simulations, before they are allocated.
 fn check_memory(simulation: &Data, count: usize) -> Result<()> {
     // SAFETY: the pointer is valid, and nothing writes to the simulation while it is borrowed.
     let (buffer, stack) = unsafe { ((*simulation.as_ptr()).nbuffer, (*simulation.as_ptr()).nstack) };

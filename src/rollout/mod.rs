@@ -25,9 +25,8 @@
 //!
 //! # Errors and panics
 //!
-//! An error of the engine or of a closure ends the simulation in which it occurs and is reported with its step; other
-//! simulations continue. If a closure panics, the call panics after all threads have stopped. All arguments of the call remain
-//! usable.
+//! An error of the engine or of a closure ends the simulation in which it occurs and is reported with its step; other simulations
+//! continue. If a closure panics, the call panics after all threads have stopped. All arguments of the call remain usable.
 
 mod batch;
 mod parallel;
@@ -139,8 +138,8 @@ impl<'a> Rollout<'a> {
         }
     }
 
-    /// Sets the common initial state `(nstate)`: the components in `spec`; the others are as after a reset. Inputs, such as
-    /// [`XFRC_APPLIED`](StateSpec::XFRC_APPLIED), apply in all steps.
+    /// Sets the common initial state `(nstate)`: the components in `spec`; the others have their values after a reset. Inputs,
+    /// such as [`XFRC_APPLIED`](StateSpec::XFRC_APPLIED), apply in all steps.
     pub fn initial_state(mut self, spec: StateSpec, state: &'a [f64]) -> Self {
         self.initial = Initial::Shared(spec, state);
         self
@@ -202,8 +201,8 @@ impl<'a> Rollout<'a> {
         self
     }
 
-    /// Records `noutput` additional numbers after each step, which the closure writes to a row of zeros. As [`Data::step`] leaves
-    /// it, the simulation is in the new state, and its computed quantities are those of the old state.
+    /// Records `noutput` additional values after each step, which the closure writes to a row of zeros. At that point, as always
+    /// after [`Data::step`], the simulation is in the new state and its computed quantities are those of the old state.
     pub fn outputs(mut self, noutput: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.outputs = Some((noutput, Box::new(read)));
         self
@@ -211,8 +210,8 @@ impl<'a> Rollout<'a> {
 
     /// Sets a hook that is called after each rollout with the number of completed rollouts.
     ///
-    /// Several threads may call the hook concurrently, and in another order than that of the numbers. [`ControlFlow::Break`]
-    /// ends the run; rollouts that are not complete end with [`RolloutError::Cancelled`].
+    /// Several threads may call the hook concurrently, possibly not in the order of these numbers. [`ControlFlow::Break`] ends
+    /// the run; rollouts that are not complete end with [`RolloutError::Cancelled`].
     ///
     /// ```
     /// use std::ops::ControlFlow;

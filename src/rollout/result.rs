@@ -7,10 +7,10 @@ use crate::matrix::MatrixView;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RolloutError {
-    /// A step failed, or its controller, or the edit of the model before the first step. Other rollouts continue.
+    /// A step, its controller, or the edit of the model before the first step failed. Other rollouts continue.
     #[error("step {step}: {error}")]
     Failed {
-        /// Index of the failed step, counted from 0, which is the number of steps taken.
+        /// Index of the failed step, counted from 0. This is also the number of steps taken.
         step: usize,
         /// The error.
         #[source]
@@ -63,7 +63,7 @@ impl RolloutResult {
         self.sizes.count
     }
 
-    /// Returns whether there are no rollouts.
+    /// Returns `true` if there are no rollouts.
     pub fn is_empty(&self) -> bool {
         self.sizes.count == 0
     }
@@ -97,7 +97,7 @@ impl RolloutResult {
     ///
     /// # Panics
     ///
-    /// If there is no such rollout.
+    /// If the index is out of range.
     pub fn states_of(&self, rollout: usize) -> MatrixView<'_> {
         self.block(&self.states, rollout, self.sizes.steps + 1, self.sizes.state)
     }
@@ -106,7 +106,7 @@ impl RolloutResult {
     ///
     /// # Panics
     ///
-    /// If there is no such rollout.
+    /// If the index is out of range.
     pub fn sensordata_of(&self, rollout: usize) -> MatrixView<'_> {
         self.block(&self.sensordata, rollout, self.sizes.steps, self.sizes.sensordata)
     }
@@ -115,7 +115,7 @@ impl RolloutResult {
     ///
     /// # Panics
     ///
-    /// If there is no such rollout.
+    /// If the index is out of range.
     pub fn outputs_of(&self, rollout: usize) -> MatrixView<'_> {
         self.block(&self.outputs, rollout, self.sizes.steps, self.sizes.output)
     }
@@ -124,7 +124,7 @@ impl RolloutResult {
     ///
     /// # Panics
     ///
-    /// If there is no such rollout or step.
+    /// If the rollout or the step is out of range.
     pub fn state(&self, rollout: usize, step: usize) -> &[f64] {
         self.states_of(rollout).row(step)
     }
@@ -135,7 +135,7 @@ impl RolloutResult {
     }
 }
 
-/// Dimensions of the recorded values. Products saturate, since no buffer can be that long.
+/// Dimensions of the recorded values. Products saturate, because no buffer can be that long.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sizes {
     pub(super) count: usize,

@@ -20,7 +20,7 @@ use crate::model::{Model, ModelMut};
 /// let workers = Workers::new(sample::cartpole());
 /// let mut state = [0.0, 0.1, 0.0, 0.0];
 /// for _ in 0..3 {
-///     // Try eight constant forces, and apply the one that leaves the pole the most upright.
+///     // Try eight constant forces, and apply the one after which the pole is the most upright.
 ///     let forces: Vec<f64> = (0..8).flat_map(|force| [f64::from(force - 4) / 4.0; 20]).collect();
 ///     let result = Rollout::on(&workers, 8, 20)
 ///         .initial_state(StateSpec::PHYSICS, &state)
@@ -101,10 +101,10 @@ fn restore(model: &mut ModelMut<'_>, pristine: &Model) {
 
 /// Resets a simulation as [`Data::reset`] does, at about the cost of a step.
 ///
-/// The engine's reset clears all memory of a simulation, which is megabytes even for the smallest model because of the capacity
-/// for hundreds of constraints, and takes as long as some hundred steps of the cart-pole. This function omits the arrays of
-/// constraints and contacts. No code reads a row of them that was not written since: the accessors end at the rows in use, and
-/// a step that read more would depend on the step before it.
+/// The engine's reset clears all memory of a simulation. Even the smallest model uses megabytes, because of the capacity for
+/// hundreds of constraints, so a reset takes as long as some hundred steps of the cart-pole. This function omits the arrays of
+/// constraints and contacts. No code reads a row of these arrays that has not been written since: the accessors end at the rows
+/// in use, and a step that read more rows would depend on the previous step.
 pub(super) fn restart(data: &mut Data) -> Result<()> {
     if data.check_usable().is_err() {
         return data.reset();

@@ -62,8 +62,8 @@ engine_enum! {
 pub struct Camera {
     /// Mode.
     pub view: CameraView,
-    /// Point at the centre of the view, m, world frame. Each update moves that of a tracking camera a fifth of the way to the
-    /// body.
+    /// Point at the centre of the view, m, world frame. Each update moves the `lookat` of a tracking camera a fifth of the way to
+    /// the body.
     pub lookat: [f64; 3],
     /// Distance from the camera to `lookat`, m.
     pub distance: f64,
@@ -82,7 +82,7 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Creates a free camera that shows the whole model, in the direction given by the model's visual settings.
+    /// Creates a free camera that shows the complete model, in the direction given by the model's visual settings.
     #[doc(alias = "mjv_defaultFreeCamera")]
     pub fn free(model: &Model) -> Self {
         let global = &model.raw().vis.global;
@@ -120,8 +120,8 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] if a number is not finite or the moved camera
-    /// would contain such a number, [`Error::Engine`] for a translation in a scene that was never updated.
+    /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] if a value is not finite or would not be finite
+    /// after the motion, [`Error::Engine`] for a translation in a scene that was never updated.
     ///
     /// # Panics
     ///
@@ -191,7 +191,7 @@ fn checked<K: crate::id::ElementKind>(model: &Model, id: Id<K>) -> c_int {
     id.index() as c_int
 }
 
-/// Returns an error unless both numbers are finite.
+/// Returns an error unless both components are finite.
 pub(super) fn check_motion(motion: [f64; 2]) -> Result<()> {
     if motion.iter().all(|number| number.is_finite()) {
         return Ok(());
@@ -223,7 +223,7 @@ impl Scene {
     /// # Errors
     ///
     /// [`Error::NotComputed`] if positions have not been computed, [`Error::OtherModel`] for data of another model,
-    /// [`Error::Invalid`] if the camera contains a number that is not finite.
+    /// [`Error::Invalid`] if the camera contains a value that is not finite.
     ///
     /// # Panics
     ///

@@ -340,7 +340,7 @@ impl Scene {
     }
 
     fn raw_geoms(&self) -> &[mjvGeom] {
-        // SAFETY: the whole buffer is initialised, its first `ngeom` entries are in use, and only `&mut self` writes to it.
+        // SAFETY: the complete buffer is initialised, its first `ngeom` entries are in use, and only `&mut self` writes to it.
         unsafe { ffi::array(self.raw().geoms, self.ngeom()) }
     }
 

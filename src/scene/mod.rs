@@ -27,14 +27,14 @@
 //!
 //! # Models
 //!
-//! A scene belongs to the model that it was created for, to clones of that model and to every [`Data`](crate::Data) created from them.
-//! Data of another model give [`Error::OtherModel`]; ids of another model panic, as everywhere in this crate.
+//! A scene belongs to the model that it was created for, to clones of that model and to every [`Data`](crate::Data) created from them. Data of
+//! another model causes [`Error::OtherModel`]; an id of another model causes a panic, as everywhere in this crate.
 //!
 //! # Quirks of the engine
 //!
-//! The engine centres an infinite plane near the viewpoints of the previous update: see [`Scene::update_camera`]. A limited
-//! fixed tendon that couples two joints, has a lower limit of zero, and has neither stiffness nor damping, is drawn as a
-//! string between two meaningless points.
+//! The engine centres an infinite plane near the viewpoints of the previous update: see [`Scene::update_camera`]. The engine
+//! draws a string between two meaningless points for a limited fixed tendon that couples two joints, has a lower limit of zero,
+//! and has neither stiffness nor damping.
 
 mod camera;
 mod geom;
@@ -227,8 +227,8 @@ unsafe impl Plain for c_int {}
 
 /// Zero-initialised array.
 ///
-/// The engine's own allocation comes uninitialised from `malloc`; the engine then writes labels without a terminator into it
-/// and never sets the fields that only its renderer uses. Zeroed pages are committed on first use, so a large capacity is cheap.
+/// The engine allocates this array with `malloc` and does not initialise it. It then writes labels without a terminator and never
+/// sets the fields that only its renderer uses. Zeroed pages are committed on first use, so a large capacity is cheap.
 struct Buffer<T: Plain> {
     start: NonNull<T>,
     layout: Layout,

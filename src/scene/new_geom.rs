@@ -298,7 +298,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::SceneFull`] if the scene is full, [`Error::Invalid`] for numbers that cannot be drawn.
+    /// [`Error::SceneFull`] if the scene is full, [`Error::Invalid`] for values that cannot be drawn.
     ///
     /// # Panics
     ///

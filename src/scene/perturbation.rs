@@ -141,7 +141,7 @@ impl Perturbation {
     /// # Errors
     ///
     /// [`Error::OtherModel`] for a scene of another model, [`Error::NotComputed`] if positions have not been computed,
-    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] if a number is not finite. The data stays
+    /// [`Error::Engine`] before the first update of the scene, [`Error::Invalid`] if a value is not finite. The data stays
     /// usable.
     ///
     /// # Panics
@@ -194,7 +194,7 @@ impl Perturbation {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Invalid`] if a number is not finite.
+    /// [`Error::NotComputed`] if positions have not been computed, [`Error::Invalid`] if a value is not finite.
     ///
     /// # Panics
     ///
@@ -215,7 +215,7 @@ impl Perturbation {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] if velocities have not been computed, [`Error::Invalid`] if a number is not finite.
+    /// [`Error::NotComputed`] if velocities have not been computed, [`Error::Invalid`] if a value is not finite.
     ///
     /// # Panics
     ///

@@ -34,7 +34,7 @@ impl Scene {
     /// # Errors
     ///
     /// [`Error::NotComputed`] if positions have not been computed, [`Error::Engine`] before the first update (the data stays
-    /// usable), [`Error::OtherModel`] for data of another model, [`Error::Invalid`] if a number is not finite,
+    /// usable), [`Error::OtherModel`] for data of another model, [`Error::Invalid`] if a value is not finite,
     /// [`Error::Unsupported`] if the model has a height field with more rows than columns, as for [`Data::ray`].
     ///
     /// ```

@@ -25,7 +25,7 @@ impl Scene {
     /// contains as many as fit, and lights, skins and viewpoints are up to date, so a viewer can continue.
     ///
     /// [`Error::NotComputed`] if a required result is missing, [`Error::OtherModel`] for data of another model,
-    /// [`Error::Invalid`] if the camera or the perturbation contains a number that is not finite. The scene is then unchanged.
+    /// [`Error::Invalid`] if the camera or the perturbation contains a value that is not finite. The scene is then unchanged.
     /// None of these errors poisons the data.
     ///
     /// # Panics
@@ -61,8 +61,8 @@ impl Scene {
         if lights > capacity { Err(Error::SceneFull { what: "lights", room: capacity }) } else { Ok(()) }
     }
 
-    /// Appends the geoms of a simulation to the scene and returns their indices. The data may have another state than that of
-    /// the last [`update`](Self::update), so that one image can show several poses.
+    /// Appends the geoms of a simulation to the scene and returns their indices. The state may differ from that of the last
+    /// [`update`](Self::update), so one image can show several poses.
     ///
     /// # Errors
     ///

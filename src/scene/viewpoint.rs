@@ -90,7 +90,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless all numbers are finite, 0 < near < far, and bottom < top.
+    /// [`Error::Invalid`] unless all values are finite, 0 < near < far, and bottom < top.
     pub fn set_viewpoints(&mut self, viewpoints: [Viewpoint; 2]) -> Result<()> {
         for viewpoint in &viewpoints {
             let ordered = viewpoint.frustum_near > 0.0 && viewpoint.frustum_far > viewpoint.frustum_near;
@@ -163,7 +163,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless all numbers are finite, the quaternion is not zero and the scale is in 0.01 to 100.
+    /// [`Error::Invalid`] unless all values are finite, the quaternion is not zero and the scale is in 0.01 to 100.
     #[doc(alias = "enabletransform")]
     pub fn set_transform(&mut self, transform: Option<Transform>) -> Result<()> {
         let Some(Transform { translate, rotate, scale }) = transform else {
@@ -188,7 +188,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for another model, [`Error::Invalid`] if a number is not finite or the moved transform would be
+    /// [`Error::OtherModel`] for another model, [`Error::Invalid`] if a value is not finite or the moved transform would be
     /// invalid, [`Error::Engine`] for a scene with a transform before its first update.
     #[doc(alias = "mjv_moveModel")]
     pub fn move_model(

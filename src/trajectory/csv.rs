@@ -9,7 +9,7 @@ use crate::file;
 use crate::model::Model;
 
 impl Trajectory {
-    /// Writes the records as CSV with a header line. Reading the file restores every number bit for bit.
+    /// Writes the records as CSV with a header line. Reading the file restores every value bit for bit.
     ///
     /// # Errors
     ///
@@ -26,7 +26,7 @@ impl Trajectory {
         for record in 0..self.len() {
             write!(out, "{}", self.times[record])?;
             for value in self.state(record).iter().chain(self.ctrl(record)) {
-                // `Display` prints the shortest decimal that parses to the same number.
+                // `Display` prints the shortest decimal that parses to the same value.
                 write!(out, ",{value}")?;
             }
             writeln!(out)?;
@@ -46,7 +46,7 @@ impl Trajectory {
     }
 
     fn read_csv(model: &Model, path: &Path) -> std::io::Result<Self> {
-        let bad = |text: String| std::io::Error::new(std::io::ErrorKind::InvalidData, text);
+        let invalid = |text: String| std::io::Error::new(std::io::ErrorKind::InvalidData, text);
         let mut trajectory = Self::new(model);
         let sizes = trajectory.sizes;
         let mut lines = BufReader::new(file::open_regular(path)?).lines();
@@ -54,7 +54,7 @@ impl Trajectory {
         let expected = sizes.columns().collect::<Vec<_>>().join(",");
         if header.trim_end() != expected {
             let (found, columns) = (header.split(',').count(), sizes.state() + sizes.nu + 1);
-            return Err(bad(format!(
+            return Err(invalid(format!(
                 "line 1 is not the header of this model's trajectories: expected {columns} columns starting with 'time', found {found}"
             )));
         }
@@ -64,11 +64,13 @@ impl Trajectory {
             let values: Vec<f64> = line
                 .split(',')
                 .map(|cell| {
-                    cell.trim().parse().map_err(|_| bad(format!("line {number}: '{}' is not a number", cell.trim())))
+                    cell.trim()
+                        .parse()
+                        .map_err(|_| invalid(format!("line {number}: '{}' is not a number", cell.trim())))
                 })
                 .collect::<std::io::Result<_>>()?;
             if values.len() != 1 + sizes.state() + sizes.nu {
-                return Err(bad(format!(
+                return Err(invalid(format!(
                     "line {number} has {} columns, not {}",
                     values.len(),
                     1 + sizes.state() + sizes.nu

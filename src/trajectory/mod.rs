@@ -76,8 +76,8 @@ impl Trajectory {
         Self { sizes: Sizes::of(model), times: Vec::new(), states: Vec::new(), controls: Vec::new() }
     }
 
-    /// Creates an empty trajectory with capacity for `records` records, so that [`push`](Self::push) does not allocate up to
-    /// that number. If the memory is not available, the trajectory has no capacity and grows on demand.
+    /// Creates an empty trajectory with capacity for `records` records, so that [`push`](Self::push) does not allocate up to that
+    /// number. If there is not enough memory, the trajectory starts without capacity and grows on demand.
     pub fn with_capacity(model: &Model, records: usize) -> Self {
         let mut trajectory = Self::new(model);
         let Self { sizes, times, states, controls } = &mut trajectory;

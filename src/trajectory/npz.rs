@@ -1,8 +1,7 @@
 //! Trajectories as NumPy archives (`.npz`): a ZIP archive of the arrays `time`, `qpos`, `qvel`, `act` and `ctrl`.
 //!
-//! The crate `zip` reads the archive. The arrays, a text header followed by the numbers, are parsed here: existing crates
-//! allocate the size in the header without a limit, or multiply its dimensions unchecked, so that a damaged file would end the
-//! program.
+//! The crate `zip` reads the archive. The arrays, a text header followed by the values, are parsed here: existing crates allocate
+//! the size in the header without a limit, or multiply its dimensions unchecked, so a damaged file could abort the program.
 
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
@@ -18,7 +17,7 @@ use crate::model::Model;
 
 /// Start of every array: the magic string and version 1.0 of the format.
 const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
-/// Alignment of the numbers within a file, bytes.
+/// Alignment of the values within a file, bytes.
 const ALIGNMENT: usize = 64;
 /// Maximum length of a header, bytes. Headers of plain numeric arrays are short.
 const MAX_HEADER: u32 = 1 << 16;
@@ -36,8 +35,8 @@ fn arrays(sizes: Sizes) -> [(&'static str, usize); 4] {
 
 impl Trajectory {
     /// Writes the records as a NumPy archive (`.npz`), which Python reads with `numpy.load`. It contains the arrays `time` of
-    /// shape `(n)`, s, `qpos` `(n, nq)`, `qvel` `(n, nv)`, `act` `(n, na)` and `ctrl` `(n, nu)` for `n` records. Reading the
-    /// file restores every number bit for bit.
+    /// shape `(n)`, s, `qpos` `(n, nq)`, `qvel` `(n, nv)`, `act` `(n, na)` and `ctrl` `(n, nu)` for `n` records. Reading the file
+    /// restores every value bit for bit.
     ///
     /// Requires the feature `npz`.
     ///
@@ -91,9 +90,9 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, contains an array with another shape
-    /// than this model's or another type than double precision, contains two arrays of the same name, or unpacks to more than
-    /// the limit. The message names the array.
+    /// [`Error::File`] if the file cannot be read, is a pipe or a device, lacks an array, contains an array whose shape does not
+    /// match this model or whose type is not double precision, contains two arrays of the same name, or unpacks to more than the
+    /// limit. The message names the array.
     pub fn load_npz(model: &Model, path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::read_npz(model, path).map_err(Error::file(path))
@@ -165,50 +164,51 @@ fn read_array(
     name: &str,
     length: impl FnOnce(&[usize]) -> std::result::Result<usize, String>,
 ) -> io::Result<Vec<f64>> {
-    let bad = |text: &str| io::Error::new(io::ErrorKind::InvalidData, format!("the array '{name}' {text}"));
+    let invalid = |text: &str| io::Error::new(io::ErrorKind::InvalidData, format!("the array '{name}' {text}"));
     let mut array = archive.by_name(&format!("{name}.npy")).map_err(|error| match error {
-        ZipError::FileNotFound => bad("is missing from the file"),
+        ZipError::FileNotFound => invalid("is missing from the file"),
         error => io::Error::from(error),
     })?;
     let mut start = [0; MAGIC.len()];
     array.read_exact(&mut start)?;
     if start[..6] != MAGIC[..6] {
-        return Err(bad("is not in the NumPy format"));
+        return Err(invalid("is not in the NumPy format"));
     }
     let mut size = [0; 4];
     // The length has two bytes in version 1 and four in later versions.
     array.read_exact(&mut size[..if start[6] == 1 { 2 } else { 4 }])?;
     let size = u32::from_le_bytes(size);
     if size > MAX_HEADER {
-        return Err(bad("has an unsupported header"));
+        return Err(invalid("has an unsupported header"));
     }
     let mut header = vec![0; size as usize];
     array.read_exact(&mut header)?;
-    let header = Header::parse(&String::from_utf8_lossy(&header)).ok_or_else(|| bad("has an unsupported header"))?;
+    let header =
+        Header::parse(&String::from_utf8_lossy(&header)).ok_or_else(|| invalid("has an unsupported header"))?;
     if header.descr != "<f8" {
-        return Err(bad(&format!("has the type '{}', but must have double precision ('<f8')", header.descr)));
+        return Err(invalid(&format!("has the type '{}', but must have double precision ('<f8')", header.descr)));
     }
     if header.fortran_order {
-        return Err(bad("is in Fortran order, but must be in C order (numpy.ascontiguousarray)"));
+        return Err(invalid("is in Fortran order, but must be in C order (numpy.ascontiguousarray)"));
     }
     let length = length(&header.shape).map_err(|expected| {
         let shape = header.shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-        bad(&format!("has shape ({shape}), but must have {expected}"))
+        invalid(&format!("has shape ({shape}), but must have {expected}"))
     })?;
-    let size = length.checked_mul(8).ok_or_else(|| bad("is too large"))?;
+    let size = length.checked_mul(8).ok_or_else(|| invalid("is too large"))?;
     let Some(rest) = allowed.checked_sub(size as u64) else {
         let fits_in_file = size as u64 <= array.size();
         let text =
             format!("unpacks to {size} bytes; the limit for all arrays is {MAX_EXPANSION} times the size of the file");
-        return Err(bad(if fits_in_file { &text } else { LENGTH_MISMATCH }));
+        return Err(invalid(if fits_in_file { &text } else { LENGTH_MISMATCH }));
     };
     *allowed = rest;
-    // Grows with the bytes that exist, regardless of the size in the header.
+    // The buffer grows with the bytes in the file, regardless of the size in the header.
     let mut bytes = Vec::new();
     array.by_ref().take(size as u64).read_to_end(&mut bytes)?;
     // Reading past the end makes the archive verify its checksum.
     if bytes.len() != size || array.read(&mut [0])? != 0 {
-        return Err(bad(LENGTH_MISMATCH));
+        return Err(invalid(LENGTH_MISMATCH));
     }
     Ok(bytes.as_chunks().0.iter().map(|&value| f64::from_le_bytes(value)).collect())
 }

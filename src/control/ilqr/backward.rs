@@ -22,7 +22,7 @@ pub(super) struct AffinePolicy {
 }
 
 impl AffinePolicy {
-    /// Creates the policy that changes nothing.
+    /// Creates the zero policy, which does not change the controls.
     pub(super) fn zeros(model: &Model, steps: usize) -> Self {
         let (nx, nu, _) = derivative::sizes(model);
         Self { feedforward: Matrix::zeros(steps, nu), gains: vec![Matrix::zeros(nu, nx); steps] }
@@ -55,7 +55,7 @@ pub(super) struct Backward {
     a: DMatrix<f64>,
     b: DMatrix<f64>,
     gain: DMatrix<f64>,
-    /// Gradient of the cost to go, after and before the step.
+    /// Gradients of the cost to go, after and before the step.
     gradient: DVector<f64>,
     previous_gradient: DVector<f64>,
     buffers: StepBuffers,
@@ -147,7 +147,7 @@ impl Backward {
             previous_gradient.copy_from(&expansion.x);
             previous_gradient.gemv_tr(1.0, a, gradient, 1.0);
 
-            // Penalises changes of the next state, as an additional cost of the state would.
+            // The regularisation penalises changes of the next state, like an additional cost of the state.
             uu.copy_from(&backup.uu);
             ux.copy_from(&backup.ux);
             if regularisation > 0.0 {

@@ -20,12 +20,12 @@ pub trait TrajectoryCost: Sync {
     /// Returns the cost of step `step`, which starts in this state under these controls.
     fn value(&self, step: usize, state: &[f64], controls: Option<&[f64]>) -> f64;
 
-    /// Writes the first and second derivatives of [`value`](Self::value). The expansion is all zeros at the call.
+    /// Writes the first and second derivatives of [`value`](Self::value). All entries of `expansion` are zero before the call.
     fn expand(&self, step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion);
 }
 
-/// First and second derivatives of a cost with respect to the state, in its tangent space of dimension `nx = 2 nv + na`, and to
-/// the `nu` controls.
+/// First and second derivatives of a cost with respect to the state, in its tangent space of dimension `nx = 2 nv + na`, and with
+/// respect to the `nu` controls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostExpansion {
     /// `(nx)`: gradient with respect to the state.
@@ -41,7 +41,7 @@ pub struct CostExpansion {
 }
 
 impl CostExpansion {
-    /// Creates an expansion of zeros in the shapes for a model.
+    /// Creates an expansion of zeros with the shapes for a model.
     pub fn zeros(model: &Model) -> Self {
         let (nx, nu, _) = derivative::sizes(model);
         Self {
@@ -61,7 +61,7 @@ impl CostExpansion {
         self.xu.fill(0.0);
     }
 
-    /// Checks the shapes, which a cost can change, and that all entries are finite.
+    /// Checks the shapes, because a [`TrajectoryCost`] can replace the matrices, and that all entries are finite.
     pub(super) fn check(&self, step: usize, nx: usize, nu: usize) -> Result<()> {
         Error::check_length("x of a CostExpansion", self.x.len(), nx)?;
         Error::check_length("u of a CostExpansion", self.u.len(), nu)?;
@@ -164,8 +164,8 @@ impl QuadraticCost {
         )
     }
 
-    /// Returns the derivative of the deviation with respect to the state, `(nx, nx)`, or `None` if it is the identity, as it is
-    /// without quaternions.
+    /// Returns the derivative of the deviation with respect to the state, `(nx, nx)`, or `None` if it is the identity, which is
+    /// the case without quaternions.
     fn deviation_jacobian(&self, state: &[f64]) -> Option<DMatrix<f64>> {
         let mut jacobian = None;
         for joint in self.model.joints() {

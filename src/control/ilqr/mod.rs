@@ -1,11 +1,11 @@
-//! Trajectory optimisation: the iterative linear-quadratic regulator (iLQR) with limits of the controls.
+//! Trajectory optimisation: the iterative linear-quadratic regulator (iLQR) with control limits.
 //!
 //! Among the trajectories of `N` steps from a given state, [`Ilqr::solve`] finds a local minimum of a cost, starting from given
 //! controls. Each iteration
 //!
 //! 1. linearises each step, several in parallel ([`Lineariser::along`]), and expands the cost to second order;
-//! 2. computes the optimal change of the controls in a backward pass: in each step the solution of a box-constrained quadratic
-//!    programme, whose box is the range of the controls, which yields a feedforward and a gain;
+//! 2. computes the optimal change of the controls in a backward pass: in each step it solves a quadratic programme whose box
+//!    constraints are the control ranges, which yields a feedforward and a gain;
 //! 3. simulates the new controls with several step sizes, as one batch of [rollouts](crate::rollout), and accepts the best
 //!    trajectory if its cost is lower. Otherwise it repeats the backward pass with a larger regularisation.
 //!
@@ -18,7 +18,7 @@
 //! * W. Li, E. Todorov, *Iterative linear quadratic regulator design for nonlinear biological movement systems*, ICINCO 2004.
 //! * Y. Tassa, T. Erez, E. Todorov, *Synthesis and stabilization of complex behaviors through online trajectory optimization*,
 //!   IROS 2012: the regularisation of the states, and its schedule.
-//! * Y. Tassa, N. Mansard, E. Todorov, *Control-limited differential dynamic programming*, ICRA 2014: the limits of the controls.
+//! * Y. Tassa, N. Mansard, E. Todorov, *Control-limited differential dynamic programming*, ICRA 2014: the control limits.
 
 mod backward;
 mod cost;
@@ -37,7 +37,7 @@ use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
 
-/// Smallest regularisation that is not zero.
+/// Smallest non-zero regularisation.
 const MIN_REGULARISATION: f64 = 1e-6;
 /// Regularisation above which the search ends.
 const MAX_REGULARISATION: f64 = 1e10;
@@ -54,7 +54,7 @@ pub struct IlqrOptions {
     /// Maximum number of steps that are linearised at the same time, as in [`TransitionOptions::threads`]. The result does not
     /// depend on it.
     pub threads: usize,
-    /// Step sizes of the line search, as fractions of the feedforward. By default eleven numbers from 1 to 0.001.
+    /// Step sizes of the line search, as fractions of the feedforward. By default eleven values from 1 to 0.001.
     pub step_sizes: Vec<f64>,
 }
 
@@ -72,9 +72,9 @@ pub enum IlqrStatus {
     /// The trajectory is a local minimum of the cost, within the tolerance.
     Converged,
     /// No step size lowers the cost at any regularisation: the derivatives do not predict the simulation, for example because of
-    /// contacts. The trajectory is the best that was found.
+    /// contacts. The trajectory is the best one found.
     NoDescent,
-    /// The search reached the maximum number of iterations. The trajectory is the best that was found.
+    /// The search reached the maximum number of iterations. The trajectory is the best one found.
     IterationLimit,
 }
 
@@ -115,7 +115,7 @@ impl IlqrSolution {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for a simulation of a model of other sizes.
+    /// [`Error::Shape`] if the simulation's model has other sizes.
     pub fn controller(&self, data: &Data) -> Result<TimeVaryingLqr> {
         TimeVaryingLqr::with_gains(data, self.states.clone(), self.controls.clone(), self.gains.clone())
     }
@@ -186,7 +186,7 @@ impl Ilqr {
     ///
     /// # Panics
     ///
-    /// If the cost panics, as a [`QuadraticCost`] for a model of other sizes does.
+    /// If the cost panics, for example a [`QuadraticCost`] for a model with other sizes.
     pub fn solve(&mut self, data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> Result<IlqrSolution> {
         let model = data.model();
         let steps = controls.nrows();
@@ -244,7 +244,7 @@ impl Search<'_> {
         self.backward.expand(&self.nominal, self.cost)
     }
 
-    /// Finds a better trajectory, and increases the regularisation until it succeeds. Returns the reason if the search ends.
+    /// Finds a better trajectory, and increases the regularisation until it succeeds. If the search ends, returns the reason.
     fn iterate(&mut self, forward: &Forward, options: &IlqrOptions) -> Result<Option<IlqrStatus>> {
         let least = options.tolerance * self.nominal.cost.abs();
         let mut first_decrease = None;

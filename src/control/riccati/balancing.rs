@@ -11,10 +11,10 @@
 
 use super::dense::PackedMatrix;
 
-/// Sweeps over all states. The first one achieves nearly everything.
+/// Maximum number of sweeps over all states. Sweeps after the first change little.
 const SWEEPS: usize = 3;
 
-/// Largest exponent of two in `D`, and negated the smallest. Physical units are not further apart.
+/// Largest magnitude of the exponents of two in `D`. The ratios of physical units are smaller.
 const MAX_EXPONENT: f64 = 64.0;
 
 /// Computes the diagonal of `D` for `A`, `G` and `H`. The other arguments are buffers.
@@ -31,7 +31,7 @@ pub(super) fn units(
         values.resize(a.padded_rows(), 1.0);
     }
     transpose.transpose_from(a);
-    // The unit of the cost is free: it makes the norms of G and H equal.
+    // The unit of the cost is arbitrary. This choice makes the norms of G and H equal.
     let (of_g, of_h) = (g.norm(), h.norm());
     let unit = if of_g > 0.0 && of_h > 0.0 { of_h / of_g } else { 1.0 };
     if !(unit.is_normal() && a.norm().is_finite()) {

@@ -1,4 +1,4 @@
-//! Diagnosis of equations without a stabilising solution, by the tests of Popov, Belevitch and Hautus. Runs only after a failure.
+//! Diagnosis of equations without a stabilising solution, by the Popov–Belevitch–Hautus tests. Runs only after a failure.
 
 use nalgebra::{Complex, DMatrix, SVD, Schur};
 
@@ -26,8 +26,8 @@ pub(super) fn diagnose(problem: &mut Problem) -> Option<RiccatiError> {
         .map(|(eigenvalue, distance)| RiccatiError::UnobservableMode { eigenvalue, distance })
 }
 
-/// Returns the least controllable of the eigenvalues of `a` whose modulus is `relevant`, with its distance, if it is
-/// uncontrollable.
+/// Returns the least controllable eigenvalue of `a` among those with a `relevant` modulus, and its distance. Returns `None` if
+/// that eigenvalue is controllable.
 fn uncontrollable_mode(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,

@@ -1,8 +1,9 @@
 //! The doubling iteration, with deflation of the fast modes.
 //!
 //! The equation here is `X = H + AᵀX (I + GX)⁻¹ A`. A doubling replaces it by another equation of the same form with the same
-//! solution. `A` becomes a growing power of the closed loop, so its fast modes vanish below rounding. Then `A = U Wᵀ` with few
-//! columns in `U` and `W`, and the equation implies that `X = H + W x Wᵀ` for some small `x`. Inserting this, with `M = I + GH`,
+//! solution. `A` becomes a growing power of the closed loop, so its fast modes fall below the rounding error. Then `A = U Wᵀ`
+//! with few columns in `U` and `W`, and the equation implies that `X = H + W x Wᵀ` for some small `x`. Inserting this, with
+//! `M = I + GH`,
 //!
 //! ```text
 //! x = UᵀX (I + GX)⁻¹ U
@@ -11,7 +12,7 @@
 //!
 //! by the Sherman–Morrison–Woodbury formula. This equation has the same form, its dimension is the number of remaining slow
 //! modes, and its closed loop has exactly the remaining eigenvalues. So the slow modes, which need many doublings, are iterated
-//! in few dimensions.
+//! in a low dimension.
 
 use super::dense::{InstructionSet, LowRank, LuFactors, PackedMatrix};
 
@@ -96,7 +97,7 @@ impl Doubling {
         }
     }
 
-    /// Doubles until `A` has vanished. Does not try to deflate before `patience` doublings, which only saves time.
+    /// Doubles until `A` has vanished. Does not try to deflate before `patience` doublings; this limit only saves time.
     pub(super) fn solve(&mut self, patience: usize) -> Result<Doubled, NoConvergence> {
         self.depth = 0;
         let mut first_deflation = None;

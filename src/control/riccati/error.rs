@@ -83,7 +83,7 @@ pub enum RiccatiError {
     },
     /// A mode on the unit circle has no cost, so the optimal control leaves it there and no solution is stabilising.
     ///
-    /// Any positive cost suffices: with a weight of 10⁻¹⁰ beside others of 10⁵ the closed loop is slow but stable, and the
+    /// Any positive cost suffices: with a weight of 10⁻¹⁰ next to weights of 10⁵, the closed loop is slow but stable, and the
     /// equation is solved.
     UnobservableMode {
         /// Eigenvalue of the mode, of `A − BR⁻¹Sᵀ`.

@@ -11,13 +11,13 @@
 //! lies inside the unit circle. [`Riccati`] holds the equation, and [`Riccati::solve`] solves it or returns the reason why it has
 //! no solution.
 //!
-//! Over a finite number of steps, or if the system varies from step to step, [`RiccatiRecursion`] takes the place of the equation.
+//! Over a finite number of steps, or if the system varies from step to step, use [`RiccatiRecursion`] instead.
 //!
 //! # Algorithm
 //!
-//! The solver first eliminates the cross term: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`. It then balances these by a
-//! choice of units of the states, which gains two digits in the humanoid's solution. A step of the structure-preserving doubling
-//! algorithm,
+//! The solver first eliminates the cross term: `A₀ = A − BR⁻¹Sᵀ`, `G₀ = BR⁻¹Bᵀ`, `H₀ = Q − SR⁻¹Sᵀ`. It then balances these
+//! matrices by choosing units of the states, which makes the humanoid's solution more accurate by two digits. A step of the
+//! structure-preserving doubling algorithm,
 //!
 //! ```text
 //! A⁺ = A (I + GH)⁻¹ A
@@ -28,8 +28,8 @@
 //! doubles the number of steps of the Riccati recursion that have been taken, so `H` converges to `P` quadratically: after `k`
 //! doublings the error is proportional to `ρ` to the power `2ᵏ⁺¹`, where `ρ` is the spectral radius of `A − BK`. Even a humanoid
 //! whose position on the floor has a tiny weight, `1 − ρ ≈ 10⁻⁹`, needs only about forty. Most of these are nearly free, because
-//! the rank of `A` has fallen to a few by then and the iteration continues in as many dimensions; `doubling.rs` has the
-//! derivation. If the residual exceeds the rounding error, Newton steps follow (Hewer 1971).
+//! by then the rank of `A` is small and the iteration continues in that dimension; `doubling.rs` has the derivation. If the
+//! residual exceeds the rounding error, Newton steps follow (Hewer 1971).
 //!
 //! # Sources
 //!
@@ -85,8 +85,8 @@ const SYMMETRY_TOLERANCE: f64 = 1e-8;
 ///
 /// assert!(solution.relative_residual < 1e-14);
 /// assert!(solution.spectral_radius < 0.95);
-/// let force = -(&solution.k * vector![1.0, 0.0])[0]; // 1 m off and at rest
-/// assert!(-1.0 < force && force < -0.9); // newtons, backwards
+/// let force = -(&solution.k * vector![1.0, 0.0])[0]; // at 1 m and at rest
+/// assert!(-1.0 < force && force < -0.9); // newtons, towards the origin
 /// # Ok::<(), RiccatiError>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -8,10 +8,10 @@ use super::diagnosis::diagnose;
 use super::doubling::{Doubled, Doubling, NoConvergence};
 use super::error::RiccatiError;
 
-/// Maximum number of Newton steps. Each squares the error, so two suffice unless the doubling went wrong.
+/// Maximum number of Newton steps. Each squares the error, so two suffice unless the doubling was inaccurate.
 const MAX_NEWTON_STEPS: usize = 6;
 
-/// Relative residual per state, in units of the machine precision, that needs no Newton step.
+/// Relative residual per state, in units of the machine precision, up to which no Newton step is needed.
 const GOOD_RESIDUAL: f64 = 32.0;
 
 /// Doublings before the first attempt to deflate: the modes of a mechanical system take more than 2⁴ steps to vanish.
@@ -101,7 +101,7 @@ impl Problem {
         }
     }
 
-    /// Computes the stabilising solution to the accuracy that rounding permits, and leaves it in `candidate`.
+    /// Computes the stabilising solution to the accuracy that rounding permits, and stores it in `candidate`.
     pub(super) fn solve(&mut self) -> Result<Doubled, RiccatiError> {
         self.units.clear();
         self.start()?;
@@ -120,7 +120,8 @@ impl Problem {
         }
     }
 
-    /// Sets the initial candidate: `P = 0`, or, if some controls have no cost, a multiple of the identity, which gives them one.
+    /// Sets the initial candidate: `P = 0`, or, if some controls have no cost, a multiple of the identity, which adds a cost of
+    /// these controls.
     ///
     /// Any symmetric `X` is a valid start: the difference `Δ = P − X` solves an equation of the same form,
     ///

@@ -26,7 +26,7 @@ use crate::control::LqrWeights;
 /// for _ in 0..20 {
 ///     recursion.step_back(&a, &b, &weights)?;
 /// }
-/// // From 1 m off and at rest, with two seconds to go, the target is reached at a small cost.
+/// // From 1 m and at rest, two seconds suffice to reach the target at a small cost.
 /// assert!(recursion.p()[(0, 0)] < 0.02);
 ///
 /// // Far from the end, constant weights yield a constant gain.

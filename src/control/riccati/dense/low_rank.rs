@@ -3,7 +3,7 @@
 use super::packed::PackedMatrix;
 use super::simd::{self, BLOCK, F64x8, InstructionSet};
 
-/// Relative remainder after an eighth of the columns above which the factorisation gives up. This only saves time.
+/// Relative remainder above which the factorisation stops after an eighth of the columns. Stopping early only saves time.
 const MAX_EARLY_REMAINDER: f64 = 1e-2;
 
 /// Factors `U` and `W` of a matrix `U Wᵀ`, where `U` has orthonormal columns.

@@ -44,8 +44,8 @@ impl LuFactors {
         diagonal.clear();
         diagonal.extend((0..self.packed.rows()).map(|index| self.packed.get(index, index)));
         let positive = self.eliminate(simd, |panel, from, column| {
-            let whole = diagonal.get(from).copied().unwrap_or(1.0);
-            (panel[from].0[column] > MIN_RELATIVE_PIVOT * whole).then_some(from)
+            let original = diagonal.get(from).copied().unwrap_or(1.0);
+            (panel[from].0[column] > MIN_RELATIVE_PIVOT * original).then_some(from)
         });
         self.diagonal = diagonal;
         positive

@@ -54,8 +54,8 @@ impl InstructionSet {
 /// Availability of a fused multiply-add without run-time detection.
 const ALWAYS_FUSED: bool = cfg!(any(target_arch = "aarch64", target_feature = "fma"));
 
-/// Defines a function that calls the variant of another function that is compiled for the processor. The const parameters of
-/// the other function are whether to use fused multiply-add, and the number of rows of a block that the registers hold.
+/// Defines a function that calls the variant of another function that is compiled for the processor. The const parameters of the
+/// other function select fused multiply-add, and the number of rows of a block that the registers hold.
 macro_rules! for_processor {
     ($(#[$doc:meta])* fn $name:ident = $inner:ident($($argument:ident: $kind:ty),* $(,)?)) => {
         $(#[$doc])*
@@ -94,7 +94,7 @@ for_processor! {
 }
 for_processor! {
     /// Solves a system with a lower triangular matrix (forward substitution), given the inverses of its diagonal blocks. With
-    /// fewer inverses than diagonal blocks, uses only as many block columns of the matrix.
+    /// fewer inverses than diagonal blocks, uses only the corresponding block columns of the matrix.
     fn substitute_forward = forward(lower: &[F64x8], size: usize, inverses: &[F64x8], right: &mut [F64x8])
 }
 for_processor! {
@@ -106,12 +106,12 @@ for_processor! {
     fn eliminate = eliminate_column(column: usize, inverse: f64, pivot: &F64x8, below: &mut [F64x8])
 }
 for_processor! {
-    /// Computes `sums += Σ factor · row` over the rows of a panel and as many factors.
-    fn add_rows = rows_times(factors: &[f64], rows: &[F64x8], sums: &mut F64x8)
+    /// Computes `sums += Σ factor · row` over the rows of a panel, with one factor per row.
+    fn add_rows = sum_scaled_rows(factors: &[f64], rows: &[F64x8], sums: &mut F64x8)
 }
 for_processor! {
     /// Computes `row -= factor · by` for the rows of a panel, and adds the squares of the results to `squares`.
-    fn subtract_rows = rows_less(factors: &[f64], by: &F64x8, rows: &mut [F64x8], squares: &mut F64x8)
+    fn subtract_rows = subtract_scaled_row(factors: &[f64], by: &F64x8, rows: &mut [F64x8], squares: &mut F64x8)
 }
 
 /// Combination of a product with the previous value of the output.
@@ -167,7 +167,7 @@ fn multiply_add<const FUSED: bool>(sum: &mut F64x8, factor: f64, row: &F64x8) {
     }
 }
 
-/// Computes `sums += left · right` for `ROWS` rows of a block and a whole block.
+/// Computes `sums += left · right` for `ROWS` rows of the block `left` and the complete block `right`.
 #[inline(always)]
 fn accumulate<const FUSED: bool, const ROWS: usize>(
     sums: &mut [F64x8; ROWS],
@@ -328,7 +328,7 @@ fn eliminate_column<const FUSED: bool, const ROWS: usize>(
 }
 
 #[inline(always)]
-fn rows_times<const FUSED: bool, const ROWS: usize>(factors: &[f64], rows: &[F64x8], sums: &mut F64x8) {
+fn sum_scaled_rows<const FUSED: bool, const ROWS: usize>(factors: &[f64], rows: &[F64x8], sums: &mut F64x8) {
     // Four independent sums hide the latency of the additions.
     let mut parts = [*sums, F64x8::ZERO, F64x8::ZERO, F64x8::ZERO];
     for (factors, rows) in factors.as_chunks::<4>().0.iter().zip(rows.as_chunks::<4>().0) {
@@ -343,7 +343,7 @@ fn rows_times<const FUSED: bool, const ROWS: usize>(factors: &[f64], rows: &[F64
 }
 
 #[inline(always)]
-fn rows_less<const FUSED: bool, const ROWS: usize>(
+fn subtract_scaled_row<const FUSED: bool, const ROWS: usize>(
     factors: &[f64],
     by: &F64x8,
     rows: &mut [F64x8],
