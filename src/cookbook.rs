@@ -2,7 +2,7 @@
 //!
 //! # A mocap body as a gripper
 //!
-//! The program sets the pose of a mocap body. A weld constraint that is activated and deactivated turns it into a gripper.
+//! The program sets the pose of a mocap body, which becomes a gripper by activating and deactivating a weld constraint.
 //!
 //! ```
 //! use mujoco_safe::{Data, Model};
@@ -156,7 +156,7 @@
 //! data.forward()?;
 //! for sensor in data.sensors() {
 //!     let description = sensor.in_model();
-//!     println!("{:?}: {:?}, {} numbers, {:?}", sensor.name(), description.sensor_type(), description.dim(), sensor.data());
+//!     println!("{:?}: {:?}, {} values, {:?}", sensor.name(), description.sensor_type(), description.dim(), sensor.data());
 //! }
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
@@ -231,7 +231,7 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! # Custom numbers and texts in a model
+//! # Custom numeric and text fields of a model
 //!
 //! ```
 //! use mujoco_safe::Model;

@@ -1,4 +1,4 @@
-//! Sample models: two that are part of the crate, and those of the engine's package.
+//! Sample models: two bundled with the crate, and those of the engine's package.
 
 use std::path::{Path, PathBuf};
 

@@ -37,8 +37,8 @@ impl Serialize for Matrix {
     }
 }
 
-/// Largest number of rows or columns of a deserialised matrix without values: more than any model needs. Otherwise a loop over
-/// the rows of a matrix with 2⁶⁴ empty rows would practically never end.
+/// Largest number of rows or columns of a deserialised matrix without values, above the needs of any model. Without this limit, a
+/// loop over 2⁶⁴ empty rows would practically never end.
 pub(crate) const MOST_WITHOUT_VALUES: usize = 1 << 20;
 
 impl<'de> Deserialize<'de> for Matrix {

@@ -10,7 +10,7 @@
 /// - `name: i32 = array, set_name if [values];` an integer with a setter that accepts only these values;
 /// - `name: f64 = array;` a number; `, set_name in array_mut` adds a setter;
 /// - `name: [f64; 3] = array;` a row of fixed length; `, name_mut in array_mut` adds a mutable accessor;
-/// - `name: [f64; 3] = array after PART;` the same in a simulation, an error unless this part of the pipeline has been computed;
+/// - `name: [f64; 3] = array after PART;` the same in a simulation, with an error unless this part of the pipeline has been computed;
 /// - `name: [f64] = array;` a row of a matrix, likewise;
 /// - `name: [f64] = array at range;` a range of an array, where `range` is a method of the view on the model, likewise;
 /// - `name: {type} = |view| expression;` any other field.

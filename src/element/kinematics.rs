@@ -246,8 +246,8 @@ fields!(Joint on Model {
     parent_dof: {Option<usize>} = |joint| usize::try_from(joint.owner.dof_parentid()[joint.dofs().start]).ok();
     /// Offsets of the rows of its degrees of freedom in the packed inertia matrix `qM`.
     Madr: [i32] = dof_Madr at dofs;
-    /// Number of consecutive degrees of freedom, counted from each of its own, whose bodies have a diagonal block of the inertia
-    /// matrix.
+    /// For each of its degrees of freedom, the length of the run of consecutive degrees of freedom that starts there and
+    /// whose bodies have a diagonal block of the inertia matrix.
     simplenum: [i32] = dof_simplenum at dofs;
     /// User data.
     user: [f64] = jnt_user, user_mut in jnt_user_mut;

@@ -40,8 +40,8 @@
 //! # Computed fields
 //!
 //! Fields that [`Data::forward`] and [`Data::step`] compute, such as [`xpos`](BodyData::xpos), are unchecked references into the
-//! engine's arrays. If the order of calls is not obvious, call [`Data::require`] once. Fields that are easily read before their
-//! computation return [`Error::NotComputed`](crate::Error::NotComputed): the [`data`](SensorData::data) of a sensor, and the
+//! engine's arrays. If the order of calls is not obvious, call [`Data::require`] once. Fields that programs often read too early
+//! return [`Error::NotComputed`](crate::Error::NotComputed): the [`data`](SensorData::data) of a sensor, and the
 //! fields of a body that a step does not compute, such as [`cfrc_ext`](BodyData::cfrc_ext).
 //!
 //! # Kinds
@@ -362,7 +362,7 @@ kind!(numeric, numeric_mut, numerics, "mjOBJ_NUMERIC" => Numeric, NumericMut);
 kind!(text, text_mut, texts, "mjOBJ_TEXT" => Text, TextMut);
 kind!(tuple, tuple_mut, tuples, "mjOBJ_TUPLE" => Tuple, TupleMut);
 
-/// Returns the range that starts at an element's address; empty for an element without entries, whose address is -1.
+/// Returns the range that starts at an element's address. Empty for an element without entries, whose address is -1.
 #[inline]
 fn range(addresses: &[i32], counts: &[i32], index: usize) -> std::ops::Range<usize> {
     let start = usize::try_from(addresses[index]).unwrap_or(0);

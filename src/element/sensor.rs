@@ -53,7 +53,7 @@ fields!(Sensor on Model {
 });
 
 fields!(Sensor on Data {
-    /// Reading of the sensor: its range of [`sensordata`](Data::sensordata), the infallible alternative for a control loop.
+    /// Reading of the sensor: its range of [`sensordata`](Data::sensordata), which a control loop can read without the check.
     /// After [`step`](Data::step) the reading belongs to the state before the step.
     ///
     /// Engine array `sensordata`.

@@ -27,7 +27,7 @@ const MIN_STEP: f64 = 1e-22;
 pub enum BoxQpStatus {
     /// Converged to the minimum.
     Solved,
-    /// The line search found no decrease although the gradient is above the tolerance: at the minimum up to rounding.
+    /// The line search found no decrease although the gradient exceeds the tolerance. `x` is the minimum up to rounding.
     Stalled,
     /// Did not converge within 100 iterations.
     IterationLimit,
@@ -275,7 +275,7 @@ impl Bounds<'_> {
                 return Err(Error::invalid(
                     format!("the interval {i} of the box"),
                     format!("[{lower}, {upper}]"),
-                    "of a lower bound that does not exceed the upper bound",
+                    "one whose lower bound does not exceed its upper bound",
                 ));
             }
         }

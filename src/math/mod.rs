@@ -1,7 +1,7 @@
 //! The engine's utility mathematics (`mju_*`), with checked sizes.
 //!
-//! The engine's `mju_mulMatVec` is [`mul_mat_vec`] here; the search of this documentation also finds the C names. As in the engine,
-//! an output parameter is the first. No function allocates, except for the texts of errors.
+//! The engine's `mju_mulMatVec` is [`mul_mat_vec`] here; a search of this documentation also finds the C names. As in the engine,
+//! output parameters come first. No function allocates, except for error messages.
 //!
 //! ```
 //! use mujoco_safe::{Data, Matrix, math, sample};

@@ -104,7 +104,7 @@ pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64
     Ok(usize::try_from(vertex).ok().filter(|_| distance >= 0.0).map(|vertex| SkinHit { distance, vertex }))
 }
 
-/// Rejects a ray with a zero direction, for which the engine divides by zero or ends the process, and a ray that is not finite.
+/// Rejects a ray with a zero direction, for which the engine divides by zero or ends the process, and a non-finite ray.
 pub(crate) fn check_ray(pnt: &[f64; 3], vec: &[f64; 3]) -> Result<()> {
     let invalid =
         |what: &str, value: &[f64; 3], expected: &str| Err(Error::invalid(what, format!("{value:?}"), expected));

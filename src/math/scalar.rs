@@ -15,8 +15,8 @@ use crate::error::{Error, Result};
 ///
 /// ```
 /// // Without damping, after half a period.
-/// let there = mujoco_safe::math::spring_damper(1.0, 0.0, 4.0, 0.0, std::f64::consts::FRAC_PI_2);
-/// assert!((there + 1.0).abs() < 1e-15);
+/// let position = mujoco_safe::math::spring_damper(1.0, 0.0, 4.0, 0.0, std::f64::consts::FRAC_PI_2);
+/// assert!((position + 1.0).abs() < 1e-15);
 /// ```
 #[doc(alias = "mju_springDamper")]
 pub fn spring_damper(pos0: f64, vel0: f64, kp: f64, kv: f64, dt: f64) -> f64 {

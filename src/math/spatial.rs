@@ -45,8 +45,8 @@ pub fn rot_vec_mat_t(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
 ///
 /// // A force of 2 N along x at the origin has a torque about a point above it.
 /// let force = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
-/// let there = math::transform_spatial(&force, true, &[0.0, 0.0, 3.0], &[0.0; 3], None);
-/// assert_eq!(there, [0.0, -6.0, 0.0, 2.0, 0.0, 0.0]);
+/// let moved = math::transform_spatial(&force, true, &[0.0, 0.0, 3.0], &[0.0; 3], None);
+/// assert_eq!(moved, [0.0, -6.0, 0.0, 2.0, 0.0, 0.0]);
 /// ```
 #[doc(alias = "mju_transformSpatial")]
 pub fn transform_spatial(
@@ -120,14 +120,14 @@ impl Default for Pose {
 /// use mujoco_safe::math::{self, Pose};
 ///
 /// let hand = Pose { pos: [0.0, 0.0, 1.0], quat: math::axis_angle2quat(&[1.0, 0.0, 0.0], 0.5) };
-/// let found = math::mul_pose(&hand, &math::neg_pose(&hand));
-/// assert!(found.pos.iter().all(|value| value.abs() < 1e-15));
-/// assert!((found.quat[0] - 1.0).abs() < 1e-15);
+/// let identity = math::mul_pose(&hand, &math::neg_pose(&hand));
+/// assert!(identity.pos.iter().all(|value| value.abs() < 1e-15));
+/// assert!((identity.quat[0] - 1.0).abs() < 1e-15);
 /// ```
 #[doc(alias = "mju_mulPose")]
 pub fn mul_pose(pose1: &Pose, pose2: &Pose) -> Pose {
     let mut res = Pose::default();
-    // SAFETY: each position has three numbers, each quaternion four, and the result is in neither of the others.
+    // SAFETY: each position has three numbers, each quaternion four, and the result aliases neither input.
     unsafe {
         sys::mju_mulPose(
             res.pos.as_mut_ptr(),
@@ -173,9 +173,9 @@ pub fn trn_vec_pose(pose: &Pose, vec: &[f64; 3]) -> [f64; 3] {
 /// let (mu, force) = ([0.5, 0.5], [10.0, 1.0, -2.0]);
 /// let mut pyramid = [0.0; 4];
 /// math::encode_pyramid(&mut pyramid, &force, &mu)?;
-/// let mut again = [0.0; 3];
-/// math::decode_pyramid(&mut again, &pyramid, &mu)?;
-/// assert_eq!(again, force);
+/// let mut decoded = [0.0; 3];
+/// math::decode_pyramid(&mut decoded, &pyramid, &mu)?;
+/// assert_eq!(decoded, force);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[doc(alias = "mju_encodePyramid")]

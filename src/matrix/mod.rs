@@ -1,7 +1,7 @@
 //! Row-major matrices in the engine's layout, and nalgebra views of them.
 //!
-//! The engine is row-major, nalgebra's own matrices are column-major. Passing the memory of one to the other gives a scrambled
-//! result and no error. Therefore the engine only writes into a [`Matrix`].
+//! The engine is row-major, nalgebra's own matrices are column-major. Passing the memory of one to the other silently gives
+//! a scrambled result. Therefore the engine only writes into a [`Matrix`].
 //!
 //! Row-major memory of a matrix is column-major memory of its transpose. [`Matrix::transposed`] borrows it as a nalgebra view
 //! without a copy, and nalgebra's `tr_mul` multiplies by the transpose of its receiver, so no explicit transposition is needed:
@@ -79,11 +79,11 @@ impl Matrix {
     #[doc(alias = "mj_zeros")]
     pub fn zeros(nrows: usize, ncols: usize) -> Self {
         let count = count(nrows, ncols);
-        // `vec!` aborts the process without memory, so large sizes are probed first. `vec!` gets its zeros from fresh pages,
-        // unlike a reserved vector.
+        // `vec!` aborts the process if memory is exhausted, so large sizes are probed first. `vec!` is kept for the allocation
+        // itself, because it gets its zeros from fresh pages, unlike a reserved vector.
         if count > LARGE {
             let probe = Vec::<f64>::new().try_reserve_exact(count);
-            assert!(probe.is_ok(), "there is no memory for a matrix of {nrows} rows and {ncols} columns");
+            assert!(probe.is_ok(), "there is not enough memory for a matrix of {nrows} rows and {ncols} columns");
         }
         Self { nrows, ncols, values: vec![0.0; count] }
     }

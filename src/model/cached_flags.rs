@@ -1,8 +1,8 @@
 //! Cached flags by which the engine skips computations: the flags of coinciding frames (`*_sameframe`), and those of bodies that
 //! move independently, whose part of the inertia matrix is diagonal and constant (`body_simple`, `dof_simplenum`, `dof_M0`).
 //!
-//! The compiler computes the flags, and the engine trusts them even if the numbers that they depend on have changed. It would
-//! then keep a geom at its old pose, or combine the old inertia of a body with its new weight. Mutable access to such numbers
+//! The compiler computes the flags, and the engine trusts them even if the values that they depend on have changed. It would
+//! then keep a geom at its old pose, or combine the old inertia of a body with its new weight. Mutable access to such values
 //! therefore clears the flags that depend on them, which is always correct and a little slower.
 //! [`update_constants`](ModelMut::update_constants) recomputes the flags.
 
@@ -55,7 +55,7 @@ impl ModelMut<'_> {
         flags!(self.dof_simplenum).fill(0);
     }
 
-    /// Computes all flags by the compiler's rules. The caller then has to update `dof_M0`, the inertias of simple bodies.
+    /// Computes all flags by the compiler's rules. The caller must then update `dof_M0`, the inertias of simple bodies.
     pub(super) fn compute_flags(&mut self) {
         for body in 0..self.nbody() {
             let same = is_identity(&self.body_ipos()[body], &self.body_iquat()[body]);
@@ -83,7 +83,7 @@ impl ModelMut<'_> {
         self.count_simple_dofs();
     }
 
-    /// Corrects an error of the compiler, which also marks a body as simple that has two slides along one axis.
+    /// Corrects an error of the compiler, which marks a body with two slides along one axis as simple.
     pub(super) fn clear_wrong_simple_bodies(&mut self) {
         let wrong = |&body: &usize| self.body_simple()[body] != 0 && !self.is_simple(body);
         let wrong: Vec<usize> = (0..self.nbody()).filter(wrong).collect();
@@ -136,13 +136,13 @@ impl Model {
         }
     }
 
-    /// Returns `true` if no other body moves this one, and it moves along and about the axes of its inertia.
+    /// Returns `true` if the body is independent of all other moving bodies, and moves along and about the axes of its inertia.
     fn is_simple(&self, body: usize) -> bool {
         let parent = |body: usize| ffi::size(self.body_parentid()[body]);
         let is_fixed = |body: usize| self.body_dofnum()[body] == 0;
         let root = ffi::size(self.body_rootid()[body]) == body;
-        let alone = root || (parent(parent(body)) == 0 && is_fixed(parent(body)));
-        if self.body_sameframe()[body] == NEITHER || !alone {
+        let is_independent = root || (parent(parent(body)) == 0 && is_fixed(parent(body)));
+        if self.body_sameframe()[body] == NEITHER || !is_independent {
             return false;
         }
         let (mut rotates, mut slides) = (false, [false; 3]);

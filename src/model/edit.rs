@@ -19,7 +19,7 @@ use crate::id::Kind;
 /// the engine reads. Sizes, addresses, ids and types are read-only too. Switches and masks are set through
 /// [named access](crate::element): `joint_mut(name)?.set_limited(true)`, `geom_mut(name)?.set_contype(2)`.
 ///
-/// The compiler derived other quantities from these numbers. They are not updated automatically: call
+/// The compiler derived other quantities from these values. They are not updated automatically: call
 /// [`update_constants`](Self::update_constants) after changes of masses, inertias, positions or sizes.
 ///
 /// The access is exclusive:
@@ -58,11 +58,11 @@ impl<'m> ModelMut<'m> {
         Self { model }
     }
 
-    /// Changes the physics options, unless one of them is out of range.
+    /// Changes the physics options. Rejects the change if an option is out of range.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and the valid values. The model is not changed then.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the option, its value and the valid values. The model is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -122,17 +122,17 @@ impl<'m> ModelMut<'m> {
     /// weights, reference lengths, statistics and all fields with a `0` in their names. Also recomputes the flags of coinciding
     /// frames and of bodies that move independently (`body_sameframe`, `body_simple` and the like), which speed up the engine.
     ///
-    /// If a sphere, capsule, cylinder, ellipsoid or box is larger than its bounding sphere `geom_rbound`, outside of which the
-    /// engine detects no contacts, enlarges the bounding sphere.
+    /// Enlarges the bounding sphere `geom_rbound` of each sphere, capsule, cylinder, ellipsoid or box that exceeds it, because the
+    /// engine detects no contacts outside of the bounding sphere.
     ///
     /// # Errors
     ///
     /// [`Error::Invalid`](crate::Error::Invalid) for a body that has joints, but a mass or a moment of inertia that is not at least
     /// 10⁻¹⁵ (`mjMINVAL`), unless a child without joints has both. This is the rule of the XML compiler; the engine itself accepts
-    /// such a body and does not accelerate it. The model is not changed then.
+    /// such a body and does not accelerate it. The model is then unchanged.
     ///
     /// [`Error::Engine`](crate::Error::Engine) or [`Error::OutOfMemory`](crate::Error::OutOfMemory) if the memory for a scratch
-    /// simulation is exhausted, or its stack is too small. The derived quantities may be partly updated then.
+    /// simulation is exhausted, or its stack is too small. The derived quantities may then be partly updated.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};
@@ -154,8 +154,8 @@ impl<'m> ModelMut<'m> {
             return Err(crate::Error::OutOfMemory { function: "mj_makeData" });
         }
         // SAFETY: created above, and nothing else owns it. A counter above zero prevents the engine from formatting a warning in a
-        // buffer that all threads share. No warning is lost: every step with the model repeats it, such as that of a singular
-        // inertia matrix.
+        // buffer that all threads share. No warning is lost: every step with the model repeats it, for example the warning
+        // about a singular inertia matrix.
         silence_warnings(unsafe { &mut *scratch });
         self.compute_flags();
         self.enlarge_bounding_spheres();

@@ -19,7 +19,7 @@ impl Model {
         self.has_adhesion
     }
 
-    /// Returns `true` if each step casts rays at height fields, so that their poses must be valid: see
+    /// Returns `true` if each step casts rays at height fields, which requires valid poses: see
     /// [`Data::check_field_poses`](crate::Data::check_field_poses).
     #[inline]
     pub(crate) fn has_rangefinder_and_height_field(&self) -> bool {
@@ -34,8 +34,8 @@ impl Model {
         self.actuator_trntype().contains(&(mjTRN_BODY as i32))
     }
 
-    /// Checks a model that the engine compiled by the rules for binary models, so that every model that loads from XML can be
-    /// saved and loaded as a binary model too. Returns the reason for a rejection.
+    /// Applies the rules for binary models to a model that the engine compiled. Every model that loads from XML can therefore
+    /// be saved and loaded as a binary model too. Returns the reason for a rejection.
     pub(super) fn validate(&self) -> Result<(), String> {
         let bytes = self.to_binary().map_err(|error| error.to_string())?;
         mjb::check(&bytes).map_err(|error| error.to_string())

@@ -2,7 +2,7 @@
 //! simulation.
 //!
 //! A [`Model`] is loaded from XML or from the binary format, and can be saved in both. Before the engine reads such input, this
-//! module rejects everything that is known to make the engine crash. [`ModelMut`] is the checked interface for changes after
+//! module rejects all inputs that are known to crash it. [`ModelMut`] is the checked interface for changes after
 //! compilation.
 
 mod cached_flags;
@@ -105,7 +105,7 @@ impl Model {
         Ok(unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) })
     }
 
-    /// Returns the warnings of the engine's compiler from loading the model.
+    /// Returns the warnings that the engine's compiler raised when the model was loaded.
     pub fn compile_warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -116,7 +116,7 @@ impl Model {
         self.raw.as_ptr()
     }
 
-    /// Returns mutable access to the model, which requires that it is not shared.
+    /// Returns mutable access to a model that is not shared.
     ///
     /// ```
     /// use mujoco_safe::{Integrator, sample};

@@ -50,7 +50,7 @@ impl Model {
         self.name_at(K::KIND, id.index())
     }
 
-    /// Returns the name of the element of a kind at an index, or `None` if it has none or the index is out of bounds.
+    /// Returns the name of an element by kind and index, or `None` if it has none or the index is out of bounds.
     pub(crate) fn name_at(&self, kind: Kind, index: usize) -> Option<&str> {
         let index = i32::try_from(index).ok()?;
         // SAFETY: the engine checks type and index, and returns NULL or a string inside the model.

@@ -1,5 +1,5 @@
-//! Differentiation and integration of positions. A position contains quaternions, so it can have more numbers than degrees of
-//! freedom, and the difference of two positions is a velocity in the tangent space, not the difference of the vectors.
+//! Differentiation and integration of positions. A position contains quaternions, so it can have more components than degrees
+//! of freedom. The difference of two positions is a velocity in the tangent space, not the difference of the vectors.
 
 use mujoco_sys as sys;
 
@@ -21,9 +21,9 @@ impl Model {
     /// let (from, mut to) = (model.qpos0().to_vec(), model.qpos0().to_vec());
     /// let velocity = vec![0.1; model.nv()];
     /// model.integrate_pos(&mut to, &velocity, 1.0)?;
-    /// let mut found = vec![0.0; model.nv()];
-    /// model.differentiate_pos(&mut found, 1.0, &from, &to)?;
-    /// assert!(found.iter().zip(&velocity).all(|(a, b)| (a - b).abs() < 1e-12));
+    /// let mut difference = vec![0.0; model.nv()];
+    /// model.differentiate_pos(&mut difference, 1.0, &from, &to)?;
+    /// assert!(difference.iter().zip(&velocity).all(|(a, b)| (a - b).abs() < 1e-12));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_differentiatePos")]
@@ -33,7 +33,7 @@ impl Model {
         Error::check_length("qpos1 of differentiate_pos", qpos1.len(), self.nq())?;
         Error::check_length("qpos2 of differentiate_pos", qpos2.len(), self.nq())?;
         check_interval(dt, dt != 0.0, "finite and not zero")?;
-        // SAFETY: the lengths are those that the engine writes and reads; it only computes with the values.
+        // SAFETY: the lengths are those that the engine writes and reads; no value is used as an index or address.
         unsafe { sys::mj_differentiatePos(self.as_ptr(), qvel.as_mut_ptr(), dt, qpos1.as_ptr(), qpos2.as_ptr()) }
         Ok(())
     }
@@ -72,7 +72,7 @@ impl Model {
     #[doc(alias = "mj_normalizeQuat")]
     pub fn normalize_quat(&self, qpos: &mut [f64]) -> Result<()> {
         Error::check_length("qpos of normalize_quat", qpos.len(), self.nq())?;
-        // SAFETY: the length is what the engine writes.
+        // SAFETY: the length is that which the engine writes.
         unsafe { sys::mj_normalizeQuat(self.as_ptr(), qpos.as_mut_ptr()) };
         Ok(())
     }

@@ -4,13 +4,13 @@ use crate::error::{Error, Result};
 
 /// Converts simulation times to frame numbers.
 ///
-/// Frame `n` shows the first picture at or after `n` intervals from the start, so that rounding errors do not accumulate. If
-/// pictures are further apart than one interval, the previous picture is repeated.
+/// Frame `n` shows the first image at or after `n` intervals from the start, so that rounding errors do not accumulate. If
+/// images are further apart than one interval, the previous image is repeated.
 #[derive(Debug)]
 pub(super) struct Clock {
     /// Simulation time between two frames, s.
     interval: f64,
-    /// Most recently accepted picture.
+    /// Most recently accepted image.
     last: Option<Accepted>,
 }
 
@@ -25,7 +25,7 @@ struct Accepted {
 impl Clock {
     /// Tolerance as a fraction of an interval. Sums of timesteps have rounding errors.
     const TOLERANCE: f64 = 1e-3;
-    /// Longest accepted gap between two pictures, in frames. A longer gap is treated as an error of the caller.
+    /// Longest accepted gap between two images, in frames. A longer gap is treated as an error of the caller.
     const MAX_GAP: f64 = 100_000.0;
 
     pub(super) fn new(interval: f64) -> Self {
@@ -36,7 +36,7 @@ impl Clock {
         self.last.is_none_or(|last| time < last.time || self.frame(last, time) >= last.frame as f64 + 1.0)
     }
 
-    /// Accepts a picture that is due. Returns the number of frames that show the previous picture.
+    /// Accepts an image that is due. Returns the number of frames that show the previous image.
     pub(super) fn accept(&mut self, time: f64) -> Result<u64> {
         let Some(last) = self.last else {
             self.last = Some(Accepted { time, frame: 0, start: time });
@@ -53,25 +53,25 @@ impl Clock {
         Ok(shown)
     }
 
-    /// Returns the number of frames that show the last picture if the recording ends at this time: at least one.
+    /// Returns the number of frames that show the last image if the recording ends at this time: at least one.
     pub(super) fn until(&self, time: f64) -> Result<u64> {
         match self.last {
             Some(last) if time >= last.time => Ok(self.gap(last, time)?.max(1)),
-            // The simulation was reset, or the recording contains no picture.
+            // The simulation was reset, or the recording contains no image.
             _ => Ok(1),
         }
     }
 
-    /// Returns the number of frames from the last picture to this time.
+    /// Returns the number of frames from the last image to this time.
     fn gap(&self, last: Accepted, time: f64) -> Result<u64> {
         let frames = self.frame(last, time) - last.frame as f64;
         if frames <= Self::MAX_GAP {
             return Ok(frames as u64);
         }
         Err(Error::invalid(
-            "the time of a picture",
+            "the time of an image",
             format!("{time} s"),
-            format!("at most {} s after the previous picture", Self::MAX_GAP * self.interval),
+            format!("at most {} s after the previous image", Self::MAX_GAP * self.interval),
         ))
     }
 
@@ -84,7 +84,7 @@ impl Clock {
 mod tests {
     use super::Clock;
 
-    /// Returns the time of the picture that each frame shows.
+    /// Returns the time of the image that each frame shows.
     fn frames(clock: &mut Clock, times: impl IntoIterator<Item = f64>) -> Vec<f64> {
         let (mut shown, mut held) = (Vec::new(), None);
         for time in times {
@@ -122,15 +122,15 @@ mod tests {
     }
 
     #[test]
-    fn long_steps_repeat_pictures_and_a_reset_continues_the_recording() {
+    fn long_steps_repeat_images_and_a_reset_continues_the_recording() {
         assert_eq!(frames(&mut Clock::new(0.1), [0.0, 0.25, 0.3]), [0.0, 0.0, 0.25, 0.3]);
         assert_eq!(frames(&mut Clock::new(0.1), [5.0, 5.1, 0.0, 0.05, 0.1]), [5.0, 5.1, 0.0, 0.1]);
     }
 
     #[test]
-    fn the_last_picture_is_shown_until_the_end() {
+    fn the_last_image_is_shown_until_the_end() {
         let mut clock = Clock::new(0.1);
-        assert_eq!(clock.until(5.0).unwrap(), 1, "the clock has no picture");
+        assert_eq!(clock.until(5.0).unwrap(), 1, "no image was accepted");
         clock.accept(2.0).unwrap();
         let frames = [0.0, 2.0, 2.05, 2.1, 2.15, 5.0].map(|time| clock.until(time).unwrap());
         assert_eq!(frames, [1, 1, 1, 1, 1, 30]);

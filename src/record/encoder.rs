@@ -2,16 +2,16 @@
 
 use crate::error::Result;
 
-/// Writes pictures of constant size: RGB, rows from top to bottom.
+/// Writes images of constant size: RGB, rows from top to bottom.
 pub(super) trait Encoder: Send {
-    /// Encodes a picture that is shown for `frames` frames, at least one.
+    /// Encodes an image that is shown for `frames` frames, at least one.
     fn write(&mut self, rgb: &[u8], frames: u64) -> Result<()>;
 
     /// Completes the file and moves it to its final path.
     fn finish(self: Box<Self>) -> Result<()>;
 }
 
-/// Rectangular region of a picture, in pixels.
+/// Rectangular region of an image, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Rectangle {
     pub(super) left: usize,
@@ -37,10 +37,10 @@ impl Rectangle {
         Self { left, top, width: right - left + 1, height: bottom - top + 1 }
     }
 
-    /// Iterates over the rows of the region, as index ranges into the pixels of a picture of this width.
-    pub(super) fn rows(self, picture_width: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
+    /// Iterates over the rows of the region, as index ranges into the pixels of an image of this width.
+    pub(super) fn rows(self, image_width: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
         (self.top..self.top + self.height).map(move |row| {
-            let start = row * picture_width + self.left;
+            let start = row * image_width + self.left;
             start..start + self.width
         })
     }

@@ -14,7 +14,7 @@ use crate::file::Replacement;
 pub(super) struct Ffmpeg {
     file: Replacement,
     process: Process,
-    /// Buffer for a picture padded to even width and height.
+    /// Buffer for an image padded to even width and height.
     even: Vec<u8>,
     size: [usize; 2],
     path: PathBuf,
@@ -94,7 +94,7 @@ impl Encoder for Ffmpeg {
     }
 }
 
-/// Child process, which is always waited for.
+/// Child process. Dropping it kills a running process and waits for its exit.
 struct Process {
     child: Child,
     input: Option<BufWriter<ChildStdin>>,
@@ -106,7 +106,7 @@ impl Process {
     fn start(mut command: Command) -> io::Result<Self> {
         let messages = tempfile::tempfile()?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(messages.try_clone()?);
-        // In a process group of its own, the child does not receive Ctrl-C from the terminal. This crate ends it.
+        // In a separate process group, the child does not receive Ctrl-C from the terminal. This crate terminates it.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn()?;
@@ -162,7 +162,7 @@ fn failed(path: &Path, message: &str) -> Error {
     Error::Recording { path: path.to_owned(), reason: format!("ffmpeg failed: {message}{advice}") }
 }
 
-/// Pads a picture to even width and height by repeating its last column and row, as 4:2:0 chroma subsampling requires.
+/// Pads an image to even width and height by repeating its last column and row, as 4:2:0 chroma subsampling requires.
 fn make_even(rgb: &[u8], [width, height]: [usize; 2], even: &mut Vec<u8>) {
     even.clear();
     for row in (0..height).chain((height % 2 == 1).then(|| height - 1)) {
@@ -179,7 +179,7 @@ mod tests {
     use super::make_even;
 
     #[test]
-    fn the_last_row_or_column_of_an_odd_picture_is_repeated() {
+    fn the_last_row_or_column_of_an_odd_image_is_repeated() {
         let pixels = |indices: &[u8]| indices.iter().flat_map(|&index| [index, index + 1, 0]).collect::<Vec<u8>>();
         for (size, picture, expected) in [
             ([2, 2], &[10, 20, 30, 40][..], &[10, 20, 30, 40][..]),

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 pub enum Format {
     /// Numbered PNG files.
     Sequence,
-    /// Animated PNG: one lossless file that browsers play. Other programs show its first picture.
+    /// Animated PNG: one lossless file that browsers play. Other programs show its first image.
     AnimatedPng,
     /// Animated GIF: 256 colours, supported everywhere.
     Gif,

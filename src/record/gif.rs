@@ -18,10 +18,10 @@ pub(super) struct AnimatedGif {
     file: Replacement,
     size: [u16; 2],
     plays: u16,
-    /// Created with the first picture, whose palette becomes the global colour table.
+    /// Created with the first image, whose palette becomes the global colour table.
     gif: Option<gif::Encoder<BufWriter<File>>>,
     palette: Palette,
-    /// `true` once a picture has required another palette, which is then stored with every frame.
+    /// `true` once an image has required another palette, which is then stored with every frame.
     has_local_palettes: bool,
     delays: Delays,
     /// Pixels that a viewer shows at present.
@@ -43,7 +43,7 @@ impl AnimatedGif {
     ) -> Result<Self> {
         let (Ok(width), Ok(height)) = (u16::try_from(width), u16::try_from(height)) else {
             return Err(Error::invalid(
-                "the size of a picture for a GIF",
+                "the size of an image for a GIF",
                 format!("{width} × {height}"),
                 format!("at most {0} × {0}", u16::MAX),
             ));

@@ -14,7 +14,7 @@ pub(super) struct Palette {
     colors: Vec<Rgb>,
     /// Amplitude of the dither pattern, in channel steps: the typical distance between two colours of the palette.
     strength: f32,
-    /// Mean square error of the picture for which the palette was computed.
+    /// Mean square error of the image for which the palette was computed.
     error: f64,
     /// Cache of nearest colours, indexed by a hash of the requested colour.
     cache: Vec<Option<(Rgb, u8)>>,
@@ -24,9 +24,9 @@ impl Palette {
     const MAX_COLORS: usize = 255;
     const CACHE_BITS: u32 = 16;
 
-    /// Computes the palette of a picture. If the picture has few colours, the palette contains exactly these.
+    /// Computes the palette of an image. If the image has few colours, the palette contains exactly these.
     pub(super) fn of(pixels: &[Rgb], width: usize) -> Self {
-        // For a large picture, a sample of every tenth pixel is sufficient.
+        // For a large image, a sample of every tenth pixel is sufficient.
         const LARGE: usize = 40_000;
         let cache = vec![None; 1 << Self::CACHE_BITS];
         if let Some(colors) = few_colors(pixels) {
@@ -44,7 +44,7 @@ impl Palette {
         palette
     }
 
-    /// Quantises a picture: writes one palette index per pixel. Returns the mean square error.
+    /// Quantises an image: writes one palette index per pixel. Returns the mean square error.
     pub(super) fn quantise(&mut self, pixels: &[Rgb], width: usize, indices: &mut Vec<u8>) -> f64 {
         indices.clear();
         let mut error = 0;
@@ -60,7 +60,7 @@ impl Palette {
         error as f64 / pixels.len() as f64
     }
 
-    /// Returns `true` if this error is not much larger than that of the picture for which the palette was computed.
+    /// Returns `true` if this error is not much larger than that of the image for which the palette was computed.
     pub(super) fn fits(&self, error: f64) -> bool {
         error <= 1.5 * self.error + 1.0
     }
@@ -97,7 +97,7 @@ impl Palette {
     }
 }
 
-/// Returns all colours of a picture, or `None` if they exceed the palette.
+/// Returns all colours of an image, or `None` if they exceed the palette.
 fn few_colors(pixels: &[Rgb]) -> Option<Vec<Rgb>> {
     let mut colors = BTreeSet::new();
     for &pixel in pixels {
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_with_few_colours_is_reproduced_exactly() {
+    fn an_image_with_few_colours_is_reproduced_exactly() {
         let pixels: Vec<[u8; 3]> = (0..1000_u32).map(|pixel| [(pixel % 200) as u8, 7, 255]).collect();
         let mut palette = Palette::of(&pixels, 100);
         let mut indices = Vec::new();
@@ -155,7 +155,7 @@ mod tests {
         let mut indices = Vec::new();
         let error = palette.quantise(&pixels, width, &mut indices);
         assert!(palette.fits(error) && error < 100.0, "{error}");
-        // Averaged over squares of 16 pixels, the dithered picture matches the original.
+        // Averaged over squares of 16 pixels, the dithered image matches the original.
         for (top, left) in (0..height).step_by(16).flat_map(|top| (0..width).step_by(16).map(move |left| (top, left))) {
             for channel in [0, 1, 2] {
                 let mean = |value: &dyn Fn(usize) -> u8| {

@@ -98,7 +98,7 @@ impl AnimatedPng {
             for row in region.rows(width) {
                 self.region.extend_from_slice(current[row].as_flattened());
             }
-            // Resets the position first: the previous size could exceed the picture at the new position.
+            // Resets the position first: the previous size could exceed the image at the new position.
             self.png.reset_frame_position()?;
             self.png.set_frame_dimension(region.width as u32, region.height as u32)?;
             self.png.set_frame_position(region.left as u32, region.top as u32)?;

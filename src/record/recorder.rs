@@ -16,7 +16,7 @@ use crate::render::Picture;
 /// Options of a recording. The default is 30 frames per second, in real time, played in an endless loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecorderOptions {
-    /// Frames per second of the recording: up to 1000, or up to 50 in a GIF, because viewers slow faster ones down.
+    /// Frames per second of the recording: up to 1000, or up to 50 in a GIF, because viewers slow down faster animations.
     pub frames_per_second: f64,
     /// Simulation time per second of the recording: 0.1 is slow motion, 2 is double speed.
     pub speed: f64,
@@ -63,32 +63,32 @@ pub struct Summary {
     pub path: PathBuf,
     /// File format.
     pub format: Format,
-    /// Number of frames, including repetitions of a picture.
+    /// Number of frames, including repetitions of an image.
     pub frames: u64,
     /// Duration, s.
     pub seconds: f64,
 }
 
-/// Records pictures together with the simulation times that they show. See the [module](super).
+/// Records images together with the simulation times that they show. See the [module](super).
 ///
 /// The file appears at its path when the recording is [finished](Self::finish): complete or not at all. The files of a sequence
-/// appear one by one. Dropping a recorder finishes the recording, so that a program that ends early by an error or a panic
-/// keeps the frames recorded so far.
+/// appear one by one. Dropping a recorder finishes the recording, so the frames recorded so far are kept if the program
+/// ends early by an error or a panic.
 pub struct Recorder {
     path: PathBuf,
     format: Format,
     options: RecorderOptions,
     clock: Clock,
     state: State,
-    /// Width and height of all pictures; zero before the first.
+    /// Width and height of all images; zero before the first.
     size: [u32; 2],
-    /// Most recent picture. It is encoded when the time of the next picture determines its duration.
+    /// Most recent image. It is encoded when the time of the next image determines its duration.
     latest: Vec<u8>,
     frames: u64,
 }
 
 enum State {
-    /// No picture yet. The file exists, except for a sequence.
+    /// No image yet. The file exists, except for a sequence.
     Empty(Option<Replacement>),
     Recording(Box<dyn Encoder>),
     /// Finished or failed. Nothing more is written.
@@ -106,8 +106,8 @@ impl Recorder {
     /// | `walk/frame_%05d.png` | PNG files | `%05d` is replaced by the number, with at least five digits, starting at 0 |
     /// | `walk`, `walk/` | PNG files | `frame_%05d.png` in this folder |
     ///
-    /// For a sequence, the folder is created if necessary. New files replace those of the same name; other files remain, such
-    /// as those of an earlier and longer recording.
+    /// For a sequence, the folder is created if necessary. New files replace those of the same name. Other files remain,
+    /// including the surplus files of an earlier and longer recording.
     ///
     /// # Errors
     ///
@@ -144,35 +144,35 @@ impl Recorder {
         self.format
     }
 
-    /// Returns the number of frames so far, including repetitions of a picture.
+    /// Returns the number of frames so far, including repetitions of an image.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// Returns `true` if [`push`](Self::push) would accept a picture at this time, s: always for the first picture, then every
+    /// Returns `true` if [`push`](Self::push) would accept an image at this time, s: always for the first image, then every
     /// `speed / frames_per_second` seconds of simulation time. After a reset of the simulation to an earlier time, the next
-    /// picture is due.
+    /// image is due.
     pub fn is_due(&self, time: f64) -> bool {
         time.is_finite() && self.clock.is_due(time)
     }
 
-    /// Adds a picture of the simulation at this time, s, if [one is due](Self::is_due). Returns `true` if the picture was
+    /// Adds an image of the simulation at this time, s, if [one is due](Self::is_due). Returns `true` if the image was
     /// accepted.
     ///
-    /// If pictures are further apart than frames, the previous picture is repeated.
+    /// If images are further apart than frames, the previous image is repeated.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] for an empty picture, for a change of size, and for a time that is not finite or more than 100,000
-    /// frames after the previous picture. The recording can continue.
+    /// [`Error::Invalid`] for an empty image, for a change of size, and for a time that is not finite or more than 100,000
+    /// frames after the previous image. The recording can continue.
     ///
-    /// [`Error::File`] or [`Error::Recording`] if the picture cannot be written. The recording has then ended, and leaves no
-    /// file, except for the files of a sequence.
+    /// [`Error::File`] or [`Error::Recording`] if the image cannot be written. The recording then ends without a file,
+    /// except for the files of a sequence.
     pub fn push(&mut self, picture: &Picture, time: f64) -> Result<bool> {
         self.push_rgb(picture.width(), picture.height(), picture.as_bytes(), time)
     }
 
-    /// Adds a picture as [`push`](Self::push) does, from an array of red, green and blue for each pixel, row-major from the
+    /// Adds an image as [`push`](Self::push) does, from an array of red, green and blue for each pixel, row-major from the
     /// top, `(height, width, 3)`.
     ///
     /// # Errors
@@ -182,7 +182,7 @@ impl Recorder {
         let size = self.check_size(width, height)?;
         Error::check_length("rgb of Recorder::push_rgb", rgb.len(), 3 * width * height)?;
         if !time.is_finite() {
-            return Err(Error::invalid("the time of a picture", time, "finite"));
+            return Err(Error::invalid("the time of an image", time, "finite"));
         }
         if matches!(self.state, State::Ended) {
             return Err(self.ended_error());
@@ -209,20 +209,20 @@ impl Recorder {
     ///
     /// # Errors
     ///
-    /// As for [`push_rgb`](Self::push_rgb), and [`Error::Recording`] if the recording has no picture.
+    /// As for [`push_rgb`](Self::push_rgb), and [`Error::Recording`] if the recording has no image.
     pub fn finish(self) -> Result<Summary> {
         self.finish_after(1)
     }
 
-    /// Completes the file as [`finish`](Self::finish) does, and shows the last picture until the given simulation time, s. The
-    /// duration of the file then matches the simulation, however rarely a picture was drawn.
+    /// Completes the file as [`finish`](Self::finish) does, and shows the last image until the given simulation time, s. The
+    /// duration of the file then matches the simulation, even if images were added rarely.
     ///
-    /// A time before that of the last picture has no effect.
+    /// A time before that of the last image has no effect.
     ///
     /// # Errors
     ///
     /// As for [`finish`](Self::finish). [`Error::Invalid`] for a time that is not finite or more than 100,000 frames after the
-    /// last picture; the file then ends with this picture.
+    /// last image; the file then ends with this image.
     pub fn finish_at(self, time: f64) -> Result<Summary> {
         if !time.is_finite() {
             return Err(Error::invalid("the end time of a recording", time, "finite"));
@@ -231,10 +231,10 @@ impl Recorder {
         self.finish_after(shown)
     }
 
-    /// Completes the file, with the last picture shown for `shown` frames.
+    /// Completes the file, with the last image shown for `shown` frames.
     fn finish_after(mut self, shown: u64) -> Result<Summary> {
         if let State::Empty(_) = self.state {
-            return Err(Error::Recording { path: self.path.clone(), reason: "no picture was recorded".to_owned() });
+            return Err(Error::Recording { path: self.path.clone(), reason: "no image was recorded".to_owned() });
         }
         if let State::Ended = self.state {
             return Err(self.ended_error());
@@ -253,14 +253,14 @@ impl Recorder {
         // No format supports lengths above `i32::MAX`.
         let size = [width, height].map(|length| i32::try_from(length).map_or(0, |length| length as u32));
         if size.contains(&0) {
-            return Err(Error::invalid("the size of a picture", given(), format!("from 1 × 1 to {0} × {0}", i32::MAX)));
+            return Err(Error::invalid("the size of an image", given(), format!("from 1 × 1 to {0} × {0}", i32::MAX)));
         }
         match self.size {
             [0, 0] => Ok(size),
             before if before == size => Ok(size),
             [width, height] => {
-                let expected = format!("{width} × {height}, as the pictures before");
-                Err(Error::invalid("the size of a picture", given(), expected))
+                let expected = format!("{width} × {height}, the size of the previous images");
+                Err(Error::invalid("the size of an image", given(), expected))
             }
         }
     }
@@ -275,7 +275,7 @@ impl Recorder {
         })
     }
 
-    /// Encodes the most recent picture.
+    /// Encodes the most recent image.
     fn write(&mut self, shown: u64) -> Result<()> {
         let State::Recording(encoder) = &mut self.state else { return Ok(()) };
         let written = encoder.write(&self.latest, shown);
@@ -286,7 +286,7 @@ impl Recorder {
         written
     }
 
-    /// Encodes the most recent picture for `shown` frames, and completes the file if there is one.
+    /// Encodes the most recent image for `shown` frames, and completes the file if there is one.
     fn complete(&mut self, shown: u64) -> Result<()> {
         self.write(shown)?;
         match std::mem::replace(&mut self.state, State::Ended) {

@@ -145,7 +145,7 @@ fn to_world(Sphere { centre, radius }: Sphere, pos: [f32; 3], mat: [f32; 9]) -> 
     const ROUNDING: f32 = 1.0 + 1e-4;
     let rows = [0, 3, 6].map(|row| [mat[row], mat[row + 1], mat[row + 2]]);
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    // A matrix of the user need not be a rotation. Its Frobenius norm bounds the scale; for a rotation the norm exceeds
+    // A matrix from the user need not be a rotation. Its Frobenius norm bounds the scale; for a rotation the norm exceeds
     // the scale, which is 1.
     let is_rotation =
         (0..3).all(|i| (0..3).all(|j| (dot(rows[i], rows[j]) - if i == j { 1.0 } else { 0.0 }).abs() < ROUNDING - 1.0));

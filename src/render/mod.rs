@@ -44,7 +44,7 @@
 //!   draws everything once more for each shadow-casting light.
 //! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights.
 //! - Round shapes that cover few pixels have fewer vertices.
-//! - The sample count is the largest that the adapter supports and that does not exceed the model's.
+//! - The sample count is the largest supported count that does not exceed the model's.
 //! - Depth is in metres, and infinite for the background. The engine returns a value from 0 to 1 that depends on the
 //!   frustum.
 //! - A geom with a value that cannot be rendered, such as an infinite position, is skipped.

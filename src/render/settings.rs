@@ -60,12 +60,12 @@ impl RendererOptions {
 /// Largest magnitude of a value that can be rendered. Its square is finite in single precision.
 pub(crate) const MAX_MAGNITUDE: f32 = 1e15;
 
-/// Returns whether a value is finite and not too large to be rendered.
+/// Returns `true` if a value is finite and not too large to be rendered.
 pub(crate) fn is_drawable(number: f32) -> bool {
     number.abs() <= MAX_MAGNITUDE
 }
 
-/// Validated copy of the model's visual settings. The engine's compiler accepts any number in them.
+/// Validated copy of the model's visual settings. The engine's compiler accepts any value for them.
 #[derive(Debug, Clone)]
 pub(crate) struct VisualSettings {
     /// Half-width of the orthographic shadow volume of directional lights, m.

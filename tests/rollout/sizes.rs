@@ -124,7 +124,7 @@ fn an_impossible_capacity_of_a_trajectory_is_ignored() {
 }
 
 #[test]
-#[should_panic(expected = "there is no memory for a matrix")]
+#[should_panic(expected = "there is not enough memory for a matrix")]
 fn a_matrix_without_memory_panics_and_does_not_abort() {
     mujoco_safe::Matrix::zeros(1 << 45, 2);
 }

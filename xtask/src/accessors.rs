@@ -41,8 +41,8 @@ const FLAGGED: [(&str, &str); 11] = [
     ("dof_armature", "clear_simple_body_flags"),
 ];
 
-/// Long arrays that cannot change in a compiled model. All other arrays are restored, including short constant ones, whose copy is
-/// cheaper than the maintenance of a list.
+/// Long arrays that cannot change in a compiled model. All other arrays are restored, including short constant ones, because their
+/// copy costs less than a longer list would.
 const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];
 
 /// Additions to the header's one-line comments, for the most common fields.
@@ -374,10 +374,10 @@ fn writer(text: &mut String, field: Field<'_>) {
         String::new()
     };
     let flagged = FLAGGED.iter().find(|(array, _)| field.owner == "Model" && *array == name);
-    let forget = flagged.map(|(_, forget)| format!("        self.{forget}();\n")).unwrap_or_default();
+    let clear_flags = flagged.map(|(_, method)| format!("        self.{method}();\n")).unwrap_or_default();
     let _ = writeln!(
         text,
-        "    /// Returns [`{name}`](crate::{}::{name}) for writing.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{forget}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
+        "    /// Returns [`{name}`](crate::{}::{name}) for writing.\n    #[inline]\n    pub fn {name}_mut(&mut self) -> {result} {{\n{clear_flags}        let rows = {rows};{columns}\n        let array = self.raw_mut().{name};\n        // SAFETY: the engine allocated the array with this shape, and `self` is borrowed exclusively.\n        unsafe {{ {call} }}\n    }}\n",
         field.owner,
     );
 }

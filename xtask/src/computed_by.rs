@@ -1,6 +1,6 @@
 //! Table of the calls that compute the fields of `mjData`, for the documentation of their getters.
 
-/// Returns the documentation of the guarantee of a plain getter of `Data`: the call that computes the values, and the lack of a
+/// Returns the documentation of the guarantee of a plain getter of `Data`: the call that computes the values, and the absence of a
 /// check. Empty for arrays that programs set.
 pub(super) fn guarantee(name: &str, kind: &str) -> String {
     let fits = |fields: &[&str]| {
@@ -18,7 +18,7 @@ pub(super) fn guarantee(name: &str, kind: &str) -> String {
             [first @ .., last] => format!("{} and {last}", first.join(", ")),
             [] => unreachable!("a part without a method"),
         };
-        let whole = if part.in_forward {
+        let in_forward = if part.in_forward {
             format!(", called directly or within {forward} or {step}")
         } else {
             format!(", which {forward} and {step} call only if a sensor or an option needs it")
@@ -27,12 +27,12 @@ pub(super) fn guarantee(name: &str, kind: &str) -> String {
             "" => String::new(),
             needs => format!(" [`require({needs})`](crate::Data::require) checks that it has been computed."),
         };
-        (format!("{calls}{whole}"), check)
+        (format!("{calls}{in_forward}"), check)
     } else if let Some((integrator, _)) = INTEGRATED.iter().find(|(_, fields)| fits(fields)) {
         (format!("{step} with {integrator}"), String::new())
     } else {
         let is_computed = kind == "array" && !SET_BY_PROGRAMS.contains(&name);
-        assert!(!is_computed, "no call that computes {name} in the table");
+        assert!(!is_computed, "the table has no call that computes {name}");
         return String::new();
     };
     format!(

@@ -13,11 +13,11 @@ use crate::ffi;
 use crate::id::Lineage;
 use crate::model::{Model, xml_guard};
 
-/// State of the engine's XML compiler, of which a process has one: the XML tree of the last model, under a lock.
+/// State of the engine's XML compiler, one per process: the XML tree of the last model, under a lock.
 pub(in crate::model) struct XmlState {
     /// The model to which the tree belongs.
     pub(in crate::model) last: Option<Lineage>,
-    /// The error by which the engine jumped out of the compiler while it held its lock. Another call would deadlock.
+    /// Engine error that left the compiler by a `longjmp`, with the compiler's lock still held. Another call would deadlock.
     locked: Option<String>,
 }
 
@@ -32,8 +32,8 @@ impl XmlState {
         }
     }
 
-    /// Converts the status of a call into the compiler, and records if the engine's lock is still held: an engine error jumps
-    /// over its release, a C++ exception does not.
+    /// Converts the status of a call into the compiler, and records whether the engine's lock is still held: an engine error
+    /// skips its release, a C++ exception does not.
     pub(in crate::model) fn leave(&mut self, function: &'static str, status: c_int) -> Result<()> {
         let result = ffi::check_without_data(function, status);
         if let Err(error) = &result
@@ -45,7 +45,7 @@ impl XmlState {
     }
 }
 
-/// Files in memory, which the engine finds by the last part of their path. The structure is 2 MB of tables, so it is on the heap.
+/// Files in memory, which the engine finds by the last part of their path. The structure has 2 MB of tables, so it is on the heap.
 pub(in crate::model) struct VirtualFiles {
     raw: Box<mjVFS>,
 }
@@ -61,7 +61,7 @@ impl VirtualFiles {
         Self { raw }
     }
 
-    /// Adds a file. Checks the conditions for which the engine raises a fatal error, or which it does not check.
+    /// Adds a file. Rejects a file for which the engine would raise a fatal error, or whose errors it does not detect.
     pub(super) fn add(&mut self, name: &str, content: &[u8]) -> Result<()> {
         let invalid = |value: String, expected: &str| Error::Invalid {
             what: format!("the in-memory file '{name}'"),

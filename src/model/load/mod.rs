@@ -22,13 +22,13 @@ use crate::error::{Error, Result};
 use crate::id::Lineage;
 use crate::{ffi, file};
 
-/// The file name of the main text for the engine's compiler.
+/// File name of the main text for the engine's compiler.
 pub(super) const TEXT: &str = "(main).xml";
 
-/// The name of a text from memory in errors.
+/// Name of a text from memory in error messages.
 const FROM_MEMORY: &str = "the given XML";
 
-/// A function that runs the engine's compiler on a file. The last argument is the name in error messages.
+/// Function that runs the engine's compiler on a file. The last argument is the name in error messages.
 type Compile<'a> = dyn FnMut(&CString, &VirtualFiles, &str) -> Result<Model> + 'a;
 
 impl Model {
@@ -56,10 +56,10 @@ impl Model {
     /// Loads a model from an MJCF or URDF file with [`LoadOptions`]: some of the files that it names can be in memory, and a URDF
     /// can name meshes by `package://` URIs.
     ///
-    /// The file itself is read from disk. The compiler searches the files that it names in memory first, by the part of their
-    /// names after the last slash and regardless of case, and then on disk, relative to the file.
+    /// The file itself is read from disk. The compiler searches for the files that it names first in memory, by the part of
+    /// their names after the last slash and ignoring case, and then on disk, relative to the file.
     ///
-    /// For hostile texts and files see [`from_xml_str`](Self::from_xml_str).
+    /// For untrusted texts and files see [`from_xml_str`](Self::from_xml_str).
     ///
     /// # Errors
     ///
@@ -110,12 +110,12 @@ impl Model {
     /// The compiled model then passes the checks of a binary model, see [`from_binary`](Self::from_binary).
     ///
     /// Compilation can still take minutes (thousands of bodies) or much memory (a PNG that decompresses to more than its header
-    /// says), and a file on disk can change between the check and the compilation. Compile untrusted models in a separate process
+    /// states), and a file on disk can change between the check and the compilation. Compile untrusted models in a separate process
     /// with limits on time and memory.
     ///
     /// # Errors
     ///
-    /// [`Error::Load`] with the compiler's whole message, which includes the line if the compiler reports one.
+    /// [`Error::Load`] with the compiler's complete message, which includes the line if the compiler reports one.
     ///
     /// ```
     /// use mujoco_safe::Model;
@@ -130,7 +130,7 @@ impl Model {
     /// Loads a model from MJCF or URDF text with [`LoadOptions`]: files that the text names can be in memory, and a URDF can name
     /// meshes by `package://` URIs.
     ///
-    /// For hostile texts and files see [`from_xml_str`](Self::from_xml_str).
+    /// For untrusted texts and files see [`from_xml_str`](Self::from_xml_str).
     ///
     /// # Errors
     ///
@@ -225,7 +225,7 @@ impl Model {
     /// Loads a binary model (MJB) that [`save_binary`](Self::save_binary) or the engine wrote.
     ///
     /// The engine trusts such a file; this function does not. It checks every size, address, id and enum before it passes the
-    /// file to the engine, so a damaged or hostile file results in an error.
+    /// file to the engine, so a damaged or malicious file results in an error.
     ///
     /// # Errors
     ///

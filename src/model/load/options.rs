@@ -65,8 +65,8 @@ impl<'a> LoadOptions<'a> {
         self
     }
 
-    /// Adds directories in which packages are searched for, separated as in the `PATH` of the platform: the value of
-    /// `ROS_PACKAGE_PATH` or `AMENT_PREFIX_PATH`, for example. In each directory, the package `name` is `name`, `share/name`, or
+    /// Adds directories that are searched for packages, separated as in the `PATH` of the platform. The list can be the value
+    /// of `ROS_PACKAGE_PATH` or `AMENT_PREFIX_PATH`, for example. In each directory, the package `name` is `name`, `share/name`, or
     /// the directory itself if its name is `name`. The first match in the order of the list is used. Subdirectories are not
     /// searched.
     #[must_use]

@@ -127,7 +127,7 @@ fn locate(uri: &str, packages: &Packages) -> Result<PathBuf, String> {
     }
 }
 
-/// Returns a file name that contains the whole URI.
+/// Returns a file name that contains the complete URI.
 fn unique_name(uri: &str) -> String {
     uri.replace(['/', '\\'], "-")
 }

@@ -85,7 +85,7 @@ pub(super) fn count(view: &View<'_>, kind: i32) -> Option<usize> {
 }
 
 /// Checks the array of names: the name of the model first, then the names of all objects, kind by kind, each NUL-terminated. An
-/// object without a name has an empty one, so every address is the end of the previous name.
+/// unnamed object has an empty string, so every address is the end of the previous name.
 fn names(view: &View<'_>) -> Result<(), Invalid> {
     let names = view.slice(field::names);
     // Addresses only increase, so all searches together read each byte once.

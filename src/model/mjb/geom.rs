@@ -1,5 +1,5 @@
-//! Elements attached to bodies: geoms, sites, cameras and lights. Also the pairs of geoms that the model names for contact, and
-//! the pairs of bodies that it excludes from contact.
+//! Elements attached to bodies: geoms, sites, cameras and lights. Also the explicit contact pairs of geoms, and the pairs of
+//! bodies that are excluded from contact.
 
 use mujoco_sys::{mjCAMLIGHT_TARGETBODYCOM, mjGEOM_BOX, mjGEOM_HFIELD, mjGEOM_MESH, mjGEOM_PLANE, mjGEOM_SPHERE};
 
@@ -7,7 +7,7 @@ use super::layout::{Field, field, size};
 use super::rule::{Invalid, all_bytes, all_ids, all_ids_or_none, all_in, ids, is, is_in, size_is};
 use super::view::View;
 
-/// Largest `*_sameframe` flag: 0, or 1 for the body frame, or 2 for the inertial frame.
+/// Largest `*_sameframe` flag: 0 for none, 1 for the body frame, 2 for the inertial frame.
 const LAST_SAMEFRAME: u8 = 2;
 
 pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {

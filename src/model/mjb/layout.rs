@@ -189,7 +189,7 @@ mod tests {
         } else {
             assert!(
                 include_str!("table.rs") == expected(),
-                "table.rs is out of date; its first line tells how to regenerate it"
+                "table.rs is out of date; its header contains the command that regenerates it"
             );
         }
     }

@@ -1,18 +1,18 @@
 //! Validation of binary models (MJB), which are untrusted input.
 //!
 //! `mj_loadModel` trusts the file. Its own validation checks the ranges of most references, but it allows -1 for all of them,
-//! checks no enum, does not compare the sizes with the arrays that depend on them, and itself reads out of bounds. One flipped
-//! bit was enough for a segmentation fault in `mj_step`. This module therefore checks every number that the engine, or an
-//! accessor of this crate, uses as an index, a count, an address, an enum or a size of memory. Numbers that follow from the
-//! rest of the file, which includes most of the kinematic tree, are recomputed and compared.
+//! checks no enum, does not compare the sizes with the arrays that depend on them, and reads out of bounds itself. A single flipped
+//! bit caused a segmentation fault in `mj_step`. This module therefore checks every value that the engine, or an
+//! accessor of this crate, uses as an index, a count, an address, an enum or a size of memory. Values that follow from the
+//! rest of the file, which include most of the kinematic tree, are recomputed and compared.
 //!
-//! A model that the engine compiled from XML passes through the same check (`Model::validate`). It rejects settings that the
-//! compiler accepts although no program needs them: a time step that is not positive, more than a million iterations, or a
+//! A model that the engine compiled from XML passes through the same check (`Model::validate`). The check rejects settings that
+//! the compiler accepts although no program needs them: a time step that is not positive, more than a million iterations, or a
 //! fixed tendon with the same joint twice, on which the engine writes out of bounds.
 //!
-//! Real numbers may have any value, including NaN, because the engine uses them without memory errors. The exceptions are
-//! reals that encode an id (the side site in `wrap_prm`), reals that control how the engine iterates over an array
-//! (`hfield_size`, `mesh_vert`), and the time step.
+//! Floating-point fields may have any value, including NaN, because the engine uses them without memory errors. The exceptions
+//! encode an id (the side site in `wrap_prm`), control how the engine iterates over an array (`hfield_size`, `mesh_vert`), or
+//! are the time step.
 //!
 //! The layout is that of MuJoCo 2.2.2: four header integers, the sizes, the memory images of `mjOption`, `mjVisual` and
 //! `mjStatistic`, then the arrays without padding in the order of the engine's X-macros. Each engine version has another
@@ -37,12 +37,12 @@ use view::View;
 
 /// Checks that a binary model from any source is safe to load, to simulate and to read.
 ///
-/// One condition depends on the simulation and is left to it: a model with an adhesive actuator must not be stepped after the
-/// warning that the constraint buffer is full (see `transmission::adhesion`).
+/// One condition depends on the simulation and is checked there: a model with an adhesive actuator must not be stepped after
+/// the warning that the constraint buffer is full (see `transmission::adhesion`).
 ///
 /// # Errors
 ///
-/// The first violation that is found.
+/// The first violation.
 pub(crate) fn check(bytes: &[u8]) -> Result<(), Invalid> {
     let view = View::new(bytes)?;
     // The order matters: each check may rely on the previous ones.

@@ -13,7 +13,7 @@ use super::view::View;
 pub(crate) struct Invalid(String);
 
 impl Invalid {
-    /// Creates an error about the file as a whole from a sentence without a full stop.
+    /// Creates an error about the entire file from a sentence without a full stop.
     pub(super) fn file(message: impl Into<String>) -> Self {
         Self(message.into())
     }

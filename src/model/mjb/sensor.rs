@@ -41,7 +41,7 @@ enum On {
 }
 
 /// Returns the number of values of a type of sensor, their data type, the stage that computes them, and the object. Returns
-/// `None` for a user sensor, which may have any.
+/// `None` for a user sensor, for which these are arbitrary.
 fn rule(kind: u32) -> Option<(i64, u32, u32, On)> {
     use On::{Actuator, Ball, Body, Frame, Joint, Nothing, Relative, Scalar, Site, Tendon};
     let (pos, vel, acc) = (mjSTAGE_POS, mjSTAGE_VEL, mjSTAGE_ACC);

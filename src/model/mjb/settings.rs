@@ -1,7 +1,7 @@
 //! Sizes and options.
 //!
 //! The checks of sizes cover those that nothing else in the file bounds. They determine the memory of a model and its data, and
-//! the magnitude of products that the engine computes in C ints. The checks of `mjOption` cover the numbers that select code or
+//! the magnitude of products that the engine computes in C ints. The checks of `mjOption` cover the values that select code or
 //! bound loops. The integers of `mjVisual` need no check, because the renderer clamps them.
 
 use std::mem::offset_of;
@@ -41,7 +41,7 @@ pub(super) fn check(view: &View<'_>) -> Result<(), Invalid> {
 
 fn sizes(view: &View<'_>) -> Result<(), Invalid> {
     if view.size(size::nbody) == 0 {
-        return Err(Invalid::scalar("nbody", 0, "it must count the world body"));
+        return Err(Invalid::scalar("nbody", 0, "it must be at least 1, for the world body"));
     }
     let model = buffer_bytes(MODEL_ARRAYS, view);
     size_is(view, size::nbuffer, u64::try_from(model).unwrap_or(u64::MAX), "the bytes of its arrays in memory")?;

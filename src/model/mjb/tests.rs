@@ -1,5 +1,5 @@
-//! The valid file is written by the engine for a model with every kind of element, so the tests also show that each rule accepts
-//! valid elements. The invalid files are that file with one number changed.
+//! The engine writes the valid file for a model with every kind of element, so the tests also show that each rule accepts
+//! valid elements. Each invalid file differs from the valid file in one value.
 
 use std::ffi::CString;
 use std::mem::offset_of;
@@ -56,7 +56,7 @@ fn rejection(changes: &[(usize, &[u8])]) -> String {
     for (at, bytes) in changes {
         file[*at..at + bytes.len()].copy_from_slice(bytes);
     }
-    check(&file).expect_err("the changed file is accepted").to_string()
+    check(&file).expect_err("the check accepted the changed file").to_string()
 }
 
 /// Returns the error for the file with one integer replaced.

@@ -24,7 +24,7 @@ fn equalities(view: &View<'_>) -> Result<(), Invalid> {
     all_bytes(view, field::eq_active, 1)?;
     let mut rows = 0;
     for (i, kind) in view.values(field::eq_type).enumerate() {
-        // The compiler counts seven rows for a weld, although it makes six.
+        // The compiler counts seven rows for a weld, although a weld has six.
         let (least_second, count, added) = match kind as u32 {
             mjEQ_CONNECT => (0, view.size(size::nbody), 3),
             mjEQ_WELD => (0, view.size(size::nbody), 7),
@@ -90,7 +90,7 @@ fn path_elements(view: &View<'_>) -> Result<(), Invalid> {
                 let geom = view.get(field::wrap_objid, i) as usize;
                 let expected = if kind == mjWRAP_SPHERE { mjGEOM_SPHERE } else { mjGEOM_CYLINDER };
                 if view.get(field::geom_type, geom) as u32 != expected {
-                    let expected = format!("it must be a geom of type {expected}, as wrap_type says");
+                    let expected = format!("it must be a geom of type {expected}, as wrap_type states");
                     return Err(Invalid::element(field::wrap_objid.name(), i, geom, expected));
                 }
                 side_site(view, i)?;
@@ -110,9 +110,9 @@ fn side_site(view: &View<'_>, i: usize) -> Result<(), Invalid> {
     Err(Invalid::element(field::wrap_prm.name(), i, value, format!("it must be -1 or the id of one of {nsite} sites")))
 }
 
-/// Checks that a fixed tendon consists of joints only, and of each joint once. The compiler allows a repeated joint. But a row
-/// of the engine's sparse Jacobian has room for `nv` elements, and the engine writes one for each joint in the path, so a
-/// repetition can make it write past the end.
+/// Checks that a fixed tendon consists of joints only, and of each joint once. The compiler allows a repeated joint, with
+/// which the engine can write out of bounds: a row of its sparse Jacobian has room for `nv` elements, and the engine writes
+/// one for each joint in the path.
 ///
 /// `last_tendon_of_joint` is the last tendon so far that contains each joint.
 fn fixed_path(
@@ -136,7 +136,7 @@ fn fixed_path(
 /// Checks the path of a spatial tendon. It has at least two elements. Each geom is between two sites. Pulleys are not adjacent
 /// and not last, and every site has a site or a geom next to it.
 fn spatial_path(view: &View<'_>, path: Range<usize>) -> Result<(), Invalid> {
-    // To a site, the end of the path is the same as a pulley. A geom or a pulley may not be next to it.
+    // The rule for sites treats the end of the path like a pulley. A geom or a pulley must not be next to the end.
     let kind = |i: usize| view.get(field::wrap_type, i) as u32;
     let before = |i: usize| (i > path.start).then(|| kind(i - 1));
     let after = |i: usize| (i + 1 < path.end).then(|| kind(i + 1));
@@ -195,10 +195,11 @@ fn actuators(view: &View<'_>) -> Result<(), Invalid> {
 }
 
 /// Rejects adhesion without room for constraints. The transmission of an adhesive actuator assumes that each contact of its body
-/// has constraint rows. If `njmax` is 0, the engine makes none, raises no warning, and writes before the start of a null pointer.
+/// has constraint rows. If `njmax` is 0, the engine creates none, raises no warning, and writes at a negative offset from a null
+/// pointer.
 ///
-/// If the constraint buffer has room for some rows but not for all, the same happens after a warning that it is full. The file
-/// does not reveal that, so the code that steps such a model must treat the warning as an error.
+/// If the constraint buffer has room for only some of the rows, the same happens after a warning that the buffer is full. The
+/// file does not reveal this, so the code that steps such a model must treat the warning as an error.
 fn adhesion(view: &View<'_>) -> Result<(), Invalid> {
     let adhesive = view.values(field::actuator_trntype).position(|kind| kind as u32 == mjTRN_BODY);
     match adhesive {

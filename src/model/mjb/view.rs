@@ -1,7 +1,6 @@
 //! Zero-copy view of the bytes of a file as header, sizes, option structs and arrays.
 //!
-//! A [`View`] exists only if the length of the file is exactly what its own sizes add up to, so every array lies inside the
-//! bytes.
+//! A [`View`] exists only if the length of the file is exactly the sum of its sizes, so every array lies within the bytes.
 
 use mujoco_sys::{mjOption, mjStatistic, mjVisual};
 
@@ -122,7 +121,7 @@ fn layout(sizes: &[usize; SIZES]) -> (Vec<usize>, u128) {
     let mut starts = Vec::with_capacity(MODEL_ARRAYS.len());
     let mut end = ARRAYS_AT as u128;
     for array in MODEL_ARRAYS {
-        // If this truncates, the length of the file cannot match `end`, which is an error.
+        // If this truncates, the length of the file cannot equal `end`, and the file is rejected.
         starts.push(end as usize);
         end += array_bytes(array, sizes);
     }

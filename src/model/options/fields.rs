@@ -38,7 +38,7 @@ impl Mirror<i32> for usize {
     }
 }
 
-/// A switch, which is on for any value except zero.
+/// A switch: on for any value except zero.
 impl Mirror<i32> for bool {
     fn read(raw: i32) -> Self {
         raw != 0

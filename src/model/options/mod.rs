@@ -1,5 +1,5 @@
-//! Settings of a model as a whole: physics options, visualiser settings and statistics. Each is a struct of plain values that is
-//! read as a copy, and checked before it is written back.
+//! Settings of a model as a whole: physics options, visualiser settings and statistics. Each is a struct of plain values. Reading
+//! returns a copy, and writing checks the values.
 
 mod fields;
 mod statistics;
@@ -38,13 +38,13 @@ use crate::field_docs::field_docs;
 pub struct Options {
     /// Duration of a step, s. Positive.
     pub timestep: f64,
-    /// Update rate for remote clients, Hz. The engine stores the number and does not use it. Not negative.
+    /// Update rate for remote clients, Hz. The engine stores the value and does not use it. Not negative.
     pub apirate: f64,
     /// Ratio of the impedance of friction to that of the normal direction in contacts. Positive.
     pub impratio: f64,
-    /// Tolerance of the main solver: it stops when an iteration improves the scaled cost by less. Not negative.
+    /// Tolerance of the main solver, which stops when an iteration improves the scaled cost by less than this. Not negative.
     pub tolerance: f64,
-    /// Tolerance of the no-slip solver: it stops when an iteration improves the scaled cost by less. Not negative.
+    /// Tolerance of the no-slip solver, which stops when an iteration improves the scaled cost by less than this. Not negative.
     pub noslip_tolerance: f64,
     /// Precision at which the convex collision solver stops. Not negative.
     pub mpr_tolerance: f64,
@@ -237,7 +237,7 @@ impl Options {
         };
     }
 
-    /// Rejects values for which the engine would raise a fatal error, compute nonsense, or not return.
+    /// Rejects values for which the engine would raise a fatal error, compute meaningless results, or not return.
     pub(super) fn check(&self) -> Result<()> {
         let option = Checks("the option ");
         option.positive("timestep", self.timestep)?;

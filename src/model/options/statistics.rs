@@ -15,8 +15,8 @@ mirror! {
     /// compiler computes them, unless `<statistic>` in the XML overrides them.
     #[doc(alias = "mjStatistic")]
     Statistics = mjStatistic {
-        /// Mean of the diagonal of the inertia matrix. The constraint solver divides by it the improvement that it compares
-        /// with its tolerance. Positive.
+        /// Mean of the diagonal of the inertia matrix. The constraint solver divides the improvement of the cost by it
+        /// before the comparison with its tolerance. Positive.
         meaninertia: f64 = 1.0,
         /// Mean mass of a body, kg. The visualiser divides forces by it. Zero if no body has a mass.
         meanmass: f64 = 1.0,
@@ -33,7 +33,7 @@ mirror! {
 const EXTENT: RangeInclusive<f64> = 1e-6..=1e10;
 
 impl Statistics {
-    /// Rejects values that make the solver's tolerance meaningless, or the image of the visualiser empty.
+    /// Rejects values that make the solver's tolerance meaningless or the visualiser's image empty.
     fn check(&self) -> Result<()> {
         let statistic = Checks("the statistic ");
         statistic.positive("meaninertia", self.meaninertia)?;
@@ -60,14 +60,14 @@ impl Model {
 }
 
 impl ModelMut<'_> {
-    /// Changes the statistics, unless one of them is out of range. The check includes values that `change` does not modify, for
-    /// example those from the XML.
+    /// Changes the statistics. Rejects the change if a value is out of range. The check includes values that `change`
+    /// does not modify, for example those from the XML.
     ///
     /// [`update_constants`](Self::update_constants) recomputes the statistics and overwrites these changes.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the name, the value and the valid values. The model is not changed then.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the name, the value and the valid values. The model is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};

@@ -131,7 +131,7 @@ mirror! {
         stiffnessrot: f32 = 500.0,
         /// Length of the arrow of a force, m/N, for bodies with a mean mass of 1 kg. Not negative.
         force: f32 = 0.005,
-        /// Length of the arrow of a torque, 1/N. The engine stores the number and does not use it. Not negative.
+        /// Length of the arrow of a torque, 1/N. The engine stores the value and does not use it. Not negative.
         torque: f32 = 0.1,
         /// Factor for the alpha of geoms that are shown transparent. From 0 to 1.
         alpha: f32 = 0.3,
@@ -245,7 +245,7 @@ mirror! {
 impl Model {
     /// Returns a copy of the visualiser settings.
     ///
-    /// The engine's compiler accepts any number in XML, so only settings from [`ModelMut::visual`] are certain to be in range. A
+    /// The engine's compiler accepts any value in XML, so only settings from [`ModelMut::visual`] are certain to be in range. A
     /// negative count is read as 0.
     #[doc(alias = "vis")]
     pub fn visual(&self) -> Visual {
@@ -254,12 +254,12 @@ impl Model {
 }
 
 impl ModelMut<'_> {
-    /// Changes the visualiser settings, unless one of them is out of range. The check includes settings that `change` does not
-    /// modify, for example those from the XML.
+    /// Changes the visualiser settings. Rejects the change if a setting is out of range. The check includes settings that
+    /// `change` does not modify, for example those from the XML.
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`](crate::Error::Invalid) with the setting, its value and the valid values. The model is not changed then.
+    /// [`Error::Invalid`](crate::Error::Invalid) with the setting, its value and the valid values. The model is then unchanged.
     ///
     /// ```
     /// use mujoco_safe::{Error, sample};

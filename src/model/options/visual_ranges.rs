@@ -1,6 +1,6 @@
-//! Valid ranges of the visualiser settings. Within them a renderer can show the model and allocate its resources. The engine's
-//! renderer does not check them: it sizes textures and meshes by the counts, divides by `stiffnessrot`, by the slices and by the
-//! width of the fog, and terminates the process if the near plane is at zero.
+//! Valid ranges of the visualiser settings, within which a renderer can show the model and allocate its resources. The engine's
+//! renderer does not check the settings. It sizes textures and meshes by the counts, divides by `stiffnessrot`, by the number of
+//! slices and by the width of the fog, and terminates the process if the near plane is at zero.
 
 use std::ops::RangeInclusive;
 

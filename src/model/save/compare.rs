@@ -1,4 +1,4 @@
-//! Comparison of a model with the model that its text loads as.
+//! Comparison of a model with the model that is loaded from its saved text.
 //!
 //! Arrays are read from the binary form of both models, in the order of the engine's table of fields. The three structs of
 //! settings are read from the engine's memory.
@@ -12,8 +12,8 @@ use crate::field_docs::Field;
 use crate::id::Kind;
 use crate::model::Model;
 
-/// Largest difference of two numbers that are considered equal, relative to the largest number of their row. The text has 17
-/// digits, so differences come from rounding errors of derived fields, whose condition numbers are far below 1e8.
+/// Largest difference between two values that are considered equal, relative to the largest value of their row. The text has 17
+/// digits, so differences are rounding errors of derived fields, whose condition numbers are far below 1e8.
 const RELATIVE: f64 = 1e-8;
 /// Relative tolerance for arrays that the engine always writes with six digits: the rounding error is up to 5e-6.
 const RELATIVE_OF_SIX_DIGITS: f64 = 1e-5;
@@ -29,11 +29,11 @@ const ABSOLUTE_OF_MASS: f64 = mjMINVAL;
 /// Arrays of skins, which the engine always writes with six digits if the skin has no file.
 const SIX_DIGITS: [&str; 3] = ["skin_vert", "skin_texcoord", "skin_bonevertweight"];
 
-/// Flags of the compiler for frames that coincide and bodies that move independently. An edit clears them, which makes the engine
-/// slower and does not change results.
+/// Flags of the compiler for frames that coincide and bodies that move independently. An edit clears them, which slows the engine
+/// down but does not change results.
 const CACHED_FLAGS: [&str; 5] = ["body_simple", "body_sameframe", "geom_sameframe", "site_sameframe", "dof_simplenum"];
 
-/// Returns the fields of `model` whose values `reloaded` does not have.
+/// Returns the fields of `model` whose values differ in `reloaded`.
 pub(super) fn lost(model: &Model, reloaded: &Model) -> Result<Vec<LostEdit>> {
     let relative = relative_tolerance(model, reloaded);
     let sizes = sizes(model).zip(sizes(reloaded));

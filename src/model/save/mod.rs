@@ -1,8 +1,8 @@
 //! Saving of models in the binary format and as XML.
 //!
-//! The engine does not write a model as XML. It writes the XML tree of the last model that was loaded, after it has copied some
-//! of the given model's numbers into the tree. It does not copy all of them, and the tree has no place for some: a body whose
-//! inertia comes from its geoms has no mass of its own in XML. [`Model::save_xml`] therefore loads the text before it writes the
+//! The engine does not write a model as XML. It copies some values of the model into the XML tree of the last model that was
+//! loaded, and writes that tree. It does not copy all values, and the tree cannot represent some of them: in XML, a body whose
+//! inertia comes from its geoms has no separate mass. [`Model::save_xml`] therefore loads the text before it writes the
 //! file, and compares the two models.
 
 mod compare;
@@ -21,12 +21,12 @@ use crate::{ffi, file};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum XmlCheck {
-    /// Loads the text and writes it only if it loads as the same model.
+    /// Loads the text, and writes the file only if the loaded model equals the saved model.
     #[default]
     Refuse,
-    /// Loads the text, writes it even if it loads as another model, and returns the fields that differ.
+    /// Loads the text, writes the file even if the loaded model differs, and returns the fields that differ.
     Report,
-    /// Writes the text without loading it, for example before the meshes that it names exist.
+    /// Writes the file without loading the text, for example before the meshes that it names exist.
     Skip,
 }
 
@@ -43,7 +43,7 @@ pub enum XmlCheck {
 pub struct SaveXmlOptions {
     /// Check before the file is written. By default [`XmlCheck::Refuse`].
     pub check: XmlCheck,
-    /// Names and contents of files in memory, which the check prefers to files on disk. By default none.
+    /// Names and contents of files in memory. In the check, they take precedence over files on disk. By default none.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
@@ -65,11 +65,11 @@ impl SaveXmlOptions {
 }
 
 impl Model {
-    /// Writes the model in the engine's binary form (MJB), which loads faster than XML and fits this engine version only.
+    /// Writes the model in the engine's binary form (MJB), which loads faster than XML and is specific to this engine version.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be written. An existing file is left unchanged then.
+    /// [`Error::File`] if the file cannot be written. An existing file is then unchanged.
     #[doc(alias = "mj_saveModel")]
     pub fn save_binary(&self, path: impl AsRef<Path>) -> Result<()> {
         let bytes = self.to_binary()?;
@@ -98,8 +98,8 @@ impl Model {
         Ok(bytes)
     }
 
-    /// Writes the model as MJCF, if the text loads as this model. Equivalent to [`save_xml_with`](Self::save_xml_with) with the
-    /// default options.
+    /// Writes the model as MJCF, unless the text would load as a different model. Equivalent to
+    /// [`save_xml_with`](Self::save_xml_with) with the default options.
     ///
     /// # Errors
     ///
@@ -114,7 +114,7 @@ impl Model {
     ///     r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#,
     /// )?;
     ///
-    /// // The mass comes from the geom, so XML has no place for another value.
+    /// // The mass is that of the geom, so XML cannot represent another value.
     /// let mut heavy = model.clone();
     /// heavy.edit().body_mut("ball")?.set_mass(5.0);
     /// let error = heavy.save_xml(&path).unwrap_err();
@@ -131,20 +131,20 @@ impl Model {
 
     /// Writes the model as MJCF after a check of the text.
     ///
-    /// The engine keeps one XML tree per process, that of the model that was loaded last, and writes numbers of the given model
-    /// into that tree. This function therefore works only until another XML is loaded after this model, or after the model of
-    /// which it is a clone. The text is the compiled tree: includes, composites and fused bodies are expanded, and meshes,
+    /// The engine keeps one XML tree per process, that of the model that was loaded last, and copies values of the given model
+    /// into that tree. This function therefore works only if no other XML was loaded after this model, or after the model
+    /// from which it was cloned. The text is the compiled tree: includes, composites and fused bodies are expanded, and meshes,
     /// textures, height fields and skins remain references to their files.
     ///
-    /// The tree has no place for some values, for example the mass of a body whose mass comes from its geoms, or the vertices of
+    /// The tree cannot represent some values, for example the mass of a body whose mass comes from its geoms, or the vertices of
     /// a mesh. The check finds these values: it loads the text as if from `path`, with files from `options.files` or relative to
     /// `path`, and compares every size, option and array with this model.
     ///
-    /// Real numbers agree if they differ by at most 1e-8 of the largest number of their row plus 1e-12 (1e-15 for masses and
-    /// moments of inertia, of which the engine treats smaller values as zero). The text has all digits of a number, with two
-    /// exceptions. The engine writes numbers within 1e-12 of an integer as that integer, and the vertices of skins and meshes
-    /// without a file with six digits. Therefore the tolerance is 1e-5 for the arrays of skins, and 1e-4 for all numbers if the
-    /// vertices of a mesh are rounded. The comparison skips flags of the compiler that do not change results: `body_simple`,
+    /// Floating-point values agree if they differ by at most 1e-8 of the largest value of their row plus 1e-12 (1e-15 for masses
+    /// and moments of inertia, of which the engine treats smaller values as zero). The text has all digits of a value, with two
+    /// exceptions. The engine writes values within 1e-12 of an integer as that integer, and writes the vertices of skins and
+    /// meshes without a file with six digits. Therefore the tolerance is 1e-5 for the arrays of skins, and 1e-4 for all values
+    /// if the vertices of a mesh are rounded. The comparison skips flags of the compiler that do not change results: `body_simple`,
     /// `body_sameframe`, `geom_sameframe`, `site_sameframe` and `dof_simplenum`.
     ///
     /// The comparison includes derived fields. After an edit that they depend on, call
@@ -156,8 +156,8 @@ impl Model {
     /// # Errors
     ///
     /// [`Error::XmlLosesEdits`] with the fields and elements that differ in the loaded model, [`Error::XmlReplaced`] if another
-    /// model was loaded since, [`Error::Save`] if the engine cannot write the model, or if the text does not load from `path`,
-    /// [`Error::File`] if the file cannot be written. An existing file is left unchanged then.
+    /// model was loaded in the meantime, [`Error::Save`] if the engine cannot write the model, or if the text does not load
+    /// from `path`, [`Error::File`] if the file cannot be written. An existing file is then unchanged.
     #[doc(alias = "mj_saveLastXML")]
     pub fn save_xml_with(&self, path: impl AsRef<Path>, options: &SaveXmlOptions) -> Result<Vec<LostEdit>> {
         let path = path.as_ref();

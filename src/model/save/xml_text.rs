@@ -1,7 +1,7 @@
-//! The engine's XML text of a model, with numbers in their shortest form, and the model that the text loads as.
+//! XML text of a model as the engine writes it, with numbers in their shortest form, and the model that is loaded from the text.
 //!
 //! The engine prints 17 significant digits, which preserve every double: 0.1 as 0.10000000000000001, and 0.8 in single
-//! precision as 0.80000001192092896. The shortest digits that load as the same number are 0.1 and 0.8.
+//! precision as 0.80000001192092896. The shortest forms that load as the same values are 0.1 and 0.8.
 
 use std::path::Path;
 
@@ -33,10 +33,11 @@ const SINGLE: [&str; 12] = [
 const SINGLE_ELEMENTS: [&str; 5] = ["global", "headlight", "map", "scale", "rgba"];
 
 impl Model {
-    /// Returns the text of the model and, if the options require the check, the model that the text loads as from `path`.
+    /// Returns the text of the model. If the options require the check, also loads the text as if from `path` and returns the
+    /// loaded model.
     ///
     /// Loading replaces the engine's tree with that of the text. The tree still fits this model if all sizes agree, so the model
-    /// can be saved again. One lock covers writing and loading, since another load in between would replace the tree.
+    /// can be saved again. One lock covers writing and loading, because another load in between would replace the tree.
     pub(super) fn to_xml(&self, path: &Path, options: &SaveXmlOptions) -> Result<(Vec<u8>, Option<Self>)> {
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {
@@ -68,8 +69,8 @@ impl Model {
         }
     }
 
-    /// Makes the engine write its tree with the numbers of the model. It writes to a temporary file, because it does not check for
-    /// write errors such as a full disk.
+    /// Makes the engine write its tree with the values of the model, to a temporary file. The engine does not check for write
+    /// errors such as a full disk.
     fn write_tree(&self, path: &Path, xml: &mut XmlState) -> Result<Vec<u8>> {
         const MESSAGE: usize = 4096;
         let failed = |reason: String| Error::Save { path: path.to_owned(), reason };

@@ -1,5 +1,5 @@
 //! Validation of mesh, skin, height field and texture files before the compiler reads them. The compiler's readers compute sizes
-//! in C ints, which overflow, and do not check the indices of vertices.
+//! in C ints, which can overflow, and do not check the indices of vertices.
 
 use std::borrow::Cow;
 
@@ -43,7 +43,7 @@ impl Format {
         }
     }
 
-    /// Returns the reason to reject the contents of a file. Does not search for errors that the compiler itself reports.
+    /// Returns the reason to reject the contents of a file. Ignores errors that the compiler itself reports.
     pub(super) fn reject(self, path: &[u8], content: &[u8], files: &Files<'_>) -> Option<&'static str> {
         if content.len() > LARGEST_FILE {
             return Some("is larger than 1 GiB");

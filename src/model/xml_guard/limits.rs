@@ -1,13 +1,13 @@
-//! Limits on numbers in a text that determine how much the compiler allocates, and how far it writes.
+//! Limits on the values in a text that determine how much memory the compiler allocates and how far it writes.
 
 use super::assets::MOST_NUMBERS;
 use super::tags::{Tag, numbers};
 
-/// Largest number of keyframes and of user numbers of an element: more than any model needs, and few enough not to take minutes
-/// or all memory.
+/// Largest number of keyframes, and of user values of an element. Above the needs of any model, and low enough to bound the
+/// time and the memory of the compiler.
 const MOST_KEYS: u64 = 10_000;
 const MOST_USER: u64 = 10_000;
-/// Largest amount of data in an element of `custom`: the size of the compiler's array for them.
+/// Largest number of values in an element of `custom`: the size of the compiler's array.
 const MOST_CUSTOM: u64 = 500;
 /// Largest number of vertices of the skin of a composite.
 const MOST_SKIN: u64 = 4_000_000;
@@ -24,7 +24,7 @@ fn size(tag: &Tag<'_>, name: &[u8], default: u64) -> u64 {
     })
 }
 
-/// Returns the reason to reject a tag: sizes whose product overflows in the compiler or takes all memory, or faces of a mesh with
+/// Returns the reason to reject a tag: sizes whose product overflows in the compiler or exhausts memory, or faces of a mesh with
 /// nonexistent vertices. `composite` is the count of the composite that contains the tag.
 pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
     let too_many = |name: &str, most: u64| Some(format!("{name} must be an integer of at most {most}"));

@@ -43,12 +43,12 @@ const LEAST_NJMAX: i32 = 100;
 const EXTENSION: usize = 3;
 /// Largest number of asset directories in a text, which limits the number of paths to look up for a file.
 const MOST_FOLDERS: usize = 16;
-/// The attributes that name a file.
+/// Attributes that name a file.
 const FILES: [&[u8]; 8] =
     [b"file", b"filename", b"fileright", b"fileleft", b"fileup", b"filedown", b"filefront", b"fileback"];
 
 /// Rejects unsafe inputs in this text, and in the texts that it includes. If the compiler may simulate muscles, returns the
-/// settings of the simulation, because the text does not reveal if it terminates.
+/// settings of the simulation, because the text does not reveal whether it terminates.
 pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Option<MuscleSimulation>> {
     let mut check = Check {
         files,
@@ -214,8 +214,8 @@ impl<'f> Check<'f> {
         }
     }
 
-    /// Checks the asset files. The end of the text may still change which directory the compiler uses, and whether it uses the
-    /// directory in the name, so all candidate paths are checked.
+    /// Checks the asset files. A later part of the text may change the directory that the compiler uses, and whether it uses
+    /// the directory in the name. Therefore all candidate paths are checked.
     fn assets(&mut self) -> Result<()> {
         let mut seen = HashSet::new();
         for asset in &self.assets {

@@ -1,5 +1,5 @@
-//! Checks of the simulations that the compiler runs itself: a test step, in which rangefinders may read beyond a height field, and
-//! the simulation of muscles to find their length ranges, which may not terminate (see `data/length_range.rs`).
+//! Checks of the simulations that the compiler runs. In its test step, rangefinders may read beyond a height field. Its simulation
+//! of muscles, which determines their length ranges, may not terminate (see `data/length_range.rs`).
 
 use super::tags::{Tag, Tags};
 use crate::data::length_range::{LengthRangeMode as Mode, MuscleSimulation};
@@ -61,8 +61,8 @@ impl Muscles {
     }
 }
 
-/// Returns the text with the simulation of muscles disabled, or `None` if the text is not MJCF. The added setting is effective
-/// because the compiler uses the last of several.
+/// Returns the text with the simulation of muscles disabled, or `None` if the text is not MJCF. The added setting takes
+/// effect because the compiler uses the last one.
 pub(in crate::model) fn without_simulation(text: &[u8]) -> Option<Vec<u8>> {
     let mut depth = 0_usize;
     for tag in Tags::new(text) {

@@ -28,7 +28,7 @@ impl<'t> Tag<'t> {
         Some(start..start + value.len())
     }
 
-    /// Returns the integer in an attribute as `scanf` reads it, which stops at the first character that is not a digit. Returns
+    /// Returns the integer in an attribute as `scanf` reads it, up to the first character that is not a digit. Returns
     /// `None` if the attribute is missing or has no integer, or if the integer does not fit into a C int.
     pub(super) fn integer(&self, name: &[u8]) -> Option<i32> {
         let value = self.attribute(name)?;

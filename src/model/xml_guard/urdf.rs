@@ -1,21 +1,21 @@
-//! Checks of a URDF that the engine's URDF reader does not make.
+//! Checks that the engine's URDF reader lacks.
 //!
-//! The reader of 2.2.2 dereferences a null pointer for a joint of an unknown type, and adds links to the tree of bodies by
-//! recursion along the joints, so that a long chain overflows the stack.
+//! The reader of 2.2.2 dereferences a null pointer for a joint of an unknown type. It adds links to the tree of bodies by recursion
+//! along the joints, so a long chain overflows the stack.
 
 use std::collections::HashMap;
 
 use super::files::abbreviated;
 use super::tags::Tag;
 
-/// The joint types that the reader supports. It compares them byte by byte.
+/// Joint types that the reader supports. It compares them byte by byte.
 const JOINT_TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
 /// Depths of tags below the root element: `<link>` and `<joint>` are its children, `<parent>` and `<child>` are a joint's.
 const IN_ROOT: usize = 1;
 const IN_JOINT: usize = 2;
 
-/// The joints of a URDF, collected tag by tag.
+/// Joints of a URDF, collected tag by tag.
 #[derive(Default)]
 pub(super) struct Urdf {
     root: Root,

@@ -9,7 +9,7 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 /// Width and height of a glyph, which is also the advance and the line height, pixels.
 pub(crate) const GLYPH_SIZE: [u32; 2] =
     [get_raster_width(FontWeight::Regular, RasterHeight::Size16) as u32, RasterHeight::Size16.val() as u32];
-/// Padding around each glyph of the atlas, which contains its halo, pixels.
+/// Padding around each glyph of the atlas, pixels. It contains the halo.
 const PADDING: u32 = 2;
 /// The font covers printable ASCII, from `FIRST` to `LAST`. The last glyph of the atlas is a box for all other
 /// characters.
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_glyphs_are_a_box() {
+    fn missing_glyphs_are_replaced_by_a_box() {
         let atlas = GlyphAtlas::get();
         for character in ['é', '\n', '\0', '机', '\u{7f}', char::MAX] {
             assert_eq!(atlas.texcoords(character, 0), atlas.texcoords('\u{200b}', 0));

@@ -43,7 +43,7 @@ impl RoundShape {
         COLOR_SLICES.map(|slices| {
             let tessellation = tessellation.with_slices(slices);
             let Tessellation { slices, stacks, .. } = tessellation;
-            // Straight surfaces need stacks for per-vertex lighting only.
+            // Straight surfaces need stacks only for per-vertex lighting.
             let lit_stacks = if lighting == Lighting::PerVertex { stacks } else { 2 };
             match self {
                 Self::Sphere => shape::sphere(tessellation),

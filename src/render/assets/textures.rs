@@ -127,7 +127,7 @@ impl Textures {
     }
 }
 
-/// Returns whether the mip chain is non-empty and each level has the size and the number of bytes that wgpu requires.
+/// Returns `true` if the mip chain is non-empty and each level has the size and the number of bytes that wgpu requires.
 fn is_complete(levels: &[MipLevel], layers: u32) -> bool {
     let Some(first) = levels.first() else { return false };
     let is_square = layers == 1 || first.width == first.height;

@@ -1,7 +1,7 @@
 //! Draw list: the geoms of a scene as batches of instances, in the order of their draw calls.
 //!
-//! A scene may contain any numbers, because users add geoms and models are not validated. Geoms with values that cannot
-//! be rendered are skipped.
+//! A scene may contain arbitrary values, because users add geoms and models are not validated. Geoms with values that
+//! cannot be rendered are skipped.
 
 mod instance;
 mod mirror;
@@ -260,25 +260,25 @@ fn sort_key(pending: &PendingInstance) -> u64 {
         | u64::from(shape & 0xFFFF)
 }
 
-/// Returns whether the pose, the size and the opacity of a geom can be rendered.
+/// Returns `true` if the pose, the size and the opacity of a geom can be rendered.
 fn is_valid(geom: SceneGeom<'_>) -> bool {
     let (pos, mat, size) = (geom.pos(), geom.mat(), geom.size());
     pos.iter().chain(&mat).chain(&size).all(|&number| is_drawable(number)) && geom.rgba()[3] >= 0.0
 }
 
-/// Returns whether the camera is at negative z in the local frame of a geom.
+/// Returns `true` if the camera is at negative z in the local frame of a geom.
 fn is_camera_behind(geom: SceneGeom<'_>, camera: [f32; 3]) -> bool {
     let (pos, mat) = (geom.pos(), geom.mat());
     let height: f32 = (0..3).map(|axis| (camera[axis] - pos[axis]) * mat[3 * axis + 2]).sum();
     height < 0.0
 }
 
-/// Returns whether a geom is transparent, as is a plane seen from behind.
+/// Returns `true` if a geom is transparent, as is a plane seen from behind.
 fn is_transparent(geom: SceneGeom<'_>, is_camera_behind: bool) -> bool {
     geom.rgba()[3] < 0.995 || geom.geom_type() == SceneGeomType::Plane && is_camera_behind
 }
 
-/// Returns whether a geom is a plane that is infinite in both directions.
+/// Returns `true` if a geom is a plane that is infinite in both directions.
 fn is_infinite_plane(geom: SceneGeom<'_>) -> bool {
     geom.geom_type() == SceneGeomType::Plane && geom.size()[0] == 0.0 && geom.size()[1] == 0.0
 }

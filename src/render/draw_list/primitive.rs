@@ -90,7 +90,7 @@ fn plane(geom: SceneGeom<'_>, shapes: &Shapes) -> Part {
         None => infinite.shape,
     };
     let mut part = Part::new(shape, [half[0], half[1], 1.0]);
-    // The texture repeats per metre on planes of the model and on infinite planes, and covers the whole of other planes
+    // The texture repeats per metre on planes of the model and on infinite planes. It covers every other plane exactly
     // once.
     if of_model.is_some() || x <= 0.0 || y <= 0.0 {
         part.texture_scale = [half[0], half[1], 1.0];

@@ -1,5 +1,5 @@
 //! Culling of shadow casters, and the bounds of the casters in each shadow map. Only the bounded region of a shadow map
-//! is allocated, because a whole map has millions of texels.
+//! is allocated, because a full map has millions of texels.
 
 use crate::render::bounding_volume::{BoundingVolume, Sphere, signed_distance};
 use crate::render::view::matrix::{Matrix4, row};
@@ -36,7 +36,7 @@ impl<'a> ShadowCasters<'a> {
     pub(super) fn add(&mut self, geom: SceneGeom<'_>, volume: &BoundingVolume, in_frustum: bool) -> u8 {
         let mut shadow_mask = 0;
         for (index, light) in self.lights.iter_mut().enumerate() {
-            // A plane seen by the light from the front has no back face.
+            // With front faces culled, a plane that faces the light casts no shadow.
             let is_culled =
                 self.culls_front_faces && geom.geom_type() == SceneGeomType::Plane && light.sees_front(geom);
             let casts = match volume {
@@ -70,7 +70,7 @@ impl<'a> CasterBounds<'a> {
         Self { light, rows, lengths, low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] }
     }
 
-    /// Returns whether the light is on the +z side of a geom.
+    /// Returns `true` if the light is on the +z side of a geom.
     fn sees_front(&self, geom: SceneGeom<'_>) -> bool {
         let (pos, mat, light) = (geom.pos(), geom.mat(), self.light);
         let normal = [mat[2], mat[5], mat[8]];
@@ -79,7 +79,7 @@ impl<'a> CasterBounds<'a> {
         normal.iter().zip(toward).map(|(a, b)| a * b).sum::<f32>() > 0.0
     }
 
-    /// Returns whether the whole shadow of a sphere is outside of the view frustum: the sphere is outside of a plane of
+    /// Returns `true` if the whole shadow of a sphere is outside of the view frustum: the sphere is outside of a plane of
     /// the frustum, and the light does not shine from the sphere towards this plane.
     fn is_shadow_outside(&self, sphere: &Sphere, planes: &[[f32; 4]; 6]) -> bool {
         let light = self.light;
@@ -92,7 +92,7 @@ impl<'a> CasterBounds<'a> {
         })
     }
 
-    /// Adds the bounding rectangle of a projected sphere. Returns whether it intersects the shadow map.
+    /// Adds the bounding rectangle of a projected sphere. Returns `true` if it intersects the shadow map.
     fn add(&mut self, sphere: &Sphere) -> bool {
         let [x, y, z] = sphere.centre.map(f64::from);
         let radius = f64::from(sphere.radius);
@@ -120,7 +120,7 @@ impl<'a> CasterBounds<'a> {
         true
     }
 
-    /// Extends the bounds to the whole shadow map.
+    /// Extends the bounds to the full shadow map.
     fn add_all(&mut self) -> bool {
         (self.low, self.high) = ([-1.0; 2], [1.0; 2]);
         true

@@ -1,6 +1,6 @@
 //! Adapter selection, device creation and window surfaces.
 
-#![allow(clippy::trivially_copy_pass_by_ref, reason = "there will be more options")]
+#![allow(clippy::trivially_copy_pass_by_ref, reason = "more options are planned")]
 
 use std::sync::{Arc, OnceLock};
 

@@ -15,7 +15,7 @@ impl GrowableBuffer {
         Self { buffer: create_buffer(gpu, 256, usage), usage }
     }
 
-    /// Writes the bytes. Returns whether the buffer was reallocated, so that bind groups of it are stale.
+    /// Writes the bytes. Returns `true` if the buffer was reallocated, which invalidates its bind groups.
     pub(crate) fn write(&mut self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, RenderError> {
         let (size, limit) = (bytes.len() as u64, gpu.limits().max_buffer_size);
         if size > limit {

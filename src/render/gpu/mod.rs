@@ -37,11 +37,11 @@ struct Shared {
     /// Reason of the device loss, if the device is lost.
     lost: Arc<OnceLock<String>>,
     /// Instance and adapter, required to create window surfaces. `None` for a device of the caller.
-    #[allow(dead_code, reason = "windows are the viewer's")]
+    #[allow(dead_code, reason = "only the viewer opens windows")]
     origin: Option<Origin>,
 }
 
-#[allow(dead_code, reason = "windows are the viewer's")]
+#[allow(dead_code, reason = "only the viewer opens windows")]
 struct Origin {
     instance: wgpu::Instance,
     adapter: wgpu::Adapter,

@@ -10,7 +10,7 @@ use super::{Gpu, Shared};
 use crate::render::RenderError;
 
 impl Gpu {
-    /// Uses a device and a queue of the caller, to render alongside the caller's own commands. The caller remains
+    /// Creates a `Gpu` from the caller's device and queue, to render alongside the caller's own commands. The caller remains
     /// responsible for errors that the device reports outside of calls of this crate.
     ///
     /// **Excluded from the stability guarantee**: see the [module](self).

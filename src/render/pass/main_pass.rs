@@ -246,7 +246,7 @@ fn draw_mirror_images(
     draw.tile_culling = tile_culling;
 }
 
-/// Returns the transparent batches: front to back, and back to front as well unless blending is additive.
+/// Returns the transparent batches: only front to back if blending is additive, otherwise also back to front.
 fn transparent_batches<'l>(list: &'l DrawList, key: &PipelineKey) -> &'l [Batch] {
     if key.additive { &list.transparent[..list.front_to_back] } else { &list.transparent }
 }

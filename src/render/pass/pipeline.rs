@@ -38,7 +38,7 @@ pub(crate) enum PassKind {
 }
 
 impl PassKind {
-    /// Returns whether the view of the pass contains lights.
+    /// Returns `true` if the view of the pass contains lights.
     fn has_lights(self) -> bool {
         matches!(
             self,

@@ -1,5 +1,5 @@
 //! Shadow maps: the depth of the nearest surface in each direction of a light. Only the region that contains casters is
-//! allocated, aligned to the texel grid of the whole map, so that shadow edges do not depend on the region.
+//! allocated, aligned to the texel grid of the full map, so that shadow edges do not depend on the region.
 //!
 //! Software rasterisers take as long to clear a map as to render to it. Each frame therefore uses a nearer depth range
 //! than the previous frame, which makes stale depths ineffective; see [`ShadowRegion::depth_range`].
@@ -27,7 +27,7 @@ struct ShadowMap {
 /// Shadow maps of all lights.
 #[derive(Debug)]
 pub(crate) struct ShadowMaps {
-    /// Width and height of a whole map, texels.
+    /// Width and height of a full map, texels.
     size: u32,
     maps: Vec<ShadowMap>,
     regions: Vec<ShadowRegion>,
@@ -51,7 +51,7 @@ impl ShadowMaps {
         Self { size, maps: Vec::new(), regions: Vec::new(), version: 0 }
     }
 
-    /// Returns whether shadows are enabled.
+    /// Returns `true` if shadows are enabled.
     pub(crate) fn is_enabled(&self) -> bool {
         self.size > 0
     }
@@ -193,7 +193,7 @@ fn map_view(gpu: &Gpu, size: [u32; 2]) -> wgpu::TextureView {
     default_view(&create_texture(gpu, size, wgpu::TextureFormat::Depth32Float, 1, usage))
 }
 
-/// Returns the part of a region inside the border of the whole map, as ranges in x and y; `None` if it is empty.
+/// Returns the part of a region inside the border of the full map, as ranges in x and y; `None` if it is empty.
 fn inside_border(region: &ShadowRegion, size: u32) -> Option<[[u32; 2]; 2]> {
     let range = [0, 1].map(|axis| {
         let origin = region.origin[axis];
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn the_border_of_the_whole_map_stays_empty() {
+    fn the_border_of_the_full_map_stays_empty() {
         assert_eq!(inside_border(&region([0, 0], [1024, 1024]), 1024), Some([[1, 1023], [1, 1023]]));
         assert_eq!(inside_border(&region([900, 100], [128, 128]), 1024), Some([[0, 123], [0, 128]]));
         assert_eq!(inside_border(&region([1023, 0], [128, 128]), 1024), None);

@@ -60,7 +60,7 @@ impl Sky {
         if !self.is_visible {
             return Ok(());
         }
-        // The buffer contains the skybox since its creation.
+        // The buffer has contained the skybox since its creation.
         self.vertices.truncate(self.skybox_vertices);
         if let Some(horizon) = list.horizon.filter(|_| has_haze) {
             add_haze(&horizon, frustum, settings, &mut self.vertices);
@@ -90,7 +90,7 @@ fn camera_height(horizon: &Horizon, frustum: &ViewFrustum) -> f64 {
     dot(normal(horizon), offset)
 }
 
-/// Returns whether the plane hides the sky and the haze: the rays through all corners of the image hit the plane before
+/// Returns `true` if the plane hides the sky and the haze: the rays through all corners of the image hit the plane before
 /// the haze begins.
 fn is_hidden(horizon: &Horizon, frustum: &ViewFrustum, settings: &VisualSettings) -> bool {
     let (height, up) = (camera_height(horizon, frustum), normal(horizon));

@@ -94,7 +94,7 @@ impl DepthPicture {
     }
 
     /// Writes a greyscale PNG file with 16 bits per pixel: depths in millimetres, the usual format of depth cameras. As
-    /// is usual for them, 0 marks pixels nearer than half a millimetre, farther than 65.535 m, or of the background.
+    /// usual in this format, 0 marks pixels nearer than half a millimetre, farther than 65.535 m, or of the background.
     ///
     /// # Errors
     ///

@@ -67,12 +67,12 @@ pub(crate) struct ShaderVariant<'a> {
 const MAX_VERTEX_SHADOWS: usize = 5;
 
 impl ShaderVariant<'_> {
-    /// Returns whether the shader computes lighting.
+    /// Returns `true` if the shader computes lighting.
     pub(crate) fn is_lit(&self) -> bool {
         self.kind == ShaderKind::Surface && self.output == Output::Color && self.shading != Shading::None
     }
 
-    /// Returns whether the shader reads an attribute of the instance that serves the given output. Lines read all
+    /// Returns `true` if the shader reads an attribute of the instance that serves the given output. Lines read all
     /// attributes.
     fn reads_instance(&self, output: Output) -> bool {
         match self.kind {
@@ -81,7 +81,7 @@ impl ShaderVariant<'_> {
         }
     }
 
-    /// Returns whether the shader reads the vertex or instance attribute at a location, as declared in `common.wgsl`.
+    /// Returns `true` if the shader reads the vertex or instance attribute at a location, as declared in `common.wgsl`.
     /// Unused attributes are removed from the pipeline because some drivers fetch them nevertheless.
     pub(crate) fn reads(&self, location: u32) -> bool {
         match location {

@@ -92,7 +92,7 @@ impl Tessellation {
         Self { slices: clamp(slices, 3), stacks: clamp(stacks, 2), quads: clamp(quads, 1) }
     }
 
-    /// Reads the model's `visual/quality` settings. The engine's compiler accepts any number in them.
+    /// Reads the model's `visual/quality` settings. The engine's compiler accepts any value for them.
     pub(crate) fn of_model(model: &Model) -> Self {
         let quality = model.visual().quality;
         Self::new(quality.numslices, quality.numstacks, quality.numquads)

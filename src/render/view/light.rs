@@ -43,7 +43,7 @@ pub(crate) struct Lights {
 }
 
 impl Lights {
-    /// Collects the lights of a scene, without lights that have invalid values.
+    /// Collects the lights of a scene, except lights with invalid values.
     pub(crate) fn new(scene: &Scene, frustum: &ViewFrustum, settings: &VisualSettings, has_shadows: bool) -> Self {
         let has_shadows = has_shadows && scene.render_flags().contains(RenderFlags::SHADOW);
         let mut shadows = 0;
@@ -138,7 +138,7 @@ pub(crate) struct ShadowRegion {
 }
 
 impl ShadowRegion {
-    /// Returns the transformation from the clip space of the light to the clip space of the region, for a whole map of
+    /// Returns the transformation from the clip space of the light to the clip space of the region, for a full map of
     /// `size` texels. The map has a border of one texel, to which nothing is rendered.
     pub(crate) fn clip_to_region(&self, size: u32) -> Matrix4 {
         let mut matrix = IDENTITY;
