@@ -23,7 +23,7 @@ use criterion::Criterion;
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
 use mujoco_safe::{Lqr, LqrWeights, Result, StateSpace};
 
-/// Number of solutions by each of the two.
+/// Number of solutions by each program.
 const PAIRS: usize = 60;
 
 /// Python program that reads the equation and solves it once per input line. Single-threaded, as this crate.
@@ -53,8 +53,8 @@ for _ in sys.stdin:
 /// Solves the equation alternately with SciPy.
 fn beside_scipy(python: &str, name: &str, system: &StateSpace, weights: &LqrWeights) -> std::io::Result<()> {
     let mut child = Command::new(python).args(["-c", SCIPY]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
-    let mut input = child.stdin.take().expect("it is piped");
-    let mut output = BufReader::new(child.stdout.take().expect("it is piped")).lines();
+    let mut input = child.stdin.take().expect("the stream is piped");
+    let mut output = BufReader::new(child.stdout.take().expect("the stream is piped")).lines();
     let (a, b) = (system.a.to_nalgebra(), system.b.to_nalgebra());
     for matrix in [a.clone_owned(), b.clone_owned(), weights.q.clone(), weights.r.clone()] {
         // The transpose iterates in row-major order.

@@ -70,7 +70,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     data.forward()?;
     while data.time() < seconds {
         if data.time() >= f64::from(images) * IMAGE_INTERVAL {
-            // Render what the camera sees at this moment.
+            // Render the present view of the camera.
             scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
             renderer.depth_into(&scene, &mut depth)?;
             renderer.segmentation_into(&scene, &mut segmentation)?;

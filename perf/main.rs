@@ -1,5 +1,5 @@
 //! Speed comparison with other implementations: the engine in C, its Python bindings, SciPy and NumPy. `scripts/compare`
-//! builds and sets up task it requires.
+//! builds and installs everything that it requires.
 //!
 //! ```text
 //! cargo bench --bench compare -- --engine target/perf/engine --python target/perf/venv/bin/python --out out

@@ -1,4 +1,4 @@
-//! Strategies of proptest for numbers and models.
+//! Proptest strategies for numbers and models.
 
 #![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
 

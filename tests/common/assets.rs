@@ -1,4 +1,4 @@
-//! Small handwritten files of every kind that a model can name.
+//! Small handwritten files of every type that a model can reference.
 
 /// The vertices of a tetrahedron.
 pub const VERTICES: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.1]];
@@ -75,7 +75,7 @@ pub fn png(colour: png::ColorType, width: u32, height: u32, samples: &[u8]) -> V
     bytes
 }
 
-/// Names and contents of all files that [`MODEL`] and [`PART`] name.
+/// Names and contents of all files that [`MODEL`] and [`PART`] reference.
 pub fn all() -> Vec<(&'static str, Vec<u8>)> {
     let colours: Vec<u8> = (0..4 * 4 * 3).map(|index| index * 5).collect();
     vec![
@@ -141,7 +141,7 @@ pub fn folder() -> tempfile::TempDir {
         std::fs::write(path, content).unwrap();
     }
     std::fs::write(folder.path().join("model.xml"), MODEL).unwrap();
-    // The meshes of a URDF are searched beside it.
+    // The engine searches for the meshes of a URDF in its folder.
     std::fs::write(folder.path().join("arm.urdf"), URDF).unwrap();
     std::fs::write(folder.path().join("solid.stl"), stl()).unwrap();
     folder

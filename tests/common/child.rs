@@ -1,6 +1,6 @@
-//! Tests that need a process to themselves: they depend on state of the whole process, or inspect what a process prints.
+//! Tests that need a separate process: they depend on process-wide state, or inspect the output of the process.
 //!
-//! The program runs itself again with a single test selected. Such a test does its work only if [`is_child`] holds.
+//! The program starts itself again with a single test selected. That test does nothing unless [`is_child`] returns true.
 
 #![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
 
@@ -13,14 +13,14 @@ pub(crate) fn is_child() -> bool {
     std::env::var_os(VARIABLE).is_some()
 }
 
-/// Returns a command that runs one test of this program, given by its path, alone in a process.
+/// Returns a command that runs one test of this program, given by its path, in a separate process.
 pub(crate) fn command(test: &str) -> Command {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args([test, "--exact", "--nocapture", "--test-threads=1"]).env(VARIABLE, test).env("RUST_BACKTRACE", "0");
     command
 }
 
-/// Runs one test of this program, given by its path, alone in a process, and panics if it fails.
+/// Runs one test of this program, given by its path, in a separate process, and panics if it fails.
 #[track_caller]
 pub(crate) fn passes(test: &str) {
     let output = command(test).output().unwrap();

@@ -1,7 +1,7 @@
 //! Damaged binary models, reproducible from a valid file, a kind of damage and a seed.
 //!
-//! The layout of the file is derived from the table of fields in `mujoco-sys` and not from the crate's reader, so that an error
-//! in the reader is not repeated here.
+//! The layout of the file is derived from the table of fields in `mujoco-sys` and not from the crate's reader, so that an
+//! error in the reader is detected.
 
 #![allow(unreachable_pub, dead_code, reason = "included by several tests, each of which uses some of it")]
 
@@ -22,7 +22,7 @@ pub enum Damage {
     Bytes,
     /// Replaces one to four real numbers by special values.
     Reals,
-    /// Removes the end.
+    /// Truncates the file.
     Truncation,
     /// Appends or inserts bytes.
     Extension,
@@ -196,7 +196,7 @@ fn integer(file: &[u8], at: usize) -> usize {
     i32::from_ne_bytes(file[at..at + 4].try_into().unwrap()) as usize
 }
 
-/// SplitMix64, by Sebastiano Vigna: enough for this, and the same everywhere.
+/// SplitMix64 by Sebastiano Vigna, which gives the same numbers on every platform.
 pub struct Random(pub u64);
 
 impl Random {

@@ -1,5 +1,5 @@
-//! Reads and writes back every number behind every generated accessor. Under memcheck, this detects uninitialised memory and
-//! accesses outside of the engine's memory.
+//! Reads and overwrites every value of every generated accessor. Under memcheck, this detects uninitialised memory and accesses
+//! outside of the engine's memory.
 
 use std::hint::black_box;
 
@@ -14,7 +14,7 @@ trait Touch: Sized {
     /// Returns the number of nonzero values.
     fn touch(self) -> usize;
 
-    /// Writes values of the function to every number, if writable.
+    /// Overwrites every value with a result of the function, if the accessor is mutable.
     fn write(self, _: &mut dyn FnMut() -> f64) {}
 }
 
@@ -116,8 +116,8 @@ macro_rules! reading {
     };
 }
 
-/// Defines a function that writes to all arrays, a list of the writers' names, and a function that writes to the array of an
-/// index.
+/// Defines a function that writes to all arrays, a list of the writers' names, and a function that writes to one array of the
+/// list.
 macro_rules! writing {
     ($(#[$doc:meta])* $function:ident($owner:ty), $list:ident, $write:ident: $($name:ident($field:ident))*) => {
         reading! { $(#[$doc])* $function($owner): $($name)* }
@@ -125,8 +125,8 @@ macro_rules! writing {
         #[allow(dead_code, reason = "the fuzzer uses it")]
         pub(crate) const $list: &[&str] = &[$(stringify!($name)),*];
 
-        /// Writes to the array of this index in the list.
-        #[allow(dead_code, reason = "idem")]
+        /// Writes to the array at this index of the list.
+        #[allow(dead_code, reason = "the fuzzer uses it")]
         pub(crate) fn $write(owner: $owner, index: usize, value: &mut dyn FnMut() -> f64) {
             let mut at = 0;
             $(
@@ -141,11 +141,11 @@ macro_rules! writing {
 }
 
 model_readers! { reading
-    /// Reads all of a model.
+    /// Reads every accessor of a model.
     model(&Model):
 }
 data_readers! { reading
-    /// Reads all of a simulation.
+    /// Reads every accessor of a simulation.
     data(&Data):
 }
 model_writers! { writing

@@ -13,7 +13,7 @@ pub fn with_stack(nstack: u32) -> Result<Model> {
     ))
 }
 
-/// Returns the ball with a stack that overflows when the ball meets the floor.
+/// Returns the ball with a stack that overflows when the ball hits the floor.
 pub fn overflowing() -> Model {
     (10..5000)
         .step_by(10)

@@ -1,4 +1,4 @@
-//! Twins: a simulation of the library and a simulation of C with the same inputs.
+//! Twins: a simulation through the library and a simulation through the C API, with the same inputs.
 
 use std::sync::{Arc, OnceLock};
 
@@ -7,7 +7,7 @@ use mujoco_safe::{Controller, Data, Model, RandomController, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A call in C.
+/// A direct call of the C API.
 macro_rules! c {
     ($function:ident($($argument:expr),* $(,)?)) => {
         // SAFETY: every test passes the model and data of one pair of twins, and arrays of the engine's sizes.
@@ -61,9 +61,9 @@ pub(crate) fn small_subjects() -> impl Iterator<Item = &'static Subject> {
 ///
 /// # Safety
 ///
-/// The array has these values.
+/// The array has at least `start + length` values.
 pub(crate) unsafe fn read<T: Copy>(array: *const T, start: usize, length: usize) -> Vec<T> {
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller guarantees the length of the array.
     (start..start + length).map(|index| unsafe { *array.add(index) }).collect()
 }
 
@@ -72,13 +72,13 @@ fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-/// Asserts that the library's values are the engine's, bit for bit.
+/// Asserts that the library and the engine give the same values, bit for bit.
 #[track_caller]
 pub(crate) fn assert_same(what: &str, ours: &[f64], theirs: &[f64]) {
     assert!(bits(ours) == bits(theirs), "{what}: the library has {ours:?}, the engine {theirs:?}");
 }
 
-/// A simulation that C alone creates and uses.
+/// A simulation that is created and used only through the C API.
 pub(crate) struct Raw {
     pub(crate) d: *mut mjData,
     model: Arc<Model>,

@@ -66,10 +66,10 @@ fn the_planner_survives_a_push_that_the_regulator_does_not() {
     let robot = Robot::new().unwrap();
     // The regulator falls soon after this push.
     let attempt = attempt::attempt(&robot, NEWTONS, 5, 2.2).unwrap();
-    assert!(attempt.regulated.fell_at.is_some(), "the regulator can take this push");
+    assert!(attempt.regulated.fell_at.is_some(), "the regulator withstands this push");
     assert!(attempt.planned.upright(), "the humanoid fell at {:?} s", attempt.planned.fell_at);
     assert_eq!(attempt.decisions.len(), attempt.planned.trajectory.len().div_ceil(planner::STEPS));
-    // Before the push, after one second, the humanoid stands as still as under the regulator.
+    // Before the push, after one second, the humanoid moves as little as under the regulator.
     let moved = |com: &[[f64; 3]]| (com[199][0] - com[0][0]).hypot(com[199][1] - com[0][1]);
     assert!(moved(&attempt.planned.com) < moved(&attempt.regulated.com) + 0.01);
 }

@@ -102,7 +102,7 @@ impl Problem {
 }
 
 #[test]
-fn the_gains_give_the_optimum_of_the_whole_problem() {
+fn the_gains_give_the_optimum_of_the_stacked_problem() {
     for (seed, sizes, cross) in [(1, (2, 1), false), (2, (3, 2), false), (3, (4, 2), true), (4, (1, 3), true)] {
         let (n, m) = sizes;
         let problem = Problem::new(seed, 5, sizes, cross);

@@ -7,7 +7,7 @@ use crate::{is_committed, root, sources};
 
 const TABLE: &str = include_str!("functions.tsv");
 
-/// Families of functions that are left out, and the reasons.
+/// Families of functions without equivalents, and the reasons.
 const FAMILIES: [(&str, &str); 2] =
     [("mjr_", "drawing with OpenGL"), ("mjui_", "the user interface of the engine's own viewer")];
 
@@ -56,12 +56,12 @@ fn every_function_of_the_header_is_wrapped_or_has_a_reason() {
     assert_eq!(
         listed.len() + rows.iter().filter(|row| row.section.starts_with(NEWER)).count(),
         rows.len(),
-        "a row twice"
+        "duplicate rows"
     );
     let declared: BTreeSet<String> = declared().into_iter().filter(|name| family(name).is_none()).collect();
     assert_eq!(listed, declared);
     for row in &rows {
-        assert!(!row.here.is_empty() || !row.remark.is_empty(), "{} is left out without a reason", row.name);
+        assert!(!row.here.is_empty() || !row.remark.is_empty(), "{} has neither an equivalent nor a reason", row.name);
     }
 }
 

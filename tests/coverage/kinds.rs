@@ -37,7 +37,7 @@ fn rows() -> impl Iterator<Item = [&'static str; 4]> {
 }
 
 #[test]
-fn every_field_of_the_reference_is_here() {
+fn every_field_of_the_reference_has_an_equivalent() {
     let declared = declared();
     for [kind, owner, field, here] in rows() {
         let fields = declared.get(&(kind.to_owned(), owner.to_owned()));

@@ -119,11 +119,11 @@ fn every_view_prints() {
 }
 
 #[test]
-fn loading_saving_and_their_errors() {
+fn loading_and_saving_make_no_invalid_access() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.xml");
     std::fs::write(&path, sample::CARTPOLE_XML).unwrap();
-    // Other tests load models at the same time, and the engine keeps the XML of the last model only.
+    // Other tests load models concurrently, and the engine keeps only the XML of the last model.
     let model = (0..1000)
         .find_map(|_| {
             let model = Model::from_xml_path(&path).unwrap();
@@ -155,7 +155,7 @@ fn loading_saving_and_their_errors() {
 }
 
 #[test]
-fn editing_and_cloning() {
+fn editing_and_cloning_make_no_invalid_access() {
     let mut model = everything();
     model.edit().body_mut("arm").unwrap().set_mass(0.3);
     model.edit().update_constants().unwrap();
@@ -177,7 +177,7 @@ fn editing_and_cloning() {
 }
 
 #[test]
-fn stepping_with_every_solver() {
+fn every_solver_makes_no_invalid_access() {
     let mut data = Data::new(everything()).unwrap();
     for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
         for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
@@ -206,7 +206,7 @@ fn stepping_with_every_solver() {
 }
 
 #[test]
-fn engine_errors_and_instability() {
+fn engine_errors_and_instability_make_no_invalid_access() {
     let mut data = Data::new(everything()).unwrap();
     data.qpos_mut()[0] = f64::NAN;
     assert!(matches!(data.step(), Err(Error::Unstable(_))));
@@ -237,7 +237,7 @@ fn engine_errors_and_instability() {
 }
 
 #[test]
-fn jacobians_inertia_and_contacts() {
+fn jacobians_inertia_and_contacts_make_no_invalid_access() {
     let mut data = Data::new(everything()).unwrap();
     data.step().unwrap();
     let model = data.model().clone();
@@ -266,7 +266,7 @@ fn jacobians_inertia_and_contacts() {
 }
 
 #[test]
-fn linearising() {
+fn linearising_makes_no_invalid_access() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     data.transition_fd(1e-6, Differences::Central).unwrap();
     let mut data = Data::new(everything()).unwrap();
@@ -279,7 +279,7 @@ fn linearising() {
 }
 
 #[test]
-fn controllers_states_and_trajectories() {
+fn controllers_states_and_trajectories_make_no_invalid_access() {
     let mut data = Data::new(everything()).unwrap();
     let mut trajectory = Trajectory::new(data.model());
     trajectory.record(&mut data, &mut ZeroController, 2).unwrap();
@@ -296,7 +296,7 @@ fn controllers_states_and_trajectories() {
 }
 
 #[test]
-fn threads() {
+fn threads_make_no_invalid_access() {
     let model = Arc::new(everything());
     let data = Data::new(model.clone()).unwrap();
     std::thread::scope(|scope| {

@@ -29,25 +29,25 @@ fn vectors_of_a_wrong_length_are_errors() {
     let (source, forces) = (dofs.clone(), rows.clone());
     let body = data.model().bodies().last().unwrap().id();
     for wrong in [0, 1, nv - 1, nv + 1, 3 * nv] {
-        let mut bad = vec![0.0; wrong];
-        let bad_source = bad.clone();
-        is_shape(data.mul_m2(&mut bad, &source), "the result of mul_m2");
-        is_shape(data.mul_m2(&mut dofs, &bad_source), "the vector of mul_m2");
-        is_shape(data.solve_m2(&mut bad, &source), "the result of solve_m2");
-        is_shape(data.rne(true, &mut bad), "the result of rne");
-        is_shape(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], body, &mut bad), "qfrc_target of apply_ft");
-        is_shape(data.mul_jac_vec(&mut rows, &bad_source), "the vector of mul_jac_vec");
-        is_shape(data.mul_jac_t_vec(&mut bad, &forces), "the result of mul_jac_t_vec");
+        let mut mismatched = vec![0.0; wrong];
+        let mismatched_source = mismatched.clone();
+        is_shape(data.mul_m2(&mut mismatched, &source), "the result of mul_m2");
+        is_shape(data.mul_m2(&mut dofs, &mismatched_source), "the vector of mul_m2");
+        is_shape(data.solve_m2(&mut mismatched, &source), "the result of solve_m2");
+        is_shape(data.rne(true, &mut mismatched), "the result of rne");
+        is_shape(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], body, &mut mismatched), "qfrc_target of apply_ft");
+        is_shape(data.mul_jac_vec(&mut rows, &mismatched_source), "the vector of mul_jac_vec");
+        is_shape(data.mul_jac_t_vec(&mut mismatched, &forces), "the result of mul_jac_t_vec");
     }
     for wrong in [1, nv - 1, nv + 1] {
         is_shape(data.solve_m2(&mut vec![0.0; wrong], &vec![0.0; wrong]), "the vector of solve_m2");
     }
     for wrong in [0, nefc - 1, nefc + 1] {
-        let mut bad = vec![0.0; wrong];
-        let bad_source = bad.clone();
-        is_shape(data.mul_jac_vec(&mut bad, &source), "the result of mul_jac_vec");
-        is_shape(data.mul_jac_t_vec(&mut dofs, &bad_source), "the vector of mul_jac_t_vec");
-        is_shape(data.constraint_update(&bad_source, true).map(drop), "jar of constraint_update");
+        let mut mismatched = vec![0.0; wrong];
+        let mismatched_source = mismatched.clone();
+        is_shape(data.mul_jac_vec(&mut mismatched, &source), "the result of mul_jac_vec");
+        is_shape(data.mul_jac_t_vec(&mut dofs, &mismatched_source), "the vector of mul_jac_t_vec");
+        is_shape(data.constraint_update(&mismatched_source, true).map(drop), "jar of constraint_update");
     }
     let mut qpos = vec![0.0; data.model().nq() + 1];
     is_shape(data.model().normalize_quat(&mut qpos), "qpos of normalize_quat");
@@ -60,10 +60,10 @@ fn matrices_of_a_wrong_shape_are_errors() {
     let nv = data.model().nv();
     let body = data.model().bodies().last().unwrap().id();
     for (rows, columns) in [(3, nv + 1), (3, nv - 1), (2, nv), (nv, 3), (1, 3 * nv)] {
-        let mut bad = Matrix::zeros(rows, columns);
-        is_shape(data.angmom_mat_into(body, &mut bad), "the matrix of angmom_mat");
-        is_shape(data.jac_point_axis_into(body, [0.0; 3], [0.0; 3], Some(&mut bad), None), "jac_point");
-        is_shape(data.jac_point_axis_into(body, [0.0; 3], [0.0; 3], None, Some(&mut bad)), "jac_axis");
+        let mut mismatched = Matrix::zeros(rows, columns);
+        is_shape(data.angmom_mat_into(body, &mut mismatched), "the matrix of angmom_mat");
+        is_shape(data.jac_point_axis_into(body, [0.0; 3], [0.0; 3], Some(&mut mismatched), None), "jac_point");
+        is_shape(data.jac_point_axis_into(body, [0.0; 3], [0.0; 3], None, Some(&mut mismatched)), "jac_axis");
     }
     for (rows, columns) in [(nv, nv + 1), (nv + 1, nv), (1, nv * nv), (nv - 1, nv - 1)] {
         is_shape(data.add_m(&mut Matrix::zeros(rows, columns)), "the sum of add_m");
@@ -127,20 +127,20 @@ fn sparse_rows_out_of_bounds_are_errors() {
     is_shape(changed(&|rows| rows.colind.truncate(rows.colind.len() - 1)).add(&mut data), "colind of add_m_sparse");
     is_shape(changed(&|rows| rows.values.truncate(rows.values.len() - 1)).add(&mut data), "colind of add_m_sparse");
     let last = nv - 1;
-    let bad: &[(&str, Change<'_>)] = &[
+    let invalid: &[(&str, Change<'_>)] = &[
         ("negative count", &|rows| rows.rownnz[3] = -1),
         ("negative address", &|rows| rows.rowadr[3] = -1),
         ("huge count", &|rows| rows.rownnz[last] = i32::MAX),
         ("huge address", &|rows| rows.rowadr[last] = i32::MAX),
-        ("rows on top of each other", &|rows| rows.rowadr[4] = rows.rowadr[3]),
-        ("rows in another order", &|rows| rows.rowadr.swap(3, 4)),
-        ("a row without room", &|rows| rows.rowadr[4] = rows.rowadr[3] + 1),
-        ("a last row without room", &|rows| rows.rowadr[last] = (nv * nv) as i32 - 1),
+        ("two rows at one address", &|rows| rows.rowadr[4] = rows.rowadr[3]),
+        ("rows in the wrong order", &|rows| rows.rowadr.swap(3, 4)),
+        ("a row that overlaps the next", &|rows| rows.rowadr[4] = rows.rowadr[3] + 1),
+        ("a last row beyond the end", &|rows| rows.rowadr[last] = (nv * nv) as i32 - 1),
         ("a column out of range", &|rows| rows.colind[3 * nv] = nv as i32),
         ("a negative column", &|rows| rows.colind[3 * nv] = -1),
-        ("a column twice", &|rows| rows.rownnz[3] = 2),
+        ("a duplicate column", &|rows| rows.rownnz[3] = 2),
     ];
-    for (what, change) in bad {
+    for (what, change) in invalid {
         let error = changed(change).add(&mut data).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{what}: {error}");
     }
@@ -151,13 +151,13 @@ fn sparse_rows_out_of_bounds_are_errors() {
 fn accelerations_of_an_earlier_state_are_not_returned() {
     let mut data = in_contact();
     let torso = FrameId::Body(data.model().body("torso").unwrap().id());
-    let told = |data: &Data| data.object_acceleration(torso, Axes::World);
-    let error = told(&data).unwrap_err();
+    let acceleration = |data: &Data| data.object_acceleration(torso, Axes::World);
+    let error = acceleration(&data).unwrap_err();
     assert!(error.to_string().contains("object_acceleration needs the results of rne_post_constraint"), "{error}");
     data.rne_post_constraint().unwrap();
-    told(&data).unwrap();
+    acceleration(&data).unwrap();
     data.forward().unwrap();
-    assert!(matches!(told(&data), Err(Error::NotComputed { .. })));
+    assert!(matches!(acceleration(&data), Err(Error::NotComputed { .. })));
     data.step1().unwrap();
     assert!(matches!(data.rne_post_constraint(), Err(Error::NotComputed { .. })));
     data.reset().unwrap();
@@ -206,7 +206,7 @@ fn a_length_range_that_does_not_converge_is_an_error() {
     assert_eq!(model.actuator_lengthrange(), before);
 
     assert_eq!(model.edit().set_length_range(motor, &LengthRangeOptions::default()).unwrap(), [0.0; 2], "no muscle");
-    for bad in [
+    for invalid in [
         LengthRangeOptions { inttotal: f64::INFINITY, ..all },
         LengthRangeOptions { inttotal: 1e9, ..all },
         LengthRangeOptions { inttotal: 0.0, ..all },
@@ -217,8 +217,8 @@ fn a_length_range_that_does_not_converge_is_an_error() {
         LengthRangeOptions { timeconst: f64::NAN, ..all },
         LengthRangeOptions { tolrange: -1.0, ..all },
     ] {
-        let error = model.edit().set_length_range(motor, &bad).unwrap_err();
-        assert!(matches!(error, Error::Invalid { .. }), "{bad:?}: {error}");
+        let error = model.edit().set_length_range(motor, &invalid).unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "{invalid:?}: {error}");
     }
     for mass in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(model.edit().set_total_mass(mass), Err(Error::Invalid { .. })), "{mass}");
@@ -236,7 +236,7 @@ fn print_to_writes_every_quantity() {
     data.forward().unwrap();
     data.print_to(&path).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains("QPOS") && text.contains("CFRC_EXT"), "from the first to the last");
+    assert!(text.contains("QPOS") && text.contains("CFRC_EXT"), "the first and the last quantity");
     assert!(matches!(data.print_to(folder.join("missing").join("humanoid.txt")), Err(Error::File { .. })));
     assert!(matches!(data.print_to("a\0b"), Err(Error::Invalid { .. })));
     std::fs::remove_dir_all(&folder).unwrap();
@@ -258,7 +258,7 @@ fn set_keyframe_changes_the_model_of_one_simulation_only() {
     assert_eq!((data.time(), data.physics_state()), saved);
     let mut other = Data::new(model).unwrap();
     other.reset_to_key(0).unwrap();
-    assert_ne!(other.physics_state(), saved.1, "the model that others have is as before");
+    assert_ne!(other.physics_state(), saved.1, "the shared model is unchanged");
     assert!(matches!(data.set_keyframe("handstand"), Err(Error::NoSuchName { .. })));
     assert!(matches!(data.set_keyframe(99), Err(Error::NoSuchIndex { .. })));
 }

@@ -89,33 +89,33 @@ fn step2_requires_its_own_step1() {
         let mut model = sample::humanoid();
         model.edit().options(|options| options.solver = solver).unwrap();
         let mut data = Data::new(model).unwrap();
-        let refused = |data: &mut Data| {
+        let assert_rejected = |data: &mut Data| {
             let error = data.step2().unwrap_err();
             assert!(matches!(error, Error::NotComputed { call: "step2", .. }), "{error}");
             assert!(error.to_string().contains("call step1 first"), "{error}");
         };
-        refused(&mut data);
+        assert_rejected(&mut data);
         data.reset_to_key("squat").unwrap();
-        refused(&mut data);
+        assert_rejected(&mut data);
         data.step().unwrap();
-        refused(&mut data);
+        assert_rejected(&mut data);
         data.inverse().unwrap();
-        refused(&mut data);
+        assert_rejected(&mut data);
         data.step1().unwrap();
         data.step2().unwrap();
-        refused(&mut data);
+        assert_rejected(&mut data);
         data.forward().unwrap();
         let mut copy = data.clone();
         data.step2().unwrap();
-        refused(&mut data);
+        assert_rejected(&mut data);
         copy.step2().unwrap();
         assert_eq!(copy.qpos(), data.qpos());
         data.step1().unwrap();
         data.edit_model(|_| ()).unwrap();
-        refused(&mut data);
+        assert_rejected(&mut data);
         data.step1().unwrap();
         data.transition_fd(1e-6, Differences::Forward).unwrap();
-        refused(&mut data);
+        assert_rejected(&mut data);
     }
 }
 

@@ -1,6 +1,6 @@
-//! Ways to crash the engine or to obtain wrong results silently. Each is tried here from safe code, and is an error, a panic
-//! with a message, or gives the right result. The documentation of `Data`, `ModelMut` and `Callbacks` has the cases that do not
-//! compile; the chapter `promises` of the documentation lists the tests of longer cases.
+//! Misuse that crashes the engine or silently gives wrong results in C. From safe code, each case is an error, a panic with a
+//! message, or gives the right result. The documentation of `Data`, `ModelMut` and `Callbacks` has the cases that do not compile;
+//! the chapter `promises` of the documentation lists the tests of longer cases.
 
 #![forbid(unsafe_code)]
 
@@ -32,7 +32,7 @@ mod memory {
     use super::*;
 
     #[test]
-    fn a_solver_or_layout_changed_between_step1_and_step2() {
+    fn step2_is_rejected_after_a_change_of_solver_or_layout() {
         let changes: [fn(&mut mujoco_safe::Options); 5] = [
             |options| options.solver = Solver::Pgs,
             |options| options.noslip_iterations = 5,
@@ -50,7 +50,7 @@ mod memory {
     }
 
     #[test]
-    fn contact_forces_decoded_with_another_cone() {
+    fn contact_forces_are_not_decoded_with_another_cone() {
         let mut data = squatting();
         change(&mut data, |options| options.cone = Cone::Elliptic);
         data.forward().unwrap();
@@ -66,7 +66,7 @@ mod memory {
     }
 
     #[test]
-    fn a_pipeline_stage_without_its_predecessor() {
+    fn a_pipeline_stage_without_its_predecessor_is_an_error() {
         let mut data = squatting();
         change(&mut data, |options| options.solver = Solver::Pgs);
         data.forward().unwrap();
@@ -79,7 +79,7 @@ mod memory {
     }
 
     #[test]
-    fn copying_between_simulations_with_other_options() {
+    fn copying_between_simulations_with_other_options_discards_results() {
         let source = squatting();
         let mut target = source.clone();
         change(&mut target, |options| (options.cone, options.jacobian) = (Cone::Elliptic, JacobianStorage::Sparse));
@@ -90,7 +90,7 @@ mod memory {
     }
 
     #[test]
-    fn a_simulation_of_another_model() {
+    fn a_simulation_of_another_model_is_not_copied() {
         let mut data = squatting();
         let other = Data::new(sample::cartpole()).unwrap();
         assert!(matches!(data.copy_from(&other), Err(Error::OtherModel { .. })));
@@ -100,7 +100,7 @@ mod memory {
     }
 
     #[test]
-    fn a_stack_that_is_too_small() {
+    fn a_stack_overflow_poisons_the_simulation() {
         let mut data = Data::new(trouble::overflowing()).unwrap();
         let error = (0..200).find_map(|_| data.step().err()).unwrap();
         assert!(matches!(&error, Error::Engine { message, .. } if message == "Stack overflow"), "{error}");
@@ -110,7 +110,7 @@ mod memory {
     }
 
     #[test]
-    fn a_ray_on_a_geom_of_another_type() {
+    fn a_ray_on_a_geom_of_another_type_is_an_error() {
         let data = squatting();
         let floor = data.model().geom("floor").unwrap().id();
         let down = [0.0, 0.0, -1.0];
@@ -121,13 +121,13 @@ mod memory {
 
     #[test]
     #[should_panic(expected = "another model")]
-    fn an_id_of_another_model_whose_index_exists() {
+    fn an_id_of_another_model_panics_even_if_its_index_exists() {
         let cart = sample::cartpole().body("cart").unwrap().id();
         let _ = squatting().object_velocity(FrameId::Body(cart), mujoco_safe::Axes::World);
     }
 
     #[test]
-    fn a_file_with_one_byte_changed() {
+    fn a_file_with_one_changed_byte_is_an_error_or_can_be_simulated() {
         let good = sample::cartpole().to_binary().unwrap();
         for position in (0..good.len()).step_by(17) {
             let mut bytes = good.clone();
@@ -144,7 +144,7 @@ mod crashes {
     use super::*;
 
     #[test]
-    fn unknown_flags() {
+    fn unknown_flags_are_rejected() {
         let mut data = squatting();
         let result = data.edit_model(|model| {
             model.options(|options| options.enable = mujoco_safe::EnableFlags::from_bits_retain(1 << 30))
@@ -153,7 +153,7 @@ mod crashes {
     }
 
     #[test]
-    fn saving_to_a_missing_directory() {
+    fn saving_to_a_missing_directory_is_an_error() {
         let model = sample::cartpole();
         assert!(matches!(model.save_binary("no/such/folder/model.mjb"), Err(Error::File { .. })));
         assert!(matches!(
@@ -163,11 +163,10 @@ mod crashes {
     }
 
     #[test]
-    fn a_panic_in_a_callback() {
+    fn a_panic_in_a_callback_is_an_error() {
         let mut data = squatting();
-        let result =
-            data.with_callbacks(Callbacks::new().control(|_| panic!("at the worst moment")), |data| data.step());
-        assert!(matches!(result, Err(Error::Callback { message, .. }) if message == "at the worst moment"));
+        let result = data.with_callbacks(Callbacks::new().control(|_| panic!("in a callback")), |data| data.step());
+        assert!(matches!(result, Err(Error::Callback { message, .. }) if message == "in a callback"));
         data.reset().unwrap();
         data.step().unwrap();
     }
@@ -177,7 +176,7 @@ mod silent_errors {
     use super::*;
 
     #[test]
-    fn an_automatic_reset_of_an_unstable_state() {
+    fn an_unstable_state_is_an_error_and_not_reset() {
         let mut data = squatting();
         data.set_time(3.0);
         data.qvel_mut()[7] = f64::INFINITY;
@@ -194,7 +193,7 @@ mod silent_errors {
     }
 
     #[test]
-    fn a_missing_keyframe() {
+    fn a_missing_keyframe_is_an_error_without_a_reset() {
         let mut data = squatting();
         let before = data.qpos().to_vec();
         assert!(matches!(data.reset_to_key(99), Err(Error::NoSuchIndex { index: 99, .. })));
@@ -203,7 +202,7 @@ mod silent_errors {
     }
 
     #[test]
-    fn contact_forces_of_the_previous_step() {
+    fn contact_forces_of_the_previous_step_are_not_returned() {
         let mut data = squatting();
         assert!(data.contacts().next().unwrap().force().is_ok());
         data.step1().unwrap();
@@ -212,7 +211,7 @@ mod silent_errors {
     }
 
     #[test]
-    fn the_xml_of_the_last_loaded_model() {
+    fn the_xml_of_another_model_is_not_saved() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("model.xml");
         let first = sample::cartpole();
@@ -222,7 +221,7 @@ mod silent_errors {
     }
 
     #[test]
-    fn a_nan_control() {
+    fn a_nan_control_is_an_error() {
         let mut data = squatting();
         data.ctrl_mut()[3] = f64::NAN;
         match data.step() {
@@ -234,14 +233,14 @@ mod silent_errors {
     }
 
     #[test]
-    fn a_truncated_error_message() {
+    fn error_messages_are_not_truncated() {
         let name = "n".repeat(200);
         let text = format!(r#"<mujoco><worldbody><geom size="1" material="{name}"/></worldbody></mujoco>"#);
         assert!(Model::from_xml_str(&text).unwrap_err().to_string().contains(&name));
     }
 
     #[test]
-    fn a_jacobian_read_in_column_major_order() {
+    fn a_jacobian_is_row_major_and_has_a_transposed_view() {
         // Row 1 of M belongs to the second degree of freedom, and M is symmetric; a Jacobian is not.
         let data = squatting();
         let jacobian = data.jac_body_com(data.model().body("foot_left").unwrap()).unwrap().translation;

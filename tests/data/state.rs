@@ -109,8 +109,8 @@ proptest! {
         let before = data.state(StateSpec::all());
         let size = model.state_size(spec);
         for wrong in [Some(size + more), size.checked_sub(more)].into_iter().flatten() {
-            let refused = matches!(data.set_state(spec, &vec![1.0; wrong]), Err(Error::Shape { .. }));
-            prop_assert!(refused, "{} numbers for {}", wrong, size);
+            let rejected = matches!(data.set_state(spec, &vec![1.0; wrong]), Err(Error::Shape { .. }));
+            prop_assert!(rejected, "{} numbers for {}", wrong, size);
             prop_assert!(data.state_into(spec, &mut vec![1.0; wrong]).is_err());
         }
         prop_assert_eq!(bits(&data.state(StateSpec::all())), bits(&before));

@@ -55,10 +55,10 @@ fn models_load_in_several_threads_and_errors_do_not_mix() {
             scope.spawn(move || {
                 for _ in 0..20 {
                     let good = format!(r#"<mujoco><worldbody><geom name="g{index}" size=".1"/></worldbody></mujoco>"#);
-                    let bad = format!("<mujoco><worldbody><wrong{index}/></worldbody></mujoco>");
+                    let invalid = format!("<mujoco><worldbody><wrong{index}/></worldbody></mujoco>");
                     let model = Model::from_xml_str(&good).unwrap();
                     assert_eq!(model.geom(0).unwrap().name(), Some(&*format!("g{index}")));
-                    let error = Model::from_xml_str(&bad).unwrap_err().to_string();
+                    let error = Model::from_xml_str(&invalid).unwrap_err().to_string();
                     assert!(error.contains(&format!("'wrong{index}'")), "{error}");
                 }
             });
@@ -105,8 +105,8 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
     |shared, number| motion_outcome(&shared.humanoid, number),
     |_, number| motion_outcome(&Arc::new(Model::from_xml_str(&trouble::pendulum(number)).unwrap()), number),
     |_, number| {
-        let bad = format!("<mujoco><worldbody>\n<wrong{number}/></worldbody></mujoco>");
-        (Model::from_xml_str(&bad).unwrap_err().to_string(), vec![])
+        let invalid = format!("<mujoco><worldbody>\n<wrong{number}/></worldbody></mujoco>");
+        (Model::from_xml_str(&invalid).unwrap_err().to_string(), vec![])
     },
     // The engine raises an error, and works after a reset.
     |shared, _| {
@@ -132,7 +132,7 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
         data.qvel_mut()[number as usize] = f64::NAN;
         (data.step().unwrap_err().to_string(), vec![])
     },
-    // Saving as XML. The engine keeps the XML of the last model of the process only.
+    // Saves as XML. The engine keeps only the XML of the last model that the process loaded.
     |shared, number| {
         let path = shared.folder.path().join(format!("{number}.xml"));
         for _ in 0..10_000 {

@@ -188,7 +188,7 @@ fn a_model_with_everything_enabled_steps_or_returns_an_error() {
             }
         }
     }
-    assert!(steps > 200, "only {steps} steps came about");
+    assert!(steps > 200, "only {steps} steps succeeded");
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn random_values_set_between_steps_cause_no_crash() {
             }
         }
     }
-    assert!(steps > 200, "only {steps} steps came about");
+    assert!(steps > 200, "only {steps} steps succeeded");
 }
 
 /// Sets random values on a random element of each kind.

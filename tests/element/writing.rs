@@ -112,5 +112,5 @@ fn every_setter_of_a_tendon_and_an_actuator_writes_its_own_field() {
         [11.0, -12.0, 13.0, 14.0]
     );
     let after = [model.tendon(1).unwrap().to_string(), model.actuator(1).unwrap().to_string()];
-    assert_eq!(before, after, "the neighbours are as they were");
+    assert_eq!(before, after, "the other elements are unchanged");
 }

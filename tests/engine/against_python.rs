@@ -1,10 +1,10 @@
 //! Numbers for the bundled models against the official Python bindings, recorded by `tests/oracle/record.py`.
 //!
 //! The bindings include the official build of the engine, 2.2.2 like the library linked here. For models of this size (dense,
-//! without long sums that a compiler may reorder) it agrees with Debian's build bit for bit on x86-64 Linux, through a fall and
-//! all its impacts, and the tests assert that. On other platforms another libm may differ in the last bit of sine and cosine:
-//! quantities of a single state are then compared to 1e-9 relative, finite differences to 1e-6, and a trajectory for 300 steps,
-//! before impacts amplify the differences.
+//! without long sums that a compiler may reorder), its results are bitwise equal to those of Debian's build on x86-64 Linux, even
+//! after a fall with many impacts. The tests assert this. On other platforms another libm may differ in the last bit of sine and
+//! cosine: quantities of a single state are then compared to 1e-9 relative, finite differences to 1e-6, and a trajectory for 300
+//! steps, before impacts amplify the differences.
 //!
 //! The recording is for 2.2.2 only. With another engine the tests pass without checking anything.
 

@@ -63,7 +63,7 @@ mod cartpole {
     }
 
     #[test]
-    fn the_linearisation_at_the_upright_position_is_the_published_one() {
+    fn the_linearisation_at_the_upright_position_equals_the_published_figures() {
         let StateSpace { a, b, .. } = linearised(&mut upright());
         assert_eq!((a.shape(), b.shape()), ((4, 4), (4, 1)));
         assert_all_near("A", a.as_slice(), A.as_flattened(), 1e-12);
@@ -186,7 +186,7 @@ mod sample_humanoid {
     }
 
     #[test]
-    fn sizes_weight_and_names_are_the_recorded_ones() {
+    fn sizes_weight_and_names_equal_the_record() {
         let Some(model) = humanoid() else { return };
         assert_eq!((model.nq(), model.nv(), model.nu(), model.na()), (28, 27, 21, 0));
         assert_eq!((model.nbody(), model.njnt(), model.nkey()), (17, 22, 0));
@@ -204,7 +204,7 @@ mod sample_humanoid {
     }
 
     #[test]
-    fn the_fall_from_the_reference_position_is_the_recorded_one() {
+    fn the_fall_from_the_reference_position_equals_the_record() {
         let Some(model) = humanoid() else { return };
         let mut data = stepped(&model, 0);
         let first = (1..=100).find(|_| {
@@ -241,7 +241,7 @@ mod sample_humanoid {
     }
 
     #[test]
-    fn jacobians_are_the_recorded_ones() {
+    fn jacobians_equal_the_record() {
         let Some(model) = humanoid() else { return };
         let mut data = stepped(&model, 1);
         let torso = model.body("torso").unwrap();

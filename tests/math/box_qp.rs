@@ -64,7 +64,7 @@ fn an_indefinite_matrix_is_reported() {
 }
 
 #[test]
-fn infinite_bounds_and_equal_bounds() {
+fn infinite_bounds_and_equal_bounds_are_supported() {
     let mut solver = BoxQp::new(1);
     let mut x = [0.0];
     let none = [f64::NEG_INFINITY];

@@ -19,7 +19,7 @@ mod vectors;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A call in C.
+/// A direct call of the C API.
 macro_rules! c {
     ($function:ident($($argument:expr),* $(,)?)) => {
         // SAFETY: every test passes arrays of the required sizes.

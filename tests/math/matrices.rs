@@ -82,7 +82,7 @@ fn a_bilinear_form_equals_the_product() {
 }
 
 #[test]
-fn symmetric_parts_and_identities() {
+fn symmetric_parts_and_identities_equal_nalgebra() {
     let mut random = random(13);
     for n in [0, 1, 2, 7] {
         let mat = matrix(&mut random, n, n);

@@ -79,7 +79,7 @@ fn pyramids_equal_c_and_invert() {
 }
 
 #[test]
-fn rays_meet_shapes_at_the_right_distance() {
+fn rays_hit_shapes_at_the_right_distance() {
     let upright = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let size = [0.3, 0.4, 0.5];
     let down = [0.0, 0.0, -2.0];
@@ -99,7 +99,7 @@ fn rays_meet_shapes_at_the_right_distance() {
     for kind in [GeomType::Mesh, GeomType::HeightField] {
         assert!(matches!(from_above(kind), Err(Error::Invalid { .. })));
     }
-    // Invalid shapes may be missed or met. Invalid rays are rejected.
+    // Invalid shapes may be missed or hit. Invalid rays are rejected.
     let mut random = random(72);
     for kind in [GeomType::Plane, GeomType::Sphere, GeomType::Capsule, GeomType::Ellipsoid, GeomType::Box] {
         for value in [0.0, f64::NAN, f64::INFINITY, -1.0] {
@@ -113,7 +113,7 @@ fn rays_meet_shapes_at_the_right_distance() {
 }
 
 #[test]
-fn rays_meet_the_nearest_triangle_of_a_skin() {
+fn rays_hit_the_nearest_triangle_of_a_skin() {
     let vert = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
     let face = [[0, 1, 2], [3, 4, 5]];
     let (pnt, down) = ([0.1, 0.6, 3.0], [0.0, 0.0, -1.0]);

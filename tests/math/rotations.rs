@@ -119,8 +119,8 @@ fn poses_are_isometries() {
         assert_is(math::neg_pose(&one), isometry(&one).inverse());
         assert_is(Pose::default(), Isometry3::identity());
         let vec = array(&mut random);
-        let there = isometry(&one) * nalgebra::Point3::from(vec);
-        assert_near(&math::trn_vec_pose(&one, &vec), there.coords.as_slice(), 1e-14);
+        let expected = isometry(&one) * nalgebra::Point3::from(vec);
+        assert_near(&math::trn_vec_pose(&one, &vec), expected.coords.as_slice(), 1e-14);
     }
 }
 

@@ -92,7 +92,7 @@ fn normalize_equals_c_and_accepts_an_empty_vector() {
 }
 
 #[test]
-fn filling_copying_and_converting() {
+fn fill_copy_and_conversions_are_exact() {
     let mut res = [1.0; 3];
     math::zero(&mut res);
     assert!(math::is_zero(&res) && math::is_zero(&[-0.0]) && math::is_zero(&[]));
@@ -135,7 +135,7 @@ fn sorting_equals_the_standard_library() {
 }
 
 #[test]
-fn bad_numbers_are_those_of_the_engine() {
+fn is_bad_equals_c() {
     for x in [0.0, 1e10, -1e10, 1.000_001e10, -1.000_001e10, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, f64::MIN] {
         assert_eq!(math::is_bad(x), c!(mju_isBad(x)) != 0, "{x}");
     }

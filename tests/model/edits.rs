@@ -165,7 +165,7 @@ fn carrier(inertial: &str, child: &str) -> mujoco_safe::Result<Model> {
 }
 
 #[test]
-fn a_moving_body_without_mass_or_inertia_is_rejected_like_in_the_compiler() {
+fn a_moving_body_without_mass_or_inertia_is_rejected_as_in_the_compiler() {
     const GOOD: &str = r#"mass="1" diaginertia="1 1 1""#;
     for (mass, inertia, what) in [
         (0.0, [1.0; 3], "mass"),

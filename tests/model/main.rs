@@ -30,7 +30,7 @@ fn from_memory(xml: &str, files: &[(&str, Vec<u8>)]) -> mujoco_safe::Result<Mode
     Model::from_xml_str_with(xml, &LoadOptions::default().with_files(&files))
 }
 
-/// Returns the whole model as the engine saves it.
+/// Returns the model in the binary format of the engine.
 fn bytes(model: &Model) -> Vec<u8> {
     model.to_binary().unwrap()
 }

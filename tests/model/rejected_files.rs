@@ -1,4 +1,4 @@
-//! Unusable files are errors that name them.
+//! An unusable file is an error that names the file.
 
 use mujoco_safe::{Error, LoadOptions, Model};
 
@@ -55,17 +55,17 @@ fn a_damaged_file_is_an_error() {
     for index in 1..all.len() {
         let (name, content) = &all[index];
         let longer = [content.as_slice(), b"123"].concat();
-        let mut bad: Vec<&[u8]> = vec![b"x", &content[..content.len() / 2]];
+        let mut damaged: Vec<&[u8]> = vec![b"x", &content[..content.len() / 2]];
         // The readers of text and of PNG stop at the end of the content.
         if !name.ends_with("obj") && !name.ends_with("png") {
-            bad.extend([&content[..content.len() - 1], &longer]);
+            damaged.extend([&content[..content.len() - 1], &longer]);
         }
-        for bad in bad {
+        for damaged in damaged {
             let mut files = all.clone();
-            files[index].1 = bad.to_vec();
+            files[index].1 = damaged.to_vec();
             // A truncated text may still be complete.
             match from_memory(assets::MODEL, &files) {
-                Ok(_) => assert!(name.ends_with("obj"), "{name}, {} bytes of {}", bad.len(), content.len()),
+                Ok(_) => assert!(name.ends_with("obj"), "{name}, {} bytes of {}", damaged.len(), content.len()),
                 Err(error) => {
                     let error = error.to_string();
                     assert!(error.starts_with("cannot load "), "{error}");
@@ -131,7 +131,7 @@ fn damaged_files_are_rejected_by_every_way_of_loading() {
 #[test]
 fn file_names_that_crash_the_engine_are_rejected_and_loading_still_works() {
     let folder = folder();
-    let path = folder.path().join("bad.xml");
+    let path = folder.path().join("invalid.xml");
     // With a muscle the compiler runs twice.
     let muscle = "<worldbody><body><joint name='j' range='-1 1' limited='true'/><geom size='.1' pos='.2 0 0'/></body></worldbody>
                   <actuator><muscle joint='j'/></actuator>";
@@ -145,7 +145,7 @@ fn file_names_that_crash_the_engine_are_rejected_and_loading_still_works() {
         ] {
             std::fs::write(&path, format!("<mujoco>{element}{muscle}</mujoco>")).unwrap();
             let error = Model::from_xml_path(&path).unwrap_err().to_string();
-            assert!(error.contains("bad.xml") && error.contains(expected), "{element:.60}: {error}");
+            assert!(error.contains("invalid.xml") && error.contains(expected), "{element:.60}: {error}");
             Model::from_xml_str("<mujoco/>").unwrap();
         }
     }
@@ -165,7 +165,7 @@ fn file_names_too_short_for_an_extension_are_rejected() {
         let message = error(&format!("<mujoco><asset>{asset}</asset></mujoco>"), &[(name, b"content")]);
         assert!(message.contains(&format!("'{name}' has a name too short for an extension")), "{message}");
     }
-    // The compiler removes the extension from the whole path.
+    // The compiler removes the extension from the full path.
     let path = folder.path().join("short.xml");
     std::fs::write(folder.path().join("a"), assets::height_field()).unwrap();
     let text = "<mujoco><asset><hfield file='a' size='1 1 1 1'/></asset></mujoco>";

@@ -26,7 +26,7 @@ fn recursive_includes_are_rejected() {
 }
 
 #[test]
-fn a_bad_file_name_in_an_included_file_leaves_loading_usable() {
+fn an_invalid_file_name_in_an_included_file_is_an_error_and_loading_still_works() {
     let dir = std::env::temp_dir().join(format!("mujoco_safe_include_{}", std::process::id()));
     std::fs::create_dir_all(&dir).unwrap();
     let part = dir.join("part.xml");

@@ -170,7 +170,7 @@ fn missing_or_duplicate_parents_and_children_of_joints_are_errors() {
 }
 
 #[test]
-fn numbers_in_urdf_are_checked_like_in_mjcf() {
+fn numbers_in_urdf_are_checked_as_in_mjcf() {
     let with = |inertial: &str, dynamics: &str| {
         let b = format!(r#"<link name="b"><inertial>{inertial}</inertial></link>"#);
         let joint = joint("j", "revolute", "a", "b").replace("</joint>", &format!("{dynamics}</joint>"));

@@ -1,7 +1,7 @@
-//! Contents of pictures: every shape, decoration and label of the model is visible, edits become visible with an upload, and
+//! Contents of images: every shape, decoration and label of the model is visible, edits become visible with an upload, and
 //! invalid numbers affect only the objects that have them.
 //!
-//! The pictures are saved to the folder in the environment variable `MUJOCO_SAFE_PICTURES`, if set.
+//! The images are saved to the folder in the environment variable `MUJOCO_SAFE_PICTURES`, if set.
 #![forbid(unsafe_code)]
 
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::stage;
 
 const SIZE: [u32; 2] = [320, 240];
 
-/// Saves a picture for inspection.
+/// Saves an image for inspection.
 fn save(picture: &Picture, name: &str) {
     if let Some(folder) = std::env::var_os("MUJOCO_SAFE_PICTURES") {
         picture.save_png(PathBuf::from(folder).join(name).with_extension("png")).unwrap();
@@ -25,7 +25,7 @@ fn save(picture: &Picture, name: &str) {
 }
 
 /// Returns a model with a mesh, a height field, a skin, textures of each type and mapping, lights of each kind, and a camera.
-fn museum() -> Model {
+fn assorted_model() -> Model {
     Model::from_xml_str(
         "<mujoco>
            <asset>
@@ -113,22 +113,22 @@ fn edited_assets_are_visible_after_an_upload() {
             |renderer, model| renderer.update_height_field(model, model.height_field("hills").unwrap().id()).unwrap(),
         ),
     ];
-    for (what, edit, tell) in edits {
-        let mut data = Data::new(museum()).unwrap();
+    for (what, edit, upload) in edits {
+        let mut data = Data::new(assorted_model()).unwrap();
         let mut renderer = self::renderer(data.model(), SIZE);
         let before = picture(&mut renderer, &mut data);
         data.edit_model(edit).unwrap();
         assert_eq!(difference(&before, &picture(&mut renderer, &mut data)), 0.0, "{what}: visible too early");
-        tell(&mut renderer, data.model());
+        upload(&mut renderer, data.model());
         let after = picture(&mut renderer, &mut data);
         assert!(difference(&before, &after) > 0.001, "{what}: not visible");
         save(&after, &format!("edited {what}"));
-        // A renderer created after the edit gives the same picture.
+        // A renderer created after the edit gives the same image.
         let mut other = self::renderer(data.model(), SIZE);
         assert_eq!(
             difference(&after, &picture(&mut other, &mut data)),
             0.0,
-            "{what}: differs from a new renderer's picture"
+            "{what}: differs from a new renderer's image"
         );
     }
 }
@@ -137,11 +137,11 @@ fn edited_assets_are_visible_after_an_upload() {
 type Fill = fn(&mut ModelMut<'_>, f64);
 
 /// Fields of shapes that can be set to NaN or to huge numbers.
-const HOSTILE: [(&str, Fill); 8] = [
+const INVALID_EDITS: [(&str, Fill); 8] = [
     ("colours", |model, number| model.geom_rgba_mut().fill([number as f32; 4])),
     ("sizes", |model, number| model.geom_size_mut().fill([number; 3])),
     ("normals", |model, number| model.mesh_normal_mut().fill([number as f32; 3])),
-    ("places in pictures", |model, number| {
+    ("texture coordinates", |model, number| {
         model.mesh_texcoord_mut().fill([number as f32; 2]);
         model.skin_texcoord_mut().fill([number as f32; 2]);
     }),
@@ -153,10 +153,10 @@ const HOSTILE: [(&str, Fill); 8] = [
 
 #[test]
 fn invalid_numbers_affect_only_their_own_object() {
-    let mut clean = Data::new(museum()).unwrap();
+    let mut clean = Data::new(assorted_model()).unwrap();
     let mut renderer = self::renderer(clean.model(), SIZE);
     let expected = picture(&mut renderer, &mut clean);
-    for (what, edit) in HOSTILE {
+    for (what, edit) in INVALID_EDITS {
         for number in [f64::NAN, f64::INFINITY, -1e30, 0.0] {
             let mut data = Data::new(clean.model().clone()).unwrap();
             data.edit_model(|model| edit(model, number)).unwrap();
@@ -174,14 +174,14 @@ fn invalid_numbers_affect_only_their_own_object() {
             drop((own.rgb(&scene), own.depth(&scene), own.segmentation(&scene)));
             drop((renderer.rgb(&scene), renderer.depth(&scene), renderer.segmentation(&scene)));
             let after = picture(&mut renderer, &mut clean);
-            assert_eq!(difference(&expected, &after), 0.0, "{what} of {number}: the next picture differs");
+            assert_eq!(difference(&expected, &after), 0.0, "{what} of {number}: the next image differs");
         }
     }
 }
 
 #[test]
 fn every_user_geom_is_visible() {
-    let mut data = Data::new(museum()).unwrap();
+    let mut data = Data::new(assorted_model()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();
     update(&mut data, &mut scene, &SceneOptions::default());
@@ -323,7 +323,7 @@ fn labels_are_visible() {
 
 #[test]
 fn a_user_label_is_drawn_at_its_position_in_front_of_everything() {
-    let mut data = Data::new(museum()).unwrap();
+    let mut data = Data::new(assorted_model()).unwrap();
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();
     update(&mut data, &mut scene, &SceneOptions::default());
@@ -335,5 +335,5 @@ fn a_user_label_is_drawn_at_its_position_in_front_of_everything() {
     assert!(difference(&before, &after) > 1e-3);
     save(&after, "text");
     let segmentation = renderer.segmentation(&scene).unwrap();
-    assert!(segmentation.pixels().flatten().all(|segment| segment.geom + 1 < scene.ngeom()), "a text is no thing");
+    assert!(segmentation.pixels().flatten().all(|segment| segment.geom + 1 < scene.ngeom()), "a label is no geom");
 }

@@ -1,4 +1,4 @@
-//! Extreme numbers in a scene: the result is a picture or an error, never a panic, a hang or a validation error of the graphics
+//! Extreme numbers in a scene: the result is an image or an error, never a panic, a hang or a validation error of the graphics
 //! API.
 #![forbid(unsafe_code)]
 
@@ -39,7 +39,7 @@ const WORLD: &str = r#"<mujoco>
   </worldbody>
 </mujoco>"#;
 
-/// Accepts a picture, or an error that is not a validation error of the graphics API.
+/// Accepts an image, or an error that is not a validation error of the graphics API.
 #[track_caller]
 fn accept<T>(result: Result<T, RenderError>, what: &str) {
     match result {
@@ -246,7 +246,7 @@ fn an_id_of_another_model_panics() {
 }
 
 #[test]
-fn an_invalid_picture_size_is_an_error() {
+fn an_invalid_image_size_is_an_error() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let too_large = |result: &Result<_, _>| matches!(result, Err(RenderError::TooLarge { size: 0x7FFF_FFFF, .. }));
     for [width, height] in [[0, 12], [16, 0]] {

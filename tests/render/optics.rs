@@ -141,7 +141,7 @@ fn fog_hides_distant_geoms() {
 }
 
 #[test]
-fn a_mirror_shows_the_reflected_image() {
+fn a_mirror_shows_the_reflected_geom() {
     let mirror = |size: &str| {
         let xml = format!(
             r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><headlight active="0"/><map zfar="100"/></visual>
@@ -150,7 +150,7 @@ fn a_mirror_shows_the_reflected_image() {
                  <geom type="plane" size="{size}" material="mirror"/></worldbody></mujoco>"#
         );
         let mut stage = Stage::new(&xml, [65, 65]);
-        // The camera looks down at 30°: the ball is 0.5 m above the floor, and its image 0.5 m below.
+        // The camera looks down at 30°: the ball is 0.5 m above the floor, and its reflection 0.5 m below.
         stage.look([0.0; 3], 4.0, 0.0, -30.0);
         let ball = NewGeom::sphere(0.2).pos([0.0, 0.0, 0.5]).rgba([1.0, 0.5, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0);
         stage.scene.push(&ball).unwrap();
@@ -159,17 +159,17 @@ fn a_mirror_shows_the_reflected_image() {
     for size in ["0 0 1", "2 2 1"] {
         let mut stage = mirror(size);
         let picture = stage.rgb();
-        // The distance of the image from the middle of the picture follows from its position in the frustum of 45°.
+        // The distance of the reflection from the centre of the image follows from its position in the frustum of 45°.
         let (along, down) = (4.0 + 0.5 * 0.5, 0.5 * 30_f64.to_radians().cos());
         let row = 32.5 + 32.5 * down / along / 22.5_f64.to_radians().tan();
         assert_rgb(picture.pixel(32, row as usize), [0.5, 0.25, 0.0]);
         stage.scene.set_render_flags(stage.scene.render_flags() & !RenderFlags::REFLECTION);
         assert_eq!(stage.rgb().pixel(32, row as usize), [0; 3]);
     }
-    // No image appears beside a small mirror.
+    // No reflection appears beside a small mirror.
     let picture = mirror("0.05 0.05 1").rgb();
     assert!((33..65).all(|row| picture.pixel(32, row)[0] < 130));
-    assert!((36..65).all(|row| picture.pixel(32, row) == [0; 3]), "an image beside the mirror");
+    assert!((36..65).all(|row| picture.pixel(32, row) == [0; 3]), "a reflection beside the mirror");
 }
 
 #[test]
@@ -229,7 +229,7 @@ fn geoms_outside_the_view_cast_visible_shadows() {
 }
 
 #[test]
-fn a_picture_does_not_depend_on_earlier_pictures() {
+fn an_image_does_not_depend_on_earlier_images() {
     let light = r#"diffuse="0.4 0.4 0.4" cutoff="60""#;
     let xml = world(
         r#"<quality shadowsize="256"/>"#,
@@ -267,7 +267,7 @@ fn a_picture_does_not_depend_on_earlier_pictures() {
         // In a different order in each round.
         let index = picture * (1 + picture / places.len()) % places.len();
         place(&mut stage, index);
-        assert_eq!(stage.rgb(), expected[index], "picture {picture}");
+        assert_eq!(stage.rgb(), expected[index], "image {picture}");
     }
 }
 
@@ -291,7 +291,7 @@ fn segmentation_colours_equal_segmentation_numbers() {
 }
 
 #[test]
-fn pictures_do_not_depend_on_the_thread_or_earlier_sizes() {
+fn images_do_not_depend_on_the_thread_or_earlier_sizes() {
     let xml = world(
         r#"<quality shadowsize="256"/>"#,
         r#"<light pos="0 0 3"/><geom type="plane" size="0 0 1"/><geom size="0.3" pos="0 0 1"/>"#,

@@ -8,9 +8,9 @@ use mujoco_safe::{Data, sample};
 
 use crate::child;
 
-/// Renders a picture, with the expected backend if set.
+/// Renders an image, with the expected backend if set.
 #[test]
-fn a_picture_in_a_child_process() {
+fn renders_an_image_in_a_child_process() {
     if !child::is_child() {
         return;
     }
@@ -30,12 +30,12 @@ fn a_picture_in_a_child_process() {
     let mut renderer = Renderer::on(&gpu, data.model(), 64, 64, &RendererOptions::default()).unwrap();
     let picture = renderer.rgb(&scene).unwrap();
     let first = picture.pixel(0, 0);
-    assert!(picture.as_bytes().chunks_exact(3).any(|pixel| *pixel != first), "the picture is empty");
+    assert!(picture.as_bytes().chunks_exact(3).any(|pixel| *pixel != first), "the image is empty");
 }
 
 /// Runs the test above with these variables, and without the variables of a desktop session.
 fn prints_nothing(variables: &[(&str, &str)]) {
-    let output = child::command("quiet::a_picture_in_a_child_process")
+    let output = child::command("quiet::renders_an_image_in_a_child_process")
         .env_remove("XDG_RUNTIME_DIR")
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("DISPLAY")

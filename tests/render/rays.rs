@@ -1,13 +1,13 @@
-//! Depth and segmentation pictures agree with rays through the same pixels.
+//! Depth and segmentation images agree with rays through the same pixels.
 //!
-//! The engine's rays meet the exact shapes. Each scene is checked at 1000 random pixels, and at 1000 more that do not show the
+//! The engine intersects rays with the exact shapes. Each scene is checked at 1000 random pixels, and at 1000 more that do not show the
 //! floor:
 //!
-//! - Away from outlines, the picture shows the geom that the ray meets first, or a geom at most 1/3000 behind it.
+//! - Away from outlines, the image shows the geom that the ray hits first, or a geom at most 1/3000 behind it.
 //! - Where the angle between ray and surface is at least 15°, the depth is right within 1/3000: 1 mm at 3 m. At smaller angles a
 //!   fraction of a pixel is many millimetres, and the depth is between those of the neighbours, within 1/3000.
 //!
-//! A pixel is at an outline unless the rays through its eight neighbours all meet the geom that its own ray meets.
+//! A pixel is at an outline unless the rays through its eight neighbours all hit the geom that its own ray hits.
 
 use std::path::Path;
 
@@ -30,7 +30,7 @@ const STEEP: f64 = 15.0;
 /// in degrees.
 struct Subject(&'static str, usize, [f64; 3], f64, f64, f64);
 
-/// The models and cameras of the comparison with the engine's pictures.
+/// The models and cameras of the comparison with the engine's images.
 const SUBJECTS: [Subject; 11] = [
     Subject("humanoid/humanoid.xml", 0, [0.0, 0.0, 1.0], 4.0, 150.0, -15.0),
     Subject("humanoid/humanoid.xml", 300, [0.2, 0.0, 0.4], 3.0, 120.0, -25.0),
@@ -77,54 +77,56 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let all = Rays::new(&data, scene.viewpoint(), &[]);
     let solid = Rays::new(&data, scene.viewpoint(), &transparent);
     let check = |pixel: [usize; 2]| {
-        // The rods of cranks are always drawn, and no ray meets them.
+        // The rods of cranks are always drawn, and no ray hits them.
         let segment = segmentation.pixel(pixel[0], pixel[1]);
         if matches!(segment, Some(Segment { object: Some(SceneObject::Actuator(_)), .. })) {
             return View::Outline;
         }
         let seen = segment.map(|segment| of_model(scene.geom(segment.geom)).unwrap());
-        let met = all.meet(pixel);
-        if met.view != View::Outline {
-            let is_there = met.geom == seen || seen.is_some_and(|geom| all.distance(geom, met.direction) <= met.far());
+        let hit = all.intersect(pixel);
+        if hit.view != View::Outline {
+            let is_same_geom =
+                hit.geom == seen || seen.is_some_and(|geom| all.distance(geom, hit.direction) <= hit.far());
             assert!(
-                is_there,
-                "{name} at {pixel:?}: the picture has {seen:?}, the ray meets {:?} at {} m",
-                met.geom, met.depth
+                is_same_geom,
+                "{name} at {pixel:?}: the image has {seen:?}, the ray hits {:?} at {} m",
+                hit.geom, hit.depth
             );
         }
-        let met = if transparent.is_empty() { met } else { solid.meet(pixel) };
+        let hit = if transparent.is_empty() { hit } else { solid.intersect(pixel) };
         let found = f64::from(depth.metres(pixel[0], pixel[1]));
-        let [near, far] = match met.view {
-            View::Steep => [met.depth; 2],
-            View::Grazing => met.around,
-            View::Outline => return met.view,
+        let [near, far] = match hit.view {
+            View::Steep => [hit.depth; 2],
+            View::Grazing => hit.around,
+            View::Outline => return hit.view,
         };
-        let is_right = found == near || found >= near * (1.0 - PRECISION) && found <= far * (1.0 + PRECISION);
+        let is_same_depth = found == near || found >= near * (1.0 - PRECISION) && found <= far * (1.0 + PRECISION);
         assert!(
-            is_right,
-            "{name} at {pixel:?}: the picture has {found} m, the ray meets {:?} at {near} to {far} m",
-            met.geom
+            is_same_depth,
+            "{name} at {pixel:?}: the image has {found} m, the ray hits {:?} at {near} to {far} m",
+            hit.geom
         );
-        met.view
+        hit.view
     };
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2022);
     let anywhere: Vec<View> =
         (0..PIXELS).map(|_| check(SIZE.map(|length| random.random_range(0..length) as usize))).collect();
 
-    // Most of a picture is floor. The second half of the pixels shows other geoms.
-    let things: Vec<[usize; 2]> = (0..SIZE[1] as usize)
+    // Most of an image is floor. The second half of the pixels shows other geoms.
+    let foreground: Vec<[usize; 2]> = (0..SIZE[1] as usize)
         .flat_map(|y| (0..SIZE[0] as usize).map(move |x| [x, y]))
         .filter(|&[x, y]| segmentation.pixel(x, y).is_some_and(|segment| scene.geom(segment.geom).plane().is_none()))
         .collect();
-    assert!(things.len() > PIXELS, "{name}: only {} pixels show more than the floor", things.len());
-    let of_things: Vec<View> = (0..PIXELS).map(|_| check(things[random.random_range(0..things.len())])).collect();
+    assert!(foreground.len() > PIXELS, "{name}: only {} pixels show a geom other than the floor", foreground.len());
+    let on_foreground: Vec<View> =
+        (0..PIXELS).map(|_| check(foreground[random.random_range(0..foreground.len())])).collect();
     let steep = |views: &[View]| views.iter().filter(|view| **view == View::Steep).count();
-    let counts = [steep(&anywhere), steep(&of_things)];
+    let counts = [steep(&anywhere), steep(&on_foreground)];
     println!("{name} after {steps} steps: within 1/3000 at {counts:?} of {PIXELS} pixels");
     assert!(counts[0] > PIXELS / 2 && counts[1] > PIXELS / 5, "{name}: too many outlines, {counts:?}");
 }
 
-/// Returns options that show all geoms, which rays can meet, and as little else as possible.
+/// Returns options that show all geoms, which rays can hit, and few other objects.
 fn geoms_only() -> SceneOptions {
     let mut options = SceneOptions { flags: VisualFlags::STATIC, geomgroup: [true; 6], ..SceneOptions::default() };
     options.sitegroup = [false; 6];
@@ -142,14 +144,14 @@ fn of_model(geom: SceneGeom<'_>) -> Option<GeomId> {
 /// Classification of a pixel by its ray and the rays of its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum View {
-    /// A neighbour meets another geom, or none.
+    /// A neighbour hits another geom, or none.
     Outline,
     Grazing,
     Steep,
 }
 
 /// The intersection of the ray through a pixel.
-struct Met {
+struct PixelHit {
     view: View,
     geom: Option<GeomId>,
     /// The direction scaled so that distance is depth.
@@ -159,7 +161,7 @@ struct Met {
     around: [f64; 2],
 }
 
-impl Met {
+impl PixelHit {
     /// Returns the largest depth that is indistinguishable from its own.
     fn far(&self) -> f64 {
         self.depth * (1.0 + PRECISION)
@@ -203,7 +205,7 @@ impl Rays {
         [0, 1, 2].map(|axis| forward[axis] + (right[axis] * to_right + up[axis] * upwards) / near)
     }
 
-    fn meet(&self, [x, y]: [usize; 2]) -> Met {
+    fn intersect(&self, [x, y]: [usize; 2]) -> PixelHit {
         let far = f64::from(self.viewpoint.frustum_far);
         // Row by row: the pixel itself is the fifth.
         let directions: [[f64; 3]; 9] =
@@ -222,10 +224,10 @@ impl Rays {
         } else {
             View::Grazing
         };
-        Met { view, geom, direction, depth, around }
+        PixelHit { view, geom, direction, depth, around }
     }
 
-    /// Returns the distance at which a ray meets a geom, even if other geoms hide it.
+    /// Returns the distance at which a ray hits a geom, even if other geoms hide it.
     fn distance(&self, geom: GeomId, direction: [f64; 3]) -> f64 {
         let (model, index) = (self.data.model(), geom.index());
         let distance = match model.geom(geom).geom_type() {

@@ -1,10 +1,7 @@
 //! Control loops do not allocate, neither in this crate nor, after the first call, in the engine.
-//!
-//! The functions below replace the C library's allocator in this program and count the allocations of Rust, C and C++.
+#![forbid(unsafe_code)]
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
-use std::cell::Cell;
-use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
@@ -19,105 +16,8 @@ use mujoco_safe::{
 };
 use nalgebra::DMatrix;
 
-use crate::turn;
-
-thread_local! {
-    /// Number of allocations of this thread. It has no destructor, so it needs no allocation itself.
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-fn count() {
-    let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-}
-
-unsafe extern "C" {
-    fn __libc_malloc(size: usize) -> *mut c_void;
-    fn __libc_calloc(count: usize, size: usize) -> *mut c_void;
-    fn __libc_realloc(block: *mut c_void, size: usize) -> *mut c_void;
-    fn __libc_memalign(alignment: usize, size: usize) -> *mut c_void;
-}
-
-/// Counts and forwards to the C library.
-#[unsafe(no_mangle)]
-extern "C" fn malloc(size: usize) -> *mut c_void {
-    count();
-    // SAFETY: the C library exports its allocator under this name for replacements.
-    unsafe { __libc_malloc(size) }
-}
-
-/// Counts and forwards to the C library.
-#[unsafe(no_mangle)]
-extern "C" fn calloc(number: usize, size: usize) -> *mut c_void {
-    count();
-    // SAFETY: as above.
-    unsafe { __libc_calloc(number, size) }
-}
-
-/// Counts and forwards to the C library.
-///
-/// # Safety
-///
-/// `block` is NULL or was allocated.
-#[unsafe(no_mangle)]
-unsafe extern "C" fn realloc(block: *mut c_void, size: usize) -> *mut c_void {
-    count();
-    // SAFETY: the caller's promise.
-    unsafe { __libc_realloc(block, size) }
-}
-
-/// Counts and forwards to the C library.
-#[unsafe(no_mangle)]
-extern "C" fn aligned_alloc(alignment: usize, size: usize) -> *mut c_void {
-    count();
-    // SAFETY: as for `malloc`.
-    unsafe { __libc_memalign(alignment, size) }
-}
-
-/// Counts and forwards to the C library.
-///
-/// # Safety
-///
-/// `block` can be written to.
-#[unsafe(no_mangle)]
-unsafe extern "C" fn posix_memalign(block: *mut *mut c_void, alignment: usize, size: usize) -> c_int {
-    const OUT_OF_MEMORY: c_int = 12;
-    count();
-    // SAFETY: as for `malloc`, and the caller's promise.
-    unsafe {
-        *block = __libc_memalign(alignment, size);
-        if (*block).is_null() { OUT_OF_MEMORY } else { 0 }
-    }
-}
-
-/// Statistics of the C library's allocator.
-#[repr(C)]
-struct MallInfo2 {
-    before: [usize; 4],
-    /// Bytes in blocks from `mmap`.
-    hblkhd: usize,
-    between: [usize; 2],
-    /// Bytes in all other allocated blocks.
-    uordblks: usize,
-    after: [usize; 2],
-}
-
-unsafe extern "C" {
-    fn mallinfo2() -> MallInfo2;
-}
-
-/// Returns the number of bytes that Rust, C and C++ have allocated and not freed in this process.
-pub(crate) fn allocated_bytes() -> usize {
-    // SAFETY: no precondition.
-    let info = unsafe { mallinfo2() };
-    info.hblkhd + info.uordblks
-}
-
-/// Returns the number of allocations of `action` on this thread, and its result.
-fn allocations<T>(action: impl FnOnce() -> T) -> (usize, T) {
-    let before = COUNT.get();
-    let result = action();
-    (COUNT.get() - before, result)
-}
+use crate::allocator::allocations;
+use crate::lock_process;
 
 /// Calls `action` once to warm up, and then asserts that further calls do not allocate.
 #[track_caller]
@@ -136,7 +36,7 @@ fn squatting() -> Data {
 
 #[test]
 fn the_counter_counts_allocations_of_rust_and_the_engine() {
-    let _turn = turn();
+    let _lock = lock_process();
     assert!(allocations(|| std::hint::black_box(vec![1_u8; 100])).0 >= 1);
     let model = Arc::new(sample::cartpole());
     // The structure, its buffer and its stack.
@@ -146,7 +46,7 @@ fn the_counter_counts_allocations_of_rust_and_the_engine() {
 
 #[test]
 fn the_pipeline_does_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     allocates_nothing("step", || data.step().unwrap());
     allocates_nothing("step1 and step2", || {
@@ -170,7 +70,7 @@ fn the_pipeline_does_not_allocate() {
 #[test]
 fn every_solver_and_integrator_does_not_allocate() {
     use mujoco_safe::{Cone, Integrator, JacobianStorage, Solver};
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
         for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
@@ -193,7 +93,7 @@ fn every_solver_and_integrator_does_not_allocate() {
 
 #[test]
 fn reading_and_writing_does_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     let model = data.model().clone();
     let (knee, torso) = (model.joint("left_knee").unwrap().id(), model.body("torso").unwrap().id());
@@ -220,7 +120,7 @@ fn reading_and_writing_does_not_allocate() {
 
 #[test]
 fn views_of_every_kind_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
     let mut data = Data::new(Model::from_xml_path(path).unwrap()).unwrap();
     data.forward().unwrap();
@@ -252,7 +152,7 @@ fn views_of_every_kind_do_not_allocate() {
 
 #[test]
 fn contacts_and_their_forces_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     data.step().unwrap();
     assert!(data.contacts().len() > 0);
@@ -268,7 +168,7 @@ fn contacts_and_their_forces_do_not_allocate() {
 
 #[test]
 fn jacobians_and_inertia_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     let model = data.model().clone();
     let (torso, geom) = (model.body("torso").unwrap().id(), model.geom(1).unwrap().id());
@@ -296,7 +196,7 @@ fn jacobians_and_inertia_do_not_allocate() {
 
 #[test]
 fn scenes_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     let model = data.model().clone();
     let mut scene = Scene::new(&model, 5000).unwrap();
@@ -322,7 +222,7 @@ fn scenes_do_not_allocate() {
 
 #[test]
 fn linearising_into_outputs_does_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     let mut system = StateSpace::zeros(data.model());
     allocates_nothing("transition_fd_into", || {
@@ -337,7 +237,7 @@ fn linearising_into_outputs_does_not_allocate() {
 
 #[test]
 fn linearising_in_a_workspace_does_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     let mut system = StateSpace::zeros(data.model());
     for method in [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse] {
@@ -357,7 +257,7 @@ fn linearising_in_a_workspace_does_not_allocate() {
 
 #[test]
 fn controllers_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = Data::new(sample::cartpole()).unwrap();
     let weights = LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
     let mut lqr = Lqr::at_present_state(&mut data, &weights).unwrap();
@@ -376,7 +276,7 @@ fn controllers_do_not_allocate() {
 
 #[test]
 fn states_and_trajectories_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     let mut state = vec![0.0; data.model().state_size(StateSpec::INTEGRATION)];
     allocates_nothing("states", || {
@@ -394,7 +294,7 @@ fn states_and_trajectories_do_not_allocate() {
 
 #[test]
 fn copying_into_existing_objects_does_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let source = squatting();
     let mut copy = source.clone();
     allocates_nothing("copy_from", || copy.copy_from(&source).unwrap());
@@ -411,7 +311,7 @@ fn copying_into_existing_objects_does_not_allocate() {
 
 #[test]
 fn settings_and_statistics_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut model = sample::humanoid();
     allocates_nothing("settings", || {
         model.edit().options(|options| options.gravity[0] += 0.1).unwrap();
@@ -432,7 +332,7 @@ fn settings_and_statistics_do_not_allocate() {
 
 #[test]
 fn derivatives_of_inverse_dynamics_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut data = squatting();
     let mut jacobians = InverseJacobians::zeros(data.model());
     allocates_nothing("inverse_fd_into", || data.inverse_fd_into(1e-6, true, &mut jacobians).unwrap());
@@ -440,7 +340,7 @@ fn derivatives_of_inverse_dynamics_do_not_allocate() {
 
 #[test]
 fn mathematical_functions_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let data = squatting();
     let mass = data.full_m().unwrap();
     let nv = mass.nrows();
@@ -491,7 +391,7 @@ fn allocations_of_rollouts(workers: &Workers, steps: usize) -> usize {
 
 #[test]
 fn steps_of_rollouts_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let workers = Workers::new(sample::humanoid());
     allocations_of_rollouts(&workers, 1);
     let (few, many) = (allocations_of_rollouts(&workers, 1), allocations_of_rollouts(&workers, 100));
@@ -500,7 +400,7 @@ fn steps_of_rollouts_do_not_allocate() {
 
 #[test]
 fn steps_of_a_batch_do_not_allocate() {
-    let _turn = turn();
+    let _lock = lock_process();
     let mut batch = Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
     allocates_nothing("Batch::step", || {
         batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();

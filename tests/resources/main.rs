@@ -1,4 +1,4 @@
-//! Allocations, leaks and output: properties of the whole process, so the tests take turns.
+//! Allocations, leaks and output: properties of the process, so the tests run one at a time.
 
 #[path = "../common/child.rs"]
 mod child;
@@ -6,13 +6,14 @@ mod child;
 mod trouble;
 
 mod allocations;
+mod allocator;
 mod leaks;
 mod quiet;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Locks the process: the tests of leaks measure its memory and its open files.
-fn turn() -> MutexGuard<'static, ()> {
-    static TURN: Mutex<()> = Mutex::new(());
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+/// Locks the process, because the tests of leaks measure its memory and its open files.
+fn lock_process() -> MutexGuard<'static, ()> {
+    static LOCK: Mutex<()> = Mutex::new(());
+    LOCK.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,5 +1,5 @@
 //! The engine prints nothing, writes no `MUJOCO_LOG.TXT` and does not wait for Enter: the test runs in a child process in an
-//! empty folder, with an empty pipe as standard input, and checks what the process leaves.
+//! empty folder, with an empty pipe as standard input. The parent checks the output, the files and the exit status.
 
 #![forbid(unsafe_code)]
 
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
 use mujoco_safe::{Data, Error, Model, Warning, sample};
 
-use crate::{child, turn};
+use crate::{child, lock_process};
 
 /// Messages logged under the target `mujoco`.
 static LOGGED: Mutex<Vec<String>> = Mutex::new(Vec::new());
@@ -56,7 +56,7 @@ fn crowded(size: &str) -> Data {
     Data::new(Model::from_xml_str(&xml).unwrap()).unwrap()
 }
 
-/// Loads meshes about which the convex hull library prints pages of errors, and a mesh about which it prints a warning.
+/// Loads meshes for which the convex hull library prints long errors, and a mesh for which it prints a warning.
 fn meshes_for_the_convex_hull_library() {
     for (heights, loads) in
         [(["0", "0", "0", "0"], false), (["1", "1", "1", "1"], false), (["0", "0", "0", "1e-7"], true)]
@@ -184,14 +184,14 @@ fn everything_that_the_engine_would_print() {
 
     assert!(sample::cartpole().save_xml("no/such/folder.xml").is_err());
     assert!(Path::new(".").read_dir().unwrap().next().is_none(), "a file was written");
-    eprintln!("to its end");
+    eprintln!("finished");
 }
 
 #[test]
 fn the_engine_prints_writes_and_reads_nothing() {
     let folder = std::env::temp_dir().join(format!("mujoco_safe_quiet_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let _turn = turn();
+    let _lock = lock_process();
     let mut child = child::command("quiet::everything_that_the_engine_would_print")
         .current_dir(&folder)
         .stdin(Stdio::piped())
@@ -205,7 +205,7 @@ fn the_engine_prints_writes_and_reads_nothing() {
     while child.try_wait().unwrap().is_none() {
         if start.elapsed() > Duration::from_secs(60) {
             child.kill().unwrap();
-            panic!("the process waits");
+            panic!("the process is blocked");
         }
         std::thread::sleep(Duration::from_millis(10));
     }
@@ -215,7 +215,7 @@ fn the_engine_prints_writes_and_reads_nothing() {
     assert!(output.status.success(), "{stdout}{stderr}");
 
     assert_eq!(child::printed(&stdout), Vec::<&str>::new());
-    assert_eq!(stderr, "to its end\n");
+    assert_eq!(stderr, "finished\n");
     let files: Vec<_> = folder.read_dir().unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(files, Vec::<std::ffi::OsString>::new());
     std::fs::remove_dir(&folder).unwrap();

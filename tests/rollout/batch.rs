@@ -1,4 +1,4 @@
-//! A batch equals as many plain loops in lockstep.
+//! A batch equals the same number of plain loops in lockstep.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -46,7 +46,7 @@ fn each_rollout_uses_only_its_own_edit() {
     }
     let width = model.nq() + model.nv();
     let last = |index: usize| &expected[(index * (steps + 1) + steps) * width..][..width];
-    assert!(last(0) != last(1) && last(0) != last(2) && last(0) != last(3), "each edit matters");
+    assert!(last(0) != last(1) && last(0) != last(2) && last(0) != last(3), "each edit changes the result");
     for threads in [1, 2, 3] {
         for chunk in [1, 2, 4, 9] {
             let rollout = Rollout::new(model.clone(), count, steps).edit_model(edit).chunk(chunk);

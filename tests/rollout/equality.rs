@@ -97,7 +97,7 @@ fn shared_states_and_controls_apply_to_each_rollout() {
 }
 
 #[test]
-fn controllers_act_like_in_a_plain_loop() {
+fn controllers_act_as_in_a_plain_loop() {
     let (count, steps) = (6, 30);
     let model = std::sync::Arc::new(sample::humanoid());
     let make = |index: usize| {

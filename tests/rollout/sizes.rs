@@ -19,7 +19,7 @@ fn assert_rejected<T>(result: Result<T>, argument: &str, expected: usize, found:
             assert_eq!((rows, wrong), (expected, found));
         }
         Err(error) => panic!("{error}"),
-        Ok(_) => panic!("a wrong length was taken"),
+        Ok(_) => panic!("a wrong length was accepted"),
     }
 }
 

@@ -4,17 +4,17 @@ use std::path::Path;
 
 use mujoco_safe::{Error, LoadOptions, Model, SaveXmlOptions, XmlCheck, sample};
 
-use super::{assets, beside, folder, lost, samples, saved_with};
+use super::{assets, copy_into, folder, lost, samples, saved_with};
 
 #[test]
 fn sample_models_save_without_loss() {
-    let _turn = super::turn();
+    let _lock = super::lock_engine();
     let mut models = 0;
     for original in samples() {
         // Files for inclusion are not models.
         let Ok(model) = Model::from_xml_path(&original) else { continue };
         let folder = tempfile::tempdir().unwrap();
-        let path = beside(&original, folder.path());
+        let path = copy_into(&original, folder.path());
         let lost = lost(|| Model::from_xml_path(&original).unwrap(), &path).unwrap();
         // The compiler sorts pairs after resolving the tuples that refer to them, so the text is right and the model wrong.
         let expected: &[&str] = if original.ends_with("every_element.xml") { &["tuple_objid"] } else { &[] };
@@ -31,7 +31,7 @@ fn sample_models_save_without_loss() {
 fn a_lost_edit_is_an_error_that_names_it_and_writes_nothing() {
     const XML: &str = r#"<mujoco><worldbody><body name="ball"><freejoint/><geom name="skin" size="0.1" mass="1"/></body>
         <body><joint/><geom size="0.1"/></body></worldbody></mujoco>"#;
-    let _turn = super::turn();
+    let _lock = super::lock_engine();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("heavy.xml");
     let load = || {
@@ -40,8 +40,8 @@ fn a_lost_edit_is_an_error_that_names_it_and_writes_nothing() {
         model.edit().update_constants().unwrap();
         model
     };
-    let (model, refused) = saved_with(load, &path, &SaveXmlOptions::default());
-    let error = refused.unwrap_err();
+    let (model, rejected) = saved_with(load, &path, &SaveXmlOptions::default());
+    let error = rejected.unwrap_err();
     let text = error.to_string();
     assert!(text.contains("body_mass (ball)") && text.contains("save a binary model"), "{text}");
     let Error::XmlLosesEdits { fields, .. } = error else { panic!("{text}") };
@@ -53,8 +53,8 @@ fn a_lost_edit_is_an_error_that_names_it_and_writes_nothing() {
         model.edit().body_mass_mut()[2] = 9.0;
         model
     };
-    let (_, refused) = saved_with(load, &path, &SaveXmlOptions::default());
-    assert!(refused.unwrap_err().to_string().contains("body_mass (2)"));
+    let (_, rejected) = saved_with(load, &path, &SaveXmlOptions::default());
+    assert!(rejected.unwrap_err().to_string().contains("body_mass (2)"));
     let report = SaveXmlOptions::default().with_check(XmlCheck::Report);
     let (_, lost) = saved_with(load, &path, &report);
     assert!(lost.unwrap().iter().any(|lost| lost.to_string() == "body_mass (2)"));
@@ -63,7 +63,7 @@ fn a_lost_edit_is_an_error_that_names_it_and_writes_nothing() {
 
 #[test]
 fn a_model_can_be_saved_again_after_a_failed_check() {
-    let _turn = super::turn();
+    let _lock = super::lock_engine();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("again.xml");
     let mut model = Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
@@ -84,14 +84,14 @@ fn a_model_can_be_saved_again_after_a_failed_check() {
 
 #[test]
 fn a_text_without_its_files_is_rejected() {
-    let _turn = super::turn();
+    let _lock = super::lock_engine();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("memory.xml");
     let files = assets::all();
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, content)| (*name, content.as_slice())).collect();
     let load = || Model::from_xml_str_with(assets::MODEL, &LoadOptions::default().with_files(&files)).unwrap();
-    let (_, refused) = saved_with(load, &path, &SaveXmlOptions::default());
-    let text = refused.unwrap_err().to_string();
+    let (_, rejected) = saved_with(load, &path, &SaveXmlOptions::default());
+    let text = rejected.unwrap_err().to_string();
     assert!(text.contains("memory.xml") && text.contains("does not load from there"), "{text}");
     assert!(!path.exists());
     for options in [SaveXmlOptions::default().with_files(&files), SaveXmlOptions::default().with_check(XmlCheck::Skip)]
@@ -105,7 +105,7 @@ fn a_text_without_its_files_is_rejected() {
 
 #[test]
 fn the_text_has_the_changes_of_the_compiler() {
-    let _turn = super::turn();
+    let _lock = super::lock_engine();
     let folder = folder();
     let path = folder.path().join("saved.xml");
     for compiler in [r#"fusestatic="true""#, r#"discardvisual="true""#, r#"fusestatic="true" discardvisual="true""#, ""]
@@ -115,7 +115,7 @@ fn the_text_has_the_changes_of_the_compiler() {
                  <body name="a" pos="0 0 1"><joint/><geom size="0.1"/><body name="b" pos="0 0.3 0.1" euler="10 20 30"><geom size="0.1 0.2 0.3" type="box"/>
                  <geom type="mesh" mesh="solid" contype="0" conaffinity="0" group="1"/></body></body></worldbody></mujoco>"#
         );
-        let lost = lost(|| from_beside(&xml, folder.path()), &path).unwrap();
+        let lost = lost(|| load_in_folder(&xml, folder.path()), &path).unwrap();
         assert_eq!(lost, [""; 0], "{compiler}");
     }
     let lost = lost(|| Model::from_xml_path(folder.path().join("arm.urdf")).unwrap(), &path).unwrap();
@@ -132,7 +132,7 @@ fn the_text_has_the_changes_of_the_compiler() {
 }
 
 /// Loads a text as if from a file in a folder.
-fn from_beside(xml: &str, folder: &Path) -> Model {
+fn load_in_folder(xml: &str, folder: &Path) -> Model {
     let path = folder.join("written.xml");
     std::fs::write(&path, xml).unwrap();
     Model::from_xml_path(path).unwrap()
@@ -140,7 +140,7 @@ fn from_beside(xml: &str, folder: &Path) -> Model {
 
 #[test]
 fn numbers_that_the_writer_corrupts_are_named() {
-    let _turn = super::turn();
+    let _lock = super::lock_engine();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("saved.xml");
     // The writer converts integers to a C int, and omits an attribute that contains NaN.

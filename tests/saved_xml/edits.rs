@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mujoco_safe::{Error, MatrixView, MatrixViewMut, Model};
 
-use super::{beside, lost};
+use super::{copy_into, lost};
 
 /// An edit and the edited value.
 struct Edit {
@@ -111,10 +111,10 @@ fn edits() -> Vec<Edit> {
 
 #[test]
 fn each_edit_is_saved_or_reported_as_lost() {
-    let _turn = super::turn();
+    let _lock = super::lock_engine();
     let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/every_element.xml");
     let folder = tempfile::tempdir().unwrap();
-    let path = beside(&original, folder.path());
+    let path = copy_into(&original, folder.path());
     let model = Model::from_xml_path(&original).unwrap();
     let edits = edits();
     // All models are saved before any is loaded, which replaces the engine's tree.
@@ -128,14 +128,14 @@ fn each_edit_is_saved_or_reported_as_lost() {
         (expected, path, lost)
     });
     let saved: Vec<_> = saved.collect();
-    let (mut carried, mut named, mut refused) = (0, 0, 0);
+    let (mut carried, mut named, mut rejected) = (0, 0, 0);
     for (Edit { field, numbers, .. }, (expected, path, lost)) in edits.iter().zip(saved) {
         let lost = match lost {
             Ok(lost) => lost,
             Err(error) => {
                 // For example a range with reversed limits.
                 assert!(matches!(error, Error::Save { .. }) && !path.exists(), "{field}: {error}");
-                refused += 1;
+                rejected += 1;
                 continue;
             }
         };
@@ -150,12 +150,12 @@ fn each_edit_is_saved_or_reported_as_lost() {
             named += 1;
         }
     }
-    assert!(carried > 60 && named > 20 && refused < 20, "{carried} {named} {refused}");
+    assert!(carried > 60 && named > 20 && rejected < 20, "{carried} {named} {rejected}");
 }
 
 #[test]
 fn extreme_numbers_are_saved_or_rejected() {
-    let _turn = super::turn();
+    let _lock = super::lock_engine();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("saved.xml");
     let zoo = Model::from_xml_str(include_str!("../models/zoo.xml")).unwrap();
@@ -163,7 +163,7 @@ fn extreme_numbers_are_saved_or_rejected() {
         ($($writer:ident($field:ident))*) => { [$(|model: &mut Model, number| model.edit().$writer().fill_all(number)),*] };
     }
     let fills: [fn(&mut Model, f64); _] = model_writers! { fills };
-    let (mut saved, mut refused) = (0, 0);
+    let (mut saved, mut rejected) = (0, 0);
     for fill in fills {
         for number in [0.0, -1.0, 1e-300, 1e10, 1e300, f64::NAN, f64::INFINITY] {
             let mut model = zoo.clone();
@@ -172,10 +172,10 @@ fn extreme_numbers_are_saved_or_rejected() {
                 Ok(_) => saved += 1,
                 Err(error) => {
                     assert!(matches!(error, Error::Save { .. }), "{error}");
-                    refused += 1;
+                    rejected += 1;
                 }
             }
         }
     }
-    assert!(saved > 500 && refused > 10, "{saved} {refused}");
+    assert!(saved > 500 && rejected > 10, "{saved} {rejected}");
 }

@@ -1,6 +1,6 @@
 //! `Model::save_xml` writes a text only if it loads as the same model, and reports edits that XML cannot represent.
 //!
-//! The engine keeps the XML of the last model that the process loaded, so the tests of this program take turns.
+//! The engine keeps the XML of the last model that the process loaded, so the tests of this program run one at a time.
 #![forbid(unsafe_code)]
 #![allow(clippy::float_cmp, reason = "a saved number loads as the same number")]
 
@@ -21,9 +21,9 @@ use assets::folder;
 use mujoco_safe::{LostEdit, Model, Result, SaveXmlOptions, XmlCheck};
 
 /// Locks the engine's XML tree while a test loads and saves.
-fn turn() -> MutexGuard<'static, ()> {
-    static TURN: Mutex<()> = Mutex::new(());
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock_engine() -> MutexGuard<'static, ()> {
+    static LOCK: Mutex<()> = Mutex::new(());
+    LOCK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Loads a model and saves it.
@@ -54,7 +54,7 @@ fn samples() -> Vec<PathBuf> {
 }
 
 /// Copies the files of a model to a folder, and returns the path of a model file there.
-fn beside(original: &Path, folder: &Path) -> PathBuf {
+fn copy_into(original: &Path, folder: &Path) -> PathBuf {
     for entry in std::fs::read_dir(original.parent().unwrap()).unwrap() {
         let path = entry.unwrap().path();
         if path.is_file() {

@@ -115,32 +115,32 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
 fn a_scene_needs_computed_results() {
     let mut data = Data::new(every_element()).unwrap();
     let mut scene = Scene::new(data.model(), 20_000).unwrap();
-    let mut tried = |data: &mut Data, expected: [bool; 3], when: &str| {
+    let mut check = |data: &mut Data, expected: [bool; 3], when: &str| {
         assert_eq!(try_all(&mut scene, data), expected, "{when}");
     };
-    tried(&mut data, [false; 3], "at first");
+    check(&mut data, [false; 3], "before any call");
     data.kinematics().unwrap();
-    tried(&mut data, [false; 3], "after a part of the positions");
+    check(&mut data, [false; 3], "after some position stages");
     data.fwd_position().unwrap();
-    tried(&mut data, [true, false, false], "after positions");
+    check(&mut data, [true, false, false], "after positions");
     data.fwd_velocity().unwrap();
-    tried(&mut data, [true, false, true], "after velocities");
+    check(&mut data, [true, false, true], "after velocities");
     data.forward().unwrap();
-    tried(&mut data, [true; 3], "after everything");
+    check(&mut data, [true; 3], "after everything");
     for _ in 0..200 {
         data.step().unwrap();
     }
-    tried(&mut data, [true; 3], "after a step");
+    check(&mut data, [true; 3], "after a step");
     data.step1().unwrap();
-    tried(&mut data, [true, false, true], "with rows that have no forces yet");
+    check(&mut data, [true, false, true], "with rows that have no forces yet");
     data.inverse().unwrap();
-    tried(&mut data, [true; 3], "after inverse dynamics");
+    check(&mut data, [true; 3], "after inverse dynamics");
     data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic)).unwrap().unwrap();
-    tried(&mut data, [false; 3], "with contacts of another layout");
+    check(&mut data, [false; 3], "with contacts of another layout");
     data.forward().unwrap();
-    tried(&mut data, [true; 3], "after everything");
+    check(&mut data, [true; 3], "after everything");
     data.reset().unwrap();
-    tried(&mut data, [false; 3], "after a reset");
+    check(&mut data, [false; 3], "after a reset");
 }
 
 #[test]
@@ -214,10 +214,10 @@ fn objects_of_another_model_are_rejected() {
         panics("a camera", &mut |scene, data| {
             let _ = scene.update(data, &options, None, &mut camera, Categories::all());
         });
-        panics("a camera by itself", &mut |scene, data| {
+        panics("update_camera", &mut |scene, data| {
             let _ = scene.update_camera(data, &mut camera);
         });
-        panics("a camera that moves", &mut |scene, data| {
+        panics("a camera motion", &mut |scene, data| {
             let model = data.model().clone();
             let _ = camera.move_by(&model, scene, MouseAction::Zoom, [0.1; 2]);
         });
@@ -226,7 +226,7 @@ fn objects_of_another_model_are_rejected() {
         let mut perturbation = Perturbation::default();
         (perturbation.select, perturbation.skinselect) = (select, skinselect);
         perturbation.active = PerturbationFlags::all();
-        panics("a perturbation that is shown", &mut |scene, data| {
+        panics("a displayed perturbation", &mut |scene, data| {
             let _ = scene.add(data, &options, Some(&perturbation), Categories::all());
         });
         panics("a perturbation", &mut |_, data| {
@@ -268,13 +268,13 @@ fn invalid_numbers_are_rejected() {
     let mut scene = Scene::new(&model, 1000).unwrap();
     let options = SceneOptions::default();
     scene.update(&mut data, &options, None, &mut Camera::free(&model), Categories::all()).unwrap();
-    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+    for invalid in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let free = Camera::free(&model);
         for mut camera in [
-            Camera { lookat: [0.0, bad, 0.0], ..free },
-            Camera { distance: bad, ..free },
-            Camera { azimuth: bad, ..free },
-            Camera { elevation: bad, ..free },
+            Camera { lookat: [0.0, invalid, 0.0], ..free },
+            Camera { distance: invalid, ..free },
+            Camera { azimuth: invalid, ..free },
+            Camera { elevation: invalid, ..free },
             Camera { distance: 1e300, ..free },
         ] {
             let updated = scene.update(&mut data, &options, None, &mut camera, Categories::all());
@@ -283,7 +283,7 @@ fn invalid_numbers_are_rejected() {
         }
         let (mut camera, mut perturbation) = (free, Perturbation::default());
         perturbation.select = Some(model.body("torso").unwrap().id());
-        for motion in [[bad, 0.0], [0.0, bad]] {
+        for motion in [[invalid, 0.0], [0.0, invalid]] {
             let moved = camera.move_by(&model, &scene, MouseAction::RotateV, motion);
             assert!(matches!(moved, Err(Error::Invalid { .. })));
             let moved = perturbation.move_by(&data, &scene, MouseAction::MoveV, motion);
@@ -293,36 +293,36 @@ fn invalid_numbers_are_rejected() {
             assert!(matches!(scene.select(&data, &options, 1.0, motion), Err(Error::Invalid { .. })));
         }
         assert_eq!(camera, free);
-        assert!(matches!(scene.select(&data, &options, bad, [0.5; 2]), Err(Error::Invalid { .. })));
+        assert!(matches!(scene.select(&data, &options, invalid, [0.5; 2]), Err(Error::Invalid { .. })));
         perturbation.active = PerturbationFlags::all();
         for set in [
-            |perturbation: &mut Perturbation, bad| perturbation.refpos[1] = bad,
-            |perturbation: &mut Perturbation, bad| perturbation.refquat[3] = bad,
-            |perturbation: &mut Perturbation, bad| perturbation.localpos[0] = bad,
-            |perturbation: &mut Perturbation, bad| perturbation.scale = bad,
+            |perturbation: &mut Perturbation, invalid| perturbation.refpos[1] = invalid,
+            |perturbation: &mut Perturbation, invalid| perturbation.refquat[3] = invalid,
+            |perturbation: &mut Perturbation, invalid| perturbation.localpos[0] = invalid,
+            |perturbation: &mut Perturbation, invalid| perturbation.scale = invalid,
         ] {
             let mut perturbation = perturbation.clone();
-            set(&mut perturbation, bad);
+            set(&mut perturbation, invalid);
             assert!(matches!(perturbation.force(&mut data), Err(Error::Invalid { .. })));
             assert!(matches!(perturbation.apply_force(&mut data), Err(Error::Invalid { .. })));
             assert!(matches!(perturbation.apply_pose(&mut data, true), Err(Error::Invalid { .. })));
             let updated = scene.update(&mut data, &options, Some(&perturbation), &mut camera, Categories::all());
             assert!(matches!(updated, Err(Error::Invalid { .. })));
         }
-        let single = bad as f32;
+        let single = invalid as f32;
         for geom in [
-            NewGeom::sphere(bad),
+            NewGeom::sphere(invalid),
             NewGeom::sphere(1e300),
             NewGeom::sphere(-1.0),
-            NewGeom::cuboid([1.0, bad, 1.0]),
-            NewGeom::plane([1.0, bad]),
-            NewGeom::sphere(1.0).pos([bad, 0.0, 0.0]),
-            NewGeom::sphere(1.0).mat([bad; 9]),
+            NewGeom::cuboid([1.0, invalid, 1.0]),
+            NewGeom::plane([1.0, invalid]),
+            NewGeom::sphere(1.0).pos([invalid, 0.0, 0.0]),
+            NewGeom::sphere(1.0).mat([invalid; 9]),
             NewGeom::sphere(1.0).rgba([single, 0.0, 0.0, 1.0]),
             NewGeom::sphere(1.0).surface(0.0, single, 0.0, 0.0),
-            NewGeom::connector(Connector::Arrow, bad, [0.0; 3], [1.0; 3]),
-            NewGeom::connector(Connector::Line, 1.0, [bad; 3], [1.0; 3]),
-            NewGeom::connector(Connector::Capsule, 1.0, [0.0; 3], [bad; 3]),
+            NewGeom::connector(Connector::Arrow, invalid, [0.0; 3], [1.0; 3]),
+            NewGeom::connector(Connector::Line, 1.0, [invalid; 3], [1.0; 3]),
+            NewGeom::connector(Connector::Capsule, 1.0, [0.0; 3], [invalid; 3]),
         ] {
             assert!(matches!(scene.push(&geom), Err(Error::Invalid { .. })), "{geom:?}");
         }

@@ -23,7 +23,7 @@ fn assert_same_camera(what: &str, ours: &Camera, theirs: &mjvCamera) {
 }
 
 #[test]
-fn cameras_move_like_in_c() {
+fn cameras_move_as_in_c() {
     for subject in scene_subjects() {
         let mut twins = Twins::in_motion(&subject);
         let model = twins.model.clone();
@@ -130,7 +130,7 @@ fn assert_same_transform(ours: &Scene, theirs: &mjvScene) {
 }
 
 #[test]
-fn vectors_are_aligned_to_the_camera_like_in_c() {
+fn vectors_are_aligned_to_the_camera_as_in_c() {
     for forward in [[1.0, 0.0, 0.0], [0.3, -0.4, 2.0], [0.0, 0.0, 1.0]] {
         let (vec, mut raw) = ([0.1, 0.7, -0.2], [0.0; 3]);
         c!(mjv_alignToCamera(raw.as_mut_ptr(), vec.as_ptr(), forward.as_ptr()));
@@ -146,6 +146,6 @@ fn a_scene_is_send() {
     let mut camera = Camera::free(data.model());
     scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
     let count = scene.ngeom();
-    let there = std::thread::spawn(move || scene.geoms().filter(|geom| geom.size()[0] >= 0.0).count());
-    assert_eq!(there.join().unwrap(), count);
+    let moved = std::thread::spawn(move || scene.geoms().filter(|geom| geom.size()[0] >= 0.0).count());
+    assert_eq!(moved.join().unwrap(), count);
 }

@@ -1,4 +1,4 @@
-//! Contents of whole scenes.
+//! Contents of complete scenes.
 
 use mujoco_safe::scene::{
     Camera, Categories, FrameMode, LabelMode, Perturbation, PerturbationFlags, Scene, SceneGeomType, SceneObject,

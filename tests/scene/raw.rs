@@ -1,4 +1,4 @@
-//! Scenes made by C alone, and their comparison with the library's.
+//! Scenes created through the C API, and their comparison with those of the library.
 
 use std::mem::MaybeUninit;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::twins::{Raw, Subject, c, read, usual_subjects};
 
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
 
-/// Returns all models but the largest, and the model with every element.
+/// Returns all models except the largest, and the model with every element.
 pub(crate) fn scene_subjects() -> Vec<Subject> {
     let every = Model::from_xml_str(EVERY_ELEMENT).unwrap();
     let others = usual_subjects().map(|subject| Subject { name: subject.name.clone(), model: subject.model.clone() });

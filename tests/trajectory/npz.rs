@@ -235,7 +235,7 @@ fn a_small_file_does_not_decompress_to_gigabytes() {
 }
 
 #[test]
-fn names_with_folders_are_ignored() {
+fn entries_in_folders_are_ignored() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.npz");
     let model = sample::cartpole();
@@ -271,9 +271,9 @@ fn truncated_and_corrupted_files_are_errors_or_load() {
         assert!(Trajectory::load_npz(&model, &path).is_err(), "{length} bytes");
     }
     for at in 0..file.len() {
-        let mut bad = file.clone();
-        bad[at] ^= 1 << (at % 8);
-        fs::write(&path, bad).unwrap();
+        let mut invalid = file.clone();
+        invalid[at] ^= 1 << (at % 8);
+        fs::write(&path, invalid).unwrap();
         // Redundant data in the archive may be wrong in one place; the numbers may not.
         if let Ok(read) = Trajectory::load_npz(&model, &path) {
             assert_eq!(read, trajectory, "byte {at}");

@@ -47,9 +47,9 @@ fn a_trajectory_of_inconsistent_sizes_is_rejected() {
         ("states", json!(null), "expected"),
         ("other", json!(1), "unknown field"),
     ] {
-        let mut bad = good.clone();
-        bad[field] = value.clone();
-        let text = error::<Trajectory>(bad);
+        let mut invalid = good.clone();
+        invalid[field] = value.clone();
+        let text = error::<Trajectory>(invalid);
         assert!(text.contains(expected), "{field} = {value}: {text}");
     }
 }

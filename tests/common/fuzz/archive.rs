@@ -147,7 +147,7 @@ mod damaged {
             9 => members.insert(which, ("note.txt".to_owned(), vec![b'x'; bytes.below(100)])),
             10 => members.swap(which, 0),
             _ => {
-                // The numbers are at the end.
+                // The values are at the end.
                 let numbers = content.len().saturating_sub(128);
                 let number = bytes.word().to_le_bytes();
                 content.iter_mut().skip(128 + bytes.below(numbers + 1)).zip(number).for_each(|(byte, new)| *byte = new);

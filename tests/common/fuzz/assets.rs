@@ -1,4 +1,4 @@
-//! A model that names a file of every kind that the engine reads, and its files.
+//! A model that references a file of every type that the engine reads, and its files.
 
 use super::Bytes;
 

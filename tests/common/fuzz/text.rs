@@ -182,7 +182,7 @@ pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)
     }
     match Model::from_xml_str_with(text, &LoadOptions::default().with_files(&files)) {
         Ok(model) => {
-            log("to binary and back");
+            log("the binary round trip");
             let saved = model.to_binary().expect("a model that loads can be saved");
             let again = Model::from_binary(&saved).expect("a model that was saved loads again");
             assert!(again.to_binary().expect("a model that loads can be saved") == saved, "the binary form changed");

@@ -101,7 +101,7 @@ fn an_uncontrollable_mode_is_an_error_with_its_eigenvalue() {
         let (a, b) = (&axes * a * axes.transpose(), &axes * b);
         let got = solve(&a, &b, &DMatrix::identity(size, size), &DMatrix::identity(2, 2));
         let Err(RiccatiError::UncontrollableMode { eigenvalue, distance }) = got else {
-            panic!("{block} out of reach, but {got:?}");
+            panic!("{block} is uncontrollable, but the result is {got:?}");
         };
         assert_close(eigenvalue.re.hypot(eigenvalue.im), modulus, 1e-9);
         assert!(distance < 1e-12, "{distance:e}");
@@ -159,7 +159,7 @@ fn an_unweighted_mode_is_found_among_other_modes() {
 
         let got = solve(&a, &b, &q, &DMatrix::identity(2, 2));
         let Err(RiccatiError::UnobservableMode { eigenvalue, distance }) = got else {
-            panic!("{block} at no cost, but {got:?}");
+            panic!("{block} is unweighted, but the result is {got:?}");
         };
         assert_close(eigenvalue.re.hypot(eigenvalue.im), 1.0, 1e-9);
         assert!((eigenvalue.re - block[(0, 0)]).abs() < 1e-9, "{eigenvalue}");

@@ -106,7 +106,7 @@ fn assert_solves(
     let right = a.transpose() * p * a - (a.transpose() * p * b + s) * &gain + q;
     let residual = (p - right).norm() / p.norm();
     assert!(residual < 1e-11, "the residual is {residual:e}");
-    assert!(solution.relative_residual < 1e-12, "the solution says {:e}", solution.relative_residual);
+    assert!(solution.relative_residual < 1e-12, "the solution reports {:e}", solution.relative_residual);
 
     let radius = spectral_radius(&(a - b * k));
     assert!(radius < 1.0);

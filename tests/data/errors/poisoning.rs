@@ -21,7 +21,7 @@ fn squatting() -> Data {
 #[allow(unsafe_code, reason = "no safe call fills the stack")]
 fn fill_stack(data: &mut Data) {
     let raw = data.as_mut_ptr();
-    // SAFETY: the pointer of a data that is borrowed exclusively. A full stack is a state in which an engine call may leave it.
+    // SAFETY: the pointer is valid, and the data is borrowed exclusively. Engine calls can leave the stack full as well.
     unsafe { (*raw).pstack = (*raw).nstack };
 }
 

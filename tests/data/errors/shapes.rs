@@ -20,7 +20,7 @@ fn a_wrong_size_is_an_error_with_the_expected_size() {
     let numbers = |length: usize| vec![0.0; length];
     let vectors = |wanted: usize| [0, wanted - 1, wanted + 1];
     let shapes = |(rows, columns): (usize, usize)| [(rows, columns + 1), (rows + 1, columns), (columns, rows), (0, 0)];
-    let told = |result: Result<()>, wanted: &str| {
+    let assert_shape_error = |result: Result<()>, wanted: &str| {
         let error = result.unwrap_err();
         assert!(matches!(error, Error::Shape { .. }), "{error}");
         let text = error.to_string();
@@ -31,13 +31,22 @@ fn a_wrong_size_is_an_error_with_the_expected_size() {
     model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(nq), &numbers(nq)).unwrap();
     model.integrate_pos(&mut numbers(nq), &numbers(nv), 1.0).unwrap();
     for wrong in vectors(nv) {
-        told(model.differentiate_pos(&mut numbers(wrong), 1.0, &numbers(nq), &numbers(nq)), &format!("({nv})"));
-        told(model.integrate_pos(&mut numbers(nq), &numbers(wrong), 1.0), &format!("({nv})"));
+        assert_shape_error(
+            model.differentiate_pos(&mut numbers(wrong), 1.0, &numbers(nq), &numbers(nq)),
+            &format!("({nv})"),
+        );
+        assert_shape_error(model.integrate_pos(&mut numbers(nq), &numbers(wrong), 1.0), &format!("({nv})"));
     }
     for wrong in vectors(nq) {
-        told(model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(wrong), &numbers(nq)), &format!("({nq})"));
-        told(model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(nq), &numbers(wrong)), &format!("({nq})"));
-        told(model.integrate_pos(&mut numbers(wrong), &numbers(nv), 1.0), &format!("({nq})"));
+        assert_shape_error(
+            model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(wrong), &numbers(nq)),
+            &format!("({nq})"),
+        );
+        assert_shape_error(
+            model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(nq), &numbers(wrong)),
+            &format!("({nq})"),
+        );
+        assert_shape_error(model.integrate_pos(&mut numbers(wrong), &numbers(nv), 1.0), &format!("({nq})"));
     }
     for dt in [0.0, f64::NAN, f64::INFINITY] {
         text_of(
@@ -53,49 +62,49 @@ fn a_wrong_size_is_an_error_with_the_expected_size() {
     data.solve_m(&mut numbers(nv), &numbers(nv)).unwrap();
     data.solve_m(&mut numbers(3 * nv), &numbers(3 * nv)).unwrap();
     for wrong in [(nv, nv + 1), (nv + 1, nv), (0, 0), (nv * nv, 1)] {
-        told(data.full_m_into(&mut full(wrong)), &format!("({nv}, {nv})"));
+        assert_shape_error(data.full_m_into(&mut full(wrong)), &format!("({nv}, {nv})"));
     }
     for wrong in vectors(nv) {
-        told(data.mul_m(&mut numbers(wrong), &numbers(nv)), &format!("({nv})"));
-        told(data.mul_m(&mut numbers(nv), &numbers(wrong)), &format!("({nv})"));
-        told(data.solve_m(&mut numbers(nv), &numbers(wrong)), "");
-        told(data.solve_m(&mut numbers(wrong), &numbers(nv)), &format!("({nv})"));
+        assert_shape_error(data.mul_m(&mut numbers(wrong), &numbers(nv)), &format!("({nv})"));
+        assert_shape_error(data.mul_m(&mut numbers(nv), &numbers(wrong)), &format!("({nv})"));
+        assert_shape_error(data.solve_m(&mut numbers(nv), &numbers(wrong)), "");
+        assert_shape_error(data.solve_m(&mut numbers(wrong), &numbers(nv)), &format!("({nv})"));
     }
-    told(data.solve_m(&mut numbers(2 * nv), &numbers(nv)), &format!("({nv})"));
-    told(data.solve_m(&mut numbers(2 * nv), &numbers(2 * nv + 1)), "");
+    assert_shape_error(data.solve_m(&mut numbers(2 * nv), &numbers(nv)), &format!("({nv})"));
+    assert_shape_error(data.solve_m(&mut numbers(2 * nv), &numbers(2 * nv + 1)), "");
 
     let wanted = (3, nv);
     data.jac_into(body, [0.0; 3], Some(&mut full(wanted)), Some(&mut full(wanted))).unwrap();
     for wrong in shapes(wanted) {
         let text = format!("(3, {nv})");
-        told(data.jac_into(body, [0.0; 3], Some(&mut full(wrong)), None), &text);
-        told(data.jac_into(body, [0.0; 3], None, Some(&mut full(wrong))), &text);
-        told(data.jac_body_into(body, Some(&mut full(wrong)), None), &text);
-        told(data.jac_body_com_into(body, None, Some(&mut full(wrong))), &text);
-        told(data.jac_geom_into(geom, Some(&mut full(wanted)), Some(&mut full(wrong))), &text);
-        told(data.jac_subtree_com_into(body, &mut full(wrong)), &text);
+        assert_shape_error(data.jac_into(body, [0.0; 3], Some(&mut full(wrong)), None), &text);
+        assert_shape_error(data.jac_into(body, [0.0; 3], None, Some(&mut full(wrong))), &text);
+        assert_shape_error(data.jac_body_into(body, Some(&mut full(wrong)), None), &text);
+        assert_shape_error(data.jac_body_com_into(body, None, Some(&mut full(wrong))), &text);
+        assert_shape_error(data.jac_geom_into(geom, Some(&mut full(wanted)), Some(&mut full(wrong))), &text);
+        assert_shape_error(data.jac_subtree_com_into(body, &mut full(wrong)), &text);
     }
 
     for spec in [StateSpec::PHYSICS, StateSpec::INTEGRATION, StateSpec::empty()] {
         let size = model.state_size(spec);
         data.state_into(spec, &mut numbers(size)).unwrap();
         for wrong in [size + 1, size.saturating_sub(1)].into_iter().filter(|&wrong| wrong != size) {
-            told(data.state_into(spec, &mut numbers(wrong)), &format!("({size})"));
-            told(data.set_state(spec, &numbers(wrong)), &format!("({size})"));
+            assert_shape_error(data.state_into(spec, &mut numbers(wrong)), &format!("({size})"));
+            assert_shape_error(data.set_state(spec, &numbers(wrong)), &format!("({size})"));
         }
     }
     let size = nq + nv;
     for wrong in vectors(size) {
-        told(data.physics_state_into(&mut numbers(wrong)), &format!("({size})"));
-        told(data.set_physics_state(&numbers(wrong)), &format!("({size})"));
+        assert_shape_error(data.physics_state_into(&mut numbers(wrong)), &format!("({size})"));
+        assert_shape_error(data.set_physics_state(&numbers(wrong)), &format!("({size})"));
     }
 
-    told(Lqr::with_gain(&data, full((nu, 2 * nv + 1))).map(drop), &format!("({nu}, {})", 2 * nv));
-    told(Lqr::with_gain(&data, full((2 * nv, nu))).map(drop), &format!("({nu}, {})", 2 * nv));
+    assert_shape_error(Lqr::with_gain(&data, full((nu, 2 * nv + 1))).map(drop), &format!("({nu}, {})", 2 * nv));
+    assert_shape_error(Lqr::with_gain(&data, full((2 * nv, nu))).map(drop), &format!("({nu}, {})", 2 * nv));
     let mut other = Data::new(sample::cartpole()).unwrap();
-    told(Lqr::with_gain(&data, full((nu, 2 * nv))).unwrap().control(&mut other), "");
-    told(PdController::new(&model, 1.0, 1.0).control(&mut other), "");
-    told(Trajectory::new(&model).push(&other), "");
+    assert_shape_error(Lqr::with_gain(&data, full((nu, 2 * nv))).unwrap().control(&mut other), "");
+    assert_shape_error(PdController::new(&model, 1.0, 1.0).control(&mut other), "");
+    assert_shape_error(Trajectory::new(&model).push(&other), "");
 }
 
 #[test]

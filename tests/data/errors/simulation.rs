@@ -93,7 +93,7 @@ fn a_stack_overflow_poisons_the_simulation_until_a_reset() {
     let body = data.model().body(1).unwrap().id();
     let nv = data.model().nv();
     let (mut result, vector) = (vec![0.0; nv], vec![0.0; nv]);
-    let refused: [Result<()>; 14] = [
+    let rejected: [Result<()>; 14] = [
         data.step(),
         data.step1(),
         data.step2(),
@@ -109,7 +109,7 @@ fn a_stack_overflow_poisons_the_simulation_until_a_reset() {
         data.solve_m(&mut result, &vector),
         data.clone().step(),
     ];
-    for result in refused {
+    for result in rejected {
         assert!(matches!(result, Err(Error::Poisoned { .. })));
         text_of(result, &["unusable since the engine failed in mj_step: Stack overflow", "reset it first"]);
     }
@@ -119,7 +119,7 @@ fn a_stack_overflow_poisons_the_simulation_until_a_reset() {
     assert!(matches!(copy.step(), Err(Error::Poisoned { .. })));
     assert!(format!("{data:?}").contains("unusable since"));
 
-    // The engine's stack is restored, however often it overflows.
+    // The engine's stack is restored after every overflow.
     for _ in 0..20 {
         data.reset().unwrap();
         data.step().unwrap();
@@ -209,5 +209,5 @@ fn concurrent_errors_keep_their_own_messages() {
         .flat_map(|thread| thread.join().unwrap())
         .collect()
     });
-    assert_eq!(wrong.first(), None, "{} of them are wrong", wrong.len());
+    assert_eq!(wrong.first(), None, "{} messages are wrong", wrong.len());
 }

@@ -83,7 +83,7 @@ fn invalid_numbers_of_a_contact_are_errors() {
     assert!(matches!(data.add_contact(&good), Err(Error::NotComputed { call: "add_contact", .. })));
     data.fwd_position().unwrap();
     let nan = f64::NAN;
-    for bad in [
+    for invalid in [
         NewContact { dim: 0, ..good },
         NewContact { dim: 2, ..good },
         NewContact { dim: 7, ..good },
@@ -98,7 +98,7 @@ fn invalid_numbers_of_a_contact_are_errors() {
         NewContact { solref: [nan, 1.0], ..good },
         NewContact { solimp: [0.9, 0.95, nan, 0.5, 2.0], ..good },
     ] {
-        assert!(matches!(data.add_contact(&bad), Err(Error::Invalid { .. })), "{bad:?}");
+        assert!(matches!(data.add_contact(&invalid), Err(Error::Invalid { .. })), "{invalid:?}");
     }
     assert_eq!(data.contacts().len(), 0);
 }

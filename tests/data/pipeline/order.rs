@@ -25,7 +25,7 @@ const OTHERS: [Part; 22] = parts! {
     step step1 step2 forward inverse reset cost
 };
 
-/// Methods of this file that are called like methods of the library.
+/// Extension methods, which the tables list beside the methods of the library.
 trait More {
     fn cost(&mut self) -> Result<()>;
 }
@@ -128,7 +128,7 @@ fn subjects() -> impl Iterator<Item = (String, Data)> {
     })
 }
 
-/// Returns balls on a floor, one of which sticks.
+/// Returns two balls on a floor, one of which has an adhesion actuator.
 fn adhesion() -> Model {
     Model::from_xml_str(
         r#"<mujoco>

@@ -1,4 +1,4 @@
-//! Sensor readings and forces on bodies by name: they are current, or an error names the missing call.
+//! Sensor readings and forces on bodies: each is current, or is an error that names the missing call.
 
 use mujoco_safe::{Callbacks, Data, DisableFlags, Error, Integrator, MissingResults, Model, Result, Stage};
 use proptest::prelude::*;
@@ -61,7 +61,7 @@ fn a_reading_is_an_error_until_the_stage_of_its_sensor_has_been_computed() {
     assert_eq!(computed(&data), [true; 3]);
     assert_eq!(computed(&data.clone()), [true; 3]);
     data.edit_model(|model| model.set_timestep(0.001)).unwrap().unwrap();
-    assert_eq!(computed(&data), [false; 3], "they belong to another model");
+    assert_eq!(computed(&data), [false; 3], "the readings belong to another model");
     data.step().unwrap();
     data.reset().unwrap();
     assert_eq!(computed(&data), [false; 3]);
@@ -104,7 +104,7 @@ fn forces_on_bodies_are_an_error_until_they_have_been_computed() {
     data.subtree_vel().unwrap();
     assert_eq!(*data.body("arm").unwrap().subtree_linvel().unwrap(), data.subtree_linvel()[1]);
     data.step().unwrap();
-    assert!(is_not_computed(&data.body("arm").unwrap().cfrc_ext()), "they belong to the previous state");
+    assert!(is_not_computed(&data.body("arm").unwrap().cfrc_ext()), "the forces belong to the previous state");
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn a_controller_in_a_step_reads_the_sensors_of_the_stages_before_it() {
         data.edit_model(|model| model.options(|options| options.integrator = integrator)).unwrap().unwrap();
         let mut calls = 0;
         let control = Callbacks::new().control(|moment| {
-            assert_eq!(computed(moment), [true, true, false], "the acceleration is still to come");
+            assert_eq!(computed(moment), [true, true, false], "the acceleration is not computed yet");
             let position = moment.sensor("position").unwrap().data().unwrap()[0];
             moment.ctrl_mut()[0] = -position;
             calls += 1;

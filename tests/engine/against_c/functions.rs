@@ -202,7 +202,7 @@ fn linearisations_equal_c() {
                 assert_same(&format!("{what} of {} by {differences:?}", twins.name), ours.as_slice(), theirs);
             }
             // In C only the time has changed.
-            assert_same("the state is as before", &twins.ours.state(StateSpec::INTEGRATION), &before);
+            assert_same("the state is unchanged", &twins.ours.state(StateSpec::INTEGRATION), &before);
             // SAFETY: the data belongs to the twins, and nothing else uses it.
             unsafe { (*twins.raw.d).time = twins.ours.time() };
             twins.assert_same_state("after linearisation");

@@ -75,7 +75,7 @@ fn length_ranges_equal_c() {
             c!(mj_deleteData(data));
             c!(mj_deleteModel(copy));
             assert_same(&format!("{options:?}, actuator {index}"), &ours, &range);
-            assert_same("what is written", &model.actuator_lengthrange()[index], &range);
+            assert_same("the stored range", &model.actuator_lengthrange()[index], &range);
             ranges.push(ours);
         }
     }

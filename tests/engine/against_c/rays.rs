@@ -39,7 +39,7 @@ fn rays_equal_c() {
             }
         }
     }
-    assert!(hits > 100, "{hits} rays meet something");
+    assert!(hits > 100, "only {hits} rays hit a geom");
 }
 
 #[test]

@@ -203,7 +203,7 @@ fn every_setting_is_written_to_the_engines_field() {
 }
 
 /// Makes one setting invalid, and expects an error that names it and leaves the model unchanged.
-macro_rules! refused {
+macro_rules! assert_rejected {
     ($model:ident.$function:ident, $what:literal: $($($field:ident).+ = $value:expr;)*) => {$(
         let before = $model.$function();
         let error = $model.edit().$function(|settings| settings.$($field).+ = $value).unwrap_err();
@@ -216,7 +216,7 @@ macro_rules! refused {
 #[test]
 fn invalid_visual_settings_are_rejected() {
     let mut model = sample::cartpole();
-    refused! { model.visual, "visual.":
+    assert_rejected! { model.visual, "visual.":
         global.fovy = 0.0; global.fovy = 180.0; global.fovy = f32::NAN;
         global.ipd = f32::INFINITY;
         global.azimuth = f32::NAN;
@@ -251,14 +251,14 @@ fn invalid_visual_settings_are_rejected() {
         rgba.fog = [0.0, 0.0, 0.0, 1.1];
         rgba.crankbroken = [f32::NAN, 0.0, 0.0, 1.0];
     }
-    refused! { model.statistics, "the statistic ":
+    assert_rejected! { model.statistics, "the statistic ":
         meaninertia = 0.0; meaninertia = -1.0; meaninertia = f64::NAN; meaninertia = f64::INFINITY;
         meanmass = -1.0; meanmass = f64::NAN;
         meansize = 0.0; meansize = f64::INFINITY;
         extent = 0.0; extent = 1e11; extent = f64::NAN;
         center = [0.0, f64::NAN, 0.0];
     }
-    refused! { model.options, "the option ":
+    assert_rejected! { model.options, "the option ":
         apirate = -1.0; apirate = f64::NAN;
     }
 }
@@ -268,7 +268,7 @@ fn negative_counts_of_a_model_read_as_zero() {
     let xml = r#"<mujoco><visual><quality shadowsize="-1"/><global offwidth="-5"/></visual></mujoco>"#;
     let mut model = Model::from_xml_str(xml).unwrap();
     assert_eq!((model.visual().quality.shadowsize, model.visual().global.offwidth), (0, 0));
-    // The invalid width is rejected by itself, until it is corrected.
+    // The invalid width is rejected until it is corrected.
     assert!(model.edit().visual(|visual| visual.map.zfar = 40.0).is_err());
     model.edit().visual(|visual| (visual.map.zfar, visual.global.offwidth) = (40.0, 100)).unwrap();
     assert_eq!(raw(&model).vis.quality.shadowsize, 0);

@@ -106,7 +106,7 @@ fn a_step_writes_the_same_bytes_as_c() {
 }
 
 #[test]
-fn an_acceleration_out_of_range_is_detected_like_in_c() {
+fn an_acceleration_out_of_range_is_detected_as_in_c() {
     for index in [0, 6, sample::humanoid().nv() - 1] {
         let mut twins = Twins::new(&Subject { name: "humanoid".to_owned(), model: Arc::new(sample::humanoid()) });
         let mut force = vec![0.0; twins.model.nv()];
@@ -199,7 +199,7 @@ fn a_reset_equals_c() {
 }
 
 #[test]
-fn warnings_are_counted_like_in_c() {
+fn warnings_are_counted_as_in_c() {
     // One run for each of the two limits.
     for (size, warning, number) in [
         (r#"<size nconmax="2" njmax="500"/>"#, Warning::ContactFull, sys::mjWARN_CONTACTFULL),

@@ -5,7 +5,7 @@ use mujoco_safe::{Data, DisableFlags, InverseJacobians, Matrix, Model, StateSpec
 
 use super::{EPS, assert_near, subjects};
 
-/// Returns forces, sensor values and inertia matrix of the engine's inverse dynamics for a inverse_of_changed copy.
+/// Returns forces, sensor values and inertia matrix of the engine's inverse dynamics for a modified copy.
 fn inverse_of_changed(data: &Data, change: impl FnOnce(&mut Data)) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let mut copy = data.clone();
     copy.set_state(StateSpec::INTEGRATION, &data.state(StateSpec::INTEGRATION)).unwrap();

@@ -288,10 +288,10 @@ fn linearisations_along_a_trajectory_equal_single_linearisations() {
             }
         }
     }
-    let mut bad = states.clone();
-    bad[(3, 0)] = f64::NAN;
+    let mut invalid = states.clone();
+    invalid[(3, 0)] = f64::NAN;
     let mut transition = workspace(&data, TransitionOptions { threads: 2, ..Default::default() });
-    assert!(matches!(transition.along(&data, &bad, &controls), Err(Error::Unstable(_))));
+    assert!(matches!(transition.along(&data, &invalid, &controls), Err(Error::Unstable(_))));
     assert!(
         transition
             .along(&data, &Matrix::zeros(0, states.ncols()), &Matrix::zeros(0, controls.ncols()))

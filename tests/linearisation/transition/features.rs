@@ -79,7 +79,7 @@ const SENSORS: &str = r#"<sensor>
   </sensor>"#;
 
 #[test]
-fn chains_with_each_feature_alone() {
+fn each_feature_of_a_chain_is_linearised() {
     let tendon = r#"<tendon><fixed name="t" stiffness="3" damping="0.2"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed>
                     <spatial name="s" stiffness="8" damping="0.4" springlength="0.1"><site site="anchor"/><site site="tip"/></spatial></tendon>"#;
     for (what, xml) in [
@@ -123,7 +123,7 @@ fn chains_with_each_feature_alone() {
 }
 
 #[test]
-fn actuators_of_each_kind_alone() {
+fn each_kind_of_actuator_is_linearised() {
     for actuator in [
         r#"<position joint="a" kp="20"/>"#,
         r#"<velocity joint="b" kv="3"/>"#,
@@ -149,7 +149,7 @@ fn actuators_of_each_kind_alone() {
 }
 
 #[test]
-fn contacts_with_each_cone_and_dimension() {
+fn contacts_with_each_cone_and_dimension_are_linearised() {
     for cone in ["pyramidal", "elliptic"] {
         for dim in [1, 3, 4, 6] {
             for joint in ["<freejoint/>", r#"<joint type="free" damping="0.2" stiffness="1"/>"#] {
@@ -164,7 +164,7 @@ fn contacts_with_each_cone_and_dimension() {
 }
 
 #[test]
-fn rotations_of_ball_and_free_joints() {
+fn rotations_of_ball_and_free_joints_are_linearised() {
     for joint in [r#"<joint type="ball" damping="0.3" stiffness="0.2"/>"#, r#"<joint type="free" damping="0.1"/>"#] {
         let xml = ball("", joint, r#"type="ellipsoid" size="0.05 0.03 0.02" pos="0.1 0 0.3""#, "");
         let mut data = moving(&xml, 0);
@@ -176,7 +176,7 @@ fn rotations_of_ball_and_free_joints() {
 }
 
 #[test]
-fn forces_on_bodies_and_joints() {
+fn forces_on_bodies_and_joints_are_linearised() {
     let mut data = moving(&chain("", "", r#"damping="0.1""#, MOTORS), 3);
     data.qfrc_applied_mut().fill(0.7);
     data.xfrc_applied_mut()[2] = [3.0, -2.0, 1.0, 0.3, 0.2, -0.5];
@@ -184,7 +184,7 @@ fn forces_on_bodies_and_joints() {
 }
 
 #[test]
-fn solvers_that_converge() {
+fn every_converging_solver_is_linearised() {
     for option in [r#"solver="CG" tolerance="0" iterations="500""#, r#"solver="PGS" tolerance="0" iterations="2000""#] {
         let mut data = moving(&ball(option, "<freejoint/>", r#"type="sphere" size="0.1""#, ""), 4);
         check(option, &mut data);
@@ -192,7 +192,7 @@ fn solvers_that_converge() {
 }
 
 #[test]
-fn sensors_of_each_stage() {
+fn sensors_of_each_stage_are_linearised() {
     let rest = format!("{}{SENSORS}", MOTORS.replace("<motor joint=\"a\"", "<motor name=\"0\" joint=\"a\""));
     check("sensors", &mut moving(&chain("", "", r#"damping="0.1""#, &rest), 6));
     let touch = r#"<sensor><touch site="mark"/><accelerometer site="mark"/><clock/></sensor>"#;

@@ -1,6 +1,6 @@
-//! Pictures against those of the engine's own renderer.
+//! Images against those of the engine's own renderer.
 //!
-//! `engine/` has the engine's pictures (see `make.py`). With the default options of the renderer:
+//! `engine/` has the engine's images (see `make.py`). With the default options of the renderer:
 //!
 //! - the mean of the absolute differences over all channels and pixels is at most 1.5 of 255;
 //! - at most 0.7 % of the pixels have a channel with a difference above 8 of 255.
@@ -8,7 +8,7 @@
 //! With lighting per pixel the limit is 2.5 %: the edge of a spot light is sharp then, while the engine interpolates it over a
 //! cell of its floor.
 //!
-//! [`mujoco_safe::render`] explains the remaining differences. For each scene the test saves the engine's picture, ours, and
+//! [`mujoco_safe::render`] explains the remaining differences. For each scene the test saves the engine's image, ours, and
 //! their difference scaled by eight, side by side, in the folder `pictures` of cargo's folder for tests
 //! (`target/tmp/pictures`).
 
@@ -35,7 +35,7 @@ const OUTLIER: u8 = 8;
 const OUTLIERS: [(&str, Lighting, f64); 2] =
     [("", Lighting::PerVertex, 0.007), ("_per_pixel", Lighting::PerPixel, 0.025)];
 
-/// The difference between two pictures.
+/// The difference between two images.
 #[derive(Debug)]
 struct Difference {
     /// Mean over all channels.
@@ -66,7 +66,7 @@ impl Difference {
     }
 }
 
-/// Returns the folder for the saved pictures.
+/// Returns the folder for the saved images.
 fn out() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
     fs::create_dir_all(&folder).unwrap();
@@ -89,7 +89,7 @@ fn ours(setting: &Setting, options: &RendererOptions) -> Picture {
     renderer.rgb(&scene).unwrap()
 }
 
-/// Returns the engine's picture, ours, and their scaled difference side by side.
+/// Returns the engine's image, ours, and their scaled difference side by side.
 fn side_by_side(engine: &Picture, ours: &Picture) -> Picture {
     let mut all = Picture::new(3 * WIDTH, HEIGHT);
     for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
@@ -127,7 +127,7 @@ macro_rules! compare {
         })*
 
         #[test]
-        fn every_picture_of_the_engine_is_compared() {
+        fn every_image_of_the_engine_is_compared() {
             let mut pictures: Vec<String> = fs::read_dir(scenes::folder().join("engine"))
                 .unwrap()
                 .filter_map(|entry| entry.unwrap().file_name().to_str()?.strip_suffix(".png").map(str::to_owned))

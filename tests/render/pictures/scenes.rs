@@ -1,4 +1,4 @@
-//! Scenes for comparing pictures and for benchmarks: models of the engine's package, and cameras.
+//! Scenes for comparing images and for benchmarks: models of the engine's package, and cameras.
 
 #![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
 
@@ -38,12 +38,12 @@ pub fn all() -> Vec<Setting> {
 
 /// Returns the scene of this name.
 pub fn named(name: &str) -> Setting {
-    all().into_iter().find(|setting| setting.name == name).unwrap_or_else(|| panic!("a scene named {name}"))
+    all().into_iter().find(|setting| setting.name == name).unwrap_or_else(|| panic!("no scene is named {name}"))
 }
 
 impl Setting {
     fn of(row: &Value) -> Self {
-        let text = |key: &str| row[key].as_str().unwrap_or_else(|| panic!("{key} is a text")).to_owned();
+        let text = |key: &str| row[key].as_str().unwrap_or_else(|| panic!("{key} must be a string")).to_owned();
         Self {
             name: text("name"),
             model: PathBuf::from(sample::SYSTEM_MODELS).join(text("model")),

@@ -92,7 +92,7 @@ fn the_number_of_repetitions_is_that_of_the_options() {
     }
 }
 
-/// Returns a picture of many colours, different in each frame.
+/// Returns an image of many colours, different in each frame.
 fn colorful(width: usize, height: usize, number: usize) -> Vec<u8> {
     let pixel = |place: usize| {
         let (x, y) = (place % width, place / width);
@@ -122,12 +122,12 @@ fn new_colours_get_a_new_palette() {
         let error: f64 =
             shown.rgb.iter().zip(&expected).map(|(&found, &expected)| f64::from(found.abs_diff(expected))).sum();
         let mean = error / expected.len() as f64;
-        assert!(mean < 10.0, "picture {number} is off by {mean}");
+        assert!(mean < 10.0, "image {number} is off by {mean}");
     }
 }
 
 #[test]
-fn pictures_of_any_size_are_exact() {
+fn images_of_any_size_are_exact() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.gif");
     for (width, height) in [(1, 1), (1, 17), (17, 1), (WIDTH, HEIGHT), (300, 2)] {

@@ -1,4 +1,4 @@
-//! Rejected options, files and pictures.
+//! Rejected options, files and images.
 
 use std::fs;
 
@@ -10,17 +10,17 @@ use super::{HEIGHT, WIDTH, names, options, picture};
 #[test]
 fn an_option_out_of_range_is_an_error_that_names_it() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = |name: &str, options| {
+    let rejected = |name: &str, options| {
         let error = Recorder::create(folder.path().join(name), options).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{error}");
         error.to_string()
     };
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9, 1001.0] {
-        assert!(refused("a.png", options(rate)).contains("frames_per_second"));
+        assert!(rejected("a.png", options(rate)).contains("frames_per_second"));
     }
-    assert!(refused("a.gif", options(51.0)).contains("from 0.001 to 50"));
+    assert!(rejected("a.gif", options(51.0)).contains("from 0.001 to 50"));
     for speed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(refused("a.png", RecorderOptions { speed, ..Default::default() }).contains("speed"));
+        assert!(rejected("a.png", RecorderOptions { speed, ..Default::default() }).contains("speed"));
     }
     assert!(names(folder.path()).is_empty());
 }
@@ -41,7 +41,7 @@ fn creating_a_recorder_with_an_unwritable_file_names_the_file() {
 }
 
 #[test]
-fn a_picture_of_another_size_is_rejected_and_the_recording_continues() {
+fn an_image_of_another_size_is_rejected_and_the_recording_continues() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["walk.png", "walk.gif", "walk_%d.png"] {
         let mut recorder = Recorder::create(folder.path().join(name), options(10.0)).unwrap();
@@ -57,7 +57,7 @@ fn a_picture_of_another_size_is_rejected_and_the_recording_continues() {
 }
 
 #[test]
-fn each_argument_of_a_picture_is_checked() {
+fn each_property_of_an_image_is_checked() {
     let folder = tempfile::tempdir().unwrap();
     let mut recorder = Recorder::create(folder.path().join("walk.gif"), options(10.0)).unwrap();
     let rgb = picture(0);
@@ -81,7 +81,7 @@ fn each_argument_of_a_picture_is_checked() {
 }
 
 #[test]
-fn a_picture_larger_than_the_gif_limit_is_an_error() {
+fn an_image_larger_than_the_gif_limit_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let mut recorder = Recorder::create(folder.path().join("walk.gif"), options(10.0)).unwrap();
     let error = recorder.push_rgb(65_536, 1, &vec![0; 3 * 65_536], 0.0).unwrap_err();
@@ -91,7 +91,7 @@ fn a_picture_larger_than_the_gif_limit_is_an_error() {
 }
 
 #[test]
-fn a_recording_without_pictures_is_an_error_and_leaves_no_file() {
+fn a_recording_without_images_is_an_error_and_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["walk.png", "walk.gif"] {
         let create = || Recorder::create(folder.path().join(name), options(10.0)).unwrap();

@@ -15,7 +15,7 @@ use mujoco_safe::record::{Recorder, RecorderOptions};
 const WIDTH: usize = 24;
 const HEIGHT: usize = 10;
 
-/// Returns a grey picture with a bright square at a position that depends on the number, with unequal amounts of each channel.
+/// Returns a grey image with a bright square at a position that depends on the number, with unequal amounts of each channel.
 fn picture(number: usize) -> Vec<u8> {
     let mut rgb = vec![90; 3 * WIDTH * HEIGHT];
     for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
@@ -29,7 +29,7 @@ fn options(frames_per_second: f64) -> RecorderOptions {
     RecorderOptions { frames_per_second, ..RecorderOptions::default() }
 }
 
-/// Records pictures at these times, starting with `picture(0)`.
+/// Records images at these times, starting with `picture(0)`.
 fn record(path: &Path, options: RecorderOptions, times: impl IntoIterator<Item = f64>) -> mujoco_safe::record::Summary {
     let mut recorder = Recorder::create(path, options).unwrap();
     for (number, time) in times.into_iter().enumerate() {
@@ -45,12 +45,12 @@ struct Shown {
     seconds: f64,
 }
 
-/// Asserts the pictures, their order and their durations.
+/// Asserts the images, their order and their durations.
 fn assert_shows(shown: &[Shown], expected: &[(usize, f64)]) {
     assert_eq!(shown.len(), expected.len());
     for (index, (shown, &(number, seconds))) in shown.iter().zip(expected).enumerate() {
-        assert!(shown.rgb == picture(number), "picture {index} must have number {number}");
-        assert!((shown.seconds - seconds).abs() < 1e-9, "picture {index} is shown for {} s", shown.seconds);
+        assert!(shown.rgb == picture(number), "image {index} must have number {number}");
+        assert!((shown.seconds - seconds).abs() < 1e-9, "image {index} is shown for {} s", shown.seconds);
     }
 }
 

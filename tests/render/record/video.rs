@@ -39,7 +39,7 @@ mod stand_in {
         let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let path = out.path().join("walk.mp4");
         let mut recorder = Recorder::create(&path, with(program(folder.path(), KEEPER))).unwrap();
-        // The third picture lasts for three frames.
+        // The third image lasts for three frames.
         for (number, frame) in [0, 1, 2, 5].into_iter().enumerate() {
             recorder.push_rgb(WIDTH, HEIGHT, &picture(number), f64::from(frame) / 25.0).unwrap();
         }
@@ -194,7 +194,7 @@ fn ffmpeg_makes_a_video_of_the_right_length() {
 }
 
 #[test]
-fn the_colours_of_a_video_are_those_of_the_pictures() {
+fn the_colours_of_a_video_are_those_of_the_images() {
     if !installed("ffmpeg") {
         eprintln!("skipped: ffmpeg is not installed");
         return;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use mujoco_safe::{Callbacks, Data, Model, Result};
 
 use super::super::bytes::of_seed;
-use super::{Bytes, Call, ON_PURPOSE, call_some, expected, look, models};
+use super::{Bytes, Call, ON_PURPOSE, call_some, expected, models, read_only};
 
 /// Largest depth of nested scopes.
 const DEEPEST: usize = 2;
@@ -14,15 +14,15 @@ const DEEPEST: usize = 2;
 /// The behaviour of a closure.
 struct Closure {
     seed: u64,
-    /// A simulation that the closure owns, which another simulation gave away.
+    /// A simulation that the closure owns.
     own: Option<Data>,
-    /// Inverse probability of misuse per call.
-    seldom: usize,
+    /// Mean number of calls per misuse.
+    misuse_period: usize,
 }
 
 impl Closure {
     fn new(bytes: &mut Bytes<'_>, own: Option<Data>) -> Self {
-        Self { seed: bytes.word(), own, seldom: [2, 8, 32][bytes.below(3)] }
+        Self { seed: bytes.word(), own, misuse_period: [2, 8, 32][bytes.below(3)] }
     }
 
     /// Performs an action, and returns a number.
@@ -34,10 +34,10 @@ impl Closure {
             write(bytes);
         }
         if bytes.once_in(3) {
-            let (_, look) = look::any(bytes);
-            expected(&look(data, bytes));
+            let (_, call) = read_only::any(bytes);
+            expected(&call(data, bytes));
         }
-        if bytes.once_in(self.seldom) {
+        if bytes.once_in(self.misuse_period) {
             expected(&self.misbehave(data, bytes));
         }
         if bytes.once_in(4) { bytes.number() } else { bytes.fraction() }

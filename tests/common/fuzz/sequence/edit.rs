@@ -14,7 +14,7 @@ fn options(data: &mut Data, change: impl FnOnce(&mut Options)) -> Result<()> {
     data.edit_model(|model| model.options(change))?
 }
 
-/// A field into which a number can be put.
+/// A field that can be set to a number.
 trait Put {
     fn put(&mut self, number: f64);
 }
@@ -44,7 +44,7 @@ impl<T: Put, const N: usize> Put for [T; N] {
     }
 }
 
-/// Generates the number of fields of a structure, and a function that puts a number into the field of an index.
+/// Generates the number of fields of a structure, and a function that sets the field at an index.
 macro_rules! fields_of {
     ($count:ident $put:ident $type:ident $($($field:ident).+)*) => {
         const $count: usize = [$(stringify!($($field).+)),*].len();

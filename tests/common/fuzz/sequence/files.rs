@@ -1,4 +1,4 @@
-//! Files: written, damaged and read in a temporary folder per call.
+//! Files that each call writes, damages and reads in a temporary folder.
 
 use std::fs;
 
@@ -27,7 +27,7 @@ fn damage(path: &std::path::Path, bytes: &mut Bytes<'_>) {
     if bytes.once_in(2) {
         let mut content = fs::read(path).expect("the file was written");
         assets::damage(&mut content, bytes);
-        fs::write(path, content).expect("the folder is there");
+        fs::write(path, content).expect("the folder is writable");
     }
 }
 

@@ -9,12 +9,12 @@ mod edit;
 mod elements;
 mod files;
 mod linearise;
-mod look;
 mod math;
 mod parts;
-mod picture;
 mod read;
+mod read_only;
 mod rollouts;
+mod scene_view;
 mod several;
 mod simulate;
 mod write;
@@ -36,7 +36,7 @@ pub(super) struct Scene<'l> {
     /// The loaded model, which is shared.
     pub(super) model: Arc<Model>,
     /// An abstract scene, of the model of the call that created it.
-    picture: Option<picture::Picture>,
+    view: Option<scene_view::SceneView>,
     /// A workspace for linear systems, of the model of the call that created it.
     transition: Option<Lineariser>,
     /// Depth of the nested scopes with callbacks.
@@ -63,7 +63,7 @@ const TABLES: &[Table] = &[
     Table { weight: 7, needs_step: false, calls: edit::CALLS },
     Table { weight: 5, needs_step: false, calls: write::CALLS },
     Table { weight: 5, needs_step: false, calls: elements::CALLS },
-    Table { weight: 5, needs_step: true, calls: look::CALLS },
+    Table { weight: 5, needs_step: true, calls: read_only::CALLS },
     Table { weight: 3, needs_step: true, calls: read::CALLS },
     Table { weight: 4, needs_step: false, calls: several::CALLS },
     Table { weight: 4, needs_step: false, calls: parts::CALLS },
@@ -72,7 +72,7 @@ const TABLES: &[Table] = &[
     Table { weight: 2, needs_step: false, calls: control::CALLS },
     Table { weight: 2, needs_step: false, calls: linearise::CALLS },
     Table { weight: 1, needs_step: false, calls: rollouts::CALLS },
-    Table { weight: 3, needs_step: true, calls: picture::CALLS },
+    Table { weight: 3, needs_step: true, calls: scene_view::CALLS },
     Table { weight: 1, needs_step: false, calls: files::CALLS },
 ];
 
@@ -83,8 +83,7 @@ pub(super) fn call_sequence(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) ->
     log(&models::all()[which].name);
     let model = models::model(which).clone();
     let data = Data::new(model.clone()).expect("a model of the corpus has no simulation");
-    let mut scene =
-        Scene { data, other: None, state: Vec::new(), model, picture: None, transition: None, depth: 0, log };
+    let mut scene = Scene { data, other: None, state: Vec::new(), model, view: None, transition: None, depth: 0, log };
     let calls = 10 + bytes.below(MOST_CALLS - 9);
     call_some(&mut scene, bytes, calls);
     Verdict::Worked
@@ -104,7 +103,7 @@ fn call_some(scene: &mut Scene<'_>, bytes: &mut Bytes<'_>, calls: usize) {
         });
         let table = table.expect("the ticket is below the sum of the weights");
         if table.needs_step && scene.data.stage() != Stage::Acceleration && bytes.once_in(2) {
-            (scene.log)("forward, for what comes next");
+            (scene.log)("forward, for the next call");
             expected(&scene.data.forward());
         }
         let calls = table.calls;

@@ -2,7 +2,7 @@
 
 use mujoco_safe::{Data, NewContact, Result, Stage};
 
-use super::{Bytes, Call, look, touch_all};
+use super::{Bytes, Call, read_only, touch_all};
 
 type Part = (&'static str, fn(&mut Data) -> Result<()>);
 
@@ -29,13 +29,13 @@ fn run(scene: &mut super::Scene<'_>, (name, part): Part) -> Result<()> {
 }
 
 pub(super) const CALLS: &[(&str, Call)] = &[
-    ("a part", |scene, bytes| run(scene, FORWARD[bytes.below(FORWARD.len())])),
-    ("a larger part", |scene, bytes| run(scene, LARGER[bytes.below(LARGER.len())])),
-    ("the parts up to one", |scene, bytes| {
+    ("a stage", |scene, bytes| run(scene, FORWARD[bytes.below(FORWARD.len())])),
+    ("a combined stage", |scene, bytes| run(scene, LARGER[bytes.below(LARGER.len())])),
+    ("the first stages", |scene, bytes| {
         let end = bytes.below(FORWARD.len() + 1);
         FORWARD[..end].iter().try_for_each(|&part| run(scene, part))
     }),
-    ("the parts with a number between two", |scene, bytes| {
+    ("the stages with an array overwritten between two", |scene, bytes| {
         let (at, number) = (bytes.below(FORWARD.len()), bytes.number());
         FORWARD[..at].iter().try_for_each(|&part| run(scene, part))?;
         let which = bytes.below(touch_all::DATA_MUT.len());
@@ -43,12 +43,12 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         touch_all::write_data(&mut scene.data, which, &mut || number);
         FORWARD[at..].iter().try_for_each(|&part| run(scene, part))
     }),
-    ("the parts without one", |scene, bytes| {
+    ("all stages except one", |scene, bytes| {
         let without = bytes.below(FORWARD.len());
         let parts = FORWARD.iter().enumerate().filter(|(at, _)| *at != without);
         parts.map(|(_, &part)| run(scene, part)).fold(Ok(()), Result::and)
     }),
-    ("the halves", |scene, _| {
+    ("the combined stages of forward dynamics", |scene, _| {
         scene.data.fwd_position()?;
         scene.data.fwd_velocity()?;
         scene.data.fwd_actuation()?;
@@ -88,7 +88,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
 ];
 
 fn contact(data: &Data, bytes: &mut Bytes<'_>) -> Result<NewContact> {
-    let geoms = [look::geom(data, bytes)?, look::geom(data, bytes)?];
+    let geoms = [read_only::geom(data, bytes)?, read_only::geom(data, bytes)?];
     let normal = if bytes.once_in(8) { bytes.numbers() } else { [bytes.fraction(), 0.5, bytes.fraction()] };
     let mut contact = NewContact::new(geoms, 0.01 * bytes.fraction(), [0.0; 3], normal);
     contact.dim = [1, 3, 4, 6, 3, bytes.below(9)][bytes.below(6)];

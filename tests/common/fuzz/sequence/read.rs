@@ -4,11 +4,11 @@ use std::hint::black_box;
 
 use mujoco_safe::{Data, Matrix, Model, Options, Result, Statistics, Visual};
 
-use super::{Bytes, Call, look, must_panic};
+use super::{Bytes, Call, must_panic, read_only};
 
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("jac_subtree_com, jac_point_axis", |scene, bytes| {
-        let body = look::body(&scene.data, bytes)?;
+        let body = read_only::body(&scene.data, bytes)?;
         black_box(scene.data.jac_subtree_com(body)?);
         black_box(scene.data.jac_point_axis(body, bytes.numbers(), bytes.numbers())?);
         let mut matrix = Matrix::zeros(3, scene.data.model().nv() + usize::from(bytes.once_in(4)));
@@ -29,12 +29,12 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("add_m_sparse", |scene, bytes| add_m_sparse(&mut scene.data, bytes)),
     ("apply_ft", |scene, bytes| {
-        let body = look::body(&scene.data, bytes)?;
+        let body = read_only::body(&scene.data, bytes)?;
         let mut target = bytes.vector(scene.data.model().nv());
         scene.data.apply_ft(bytes.numbers(), bytes.numbers(), bytes.numbers(), body, &mut target)
     }),
     ("geom_distance", |scene, bytes| {
-        let (one, other) = (look::geom(&scene.data, bytes)?, look::geom(&scene.data, bytes)?);
+        let (one, other) = (read_only::geom(&scene.data, bytes)?, read_only::geom(&scene.data, bytes)?);
         scene.data.geom_distance(one, other, bytes.number()).map(drop)
     }),
     ("field_docs", |_, bytes| {

@@ -22,7 +22,9 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         Ok(())
     }),
     ("copy_from", |scene, _| scene.other.as_ref().map_or(Ok(()), |other| scene.data.copy_from(other))),
-    ("copy_from, the other way", |scene, _| scene.other.as_mut().map_or(Ok(()), |other| other.copy_from(&scene.data))),
+    ("copy_from in the other direction", |scene, _| {
+        scene.other.as_mut().map_or(Ok(()), |other| other.copy_from(&scene.data))
+    }),
     ("copy_from a clone with other options", |scene, bytes| {
         let mut copy = scene.data.try_clone()?;
         let (solver, dense, elliptic) =
@@ -55,7 +57,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.other = None;
         Ok(())
     }),
-    ("a step of the other", |scene, _| scene.other.as_mut().map_or(Ok(()), Data::step)),
+    ("a step of the other simulation", |scene, _| scene.other.as_mut().map_or(Ok(()), Data::step)),
     ("a step in another thread", |scene, bytes| {
         if !bytes.once_in(4) {
             return Ok(());

@@ -9,21 +9,23 @@ use mujoco_safe::{
 use super::{Bytes, Call, print_all, touch_all};
 
 /// A call that only reads.
-type Look = fn(&Data, &mut Bytes<'_>) -> Result<()>;
+type ReadOnlyCall = fn(&Data, &mut Bytes<'_>) -> Result<()>;
 
-pub(super) const CALLS: &[(&str, Call)] = &[("a look", |scene, bytes| {
-    let (name, look) = any(bytes);
+pub(super) const CALLS: &[(&str, Call)] = &[("a read-only call", |scene, bytes| {
+    let (name, call) = any(bytes);
     (scene.log)(name);
     if bytes.once_in(100) {
         let data = &scene.data;
-        return std::thread::scope(|scope| scope.spawn(|| look(data, bytes)).join().expect("a look panicked"));
+        return std::thread::scope(|scope| {
+            scope.spawn(|| call(data, bytes)).join().expect("a read-only call panicked")
+        });
     }
-    look(&scene.data, bytes)
+    call(&scene.data, bytes)
 })];
 
 /// Returns a call and its name.
-pub(super) fn any(bytes: &mut Bytes<'_>) -> (&'static str, Look) {
-    LOOKS[bytes.below(LOOKS.len())]
+pub(super) fn any(bytes: &mut Bytes<'_>) -> (&'static str, ReadOnlyCall) {
+    READ_ONLY_CALLS[bytes.below(READ_ONLY_CALLS.len())]
 }
 
 pub(super) fn body(data: &Data, bytes: &mut Bytes<'_>) -> Result<BodyId> {
@@ -63,7 +65,7 @@ fn direction(bytes: &mut Bytes<'_>) -> [f64; 3] {
     if bytes.once_in(4) { bytes.numbers() } else { std::array::from_fn(|_| bytes.fraction()) }
 }
 
-const LOOKS: &[(&str, Look)] = &[
+const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
     ("jac_body, jac_body_com, jac", |data, bytes| {
         let body = body(data, bytes)?;
         black_box((data.jac_body(body)?, data.jac_body_com(body)?, data.jac(body, bytes.numbers())?));

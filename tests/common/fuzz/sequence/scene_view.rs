@@ -8,17 +8,17 @@ use mujoco_safe::scene::{
 };
 use mujoco_safe::{Data, Error, Result};
 
-use super::{Bytes, Call, Scene, expected, look, must_panic};
+use super::{Bytes, Call, Scene, expected, must_panic, read_only};
 
 /// A scene, its camera and its perturbation, all of one model.
-pub(super) struct Picture {
+pub(super) struct SceneView {
     scene: scene::Scene,
     camera: Camera,
     perturbation: Perturbation,
     options: SceneOptions,
 }
 
-impl Picture {
+impl SceneView {
     fn new(data: &Data, bytes: &mut Bytes<'_>) -> Result<Self> {
         let model = data.model();
         let room = [1000, 1000, 100, 3, 0, i32::MAX as usize, usize::MAX][bytes.below(7)];
@@ -34,16 +34,16 @@ impl Picture {
 }
 
 /// Makes a call with a scene, often the scene of an earlier call, of the same model or of another.
-fn with_picture(
+fn with_view(
     scene: &mut Scene<'_>,
     bytes: &mut Bytes<'_>,
-    call: impl FnOnce(&mut Picture, &mut Data, &mut Bytes<'_>) -> Result<()>,
+    call: impl FnOnce(&mut SceneView, &mut Data, &mut Bytes<'_>) -> Result<()>,
 ) -> Result<()> {
-    if scene.picture.is_none() || bytes.once_in(12) {
-        scene.picture = Some(Picture::new(&scene.data, bytes)?);
+    if scene.view.is_none() || bytes.once_in(12) {
+        scene.view = Some(SceneView::new(&scene.data, bytes)?);
     }
-    let picture = scene.picture.as_mut().expect("just created");
-    call(picture, &mut scene.data, bytes)
+    let view = scene.view.as_mut().expect("just created");
+    call(view, &mut scene.data, bytes)
 }
 
 fn options(bytes: &mut Bytes<'_>) -> SceneOptions {
@@ -73,10 +73,10 @@ fn action(bytes: &mut Bytes<'_>) -> MouseAction {
 }
 
 /// Moves the camera; ids are valid only for the camera's own model.
-fn aim(picture: &mut Picture, data: &Data, bytes: &mut Bytes<'_>) -> Result<()> {
-    let camera = &mut picture.camera;
+fn aim(view: &mut SceneView, data: &Data, bytes: &mut Bytes<'_>) -> Result<()> {
+    let camera = &mut view.camera;
     camera.view = match bytes.below(4) {
-        0 => CameraView::Tracking(look::body(data, bytes)?),
+        0 => CameraView::Tracking(read_only::body(data, bytes)?),
         1 => CameraView::Fixed(data.model().camera(bytes.index(data.model().ncam()))?.id()),
         2 => CameraView::User,
         _ => CameraView::Free,
@@ -132,47 +132,47 @@ fn new_geom(data: &Data, bytes: &mut Bytes<'_>) -> Result<NewGeom> {
 
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("Scene::update", |scene, bytes| {
-        with_picture(scene, bytes, |picture, data, bytes| {
+        with_view(scene, bytes, |view, data, bytes| {
             if bytes.once_in(2) {
-                picture.options = options(bytes);
+                view.options = options(bytes);
             }
-            let Picture { scene, camera, perturbation, options } = picture;
+            let SceneView { scene, camera, perturbation, options } = view;
             let perturbation = bytes.once_in(2).then_some(&*perturbation);
             scene.update(data, options, perturbation, camera, Categories::all())
         })
     }),
-    ("Scene::update, of what one asks for", |scene, bytes| {
-        with_picture(scene, bytes, |picture, data, bytes| {
-            let Picture { scene, camera, perturbation, .. } = picture;
+    ("Scene::update with random categories", |scene, bytes| {
+        with_view(scene, bytes, |view, data, bytes| {
+            let SceneView { scene, camera, perturbation, .. } = view;
             let categories = Categories::from_bits_retain(bytes.word() as u32);
             scene.update(data, &options(bytes), Some(perturbation), camera, categories)
         })
     }),
     ("Scene::add", |scene, bytes| {
-        with_picture(scene, bytes, |picture, data, bytes| {
-            let Picture { scene, perturbation, .. } = picture;
+        with_view(scene, bytes, |view, data, bytes| {
+            let SceneView { scene, perturbation, .. } = view;
             let added = scene.add(data, &options(bytes), Some(perturbation), Categories::all())?;
             assert_eq!(added.end, scene.ngeom());
             Ok(())
         })
     }),
     ("Scene::push", |scene, bytes| {
-        with_picture(scene, bytes, |picture, data, bytes| {
-            if !picture.fits(data) {
+        with_view(scene, bytes, |view, data, bytes| {
+            if !view.fits(data) {
                 let Ok(mesh) = data.model().mesh(0) else { return Ok(()) };
-                must_panic(|| picture.scene.push(&NewGeom::mesh(mesh.id())));
+                must_panic(|| view.scene.push(&NewGeom::mesh(mesh.id())));
                 return Ok(());
             }
             for _ in 0..bytes.below(4) {
-                let index = picture.scene.push(&new_geom(data, bytes)?)?;
-                assert_eq!(index + 1, picture.scene.ngeom());
+                let index = view.scene.push(&new_geom(data, bytes)?)?;
+                assert_eq!(index + 1, view.scene.ngeom());
             }
             Ok(())
         })
     }),
     ("the geoms, lights and skins of a scene", |scene, bytes| {
-        with_picture(scene, bytes, |picture, _, bytes| {
-            let scene = &mut picture.scene;
+        with_view(scene, bytes, |view, _, bytes| {
+            let scene = &mut view.scene;
             black_box((scene.max_geoms(), format!("{scene:?}")));
             scene.geoms().take(50).for_each(|geom| drop(black_box(format!("{geom:?} {:?}", geom.plane()))));
             black_box((scene.lights().count(), scene.skins().count()));
@@ -192,27 +192,27 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         })
     }),
     ("Scene::select, Perturbation::select", |scene, bytes| {
-        with_picture(scene, bytes, |picture, data, bytes| {
+        with_view(scene, bytes, |view, data, bytes| {
             let aspectratio = if bytes.once_in(4) { bytes.number() } else { 1.5 };
             let at = if bytes.once_in(4) { bytes.numbers() } else { [bytes.below(9) as f64 / 8.0; 2] };
-            let found = picture.scene.select(data, &picture.options, aspectratio, at)?;
-            found.map_or(Ok(()), |found| picture.perturbation.select(data, &found))
+            let found = view.scene.select(data, &view.options, aspectratio, at)?;
+            found.map_or(Ok(()), |found| view.perturbation.select(data, &found))
         })
     }),
     ("Camera::move_by, Scene::update_camera", |scene, bytes| {
-        with_picture(scene, bytes, |picture, data, bytes| {
-            if picture.fits(data) {
-                aim(picture, data, bytes)?;
+        with_view(scene, bytes, |view, data, bytes| {
+            if view.fits(data) {
+                aim(view, data, bytes)?;
             }
             let motion = if bytes.once_in(4) { bytes.numbers() } else { [bytes.fraction(), bytes.fraction()] };
-            let result = picture.camera.move_by(data.model(), &picture.scene, action(bytes), motion);
+            let result = view.camera.move_by(data.model(), &view.scene, action(bytes), motion);
             expected(&result);
-            picture.scene.update_camera(data, &mut picture.camera)
+            view.scene.update_camera(data, &mut view.camera)
         })
     }),
-    ("the eyes and the room of a scene", |scene, bytes| {
-        with_picture(scene, bytes, |picture, data, bytes| {
-            let scene = &mut picture.scene;
+    ("the viewpoints and the model transform of a scene", |scene, bytes| {
+        with_view(scene, bytes, |view, data, bytes| {
+            let scene = &mut view.scene;
             let number = bytes.number() as f32;
             let mut viewpoint =
                 Viewpoint { frustum_top: 0.1, frustum_near: 0.01, frustum_far: 10.0, ..scene.viewpoint() };
@@ -240,9 +240,9 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         })
     }),
     ("Perturbation", |scene, bytes| {
-        with_picture(scene, bytes, |picture, data, bytes| {
-            let fits = picture.fits(data);
-            let Picture { scene, perturbation, .. } = picture;
+        with_view(scene, bytes, |view, data, bytes| {
+            let fits = view.fits(data);
+            let SceneView { scene, perturbation, .. } = view;
             if !fits {
                 if perturbation.select.is_some() {
                     must_panic(|| perturbation.force(data));
@@ -250,7 +250,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                 return perturbation.init(data, scene);
             }
             if bytes.once_in(2) {
-                perturbation.select = Some(look::body(data, bytes)?);
+                perturbation.select = Some(read_only::body(data, bytes)?);
             }
             if bytes.once_in(8) {
                 let model = data.model();
