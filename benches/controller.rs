@@ -34,7 +34,7 @@ fn main() -> Result<()> {
     let (qpos0, ctrl0) = (data.qpos().to_vec(), DVector::from_column_slice(data.ctrl()));
     let allocating = |data: &mut Data| -> Result<()> {
         let mut dq = DVector::zeros(data.model().nv());
-        data.model().differentiate_pos(dq.as_mut_slice(), 1.0, &qpos0, data.qpos())?;
+        data.model().differentiate_pos_into(1.0, &qpos0, data.qpos(), dq.as_mut_slice())?;
         let dx = DVector::from_vec([dq.as_slice(), data.qvel()].concat());
         let ctrl = &ctrl0 - &gain * dx;
         data.ctrl_mut().copy_from_slice(ctrl.as_slice());

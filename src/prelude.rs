@@ -16,7 +16,7 @@ pub use crate::controller::{Controller, PdController, RandomController, ZeroCont
 pub use crate::data::{Data, Stage, StateSpec};
 pub use crate::derivative::{Differences, StateSpace};
 pub use crate::error::Error;
-pub use crate::id::{ActuatorId, BodyId, GeomId, JointId, Key, SensorId, SiteId};
+pub use crate::id::{ActuatorId, BodyId, GeomId, JointId, SensorId, SiteId};
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{Model, Options};
 pub use crate::rollout::Rollout;

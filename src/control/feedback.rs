@@ -27,7 +27,7 @@ impl Feedback {
         Error::check_length("the deviation from a set-point", self.deviation.len(), 2 * nv + model.na())?;
         let (dq, rest) = self.deviation.split_at_mut(nv);
         let (dv, da) = rest.split_at_mut(nv);
-        model.differentiate_pos(dq, 1.0, qpos0, data.qpos())?;
+        model.differentiate_pos_into(1.0, qpos0, data.qpos(), dq)?;
         dv.copy_from_slice(data.qvel());
         if let Some(qvel0) = qvel0 {
             Error::check_length("the velocities of a set-point", qvel0.len(), nv)?;

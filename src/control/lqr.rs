@@ -31,7 +31,7 @@ impl LqrWeights {
 
 /// Linear-quadratic regulator about a set-point: `ctrl = ctrl0 − K dx` with `dx = [qpos ⊖ qpos0; qvel; act − act0]`.
 ///
-/// The difference of positions is that of [`differentiate_pos`](crate::Model::differentiate_pos), which treats quaternions as
+/// The difference of positions is that of [`differentiate_pos_into`](crate::Model::differentiate_pos_into), which treats quaternions as
 /// rotations. K minimises the sum of all future costs of the linearised system (Anderson and Moore, *Optimal Control: Linear
 /// Quadratic Methods*, 1990, chapter 2).
 ///

@@ -45,15 +45,15 @@ impl Data {
     /// data.reset_to_key("squat")?;
     /// data.forward()?;
     /// let mut velocity = vec![0.0; data.nefc()];
-    /// data.mul_jac_vec(&mut velocity, data.qvel())?;
+    /// data.mul_jac_vec_into(data.qvel(), &mut velocity)?;
     /// assert_eq!(velocity, data.efc_vel());
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_mulJacVec")]
-    pub fn mul_jac_vec(&self, result: &mut [f64], vector: &[f64]) -> Result<()> {
+    pub fn mul_jac_vec_into(&self, vector: &[f64], result: &mut [f64]) -> Result<()> {
         self.check_constraint("mul_jac_vec")?;
-        Error::check_length("the result of mul_jac_vec", result.len(), self.nefc())?;
-        Error::check_length("the vector of mul_jac_vec", vector.len(), self.model().nv())?;
+        Error::check_length("the result of mul_jac_vec_into", result.len(), self.nefc())?;
+        Error::check_length("the vector of mul_jac_vec_into", vector.len(), self.model().nv())?;
         // SAFETY: nefc and nv elements, and the rows were computed for this model. The function only reads the data.
         unsafe {
             sys::mj_mulJacVec(self.model().as_ptr(), self.as_ptr().cast_mut(), result.as_mut_ptr(), vector.as_ptr());
@@ -68,10 +68,10 @@ impl Data {
     ///
     /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a wrong length.
     #[doc(alias = "mj_mulJacTVec")]
-    pub fn mul_jac_t_vec(&self, result: &mut [f64], vector: &[f64]) -> Result<()> {
+    pub fn mul_jac_t_vec_into(&self, vector: &[f64], result: &mut [f64]) -> Result<()> {
         self.check_constraint("mul_jac_t_vec")?;
-        Error::check_length("the result of mul_jac_t_vec", result.len(), self.model().nv())?;
-        Error::check_length("the vector of mul_jac_t_vec", vector.len(), self.nefc())?;
+        Error::check_length("the result of mul_jac_t_vec_into", result.len(), self.model().nv())?;
+        Error::check_length("the vector of mul_jac_t_vec_into", vector.len(), self.nefc())?;
         if vector.is_empty() {
             result.fill(0.0);
             return Ok(());

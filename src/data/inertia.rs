@@ -43,11 +43,11 @@ impl Data {
     ///
     /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong length.
     #[doc(alias = "mj_mulM")]
-    pub fn mul_m(&self, result: &mut [f64], vector: &[f64]) -> Result<()> {
-        self.check_computed("mul_m", Stage::Position)?;
+    pub fn mul_m_into(&self, vector: &[f64], result: &mut [f64]) -> Result<()> {
+        self.check_computed("mul_m_into", Stage::Position)?;
         let nv = self.model().nv();
-        Error::check_length("the result of mul_m", result.len(), nv)?;
-        Error::check_length("the vector of mul_m", vector.len(), nv)?;
+        Error::check_length("the result of mul_m_into", result.len(), nv)?;
+        Error::check_length("the vector of mul_m_into", vector.len(), nv)?;
         // SAFETY: both have nv elements.
         unsafe { sys::mj_mulM(self.model().as_ptr(), self.as_ptr(), result.as_mut_ptr(), vector.as_ptr()) };
         Ok(())
@@ -68,15 +68,15 @@ impl Data {
     /// let force = vec![1.0; data.model().nv()];
     /// let mut acceleration = vec![0.0; force.len()];
     /// let mut again = vec![0.0; force.len()];
-    /// data.solve_m(&mut acceleration, &force)?;
-    /// data.mul_m(&mut again, &acceleration)?;
+    /// data.solve_m_into(&force, &mut acceleration)?;
+    /// data.mul_m_into(&acceleration, &mut again)?;
     /// assert!(again.iter().all(|value| (value - 1.0).abs() < 1e-9));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_solveM")]
-    pub fn solve_m(&mut self, result: &mut [f64], vector: &[f64]) -> Result<()> {
-        self.check_computed("solve_m", Stage::Position)?;
-        let names = ["the vector of solve_m", "the result of solve_m"];
+    pub fn solve_m_into(&mut self, vector: &[f64], result: &mut [f64]) -> Result<()> {
+        self.check_computed("solve_m_into", Stage::Position)?;
+        let names = ["the vector of solve_m_into", "the result of solve_m_into"];
         let n = self.vector_count("solve_m", names, vector.len(), result.len())?;
         self.call_mut("mj_solveM", |m, d| {
             // SAFETY: both vectors have n × nv elements, and the factor was computed for this model.
@@ -99,18 +99,18 @@ impl Data {
     /// data.forward()?;
     /// let vector = vec![1.0; data.model().nv()];
     /// let (mut root, mut product) = (vec![0.0; vector.len()], vec![0.0; vector.len()]);
-    /// data.mul_m2(&mut root, &vector)?;
-    /// data.mul_m(&mut product, &vector)?;
+    /// data.mul_m2_into(&vector, &mut root)?;
+    /// data.mul_m_into(&vector, &mut product)?;
     /// let squared: f64 = root.iter().map(|value| value * value).sum();
     /// assert!((squared - product.iter().sum::<f64>()).abs() < 1e-9 * squared);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_mulM2")]
-    pub fn mul_m2(&self, result: &mut [f64], vector: &[f64]) -> Result<()> {
-        self.check_computed("mul_m2", Stage::Position)?;
+    pub fn mul_m2_into(&self, vector: &[f64], result: &mut [f64]) -> Result<()> {
+        self.check_computed("mul_m2_into", Stage::Position)?;
         let nv = self.model().nv();
-        Error::check_length("the result of mul_m2", result.len(), nv)?;
-        Error::check_length("the vector of mul_m2", vector.len(), nv)?;
+        Error::check_length("the result of mul_m2_into", result.len(), nv)?;
+        Error::check_length("the vector of mul_m2_into", vector.len(), nv)?;
         let model = self.model();
         for (dof, result) in result.iter_mut().enumerate() {
             let mut sum = vector[dof];
@@ -134,12 +134,12 @@ impl Data {
     ///
     /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] unless both lengths are the same multiple of nv.
     #[doc(alias = "mj_solveM2")]
-    pub fn solve_m2(&mut self, result: &mut [f64], vector: &[f64]) -> Result<()> {
-        self.check_computed("solve_m2", Stage::Position)?;
-        let names = ["the vector of solve_m2", "the result of solve_m2"];
+    pub fn solve_m2_into(&mut self, vector: &[f64], result: &mut [f64]) -> Result<()> {
+        self.check_computed("solve_m2_into", Stage::Position)?;
+        let names = ["the vector of solve_m2_into", "the result of solve_m2_into"];
         let n = self.vector_count("solve_m2", names, vector.len(), result.len())?;
         self.call_mut("mj_solveM2", |m, d| {
-            // SAFETY: as in `solve_m`.
+            // SAFETY: as in `solve_m_into`.
             unsafe { guard::mj_solve_m2(m, d, result.as_mut_ptr(), vector.as_ptr(), n) }
         })
     }
@@ -171,14 +171,14 @@ impl Data {
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.forward()?;
     /// let mut bias = vec![0.0; data.model().nv()];
-    /// data.rne(false, &mut bias)?;
+    /// data.rne_into(false, &mut bias)?;
     /// assert_eq!(bias, data.qfrc_bias());
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_rne")]
-    pub fn rne(&mut self, with_acceleration: bool, result: &mut [f64]) -> Result<()> {
-        self.check_computed("rne", Stage::Velocity)?;
-        Error::check_length("the result of rne", result.len(), self.model().nv())?;
+    pub fn rne_into(&mut self, with_acceleration: bool, result: &mut [f64]) -> Result<()> {
+        self.check_computed("rne_into", Stage::Velocity)?;
+        Error::check_length("the result of rne_into", result.len(), self.model().nv())?;
         self.call_mut("mj_rne", |m, d| {
             // SAFETY: the result has nv elements.
             unsafe { guard::mj_rne(m, d, with_acceleration.into(), result.as_mut_ptr()) }

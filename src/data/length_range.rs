@@ -228,7 +228,7 @@ fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions)
         data.step1()?;
         // Compute the force that results in the acceleration `accel`.
         moment.copy_from_slice(data.actuator_moment().row(index));
-        data.solve_m(&mut unit, &moment)?;
+        data.solve_m_into(&moment, &mut unit)?;
         let scale = sign * options.accel / norm(&unit);
         let force = data.qfrc_applied_mut();
         force.iter_mut().zip(&moment).for_each(|(force, moment)| *force = moment * scale);

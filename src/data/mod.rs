@@ -69,7 +69,7 @@ pub use crate::stage::{MissingResults, Stage};
 /// If the engine raises an error during a call, the call returns [`Error::Engine`]. (In C, the engine prints a message, waits for
 /// a key and ends the process.) The effect on the data depends on the receiver of the call:
 ///
-/// - After a call with `&mut Data`, such as [`step`](Self::step), [`rne`](Self::rne) or
+/// - After a call with `&mut Data`, such as [`step`](Self::step), [`rne_into`](Self::rne_into) or
 ///   [`Scene::update`](crate::Scene::update), the data may be half computed. It is poisoned: every call that computes
 ///   from it returns [`Error::Poisoned`] until a [`reset`](Self::reset). The arrays can still be read. The `# Errors` sections
 ///   mention this error only for calls that can cause it.

@@ -131,7 +131,7 @@ fn difference(model: &Model, row: &mut [f64], from: &[f64], to: &[f64], width: f
         plain(row, from, to);
         return Ok(());
     }
-    model.differentiate_pos(&mut row[..nv], width, &from[..nq], &to[..nq])?;
+    model.differentiate_pos_into(width, &from[..nq], &to[..nq], &mut row[..nv])?;
     plain(&mut row[nv..], &from[nq..], &to[nq..]);
     Ok(())
 }

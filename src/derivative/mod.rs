@@ -2,7 +2,7 @@
 //! inverse dynamics ([`Data::inverse_fd`](crate::Data::inverse_fd)).
 //!
 //! With the state difference `dx = [dq; dv; da]` of length `2 nv + na`, where `dq` is in the tangent space of positions
-//! ([`Model::differentiate_pos`](crate::Model::differentiate_pos)), a step of the simulation is to first order
+//! ([`Model::differentiate_pos_into`](crate::Model::differentiate_pos_into)), a step of the simulation is to first order
 //!
 //! ```text
 //! dx' = A dx + B du        dy = C dx + D du

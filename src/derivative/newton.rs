@@ -129,7 +129,7 @@ impl Newton {
         jar.clear();
         jar.resize(data.nefc(), 0.0);
         if !jar.is_empty() {
-            data.mul_jac_vec(jar, data.qacc())?;
+            data.mul_jac_vec_into(data.qacc(), jar)?;
             jar.iter_mut().zip(data.efc_aref()).for_each(|(jar, aref)| *jar -= aref);
         }
         data.constraint_update(jar, true)?;

@@ -22,16 +22,16 @@ impl Model {
     /// let velocity = vec![0.1; model.nv()];
     /// model.integrate_pos(&mut to, &velocity, 1.0)?;
     /// let mut difference = vec![0.0; model.nv()];
-    /// model.differentiate_pos(&mut difference, 1.0, &from, &to)?;
+    /// model.differentiate_pos_into(1.0, &from, &to, &mut difference)?;
     /// assert!(difference.iter().zip(&velocity).all(|(a, b)| (a - b).abs() < 1e-12));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_differentiatePos")]
     #[inline]
-    pub fn differentiate_pos(&self, qvel: &mut [f64], dt: f64, qpos1: &[f64], qpos2: &[f64]) -> Result<()> {
-        Error::check_length("qvel of differentiate_pos", qvel.len(), self.nv())?;
-        Error::check_length("qpos1 of differentiate_pos", qpos1.len(), self.nq())?;
-        Error::check_length("qpos2 of differentiate_pos", qpos2.len(), self.nq())?;
+    pub fn differentiate_pos_into(&self, dt: f64, qpos1: &[f64], qpos2: &[f64], qvel: &mut [f64]) -> Result<()> {
+        Error::check_length("qvel of differentiate_pos_into", qvel.len(), self.nv())?;
+        Error::check_length("qpos1 of differentiate_pos_into", qpos1.len(), self.nq())?;
+        Error::check_length("qpos2 of differentiate_pos_into", qpos2.len(), self.nq())?;
         check_interval(dt, dt != 0.0, "finite and not zero")?;
         // SAFETY: the lengths are those that the engine writes and reads; no value is used as an index or address.
         unsafe { sys::mj_differentiatePos(self.as_ptr(), qvel.as_mut_ptr(), dt, qpos1.as_ptr(), qpos2.as_ptr()) }

@@ -253,8 +253,8 @@ fn jacobians_inertia_and_contacts_make_no_invalid_access() {
     model.sites().for_each(|site| drop(data.jac_site(site).unwrap()));
     assert_eq!(data.full_m().unwrap().shape(), (nv, nv));
     let (mut result, vector) = (vec![0.0; 2 * nv], vec![1.0; 2 * nv]);
-    data.solve_m(&mut result, &vector).unwrap();
-    data.mul_m(&mut result[..nv], &vector[..nv]).unwrap();
+    data.solve_m_into(&vector, &mut result).unwrap();
+    data.mul_m_into(&vector[..nv], &mut result[..nv]).unwrap();
     assert!(data.contacts().len() > 0);
     for contact in data.contacts() {
         contact.force_in_world().unwrap();
@@ -262,7 +262,7 @@ fn jacobians_inertia_and_contacts_make_no_invalid_access() {
     }
     let (from, mut to, mut velocity) = (model.qpos0().to_vec(), model.qpos0().to_vec(), vec![0.1; nv]);
     model.integrate_pos(&mut to, &velocity, 0.5).unwrap();
-    model.differentiate_pos(&mut velocity, 0.5, &from, &to).unwrap();
+    model.differentiate_pos_into(0.5, &from, &to, &mut velocity).unwrap();
 }
 
 #[test]

@@ -53,8 +53,8 @@ fn no_number_in_a_simulation_crashes_or_hangs_a_step() {
                     target(&mut data).fill(number);
                     let nv = data.model().nv();
                     let (mut result, vector) = (vec![0.0; nv], vec![1.0; nv]);
-                    let _ = data.solve_m(&mut result, &vector);
-                    let _ = data.mul_m(&mut result, &vector);
+                    let _ = data.solve_m_into(&vector, &mut result);
+                    let _ = data.mul_m_into(&vector, &mut result);
                     for contact in data.contacts() {
                         let _ = contact.force_in_world();
                     }

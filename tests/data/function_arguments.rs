@@ -31,22 +31,22 @@ fn vectors_of_a_wrong_length_are_errors() {
     for wrong in [0, 1, nv - 1, nv + 1, 3 * nv] {
         let mut mismatched = vec![0.0; wrong];
         let mismatched_source = mismatched.clone();
-        is_shape(data.mul_m2(&mut mismatched, &source), "the result of mul_m2");
-        is_shape(data.mul_m2(&mut dofs, &mismatched_source), "the vector of mul_m2");
-        is_shape(data.solve_m2(&mut mismatched, &source), "the result of solve_m2");
-        is_shape(data.rne(true, &mut mismatched), "the result of rne");
+        is_shape(data.mul_m2_into(&source, &mut mismatched), "the result of mul_m2_into");
+        is_shape(data.mul_m2_into(&mismatched_source, &mut dofs), "the vector of mul_m2_into");
+        is_shape(data.solve_m2_into(&source, &mut mismatched), "the result of solve_m2_into");
+        is_shape(data.rne_into(true, &mut mismatched), "the result of rne_into");
         is_shape(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], body, &mut mismatched), "qfrc_target of apply_ft");
-        is_shape(data.mul_jac_vec(&mut rows, &mismatched_source), "the vector of mul_jac_vec");
-        is_shape(data.mul_jac_t_vec(&mut mismatched, &forces), "the result of mul_jac_t_vec");
+        is_shape(data.mul_jac_vec_into(&mismatched_source, &mut rows), "the vector of mul_jac_vec_into");
+        is_shape(data.mul_jac_t_vec_into(&forces, &mut mismatched), "the result of mul_jac_t_vec_into");
     }
     for wrong in [1, nv - 1, nv + 1] {
-        is_shape(data.solve_m2(&mut vec![0.0; wrong], &vec![0.0; wrong]), "the vector of solve_m2");
+        is_shape(data.solve_m2_into(&vec![0.0; wrong], &mut vec![0.0; wrong]), "the vector of solve_m2_into");
     }
     for wrong in [0, nefc - 1, nefc + 1] {
         let mut mismatched = vec![0.0; wrong];
         let mismatched_source = mismatched.clone();
-        is_shape(data.mul_jac_vec(&mut mismatched, &source), "the result of mul_jac_vec");
-        is_shape(data.mul_jac_t_vec(&mut dofs, &mismatched_source), "the vector of mul_jac_t_vec");
+        is_shape(data.mul_jac_vec_into(&source, &mut mismatched), "the result of mul_jac_vec_into");
+        is_shape(data.mul_jac_t_vec_into(&mismatched_source, &mut dofs), "the vector of mul_jac_t_vec_into");
         is_shape(data.constraint_update(&mismatched_source, true).map(drop), "jar of constraint_update");
     }
     let mut qpos = vec![0.0; data.model().nq() + 1];
@@ -300,11 +300,11 @@ fn models_without_degrees_of_freedom_work_in_every_call() {
             }
         }
         data.object_acceleration(FrameId::BodyInertia(world), Axes::World).unwrap();
-        data.mul_m2(&mut [], &[]).unwrap();
-        data.solve_m2(&mut [], &[]).unwrap();
-        data.rne(true, &mut []).unwrap();
-        data.mul_jac_vec(&mut [], &[]).unwrap();
-        data.mul_jac_t_vec(&mut [], &[]).unwrap();
+        data.mul_m2_into(&[], &mut []).unwrap();
+        data.solve_m2_into(&[], &mut []).unwrap();
+        data.rne_into(true, &mut []).unwrap();
+        data.mul_jac_vec_into(&[], &mut []).unwrap();
+        data.mul_jac_t_vec_into(&[], &mut []).unwrap();
         assert_eq!(data.constraint_update(&[], true).unwrap(), 0.0);
         data.add_m(&mut Matrix::zeros(0, 0)).unwrap();
         data.add_m_sparse(&mut [], &mut [], &[], &mut []).unwrap();

@@ -331,8 +331,8 @@ fn empty_models_and_models_without_joints_work_in_every_call() {
         assert_eq!(data.jac_subtree_com(world).unwrap().shape(), (3, nv));
         assert_eq!(data.full_m().unwrap().shape(), (nv, nv));
         let (mut result, vector) = (vec![0.0; nv], vec![1.0; nv]);
-        data.mul_m(&mut result, &vector).unwrap();
-        data.solve_m(&mut result, &vector).unwrap();
+        data.mul_m_into(&vector, &mut result).unwrap();
+        data.solve_m_into(&vector, &mut result).unwrap();
         let system = data.transition_fd(1e-6, Differences::Central).unwrap();
         assert_eq!(system.a.shape(), (2 * nv, 2 * nv));
         assert_eq!(data.contacts().len(), data.ncon());

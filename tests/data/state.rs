@@ -27,10 +27,10 @@ fn without_joints_every_call_succeeds_with_empty_results() {
     assert_eq!((model.nq(), model.nv(), model.nu()), (0, 0, 0));
     assert!(data.qpos().is_empty() && data.qvel_mut().is_empty() && data.physics_state().is_empty());
     assert_eq!(data.full_m().unwrap().shape(), (0, 0));
-    data.mul_m(&mut [], &[]).unwrap();
-    data.solve_m(&mut [], &[]).unwrap();
+    data.mul_m_into(&[], &mut []).unwrap();
+    data.solve_m_into(&[], &mut []).unwrap();
     model.integrate_pos(&mut [], &[], 1.0).unwrap();
-    model.differentiate_pos(&mut [], 1.0, &[], &[]).unwrap();
+    model.differentiate_pos_into(1.0, &[], &[], &mut []).unwrap();
     let jacobian = data.jac_body(model.body("world").unwrap()).unwrap();
     assert_eq!(jacobian.translation.shape(), (3, 0));
     assert_eq!(data.contacts().len(), 0);
@@ -131,7 +131,7 @@ proptest! {
         model.integrate_pos(&mut to, &velocities[..nv], dt).unwrap();
         let mut found = vec![0.0; nv];
         // Rotations are below half a turn: |velocity| ≤ √3, |dt| ≤ 1.5.
-        model.differentiate_pos(&mut found, dt, &from, &to).unwrap();
+        model.differentiate_pos_into(dt, &from, &to, &mut found).unwrap();
         for (found, expected) in found.iter().zip(&velocities) {
             prop_assert!((found - expected).abs() < 1e-9 / dt.abs(), "{} and {}", found, expected);
         }
@@ -150,7 +150,7 @@ proptest! {
             qpos
         });
         let (mut velocity, mut arrived) = (vec![0.0; nv], from.clone());
-        model.differentiate_pos(&mut velocity, 2.0, &from, &to).unwrap();
+        model.differentiate_pos_into(2.0, &from, &to, &mut velocity).unwrap();
         model.integrate_pos(&mut arrived, &velocity, 2.0).unwrap();
         for joint in model.joints() {
             // A quaternion and its negative represent the same orientation.

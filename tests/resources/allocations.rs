@@ -184,13 +184,13 @@ fn jacobians_and_inertia_do_not_allocate() {
     let (mut full, mut result, vector) = (Matrix::zeros(nv, nv), vec![0.0; nv], vec![1.0; nv]);
     allocates_nothing("inertia", || {
         data.full_m_into(&mut full).unwrap();
-        data.mul_m(&mut result, &vector).unwrap();
-        data.solve_m(&mut result, &vector).unwrap();
+        data.mul_m_into(&vector, &mut result).unwrap();
+        data.solve_m_into(&vector, &mut result).unwrap();
     });
     let (from, mut to) = (model.qpos0().to_vec(), model.qpos0().to_vec());
     allocates_nothing("positions", || {
         model.integrate_pos(&mut to, &vector, 0.1).unwrap();
-        model.differentiate_pos(&mut result, 0.1, &from, &to).unwrap();
+        model.differentiate_pos_into(0.1, &from, &to, &mut result).unwrap();
     });
 }
 

@@ -147,7 +147,9 @@ impl QuadraticCost {
         let (nq, nv) = (self.model.nq(), self.model.nv());
         let mut dx = DVector::zeros(2 * nv + self.model.na());
         let (dq, rest) = dx.as_mut_slice().split_at_mut(nv);
-        self.model.differentiate_pos(dq, 1.0, &self.state[..nq], &state[..nq]).expect("Bug: the lengths were checked");
+        self.model
+            .differentiate_pos_into(1.0, &self.state[..nq], &state[..nq], dq)
+            .expect("Bug: the lengths were checked");
         for ((rest, value), target) in rest.iter_mut().zip(&state[nq..]).zip(&self.state[nq..]) {
             *rest = value - target;
         }

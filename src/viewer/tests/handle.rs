@@ -180,7 +180,10 @@ fn geoms_of_the_program_are_shown_until_removed() {
     handle.sync(&mut data).unwrap();
     handle.sync(&mut data).unwrap();
     let events = window.take_events();
-    assert!(matches!(&events[..], [Event::Notice(text)] if text.contains("room")), "reported once: {events:?}");
+    assert!(
+        matches!(&events[..], [Event::Notice(text)] if text.contains("has capacity for only")),
+        "reported once: {events:?}"
+    );
 }
 
 #[test]

@@ -46,7 +46,7 @@ const WRITING: [Call; 20] = [
     ("compute_qfrc_bias", |data| data.compute_qfrc_bias()),
     ("transition_fd", |data| data.transition_fd(1e-6, Differences::Forward).map(drop)),
     ("inverse_fd", |data| data.inverse_fd(1e-6, false).map(drop)),
-    ("rne", |data| data.rne(true, &mut vec![0.0; data.model().nv()])),
+    ("rne", |data| data.rne_into(true, &mut vec![0.0; data.model().nv()])),
     ("jac_subtree_com", |data| data.jac_subtree_com(body(data)).map(drop)),
     ("jac_point_axis", |data| data.jac_point_axis(body(data), [0.0; 3], [1.0, 0.0, 0.0]).map(drop)),
     ("apply_ft", |data| {
@@ -64,7 +64,7 @@ fn readings(data: &Data) -> Vec<f64> {
     let body = body(data);
     let nv = data.model().nv();
     let mut product = vec![0.0; nv];
-    data.mul_m(&mut product, data.qvel()).unwrap();
+    data.mul_m_into(data.qvel(), &mut product).unwrap();
     let jacobian = data.jac_body_com(body).unwrap();
     let velocity = data.object_velocity(FrameId::Body(body), Axes::World).unwrap();
     let acceleration = data.object_acceleration(FrameId::Body(body), Axes::World).unwrap();

@@ -28,29 +28,29 @@ fn a_wrong_size_is_an_error_with_the_expected_size() {
     };
     drop(site_model);
 
-    model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(nq), &numbers(nq)).unwrap();
+    model.differentiate_pos_into(1.0, &numbers(nq), &numbers(nq), &mut numbers(nv)).unwrap();
     model.integrate_pos(&mut numbers(nq), &numbers(nv), 1.0).unwrap();
     for wrong in vectors(nv) {
         assert_shape_error(
-            model.differentiate_pos(&mut numbers(wrong), 1.0, &numbers(nq), &numbers(nq)),
+            model.differentiate_pos_into(1.0, &numbers(nq), &numbers(nq), &mut numbers(wrong)),
             &format!("({nv})"),
         );
         assert_shape_error(model.integrate_pos(&mut numbers(nq), &numbers(wrong), 1.0), &format!("({nv})"));
     }
     for wrong in vectors(nq) {
         assert_shape_error(
-            model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(wrong), &numbers(nq)),
+            model.differentiate_pos_into(1.0, &numbers(wrong), &numbers(nq), &mut numbers(nv)),
             &format!("({nq})"),
         );
         assert_shape_error(
-            model.differentiate_pos(&mut numbers(nv), 1.0, &numbers(nq), &numbers(wrong)),
+            model.differentiate_pos_into(1.0, &numbers(nq), &numbers(wrong), &mut numbers(nv)),
             &format!("({nq})"),
         );
         assert_shape_error(model.integrate_pos(&mut numbers(wrong), &numbers(nv), 1.0), &format!("({nq})"));
     }
     for dt in [0.0, f64::NAN, f64::INFINITY] {
         text_of(
-            model.differentiate_pos(&mut numbers(nv), dt, &numbers(nq), &numbers(nq)),
+            model.differentiate_pos_into(dt, &numbers(nq), &numbers(nq), &mut numbers(nv)),
             &["dt is", "finite and not zero"],
         );
     }
@@ -58,20 +58,20 @@ fn a_wrong_size_is_an_error_with_the_expected_size() {
 
     let full = |shape: (usize, usize)| Matrix::zeros(shape.0, shape.1);
     data.full_m_into(&mut full((nv, nv))).unwrap();
-    data.mul_m(&mut numbers(nv), &numbers(nv)).unwrap();
-    data.solve_m(&mut numbers(nv), &numbers(nv)).unwrap();
-    data.solve_m(&mut numbers(3 * nv), &numbers(3 * nv)).unwrap();
+    data.mul_m_into(&numbers(nv), &mut numbers(nv)).unwrap();
+    data.solve_m_into(&numbers(nv), &mut numbers(nv)).unwrap();
+    data.solve_m_into(&numbers(3 * nv), &mut numbers(3 * nv)).unwrap();
     for wrong in [(nv, nv + 1), (nv + 1, nv), (0, 0), (nv * nv, 1)] {
         assert_shape_error(data.full_m_into(&mut full(wrong)), &format!("({nv}, {nv})"));
     }
     for wrong in vectors(nv) {
-        assert_shape_error(data.mul_m(&mut numbers(wrong), &numbers(nv)), &format!("({nv})"));
-        assert_shape_error(data.mul_m(&mut numbers(nv), &numbers(wrong)), &format!("({nv})"));
-        assert_shape_error(data.solve_m(&mut numbers(nv), &numbers(wrong)), "");
-        assert_shape_error(data.solve_m(&mut numbers(wrong), &numbers(nv)), &format!("({nv})"));
+        assert_shape_error(data.mul_m_into(&numbers(nv), &mut numbers(wrong)), &format!("({nv})"));
+        assert_shape_error(data.mul_m_into(&numbers(wrong), &mut numbers(nv)), &format!("({nv})"));
+        assert_shape_error(data.solve_m_into(&numbers(wrong), &mut numbers(nv)), "");
+        assert_shape_error(data.solve_m_into(&numbers(nv), &mut numbers(wrong)), &format!("({nv})"));
     }
-    assert_shape_error(data.solve_m(&mut numbers(2 * nv), &numbers(nv)), &format!("({nv})"));
-    assert_shape_error(data.solve_m(&mut numbers(2 * nv), &numbers(2 * nv + 1)), "");
+    assert_shape_error(data.solve_m_into(&numbers(nv), &mut numbers(2 * nv)), &format!("({nv})"));
+    assert_shape_error(data.solve_m_into(&numbers(2 * nv + 1), &mut numbers(2 * nv)), "");
 
     let wanted = (3, nv);
     data.jac_into(body, [0.0; 3], Some(&mut full(wanted)), Some(&mut full(wanted))).unwrap();

@@ -105,8 +105,8 @@ fn a_stack_overflow_poisons_the_simulation_until_a_reset() {
         data.jac(body, [0.0; 3]).map(drop),
         data.jac_subtree_com(body).map(drop),
         data.full_m().map(drop),
-        data.mul_m(&mut result, &vector),
-        data.solve_m(&mut result, &vector),
+        data.mul_m_into(&vector, &mut result),
+        data.solve_m_into(&vector, &mut result),
         data.clone().step(),
     ];
     for result in rejected {
@@ -140,8 +140,8 @@ fn results_that_are_not_computed_are_errors() {
     text_of(data.jac_subtree_com(body), &["jac_subtree_com needs", needs[0]]);
     text_of(data.full_m(), &["full_m needs", needs[0]]);
     let nv = data.model().nv();
-    text_of(data.mul_m(&mut vec![0.0; nv], &vec![0.0; nv]), &["mul_m needs", needs[0]]);
-    text_of(data.solve_m(&mut vec![0.0; nv], &vec![0.0; nv]), &["solve_m needs", needs[0]]);
+    text_of(data.mul_m_into(&vec![0.0; nv], &mut vec![0.0; nv]), &["mul_m_into needs", needs[0]]);
+    text_of(data.solve_m_into(&vec![0.0; nv], &mut vec![0.0; nv]), &["solve_m_into needs", needs[0]]);
     text_of(data.step2(), &["step2 needs velocity-dependent quantities", "call step1 first"]);
 
     data.step().unwrap();

@@ -52,15 +52,15 @@ fn more() -> Vec<Part> {
         ("full_m", |data| data.full_m().map(drop)),
         ("solve_m", |data| {
             let vector = vec![1.0; data.model().nv()];
-            data.solve_m(&mut vec![0.0; vector.len()], &vector)
+            data.solve_m_into(&vector, &mut vec![0.0; vector.len()])
         }),
         ("mul_jac_vec", |data| {
             let vector = vec![1.0; data.model().nv()];
-            data.mul_jac_vec(&mut vec![0.0; data.nefc()], &vector)
+            data.mul_jac_vec_into(&vector, &mut vec![0.0; data.nefc()])
         }),
         ("mul_jac_t_vec", |data| {
             let vector = vec![1.0; data.nefc()];
-            data.mul_jac_t_vec(&mut vec![0.0; data.model().nv()], &vector)
+            data.mul_jac_t_vec_into(&vector, &mut vec![0.0; data.model().nv()])
         }),
         ("contact forces", |data| data.contacts().try_for_each(|contact| contact.force().map(drop))),
         ("another solver", |data| {

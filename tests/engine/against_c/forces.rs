@@ -12,7 +12,7 @@ fn square_roots_of_the_inertia_matrix_equal_c() {
         // The engine's square root has a defect. Half of a solution of a product is a square root as well.
         let vector = twins.numbers(nv);
         let (mut ours, mut product, mut theirs) = (vec![0.0; nv], vec![0.0; nv], vec![0.0; nv]);
-        twins.ours.mul_m2(&mut ours, &vector).unwrap();
+        twins.ours.mul_m2_into(&vector, &mut ours).unwrap();
         c!(mj_mulM(twins.raw.m(), twins.raw.d, product.as_mut_ptr(), vector.as_ptr()));
         c!(mj_solveM2(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), product.as_ptr(), 1));
         let size = 1.0 + theirs.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
@@ -22,13 +22,13 @@ fn square_roots_of_the_inertia_matrix_equal_c() {
 
         let vectors = twins.numbers(2 * nv);
         let (mut ours, mut theirs) = (vec![0.0; 2 * nv], vec![0.0; 2 * nv]);
-        twins.ours.solve_m2(&mut ours, &vectors).unwrap();
+        twins.ours.solve_m2_into(&vectors, &mut ours).unwrap();
         c!(mj_solveM2(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vectors.as_ptr(), 2));
         assert_same(&twins.name, &ours, &theirs);
 
         for (with, flag) in [(false, 0), (true, 1)] {
             let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-            twins.ours.rne(with, &mut ours).unwrap();
+            twins.ours.rne_into(with, &mut ours).unwrap();
             c!(mj_rne(twins.raw.m(), twins.raw.d, flag, theirs.as_mut_ptr()));
             assert_same(&twins.name, &ours, &theirs);
         }
@@ -75,13 +75,13 @@ fn products_with_the_constraint_jacobian_equal_c() {
         let (nv, nefc) = (twins.model.nv(), twins.ours.nefc());
         let vector = twins.numbers(nv);
         let (mut ours, mut theirs) = (vec![0.0; nefc], vec![0.0; nefc]);
-        twins.ours.mul_jac_vec(&mut ours, &vector).unwrap();
+        twins.ours.mul_jac_vec_into(&vector, &mut ours).unwrap();
         c!(mj_mulJacVec(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vector.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
 
         let vector = twins.numbers(nefc);
         let (mut ours, mut theirs) = (vec![7.0; nv], vec![0.0; nv]);
-        twins.ours.mul_jac_t_vec(&mut ours, &vector).unwrap();
+        twins.ours.mul_jac_t_vec_into(&vector, &mut ours).unwrap();
         c!(mj_mulJacTVec(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vector.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
 

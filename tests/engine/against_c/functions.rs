@@ -89,13 +89,13 @@ fn the_inertia_matrix_equals_c() {
 
         let vector = twins.numbers(nv);
         let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-        twins.ours.mul_m(&mut ours, &vector).unwrap();
+        twins.ours.mul_m_into(&vector, &mut ours).unwrap();
         c!(mj_mulM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vector.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
 
         let vectors = twins.numbers(3 * nv);
         let (mut ours, mut theirs) = (vec![0.0; 3 * nv], vec![0.0; 3 * nv]);
-        twins.ours.solve_m(&mut ours, &vectors).unwrap();
+        twins.ours.solve_m_into(&vectors, &mut ours).unwrap();
         c!(mj_solveM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vectors.as_ptr(), 3));
         assert_same(&twins.name, &ours, &theirs);
     }
@@ -115,7 +115,7 @@ fn differences_and_sums_of_positions_equal_c() {
         assert_same(&twins.name, &to, &theirs);
 
         let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-        twins.model.differentiate_pos(&mut ours, 0.3, &from, &to).unwrap();
+        twins.model.differentiate_pos_into(0.3, &from, &to, &mut ours).unwrap();
         c!(mj_differentiatePos(twins.raw.m(), theirs.as_mut_ptr(), 0.3, from.as_ptr(), to.as_ptr()));
         assert_same(&twins.name, &ours, &theirs);
     }

@@ -40,7 +40,7 @@ impl Oracle {
         let (right, right_sensors) = self.step(perturb, width);
         let (left, left_sensors) = self.step(perturb, -width);
         let mut column = vec![0.0; nv];
-        model.differentiate_pos(&mut column, 2.0 * width, &left[..nq], &right[..nq]).unwrap();
+        model.differentiate_pos_into(2.0 * width, &left[..nq], &right[..nq], &mut column).unwrap();
         let rest = right[nq..].iter().zip(&left[nq..]).chain(right_sensors.iter().zip(&left_sensors));
         column.extend(rest.map(|(right, left)| (right - left) / (2.0 * width)));
         column

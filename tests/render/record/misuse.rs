@@ -96,7 +96,7 @@ fn a_recording_without_images_is_an_error_and_leaves_no_file() {
     for name in ["walk.png", "walk.gif"] {
         let create = || Recorder::create(folder.path().join(name), options(10.0)).unwrap();
         let error = create().finish().unwrap_err();
-        assert!(error.to_string().contains("no picture"), "{error}");
+        assert!(error.to_string().contains("no image was recorded"), "{error}");
         drop(create());
     }
     assert!(names(folder.path()).is_empty());

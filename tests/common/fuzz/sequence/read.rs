@@ -15,11 +15,11 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.data.jac_subtree_com_into(body, &mut matrix)?;
         scene.data.jac_point_axis_into(body, bytes.numbers(), bytes.numbers(), None, Some(&mut matrix))
     }),
-    ("solve_m", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m(result, b))),
-    ("solve_m2", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m2(result, b))),
+    ("solve_m", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m_into(b, result))),
+    ("solve_m2", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m2_into(b, result))),
     ("rne", |scene, bytes| {
         let mut result = bytes.vector(scene.data.model().nv());
-        scene.data.rne(bytes.once_in(2), &mut result)
+        scene.data.rne_into(bytes.once_in(2), &mut result)
     }),
     ("add_m", |scene, bytes| {
         let nv = scene.data.model().nv();

@@ -94,13 +94,13 @@ const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
     ("mul_m, mul_m2", |data, bytes| {
         let nv = data.model().nv();
         let (mut result, vector) = (bytes.vector(nv), bytes.vector(nv));
-        data.mul_m(&mut result, &vector)?;
-        data.mul_m2(&mut result, &vector)
+        data.mul_m_into(&vector, &mut result)?;
+        data.mul_m2_into(&vector, &mut result)
     }),
     ("mul_jac_vec, mul_jac_t_vec", |data, bytes| {
         let (mut rows, mut columns) = (bytes.vector(data.nefc()), bytes.vector(data.model().nv()));
-        data.mul_jac_vec(&mut rows, &columns)?;
-        data.mul_jac_t_vec(&mut columns, &rows)
+        data.mul_jac_vec_into(&columns, &mut rows)?;
+        data.mul_jac_t_vec_into(&rows, &mut columns)
     }),
     ("object_velocity, object_acceleration", |data, bytes| {
         black_box(data.object_velocity(frame(data, bytes)?, axes(bytes))?);
@@ -183,7 +183,7 @@ const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
     ("differentiate_pos, integrate_pos, normalize_quat", |data, bytes| {
         let model = data.model();
         let (one, two, mut qvel) = (bytes.vector(model.nq()), bytes.vector(model.nq()), bytes.vector(model.nv()));
-        model.differentiate_pos(&mut qvel, bytes.number(), &one, &two)?;
+        model.differentiate_pos_into(bytes.number(), &one, &two, &mut qvel)?;
         let mut qpos = one;
         model.integrate_pos(&mut qpos, &qvel, bytes.number())?;
         model.normalize_quat(&mut qpos)
