@@ -81,8 +81,8 @@
 //! viewer                                                      feature viewer
 //! render, record                                              feature renderer
 //! control
-//! rollout, derivative
-//! trajectory, scene
+//! rollout, trajectory
+//! derivative, scene
 //! controller, callback
 //! element
 //! data ⇄ model
