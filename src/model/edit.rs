@@ -110,7 +110,7 @@ impl<'m> ModelMut<'m> {
     #[doc(alias = "mj_setTotalmass")]
     pub fn set_total_mass(&mut self, mass: f64) -> Result<()> {
         if !(mass.is_finite() && mass > 0.0) {
-            return Err(crate::Error::invalid("the total mass", mass, "positive and finite"));
+            return Err(crate::error::Error::invalid("the total mass", mass, "positive and finite"));
         }
         self.clear_simple_body_flags();
         // SAFETY: a model that is borrowed exclusively; the function scales its masses and inertias.
@@ -151,7 +151,7 @@ impl<'m> ModelMut<'m> {
         // SAFETY: a valid model, and a pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(self.model.as_ptr(), &raw mut scratch) })?;
         if scratch.is_null() {
-            return Err(crate::Error::OutOfMemory { function: "mj_makeData" });
+            return Err(crate::error::Error::OutOfMemory { function: "mj_makeData" });
         }
         // SAFETY: created above, and nothing else owns it. A counter above zero prevents the engine from formatting a warning in a
         // buffer that all threads share. No warning is lost: every step with the model repeats it, for example the warning
@@ -191,7 +191,7 @@ impl<'m> ModelMut<'m> {
             if !(1..self.nbody()).any(is_valid) {
                 let name = self.name_at(Kind::Body, body).map_or(body.to_string(), |name| format!("'{name}'"));
                 let what = format!("the {quantity} of body {name}");
-                return Err(crate::Error::invalid(what, value, "at least 1e-15, because the body has joints"));
+                return Err(crate::error::Error::invalid(what, value, "at least 1e-15, because the body has joints"));
             }
         }
         Ok(())

@@ -100,7 +100,7 @@ impl Model {
         ffi::check_without_data("mj_copyModel", unsafe {
             guard::mj_copy_model(ptr::null_mut(), self.as_ptr(), &raw mut copy)
         })?;
-        let raw = NonNull::new(copy).ok_or(crate::Error::OutOfMemory { function: "mj_copyModel" })?;
+        let raw = NonNull::new(copy).ok_or(crate::error::Error::OutOfMemory { function: "mj_copyModel" })?;
         // SAFETY: a copy of a valid model, which nothing else owns.
         Ok(unsafe { Self::from_raw(raw, self.lineage, self.warnings.clone()) })
     }

@@ -6,7 +6,7 @@
 pub enum RenderError {
     /// The scene, the model or an argument is invalid.
     #[error(transparent)]
-    Engine(#[from] crate::Error),
+    Engine(#[from] crate::error::Error),
 
     /// No suitable graphics adapter exists.
     #[error(

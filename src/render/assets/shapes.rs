@@ -145,7 +145,7 @@ impl Shapes {
         };
         self.infinite_plane =
             Plane { shape: shape(self, limited(MAX_CELLS))?, half: [infinite_half_length(settings, 0.0); 2] };
-        for geom in model.geoms().filter(|geom| geom.geom_type() == crate::GeomType::Plane) {
+        for geom in model.geoms().filter(|geom| geom.geom_type() == crate::enums::GeomType::Plane) {
             let [x, y, spacing] = geom.size().map(|length| length as f32);
             let repeat = geom.material().map_or([0.0; 2], |material| *model.material(material).texrepeat());
             let lengths = [x, y];

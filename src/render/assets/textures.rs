@@ -67,7 +67,7 @@ impl Textures {
             clamp: sampler(wgpu::AddressMode::ClampToEdge),
         };
         for texture in model.textures() {
-            if textures.sky.is_none() && texture.texture_type() == crate::TextureType::Skybox {
+            if textures.sky.is_none() && texture.texture_type() == crate::enums::TextureType::Skybox {
                 textures.sky = Some(textures.bind_groups.len());
             }
             let created = textures.create(gpu, model, texture.id());

@@ -137,7 +137,7 @@ impl fmt::Debug for Picture {
 #[cfg(test)]
 mod tests {
     use super::Picture;
-    use crate::Error;
+    use crate::error::Error;
 
     /// Returns an image whose bytes are all different.
     fn picture() -> Picture {

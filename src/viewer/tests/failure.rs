@@ -4,7 +4,7 @@ use super::Bench;
 use crate::viewer::link::{EndpointRequest, Request, SimulationRequest, Status};
 use crate::{Data, Error, Model, sample};
 
-fn cartpole(controller: impl FnMut(&mut Data) -> crate::Result<()> + Send + 'static) -> Bench {
+fn cartpole(controller: impl FnMut(&mut Data) -> crate::error::Result<()> + Send + 'static) -> Bench {
     Bench::with(Data::new(sample::cartpole()).unwrap(), Some(Box::new(controller)), Vec::new())
 }
 
