@@ -1,6 +1,6 @@
 //! Table of the key bindings, the single source for key presses, the help on the screen and on the terminal, and the tests.
 //!
-//! Where the common programs disagree, the bindings follow MuJoCo.jl's viewer. Keys of the engine's `simulate` are added if they
+//! The bindings follow MuJoCo.jl's viewer if common programs disagree. Keys of the engine's `simulate` are added if they
 //! are free: `-` and `=` select labels, not the speed; `[` and `]` select frames, not cameras; Esc quits. The engine's own table
 //! assigns the comma twice; here it toggles activations, and segmentation with Shift.
 
