@@ -52,7 +52,7 @@ fn files(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         if ui.button("Copy state").on_hover_text("as a <key> for the model's XML").clicked() {
             cx.send(EndpointRequest::CopyState);
         }
-        if ui.button("Screenshot").on_hover_text("saves a screenshot without the panels").clicked() {
+        if ui.button("Image").on_hover_text("saves a screenshot without the panels").clicked() {
             cx.actions.push(Action::Window(WindowAction::Screenshot));
         }
         let recording = cx.status.recording.is_some();
@@ -87,7 +87,7 @@ fn speed(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             cx.send(SimulationRequest::ToggleSpeed);
         }
     });
-    layout::labelled(ui, "measured", LABEL_WIDTH, |ui| {
+    layout::labelled(ui, "actual", LABEL_WIDTH, |ui| {
         if cx.snapshot.status == Status::Paused || speed.measured <= 0.0 {
             ui.label(RichText::new("idle").color(layout::FAINT));
             return;
