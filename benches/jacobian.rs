@@ -9,7 +9,8 @@ mod common;
 
 use std::hint::black_box;
 
-use mujoco_safe::{BodyId, Data, Matrix, Result, sample, sys};
+use mujoco_safe::id::BodyId;
+use mujoco_safe::{Data, Matrix, Result, sample, sys};
 
 /// Number of calls per run.
 const CALLS: u32 = 100;
@@ -17,8 +18,8 @@ const CALLS: u32 = 100;
 struct Foot {
     data: Data,
     id: BodyId,
-    translation: Matrix,
-    rotation: Matrix,
+    linear: Matrix,
+    angular: Matrix,
 }
 
 fn main() -> Result<()> {
@@ -26,11 +27,11 @@ fn main() -> Result<()> {
     let mut data = Data::new(sample::humanoid())?;
     data.forward()?;
     let (id, nv) = (data.model().body("foot_left")?.id(), data.model().nv());
-    let mut foot = Foot { data, id, translation: Matrix::zeros(3, nv), rotation: Matrix::zeros(3, nv) };
+    let mut foot = Foot { data, id, linear: Matrix::zeros(3, nv), angular: Matrix::zeros(3, nv) };
 
     let into = |foot: &mut Foot| {
         for _ in 0..CALLS {
-            let outputs = (Some(&mut foot.translation), Some(&mut foot.rotation));
+            let outputs = (Some(&mut foot.linear), Some(&mut foot.angular));
             foot.data.jac_body_com_into(black_box(foot.id), outputs.0, outputs.1).expect("positions are computed");
         }
     };
@@ -41,7 +42,7 @@ fn main() -> Result<()> {
     };
     let raw = |foot: &mut Foot| {
         let (model, data) = (foot.data.model().as_ptr(), foot.data.as_ptr());
-        let outputs = (foot.translation.as_mut_slice().as_mut_ptr(), foot.rotation.as_mut_slice().as_mut_ptr());
+        let outputs = (foot.linear.as_mut_slice().as_mut_ptr(), foot.angular.as_mut_slice().as_mut_ptr());
         for _ in 0..CALLS {
             let body = black_box(foot.id).index() as i32;
             // SAFETY: the data and its own model, a valid body, and outputs of 3 × nv values.

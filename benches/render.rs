@@ -28,7 +28,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
-use mujoco_safe::render::{Lighting, Picture, Renderer, RendererOptions};
+use mujoco_safe::render::{Lighting, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::scene::{Camera, Categories, NewGeom, SceneOptions};
 use mujoco_safe::{Data, Scene, sample};
 use serde_json::{Value, json};
@@ -77,7 +77,7 @@ struct Drawing {
     scene: Scene,
     camera: Camera,
     renderer: Renderer,
-    picture: Picture,
+    picture: RgbImage,
 }
 
 impl Drawing {
@@ -86,9 +86,9 @@ impl Drawing {
         let mut data = setting.after_steps();
         let scene = setting.scene(&mut data);
         let renderer =
-            Renderer::with_options(data.model(), width, height, &RendererOptions::default().lighting(lighting))?;
+            Renderer::with_options(data.model(), width, height, &RendererOptions::default().with_lighting(lighting))?;
         let camera = setting.camera();
-        let mut drawing = Self { setting, data, scene, camera, renderer, picture: Picture::default() };
+        let mut drawing = Self { setting, data, scene, camera, renderer, picture: RgbImage::default() };
         drawing.draw()?;
         Ok(drawing)
     }
@@ -187,7 +187,7 @@ fn prepare(rounds: usize) -> Result<()> {
         for index in 0..geoms {
             let at = |place: usize| (place % 22) as f64 * 0.2 - 2.2;
             let pos = [at(index), at(index / 22), at(index / 484)];
-            scene.push(&NewGeom::sphere(0.05).pos(pos))?;
+            scene.add_geom(&NewGeom::sphere(0.05).pos(pos))?;
         }
         let mut renderer = Renderer::new(data.model(), 640, 480)?;
         renderer.prepare(&scene)?;

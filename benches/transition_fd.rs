@@ -13,9 +13,8 @@ use std::ptr::null_mut;
 
 use common::models::Balance;
 use criterion::Criterion;
-use mujoco_safe::{
-    Data, Differences, Lineariser, Lqr, Matrix, Result, TransitionMethod, TransitionOptions, TransitionOutputs, sys,
-};
+use mujoco_safe::derivative::{TransitionMethod, TransitionOptions, TransitionOutputs};
+use mujoco_safe::{Data, Differences, Lineariser, Lqr, Matrix, Result, sys};
 
 struct Linearisation {
     data: Data,
@@ -43,14 +42,14 @@ fn through(
 fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
     let (nx, nu) = (2 * data.model().nv() + data.model().na(), data.model().nu());
     let transition = |method, threads| {
-        let options = TransitionOptions { method, threads, ..Default::default() };
+        let options = TransitionOptions::default().with_method(method).with_threads(threads);
         Lineariser::new(data.model().clone(), options).expect("there is memory")
     };
     let mut state = Linearisation {
         a: Matrix::zeros(nx, nx),
         b: Matrix::zeros(nx, nu),
-        inverse: transition(TransitionMethod::Inverse, 1),
-        inverse_in_two: transition(TransitionMethod::Inverse, 2),
+        inverse: transition(TransitionMethod::Implicit, 1),
+        inverse_in_two: transition(TransitionMethod::Implicit, 2),
         columns_in_two: transition(TransitionMethod::Columns, 2),
         data,
     };

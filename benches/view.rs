@@ -10,7 +10,8 @@ mod common;
 use std::hint::black_box;
 
 use criterion::Criterion;
-use mujoco_safe::{Data, Id, Result, sample};
+use mujoco_safe::id::Id;
+use mujoco_safe::{Data, Result, sample};
 
 /// Number of reads per run.
 const READS: u32 = 1000;

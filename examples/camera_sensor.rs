@@ -17,9 +17,10 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use common::command_line;
-use mujoco_safe::render::{DepthPicture, Renderer, SegmentationPicture};
+use mujoco_safe::id::GeomId;
+use mujoco_safe::render::{DepthImage, Renderer, SegmentationImage};
 use mujoco_safe::scene::{Camera, Categories, SceneObject, SceneOptions};
-use mujoco_safe::{Data, GeomId, Model, Scene};
+use mujoco_safe::{Data, Model, Scene};
 
 const HELP: &str = "camera_sensor [--seconds S] [--size WxH] [--out DIR]";
 
@@ -59,7 +60,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     let mut camera = Camera::fixed(model.camera("eye")?.id());
     let mut scene = Scene::new(&model, 1000)?;
     let mut renderer = Renderer::new(&model, width, height)?;
-    let (mut depth, mut segmentation) = (DepthPicture::default(), SegmentationPicture::default());
+    let (mut depth, mut segmentation) = (DepthImage::default(), SegmentationImage::default());
     if let Some(out) = &out {
         std::fs::create_dir_all(out)?;
     }
@@ -86,7 +87,7 @@ fn run() -> Result<(), Box<dyn Error>> {
             if let Some(out) = out.as_ref().filter(|_| images % 10 == 0) {
                 let name = |kind: &str| out.join(format!("rover_{images:03}_{kind}.png"));
                 renderer.rgb(&scene)?.save_png(name("rgb"))?;
-                depth.to_picture([0.0, 5.0]).save_png(name("depth"))?;
+                depth.to_rgb([0.0, 5.0]).save_png(name("depth"))?;
                 segmentation.save_png(name("segmentation"))?;
                 bar.suspend(|| println!("{}", describe(&data, detection)));
             }
@@ -117,7 +118,7 @@ struct Detection {
 }
 
 impl Detection {
-    fn find(object: GeomId, depth: &DepthPicture, segmentation: &SegmentationPicture) -> Option<Self> {
+    fn find(object: GeomId, depth: &DepthImage, segmentation: &SegmentationImage) -> Option<Self> {
         let (mut pixels, mut columns, mut distance) = (0.0, 0.0, f64::INFINITY);
         for (index, segment) in segmentation.pixels().enumerate() {
             if segment.is_some_and(|segment| segment.object == Some(SceneObject::Geom(object))) {

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 use common::{balance, command_line};
 use mujoco_safe::record::{Recorder, RecorderOptions};
-use mujoco_safe::render::{Picture, Renderer};
+use mujoco_safe::render::{Renderer, RgbImage};
 use mujoco_safe::scene::{Camera, Categories, SceneOptions, VisualFlags};
 use mujoco_safe::{Controller, Scene};
 
@@ -61,7 +61,7 @@ fn main() -> std::process::ExitCode {
 
 fn run() -> Result<(), Box<dyn Error>> {
     let Arguments { out, seconds, slow, frames_per_second, size: [width, height] } = arguments()?;
-    let options = RecorderOptions { frames_per_second, speed: 1.0 / slow, ..RecorderOptions::default() };
+    let options = RecorderOptions::default().with_frames_per_second(frames_per_second).with_speed(1.0 / slow);
     let mut recorder = Recorder::create(&out, options)?;
     let (mut data, _, mut lqr) = balance::humanoid()?;
     let model = data.model().clone();
@@ -75,7 +75,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     camera.lookat = [0.0, 0.0, 0.85];
     scene.update_camera(&data, &mut camera)?;
     let mut renderer = Renderer::new(&model, width, height)?;
-    let mut picture = Picture::default();
+    let mut picture = RgbImage::default();
 
     let bar = command_line::progress_bar(seconds)?;
     while data.time() < seconds {

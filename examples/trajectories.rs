@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 use common::{balance, command_line, window};
 use mujoco_safe::record::{Recorder, RecorderOptions};
-use mujoco_safe::render::{Picture, Renderer};
+use mujoco_safe::render::{Renderer, RgbImage};
 use mujoco_safe::scene::{Camera, Categories, SceneOptions};
 use mujoco_safe::{Controller, Data, Scene, Trajectory, ZeroController};
 
@@ -75,8 +75,7 @@ fn run() -> Result<(), Box<dyn Error>> {
 /// Renders trajectories side by side.
 fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let [width, height] = arguments.size;
-    let mut recorder =
-        Recorder::create(&arguments.out, RecorderOptions { frames_per_second: 25.0, ..Default::default() })?;
+    let mut recorder = Recorder::create(&arguments.out, RecorderOptions::default().with_frames_per_second(25.0))?;
     let mut renderer = Renderer::new(data.model(), width, height)?;
     let mut scene = Scene::new(data.model(), 1000)?;
     let options = SceneOptions::default();
@@ -85,8 +84,8 @@ fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> 
     scene.update_camera(data, &mut camera)?;
 
     let (width, height) = (width as usize, height as usize);
-    let mut both = Picture::new(width * trajectories.len(), height);
-    let mut half = Picture::default();
+    let mut both = RgbImage::new(width * trajectories.len(), height);
+    let mut half = RgbImage::default();
     let bar = command_line::progress_bar(arguments.seconds)?;
     for (record, &time) in trajectories[0].times().iter().enumerate() {
         if !recorder.is_due(time) {

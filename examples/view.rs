@@ -17,7 +17,7 @@ mod common;
 use std::path::PathBuf;
 
 use common::command_line;
-use mujoco_safe::viewer::Viewer;
+use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
 #[derive(Default)]
@@ -49,10 +49,10 @@ fn main() -> std::process::ExitCode {
 
 fn view() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = arguments()?;
-    let mut viewer = Viewer::new();
+    let mut options = ViewerOptions::default();
     let model = match &arguments.model {
         Some(path) => {
-            viewer = viewer.title(path.display().to_string()).file(path);
+            options = options.with_title(path.display().to_string()).with_file(path);
             if path.extension().is_some_and(|extension| extension == "mjb") {
                 Model::from_binary_path(path)?
             } else {
@@ -62,7 +62,7 @@ fn view() -> Result<(), Box<dyn std::error::Error>> {
         None => sample::humanoid(),
     };
     if let Some(size) = arguments.size {
-        viewer = viewer.size(size);
+        options = options.with_size(size);
     }
     let trajectories: Result<Vec<_>, _> =
         arguments.trajectories.iter().map(|path| Trajectory::load_csv(&model, path)).collect();
@@ -71,6 +71,6 @@ fn view() -> Result<(), Box<dyn std::error::Error>> {
         let keyframe = data.model().keyframe(name)?.id();
         data.reset_to_key(keyframe)?;
     }
-    viewer.trajectories(trajectories?).run(data)?;
+    Viewer::new().options(options).trajectories(trajectories?).run(data)?;
     Ok(())
 }

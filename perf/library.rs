@@ -6,12 +6,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
-use mujoco_safe::rayon;
+use mujoco_safe::derivative::{TransitionOptions, TransitionOutputs};
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
-use mujoco_safe::{
-    Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, TransitionOptions,
-    TransitionOutputs,
-};
+use mujoco_safe::{Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, rayon};
 use nalgebra::DMatrix;
 
 use crate::Outcome;
@@ -47,7 +44,7 @@ impl Library {
             data.reset_to_key(key)?;
         }
         let (nx, nu) = (2 * model.nv() + model.na(), model.nu());
-        let transition = |threads| Lineariser::new(model.clone(), TransitionOptions { threads, ..Default::default() });
+        let transition = |threads| Lineariser::new(model.clone(), TransitionOptions::default().with_threads(threads));
         let mut numbers = Numbers(1);
         let mut gain = Matrix::zeros(nu, nx);
         gain.as_mut_slice().iter_mut().for_each(|entry| *entry = numbers.next());

@@ -55,7 +55,7 @@
 //! for _ in 0..100 {
 //!     data.fwd_position()?;
 //!     let error = target - Vector3::from(*data.site(tip).xpos());
-//!     let jacobian = data.jac_site(tip)?.translation;
+//!     let jacobian = data.jac_site(tip)?.linear;
 //!     let j = jacobian.transposed(); // (nv, 3): a view
 //!     let damped = j.tr_mul(&j) + 1e-4 * nalgebra::DMatrix::<f64>::identity(3, 3);
 //!     let dq = &j * damped.lu().solve(&error).expect("a positive definite matrix");
@@ -124,7 +124,8 @@
 //! # Lidar with rays
 //!
 //! ```
-//! use mujoco_safe::{Data, Model, RayOptions};
+//! use mujoco_safe::data::RayOptions;
+//! use mujoco_safe::{Data, Model};
 //!
 //! let model = Model::from_xml_str(
 //!     r#"<mujoco>
@@ -137,10 +138,10 @@
 //! let mut data = Data::new(model)?;
 //! data.forward()?;
 //! let directions: Vec<[f64; 3]> = (-45..=45).map(|degrees| f64::from(degrees).to_radians()).map(|a| [a.cos(), a.sin(), 0.0]).collect();
-//! let options = RayOptions { bodyexclude: Some(data.model().body("robot")?.id()), ..RayOptions::default() };
+//! let options = RayOptions::default().with_bodyexclude(data.model().body("robot")?.id());
 //! let mut hits = vec![None; directions.len()];
 //! let origin = *data.site("lidar")?.xpos();
-//! data.multi_ray(origin, &directions, 10.0, &options, &mut hits)?;
+//! data.multi_ray_into(origin, &directions, 10.0, &options, &mut hits)?;
 //! let ahead = hits[45].expect("a wall");
 //! assert!((ahead.distance - 1.9).abs() < 1e-9);
 //! assert_eq!(data.geom(ahead.geom).name(), Some("wall"));

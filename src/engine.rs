@@ -47,7 +47,7 @@ pub(crate) fn ready() -> Result<()> {
 /// machine as its duration.
 ///
 /// ```
-/// mujoco_safe::enable_timers();
+/// mujoco_safe::data::enable_timers();
 /// ```
 #[doc(alias = "mjcb_time")]
 pub fn enable_timers() {

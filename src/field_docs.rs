@@ -7,12 +7,12 @@ use mujoco_sys::FIELDS;
 
 use crate::error::{Error, Result, near_names};
 
-/// Field of one of the engine's structs. `Display` writes its name and documentation: `nv: number of degrees of freedom =
+/// Documentation of a field of one of the engine's structs. `Display` writes its name and documentation: `nv: number of degrees of freedom =
 /// dim(qvel)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub struct Field {
-    /// Name in the engine. Names in [`Visual`](crate::Visual) are dotted: `global.fovy`.
+pub struct FieldDoc {
+    /// Name in the engine. Names in [`Visual`](crate::model::Visual) are dotted: `global.fovy`.
     pub name: &'static str,
     /// C type of one value.
     pub ctype: &'static str,
@@ -26,7 +26,7 @@ pub struct Field {
     pub is_array: bool,
 }
 
-impl Field {
+impl FieldDoc {
     /// Returns the fields of a struct, in the engine's order.
     pub(crate) fn all(structure: &'static str) -> impl Iterator<Item = Self> {
         FIELDS.lines().skip(1).filter_map(move |line| {
@@ -69,7 +69,7 @@ impl Field {
     }
 }
 
-impl fmt::Display for Field {
+impl fmt::Display for FieldDoc {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.name, self.docs)
     }
@@ -78,7 +78,7 @@ impl fmt::Display for Field {
 /// Declares `field_docs` and `fields` of a type: the type, its struct in the engine, and a field, its documentation and the number of fields
 /// for the examples.
 macro_rules! field_docs {
-    ($type:ident, $structure:literal, $name:literal, $docs:literal, $count:literal) => {
+    ($module:ident::$type:ident, $structure:literal, $name:literal, $docs:literal, $count:literal) => {
         impl $type {
             #[doc = concat!("Returns the engine's documentation of a field of `mj", $structure, "`, by the field's name in the engine.")]
             ///
@@ -87,7 +87,7 @@ macro_rules! field_docs {
             /// [`Error::NoSuchField`](crate::Error::NoSuchField) with similar names.
             ///
             /// ```
-            #[doc = concat!("use mujoco_safe::{Error, ", stringify!($type), "};")]
+            #[doc = concat!("use mujoco_safe::{Error, ", stringify!($module), "::", stringify!($type), "};")]
             ///
             #[doc = concat!("let docs = ", stringify!($type), "::field_docs(\"", $name, "\")?;")]
             #[doc = concat!("assert_eq!(docs, \"", $name, ": ", $docs, "\");")]
@@ -97,17 +97,17 @@ macro_rules! field_docs {
             /// ```
             #[doc(alias = "show_docs")]
             pub fn field_docs(name: &str) -> $crate::Result<String> {
-                $crate::field_docs::Field::docs_of($structure, name)
+                $crate::field_docs::FieldDoc::docs_of($structure, name)
             }
 
             #[doc = concat!("Returns the fields of `mj", $structure, "`, each with the engine's documentation.")]
             ///
             /// ```
-            #[doc = concat!("let fields = mujoco_safe::", stringify!($type), "::fields();")]
+            #[doc = concat!("let fields = mujoco_safe::", stringify!($module), "::", stringify!($type), "::fields();")]
             #[doc = concat!("assert_eq!(fields.count(), ", $count, ");")]
             /// ```
-            pub fn fields() -> impl Iterator<Item = $crate::Field> {
-                $crate::field_docs::Field::all($structure)
+            pub fn fields() -> impl Iterator<Item = $crate::model::FieldDoc> {
+                $crate::field_docs::FieldDoc::all($structure)
             }
         }
     };

@@ -34,7 +34,7 @@
 //! ```
 //!
 //! - [`Model`]: description of a mechanism. Loaded from MJCF, URDF or MJB, edited by [`Model::edit`] before it is shared and by
-//!   [`Data::edit_model`] afterwards. [`Options`], [`Visual`] and [`Statistics`] are typed and checked.
+//!   [`Data::edit_model`] afterwards. [`Options`], [`Visual`](model::Visual) and [`Statistics`](model::Statistics) are typed and checked.
 //! - [`Data`]: a simulation. Every array of the engine is a method with the engine's name: [`Data::qpos`],
 //!   [`Data::ctrl_mut`], [`Data::xfrc_applied_mut`], [`Model::body_mass`]. So is every function: `mj_step` is
 //!   [`Data::step`], `mj_jacBodyCom` is [`Data::jac_body_com`]. The search of this documentation finds them by their C names.
@@ -102,13 +102,13 @@ pub mod data;
 pub mod derivative;
 pub mod element;
 mod engine;
-mod enums;
+pub mod enums;
 mod error;
 mod ffi;
 mod field_docs;
 mod file;
 mod generated;
-mod id;
+pub mod id;
 pub mod kind;
 pub mod math;
 pub mod matrix;
@@ -129,6 +129,7 @@ mod trajectory;
 mod version;
 #[cfg(feature = "viewer")]
 pub mod viewer;
+mod with_methods;
 
 /// The linear algebra crate of the views of matrices, in the version that this crate uses.
 pub use nalgebra;
@@ -139,37 +140,15 @@ pub use rayon;
 /// The raw bindings, for calls that this crate does not wrap.
 pub use mujoco_sys as sys;
 
-pub use crate::callback::Callbacks;
-pub use crate::control::{Lqr, LqrWeights, TimeVaryingLqr};
+pub use crate::control::{Lqr, LqrWeights};
 pub use crate::controller::{Controller, PdController, RandomController, ZeroController};
-pub use crate::data::{
-    Axes, Contact, ContactForce, Data, FrameId, GeomDistance, Instability, Jacobian, MissingResults, NewContact,
-    RayHit, RayOptions, SolverIteration, SpatialVector, Stage, StateSpec, Timer, TimerCount, UnstableField, Warning,
-    WarningCount,
-};
-pub use crate::derivative::{
-    Differences, Fallback, InverseJacobians, InverseOutputs, LinearisationReport, Lineariser, StateSpace,
-    TransitionMethod, TransitionOptions, TransitionOutputs,
-};
-pub use crate::engine::{Version, built_against, enable_timers, engine_version};
-pub use crate::enums::{
-    ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, Collision, Cone, EqualityType, GeomType, Integrator,
-    JacobianStorage, JointType, SensorDataType, SensorType, Solver, TextureType,
-};
+pub use crate::data::{Data, Stage, StateSpec};
+pub use crate::derivative::{Differences, Lineariser, StateSpace};
+pub use crate::engine::{Version, built_against, engine_version};
 pub use crate::error::{Error, Result};
-pub use crate::field_docs::Field;
-pub use crate::id::{
-    ActuatorId, BodyId, CameraId, EqualityId, ExcludeId, GeomId, HeightFieldId, Id, Ids, JointId, KeyframeId, LightId,
-    MaterialId, MeshId, NumericId, PairId, SensorId, SiteId, SkinId, TendonId, TextId, TextureId, TupleId,
-};
-pub use crate::kind::{ElementKind, Kind};
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
-pub use crate::model::{
-    DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, LoadOptions, LostEdit, Model, ModelMut, Options,
-    SaveXmlOptions, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba,
-    VisualScale, XmlCheck, schema, schema_html,
-};
-pub use crate::rollout::{Batch, Rollout, RolloutBuffers, RolloutError, RolloutResult};
+pub use crate::model::{LoadOptions, Model, ModelMut, Options};
+pub use crate::rollout::{Batch, Rollout};
 pub use crate::scene::Scene;
 pub use crate::trajectory::Trajectory;
 

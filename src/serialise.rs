@@ -100,5 +100,5 @@ macro_rules! plain {
 plain! {
     "StateSpace" StateSpace = StateSpaceFields { a: Matrix, b: Matrix, c: Matrix, d: Matrix }
     "ContactForce" ContactForce = ContactForceFields { force: [f64; 3], torque: [f64; 3] }
-    "WarningCount" WarningCount = WarningCountFields { number: usize, last_info: i32 }
+    "WarningCount" WarningCount = WarningCountFields { number: usize, lastinfo: i32 }
 }

@@ -37,6 +37,17 @@ impl fmt::Display for Stage {
     }
 }
 
+/// Effect of [`Data::forward_skip`](crate::Data::forward_skip) and
+/// [`Data::inverse_skip`](crate::Data::inverse_skip) on sensors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "skipsensor")]
+pub enum SensorUpdate {
+    /// Computes the sensors of the stages that are not skipped.
+    Compute,
+    /// Computes no sensors.
+    Skip,
+}
+
 bitflags! {
     /// Parts of the pipeline whose results are valid: laid out as the present options require, and newer than all results that
     /// they depend on.

@@ -56,7 +56,7 @@ impl Balance {
         data.forward()?;
 
         let com = data.jac_subtree_com(model.body("torso")?)?;
-        let foot = data.jac_body_com(model.body("foot_left")?)?.translation;
+        let foot = data.jac_body_com(model.body("foot_left")?)?.linear;
         let offset = com.to_nalgebra() - foot.to_nalgebra();
         let mut position_cost = 1000.0 * offset.tr_mul(&offset);
         for joint in model.joints().skip(1) {

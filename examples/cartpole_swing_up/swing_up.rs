@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{CostExpansion, Ilqr, IlqrOptions, IlqrSolution, TrajectoryCost};
+use mujoco_safe::derivative::TransitionOptions;
 use mujoco_safe::nalgebra::DMatrix;
-use mujoco_safe::{
-    Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, Result, TimeVaryingLqr, Trajectory, TransitionOptions,
-};
+use mujoco_safe::{Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, Result, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -109,7 +109,7 @@ pub fn attempt(model: &Arc<Model>, seed: u64, threads: usize) -> Result<Attempt>
     let guess = Matrix::from_row_major(steps, 1, (0..steps).map(|_| between(-0.05, 0.05)).collect());
 
     let start = Instant::now();
-    let options = IlqrOptions { iterations: 300, tolerance: 1e-5, threads, ..Default::default() };
+    let options = IlqrOptions::default().with_iterations(300).with_tolerance(1e-5).with_threads(threads);
     let plan = Ilqr::new(model.clone(), options)?.solve(&data, &guess, &SwingUp)?;
     let mut controller = TrackThenHold::new(&data, &plan, threads)?;
     let planning = start.elapsed();
@@ -152,8 +152,7 @@ impl TrackThenHold {
         let end = plan.states.row(steps);
         let mut upright = Data::new(model.clone())?;
         upright.qpos_mut()[1] = end[1] - lean(end[1]);
-        let mut transition =
-            Lineariser::new(model.clone(), TransitionOptions { threads, ..TransitionOptions::default() })?;
+        let mut transition = Lineariser::new(model.clone(), TransitionOptions::default().with_threads(threads))?;
         let (system, _) = transition.linear_system(&mut upright)?;
         let solution = Lqr::solve(&system, &weights)?;
         let hold = Lqr::with_gain(&upright, Matrix::from(&solution.k))?;

@@ -2,6 +2,8 @@
 
 use std::error::Error;
 
+#[cfg(feature = "viewer")]
+use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Controller, Data, Trajectory};
 
 #[cfg(not(feature = "viewer"))]
@@ -15,15 +17,20 @@ pub fn show(
     controller: impl Controller + Send + 'static,
     trajectories: Vec<Trajectory>,
 ) -> Result<(), Box<dyn Error>> {
-    mujoco_safe::viewer::Viewer::new().title(title).controller(controller).trajectories(trajectories).run(data)?;
+    viewer(title).controller(controller).trajectories(trajectories).run(data)?;
     Ok(())
 }
 
 /// Plays recorded trajectories until the window is closed.
 #[cfg(feature = "viewer")]
 pub fn replay(title: &str, data: Data, trajectories: Vec<Trajectory>) -> Result<(), Box<dyn Error>> {
-    mujoco_safe::viewer::Viewer::new().title(title).trajectories(trajectories).run(data)?;
+    viewer(title).trajectories(trajectories).run(data)?;
     Ok(())
+}
+
+#[cfg(feature = "viewer")]
+fn viewer(title: &str) -> Viewer {
+    Viewer::new().options(ViewerOptions::default().with_title(title))
 }
 
 /// Returns an error: the viewer is not built.

@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::path::Path;
 
-use mujoco_safe::{Data, GeomType};
+use mujoco_safe::Data;
+use mujoco_safe::enums::GeomType;
 use plotters::prelude::*;
 
 use crate::common::chart::{canvas, font, scaled};

@@ -1,7 +1,8 @@
 //! Set-point: a pose in which gravity, contact forces and motor forces are in equilibrium.
 
+use mujoco_safe::id::KeyframeId;
 use mujoco_safe::nalgebra::DVector;
-use mujoco_safe::{Data, KeyframeId, Result};
+use mujoco_safe::{Data, Result};
 
 /// Pose, and the controls that hold it.
 #[derive(Clone, Debug)]

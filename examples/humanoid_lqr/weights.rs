@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use mujoco_safe::element::{Body, Joint};
+use mujoco_safe::enums::JointType;
+use mujoco_safe::id::BodyId;
 use mujoco_safe::nalgebra::DMatrix;
-use mujoco_safe::{BodyId, Data, JointType, LqrWeights, Model, Result};
+use mujoco_safe::{Data, LqrWeights, Model, Result};
 
 /// Weight of the centre of mass relative to the foot. It dominates: the deviation is in metres, those of joints in radians.
 const BALANCE: f64 = 1000.0;
@@ -55,7 +57,7 @@ fn chain(model: &Model, torso: BodyId, foot: BodyId) -> Vec<BodyId> {
 pub fn weights(data: &mut Data, torso: Body<'_>, foot: Body<'_>, dofs: &Dofs) -> Result<LqrWeights> {
     // Jacobian of the centre of mass relative to the foot.
     let com = data.jac_subtree_com(torso)?;
-    let foot = data.jac_body_com(foot)?.translation;
+    let foot = data.jac_body_com(foot)?.linear;
     let difference = com.to_nalgebra() - foot.to_nalgebra();
     let balance = difference.tr_mul(&difference);
 

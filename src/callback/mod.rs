@@ -1,7 +1,8 @@
 //! Closures that the engine calls during a step: controls, forces, sensor readings and collision filters.
 //!
 //! ```
-//! use mujoco_safe::{Callbacks, Data, sample};
+//! use mujoco_safe::callback::Callbacks;
+//! use mujoco_safe::{Data, sample};
 //!
 //! // A spring of 20 N/m between the cart and the origin.
 //! let mut data = Data::new(sample::cartpole())?;
@@ -52,7 +53,8 @@ type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 /// Closures for [`Data::with_callbacks`]. They may borrow values that outlive that call.
 ///
 /// ```compile_fail,E0597
-/// # use mujoco_safe::{Callbacks, Data, sample};
+/// # use mujoco_safe::callback::Callbacks;
+/// # use mujoco_safe::{Data, sample};
 /// let mut data = Data::new(sample::cartpole()).unwrap();
 /// let callbacks = {
 ///     let mut calls = 0;
@@ -64,7 +66,7 @@ type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 /// They must be `Send`, because a simulation may be stepped in any thread:
 ///
 /// ```compile_fail,E0277
-/// # use mujoco_safe::Callbacks;
+/// # use mujoco_safe::callback::Callbacks;
 /// let calls = std::rc::Rc::new(std::cell::Cell::new(0));
 /// let callbacks = Callbacks::new().control(|_| calls.set(calls.get() + 1)); // `Rc` cannot be sent between threads
 /// ```
@@ -107,7 +109,8 @@ impl<'c> Callbacks<'c> {
     /// Sets the readings of `user` sensors.
     ///
     /// ```
-    /// use mujoco_safe::{Callbacks, Data, Model};
+    /// use mujoco_safe::callback::Callbacks;
+    /// use mujoco_safe::{Data, Model};
     ///
     /// let model = Model::from_xml_str(
     ///     r#"<mujoco>
@@ -137,7 +140,8 @@ impl<'c> Callbacks<'c> {
     /// pairs that the model lists explicitly, nor for pairs that the broad phase excludes.
     ///
     /// ```
-    /// use mujoco_safe::{Callbacks, Data, sample};
+    /// use mujoco_safe::callback::Callbacks;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.reset_to_key("stand")?;
@@ -182,7 +186,8 @@ impl Data {
     /// nested scope uses only its own closures.
     ///
     /// ```
-    /// use mujoco_safe::{Callbacks, Data, sample};
+    /// use mujoco_safe::callback::Callbacks;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.qpos_mut()[1] = 0.1;
@@ -201,7 +206,8 @@ impl Data {
     /// A closure cannot keep its argument:
     ///
     /// ```compile_fail,E0521
-    /// # use mujoco_safe::{Callbacks, Data, sample};
+    /// # use mujoco_safe::callback::Callbacks;
+    /// # use mujoco_safe::{Data, sample};
     /// let mut data = Data::new(sample::cartpole()).unwrap();
     /// let mut kept = None;
     /// let callbacks = Callbacks::new().control(|moment| kept = Some(moment.ctrl_mut())); // borrowed data escapes

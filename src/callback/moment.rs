@@ -4,7 +4,8 @@ use std::ops::Deref;
 
 use crate::data::{Data, Stage};
 use crate::ffi;
-use crate::id::{Key, kind};
+use crate::id::Key;
+use crate::kind;
 
 /// Defines the argument of a closure, which reads like [`Data`] and has methods for the writable arrays.
 macro_rules! moment {

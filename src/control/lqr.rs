@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Controller;
 use super::feedback::Feedback;
 use super::riccati::{Riccati, RiccatiError, RiccatiSolution};
+use crate::controller::Controller;
 use crate::data::Data;
 use crate::derivative::{self, Lineariser, StateSpace, TransitionOptions, TransitionOutputs};
 use crate::error::{Error, Result};

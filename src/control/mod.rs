@@ -1,8 +1,7 @@
 //! Optimal control: linear-quadratic regulators, the Riccati equation and trajectory optimisation.
 //!
 //! [`Lqr`] holds a simulation at a set-point, [`TimeVaryingLqr`] holds it on a trajectory, and [`ilqr`] finds trajectories of
-//! minimal cost. [`riccati`] solves the equation behind the regulators. Re-exports from [`controller`](crate::controller)
-//! complete the module.
+//! minimal cost. [`riccati`] solves the equation behind the regulators. Simple controllers are in [`controller`](crate::controller).
 
 mod feedback;
 pub mod ilqr;
@@ -12,7 +11,6 @@ mod time_varying;
 
 pub use self::lqr::{Lqr, LqrWeights};
 pub use self::time_varying::TimeVaryingLqr;
-pub use crate::controller::{Controller, Outcome, PdController, RandomController, ZeroController};
 use crate::error::Error;
 
 impl From<riccati::RiccatiError> for Error {

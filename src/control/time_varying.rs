@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use super::LqrWeights;
 use super::feedback::{Feedback, clamp};
 use super::riccati::{RiccatiError, RiccatiRecursion};
-use super::{Controller, LqrWeights};
+use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::derivative::{self, Lineariser, StateSpace};
 use crate::error::{Error, Result};
@@ -23,9 +24,9 @@ use crate::matrix::Matrix;
 /// [`control`](Controller::control) allocates nothing, and clones share the table.
 ///
 /// ```
-/// use mujoco_safe::{
-///     Controller, Data, LqrWeights, Matrix, StateSpec, TimeVaryingLqr, Lineariser, TransitionOptions, sample,
-/// };
+/// use mujoco_safe::control::TimeVaryingLqr;
+/// use mujoco_safe::derivative::TransitionOptions;
+/// use mujoco_safe::{Controller, Data, Lineariser, LqrWeights, Matrix, StateSpec, sample};
 /// use nalgebra::DMatrix;
 ///
 /// // Record a pole that falls for a second.

@@ -179,7 +179,7 @@ impl Data {
     }
 }
 
-/// Closures that the engine calls during a call on a simulation. Implemented by [`Callbacks`](crate::Callbacks).
+/// Closures that the engine calls during a call on a simulation. Implemented by [`Callbacks`](crate::callback::Callbacks).
 pub(crate) trait EngineCallbacks: Send {
     /// Makes an engine call with these closures registered for the current thread. `results` are the results that the call
     /// computes. Returns the status of the call, and the error if a closure failed.

@@ -31,6 +31,16 @@ impl Model {
     }
 }
 
+/// Effect of [`Data::constraint_update`] on the Hessians of elliptic cones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "flg_coneHessian")]
+pub enum ConeHessian {
+    /// Stores the Hessians in the contacts.
+    Compute,
+    /// Leaves the Hessians unchanged.
+    Skip,
+}
+
 impl Data {
     /// Computes `result = J vector` with the Jacobian J of the constraints: `result` of length nefc, `vector` of length nv.
     ///
@@ -87,34 +97,34 @@ impl Data {
     /// `jar = J qacc − aref` of length nefc. Returns the cost of the constraints, which the primal solvers minimise (Todorov, Convex
     /// and analytically-invertible dynamics with contacts and constraints, ICRA 2014).
     ///
-    /// With `with_cone_hessian` the engine also stores the Hessians of elliptic cones in its contacts.
+    /// With [`ConeHessian::Compute`] the engine also stores the Hessians of elliptic cones in its contacts.
     ///
     /// # Errors
     ///
     /// [`Error::NotComputed`] before the constraint rows were computed, [`Error::Shape`] for a wrong length.
     ///
     /// ```
+    /// use mujoco_safe::data::ConeHessian;
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.reset_to_key("squat")?;
     /// data.forward()?;
     /// // Inequality constraints with positive residuals exert no force.
-    /// let cost = data.constraint_update(&vec![1.0; data.nefc()], false)?;
+    /// let cost = data.constraint_update(&vec![1.0; data.nefc()], ConeHessian::Skip)?;
     /// assert_eq!(cost, 0.0);
     /// assert!(data.qfrc_constraint().iter().all(|&force| force == 0.0));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_constraintUpdate")]
-    pub fn constraint_update(&mut self, jar: &[f64], with_cone_hessian: bool) -> Result<f64> {
+    pub fn constraint_update(&mut self, jar: &[f64], cone_hessian: ConeHessian) -> Result<f64> {
         self.check_constraint("constraint_update")?;
         Error::check_length("jar of constraint_update", jar.len(), self.nefc())?;
+        let flag = (cone_hessian == ConeHessian::Compute).into();
         let mut cost = 0.0;
         self.run("mj_constraintUpdate", self.after(PipelineFlags::FORCE), |m, d| {
             // SAFETY: nefc elements, a valid pointer for the cost, and rows that were computed for this model.
-            unsafe {
-                guard::mj_constraint_update(m, d, jar.as_ptr(), ptr::from_mut(&mut cost), with_cone_hessian.into())
-            }
+            unsafe { guard::mj_constraint_update(m, d, jar.as_ptr(), ptr::from_mut(&mut cost), flag) }
         })?;
         Ok(cost)
     }

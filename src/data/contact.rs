@@ -241,7 +241,8 @@ impl Data {
     /// If an id belongs to another model.
     ///
     /// ```
-    /// use mujoco_safe::{Data, NewContact, sample};
+    /// use mujoco_safe::data::NewContact;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?; // in the air
     /// data.fwd_position()?;

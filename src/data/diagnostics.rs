@@ -66,7 +66,7 @@ impl Timer {
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[non_exhaustive]
 pub struct TimerCount {
-    /// Total duration in the unit of the clock, which is seconds for [`enable_timers`](crate::enable_timers). Zero without a clock
+    /// Total duration in the unit of the clock, which is seconds for [`enable_timers`](crate::data::enable_timers). Zero without a clock
     /// (`mjcb_time`).
     pub duration: f64,
     /// Number of computations. Counted without a clock too.
@@ -113,11 +113,12 @@ impl From<&mjSolverStat> for SolverIteration {
 impl Data {
     /// Returns the number and the total duration of the computations of a part since the last reset.
     ///
-    /// The duration is zero unless the process has installed a clock ([`enable_timers`](crate::enable_timers)), because the engine
+    /// The duration is zero unless the process has installed a clock ([`enable_timers`](crate::data::enable_timers)), because the engine
     /// does not include one.
     ///
     /// ```
-    /// use mujoco_safe::{Data, Timer, sample};
+    /// use mujoco_safe::data::Timer;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// for _ in 0..3 {
@@ -158,11 +159,12 @@ impl Data {
 
     /// Returns the discrepancy between forward and inverse dynamics: the norm of the difference of the constraint forces, and the
     /// norm of the difference between all applied forces and `qfrc_inverse`. [`compare_fwd_inv`](Self::compare_fwd_inv) computes
-    /// both, and so do `step` and `step2` while [`EnableFlags::FWDINV`](crate::EnableFlags::FWDINV) is set. They are zero without
+    /// both, and so do `step` and `step2` while [`EnableFlags::FWDINV`](crate::model::EnableFlags::FWDINV) is set. They are zero without
     /// constraints. If the flag is cleared, the values are stale until the next reset.
     ///
     /// ```
-    /// use mujoco_safe::{Data, EnableFlags, sample};
+    /// use mujoco_safe::model::EnableFlags;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.edit_model(|model| model.options(|options| options.enable |= EnableFlags::FWDINV))??;

@@ -9,7 +9,8 @@ use mujoco_sys::{
 
 use super::{Data, PipelineFlags};
 use crate::error::{Error, Result};
-use crate::id::GeomId;
+use crate::id::Key;
+use crate::kind;
 
 /// Distance between two geoms, and the nearest points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,8 +63,7 @@ impl Data {
     ///        </worldbody></mujoco>"#,
     /// )?)?;
     /// data.forward()?;
-    /// let [a, b] = ["a", "b"].map(|name| data.model().geom(name).map(|geom| geom.id()));
-    /// let found = data.geom_distance(a?, b?, 10.0)?.expect("nearer than 10 m");
+    /// let found = data.geom_distance("a", "b", 10.0)?.expect("nearer than 10 m");
     /// assert!((found.distance - 1.25).abs() < 1e-12);
     /// assert_eq!(found.fromto, [[0.5, 0.0, 0.0], [1.75, 0.0, 0.0]]);
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -71,19 +71,16 @@ impl Data {
     #[doc(alias = "mj_geomDistance")]
     pub fn geom_distance(
         &mut self,
-        geom1: impl Into<GeomId>,
-        geom2: impl Into<GeomId>,
+        geom1: impl Key<kind::Geom>,
+        geom2: impl Key<kind::Geom>,
         distmax: f64,
     ) -> Result<Option<GeomDistance>> {
-        let geoms = [geom1.into(), geom2.into()];
-        for geom in geoms {
-            self.model().check_id(geom);
-        }
+        let model = &**self.model();
+        let geoms = [geom1.id(model)?.index(), geom2.id(model)?.index()];
         self.check_parts("geom_distance", PipelineFlags::KINEMATICS)?;
         if !(distmax.is_finite() && distmax >= 0.0) {
             return Err(Error::invalid("distmax of geom_distance", distmax, "finite and not negative"));
         }
-        let geoms = geoms.map(|geom| geom.index());
         for geom in geoms {
             let pose = self.geom_xpos()[geom].iter().chain(&self.geom_xmat()[geom]);
             if !pose.copied().all(f64::is_finite) {

@@ -6,7 +6,8 @@ use mujoco_sys::{self as sys, guard, mjData, mjModel, mjOBJ_BODY, mjOBJ_CAMERA, 
 
 use super::{Data, PipelineFlags, Stage};
 use crate::error::{Error, Result};
-use crate::id::{BodyId, CameraId, ElementKind, GeomId, Id, SiteId};
+use crate::id::{BodyId, CameraId, GeomId, Id, Key, SiteId};
+use crate::kind::{self, ElementKind};
 use crate::model::Model;
 
 /// Identifier of a coordinate frame that is attached to a body.
@@ -61,7 +62,8 @@ impl Data {
     /// If the id belongs to another model.
     ///
     /// ```
-    /// use mujoco_safe::{Axes, Data, FrameId, sample};
+    /// use mujoco_safe::data::{Axes, FrameId};
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.qvel_mut()[0] = 2.0;
@@ -93,7 +95,8 @@ impl Data {
     /// If the id belongs to another model.
     ///
     /// ```
-    /// use mujoco_safe::{Axes, Data, FrameId, sample};
+    /// use mujoco_safe::data::{Axes, FrameId};
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?; // in the air
     /// data.forward()?;
@@ -141,10 +144,9 @@ impl Data {
     ///
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.forward()?;
-    /// let cart = data.model().body("cart")?.id();
     /// let mut force = vec![0.0; data.model().nv()];
-    /// let point = data.xpos()[cart.index()];
-    /// data.apply_ft([3.0, 0.0, 0.0], [0.0; 3], point, cart, &mut force)?;
+    /// let point = *data.body("cart")?.xpos();
+    /// data.apply_ft([3.0, 0.0, 0.0], [0.0; 3], point, "cart", &mut force)?;
     /// assert_eq!(force, [3.0, 0.0]);
     /// data.qfrc_applied_mut().copy_from_slice(&force);
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -155,11 +157,10 @@ impl Data {
         force: [f64; 3],
         torque: [f64; 3],
         point: [f64; 3],
-        body: impl Into<BodyId>,
+        body: impl Key<kind::Body>,
         qfrc_target: &mut [f64],
     ) -> Result<()> {
-        let body = body.into();
-        self.model().check_id(body);
+        let body = body.id(&**self.model())?;
         self.check_computed("apply_ft", Stage::Position)?;
         Error::check_length("qfrc_target of apply_ft", qfrc_target.len(), self.model().nv())?;
         let (body, target) = (body.index() as c_int, qfrc_target.as_mut_ptr());
@@ -185,20 +186,18 @@ impl Data {
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.forward()?;
-    /// let foot = data.model().body("foot_left")?.id();
-    /// let (pos, _) = data.local_to_global(foot, [0.0; 3], [1.0, 0.0, 0.0, 0.0])?;
-    /// assert_eq!(pos, data.xpos()[foot.index()]);
+    /// let (pos, _) = data.local_to_global("foot_left", [0.0; 3], [1.0, 0.0, 0.0, 0.0])?;
+    /// assert_eq!(&pos, data.body("foot_left")?.xpos());
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_local2Global")]
     pub fn local_to_global(
         &self,
-        body: impl Into<BodyId>,
+        body: impl Key<kind::Body>,
         pos: [f64; 3],
         quat: [f64; 4],
     ) -> Result<([f64; 3], [[f64; 3]; 3])> {
-        let body = body.into();
-        self.model().check_id(body);
+        let body = body.id(&**self.model())?;
         self.check_computed("local_to_global", Stage::Position)?;
         let (mut xpos, mut xmat) = ([0.0; 3], [[0.0; 3]; 3]);
         // SAFETY: a body of this model, and arrays of 3, 9, 3 and 4 elements. The function only reads the data.

@@ -8,6 +8,16 @@ use super::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
+/// Accelerations that [`Data::rne_into`] uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "flg_acc")]
+pub enum Accelerations {
+    /// No accelerations.
+    Zero,
+    /// Present accelerations, [`Data::qacc`].
+    Present,
+}
+
 impl Data {
     /// Returns the inertia matrix M as a full matrix `(nv, nv)`.
     ///
@@ -157,8 +167,8 @@ impl Data {
     }
 
     /// Computes inverse dynamics without constraints and passive forces, by the recursive Newton–Euler algorithm (Featherstone,
-    /// Rigid Body Dynamics Algorithms, chapter 5): `result = M qacc + bias` of length nv, without the armature. Without
-    /// accelerations the result is the bias forces.
+    /// Rigid Body Dynamics Algorithms, chapter 5): `result = M qacc + bias` of length nv, without the armature. With
+    /// [`Accelerations::Zero`] the result is the bias forces.
     ///
     /// # Errors
     ///
@@ -166,22 +176,23 @@ impl Data {
     /// engine's stack is too small.
     ///
     /// ```
+    /// use mujoco_safe::data::Accelerations;
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.forward()?;
     /// let mut bias = vec![0.0; data.model().nv()];
-    /// data.rne_into(false, &mut bias)?;
+    /// data.rne_into(Accelerations::Zero, &mut bias)?;
     /// assert_eq!(bias, data.qfrc_bias());
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_rne")]
-    pub fn rne_into(&mut self, with_acceleration: bool, result: &mut [f64]) -> Result<()> {
+    pub fn rne_into(&mut self, accelerations: Accelerations, result: &mut [f64]) -> Result<()> {
         self.check_computed("rne_into", Stage::Velocity)?;
         Error::check_length("the result of rne_into", result.len(), self.model().nv())?;
         self.call_mut("mj_rne", |m, d| {
             // SAFETY: the result has nv elements.
-            unsafe { guard::mj_rne(m, d, with_acceleration.into(), result.as_mut_ptr()) }
+            unsafe { guard::mj_rne(m, d, (accelerations == Accelerations::Present).into(), result.as_mut_ptr()) }
         })
     }
 

@@ -10,7 +10,8 @@ use mujoco_sys::{self as sys, guard};
 
 use super::{Data, Stage};
 use crate::error::{Error, Result};
-use crate::id::{BodyId, ElementKind, GeomId, Id, SiteId};
+use crate::id::Key;
+use crate::kind::{self, ElementKind};
 use crate::math::cross;
 use crate::matrix::Matrix;
 
@@ -18,9 +19,9 @@ use crate::matrix::Matrix;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jacobian {
     /// Derivative of the linear velocity of the origin, m/s, with respect to `qvel`.
-    pub translation: Matrix,
+    pub linear: Matrix,
     /// Derivative of the angular velocity, rad/s, with respect to `qvel`.
-    pub rotation: Matrix,
+    pub angular: Matrix,
 }
 
 /// Returns the pointer to an output of shape `(3, nv)`, or NULL if the caller does not need the output.
@@ -37,20 +38,21 @@ fn output_pointer(what: &'static str, matrix: Option<&mut Matrix>, nv: usize) ->
 
 /// Defines both forms of the method for an engine function.
 macro_rules! jacobian_of {
-    ($(#[$doc:meta])* $name:ident, $into:ident, $id:ty, $function:ident, $alias:literal) => {
+    ($(#[$doc:meta])* $name:ident, $into:ident, $kind:ident, $function:ident, $alias:literal) => {
         $(#[$doc])*
         ///
         /// # Errors
         ///
-        /// [`Error::NotComputed`] before positions were computed.
+        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed.
         ///
         /// # Panics
         ///
         /// If the id belongs to another model.
         #[doc(alias = $alias)]
-        pub fn $name(&self, id: impl Into<$id>) -> Result<Jacobian> {
+        pub fn $name(&self, key: impl Key<kind::$kind>) -> Result<Jacobian> {
             let mut jacobian = self.zero_jacobian();
-            self.$into(id, Some(&mut jacobian.translation), Some(&mut jacobian.rotation))?;
+            self.$into(key, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
             Ok(jacobian)
         }
 
@@ -58,15 +60,16 @@ macro_rules! jacobian_of {
         ///
         /// # Errors
         ///
-        /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape.
+        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed, [`Error::Shape`] for a wrong shape.
         ///
         /// # Panics
         ///
         /// If the id belongs to another model.
         #[doc(alias = $alias)]
         #[inline]
-        pub fn $into(&self, id: impl Into<$id>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
-            let index = self.index_for(stringify!($name), id.into())?;
+        pub fn $into(&self, key: impl Key<kind::$kind>, translation: Option<&mut Matrix>, rotation: Option<&mut Matrix>) -> Result<()> {
+            let index = self.index_for(stringify!($name), key)?;
             let (jacp, jacr) = self.output_pointers(translation, rotation)?;
             // SAFETY: the id is of this model; the outputs are NULL or have 3 × nv elements, and the engine writes only there.
             unsafe { sys::$function(self.model().as_ptr(), self.as_ptr(), jacp, jacr, index) };
@@ -78,7 +81,7 @@ macro_rules! jacobian_of {
 impl Data {
     jacobian_of! {
         /// Computes the Jacobian of the frame of a body.
-        jac_body, jac_body_into, BodyId, mj_jacBody, "mj_jacBody"
+        jac_body, jac_body_into, Body, mj_jacBody, "mj_jacBody"
     }
     jacobian_of! {
         /// Computes the Jacobian of the centre of mass of a body.
@@ -91,35 +94,36 @@ impl Data {
         /// let mut data = Data::new(model.clone())?;
         /// data.forward()?;
         /// let jacobian = data.jac_body_com(foot)?;
-        /// assert_eq!(jacobian.translation.shape(), (3, model.nv()));
+        /// assert_eq!(jacobian.linear.shape(), (3, model.nv()));
         /// // The foot has the velocity of the root along z.
-        /// assert_eq!(jacobian.translation[(2, 2)], 1.0);
+        /// assert_eq!(jacobian.linear[(2, 2)], 1.0);
         /// # Ok::<(), mujoco_safe::Error>(())
         /// ```
-        jac_body_com, jac_body_com_into, BodyId, mj_jacBodyCom, "mj_jacBodyCom"
+        jac_body_com, jac_body_com_into, Body, mj_jacBodyCom, "mj_jacBodyCom"
     }
     jacobian_of! {
         /// Computes the Jacobian of the frame of a geom.
-        jac_geom, jac_geom_into, GeomId, mj_jacGeom, "mj_jacGeom"
+        jac_geom, jac_geom_into, Geom, mj_jacGeom, "mj_jacGeom"
     }
     jacobian_of! {
         /// Computes the Jacobian of the frame of a site.
-        jac_site, jac_site_into, SiteId, mj_jacSite, "mj_jacSite"
+        jac_site, jac_site_into, Site, mj_jacSite, "mj_jacSite"
     }
 
     /// Computes the Jacobian of a point that is attached to a body. The point is in metres, world frame.
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed.
     ///
     /// # Panics
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jac")]
-    pub fn jac(&self, body: impl Into<BodyId>, point: [f64; 3]) -> Result<Jacobian> {
+    pub fn jac(&self, body: impl Key<kind::Body>, point: [f64; 3]) -> Result<Jacobian> {
         let mut jacobian = self.zero_jacobian();
-        self.jac_into(body, point, Some(&mut jacobian.translation), Some(&mut jacobian.rotation))?;
+        self.jac_into(body, point, Some(&mut jacobian.linear), Some(&mut jacobian.angular))?;
         Ok(jacobian)
     }
 
@@ -127,7 +131,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed, [`Error::Shape`] for a wrong shape.
     ///
     /// # Panics
     ///
@@ -135,12 +140,12 @@ impl Data {
     #[doc(alias = "mj_jac")]
     pub fn jac_into(
         &self,
-        body: impl Into<BodyId>,
+        body: impl Key<kind::Body>,
         point: [f64; 3],
         translation: Option<&mut Matrix>,
         rotation: Option<&mut Matrix>,
     ) -> Result<()> {
-        let index = self.index_for("jac", body.into())?;
+        let index = self.index_for("jac", body)?;
         let (jacp, jacr) = self.output_pointers(translation, rotation)?;
         // SAFETY: as for the other Jacobians, and the point has three coordinates.
         unsafe { sys::mj_jac(self.model().as_ptr(), self.as_ptr(), jacp, jacr, point.as_ptr(), index) };
@@ -151,13 +156,14 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Engine`] if the engine's stack is too small.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed, [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jacSubtreeCom")]
-    pub fn jac_subtree_com(&mut self, body: impl Into<BodyId>) -> Result<Matrix> {
+    pub fn jac_subtree_com(&mut self, body: impl Key<kind::Body>) -> Result<Matrix> {
         let mut jacobian = Matrix::zeros(3, self.model().nv());
         self.jac_subtree_com_into(body, &mut jacobian)?;
         Ok(jacobian)
@@ -167,15 +173,16 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed, [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
     /// engine's stack is too small.
     ///
     /// # Panics
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_jacSubtreeCom")]
-    pub fn jac_subtree_com_into(&mut self, body: impl Into<BodyId>, jacobian: &mut Matrix) -> Result<()> {
-        let index = self.index_for("jac_subtree_com", body.into())?;
+    pub fn jac_subtree_com_into(&mut self, body: impl Key<kind::Body>, jacobian: &mut Matrix) -> Result<()> {
+        let index = self.index_for("jac_subtree_com", body)?;
         let jacp = output_pointer("jacobian", Some(jacobian), self.model().nv())?;
         self.call_mut("mj_jacSubtreeCom", |m, d| {
             // SAFETY: a body of this model, and an output of 3 × nv elements.
@@ -188,7 +195,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Engine`] if the engine's stack is too small.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed, [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -206,7 +214,12 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_jacPointAxis")]
-    pub fn jac_point_axis(&mut self, body: impl Into<BodyId>, point: [f64; 3], axis: [f64; 3]) -> Result<[Matrix; 2]> {
+    pub fn jac_point_axis(
+        &mut self,
+        body: impl Key<kind::Body>,
+        point: [f64; 3],
+        axis: [f64; 3],
+    ) -> Result<[Matrix; 2]> {
         let nv = self.model().nv();
         let mut jacobians = [Matrix::zeros(3, nv), Matrix::zeros(3, nv)];
         let [jac_point, jac_axis] = &mut jacobians;
@@ -219,7 +232,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed, [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
     /// engine's stack is too small.
     ///
     /// # Panics
@@ -228,13 +242,13 @@ impl Data {
     #[doc(alias = "mj_jacPointAxis")]
     pub fn jac_point_axis_into(
         &mut self,
-        body: impl Into<BodyId>,
+        body: impl Key<kind::Body>,
         point: [f64; 3],
         axis: [f64; 3],
         jac_point: Option<&mut Matrix>,
         jac_axis: Option<&mut Matrix>,
     ) -> Result<()> {
-        let index = self.index_for("jac_point_axis", body.into())?;
+        let index = self.index_for("jac_point_axis", body)?;
         let nv = self.model().nv();
         let (jac_point, jac_axis) =
             (output_pointer("jac_point", jac_point, nv)?, output_pointer("jac_axis", jac_axis, nv)?);
@@ -250,7 +264,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed.
     ///
     /// # Panics
     ///
@@ -272,7 +287,7 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_angmomMat")]
-    pub fn angmom_mat(&self, body: impl Into<BodyId>) -> Result<Matrix> {
+    pub fn angmom_mat(&self, body: impl Key<kind::Body>) -> Result<Matrix> {
         let mut matrix = Matrix::zeros(3, self.model().nv());
         self.angmom_mat_into(body, &mut matrix)?;
         Ok(matrix)
@@ -282,16 +297,16 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`] before positions were computed, [`Error::Shape`] for a wrong shape.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
+    /// were computed, [`Error::Shape`] for a wrong shape.
     ///
     /// # Panics
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_angmomMat")]
-    pub fn angmom_mat_into(&self, body: impl Into<BodyId>, matrix: &mut Matrix) -> Result<()> {
-        let root = body.into();
+    pub fn angmom_mat_into(&self, body: impl Key<kind::Body>, matrix: &mut Matrix) -> Result<()> {
         let model = self.model();
-        model.check_id(root);
+        let root = body.id(&**model)?;
         self.check_computed("angmom_mat", Stage::Position)?;
         Error::check_shape("the matrix of angmom_mat", matrix.shape(), (3, model.nv()))?;
         matrix.as_mut_slice().fill(0.0);
@@ -328,7 +343,7 @@ impl Data {
 
     fn zero_jacobian(&self) -> Jacobian {
         let nv = self.model().nv();
-        Jacobian { translation: Matrix::zeros(3, nv), rotation: Matrix::zeros(3, nv) }
+        Jacobian { linear: Matrix::zeros(3, nv), angular: Matrix::zeros(3, nv) }
     }
 
     #[inline]
@@ -342,8 +357,8 @@ impl Data {
     }
 
     #[inline]
-    fn index_for<K: ElementKind>(&self, call: &'static str, id: Id<K>) -> Result<c_int> {
-        self.model().check_id(id);
+    fn index_for<K: ElementKind>(&self, call: &'static str, key: impl Key<K>) -> Result<c_int> {
+        let id = key.id(&**self.model())?;
         self.check_computed(call, Stage::Position)?;
         Ok(id.index() as c_int)
     }

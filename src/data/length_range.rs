@@ -11,8 +11,10 @@ use mujoco_sys::{mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON};
 use super::Data;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::ActuatorId;
+use crate::id::Key;
+use crate::kind;
 use crate::model::{Model, ModelMut};
+use crate::with_methods::with_methods;
 
 /// Actuators that [`ModelMut::set_length_range`] processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,6 +36,7 @@ pub enum LengthRangeMode {
 
 /// Options of [`ModelMut::set_length_range`]. The defaults are those of the engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 #[doc(alias = "mjLROpt")]
 pub struct LengthRangeOptions {
     /// Actuators to process.
@@ -71,6 +74,18 @@ impl Default for LengthRangeOptions {
         }
     }
 }
+
+with_methods!(LengthRangeOptions {
+    with_mode(mode: LengthRangeMode),
+    with_useexisting(useexisting: bool),
+    with_uselimit(uselimit: bool),
+    with_accel(accel: f64),
+    with_maxforce(maxforce: f64),
+    with_timeconst(timeconst: f64),
+    with_inttotal(inttotal: f64),
+    with_inteval(inteval: f64),
+    with_tolrange(tolrange: f64),
+});
 
 /// Limit on the number of steps of one call, which take minutes for a small model.
 const MOST_STEPS: f64 = 1e7;
@@ -150,7 +165,8 @@ impl ModelMut<'_> {
     /// If the id belongs to another model.
     ///
     /// ```
-    /// use mujoco_safe::{DisableFlags, LengthRangeMode, LengthRangeOptions, Model};
+    /// use mujoco_safe::model::{DisableFlags, LengthRangeMode, LengthRangeOptions};
+    /// use mujoco_safe::Model;
     ///
     /// let mut model = Model::from_xml_str(
     ///     r#"<mujoco>
@@ -162,7 +178,7 @@ impl ModelMut<'_> {
     ///        </mujoco>"#,
     /// )?;
     /// let motor = model.actuator("motor")?.id();
-    /// let options = LengthRangeOptions { mode: LengthRangeMode::All, ..Default::default() };
+    /// let options = LengthRangeOptions::default().with_mode(LengthRangeMode::All);
     /// let [shortest, longest] = model.edit().set_length_range(motor, &options)?;
     /// assert!((shortest + 3.0).abs() < 0.1 && (longest - 6.0).abs() < 0.1); // three times the range of the joint
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -170,13 +186,11 @@ impl ModelMut<'_> {
     #[doc(alias = "mj_setLengthRange")]
     pub fn set_length_range(
         &mut self,
-        actuator: impl Into<ActuatorId>,
+        actuator: impl Key<kind::Actuator>,
         options: &LengthRangeOptions,
     ) -> Result<[f64; 2]> {
-        let actuator = actuator.into();
-        self.check_id(actuator);
+        let index = actuator.id(&**self)?.index();
         options.check(self.timestep())?;
-        let index = actuator.index();
         if self.is_excluded(index, options.mode) {
             return Ok(self.actuator_lengthrange()[index]);
         }

@@ -30,22 +30,25 @@ use mujoco_sys::{self as sys, guard, mjData};
 
 use self::call::CallbackSlot;
 pub(crate) use self::call::EngineCallbacks;
+pub use self::constraint::ConeHessian;
 pub use self::contact::{Contact, ContactForce, NewContact};
 pub use self::diagnostics::{SolverIteration, Timer, TimerCount};
 pub use self::distance::GeomDistance;
 pub use self::frame::{Axes, FrameId, SpatialVector};
+pub use self::inertia::Accelerations;
 pub use self::jacobian::Jacobian;
 pub use self::ray::{RayHit, RayOptions};
 pub use self::state::StateSpec;
 pub(crate) use self::warning::silence as silence_warnings;
 pub use self::warning::{Warning, WarningCount};
+pub use crate::engine::enable_timers;
 use crate::error::{Error, Result};
 pub use crate::error::{Instability, UnstableField};
 use crate::ffi;
 use crate::field_docs::field_docs;
 use crate::model::{Model, ModelMut};
 pub(crate) use crate::stage::PipelineFlags;
-pub use crate::stage::{MissingResults, Stage};
+pub use crate::stage::{MissingResults, SensorUpdate, Stage};
 
 /// Simulation: its state, its inputs, and the quantities that are computed from them. It holds its model in an [`Arc`], so the
 /// model lives as long as the simulation, and any number of simulations share one model.
@@ -197,7 +200,8 @@ impl Data {
     /// the data is not poisoned.
     ///
     /// ```
-    /// use mujoco_safe::{Cone, Data, sample};
+    /// use mujoco_safe::enums::Cone;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic))??;
@@ -249,7 +253,7 @@ impl Data {
     }
 
     /// Returns the potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and
-    /// [`inverse`](Self::inverse) compute them while [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set. Without the flag
+    /// [`inverse`](Self::inverse) compute them while [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set. Without the flag
     /// they are zero after a reset. If the flag is cleared later, the values are stale.
     pub fn energy(&self) -> [f64; 2] {
         self.raw().energy
@@ -278,7 +282,8 @@ impl Data {
     /// [`Error::NotComputed`] with the call that computes the results, [`Error::Poisoned`] after an engine error.
     ///
     /// ```
-    /// use mujoco_safe::{Data, Error, MissingResults, Stage, sample};
+    /// use mujoco_safe::data::MissingResults;
+    /// use mujoco_safe::{Data, Error, Stage, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// assert!(matches!(data.require(Stage::Position), Err(Error::NotComputed { .. })));
@@ -297,7 +302,7 @@ impl Data {
         self.check_usable()?;
         match needs.into().not_in(self.computed) {
             None => Ok(()),
-            Some(needs) => Err(Error::NotComputed { call: "Data::require", needs }),
+            Some(missing) => Err(Error::NotComputed { call: "Data::require", missing }),
         }
     }
 
@@ -347,7 +352,7 @@ impl Data {
         if self.computed.contains(needs.into()) {
             Ok(())
         } else {
-            Err(Error::NotComputed { call, needs: needs.into() })
+            Err(Error::NotComputed { call, missing: needs.into() })
         }
     }
 }
@@ -376,4 +381,4 @@ impl fmt::Debug for Data {
     }
 }
 
-field_docs!(Data, "Data", "xpos", "Cartesian position of body frame (nbody x 3)", 118);
+field_docs!(data::Data, "Data", "xpos", "Cartesian position of body frame (nbody x 3)", 118);

@@ -44,7 +44,7 @@ use std::ffi::c_int;
 
 use mujoco_sys::{self as sys, guard, mjSTAGE_NONE, mjSTAGE_POS, mjSTAGE_VEL};
 
-use super::{Data, MissingResults, PipelineFlags, Stage};
+use super::{Data, MissingResults, PipelineFlags, SensorUpdate, Stage};
 use crate::error::{Error, Result};
 
 type C = PipelineFlags;
@@ -158,10 +158,10 @@ parts! {
     /// Evaluates the sensors of the acceleration stage.
     sensor_acc = mj_sensor_acc("mj_sensorAcc")
         reads C::FORCES, computes C::SENSOR_ACC;
-    /// Computes the potential energy. Sets it to zero unless [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set.
+    /// Computes the potential energy. Sets it to zero unless [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set.
     energy_pos = mj_energy_pos("mj_energyPos")
         reads C::TENDON.union(C::CURRENT), computes C::empty();
-    /// Computes the kinetic energy. Leaves it unchanged unless [`EnableFlags::ENERGY`](crate::EnableFlags::ENERGY) is set.
+    /// Computes the kinetic energy. Leaves it unchanged unless [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set.
     energy_vel = mj_energy_vel("mj_energyVel")
         reads C::CRB.union(C::CURRENT), computes C::empty();
     /// Computes accelerations `cacc` of bodies and the forces on them, `cfrc_int` and `cfrc_ext`, constraints included.
@@ -258,7 +258,7 @@ impl Data {
     ///
     /// As for [`forward`](Self::forward), and [`Error::NotComputed`] if the skipped stages have not been computed.
     #[doc(alias = "mj_forwardSkip")]
-    pub fn forward_skip(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
+    pub fn forward_skip(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
         let (stage, needs) = match skip {
             Stage::Nothing => (mjSTAGE_NONE, C::empty()),
             Stage::Position => (mjSTAGE_POS, C::POSITION | C::PROJECTION | C::CURRENT),
@@ -266,10 +266,10 @@ impl Data {
         };
         self.check_parts("forward_skip", needs)?;
         self.check_inputs()?;
-        let sensors = self.computed.sensors_after(skip, skip_sensors);
-        self.run("mj_forwardSkip", C::FORWARD | sensors, |m, d| {
+        let results = C::FORWARD | self.computed.sensors_after(skip, sensors == SensorUpdate::Skip);
+        self.run("mj_forwardSkip", results, |m, d| {
             // SAFETY: as for the other parts.
-            unsafe { guard::mj_forward_skip(m, d, stage as c_int, skip_sensors.into()) }
+            unsafe { guard::mj_forward_skip(m, d, stage as c_int, (sensors == SensorUpdate::Skip).into()) }
         })
     }
 
@@ -280,7 +280,7 @@ impl Data {
     ///
     /// As for [`inverse`](Self::inverse), and [`Error::NotComputed`] if the skipped stages have not been computed.
     #[doc(alias = "mj_inverseSkip")]
-    pub fn inverse_skip(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
+    pub fn inverse_skip(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
         let (stage, needs, results) = match skip {
             Stage::Nothing => (mjSTAGE_NONE, C::empty(), C::FORCES | C::CURRENT),
             Stage::Position => (mjSTAGE_POS, C::POSITION | C::CURRENT, C::FORCES - C::POSITION),
@@ -289,10 +289,11 @@ impl Data {
         self.check_parts("inverse_skip", needs)?;
         self.check_inputs()?;
         self.clear_stale_inputs(results);
-        let computes = (self.after(results) - C::SENSORS) | self.computed.sensors_after(skip, skip_sensors);
+        let computes =
+            (self.after(results) - C::SENSORS) | self.computed.sensors_after(skip, sensors == SensorUpdate::Skip);
         self.run("mj_inverseSkip", computes, |m, d| {
             // SAFETY: as for the other parts.
-            unsafe { guard::mj_inverse_skip(m, d, stage as c_int, skip_sensors.into()) }
+            unsafe { guard::mj_inverse_skip(m, d, stage as c_int, (sensors == SensorUpdate::Skip).into()) }
         })
     }
 
@@ -338,7 +339,7 @@ impl Data {
         if missing.is_empty() {
             Ok(())
         } else {
-            Err(Error::NotComputed { call, needs: MissingResults::parts(missing) })
+            Err(Error::NotComputed { call, missing: MissingResults::parts(missing) })
         }
     }
 

@@ -12,18 +12,21 @@ use super::{Data, PipelineFlags};
 use crate::enums::GeomType;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{BodyId, GeomId, Id};
+use crate::id::{BodyId, GeomId, Id, Key};
+use crate::kind;
 use crate::math::check_ray;
 use crate::model::Model;
+use crate::with_methods::with_methods;
 
 /// Filter of the geoms that a ray can hit. Invisible geoms are never hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RayOptions {
     /// Selected groups of geoms; `None` selects all. Planes and height fields are always selected.
     pub geomgroup: Option<[bool; 6]>,
     /// Includes the geoms of the world body.
     #[doc(alias = "flg_static")]
-    pub with_static: bool,
+    pub static_geoms: bool,
     /// Body whose geoms are excluded.
     pub bodyexclude: Option<BodyId>,
 }
@@ -31,9 +34,15 @@ pub struct RayOptions {
 impl Default for RayOptions {
     /// Selects all visible geoms.
     fn default() -> Self {
-        Self { geomgroup: None, with_static: true, bodyexclude: None }
+        Self { geomgroup: None, static_geoms: true, bodyexclude: None }
     }
 }
+
+with_methods!(RayOptions {
+    with_geomgroup(geomgroup: [bool; 6]) = Some(geomgroup),
+    with_static_geoms(static_geoms: bool),
+    with_bodyexclude(bodyexclude: BodyId) = Some(bodyexclude),
+});
 
 /// Nearest intersection of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +67,8 @@ impl Data {
     /// If the id of the body to exclude belongs to another model.
     ///
     /// ```
-    /// use mujoco_safe::{Data, RayOptions, sample};
+    /// use mujoco_safe::data::RayOptions;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.forward()?;
@@ -94,18 +104,19 @@ impl Data {
     /// As for [`ray`](Self::ray).
     ///
     /// ```
-    /// use mujoco_safe::{Data, RayOptions, sample};
+    /// use mujoco_safe::data::RayOptions;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.forward()?;
     /// let directions = [[0.0, 0.0, -1.0], [0.0, 0.0, -0.1], [0.0, 0.0, 1.0]];
     /// let mut hits = [None; 3];
-    /// data.multi_ray([5.0, 5.0, 3.0], &directions, 10.0, &RayOptions::default(), &mut hits)?;
+    /// data.multi_ray_into([5.0, 5.0, 3.0], &directions, 10.0, &RayOptions::default(), &mut hits)?;
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.distance)), [Some(3.0), None, None]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mj_multiRay")]
-    pub fn multi_ray(
+    pub fn multi_ray_into(
         &self,
         point: [f64; 3],
         directions: &[[f64; 3]],
@@ -113,9 +124,9 @@ impl Data {
         options: &RayOptions,
         hits: &mut [Option<RayHit>],
     ) -> Result<()> {
-        Error::check_length("the hits of multi_ray", hits.len(), directions.len())?;
+        Error::check_length("the hits of multi_ray_into", hits.len(), directions.len())?;
         if cutoff.is_nan() {
-            return Err(Error::invalid("cutoff of multi_ray", cutoff, "a number"));
+            return Err(Error::invalid("cutoff of multi_ray_into", cutoff, "a number"));
         }
         for (hit, direction) in hits.iter_mut().zip(directions) {
             *hit = self.ray(point, *direction, options)?.filter(|hit| hit.distance <= cutoff);
@@ -127,14 +138,15 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// As for [`ray`](Self::ray), and [`Error::Invalid`] if the geom is not a mesh.
+    /// As for [`ray`](Self::ray), [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, and [`Error::Invalid`] if the
+    /// geom is not a mesh.
     ///
     /// # Panics
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_rayMesh")]
-    pub fn ray_mesh(&self, geom: impl Into<GeomId>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
-        let index = self.geom_of_type("ray_mesh", geom.into(), mjGEOM_MESH, "a mesh")?;
+    pub fn ray_mesh(&self, geom: impl Key<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
+        let index = self.geom_of_type("ray_mesh", geom, mjGEOM_MESH, "a mesh")?;
         check_ray(&point, &direction)?;
         // SAFETY: a geom of this model that is a mesh, whose pose was computed, and two vectors of three elements.
         let distance = unsafe {
@@ -147,14 +159,15 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// As for [`ray`](Self::ray), and [`Error::Invalid`] if the geom is not a height field.
+    /// As for [`ray`](Self::ray), [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, and [`Error::Invalid`] if the
+    /// geom is not a height field.
     ///
     /// # Panics
     ///
     /// If the id belongs to another model.
     #[doc(alias = "mj_rayHfield")]
-    pub fn ray_hfield(&self, geom: impl Into<GeomId>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
-        let index = self.geom_of_type("ray_hfield", geom.into(), mjGEOM_HFIELD, "a height field")?;
+    pub fn ray_hfield(&self, geom: impl Key<kind::Geom>, point: [f64; 3], direction: [f64; 3]) -> Result<Option<f64>> {
+        let index = self.geom_of_type("ray_hfield", geom, mjGEOM_HFIELD, "a height field")?;
         check_ray(&point, &direction)?;
         if self.model().is_unsafe_for_rays(index) {
             return Err(out_of_bounds_field(self.model(), index));
@@ -177,7 +190,7 @@ impl Data {
         let (mut geom, mut distance) = (-1, -1.0);
         let (point, direction) = (point.as_ptr(), direction.as_ptr());
         let groups = groups.as_ref().map_or(ptr::null(), |groups| groups.as_ptr());
-        let (with_static, hit) = (options.with_static.into(), (&raw mut geom, &raw mut distance));
+        let (with_static, hit) = (options.static_geoms.into(), (&raw mut geom, &raw mut distance));
         self.call("mj_ray", |m, d| {
             // SAFETY: two vectors of three elements, six groups or NULL, two valid pointers for the results; the poses were computed.
             unsafe { guard::mj_ray(m, d, point, direction, groups, with_static, exclude, hit.0, hit.1) }
@@ -209,8 +222,14 @@ impl Data {
         }
     }
 
-    fn geom_of_type(&self, call: &'static str, geom: GeomId, geom_type: u32, expected: &str) -> Result<usize> {
-        self.model().check_id(geom);
+    fn geom_of_type(
+        &self,
+        call: &'static str,
+        geom: impl Key<kind::Geom>,
+        geom_type: u32,
+        expected: &str,
+    ) -> Result<usize> {
+        let geom = geom.id(&**self.model())?;
         self.check_parts(call, PipelineFlags::KINEMATICS)?;
         let found = self.model().geom_type()[geom.index()];
         if found == geom_type as i32 {

@@ -8,7 +8,8 @@ use mujoco_sys::{guard, mjData, mjModel};
 
 use super::{Data, PipelineFlags, StateSpec, warning};
 use crate::error::{Error, Result};
-use crate::id::{Id, Key, kind};
+use crate::id::{Id, Key};
+use crate::kind;
 
 impl Data {
     /// Resets to the reference position, at rest, with no controls and no applied forces. Makes poisoned data usable again.

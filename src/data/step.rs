@@ -5,7 +5,7 @@ use mujoco_sys::{guard, mjMAXVAL};
 use super::{Data, MissingResults, PipelineFlags};
 use crate::error::{Error, Instability, Result, UnstableField};
 use crate::ffi;
-use crate::id::Kind;
+use crate::kind::Kind;
 
 impl Data {
     /// Advances the simulation by one time step: computes all quantities from the present state and inputs, then integrates.
@@ -48,7 +48,7 @@ impl Data {
     }
 
     /// Computes the second half of a step: actuation, accelerations, integration. The integrator
-    /// [`Rk4`](crate::Integrator::Rk4) cannot be split; this method takes an Euler step instead.
+    /// [`Rk4`](crate::enums::Integrator::Rk4) cannot be split; this method takes an Euler step instead.
     ///
     /// # Errors
     ///
@@ -61,7 +61,7 @@ impl Data {
     pub fn step2(&mut self) -> Result<()> {
         self.check_usable()?;
         if !self.computed.contains(PipelineFlags::FIRST_HALF) {
-            return Err(Error::NotComputed { call: "step2", needs: MissingResults::FIRST_HALF });
+            return Err(Error::NotComputed { call: "step2", missing: MissingResults::FIRST_HALF });
         }
         self.check_inputs()?;
         // The second half evaluates the sensors of the acceleration stage only.
@@ -200,7 +200,7 @@ impl Data {
             UnstableField::Velocity | UnstableField::Acceleration => joint(model.jnt_dofadr()),
             UnstableField::Control => model.name_at(Kind::Actuator, index),
         };
-        Instability { quantity: field, index, name: name.map(str::to_owned), value, time }
+        Instability { field, index, name: name.map(str::to_owned), value, time }
     }
 }
 

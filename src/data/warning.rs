@@ -14,7 +14,7 @@ use mujoco_sys::{self as sys, guard, mjData, mjModel, mjWarningStat};
 use super::Data;
 use crate::engine::LOG_TARGET;
 use crate::error::{Instability, Result, UnstableField};
-use crate::id::Kind;
+use crate::kind::Kind;
 
 const COUNT: usize = sys::mjNWARNING as usize;
 
@@ -95,7 +95,7 @@ pub struct WarningCount {
     /// Number of warnings.
     pub number: usize,
     /// Value of the last warning: an index, or the limit that was reached.
-    pub last_info: i32,
+    pub lastinfo: i32,
 }
 
 /// Start value of the counters during a call. It is so large that counters do not reach zero or overflow within a call.
@@ -196,7 +196,8 @@ impl Data {
     /// `mujoco`. Within a callback only the warnings of the present call are counted.
     ///
     /// ```
-    /// use mujoco_safe::{Data, Warning, sample};
+    /// use mujoco_safe::data::Warning;
+    /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
     /// data.step()?;
@@ -206,7 +207,7 @@ impl Data {
     #[doc(alias = "mjWarningStat")]
     pub fn warning(&self, warning: Warning) -> WarningCount {
         let stat = &self.raw().warning[warning as usize];
-        WarningCount { number: usize::try_from(stat.number % BASE).unwrap_or(0), last_info: stat.lastinfo }
+        WarningCount { number: usize::try_from(stat.number % BASE).unwrap_or(0), lastinfo: stat.lastinfo }
     }
 
     /// Logs the warnings whose counters were zero before the call.
@@ -215,7 +216,7 @@ impl Data {
         for (warning, old) in Warning::ALL.into_iter().zip(counters.before) {
             let now = self.warning(warning);
             if old.number == 0 && now.number > 0 {
-                log::warn!(target: LOG_TARGET, "{}", warning.message(now.last_info, self));
+                log::warn!(target: LOG_TARGET, "{}", warning.message(now.lastinfo, self));
             }
         }
     }
@@ -253,7 +254,7 @@ impl Data {
         .into_iter()
         .find(|&(_, warning)| self.warning(warning).number > 0)
         .unwrap_or((UnstableField::Acceleration, Warning::BadQacc));
-        let index = usize::try_from(self.warning(warning).last_info).unwrap_or(0);
+        let index = usize::try_from(self.warning(warning).lastinfo).unwrap_or(0);
         self.instability(field, index, None, time)
     }
 }

@@ -37,7 +37,7 @@ use super::newton::Newton;
 use super::perturbation::{Input, PerturbedData, Settings, sides};
 use super::residual::{Residual, multiply_inertia};
 use super::sizes;
-use crate::data::{Data, Stage};
+use crate::data::{Data, SensorUpdate, Stage};
 use crate::enums::Integrator;
 use crate::error::Result;
 use crate::ffi;
@@ -130,7 +130,8 @@ impl Linearisation {
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<bool> {
         let Settings { model, wanted, .. } = settings;
         let data = &mut point.data;
-        data.forward_skip(Stage::Nothing, !wanted.sensors)?;
+        let sensors = if wanted.sensors { SensorUpdate::Compute } else { SensorUpdate::Skip };
+        data.forward_skip(Stage::Nothing, sensors)?;
         if !data.qacc().iter().all(|value| value.abs() <= mjMAXVAL) {
             return Ok(false);
         }

@@ -7,7 +7,7 @@ use std::ptr;
 use mujoco_sys::guard;
 
 use super::check_eps;
-use crate::data::{Data, Stage};
+use crate::data::{Data, SensorUpdate, Stage};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::matrix::Matrix;
@@ -114,10 +114,19 @@ impl InverseOutputs<'_> {
     }
 }
 
+/// Generalised force that [`Data::inverse_fd`] differentiates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "flg_actuation")]
+pub enum InverseForce {
+    /// All forces of inverse dynamics: `qfrc_inverse`.
+    Total,
+    /// Without the forces of the actuators under the present controls: `qfrc_inverse − qfrc_actuator`.
+    WithoutActuators,
+}
+
 impl Data {
     /// Computes the derivatives of inverse dynamics at the present positions, velocities and accelerations (`qacc`), by forward
-    /// differences with the step `eps`; `1e-6` is a good choice. With `flg_actuation` the forces exclude those of the actuators
-    /// under the present controls: `qfrc_inverse − qfrc_actuator`.
+    /// differences with the step `eps`; `1e-6` is a good choice.
     ///
     /// The state, `qacc` and all inputs are unchanged afterwards, to the last bit, and everything else is as after
     /// [`inverse`](Self::inverse). (Newer engines provide this function in C. They reject the Runge–Kutta integrator and the
@@ -129,20 +138,21 @@ impl Data {
     /// unchanged even after [`Error::Engine`], which poisons the data.
     ///
     /// ```
+    /// use mujoco_safe::derivative::InverseForce;
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.qpos_mut()[1] = 0.3;
-    /// let jacobians = data.inverse_fd(1e-6, false)?;
+    /// let jacobians = data.inverse_fd(1e-6, InverseForce::Total)?;
     /// // Derivative of the moment at the hinge with respect to its angle.
     /// let stiffness = -0.5 * 9.81 * 0.3 * 0.3_f64.cos(); // mass, gravity, lever
     /// assert!((jacobians.df_dq[(1, 1)] - stiffness).abs() < 1e-5);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjd_inverseFD")]
-    pub fn inverse_fd(&mut self, eps: f64, flg_actuation: bool) -> Result<InverseJacobians> {
+    pub fn inverse_fd(&mut self, eps: f64, force: InverseForce) -> Result<InverseJacobians> {
         let mut jacobians = InverseJacobians::zeros(self.model());
-        self.inverse_fd_into(eps, flg_actuation, &mut jacobians)?;
+        self.inverse_fd_into(eps, force, &mut jacobians)?;
         Ok(jacobians)
     }
 
@@ -154,11 +164,12 @@ impl Data {
     /// As for [`inverse_fd`](Self::inverse_fd), and [`Error::Shape`] for a wrong shape.
     ///
     /// ```
-    /// use mujoco_safe::{Data, InverseOutputs, Matrix, sample};
+    /// use mujoco_safe::derivative::{InverseForce, InverseOutputs};
+    /// use mujoco_safe::{Data, Matrix, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
     /// let mut df_da = Matrix::zeros(2, 2);
-    /// data.inverse_fd_into(1e-6, false, InverseOutputs { df_da: Some(&mut df_da), ..Default::default() })?;
+    /// data.inverse_fd_into(1e-6, InverseForce::Total, InverseOutputs { df_da: Some(&mut df_da), ..Default::default() })?;
     /// assert!((df_da[(0, 0)] - data.full_m()?[(0, 0)]).abs() < 1e-8);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
@@ -166,7 +177,7 @@ impl Data {
     pub fn inverse_fd_into<'a>(
         &mut self,
         eps: f64,
-        flg_actuation: bool,
+        force: InverseForce,
         outputs: impl Into<InverseOutputs<'a>>,
     ) -> Result<()> {
         self.check_usable()?;
@@ -174,13 +185,15 @@ impl Data {
         check_eps("inverse_fd", eps)?;
         let mut outputs = outputs.into();
         outputs.check(self.model())?;
-        InversePerturbation::new(self, eps, flg_actuation)?.differentiate(&mut outputs)
+        InversePerturbation::new(self, eps, force)?.differentiate(&mut outputs)
     }
 
-    /// Returns the forces of inverse dynamics, minus those of the actuators with `flg_actuation`.
-    fn inverse_force(&self, flg_actuation: bool) -> impl Iterator<Item = f64> {
-        let (force, actuator) = (self.qfrc_inverse(), self.qfrc_actuator());
-        force.iter().zip(actuator).map(move |(force, actuator)| if flg_actuation { force - actuator } else { *force })
+    /// Returns the differentiated forces.
+    fn inverse_force(&self, force: InverseForce) -> impl Iterator<Item = f64> {
+        self.qfrc_inverse().iter().zip(self.qfrc_actuator()).map(move |(total, actuator)| match force {
+            InverseForce::Total => *total,
+            InverseForce::WithoutActuators => total - actuator,
+        })
     }
 }
 
@@ -189,11 +202,16 @@ impl Data {
 struct InversePerturbation<'a> {
     data: &'a mut Data,
     eps: f64,
-    flg_actuation: bool,
+    force: InverseForce,
     /// Memory on the engine's stack: the saved values, and a direction in the tangent space of positions.
     saved: &'a mut [f64],
     /// Stack pointer to restore.
     stack_pointer: c_int,
+}
+
+/// Returns the effect on sensors of an evaluation with the given output.
+fn sensors(output: Option<&&mut Matrix>) -> SensorUpdate {
+    if output.is_some() { SensorUpdate::Compute } else { SensorUpdate::Skip }
 }
 
 /// Layout of the saved values.
@@ -220,7 +238,7 @@ impl Layout {
 }
 
 impl<'a> InversePerturbation<'a> {
-    fn new(data: &'a mut Data, eps: f64, flg_actuation: bool) -> Result<Self> {
+    fn new(data: &'a mut Data, eps: f64, force: InverseForce) -> Result<Self> {
         let layout = Layout::of(data.model());
         let length = layout.direction.end;
         let size = c_int::try_from(length)
@@ -242,7 +260,7 @@ impl<'a> InversePerturbation<'a> {
         saved[layout.mocap_quat].copy_from_slice(data.mocap_quat().as_flattened());
         saved[layout.qvel].copy_from_slice(data.qvel());
         saved[layout.qacc].copy_from_slice(data.qacc());
-        Ok(Self { data, eps, flg_actuation, saved, stack_pointer })
+        Ok(Self { data, eps, force, saved, stack_pointer })
     }
 
     /// Restores the positions, and the mocap orientations, which the engine normalises.
@@ -253,9 +271,12 @@ impl<'a> InversePerturbation<'a> {
     }
 
     /// Computes inverse dynamics, except for the stages up to `skip`.
-    fn evaluate(&mut self, skip: Stage, skip_sensors: bool) -> Result<()> {
-        self.data.inverse_skip(skip, skip_sensors)?;
-        if self.flg_actuation { self.data.fwd_actuation() } else { Ok(()) }
+    fn evaluate(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
+        self.data.inverse_skip(skip, sensors)?;
+        match self.force {
+            InverseForce::Total => Ok(()),
+            InverseForce::WithoutActuators => self.data.fwd_actuation(),
+        }
     }
 
     fn differentiate(mut self, outputs: &mut InverseOutputs<'_>) -> Result<()> {
@@ -264,13 +285,13 @@ impl<'a> InversePerturbation<'a> {
 
         // First stores the perturbed outputs in each row, from the cheapest stage to the most expensive.
         if df_da.is_some() || ds_da.is_some() || df_dv.is_some() || ds_dv.is_some() {
-            self.evaluate(Stage::Nothing, false)?;
+            self.evaluate(Stage::Nothing, SensorUpdate::Compute)?;
         }
         for dof in 0..nv {
             if df_da.is_some() || ds_da.is_some() {
                 let qacc = self.data.qacc()[dof];
                 self.data.qacc_mut()[dof] = qacc + self.eps;
-                self.evaluate(Stage::Velocity, ds_da.is_none())?;
+                self.evaluate(Stage::Velocity, sensors(ds_da.as_ref()))?;
                 self.data.qacc_mut()[dof] = qacc;
                 self.record(dof, df_da, ds_da);
             }
@@ -279,7 +300,7 @@ impl<'a> InversePerturbation<'a> {
             if df_dv.is_some() || ds_dv.is_some() {
                 let qvel = self.data.qvel()[dof];
                 self.data.qvel_mut()[dof] = qvel + self.eps;
-                self.evaluate(Stage::Position, ds_dv.is_none())?;
+                self.evaluate(Stage::Position, sensors(ds_dv.as_ref()))?;
                 self.data.qvel_mut()[dof] = qvel;
                 self.record(dof, df_dv, ds_dv);
             }
@@ -287,7 +308,7 @@ impl<'a> InversePerturbation<'a> {
         for dof in 0..nv {
             if df_dq.is_some() || ds_dq.is_some() || dm_dq.is_some() {
                 self.perturb_position(dof)?;
-                self.evaluate(Stage::Nothing, ds_dq.is_none())?;
+                self.evaluate(Stage::Nothing, sensors(ds_dq.as_ref()))?;
                 self.record(dof, df_dq, ds_dq);
                 if let Some(dm_dq) = dm_dq {
                     dm_dq.row_mut(dof).copy_from_slice(self.data.qM());
@@ -297,10 +318,10 @@ impl<'a> InversePerturbation<'a> {
         }
 
         // Then subtracts the unperturbed outputs, which also leaves the data at the unperturbed state.
-        self.evaluate(Stage::Nothing, false)?;
-        let Self { data, eps, flg_actuation, .. } = &self;
+        self.evaluate(Stage::Nothing, SensorUpdate::Compute)?;
+        let Self { data, eps, force, .. } = &self;
         for df in [df_dq, df_dv, df_da].into_iter().flatten() {
-            (0..nv).for_each(|dof| difference(df.row_mut(dof), data.inverse_force(*flg_actuation), *eps));
+            (0..nv).for_each(|dof| difference(df.row_mut(dof), data.inverse_force(*force), *eps));
         }
         for ds in [ds_dq, ds_dv, ds_da].into_iter().flatten() {
             (0..nv).for_each(|dof| difference(ds.row_mut(dof), data.sensordata().iter().copied(), *eps));
@@ -324,7 +345,7 @@ impl<'a> InversePerturbation<'a> {
     /// Stores the outputs after a perturbation.
     fn record(&self, dof: usize, df: &mut Option<&mut Matrix>, ds: &mut Option<&mut Matrix>) {
         if let Some(df) = df {
-            let force = self.data.inverse_force(self.flg_actuation);
+            let force = self.data.inverse_force(self.force);
             df.row_mut(dof).iter_mut().zip(force).for_each(|(to, from)| *to = from);
         }
         if let Some(ds) = ds {

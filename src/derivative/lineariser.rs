@@ -24,14 +24,15 @@ const MAX_THREADS: usize = 1024;
 /// for each thread, and the columns.
 ///
 /// ```
-/// use mujoco_safe::{Data, Lineariser, StateSpace, TransitionMethod, TransitionOptions, sample};
+/// use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
+/// use mujoco_safe::{Data, Lineariser, StateSpace, sample};
 ///
 /// let mut data = Data::new(sample::humanoid())?;
 /// data.reset_to_key("squat")?;
 /// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default())?;
 /// let mut system = StateSpace::zeros(data.model());
 /// let report = lineariser.linear_system_into(&mut data, &mut system)?;
-/// assert_eq!(report.method, TransitionMethod::Inverse);
+/// assert_eq!(report.method, TransitionMethod::Implicit);
 /// assert_eq!(report.fallback, None);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
@@ -124,10 +125,11 @@ impl Lineariser {
     /// number of threads.
     ///
     /// ```
-    /// use mujoco_safe::{Data, Lineariser, Matrix, TransitionOptions, sample};
+    /// use mujoco_safe::derivative::TransitionOptions;
+    /// use mujoco_safe::{Data, Lineariser, Matrix, sample};
     ///
     /// let data = Data::new(sample::cartpole())?;
-    /// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() })?;
+    /// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default().with_threads(2))?;
     /// let states = Matrix::from_rows(&[[0.0, 0.1, 0.0, 0.0], [0.0, 0.2, 0.0, 1.0], [0.1, 0.3, 0.0, 2.0]]);
     /// let systems = lineariser.along(&data, &states, &Matrix::zeros(3, 1))?;
     /// // The effect of the angle on the acceleration decreases as the pole leans further.
@@ -223,7 +225,7 @@ impl Lineariser {
             return (TransitionMethod::Engine, (requested != TransitionMethod::Engine).then_some(Fallback::Callbacks));
         }
         let obstacle = match requested {
-            TransitionMethod::Inverse => obstacle(data.model()),
+            TransitionMethod::Implicit => obstacle(data.model()),
             TransitionMethod::Engine if data.model().options().integrator == Integrator::Rk4 => {
                 Some(Fallback::RungeKutta)
             }

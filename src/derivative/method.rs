@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Differences;
+use crate::with_methods::with_methods;
 
 /// Method by which a [`Lineariser`](super::Lineariser) linearises a step of the simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,13 +16,14 @@ pub enum TransitionMethod {
     /// Implicit differentiation, from differences of inverse dynamics, which needs no constraint solver: several times faster
     /// than differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
     /// lineariser uses [`Columns`](Self::Columns) and gives the reason in the [`LinearisationReport`].
-    Inverse,
+    Implicit,
 }
 
 /// Options of a [`Lineariser`](super::Lineariser).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TransitionOptions {
-    /// Method of linearisation; [`Inverse`](TransitionMethod::Inverse) by default.
+    /// Method of linearisation; [`Implicit`](TransitionMethod::Implicit) by default.
     pub method: TransitionMethod,
     /// Scheme of differences; [`Central`](Differences::Central) by default.
     pub differences: Differences,
@@ -38,14 +40,21 @@ pub struct TransitionOptions {
 impl Default for TransitionOptions {
     /// Returns options for implicit differentiation in one thread, by central differences with the default step.
     fn default() -> Self {
-        Self { method: TransitionMethod::Inverse, differences: Differences::Central, eps: None, threads: 1 }
+        Self { method: TransitionMethod::Implicit, differences: Differences::Central, eps: None, threads: 1 }
     }
 }
+
+with_methods!(TransitionOptions {
+    with_method(method: TransitionMethod),
+    with_differences(differences: Differences),
+    with_eps(eps: f64) = Some(eps),
+    with_threads(threads: usize),
+});
 
 impl TransitionOptions {
     /// Returns the scheme and the step of the differences of a method.
     pub(super) fn step(&self, method: TransitionMethod) -> Step {
-        let suitable = if method == TransitionMethod::Inverse { 1e-7 } else { 1e-6 };
+        let suitable = if method == TransitionMethod::Implicit { 1e-7 } else { 1e-6 };
         Step { differences: self.differences, eps: self.eps.unwrap_or(suitable) }
     }
 }
@@ -67,7 +76,7 @@ pub enum Fallback {
     /// The integrator is Runge–Kutta, for which the engine's differences would mix stages. The method is
     /// [`Columns`](TransitionMethod::Columns), with complete steps.
     RungeKutta,
-    /// The integrator is [`Implicit`](crate::Integrator::Implicit), whose step depends on derivatives of forces that the engine
+    /// The integrator is [`Implicit`](crate::enums::Integrator::Implicit), whose step depends on derivatives of forces that the engine
     /// does not expose. The method is [`Columns`](TransitionMethod::Columns).
     ImplicitIntegrator,
     /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics does not invert the step. The

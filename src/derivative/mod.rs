@@ -28,7 +28,7 @@ mod transition;
 mod work_queue;
 mod worker;
 
-pub use self::inverse::{InverseJacobians, InverseOutputs};
+pub use self::inverse::{InverseForce, InverseJacobians, InverseOutputs};
 pub use self::lineariser::Lineariser;
 pub use self::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 pub(crate) use self::transition::sizes;

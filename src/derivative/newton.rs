@@ -14,7 +14,7 @@
 use mujoco_sys::{mjCNSTRSTATE_CONE, mjCNSTRSTATE_QUADRATIC, mjContact};
 
 use super::residual::Residual;
-use crate::data::Data;
+use crate::data::{ConeHessian, Data};
 use crate::error::Result;
 use crate::ffi;
 use crate::math;
@@ -132,7 +132,7 @@ impl Newton {
             data.mul_jac_vec_into(data.qacc(), jar)?;
             jar.iter_mut().zip(data.efc_aref()).for_each(|(jar, aref)| *jar -= aref);
         }
-        data.constraint_update(jar, true)?;
+        data.constraint_update(jar, ConeHessian::Compute)?;
         residual.evaluate(data, value)
     }
 }

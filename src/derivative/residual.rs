@@ -6,7 +6,8 @@ use mujoco_sys::{self as sys, guard};
 
 use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
-use crate::id::{Id, kind};
+use crate::id::Id;
+use crate::kind;
 
 /// Stages that forces need after positions change. Adhesion acts through the constraints, so transmission comes after them.
 const POSITION_STAGES: [guard::Part; 7] = [

@@ -95,7 +95,8 @@ impl Data {
     /// As for [`transition_fd`](Self::transition_fd), and [`Error::Shape`] for a wrong shape.
     ///
     /// ```
-    /// use mujoco_safe::{Data, Differences, Matrix, TransitionOutputs, sample};
+    /// use mujoco_safe::derivative::TransitionOutputs;
+    /// use mujoco_safe::{Data, Differences, Matrix, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
     /// let mut a = Matrix::zeros(4, 4);

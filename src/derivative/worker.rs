@@ -112,7 +112,7 @@ pub(super) fn linearise(
     // The workers are borrowed while they write to the columns.
     let mut columns = std::mem::take(&mut workers[0].columns);
     let result = match method {
-        TransitionMethod::Inverse => match differentiate_implicitly(workers, &mut columns, base, settings) {
+        TransitionMethod::Implicit => match differentiate_implicitly(workers, &mut columns, base, settings) {
             Ok(true) => Ok(report),
             Ok(false) => {
                 let method = TransitionMethod::Columns;

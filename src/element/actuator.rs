@@ -4,7 +4,8 @@ use super::{View, ViewMut};
 use crate::data::Data;
 use crate::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, TransmissionType};
 use crate::ffi;
-use crate::id::{BodyId, Id, JointId, SiteId, TendonId, kind};
+use crate::id::{BodyId, Id, JointId, SiteId, TendonId};
+use crate::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Actuator on Model {
@@ -91,7 +92,7 @@ fields!(Actuator on Data {
 impl ViewMut<'_, Data, kind::Actuator> {
     /// Returns a mutable reference to `act`.
     pub fn act_mut(&mut self) -> Option<&mut f64> {
-        let activation = self.as_view().in_model().activation()?;
+        let activation = self.view().in_model().activation()?;
         Some(&mut self.owner.act_mut()[activation])
     }
 }

@@ -8,7 +8,8 @@ use nalgebra::{DMatrixView, Dyn};
 use super::{View, ViewMut, range};
 use crate::enums::TextureType;
 use crate::ffi;
-use crate::id::{BodyId, Id, MaterialId, TextureId, kind};
+use crate::id::{BodyId, Id, MaterialId, TextureId};
+use crate::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Mesh on Model {
@@ -204,7 +205,7 @@ fields!(Texture on Model {
 impl ViewMut<'_, ModelMut<'_>, kind::Texture> {
     /// Returns a mutable reference to `rgb`.
     pub fn rgb_mut(&mut self) -> &mut [u8] {
-        let range = self.as_view().in_model().rgb_range();
+        let range = self.view().in_model().rgb_range();
         let length = self.owner.tex_rgb().len();
         let array = self.owner.raw_mut().tex_rgb;
         // SAFETY: the engine allocated the array with this length, the model is borrowed exclusively, and any byte is a colour.

@@ -3,7 +3,8 @@
 use super::{View, ViewMut};
 use crate::data::Data;
 use crate::enums::{CameraMode, GeomType};
-use crate::id::{BodyId, HeightFieldId, MaterialId, MeshId, kind};
+use crate::id::{BodyId, HeightFieldId, MaterialId, MeshId};
+use crate::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Geom on Model {

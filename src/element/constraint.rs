@@ -2,7 +2,8 @@
 
 use super::{View, ViewMut};
 use crate::enums::EqualityType;
-use crate::id::{BodyId, GeomId, Id, JointId, TendonId, kind};
+use crate::id::{BodyId, GeomId, Id, JointId, TendonId};
+use crate::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Equality on Model {

@@ -7,7 +7,8 @@ use std::ops::Range;
 use mujoco_sys as sys;
 
 use super::{View, ViewMut, range};
-use crate::id::{self, Id, Lineage, kind};
+use crate::id::{self, Id, Lineage};
+use crate::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Numeric on Model {
@@ -97,7 +98,7 @@ macro_rules! objects {
         #[doc(alias = "objtype")]
         #[doc(alias = "objid")]
         pub enum Object {
-            $($(#[$doc])* $name(Id<id::kind::$name>),)*
+            $($(#[$doc])* $name(Id<kind::$name>),)*
             /// A body. A sensor measures its body frame instead of the inertial frame.
             XBody(id::BodyId),
             /// A degree of freedom, by its index in `qvel`.

@@ -203,7 +203,7 @@ macro_rules! fields {
                 #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
                 #[inline]
                 pub fn $name_mut(&mut self) -> &mut [$type] {
-                    let range = self.as_view().in_model().$range();
+                    let range = self.view().in_model().$range();
                     &mut self.owner.$array_mut()[range]
                 }
             }

@@ -9,7 +9,8 @@ use crate::data::Data;
 use crate::enums::JointType;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{BodyId, Ids, kind};
+use crate::id::{BodyId, Ids};
+use crate::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Body on Model {
@@ -125,7 +126,7 @@ impl ViewMut<'_, ModelMut<'_>, kind::Body> {
     ///
     /// Call [`update_constants`](ModelMut::update_constants) afterwards. It updates the quantities derived from masses:
     /// `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `tendon_invweight0`, `actuator_acc0`, and the means in
-    /// [`Statistics`](crate::Statistics).
+    /// [`Statistics`](crate::model::Statistics).
     pub fn set_mass(&mut self, mass: f64) {
         self.owner.body_mass_mut()[self.id.index()] = mass;
     }
@@ -170,13 +171,13 @@ impl ViewMut<'_, ModelMut<'_>, kind::Body> {
 impl ViewMut<'_, Data, kind::Body> {
     /// Returns a mutable reference to `mocap_pos`.
     pub fn mocap_pos_mut(&mut self) -> Option<&mut [f64; 3]> {
-        let mocap = self.as_view().in_model().mocap()?;
+        let mocap = self.view().in_model().mocap()?;
         Some(&mut self.owner.mocap_pos_mut()[mocap])
     }
 
     /// Returns a mutable reference to `mocap_quat`.
     pub fn mocap_quat_mut(&mut self) -> Option<&mut [f64; 4]> {
-        let mocap = self.as_view().in_model().mocap()?;
+        let mocap = self.view().in_model().mocap()?;
         Some(&mut self.owner.mocap_quat_mut()[mocap])
     }
 }

@@ -51,32 +51,32 @@
 //!
 //! | lookup | iterator | id | engine's abbreviation |
 //! |---|---|---|---|
-//! | [`body`](Model::body) | [`bodies`](Model::bodies) | [`BodyId`](crate::BodyId) | body, xbody |
-//! | [`joint`](Model::joint) | [`joints`](Model::joints) | [`JointId`](crate::JointId) | jnt; dof for its degrees of freedom |
-//! | [`geom`](Model::geom) | [`geoms`](Model::geoms) | [`GeomId`](crate::GeomId) | geom |
-//! | [`site`](Model::site) | [`sites`](Model::sites) | [`SiteId`](crate::SiteId) | site |
-//! | [`camera`](Model::camera) | [`cameras`](Model::cameras) | [`CameraId`](crate::CameraId) | cam |
-//! | [`light`](Model::light) | [`lights`](Model::lights) | [`LightId`](crate::LightId) | light |
-//! | [`tendon`](Model::tendon) | [`tendons`](Model::tendons) | [`TendonId`](crate::TendonId) | ten |
-//! | [`actuator`](Model::actuator) | [`actuators`](Model::actuators) | [`ActuatorId`](crate::ActuatorId) | actuator |
-//! | [`sensor`](Model::sensor) | [`sensors`](Model::sensors) | [`SensorId`](crate::SensorId) | sensor |
+//! | [`body`](Model::body) | [`bodies`](Model::bodies) | [`BodyId`](crate::id::BodyId) | body, xbody |
+//! | [`joint`](Model::joint) | [`joints`](Model::joints) | [`JointId`](crate::id::JointId) | jnt; dof for its degrees of freedom |
+//! | [`geom`](Model::geom) | [`geoms`](Model::geoms) | [`GeomId`](crate::id::GeomId) | geom |
+//! | [`site`](Model::site) | [`sites`](Model::sites) | [`SiteId`](crate::id::SiteId) | site |
+//! | [`camera`](Model::camera) | [`cameras`](Model::cameras) | [`CameraId`](crate::id::CameraId) | cam |
+//! | [`light`](Model::light) | [`lights`](Model::lights) | [`LightId`](crate::id::LightId) | light |
+//! | [`tendon`](Model::tendon) | [`tendons`](Model::tendons) | [`TendonId`](crate::id::TendonId) | ten |
+//! | [`actuator`](Model::actuator) | [`actuators`](Model::actuators) | [`ActuatorId`](crate::id::ActuatorId) | actuator |
+//! | [`sensor`](Model::sensor) | [`sensors`](Model::sensors) | [`SensorId`](crate::id::SensorId) | sensor |
 //!
 //! Kinds without time-dependent fields:
 //!
 //! | lookup | iterator | id | engine's abbreviation |
 //! |---|---|---|---|
-//! | [`mesh`](Model::mesh) | [`meshes`](Model::meshes) | [`MeshId`](crate::MeshId) | mesh |
-//! | [`skin`](Model::skin) | [`skins`](Model::skins) | [`SkinId`](crate::SkinId) | skin |
-//! | [`height_field`](Model::height_field) | [`height_fields`](Model::height_fields) | [`HeightFieldId`](crate::HeightFieldId) | hfield |
-//! | [`texture`](Model::texture) | [`textures`](Model::textures) | [`TextureId`](crate::TextureId) | tex |
-//! | [`material`](Model::material) | [`materials`](Model::materials) | [`MaterialId`](crate::MaterialId) | mat |
-//! | [`pair`](Model::pair) | [`pairs`](Model::pairs) | [`PairId`](crate::PairId) | pair |
-//! | [`exclude`](Model::exclude) | [`excludes`](Model::excludes) | [`ExcludeId`](crate::ExcludeId) | exclude |
-//! | [`equality`](Model::equality) | [`equalities`](Model::equalities) | [`EqualityId`](crate::EqualityId) | eq |
-//! | [`numeric`](Model::numeric) | [`numerics`](Model::numerics) | [`NumericId`](crate::NumericId) | numeric |
-//! | [`text`](Model::text) | [`texts`](Model::texts) | [`TextId`](crate::TextId) | text |
-//! | [`tuple`](Model::tuple) | [`tuples`](Model::tuples) | [`TupleId`](crate::TupleId) | tuple |
-//! | [`keyframe`](Model::keyframe) | [`keyframes`](Model::keyframes) | [`KeyframeId`](crate::KeyframeId) | key |
+//! | [`mesh`](Model::mesh) | [`meshes`](Model::meshes) | [`MeshId`](crate::id::MeshId) | mesh |
+//! | [`skin`](Model::skin) | [`skins`](Model::skins) | [`SkinId`](crate::id::SkinId) | skin |
+//! | [`height_field`](Model::height_field) | [`height_fields`](Model::height_fields) | [`HeightFieldId`](crate::id::HeightFieldId) | hfield |
+//! | [`texture`](Model::texture) | [`textures`](Model::textures) | [`TextureId`](crate::id::TextureId) | tex |
+//! | [`material`](Model::material) | [`materials`](Model::materials) | [`MaterialId`](crate::id::MaterialId) | mat |
+//! | [`pair`](Model::pair) | [`pairs`](Model::pairs) | [`PairId`](crate::id::PairId) | pair |
+//! | [`exclude`](Model::exclude) | [`excludes`](Model::excludes) | [`ExcludeId`](crate::id::ExcludeId) | exclude |
+//! | [`equality`](Model::equality) | [`equalities`](Model::equalities) | [`EqualityId`](crate::id::EqualityId) | eq |
+//! | [`numeric`](Model::numeric) | [`numerics`](Model::numerics) | [`NumericId`](crate::id::NumericId) | numeric |
+//! | [`text`](Model::text) | [`texts`](Model::texts) | [`TextId`](crate::id::TextId) | text |
+//! | [`tuple`](Model::tuple) | [`tuples`](Model::tuples) | [`TupleId`](crate::id::TupleId) | tuple |
+//! | [`keyframe`](Model::keyframe) | [`keyframes`](Model::keyframes) | [`KeyframeId`](crate::id::KeyframeId) | key |
 //!
 //! # Writing to a model
 //!
@@ -120,9 +120,9 @@ pub use self::tendon_path::{Wrap, WrapPoint, WrapPoints, Wraps};
 use crate::data::Data;
 use crate::error::Result;
 use crate::ffi;
-pub use crate::id::Key;
 use crate::id::sealed::Sealed;
-use crate::id::{ElementKind, Id, Ids, Lookup, kind};
+use crate::id::{Id, Ids, Key, Lookup};
+use crate::kind::{self, ElementKind};
 use crate::model::{Model, ModelMut};
 
 /// View of one element of a model or a simulation: an id and a borrow. Cheap to copy; the fields of each kind are methods.
@@ -230,7 +230,7 @@ impl<'a, O: Owner, K: ElementKind> ViewMut<'a, O, K> {
 
     /// Returns an immutable view of the same element.
     #[inline]
-    pub fn as_view(&self) -> View<'_, O, K> {
+    pub fn view(&self) -> View<'_, O, K> {
         View::new(self.owner, self.id)
     }
 }
@@ -246,7 +246,7 @@ impl<O: Owner, K: ElementKind> fmt::Debug for View<'_, O, K> {
 
 impl<O: Owner, K: ElementKind> fmt::Debug for ViewMut<'_, O, K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.as_view().fmt(f)
+        self.view().fmt(f)
     }
 }
 

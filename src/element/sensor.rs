@@ -9,7 +9,7 @@ use crate::data::{Data, PipelineFlags, Stage};
 use crate::enums::{SensorDataType, SensorType};
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::kind;
+use crate::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Sensor on Model {
@@ -46,7 +46,7 @@ fields!(Sensor on Model {
     data_range: {Range<usize>} = |sensor| range(sensor.owner.sensor_adr(), sensor.owner.sensor_dim(), sensor.index());
     /// Value at which readings are clamped; 0 for none.
     cutoff: f64 = sensor_cutoff, set_cutoff in sensor_cutoff_mut;
-    /// Standard deviation of the noise, applied if [`EnableFlags::SENSORNOISE`](crate::EnableFlags::SENSORNOISE) is set.
+    /// Standard deviation of the noise, applied if [`EnableFlags::SENSORNOISE`](crate::model::EnableFlags::SENSORNOISE) is set.
     noise: f64 = sensor_noise, set_noise in sensor_noise_mut;
     /// User data.
     user: [f64] = sensor_user, user_mut in sensor_user_mut;
@@ -101,7 +101,7 @@ impl ViewMut<'_, Data, kind::Sensor> {
     /// Returns a mutable reference to the sensor's range of [`sensordata`](Data::sensordata).
     #[inline]
     pub fn data_mut(&mut self) -> &mut [f64] {
-        let range = self.as_view().in_model().data_range();
+        let range = self.view().in_model().data_range();
         &mut self.owner.sensordata_mut()[range]
     }
 }

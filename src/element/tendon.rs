@@ -11,7 +11,8 @@ use super::{View, ViewMut, WrapPoints, Wraps, range};
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{MaterialId, kind};
+use crate::id::MaterialId;
+use crate::kind;
 use crate::model::{Model, ModelMut};
 
 fields!(Tendon on Model {

@@ -22,13 +22,13 @@ pub enum UnstableField {
 /// continue.
 ///
 /// Positions, velocities and controls are checked before the engine is called. In that case the data is unchanged, and a program
-/// can correct the value. An acceleration that is out of range, and a control that a [closure](crate::Callbacks::control) sets,
+/// can correct the value. An acceleration that is out of range, and a control that a [closure](crate::callback::Callbacks::control) sets,
 /// are detected during the call, which poisons the data: see [`Error::Poisoned`](crate::Error::Poisoned).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Instability {
     /// The field that is out of range.
-    pub quantity: UnstableField,
+    pub field: UnstableField,
     /// Index in `qpos`, `qvel`, `qacc` or `ctrl`.
     pub index: usize,
     /// Name of the joint or actuator that the index belongs to, if it has a name.
@@ -43,13 +43,13 @@ impl std::error::Error for Instability {}
 
 impl fmt::Display for Instability {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (array, kind) = match self.quantity {
+        let (array, kind) = match self.field {
             UnstableField::Position => ("qpos", Kind::Joint),
             UnstableField::Velocity => ("qvel", Kind::Joint),
             UnstableField::Acceleration => ("qacc", Kind::Joint),
             UnstableField::Control => ("ctrl", Kind::Actuator),
         };
-        let problem = if self.quantity == UnstableField::Control {
+        let problem = if self.field == UnstableField::Control {
             "a control is out of range"
         } else {
             "the simulation is unstable"

@@ -46,7 +46,7 @@ pub enum Error {
     /// A closure that the engine called panicked. The data is poisoned, as after [`Engine`](Self::Engine).
     #[error("the {callback} callback panicked: {message}")]
     Callback {
-        /// Method of [`Callbacks`](crate::Callbacks) that set the closure.
+        /// Method of [`Callbacks`](crate::callback::Callbacks) that set the closure.
         callback: &'static str,
         /// Message of the panic.
         message: String,
@@ -113,7 +113,7 @@ pub enum Error {
         /// The file to write.
         path: PathBuf,
         /// The fields whose values differ in the reloaded model.
-        fields: Vec<LostEdit>,
+        fields: Vec<UnsavedField>,
     },
 
     /// A recording of frames failed.
@@ -190,12 +190,12 @@ pub enum Error {
     },
 
     /// The call needs quantities that have not been computed for the present model and state.
-    #[error("{call} needs {needs}, which have not been computed {}", needs.remedy())]
+    #[error("{call} needs {missing}, which have not been computed {}", missing.remedy())]
     NotComputed {
         /// The call.
         call: &'static str,
         /// Results that the call needs.
-        needs: MissingResults,
+        missing: MissingResults,
     },
 
     /// Two objects belong to models that were loaded separately.
@@ -223,12 +223,12 @@ pub enum Error {
     Unsupported(String),
 
     /// A scene has too little capacity for all geoms or lights.
-    #[error("the scene has capacity for only {room} {what}; the rest is omitted")]
+    #[error("the scene has capacity for only {capacity} {what}; the rest is omitted")]
     SceneFull {
         /// Kind of the omitted objects: geoms or lights.
         what: &'static str,
         /// Capacity of the scene.
-        room: usize,
+        capacity: usize,
     },
 
     /// The engine could not allocate memory. A call that takes `&mut Data` poisons it, as with [`Engine`](Self::Engine).
@@ -297,7 +297,7 @@ impl Error {
 /// A field of a model that the model's XML cannot represent.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub struct LostEdit {
+pub struct UnsavedField {
     /// The field in the engine's spelling, for example `body_mass`, `opt.timestep` or `nconmax`.
     pub field: String,
     /// Names of the elements whose values differ, or the index of an element without a name. Empty for a size and for the fields
@@ -305,7 +305,7 @@ pub struct LostEdit {
     pub elements: Vec<String>,
 }
 
-impl fmt::Display for LostEdit {
+impl fmt::Display for UnsavedField {
     /// Writes the field, and in parentheses the first elements.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const SHOWN: usize = 4;
@@ -323,8 +323,8 @@ impl fmt::Display for LostEdit {
 }
 
 /// Lists the fields that XML loses.
-fn lost(fields: &[LostEdit]) -> String {
-    fields.iter().map(LostEdit::to_string).collect::<Vec<_>>().join(", ")
+fn lost(fields: &[UnsavedField]) -> String {
+    fields.iter().map(UnsavedField::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Formats a shape. The shape of a vector is its length.

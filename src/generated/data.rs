@@ -1471,7 +1471,7 @@ impl Data {
 
     /// L'*D*L factorization of modified M. `(nM, 1)`
     ///
-    /// Result of the last [`step`](crate::Data::step) with the integrator [`Euler`](crate::Integrator::Euler) with damping in joints. It is zero before the first such call, and changes of the state or the model do not update it.
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Euler`](crate::enums::Integrator::Euler) with damping in joints. It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.qH`.
     #[inline]
@@ -1491,7 +1491,7 @@ impl Data {
 
     /// 1/diag(D) of modified M. `(nv, 1)`
     ///
-    /// Result of the last [`step`](crate::Data::step) with the integrator [`Euler`](crate::Integrator::Euler) with damping in joints. It is zero before the first such call, and changes of the state or the model do not update it.
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Euler`](crate::enums::Integrator::Euler) with damping in joints. It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.qHDiagInv`.
     #[inline]
@@ -1511,7 +1511,7 @@ impl Data {
 
     /// Non-zeros in each row. `(nv, 1)`
     ///
-    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::enums::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.D_rownnz`.
     #[inline]
@@ -1522,7 +1522,7 @@ impl Data {
 
     /// Address of each row in D_colind. `(nv, 1)`
     ///
-    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::enums::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.D_rowadr`.
     #[inline]
@@ -1533,7 +1533,7 @@ impl Data {
 
     /// Column indices of non-zeros. `(nD, 1)`
     ///
-    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::enums::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.D_colind`.
     #[inline]
@@ -1544,7 +1544,7 @@ impl Data {
 
     /// D (passive + actuator - bias) / d qvel. `(nD, 1)`
     ///
-    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::enums::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.qDeriv`.
     #[inline]
@@ -1564,7 +1564,7 @@ impl Data {
 
     /// Sparse LU of (qM - dt*qDeriv). `(nD, 1)`
     ///
-    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
+    /// Result of the last [`step`](crate::Data::step) with the integrator [`Implicit`](crate::enums::Integrator::Implicit). It is zero before the first such call, and changes of the state or the model do not update it.
     ///
     /// Engine field `mjData.qLU`.
     #[inline]

@@ -7,10 +7,11 @@ use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
 use std::ops::Range;
 
-pub use self::key::{Key, Lookup};
+pub use self::key::Key;
+pub(crate) use self::key::Lookup;
 use crate::kind::for_each_kind;
 pub(crate) use crate::kind::sealed;
-pub use crate::kind::{self, ElementKind, Kind};
+use crate::kind::{self, ElementKind};
 
 /// Declares the id types.
 macro_rules! declare_ids {

@@ -209,14 +209,23 @@ pub fn chol_solve_band_in_place(mat: &[f64], vec: &mut [f64], shape: BandShape) 
     Ok(())
 }
 
-/// Converts to a dense matrix `(ntotal, ntotal)`: symmetric if `flg_sym` is true, otherwise lower triangular, which is correct for
-/// a factor.
+/// Matrix that band storage stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "flg_sym")]
+pub enum BandKind {
+    /// Symmetric matrix.
+    Symmetric,
+    /// Lower triangular matrix, such as a Cholesky factor.
+    LowerTriangular,
+}
+
+/// Converts to a dense matrix `(ntotal, ntotal)`.
 ///
 /// # Errors
 ///
 /// [`Error::Shape`] unless the length of `mat` is that of the shape, and `res` has the shape `(ntotal, ntotal)`.
 #[doc(alias = "mju_band2Dense")]
-pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: BandShape, flg_sym: bool) -> Result<()> {
+pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: BandShape, kind: BandKind) -> Result<()> {
     let mut res = res.into();
     let n = shape.ntotal;
     shape.check_matrix("mat of band2dense", mat)?;
@@ -227,7 +236,7 @@ pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: Ban
         let (first, start) = shape.row(i);
         for (j, &value) in (first..=i).zip(&mat[start..]) {
             res[i * n + j] = value;
-            if flg_sym {
+            if kind == BandKind::Symmetric {
                 res[j * n + i] = value;
             }
         }
@@ -253,8 +262,7 @@ pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: Ba
     Ok(())
 }
 
-/// Multiplies a band matrix by vectors: each row of `res` is the matrix times the same row of `vec`. The matrix is symmetric if
-/// `flg_sym` is true, otherwise lower triangular. `res` and `vec` have the shape `(nvec, ntotal)`, one vector per row.
+/// Multiplies a band matrix by vectors: each row of `res` is the matrix times the same row of `vec`. `res` and `vec` have the shape `(nvec, ntotal)`, one vector per row.
 ///
 /// # Errors
 ///
@@ -265,7 +273,7 @@ pub fn band_mul_mat_vec<'a, 'b>(
     mat: &[f64],
     vec: impl Into<MatrixView<'b>>,
     shape: BandShape,
-    flg_sym: bool,
+    kind: BandKind,
 ) -> Result<()> {
     let (mut res, vec) = (res.into(), vec.into());
     shape.check_matrix("mat of band_mul_mat_vec", mat)?;
@@ -277,7 +285,7 @@ pub fn band_mul_mat_vec<'a, 'b>(
             let (first, start) = shape.row(i);
             let row = &mat[start..=start + i - first];
             res[i] = dot(row, &vec[first..=i]);
-            if flg_sym {
+            if kind == BandKind::Symmetric {
                 res[first..i].iter_mut().zip(row).for_each(|(res, value)| *res += value * vec[i]);
             }
         }

@@ -300,19 +300,29 @@ pub fn chol_solve_in_place<'a>(mat: impl Into<MatrixView<'a>>, vec: &mut [f64]) 
     Ok(())
 }
 
-/// Updates the factor of A to that of `A + x xᵀ` if `flg_plus` is true, otherwise to that of `A − x xᵀ`, in O(n²). Returns the rank:
-/// the number of pivots that were not raised to `1e-15`. `x` is overwritten.
+/// Sign of the rank-one update of [`chol_update`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "flg_plus")]
+pub enum RankOneUpdate {
+    /// `A + x xᵀ`
+    Add,
+    /// `A − x xᵀ`
+    Subtract,
+}
+
+/// Updates the factor of A to that of `A + x xᵀ` or `A − x xᵀ` in O(n²). Returns the rank: the number of pivots that were not raised to `1e-15`. `x` is overwritten.
 ///
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat` is square and the length of `x` is its number of rows.
 #[doc(alias = "mju_cholUpdate")]
-pub fn chol_update<'a>(mat: impl Into<MatrixViewMut<'a>>, x: &mut [f64], flg_plus: bool) -> Result<usize> {
+pub fn chol_update<'a>(mat: impl Into<MatrixViewMut<'a>>, x: &mut [f64], update: RankOneUpdate) -> Result<usize> {
     let mut mat = mat.into();
     check_square("mat of chol_update", mat.shape())?;
     Error::check_length("x of chol_update", x.len(), mat.shape().0)?;
     let (n, _) = entries("mat of chol_update", mat.shape())?;
+    let flag = i32::from(update == RankOneUpdate::Add);
     // SAFETY: the matrix has n × n values, the vector n.
-    let rank = unsafe { sys::mju_cholUpdate(mat.as_mut_slice().as_mut_ptr(), x.as_mut_ptr(), n, i32::from(flg_plus)) };
+    let rank = unsafe { sys::mju_cholUpdate(mat.as_mut_slice().as_mut_ptr(), x.as_mut_ptr(), n, flag) };
     Ok(ffi::size(rank))
 }

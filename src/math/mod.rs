@@ -12,11 +12,11 @@
 //! data.forward()?;
 //! let jacobian = data.jac_body_com(data.model().body("torso")?)?;
 //! let mut velocity = [0.0; 3];
-//! math::mul_mat_vec(&mut velocity, &jacobian.translation, data.qvel())?;
+//! math::mul_mat_vec(&mut velocity, &jacobian.linear, data.qvel())?;
 //! assert!(velocity[2] < 0.0);
 //!
 //! // A wrong size is an error that names the argument and the expected size.
-//! let error = math::mul_mat_vec(&mut velocity, &jacobian.translation, data.qpos()).unwrap_err();
+//! let error = math::mul_mat_vec(&mut velocity, &jacobian.linear, data.qpos()).unwrap_err();
 //! assert_eq!(error.to_string(), "vec of mul_mat_vec has shape (28), but must have (27)");
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
@@ -49,8 +49,8 @@
 //! | `mju_round` | [`f64::round`]; the engine's behaviour for numbers beyond a C `int` is undefined |
 //! | `mju_printMat`, `mju_printMatSparse` | the `Display` of [`Matrix`](crate::Matrix) and [`MatrixView`](crate::MatrixView): `{matrix:9.3}` |
 //! | `mju_standardNormal` | the crate `rand_distr`; the engine uses C's `rand`, which all threads and libraries of a process share and which cannot be seeded per thread |
-//! | `mju_type2Str`, `mju_str2Type` | [`Kind`](crate::Kind) |
-//! | `mju_warningText` | [`Warning`](crate::Warning); the engine's text is in a buffer shared by all threads |
+//! | `mju_type2Str`, `mju_str2Type` | [`Kind`](crate::kind::Kind) |
+//! | `mju_warningText` | [`Warning`](crate::data::Warning); the engine's text is in a buffer shared by all threads |
 //! | `mju_error`, `mju_warning`, `mju_clearHandlers` | [`Error`]; this crate installs the handlers |
 //! | `mju_malloc`, `mju_free`, `mju_strncpy` | not needed in Rust |
 //! | `mju_writeLog` | the crate `log`; the engine's function writes to a file |
@@ -67,12 +67,13 @@ mod vector;
 use std::ffi::c_int;
 
 pub use self::band::{
-    BandShape, band_mul_mat_vec, band2dense, chol_factor_band, chol_solve_band, chol_solve_band_in_place, dense2band,
+    BandKind, BandShape, band_mul_mat_vec, band2dense, chol_factor_band, chol_solve_band, chol_solve_band_in_place,
+    dense2band,
 };
 pub use self::box_qp::{BoxQp, BoxQpSolution, BoxQpStatus};
 pub use self::matrix::{
-    chol_factor, chol_solve, chol_solve_in_place, chol_update, eye, mul_mat_mat, mul_mat_mat_t, mul_mat_t_mat,
-    mul_mat_t_vec, mul_mat_vec, mul_vec_mat_vec, sqr_mat_td, symmetrize, symmetrize_in_place, transpose,
+    RankOneUpdate, chol_factor, chol_solve, chol_solve_in_place, chol_update, eye, mul_mat_mat, mul_mat_mat_t,
+    mul_mat_t_mat, mul_mat_t_vec, mul_mat_vec, mul_vec_mat_vec, sqr_mat_td, symmetrize, symmetrize_in_place, transpose,
 };
 pub use self::quaternion::{
     QuatIntegrateDerivative, SubQuatDerivative, axis_angle2quat, deriv_quat, euler2quat, mat2quat, mul_quat,
@@ -83,8 +84,8 @@ pub(crate) use self::ray::check_ray;
 pub use self::ray::{SkinHit, ray_geom, ray_skin};
 pub use self::scalar::{halton, muscle_bias, muscle_dynamics, muscle_gain, sigmoid, spring_damper};
 pub use self::spatial::{
-    Eig3, Pose, cross, decode_pyramid, eig3, encode_pyramid, mul_pose, neg_pose, rot_vec_mat, rot_vec_mat_t,
-    transform_spatial, trn_vec_pose,
+    Eig3, Pose, SpatialKind, cross, decode_pyramid, eig3, encode_pyramid, mul_pose, neg_pose, rot_vec_mat,
+    rot_vec_mat_t, transform_spatial, trn_vec_pose,
 };
 pub use self::vector::{
     add, add_scl, add_to, add_to_scl, copy, dot, f2n, fill, insertion_sort, insertion_sort_int, is_bad, is_zero, l1,

@@ -20,7 +20,8 @@ use crate::error::{Error, Result};
 /// is not finite.
 ///
 /// ```
-/// use mujoco_safe::{GeomType, math};
+/// use mujoco_safe::enums::GeomType;
+/// use mujoco_safe::math;
 ///
 /// let upright = math::quat2mat(&[1.0, 0.0, 0.0, 0.0]);
 /// let ball = |pnt| math::ray_geom(&[0.0; 3], &upright, &[0.5, 0.0, 0.0], pnt, &[0.0, 0.0, -1.0], GeomType::Sphere);

@@ -36,28 +36,38 @@ pub fn rot_vec_mat_t(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
     array(|res| unsafe { sys::mju_rotVecMatT(res, vec.as_ptr(), mat.as_ptr()) })
 }
 
-/// Transforms a spatial velocity `[ω; v]`, or a spatial force `[torque; force]` if `flg_force` is true, to another reference point
+/// Quantity that [`transform_spatial`] transforms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "flg_force")]
+pub enum SpatialKind {
+    /// Motion vector: angular and linear velocity.
+    Motion,
+    /// Force vector: torque and force.
+    Force,
+}
+
+/// Transforms a spatial velocity `[ω; v]`, or a spatial force `[torque; force]`, to another reference point
 /// and another frame: from `oldpos` to `newpos`, both in the old frame, then by the transpose of `rotnew2old`, the rotation matrix
 /// from the new frame to the old. `None` means no rotation.
 ///
 /// ```
-/// use mujoco_safe::math;
+/// use mujoco_safe::math::{self, SpatialKind};
 ///
 /// // A force of 2 N along x at the origin has a torque about a point above it.
 /// let force = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
-/// let moved = math::transform_spatial(&force, true, &[0.0, 0.0, 3.0], &[0.0; 3], None);
+/// let moved = math::transform_spatial(&force, SpatialKind::Force, &[0.0, 0.0, 3.0], &[0.0; 3], None);
 /// assert_eq!(moved, [0.0, -6.0, 0.0, 2.0, 0.0, 0.0]);
 /// ```
 #[doc(alias = "mju_transformSpatial")]
 pub fn transform_spatial(
     vec: &[f64; 6],
-    flg_force: bool,
+    kind: SpatialKind,
     newpos: &[f64; 3],
     oldpos: &[f64; 3],
     rotnew2old: Option<&[f64; 9]>,
 ) -> [f64; 6] {
     let rotation = rotnew2old.map_or(std::ptr::null(), |mat| mat.as_ptr());
-    let flg_force = i32::from(flg_force);
+    let flg_force = i32::from(kind == SpatialKind::Force);
     // SAFETY: six numbers to write, six and twice three to read, and nine or NULL.
     array(|res| unsafe {
         sys::mju_transformSpatial(res, vec.as_ptr(), flg_force, newpos.as_ptr(), oldpos.as_ptr(), rotation);

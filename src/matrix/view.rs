@@ -177,7 +177,7 @@ impl<'a> MatrixViewMut<'a> {
 
     /// Returns an immutable view of the same values.
     #[inline]
-    pub fn as_view(&self) -> MatrixView<'_> {
+    pub fn view(&self) -> MatrixView<'_> {
         MatrixView { nrows: self.nrows, ncols: self.ncols, values: self.values }
     }
 
@@ -215,7 +215,7 @@ impl<'a> From<&'a Matrix> for MatrixView<'a> {
 impl<'a> From<&'a MatrixViewMut<'_>> for MatrixView<'a> {
     #[inline]
     fn from(matrix: &'a MatrixViewMut<'_>) -> Self {
-        matrix.as_view()
+        matrix.view()
     }
 }
 

@@ -9,7 +9,7 @@ use super::{Model, Options};
 use crate::data::silence_warnings;
 use crate::error::Result;
 use crate::ffi;
-use crate::id::Kind;
+use crate::kind::Kind;
 
 /// Mutable access to a model: from [`Model::edit`] before it is shared, from [`Data::edit_model`](crate::Data::edit_model)
 /// afterwards. It dereferences to [`Model`].

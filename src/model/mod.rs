@@ -31,9 +31,10 @@ pub use self::options::{
 pub use self::save::{SaveXmlOptions, XmlCheck};
 pub use self::schema::{schema, schema_html};
 pub use crate::data::length_range::{LengthRangeMode, LengthRangeOptions};
-pub use crate::error::LostEdit;
 use crate::error::Result;
+pub use crate::error::UnsavedField;
 use crate::ffi;
+pub use crate::field_docs::FieldDoc;
 use crate::field_docs::field_docs;
 use crate::id::Lineage;
 
@@ -119,7 +120,8 @@ impl Model {
     /// Returns mutable access to a model that is not shared.
     ///
     /// ```
-    /// use mujoco_safe::{Integrator, sample};
+    /// use mujoco_safe::enums::Integrator;
+    /// use mujoco_safe::sample;
     ///
     /// let mut model = sample::cartpole();
     /// model.edit().options(|options| {
@@ -200,4 +202,4 @@ impl fmt::Debug for Model {
     }
 }
 
-field_docs!(Model, "Model", "nv", "number of degrees of freedom = dim(qvel)", 331);
+field_docs!(model::Model, "Model", "nv", "number of degrees of freedom = dim(qvel)", 331);

@@ -8,7 +8,8 @@ use super::Model;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::sealed::Sealed;
-use crate::id::{ElementKind, Id, Kind, Lookup};
+use crate::id::{Id, Lookup};
+use crate::kind::{ElementKind, Kind};
 
 impl Model {
     /// Returns the number of elements of a kind.

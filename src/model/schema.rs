@@ -19,7 +19,7 @@ use crate::ffi;
 /// [`Error::LoaderLocked`] if the compiler is locked by an earlier error, [`Error::OutOfMemory`].
 ///
 /// ```
-/// let schema = mujoco_safe::schema()?;
+/// let schema = mujoco_safe::model::schema()?;
 /// assert!(schema.lines().any(|line| line.trim_start().starts_with("freejoint (*)")));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
@@ -35,7 +35,7 @@ pub fn schema() -> Result<String> {
 /// As for [`schema`].
 ///
 /// ```
-/// assert!(mujoco_safe::schema_html()?.starts_with("<table"));
+/// assert!(mujoco_safe::model::schema_html()?.starts_with("<table"));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[doc(alias = "mj_printSchema")]

@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use mujoco_safe::record::{Recorder, RecorderOptions};
-//! use mujoco_safe::render::Picture;
+//! use mujoco_safe::render::RgbImage;
 //! use mujoco_safe::{Data, sample};
 //!
 //! # let folder = tempfile::tempdir()?;
@@ -13,11 +13,11 @@
 //! let mut data = Data::new(sample::cartpole())?;
 //! data.qvel_mut()[1] = 2.0;
 //! // The extension selects the format, here GIF.
-//! let mut recorder = Recorder::create(&path, RecorderOptions { frames_per_second: 20.0, ..Default::default() })?;
+//! let mut recorder = Recorder::create(&path, RecorderOptions::default().with_frames_per_second(20.0))?;
 //! while data.time() < 0.5 {
 //!     if recorder.is_due(data.time()) {
 //!         // For brevity this draws one pixel; use `render::Renderer` for images of the scene.
-//!         let mut picture = Picture::new(256, 256);
+//!         let mut picture = RgbImage::new(256, 256);
 //!         let (sine, cosine) = data.qpos()[1].sin_cos();
 //!         picture.set_pixel((128.0 + 100.0 * sine) as usize, (128.0 - 100.0 * cosine) as usize, [255; 3]);
 //!         recorder.push(&picture, data.time())?;

@@ -11,10 +11,12 @@ use super::gif::AnimatedGif;
 use super::png::{AnimatedPng, Sequence};
 use crate::error::{Error, Result};
 use crate::file::Replacement;
-use crate::render::Picture;
+use crate::render::RgbImage;
+use crate::with_methods::with_methods;
 
 /// Options of a recording. The default is 30 frames per second, in real time, played in an endless loop.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RecorderOptions {
     /// Frames per second of the recording: up to 1000, or up to 50 in a GIF, because viewers slow down faster animations.
     pub frames_per_second: f64,
@@ -39,6 +41,14 @@ impl Default for RecorderOptions {
         }
     }
 }
+
+with_methods!(RecorderOptions {
+    with_frames_per_second(frames_per_second: f64),
+    with_speed(speed: f64),
+    with_plays(plays: u16),
+    with_ffmpeg(ffmpeg: impl Into<PathBuf>) = ffmpeg.into(),
+    with_ffmpeg_arguments(ffmpeg_arguments: impl Into<Vec<String>>) = ffmpeg_arguments.into(),
+});
 
 impl RecorderOptions {
     fn check(&self, format: Format) -> Result<()> {
@@ -168,7 +178,7 @@ impl Recorder {
     ///
     /// [`Error::File`] or [`Error::Recording`] if the image cannot be written. The recording then ends without a file,
     /// except for the files of a sequence.
-    pub fn push(&mut self, picture: &Picture, time: f64) -> Result<bool> {
+    pub fn push(&mut self, picture: &RgbImage, time: f64) -> Result<bool> {
         self.push_rgb(picture.width(), picture.height(), picture.as_bytes(), time)
     }
 

@@ -66,7 +66,7 @@ impl AssetBounds {
                 Sphere { centre: [0.0, 0.0, z / 2.0], radius }
             }
             SceneGeomType::Arrow2 => box_sphere([ARROWHEAD_SCALE * x, ARROWHEAD_SCALE * y, z]),
-            SceneGeomType::Mesh => match geom.mesh().and_then(|(mesh, _)| *self.meshes.get(mesh.index())?) {
+            SceneGeomType::Mesh => match geom.mesh().and_then(|mesh| *self.meshes.get(mesh.index())?) {
                 Some(sphere) => sphere,
                 None => return BoundingVolume::Empty,
             },
@@ -177,7 +177,7 @@ mod tests {
 
     fn pushed(model: &Model, geom: &NewGeom) -> BoundingVolume {
         let mut scene = Scene::new(model, 1).unwrap();
-        scene.push(geom).unwrap();
+        scene.add_geom(geom).unwrap();
         AssetBounds::new(model).volume(scene.geom(0))
     }
 
@@ -220,7 +220,7 @@ mod tests {
         model.edit().height_field_mut("h").unwrap().data_mut()[4] = 20.0;
         let id = model.height_field("h").unwrap().id();
         let mut scene = Scene::new(&model, 1).unwrap();
-        scene.push(&NewGeom::height_field(id)).unwrap();
+        scene.add_geom(&NewGeom::height_field(id)).unwrap();
         let encloses = |bounds: &AssetBounds, z: f32| {
             let BoundingVolume::Sphere(Sphere { centre, radius }) = bounds.volume(scene.geom(0)) else { panic!() };
             centre[2] + radius >= z
@@ -273,7 +273,7 @@ mod tests {
             (NewGeom::cuboid([2.0, 3.0, 6.0]), 7.0),
             (NewGeom::ellipsoid([1.0, 3.0, 2.0]), 3.0),
         ] {
-            let index = scene.push(&geom).unwrap();
+            let index = scene.add_geom(&geom).unwrap();
             assert!((sorting_radius(scene.geom(index)) - radius).abs() < 1e-6);
         }
     }

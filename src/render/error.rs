@@ -56,7 +56,7 @@ pub enum RenderError {
 
     /// wgpu rejected a call, which is a bug of this crate or of the driver.
     #[error("bug: wgpu rejected a call: {message}")]
-    Refused {
+    Wgpu {
         /// Message of wgpu.
         message: String,
     },
@@ -73,7 +73,7 @@ impl RenderError {
                 if message.contains("device is lost") || message.contains("Device is lost") {
                     Self::Lost { message }
                 } else {
-                    Self::Refused { message }
+                    Self::Wgpu { message }
                 }
             }
         }

@@ -63,8 +63,8 @@ mod bounding_volume;
 mod draw_list;
 mod error;
 mod gpu;
+mod image;
 mod pass;
-mod picture;
 mod renderer;
 mod settings;
 mod shader;
@@ -73,6 +73,6 @@ mod view;
 
 pub use self::error::RenderError;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
-pub use self::picture::{DepthPicture, Picture, Segment, SegmentationPicture};
+pub use self::image::{DepthImage, RgbImage, Segment, SegmentationImage};
 pub use self::renderer::Renderer;
 pub use self::settings::{Lighting, RendererOptions};

@@ -1,6 +1,7 @@
 //! Renderer options and the visual settings of a model.
 
 use crate::model::Model;
+use crate::with_methods::with_methods;
 
 /// Frequency of the lighting computation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -14,14 +15,14 @@ pub enum Lighting {
     PerPixel,
 }
 
-/// Options of a [`Renderer`](super::Renderer). All other settings are in the model's [`Visual`](crate::Visual), which
+/// Options of a [`Renderer`](super::Renderer). All other settings are in the model's [`Visual`](crate::model::Visual), which
 /// the renderer copies at construction, and in the scene's [`RenderFlags`](crate::scene::RenderFlags).
 ///
 /// ```
 /// use mujoco_safe::render::{Lighting, RendererOptions};
 ///
-/// let fast = RendererOptions::default().samples(1).shadow_size(1024);
-/// let smooth = RendererOptions::default().lighting(Lighting::PerPixel);
+/// let fast = RendererOptions::default().with_samples(1).with_shadow_size(1024);
+/// let smooth = RendererOptions::default().with_lighting(Lighting::PerPixel);
 /// assert_eq!((fast.samples, smooth.lighting), (Some(1), Lighting::PerPixel));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,25 +38,11 @@ pub struct RendererOptions {
     pub lighting: Lighting,
 }
 
-impl RendererOptions {
-    /// Sets the number of MSAA samples.
-    #[must_use]
-    pub fn samples(self, samples: u32) -> Self {
-        Self { samples: Some(samples), ..self }
-    }
-
-    /// Sets the width and height of shadow maps, texels.
-    #[must_use]
-    pub fn shadow_size(self, size: u32) -> Self {
-        Self { shadow_size: Some(size), ..self }
-    }
-
-    /// Sets the frequency of the lighting computation.
-    #[must_use]
-    pub fn lighting(self, lighting: Lighting) -> Self {
-        Self { lighting, ..self }
-    }
-}
+with_methods!(RendererOptions {
+    with_samples(samples: u32) = Some(samples),
+    with_shadow_size(shadow_size: u32) = Some(shadow_size),
+    with_lighting(lighting: Lighting),
+});
 
 /// Largest magnitude of a value that can be rendered. Its square is finite in single precision.
 pub(crate) const MAX_MAGNITUDE: f32 = 1e15;

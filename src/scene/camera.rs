@@ -186,7 +186,7 @@ impl Camera {
 }
 
 #[track_caller]
-fn checked<K: crate::id::ElementKind>(model: &Model, id: Id<K>) -> c_int {
+fn checked<K: crate::kind::ElementKind>(model: &Model, id: Id<K>) -> c_int {
     model.check_id(id);
     id.index() as c_int
 }

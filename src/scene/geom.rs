@@ -9,9 +9,10 @@ use crate::enums::engine_enum;
 use crate::error::Result;
 use crate::ffi;
 use crate::id::{
-    ActuatorId, BodyId, CameraId, EqualityId, GeomId, HeightFieldId, Id, JointId, Kind, LightId, Lineage, MeshId,
-    SiteId, SkinId, TendonId, TextureId,
+    ActuatorId, BodyId, CameraId, EqualityId, GeomId, HeightFieldId, Id, JointId, LightId, Lineage, MeshId, SiteId,
+    SkinId, TendonId, TextureId,
 };
+use crate::kind::Kind;
 
 engine_enum! {
     /// Shape of a geom in a scene: the shapes of a model, and shapes for decoration only.
@@ -188,11 +189,15 @@ impl<'s> SceneGeom<'s> {
         self.raw.texcoord != 0
     }
 
-    /// Returns the mesh, and `true` if its convex hull is shown instead.
+    /// Returns the mesh.
     #[doc(alias = "dataid")]
-    pub fn mesh(self) -> Option<(MeshId, bool)> {
-        let data = self.data(SceneGeomType::Mesh)?;
-        Some((Id::new(data / 2, self.lineage), data % 2 == 1))
+    pub fn mesh(self) -> Option<MeshId> {
+        self.data(SceneGeomType::Mesh).map(|data| Id::new(data / 2, self.lineage))
+    }
+
+    /// Returns `true` if the geom shows the convex hull of its mesh instead of the mesh.
+    pub fn shows_convex_hull(self) -> bool {
+        self.data(SceneGeomType::Mesh).is_some_and(|data| data % 2 == 1)
     }
 
     /// Returns the height field.

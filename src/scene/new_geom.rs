@@ -39,15 +39,15 @@ enum Shape {
     HeightField(HeightFieldId),
 }
 
-/// Geom to add to a scene with [`Scene::push`]: shape and appearance. Grey and opaque by default.
+/// Geom to add to a scene with [`Scene::add_geom`]: shape and appearance. Grey and opaque by default.
 ///
 /// ```
 /// use mujoco_safe::scene::{Connector, NewGeom, Scene};
 /// use mujoco_safe::sample;
 ///
 /// let mut scene = Scene::new(&sample::cartpole(), 100)?;
-/// scene.push(&NewGeom::sphere(0.1).pos([0.0, 0.0, 1.0]).rgba([1.0, 0.0, 0.0, 1.0]).label("goal")?)?;
-/// scene.push(&NewGeom::connector(Connector::Arrow, 0.02, [0.0; 3], [0.0, 0.0, 1.0]))?;
+/// scene.add_geom(&NewGeom::sphere(0.1).pos([0.0, 0.0, 1.0]).rgba([1.0, 0.0, 0.0, 1.0]).label("goal")?)?;
+/// scene.add_geom(&NewGeom::connector(Connector::Arrow, 0.02, [0.0; 3], [0.0, 0.0, 1.0]))?;
 /// assert_eq!(scene.ngeom(), 2);
 /// assert_eq!(scene.geom(0).label(), "goal");
 /// assert_eq!(scene.geom(1).size(), [0.02, 0.02, 1.0]);
@@ -55,7 +55,7 @@ enum Shape {
 /// ```
 #[derive(Clone, Debug)]
 #[doc(alias = "mjv_initGeom")]
-#[must_use = "a new geom is shown only after `Scene::push`"]
+#[must_use = "a new geom is shown only after `Scene::add_geom`"]
 pub struct NewGeom {
     shape: Shape,
     pos: [f64; 3],
@@ -67,9 +67,19 @@ pub struct NewGeom {
     reflectance: f32,
     category: Categories,
     texture: Option<TextureId>,
-    texrepeat: [f32; 2],
-    texuniform: bool,
+    repeat: TextureRepeat,
     label: [c_char; 100],
+}
+
+/// Number of repetitions of a texture along x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(alias = "texrepeat")]
+#[doc(alias = "texuniform")]
+pub enum TextureRepeat {
+    /// Repetitions over the whole geom.
+    PerGeom([f32; 2]),
+    /// Repetitions per metre.
+    PerLength([f32; 2]),
 }
 
 impl NewGeom {
@@ -85,8 +95,7 @@ impl NewGeom {
             reflectance: 0.0,
             category: Categories::DECOR,
             texture: None,
-            texrepeat: [1.0; 2],
-            texuniform: false,
+            repeat: TextureRepeat::PerGeom([1.0; 2]),
             label: [0; 100],
         }
     }
@@ -178,10 +187,9 @@ impl NewGeom {
         self
     }
 
-    /// Sets a texture of the model and its number of repetitions along x and y, per unit of length if `texuniform`, else per
-    /// geom.
-    pub fn texture(mut self, texture: TextureId, texrepeat: [f32; 2], texuniform: bool) -> Self {
-        (self.texture, self.texrepeat, self.texuniform) = (Some(texture), texrepeat, texuniform);
+    /// Sets a texture of the model and its repetitions.
+    pub fn texture(mut self, texture: TextureId, repeat: TextureRepeat) -> Self {
+        (self.texture, self.repeat) = (Some(texture), repeat);
         self
     }
 
@@ -224,7 +232,8 @@ impl NewGeom {
             return Err(invalid("the pose", &(self.pos, self.mat), "finite in single precision"));
         }
         let surface = [self.emission, self.specular, self.shininess, self.reflectance];
-        let numbers = self.rgba.iter().chain(&surface).chain(&self.texrepeat);
+        let (TextureRepeat::PerGeom(repeat) | TextureRepeat::PerLength(repeat)) = &self.repeat;
+        let numbers = self.rgba.iter().chain(&surface).chain(repeat);
         if numbers.clone().any(|number| !(number.is_finite() && *number >= 0.0)) {
             return Err(invalid("the appearance", &numbers.collect::<Vec<_>>(), "finite and not negative"));
         }
@@ -268,7 +277,10 @@ impl NewGeom {
         geom.category = self.category.bits() as c_int;
         geom.segid = segid as c_int;
         geom.texid = self.texture.map_or(-1, |texture| texture.index() as c_int);
-        (geom.texrepeat, geom.texuniform) = (self.texrepeat, self.texuniform.into());
+        (geom.texrepeat, geom.texuniform) = match self.repeat {
+            TextureRepeat::PerGeom(repeat) => (repeat, 0),
+            TextureRepeat::PerLength(repeat) => (repeat, 1),
+        };
         (geom.emission, geom.specular) = (self.emission, self.specular);
         (geom.shininess, geom.reflectance) = (self.shininess, self.reflectance);
         geom.label = self.label;
@@ -303,7 +315,7 @@ impl Scene {
     /// # Panics
     ///
     /// If a mesh, height field or texture of the geom belongs to another model.
-    pub fn push(&mut self, geom: &NewGeom) -> Result<usize> {
+    pub fn add_geom(&mut self, geom: &NewGeom) -> Result<usize> {
         geom.check_ids(self);
         geom.check()?;
         let index = self.ngeom();

@@ -4,6 +4,7 @@ use bitflags::bitflags;
 use mujoco_sys::{self as sys, mjvOption};
 
 use crate::enums::engine_enum;
+use crate::with_methods::with_methods;
 
 engine_enum! {
     /// Kind of element that carries labels.
@@ -177,6 +178,7 @@ bitflags! {
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 #[doc(alias = "mjvOption")]
 pub struct SceneOptions {
     /// Labelled kind of element.
@@ -223,6 +225,18 @@ impl Default for SceneOptions {
         }
     }
 }
+
+with_methods!(SceneOptions {
+    with_label(label: LabelMode),
+    with_frame(frame: FrameMode),
+    with_geomgroup(geomgroup: [bool; 6]),
+    with_sitegroup(sitegroup: [bool; 6]),
+    with_jointgroup(jointgroup: [bool; 6]),
+    with_tendongroup(tendongroup: [bool; 6]),
+    with_actuatorgroup(actuatorgroup: [bool; 6]),
+    with_skingroup(skingroup: [bool; 6]),
+    with_flags(flags: VisualFlags),
+});
 
 impl SceneOptions {
     pub(super) fn raw(&self) -> mjvOption {

@@ -35,7 +35,7 @@ struct Applied {
 
 /// Selected body, optionally pulled or rotated by a critically damped spring.
 ///
-/// In an interactive loop, [`select`](Self::select) the clicked body. When a drag starts, call [`init`](Self::init) and set
+/// In an interactive loop, [`select`](Self::select) the clicked body. When a drag starts, call [`start`](Self::start) and set
 /// `active`. Call [`move_by`](Self::move_by) for each mouse motion, and [`apply_pose`](Self::apply_pose) and
 /// [`apply_force`](Self::apply_force) before each step. Clear `active` when the drag ends.
 ///
@@ -77,7 +77,7 @@ pub struct Perturbation {
     pub refquat: [f64; 4],
     /// Selected point, m, body frame.
     pub localpos: [f64; 3],
-    /// Displacement for a mouse motion of one window height, m. Set by [`init`](Self::init).
+    /// Displacement for a mouse motion of one window height, m. Set by [`start`](Self::start).
     pub scale: f64,
     applied: Option<Applied>,
 }
@@ -98,6 +98,17 @@ impl Default for Perturbation {
             applied: None,
         }
     }
+}
+
+/// Bodies that [`Perturbation::apply_pose`] moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(alias = "flg_paused")]
+pub enum MovableBodies {
+    /// Mocap bodies, by their mocap pose. For a running simulation.
+    Mocap,
+    /// Also a body with a free joint, and the kinematic tree of a body if the root of the tree has a free joint. For a paused
+    /// simulation.
+    MocapAndFree,
 }
 
 impl Perturbation {
@@ -148,11 +159,11 @@ impl Perturbation {
     ///
     /// If the selected body or skin belongs to another model than the data.
     #[doc(alias = "mjv_initPerturb")]
-    pub fn init(&mut self, data: &Data, scene: &Scene) -> Result<()> {
+    pub fn start(&mut self, data: &Data, scene: &Scene) -> Result<()> {
         let model = data.model();
         scene.check_model(model, "the scene of a perturbation")?;
         let mut raw = self.raw(model)?;
-        data.check_computed("Perturbation::init", Stage::Position)?;
+        data.check_computed("Perturbation::start", Stage::Position)?;
         data.call("mjv_initPerturb", |m, d| {
             // SAFETY: the model, the data and the scene belong together, the positions were computed, and the body is valid.
             unsafe { guard::mjv_init_perturb(m, d, scene.as_ptr(), &raw mut raw) }
@@ -165,11 +176,11 @@ impl Perturbation {
     ///
     /// # Errors
     ///
-    /// As for [`init`](Self::init).
+    /// As for [`start`](Self::start).
     ///
     /// # Panics
     ///
-    /// As for [`init`](Self::init).
+    /// As for [`start`](Self::start).
     #[doc(alias = "mjv_movePerturb")]
     pub fn move_by(&mut self, data: &Data, scene: &Scene, action: MouseAction, [dx, dy]: [f64; 2]) -> Result<()> {
         let model = data.model();
@@ -182,15 +193,14 @@ impl Perturbation {
             return Ok(());
         }
         data.call("mjv_movePerturb", |m, d| {
-            // SAFETY: as in `init`, with a valid action; without a selection the engine reads the world body.
+            // SAFETY: as in `start`, with a valid action; without a selection the engine reads the world body.
             unsafe { guard::mjv_move_perturb(m, d, action.raw(), dx, dy, scene.as_ptr(), &raw mut raw) }
         })?;
         self.take(&raw)
     }
 
-    /// Moves the selected body to the target pose. For a mocap body this sets the mocap pose. While `paused`, it also
-    /// moves a free body, or the kinematic tree that contains the body if the root of the tree has a free joint. Has no
-    /// effect on other bodies, or if [`active`](Self::active) is empty. Call [`Data::forward`] afterwards.
+    /// Moves the selected body to the target pose. Has no effect on a body that is not one of `bodies`, or if
+    /// [`active`](Self::active) is empty. Call [`Data::forward`] afterwards.
     ///
     /// # Errors
     ///
@@ -200,12 +210,13 @@ impl Perturbation {
     ///
     /// If the selected body or skin belongs to another model.
     #[doc(alias = "mjv_applyPerturbPose")]
-    pub fn apply_pose(&self, data: &mut Data, paused: bool) -> Result<()> {
+    pub fn apply_pose(&self, data: &mut Data, bodies: MovableBodies) -> Result<()> {
         let raw = self.raw(data.model())?;
+        let paused = (bodies == MovableBodies::MocapAndFree).into();
         data.check_computed("Perturbation::apply_pose", Stage::Position)?;
         data.call_mut("mjv_applyPerturbPose", |m, d| {
             // SAFETY: the model and the data belong together, the positions were computed, and the body is valid.
-            unsafe { guard::mjv_apply_perturb_pose(m, d, &raw const raw, paused.into()) }
+            unsafe { guard::mjv_apply_perturb_pose(m, d, &raw const raw, paused) }
         })
     }
 

@@ -11,7 +11,7 @@ use crate::data::{Data, Stage, Warning};
 use crate::error::{Error, Result};
 
 impl Scene {
-    /// Rebuilds the scene: geoms, lights, skins and viewpoints. Removes geoms that were added with [`push`](Self::push).
+    /// Rebuilds the scene: geoms, lights, skins and viewpoints. Removes geoms that were added with [`add_geom`](Self::add_geom).
     ///
     /// `camera` is the camera to view the scene from; a tracking camera moves with its body. `perturbation` is drawn if
     /// `options` enable it. `categories` restricts the geoms; [`Categories::all`] includes everything.
@@ -58,7 +58,7 @@ impl Scene {
         let lights = usize::from(data.model().raw().vis.headlight.active != 0)
             + data.model().light_active().iter().filter(|&&active| active != 0).count();
         let capacity = mjMAXLIGHT as usize;
-        if lights > capacity { Err(Error::SceneFull { what: "lights", room: capacity }) } else { Ok(()) }
+        if lights > capacity { Err(Error::SceneFull { what: "lights", capacity }) } else { Ok(()) }
     }
 
     /// Appends the geoms of a simulation to the scene and returns their indices. The state may differ from that of the last
@@ -85,7 +85,7 @@ impl Scene {
     /// for _ in 0..10 {
     ///     data.step()?;
     /// }
-    /// let ghost = scene.add(&mut data, &options, None, Categories::DYNAMIC)?;
+    /// let ghost = scene.add_geoms(&mut data, &options, None, Categories::DYNAMIC)?;
     /// for mut geom in scene.geoms_mut().skip(ghost.start) {
     ///     let [r, g, b, _] = geom.view().rgba();
     ///     geom.set_rgba([r, g, b, 0.3]);
@@ -93,14 +93,14 @@ impl Scene {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjv_addGeoms")]
-    pub fn add(
+    pub fn add_geoms(
         &mut self,
         data: &mut Data,
         options: &SceneOptions,
         perturbation: Option<&Perturbation>,
         categories: Categories,
     ) -> Result<Range<usize>> {
-        self.check_data("Scene::add", data, options)?;
+        self.check_data("Scene::add_geoms", data, options)?;
         let perturbation = perturbation.map(|perturbation| perturbation.raw(data.model())).transpose()?;
         let pert = perturbation.as_ref().map_or(ptr::null(), ptr::from_ref);
         let (opt, catmask) = (options.raw(), categories.bits() as c_int);
@@ -123,6 +123,6 @@ impl Scene {
 
     #[cold]
     pub(super) fn geoms_full(&self) -> Error {
-        Error::SceneFull { what: "geoms", room: self.max_geoms() }
+        Error::SceneFull { what: "geoms", capacity: self.max_geoms() }
     }
 }

@@ -19,7 +19,7 @@ use crate::scene::{Camera, NewGeom, Scene, SceneOptions};
 /// to keys that the viewer does not use.
 ///
 /// The handle can move to another thread. After the window was closed, its methods have no effect.
-pub struct Handle {
+pub struct ViewerHandle {
     /// `Some` until the first call of `sync`, which moves the link into the endpoint.
     link: Option<PhysicsEnd>,
     endpoint: Option<SimulationEndpoint>,
@@ -35,7 +35,7 @@ pub struct Handle {
     time: f64,
 }
 
-impl Handle {
+impl ViewerHandle {
     pub(crate) fn new(link: PhysicsEnd) -> Self {
         Self {
             link: Some(link),
@@ -117,7 +117,8 @@ impl Handle {
         let status = if self.paused { Status::Paused } else { Status::Program };
         let speed = SimulationSpeed { factor: 1.0, by_factor: false, measured: self.meter.measured(), dropped: 0.0 };
         let geoms = &self.geoms;
-        let add = |scene: &mut Scene, _: &SceneOptions| geoms.iter().try_for_each(|geom| scene.push(geom).map(|_| ()));
+        let add =
+            |scene: &mut Scene, _: &SceneOptions| geoms.iter().try_for_each(|geom| scene.add_geom(geom).map(|_| ()));
         let published = endpoint.publish(data, add, |snapshot: &mut Snapshot| {
             (snapshot.status, snapshot.speed) = (status, speed);
             snapshot.problem.clear();
@@ -137,7 +138,7 @@ impl Handle {
     /// Returns `true` if the user has paused the simulation, and `false` after the window was closed. The program may ignore the pause:
     ///
     /// ```no_run
-    /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
+    /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
     /// use std::time::Duration;
     ///
     /// while handle.is_running() {
@@ -195,7 +196,7 @@ impl Handle {
     /// goals, paths and arrows. They stay until the program removes them.
     ///
     /// ```no_run
-    /// # fn show(handle: &mut mujoco_safe::viewer::Handle) -> mujoco_safe::Result<()> {
+    /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle) -> mujoco_safe::Result<()> {
     /// use mujoco_safe::scene::NewGeom;
     ///
     /// handle.geoms_mut().clear();
@@ -211,7 +212,7 @@ impl Handle {
     /// Removes and returns the key presses for which the viewer has no binding. They arrive with [`sync`](Self::sync).
     ///
     /// ```no_run
-    /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) {
+    /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) {
     /// use mujoco_safe::viewer::Key;
     ///
     /// for press in handle.keys() {
@@ -229,7 +230,7 @@ impl Handle {
     /// Uploads a modified texture of the model again, with the next [`sync`](Self::sync). A texture of another model is ignored.
     ///
     /// ```no_run
-    /// # fn show(handle: &mut mujoco_safe::viewer::Handle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
+    /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
     /// let ground = data.model().height_field("ground")?.id();
     /// data.edit_model(|model| model.hfield_data_mut()[0] += 0.1)?;
     /// handle.update_height_field(ground);
@@ -316,9 +317,9 @@ impl Handle {
     }
 }
 
-impl fmt::Debug for Handle {
+impl fmt::Debug for ViewerHandle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Handle")
+        f.debug_struct("ViewerHandle")
             .field("is_running", &self.is_running())
             .field("is_paused", &self.paused)
             .finish_non_exhaustive()

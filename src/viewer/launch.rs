@@ -4,22 +4,24 @@ use std::path::PathBuf;
 use std::thread;
 
 use super::error::ViewerError;
-use super::handle::Handle;
+use super::handle::ViewerHandle;
 use super::simulation::{PhysicsThread, Simulation};
 use super::window::WindowRequest;
 use crate::controller::Controller;
 use crate::data::Data;
 use crate::record::RecorderOptions;
 use crate::trajectory::Trajectory;
+use crate::with_methods::with_methods;
 
 /// Options of a viewer.
 ///
 /// ```
 /// use mujoco_safe::viewer::ViewerOptions;
 ///
-/// let options = ViewerOptions { title: "a robot".into(), size: Some([1280, 720]), ..Default::default() };
+/// let options = ViewerOptions::default().with_title("a robot").with_size([1280, 720]);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ViewerOptions {
     /// Title of the window.
     pub title: String,
@@ -53,15 +55,25 @@ impl Default for ViewerOptions {
     }
 }
 
+with_methods!(ViewerOptions {
+    with_title(title: impl Into<String>) = title.into(),
+    with_size(size: [u32; 2]) = Some(size),
+    with_vsync(vsync: bool),
+    with_file(file: impl Into<PathBuf>) = Some(file.into()),
+    with_screenshots(screenshots: impl Into<PathBuf>) = screenshots.into(),
+    with_recordings(recordings: impl Into<PathBuf>) = Some(recordings.into()),
+    with_recording(recording: RecorderOptions),
+});
+
 /// Window that steps a simulation itself: with a controller, by playing recorded trajectories, or with passive dynamics.
 ///
 /// ```no_run
-/// use mujoco_safe::viewer::Viewer;
+/// use mujoco_safe::viewer::{Viewer, ViewerOptions};
 /// use mujoco_safe::{Data, sample};
 ///
 /// let data = Data::new(sample::humanoid())?;
 /// // Blocks until the window is closed.
-/// let data = Viewer::new().title("falling humanoid").run(data)?;
+/// let data = Viewer::new().options(ViewerOptions::default().with_title("falling humanoid")).run(data)?;
 /// println!("the simulation ended at {} s", data.time());
 /// # Ok::<(), mujoco_safe::viewer::ViewerError>(())
 /// ```
@@ -84,32 +96,14 @@ impl std::fmt::Debug for Viewer {
 }
 
 impl Viewer {
-    /// Creates a viewer without a controller and without trajectories.
+    /// Creates a viewer with the default options, without a controller and without trajectories.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Sets all options.
+    /// Sets the options.
     pub fn options(mut self, options: ViewerOptions) -> Self {
         self.options = options;
-        self
-    }
-
-    /// Sets the title of the window.
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.options.title = title.into();
-        self
-    }
-
-    /// Sets the width and height of the window, in pixels.
-    pub fn size(mut self, size: [u32; 2]) -> Self {
-        self.options.size = Some(size);
-        self
-    }
-
-    /// Sets the file of the model, which Ctrl+L reloads.
-    pub fn file(mut self, file: impl Into<PathBuf>) -> Self {
-        self.options.file = Some(file.into());
         self
     }
 
@@ -157,7 +151,7 @@ impl Viewer {
 /// Shows a window for a program that steps its simulation itself. The program runs on another thread, and the calling thread shows the
 /// window, which works on every platform. The window closes when the program ends.
 ///
-/// Closing the window does not end the program: [`Handle::is_running`] returns `false` then.
+/// Closing the window does not end the program: [`ViewerHandle::is_running`] returns `false` then.
 ///
 /// # Errors
 ///
@@ -177,7 +171,7 @@ impl Viewer {
 /// })?;
 /// # Ok::<(), ViewerError>(())
 /// ```
-pub fn run<R, E>(options: ViewerOptions, program: impl FnOnce(&mut Handle) -> Result<R, E> + Send) -> Result<R, E>
+pub fn run<R, E>(options: ViewerOptions, program: impl FnOnce(&mut ViewerHandle) -> Result<R, E> + Send) -> Result<R, E>
 where
     R: Send,
     E: From<ViewerError> + Send,
@@ -186,7 +180,7 @@ where
     let (event_loop, opened) = request.split();
     let program = move || {
         opened.wait()?;
-        program(&mut Handle::new(link))
+        program(&mut ViewerHandle::new(link))
     };
     let Some(event_loop) = event_loop else { return program() };
     thread::scope(|scope| {
@@ -223,9 +217,9 @@ where
 /// # Ok::<(), ViewerError>(())
 /// ```
 #[cfg(not(target_os = "macos"))]
-pub fn launch(options: ViewerOptions) -> Result<Handle, ViewerError> {
+pub fn launch(options: ViewerOptions) -> Result<ViewerHandle, ViewerError> {
     let (request, link) = WindowRequest::on_window_thread(options)?;
     let (_, opened) = request.split();
     opened.wait()?;
-    Ok(Handle::new(link))
+    Ok(ViewerHandle::new(link))
 }

@@ -33,7 +33,7 @@
 //! Physics and window run on two threads that share only a link: requests flow to the physics, snapshots and events flow to the
 //! window. The simulation data is never copied completely. The physics follows real time and drops time that it cannot catch
 //! up. The window is drawn when something has changed, and sleeps otherwise. The first window installs the engine's clock, as
-//! [`enable_timers`](crate::enable_timers) does, for the plot of computing times.
+//! [`enable_timers`](crate::data::enable_timers) does, for the plot of computing times.
 
 #![forbid(unsafe_code)]
 
@@ -52,7 +52,7 @@ mod view;
 mod window;
 
 pub use self::error::ViewerError;
-pub use self::handle::Handle;
+pub use self::handle::ViewerHandle;
 pub use self::input::{Key, KeyPress, Modifiers};
 #[cfg(not(target_os = "macos"))]
 pub use self::launch::launch;

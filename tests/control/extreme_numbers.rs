@@ -1,10 +1,12 @@
 //! Extreme matrices and degenerate models: each gives a result or an error, in bounded time.
 
+use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
 use mujoco_safe::control::riccati::{Riccati, RiccatiError, RiccatiRecursion};
+use mujoco_safe::derivative::TransitionOptions;
 use mujoco_safe::{
     Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
-    StateSpace, TimeVaryingLqr, TransitionOptions, ZeroController, sample,
+    StateSpace, ZeroController, sample,
 };
 use nalgebra::DMatrix;
 
@@ -120,7 +122,7 @@ fn regulators_of_degenerate_models_are_results_or_errors() {
         }
         let target = data.qpos().iter().chain(data.qvel()).chain(data.act()).copied().collect::<Vec<_>>();
         let cost = QuadraticCost::new(data.model().clone(), &target, weights, DMatrix::identity(nx, nx)).unwrap();
-        let mut solver = Ilqr::new(data.model().clone(), IlqrOptions { iterations: 3, ..Default::default() }).unwrap();
+        let mut solver = Ilqr::new(data.model().clone(), IlqrOptions::default().with_iterations(3)).unwrap();
         if let Ok(solution) = solver.solve(&data, &controls, &cost) {
             assert!(solution.cost().is_finite());
         }
@@ -153,7 +155,7 @@ fn weights_gains_and_targets_of_any_numbers_do_not_panic() {
                 QuadraticCost::new(sample::cartpole(), &[number; 4], weights, DMatrix::from_element(4, 4, number))
             {
                 let data = Data::new(sample::cartpole()).unwrap();
-                let options = IlqrOptions { iterations: 2, ..Default::default() };
+                let options = IlqrOptions::default().with_iterations(2);
                 let mut solver = Ilqr::new(data.model().clone(), options).unwrap();
                 let _ = solver.solve(&data, &Matrix::zeros(5, 1), &cost);
                 let _ = solver.solve(&data, &Matrix::from_row_major(5, 1, vec![number; 5]), &cost);

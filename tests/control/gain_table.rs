@@ -1,9 +1,8 @@
 //! Regulators along trajectories.
 
-use mujoco_safe::{
-    Controller, Data, Differences, Lineariser, Lqr, Matrix, StateSpace, StateSpec, TimeVaryingLqr, TransitionOptions,
-    sample,
-};
+use mujoco_safe::control::TimeVaryingLqr;
+use mujoco_safe::derivative::TransitionOptions;
+use mujoco_safe::{Controller, Data, Differences, Lineariser, Lqr, Matrix, StateSpace, StateSpec, sample};
 use nalgebra::DMatrix;
 
 use super::{Random, assert_close, cartpole, weights};
@@ -21,7 +20,7 @@ fn passive(data: &mut Data, steps: usize) -> (Matrix, Matrix) {
 }
 
 fn transition(data: &Data) -> Lineariser {
-    Lineariser::new(data.model().clone(), TransitionOptions { threads: 2, ..Default::default() }).unwrap()
+    Lineariser::new(data.model().clone(), TransitionOptions::default().with_threads(2)).unwrap()
 }
 
 /// Returns the regulator along a pole that swings down and up twice.

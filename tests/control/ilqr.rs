@@ -65,7 +65,7 @@ fn far() -> (Data, QuadraticCost) {
 #[test]
 fn controls_satisfy_the_conditions_of_a_constrained_minimum() {
     let (data, cost) = far();
-    let options = IlqrOptions { tolerance: 1e-14, ..Default::default() };
+    let options = IlqrOptions::default().with_tolerance(1e-14);
     let solution = solve(&data, options, &Matrix::zeros(80, 1), &cost);
     let controls = solution.controls.as_slice();
     assert!(controls.iter().all(|ctrl| ctrl.abs() <= 1.0));
@@ -106,7 +106,7 @@ fn simulated_cost(data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> 
 fn the_cost_decreases_and_is_that_of_a_simulation() {
     let (data, cost) = far();
     for iterations in [0, 1, 3, 200] {
-        let options = IlqrOptions { iterations, ..Default::default() };
+        let options = IlqrOptions::default().with_iterations(iterations);
         let solution = solve(&data, options, &Matrix::zeros(80, 1), &cost);
         assert!(solution.costs.windows(2).all(|pair| pair[1] < pair[0]), "{:?}", solution.costs);
         assert!(solution.costs.len() <= iterations + 1);
@@ -127,7 +127,7 @@ fn the_cost_decreases_and_is_that_of_a_simulation() {
 #[test]
 fn the_result_does_not_depend_on_the_number_of_threads() {
     let (data, cost) = far();
-    let by = |threads| solve(&data, IlqrOptions { threads, ..Default::default() }, &Matrix::zeros(60, 1), &cost);
+    let by = |threads| solve(&data, IlqrOptions::default().with_threads(threads), &Matrix::zeros(60, 1), &cost);
     let (one, three) = (by(1), by(3));
     assert_eq!(
         (one.controls, one.states, one.gains, one.costs),

@@ -150,7 +150,7 @@ fn an_invalid_matrix_is_an_error_that_names_it() {
     let begin = || RiccatiRecursion::new(&DMatrix::identity(3, 3), 2).unwrap();
     begin().step_back(&good().0, &good().1, &good().2).unwrap();
 
-    let wrong = |matrix, expected, got| RiccatiError::WrongShape { matrix, expected, got };
+    let wrong = |matrix, expected, found| RiccatiError::WrongShape { matrix, expected, found };
     let shapes: [(Corrupt, RiccatiError); 5] = [
         (|a, _, _| *a = DMatrix::zeros(3, 4), wrong(RiccatiMatrix::A, (3, 3), (3, 4))),
         (|_, b, _| *b = DMatrix::zeros(3, 3), wrong(RiccatiMatrix::B, (3, 2), (3, 3))),
@@ -196,7 +196,7 @@ fn an_invalid_matrix_is_an_error_that_names_it() {
 #[test]
 fn the_terminal_cost_is_checked() {
     let error = |terminal: DMatrix<f64>| RiccatiRecursion::new(&terminal, 1).unwrap_err();
-    let wrong = RiccatiError::WrongShape { matrix: RiccatiMatrix::P, expected: (2, 2), got: (2, 3) };
+    let wrong = RiccatiError::WrongShape { matrix: RiccatiMatrix::P, expected: (2, 2), found: (2, 3) };
     assert_eq!(error(DMatrix::zeros(2, 3)), wrong);
     assert!(matches!(
         error(dmatrix![1.0, 0.0; f64::NAN, 1.0]),

@@ -1,8 +1,10 @@
 //! Size checks, one wrong size at a time.
 
+use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost, TrajectoryCost};
 use mujoco_safe::control::riccati::RiccatiError;
-use mujoco_safe::{Controller, Data, Error, Lineariser, LqrWeights, Matrix, TimeVaryingLqr, TransitionOptions, sample};
+use mujoco_safe::derivative::TransitionOptions;
+use mujoco_safe::{Controller, Data, Error, Lineariser, LqrWeights, Matrix, sample};
 use nalgebra::DMatrix;
 
 use super::{cartpole, weights};
@@ -118,16 +120,16 @@ fn ilqr_checks_sizes() {
 fn invalid_options_are_errors() {
     let good = IlqrOptions::default;
     for options in [
-        IlqrOptions { threads: 0, ..good() },
-        IlqrOptions { tolerance: -1.0, ..good() },
-        IlqrOptions { tolerance: f64::NAN, ..good() },
-        IlqrOptions { step_sizes: vec![], ..good() },
-        IlqrOptions { step_sizes: vec![1.0, 0.0], ..good() },
-        IlqrOptions { step_sizes: vec![1.5], ..good() },
-        IlqrOptions { step_sizes: vec![f64::NAN], ..good() },
+        good().with_threads(0),
+        good().with_tolerance(-1.0),
+        good().with_tolerance(f64::NAN),
+        good().with_step_sizes(vec![]),
+        good().with_step_sizes(vec![1.0, 0.0]),
+        good().with_step_sizes(vec![1.5]),
+        good().with_step_sizes(vec![f64::NAN]),
     ] {
         assert!(matches!(Ilqr::new(sample::cartpole(), options), Err(Error::Invalid { .. })));
     }
-    let options = IlqrOptions { iterations: 7, ..good() };
+    let options = good().with_iterations(7);
     assert_eq!(Ilqr::new(sample::cartpole(), options.clone()).unwrap().options(), &options);
 }

@@ -4,12 +4,13 @@
 
 use std::collections::HashSet;
 
-use mujoco_safe::{Data, Error, Field, Model, Options, Statistics, Visual};
+use mujoco_safe::model::{FieldDoc, Statistics, Visual};
+use mujoco_safe::{Data, Error, Model, Options};
 
 /// The two functions of a struct.
 struct Docs {
     of: fn(&str) -> mujoco_safe::Result<String>,
-    all: Vec<Field>,
+    all: Vec<FieldDoc>,
 }
 
 fn structures() -> [Docs; 5] {

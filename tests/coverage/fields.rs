@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use mujoco_safe::{Data, Field, Model, Options, Statistics, Visual};
+use mujoco_safe::model::{FieldDoc, Statistics, Visual};
+use mujoco_safe::{Data, Model, Options};
 
 use crate::{is_committed, root, sources};
 
@@ -53,13 +54,13 @@ fn setters() -> BTreeMap<String, String> {
 
 struct Struct {
     name: &'static str,
-    fields: Vec<Field>,
+    fields: Vec<FieldDoc>,
     readers: Vec<String>,
     writers: Vec<String>,
 }
 
 /// Returns the reader and the writer of a field.
-fn access(of: &Struct, field: &Field, setters: &BTreeMap<String, String>) -> (Option<String>, Option<String>) {
+fn access(of: &Struct, field: &FieldDoc, setters: &BTreeMap<String, String>) -> (Option<String>, Option<String>) {
     let hand = |table: &[(&str, &str, &str)]| {
         table
             .iter()

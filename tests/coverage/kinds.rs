@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use mujoco_safe::Kind;
+use mujoco_safe::kind::Kind;
 
 use crate::{is_committed, sources};
 

@@ -5,9 +5,12 @@
 
 use std::sync::Arc;
 
+use mujoco_safe::data::Timer;
+use mujoco_safe::derivative::TransitionOutputs;
+use mujoco_safe::enums::{Cone, Integrator, JacobianStorage, Solver};
 use mujoco_safe::{
-    Cone, Controller, Data, Differences, Error, Integrator, JacobianStorage, LoadOptions, Lqr, Matrix, Model,
-    PdController, RandomController, Solver, StateSpec, Timer, Trajectory, TransitionOutputs, ZeroController, sample,
+    Controller, Data, Differences, Error, LoadOptions, Lqr, Matrix, Model, PdController, RandomController, StateSpec,
+    Trajectory, ZeroController, sample,
 };
 
 use crate::touch_all;
@@ -186,7 +189,8 @@ fn every_solver_makes_no_invalid_access() {
                     model.options(|options| {
                         (options.solver, options.integrator, options.jacobian) = (solver, integrator, jacobian);
                         options.noslip_iterations = 1;
-                        options.enable = mujoco_safe::EnableFlags::all() - mujoco_safe::EnableFlags::OVERRIDE;
+                        options.enable =
+                            mujoco_safe::model::EnableFlags::all() - mujoco_safe::model::EnableFlags::OVERRIDE;
                     })
                 })
                 .unwrap()

@@ -4,7 +4,10 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use mujoco_safe::{Callbacks, Data, Differences, Error, Integrator, Model, Stage, StateSpec, UnstableField, sample};
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::data::UnstableField;
+use mujoco_safe::enums::Integrator;
+use mujoco_safe::{Data, Differences, Error, Model, Stage, StateSpec, sample};
 
 /// A sliding mass with a motor and a user actuator of each kind.
 const SLIDER: &str = r#"<mujoco>
@@ -184,7 +187,7 @@ fn a_nan_control_from_a_callback_is_an_error() {
     let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[1] = f64::NAN);
     match data.with_callbacks(callbacks, |data| data.step()) {
         Err(Error::Unstable(instability)) => {
-            assert_eq!((instability.quantity, instability.index), (UnstableField::Control, 1));
+            assert_eq!((instability.field, instability.index), (UnstableField::Control, 1));
             assert_eq!(instability.name.as_deref(), Some("gain"));
         }
         other => panic!("{other:?}"),

@@ -2,7 +2,9 @@
 
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{Callbacks, Data, DisableFlags, Model, sample};
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::model::DisableFlags;
+use mujoco_safe::{Data, Model, sample};
 
 use crate::child;
 

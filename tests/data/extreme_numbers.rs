@@ -4,7 +4,8 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::{Controller, Data, Differences, Error, Integrator, Model, RandomController, Solver, sample};
+use mujoco_safe::enums::{Integrator, Solver};
+use mujoco_safe::{Controller, Data, Differences, Error, Model, RandomController, sample};
 
 /// A model of all geoms that the general collision algorithm handles, and a mocap body.
 const COLLIDERS: &str = include_str!("../models/colliders.xml");

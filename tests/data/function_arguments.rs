@@ -1,9 +1,11 @@
-//! Arguments of functions of the state: one wrong size at a time, invalid sparse rows, and ids of another model.
+//! Arguments of functions of the state: one wrong size at a time, invalid sparse rows, keys of elements, and ids of another model.
 #![forbid(unsafe_code)]
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use mujoco_safe::{Axes, Data, Error, FrameId, LengthRangeMode, LengthRangeOptions, Matrix, Model, Result, sample};
+use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId};
+use mujoco_safe::model::{LengthRangeMode, LengthRangeOptions};
+use mujoco_safe::{Data, Error, Matrix, Model, Result, sample};
 
 fn in_contact() -> Data {
     let mut data = Data::new(sample::humanoid()).unwrap();
@@ -34,7 +36,7 @@ fn vectors_of_a_wrong_length_are_errors() {
         is_shape(data.mul_m2_into(&source, &mut mismatched), "the result of mul_m2_into");
         is_shape(data.mul_m2_into(&mismatched_source, &mut dofs), "the vector of mul_m2_into");
         is_shape(data.solve_m2_into(&source, &mut mismatched), "the result of solve_m2_into");
-        is_shape(data.rne_into(true, &mut mismatched), "the result of rne_into");
+        is_shape(data.rne_into(Accelerations::Present, &mut mismatched), "the result of rne_into");
         is_shape(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], body, &mut mismatched), "qfrc_target of apply_ft");
         is_shape(data.mul_jac_vec_into(&mismatched_source, &mut rows), "the vector of mul_jac_vec_into");
         is_shape(data.mul_jac_t_vec_into(&forces, &mut mismatched), "the result of mul_jac_t_vec_into");
@@ -47,7 +49,10 @@ fn vectors_of_a_wrong_length_are_errors() {
         let mismatched_source = mismatched.clone();
         is_shape(data.mul_jac_vec_into(&source, &mut mismatched), "the result of mul_jac_vec_into");
         is_shape(data.mul_jac_t_vec_into(&mismatched_source, &mut dofs), "the vector of mul_jac_t_vec_into");
-        is_shape(data.constraint_update(&mismatched_source, true).map(drop), "jar of constraint_update");
+        is_shape(
+            data.constraint_update(&mismatched_source, ConeHessian::Compute).map(drop),
+            "jar of constraint_update",
+        );
     }
     let mut qpos = vec![0.0; data.model().nq() + 1];
     is_shape(data.model().normalize_quat(&mut qpos), "qpos of normalize_quat");
@@ -199,7 +204,7 @@ fn a_length_range_that_does_not_converge_is_an_error() {
       </mujoco>"#;
     let mut model = Model::from_xml_str(xml).unwrap();
     let motor = model.actuator("motor").unwrap().id();
-    let all = LengthRangeOptions { mode: LengthRangeMode::All, ..Default::default() };
+    let all = LengthRangeOptions::default().with_mode(LengthRangeMode::All);
     let before = model.actuator_lengthrange().to_vec();
     let error = model.edit().set_length_range(motor, &all).unwrap_err();
     assert!(matches!(error, Error::Unstable(_) | Error::Unsupported(_)), "{error}");
@@ -207,15 +212,15 @@ fn a_length_range_that_does_not_converge_is_an_error() {
 
     assert_eq!(model.edit().set_length_range(motor, &LengthRangeOptions::default()).unwrap(), [0.0; 2], "no muscle");
     for invalid in [
-        LengthRangeOptions { inttotal: f64::INFINITY, ..all },
-        LengthRangeOptions { inttotal: 1e9, ..all },
-        LengthRangeOptions { inttotal: 0.0, ..all },
-        LengthRangeOptions { inteval: 11.0, ..all },
-        LengthRangeOptions { inteval: f64::NAN, ..all },
-        LengthRangeOptions { accel: 0.0, ..all },
-        LengthRangeOptions { maxforce: -1.0, ..all },
-        LengthRangeOptions { timeconst: f64::NAN, ..all },
-        LengthRangeOptions { tolrange: -1.0, ..all },
+        all.with_inttotal(f64::INFINITY),
+        all.with_inttotal(1e9),
+        all.with_inttotal(0.0),
+        all.with_inteval(11.0),
+        all.with_inteval(f64::NAN),
+        all.with_accel(0.0),
+        all.with_maxforce(-1.0),
+        all.with_timeconst(f64::NAN),
+        all.with_tolrange(-1.0),
     ] {
         let error = model.edit().set_length_range(motor, &invalid).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{invalid:?}: {error}");
@@ -302,10 +307,10 @@ fn models_without_degrees_of_freedom_work_in_every_call() {
         data.object_acceleration(FrameId::BodyInertia(world), Axes::World).unwrap();
         data.mul_m2_into(&[], &mut []).unwrap();
         data.solve_m2_into(&[], &mut []).unwrap();
-        data.rne_into(true, &mut []).unwrap();
+        data.rne_into(Accelerations::Present, &mut []).unwrap();
         data.mul_jac_vec_into(&[], &mut []).unwrap();
         data.mul_jac_t_vec_into(&[], &mut []).unwrap();
-        assert_eq!(data.constraint_update(&[], true).unwrap(), 0.0);
+        assert_eq!(data.constraint_update(&[], ConeHessian::Compute).unwrap(), 0.0);
         data.add_m(&mut Matrix::zeros(0, 0)).unwrap();
         data.add_m_sparse(&mut [], &mut [], &[], &mut []).unwrap();
         assert_eq!(data.angmom_mat(world).unwrap().shape(), (3, 0));
@@ -313,8 +318,32 @@ fn models_without_degrees_of_freedom_work_in_every_call() {
         data.apply_ft([1.0; 3], [1.0; 3], [0.0; 3], world, &mut []).unwrap();
         data.object_velocity(FrameId::Body(world), Axes::Local).unwrap();
         data.local_to_global(world, [1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
-        data.ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0], &mujoco_safe::RayOptions::default()).unwrap();
+        data.ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0], &mujoco_safe::data::RayOptions::default()).unwrap();
         data.euler().unwrap();
         assert!(data.model().total_mass() >= 0.0);
     }
+}
+
+#[test]
+fn names_indices_ids_and_views_select_the_same_element() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    let model = data.model().clone();
+    let foot = model.body("foot_left").unwrap();
+    let expected = data.jac_body_com(foot.id()).unwrap();
+    assert_eq!(data.jac_body_com("foot_left").unwrap(), expected);
+    assert_eq!(data.jac_body_com(foot.index()).unwrap(), expected);
+    assert_eq!(data.jac_body_com(foot).unwrap(), expected);
+
+    let count = model.nbody();
+    assert!(matches!(data.jac("foot", [0.0; 3]), Err(Error::NoSuchName { .. })));
+    assert!(matches!(data.jac_point_axis(count, [0.0; 3], [0.0; 3]), Err(Error::NoSuchIndex { .. })));
+    assert!(matches!(data.angmom_mat("foot"), Err(Error::NoSuchName { .. })));
+    assert!(matches!(data.local_to_global(count, [0.0; 3], [0.0; 4]), Err(Error::NoSuchIndex { .. })));
+    assert!(matches!(data.geom_distance("floor", "foot", 1.0), Err(Error::NoSuchName { .. })));
+    assert!(matches!(data.ray_mesh("foot", [0.0; 3], [1.0; 3]), Err(Error::NoSuchName { .. })));
+    let mut target = vec![0.0; model.nv()];
+    assert!(matches!(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], "foot", &mut target), Err(Error::NoSuchName { .. })));
+    let mut own = sample::humanoid();
+    assert!(matches!(own.edit().set_length_range("foot", &Default::default()), Err(Error::NoSuchName { .. })));
 }

@@ -5,9 +5,11 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
+use mujoco_safe::derivative::TransitionOutputs;
+use mujoco_safe::enums::{Integrator, JacobianStorage, Solver};
 use mujoco_safe::{
-    Controller, Data, Differences, Error, Integrator, JacobianStorage, Lqr, Matrix, Model, PdController,
-    RandomController, Solver, StateSpec, Trajectory, TransitionOutputs, sample,
+    Controller, Data, Differences, Error, Lqr, Matrix, Model, PdController, RandomController, StateSpec, Trajectory,
+    sample,
 };
 
 /// Returns the message with which `action` must panic.
@@ -126,7 +128,7 @@ fn step2_is_rejected_after_a_change_of_options() {
         |options| options.solver = Solver::Pgs,
         |options| options.noslip_iterations = 5,
         |options| options.jacobian = JacobianStorage::Sparse,
-        |options| options.cone = mujoco_safe::Cone::Elliptic,
+        |options| options.cone = mujoco_safe::enums::Cone::Elliptic,
         |options| options.integrator = Integrator::Implicit,
     ];
     for change in changes {
@@ -148,7 +150,7 @@ fn every_combination_of_discrete_options_steps() {
     for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
         for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
             for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
-                for cone in [mujoco_safe::Cone::Elliptic, mujoco_safe::Cone::Pyramidal] {
+                for cone in [mujoco_safe::enums::Cone::Elliptic, mujoco_safe::enums::Cone::Pyramidal] {
                     for noslip in [0, 3] {
                         data.edit_model(|model| {
                             model.options(|options| {
@@ -271,7 +273,10 @@ fn copying_between_separately_loaded_models_is_an_error() {
 
     // A clone with other options: copying transfers the state, but no computed results.
     let mut edited = a.clone();
-    edited.edit_model(|model| model.options(|options| options.cone = mujoco_safe::Cone::Elliptic)).unwrap().unwrap();
+    edited
+        .edit_model(|model| model.options(|options| options.cone = mujoco_safe::enums::Cone::Elliptic))
+        .unwrap()
+        .unwrap();
     edited.step().unwrap();
     assert!(edited.contacts().len() > 0);
     a.copy_from(&edited).unwrap();
@@ -327,7 +332,7 @@ fn empty_models_and_models_without_joints_work_in_every_call() {
         data.inverse().unwrap();
         data.forward().unwrap();
         let world = data.model().body(0).unwrap().id();
-        assert_eq!(data.jac_body_com(world).unwrap().translation.shape(), (3, nv));
+        assert_eq!(data.jac_body_com(world).unwrap().linear.shape(), (3, nv));
         assert_eq!(data.jac_subtree_com(world).unwrap().shape(), (3, nv));
         assert_eq!(data.full_m().unwrap().shape(), (nv, nv));
         let (mut result, vector) = (vec![0.0; nv], vec![1.0; nv]);
@@ -351,7 +356,8 @@ fn empty_models_and_models_without_joints_work_in_every_call() {
 #[test]
 fn unknown_flags_are_rejected() {
     let mut model = sample::cartpole();
-    let error = model.edit().options(|options| options.enable = mujoco_safe::EnableFlags::from_bits_retain(1 << 20));
+    let error =
+        model.edit().options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 20));
     assert!(error.unwrap_err().to_string().contains("unknown bits"));
     let spec = StateSpec::from_bits_retain(u32::MAX);
     let mut data = Data::new(model).unwrap();

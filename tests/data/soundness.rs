@@ -4,10 +4,10 @@
 
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{
-    Callbacks, Cone, Data, Error, FrameId, Integrator, JacobianStorage, Model, RayOptions, Solver, Stage,
-    UnstableField, sample,
-};
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::data::{FrameId, RayOptions, UnstableField};
+use mujoco_safe::enums::{Cone, Integrator, JacobianStorage, Solver};
+use mujoco_safe::{Data, Error, Model, Stage, sample};
 
 use crate::trouble;
 
@@ -123,7 +123,7 @@ mod memory {
     #[should_panic(expected = "another model")]
     fn an_id_of_another_model_panics_even_if_its_index_exists() {
         let cart = sample::cartpole().body("cart").unwrap().id();
-        let _ = squatting().object_velocity(FrameId::Body(cart), mujoco_safe::Axes::World);
+        let _ = squatting().object_velocity(FrameId::Body(cart), mujoco_safe::data::Axes::World);
     }
 
     #[test]
@@ -147,7 +147,7 @@ mod crashes {
     fn unknown_flags_are_rejected() {
         let mut data = squatting();
         let result = data.edit_model(|model| {
-            model.options(|options| options.enable = mujoco_safe::EnableFlags::from_bits_retain(1 << 30))
+            model.options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 30))
         });
         assert!(matches!(result.unwrap(), Err(Error::Invalid { .. })));
     }
@@ -182,10 +182,7 @@ mod silent_errors {
         data.qvel_mut()[7] = f64::INFINITY;
         match data.step() {
             Err(Error::Unstable(instability)) => {
-                assert_eq!(
-                    (instability.quantity, instability.index, instability.time),
-                    (UnstableField::Velocity, 7, 3.0)
-                );
+                assert_eq!((instability.field, instability.index, instability.time), (UnstableField::Velocity, 7, 3.0));
             }
             other => panic!("{other:?}"),
         }
@@ -226,7 +223,7 @@ mod silent_errors {
         data.ctrl_mut()[3] = f64::NAN;
         match data.step() {
             Err(Error::Unstable(instability)) => {
-                assert_eq!((instability.quantity, instability.index), (UnstableField::Control, 3));
+                assert_eq!((instability.field, instability.index), (UnstableField::Control, 3));
             }
             other => panic!("{other:?}"),
         }
@@ -243,7 +240,7 @@ mod silent_errors {
     fn a_jacobian_is_row_major_and_has_a_transposed_view() {
         // Row 1 of M belongs to the second degree of freedom, and M is symmetric; a Jacobian is not.
         let data = squatting();
-        let jacobian = data.jac_body_com(data.model().body("foot_left").unwrap()).unwrap().translation;
+        let jacobian = data.jac_body_com(data.model().body("foot_left").unwrap()).unwrap().linear;
         let point = data.xipos()[data.model().body("foot_left").unwrap().index()];
         for (row, transposed) in jacobian.rows().zip(jacobian.transposed().column_iter()) {
             assert!(row.iter().eq(transposed.iter()));

@@ -4,7 +4,8 @@
 use std::sync::{Arc, Barrier};
 use std::thread;
 
-use mujoco_safe::{Data, Differences, Error, Model, RandomController, Trajectory, Warning, sample};
+use mujoco_safe::data::Warning;
+use mujoco_safe::{Data, Differences, Error, Model, RandomController, Trajectory, sample};
 
 use crate::trouble;
 
@@ -175,7 +176,7 @@ fn concurrent_jobs_give_the_results_of_sequential_jobs() {
     let texts: Vec<&str> = expected[3].iter().map(|(text, _)| text.as_str()).collect();
     assert!(texts[2].contains("'wrong3'") && texts[2].contains("line 2"), "{}", texts[2]);
     assert!(texts[3].contains("Stack overflow"), "{}", texts[3]);
-    assert!(texts[4].contains("number: 40, last_info: 2"), "{}", texts[4]);
+    assert!(texts[4].contains("number: 40, lastinfo: 2"), "{}", texts[4]);
     assert!(texts[6].contains("j3"), "{}", texts[6]);
     assert!(expected[3][8].1 != expected[4][8].1, "the models differ");
 

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::{Kind, sample};
+use mujoco_safe::kind::Kind;
+use mujoco_safe::sample;
 
 use crate::{every_element, simulation, zoo};
 

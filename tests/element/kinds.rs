@@ -2,10 +2,11 @@
 //! and ids.
 
 use mujoco_safe::element::{EqualityObjects, Object, SameFrame, Transmission, Wrap, WrapPoint};
-use mujoco_safe::{
-    ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, Data, EqualityType, Error, JointId, Model,
-    SensorDataType, SensorType, Stage, TextureType,
+use mujoco_safe::enums::{
+    ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, EqualityType, SensorDataType, SensorType, TextureType,
 };
+use mujoco_safe::id::JointId;
+use mujoco_safe::{Data, Error, Model, Stage};
 
 use crate::every_element;
 
@@ -284,7 +285,7 @@ fn the_length_of_a_tendon_path_is_the_tendons_length() {
 
 #[test]
 fn a_tendons_jacobian_row_is_independent_of_the_layout() {
-    for jacobian in [mujoco_safe::JacobianStorage::Dense, mujoco_safe::JacobianStorage::Sparse] {
+    for jacobian in [mujoco_safe::enums::JacobianStorage::Dense, mujoco_safe::enums::JacobianStorage::Sparse] {
         let mut data = Data::new(every_element()).unwrap();
         data.forward().unwrap();
         data.edit_model(|model| model.options(|options| options.jacobian = jacobian)).unwrap().unwrap();

@@ -3,7 +3,9 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use mujoco_safe::{BodyId, Data, Error, JointId, KeyframeId, Kind, SensorId, sample};
+use mujoco_safe::id::{BodyId, JointId, KeyframeId, SensorId};
+use mujoco_safe::kind::Kind;
+use mujoco_safe::{Data, Error, sample};
 
 use crate::{every_element, zoo};
 

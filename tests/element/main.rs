@@ -17,7 +17,8 @@ mod writing;
 
 use std::sync::Arc;
 
-use mujoco_safe::{Data, EnableFlags, Error, Model};
+use mujoco_safe::model::EnableFlags;
+use mujoco_safe::{Data, Error, Model};
 
 const ZOO_XML: &str = include_str!("../models/zoo.xml");
 

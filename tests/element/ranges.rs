@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::{JointType, sample};
+use mujoco_safe::enums::JointType;
+use mujoco_safe::sample;
 
 use crate::zoo;
 

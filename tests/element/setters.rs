@@ -1,7 +1,8 @@
 //! Setters of flags, masks and other integers of a model: each setter writes only its element's value, rejects values that the
 //! engine does not support, and leaves a model that can be stepped.
 
-use mujoco_safe::{Cone, Data, Error, JacobianStorage, Model, ModelMut, Solver, sample};
+use mujoco_safe::enums::{Cone, JacobianStorage, Solver};
+use mujoco_safe::{Data, Error, Model, ModelMut, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 

@@ -1,6 +1,7 @@
 //! Errors of unknown names.
 
-use mujoco_safe::{Error, Kind, sample};
+use mujoco_safe::kind::Kind;
+use mujoco_safe::{Error, sample};
 
 use crate::{every_element, simulation, unknown, zoo};
 

@@ -164,16 +164,16 @@ fn jacobians_equal_python() {
             let what = format!("{name}, body '{body}'");
             let id = model.body(body).unwrap();
             let frame = data.jac_body(id).unwrap();
-            near(&what, &frame.translation, &recorded["translation"]);
-            near(&what, &frame.rotation, &recorded["rotation"]);
-            near(&what, &data.jac_body_com(id).unwrap().translation, &recorded["com"]);
+            near(&what, &frame.linear, &recorded["translation"]);
+            near(&what, &frame.angular, &recorded["rotation"]);
+            near(&what, &data.jac_body_com(id).unwrap().linear, &recorded["com"]);
             near(&what, &data.jac_subtree_com(id).unwrap(), &recorded["subtree_com"]);
         }
         for (site, recorded) in recorded["jacobians"]["sites"].as_object().unwrap() {
             let what = format!("{name}, site '{site}'");
             let frame = data.jac_site(model.site(site).unwrap()).unwrap();
-            near(&what, &frame.translation, &recorded["translation"]);
-            near(&what, &frame.rotation, &recorded["rotation"]);
+            near(&what, &frame.linear, &recorded["translation"]);
+            near(&what, &frame.angular, &recorded["rotation"]);
         }
     }
 }

@@ -254,8 +254,8 @@ mod sample_humanoid {
         assert_near("its norm", norm(&subtree), 1.885334862905384, 1e-12);
 
         let com = data.jac_body_com(torso).unwrap();
-        assert_near("jac_body_com, translation", norm(&com.translation), 1.7333003029, 1e-9);
-        assert_near("jac_body_com, rotation", norm(&com.rotation), 1.7320508076, 1e-9);
+        assert_near("jac_body_com, translation", norm(&com.linear), 1.7333003029, 1e-9);
+        assert_near("jac_body_com, rotation", norm(&com.angular), 1.7320508076, 1e-9);
     }
 
     #[test]

@@ -48,9 +48,9 @@ fn conversions_between_band_and_dense_round_trip() {
         let band = band_of(&full, shape);
         assert_eq!(band.len(), (n - shape.ndense()) * shape.nband() + shape.ndense() * n);
         let mut dense = Matrix::from_row_major(n, n, vec![9.0; n * n]);
-        math::band2dense(&mut dense, &band, shape, true).unwrap();
+        math::band2dense(&mut dense, &band, shape, math::BandKind::Symmetric).unwrap();
         assert_eq!(dense, Matrix::from(&full));
-        math::band2dense(&mut dense, &band, shape, false).unwrap();
+        math::band2dense(&mut dense, &band, shape, math::BandKind::LowerTriangular).unwrap();
         assert_eq!(dense, Matrix::from(&full.lower_triangle()));
         for i in 0..n {
             assert_eq!(band[shape.band_diag(i)], full[(i, i)], "{shape:?}, row {i}");
@@ -66,8 +66,10 @@ fn products_equal_dense_products() {
         for nvec in [0, 1, 3] {
             let vec = Matrix::from_row_major(nvec, shape.ntotal(), numbers(&mut random, nvec * shape.ntotal()));
             let mut res = Matrix::zeros(nvec, shape.ntotal());
-            for (flg_sym, mat) in [(true, full.clone()), (false, full.lower_triangle())] {
-                math::band_mul_mat_vec(&mut res, &band, &vec, shape, flg_sym).unwrap();
+            for (kind, mat) in
+                [(math::BandKind::Symmetric, full.clone()), (math::BandKind::LowerTriangular, full.lower_triangle())]
+            {
+                math::band_mul_mat_vec(&mut res, &band, &vec, shape, kind).unwrap();
                 let expected = Matrix::from(&(vec.to_nalgebra() * mat.transpose()));
                 assert_near(res.as_slice(), expected.as_slice(), 1e-11);
             }
@@ -89,7 +91,7 @@ fn factors_and_solutions_equal_dense_ones() {
         let expected = cholesky.l().diagonal().iter().map(|value| value * value).fold(f64::INFINITY, f64::min);
         assert!(smallest == expected || (smallest - expected).abs() < 1e-10 * expected, "{smallest}, {expected}");
         let mut factor = Matrix::zeros(n, n);
-        math::band2dense(&mut factor, &band, shape, false).unwrap();
+        math::band2dense(&mut factor, &band, shape, math::BandKind::LowerTriangular).unwrap();
         assert_near(factor.as_slice(), Matrix::from(&cholesky.l()).as_slice(), 1e-11);
         let vec = numbers(&mut random, n);
         let mut res = vec![9.0; n];

@@ -44,10 +44,10 @@ fn updates_and_downdates_equal_factors_of_the_sum_and_difference() {
         let outer = DVector::from_vec(x.clone()) * DVector::from_vec(x.clone()).transpose();
         let mut factor = Matrix::from(&full);
         math::chol_factor(&mut factor, 1e-15).unwrap();
-        assert_eq!(math::chol_update(&mut factor, &mut x.clone(), true).unwrap(), n);
+        assert_eq!(math::chol_update(&mut factor, &mut x.clone(), math::RankOneUpdate::Add).unwrap(), n);
         let l = lower(&factor);
         assert_near((&l * l.transpose()).as_slice(), (&full + &outer).as_slice(), 1e-11);
-        assert_eq!(math::chol_update(&mut factor, &mut x.clone(), false).unwrap(), n);
+        assert_eq!(math::chol_update(&mut factor, &mut x.clone(), math::RankOneUpdate::Subtract).unwrap(), n);
         let l = lower(&factor);
         assert_near((&l * l.transpose()).as_slice(), full.as_slice(), 1e-11);
     }
@@ -63,7 +63,7 @@ fn a_rank_deficient_matrix_has_the_engines_factor() {
     assert_same(ours.as_slice(), &theirs);
     // Subtracting too much.
     let mut one = Matrix::from_rows(&[[1.0]]);
-    assert_eq!(math::chol_update(&mut one, &mut [2.0], false).unwrap(), 0);
+    assert_eq!(math::chol_update(&mut one, &mut [2.0], math::RankOneUpdate::Subtract).unwrap(), 0);
     assert!(one[(0, 0)] > 0.0);
 }
 

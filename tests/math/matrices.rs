@@ -116,7 +116,7 @@ fn views_of_slices_and_arrays_are_readable_and_writable() {
     let view = MatrixView::from_row_major(2, 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     let mut target = MatrixViewMut::from_row_major(3, 2, &mut values);
     math::transpose(&mut target, view).unwrap();
-    assert_eq!(target.as_view().row(0), [1.0, 4.0]);
+    assert_eq!(target.view().row(0), [1.0, 4.0]);
     let mut square = [[0.0; 3]; 3];
     math::mul_mat_t_mat(&mut square, &[[1.0, 2.0, 3.0]], &[[1.0, 1.0, 1.0]]).unwrap();
     assert_eq!(square, [[1.0; 3], [2.0; 3], [3.0; 3]]);

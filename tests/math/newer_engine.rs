@@ -23,7 +23,7 @@ fn band_matrices_and_factors_equal_the_newer_engine() {
     assert_eq!([0, 1, 2, 3, 4].map(|i| shape.band_diag(i)), [1, 3, 5, 7, 12]);
 
     let mut res = Matrix::zeros(1, 5);
-    math::band_mul_mat_vec(&mut res, &band, &[[1.0, 2.0, 3.0, 4.0, 5.0]], shape, true).unwrap();
+    math::band_mul_mat_vec(&mut res, &band, &[[1.0, 2.0, 3.0, 4.0, 5.0]], shape, math::BandKind::Symmetric).unwrap();
     assert_near(res.as_slice(), &[8.5, 9.25, 21.5, 39.0, 43.5], 1e-14);
 
     let smallest = math::chol_factor_band(&mut band, shape, 0.1, 0.2).unwrap().unwrap();

@@ -1,7 +1,8 @@
 //! Scalar functions, friction pyramids and rays, against formulae and the engine.
 
+use mujoco_safe::Error;
+use mujoco_safe::enums::GeomType;
 use mujoco_safe::math::{self, SkinHit};
-use mujoco_safe::{Error, GeomType};
 use rand::RngExt;
 
 use crate::{array, assert_near, assert_same, c, numbers, random};

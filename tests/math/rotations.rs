@@ -144,8 +144,8 @@ fn power_does_not_depend_on_the_frame() {
         let (newpos, oldpos) = (array(&mut random), array(&mut random));
         let rotation = math::quat2mat(&unit(&mut random));
         for rotation in [None, Some(&rotation)] {
-            let moved = math::transform_spatial(&motion, false, &newpos, &oldpos, rotation);
-            let pushed = math::transform_spatial(&force, true, &newpos, &oldpos, rotation);
+            let moved = math::transform_spatial(&motion, math::SpatialKind::Motion, &newpos, &oldpos, rotation);
+            let pushed = math::transform_spatial(&force, math::SpatialKind::Force, &newpos, &oldpos, rotation);
             let power = |a: &[f64], b: &[f64]| math::dot(a, b).unwrap();
             assert_near(&[power(&moved, &pushed)], &[power(&motion, &force)], 1e-13);
             assert_near(&[math::norm(&moved[..3])], &[math::norm(&motion[..3])], 1e-14);

@@ -62,16 +62,18 @@ fn factorisations_check_sizes() {
     checks([3, 3], |[a, b]| math::chol_factor(&mut m(a, b), 1e-15));
     checks([3, 3, 3, 3], |[a, b, c, d]| math::chol_solve(&mut v(a), &m(b, c), &v(d)));
     checks([3, 3, 3], |[a, b, c]| math::chol_solve_in_place(&m(a, b), &mut v(c)));
-    checks([3, 3, 3], |[a, b, c]| math::chol_update(&mut m(a, b), &mut v(c), true));
+    checks([3, 3, 3], |[a, b, c]| math::chol_update(&mut m(a, b), &mut v(c), math::RankOneUpdate::Add));
     let shape = BandShape::new(5, 2, 1).unwrap();
     let kept = shape.len();
     assert_eq!(kept, 4 * 2 + 5);
     checks([kept], |[a]| math::chol_factor_band(&mut v(a), shape, 1.0, 0.0));
     checks([5, kept, 5], |[a, b, c]| math::chol_solve_band(&mut v(a), &v(b), &v(c), shape));
     checks([kept, 5], |[a, b]| math::chol_solve_band_in_place(&v(a), &mut v(b), shape));
-    checks([5, 5, kept], |[a, b, c]| math::band2dense(&mut m(a, b), &v(c), shape, true));
+    checks([5, 5, kept], |[a, b, c]| math::band2dense(&mut m(a, b), &v(c), shape, math::BandKind::Symmetric));
     checks([kept, 5, 5], |[a, b, c]| math::dense2band(&mut v(a), &m(b, c), shape));
-    checks([3, 5, kept, 3, 5], |[a, b, c, d, e]| math::band_mul_mat_vec(&mut m(a, b), &v(c), &m(d, e), shape, true));
+    checks([3, 5, kept, 3, 5], |[a, b, c, d, e]| {
+        math::band_mul_mat_vec(&mut m(a, b), &v(c), &m(d, e), shape, math::BandKind::Symmetric)
+    });
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Valid models that overflow the engine's arrays or break its algorithms: they are rejected, or a call returns an error.
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{Data, Error, Model, NewContact, RayOptions};
+use mujoco_safe::data::{NewContact, RayOptions};
+use mujoco_safe::{Data, Error, Model};
 
 /// Returns a ball that an adhesion actuator sticks to the floor, with these sizes. The ball starts above the floor, because the
 /// engine's compiler takes a step, which needs room for the constraints already.
@@ -62,7 +63,7 @@ fn an_adhesion_actuator_with_room_for_its_constraints_works() {
         data.step().unwrap();
     }
     assert!(data.contacts().next().expect("the ball lies on the floor").force().unwrap().force[0] > 0.0);
-    assert_eq!(data.warning(mujoco_safe::Warning::ConstraintFull).number, 0);
+    assert_eq!(data.warning(mujoco_safe::data::Warning::ConstraintFull).number, 0);
 }
 
 #[test]

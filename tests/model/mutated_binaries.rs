@@ -48,17 +48,16 @@ fn show(data: &mut Data) {
     for (label, frame) in [(LabelMode::Body, FrameMode::Geom), (LabelMode::ContactForce, FrameMode::Contact)] {
         let (flags, geomgroup, sitegroup, jointgroup) = (VisualFlags::all(), all, all, all);
         let (tendongroup, actuatorgroup, skingroup) = (all, all, all);
-        let options = SceneOptions {
-            label,
-            frame,
-            flags,
-            geomgroup,
-            sitegroup,
-            jointgroup,
-            tendongroup,
-            actuatorgroup,
-            skingroup,
-        };
+        let options = SceneOptions::default()
+            .with_label(label)
+            .with_frame(frame)
+            .with_flags(flags)
+            .with_geomgroup(geomgroup)
+            .with_sitegroup(sitegroup)
+            .with_jointgroup(jointgroup)
+            .with_tendongroup(tendongroup)
+            .with_actuatorgroup(actuatorgroup)
+            .with_skingroup(skingroup);
         match scene.update(data, &options, None, &mut camera, Categories::all()) {
             Ok(()) => assert!(scene.geoms().all(|geom| geom.label().len() < 100)),
             Err(Error::SceneFull { .. } | Error::NotComputed { .. } | Error::Poisoned { .. }) => (),

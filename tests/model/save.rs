@@ -2,7 +2,8 @@
 
 use std::sync::PoisonError;
 
-use mujoco_safe::{Error, Kind, Model, sample};
+use mujoco_safe::kind::Kind;
+use mujoco_safe::{Error, Model, sample};
 
 use crate::{RAW_LOADS, assets, bytes, bytes_in_c, folder};
 
@@ -154,7 +155,7 @@ fn a_failed_save_leaves_the_existing_file_unchanged() {
 
 #[test]
 fn the_schema_has_every_element_of_the_official_bindings() {
-    let (text, html) = (mujoco_safe::schema().unwrap(), mujoco_safe::schema_html().unwrap());
+    let (text, html) = (mujoco_safe::model::schema().unwrap(), mujoco_safe::model::schema_html().unwrap());
     let elements: Vec<&str> =
         text.lines().filter_map(|line| line.trim_start().split_once(" (").map(|it| it.0)).collect();
     assert_eq!((text.lines().count(), elements.len()), (301, 127));

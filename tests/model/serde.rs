@@ -2,7 +2,9 @@
 
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{Cone, DisableFlags, EnableFlags, Error, Integrator, Options, Solver, Statistics, Visual, sample};
+use mujoco_safe::enums::{Cone, Integrator, Solver};
+use mujoco_safe::model::{DisableFlags, EnableFlags, Statistics, Visual};
+use mujoco_safe::{Error, Options, sample};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

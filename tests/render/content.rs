@@ -6,10 +6,10 @@
 
 use std::path::PathBuf;
 
-use mujoco_safe::render::{Picture, Renderer, RendererOptions};
+use mujoco_safe::render::{Renderer, RendererOptions, RgbImage};
 use mujoco_safe::scene::{
     Camera, CameraView, Categories, Connector, FrameMode, LabelMode, NewGeom, Perturbation, PerturbationFlags, Scene,
-    SceneOptions, VisualFlags,
+    SceneOptions, TextureRepeat, VisualFlags,
 };
 use mujoco_safe::{Data, Model, ModelMut, sample};
 
@@ -18,7 +18,7 @@ use crate::stage;
 const SIZE: [u32; 2] = [320, 240];
 
 /// Saves an image for inspection.
-fn save(picture: &Picture, name: &str) {
+fn save(picture: &RgbImage, name: &str) {
     if let Some(folder) = std::env::var_os("MUJOCO_SAFE_PICTURES") {
         picture.save_png(PathBuf::from(folder).join(name).with_extension("png")).unwrap();
     }
@@ -69,7 +69,7 @@ fn update(data: &mut Data, scene: &mut Scene, options: &SceneOptions) {
 }
 
 /// Renders a simulation from its camera.
-fn picture(renderer: &mut Renderer, data: &mut Data) -> Picture {
+fn picture(renderer: &mut Renderer, data: &mut Data) -> RgbImage {
     data.forward().unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();
     update(data, &mut scene, &SceneOptions::default());
@@ -77,7 +77,7 @@ fn picture(renderer: &mut Renderer, data: &mut Data) -> Picture {
 }
 
 /// Returns the share of bytes that differ.
-fn difference(a: &Picture, b: &Picture) -> f64 {
+fn difference(a: &RgbImage, b: &RgbImage) -> f64 {
     assert_eq!(a.as_bytes().len(), b.as_bytes().len());
     let differ = a.as_bytes().iter().zip(b.as_bytes()).filter(|(a, b)| a != b).count();
     differ as f64 / a.as_bytes().len() as f64
@@ -190,12 +190,12 @@ fn every_user_geom_is_visible() {
     let checks = data.model().texture("checks").unwrap().id();
     let connector = |shape| NewGeom::connector(shape, 0.05, [0.0, 0.0, -0.3], [0.2, 0.0, 0.3]);
     let shapes = [
-        NewGeom::plane([0.3, 0.3]).texture(checks, [1.0, 1.0], false),
+        NewGeom::plane([0.3, 0.3]).texture(checks, TextureRepeat::PerGeom([1.0, 1.0])),
         NewGeom::sphere(0.3),
         NewGeom::capsule(0.15, 0.2),
         NewGeom::ellipsoid([0.3, 0.2, 0.1]),
         NewGeom::cylinder(0.2, 0.3),
-        NewGeom::cuboid([0.2, 0.3, 0.1]).texture(checks, [1.0, 1.0], false),
+        NewGeom::cuboid([0.2, 0.3, 0.1]).texture(checks, TextureRepeat::PerGeom([1.0, 1.0])),
         NewGeom::mesh(mesh),
         NewGeom::convex_hull(mesh),
         NewGeom::height_field(field),
@@ -233,12 +233,12 @@ fn every_user_geom_is_visible() {
             8 => shape.clone().pos([at[0], 1.0, at[2]]),
             _ => shape.clone().pos(at),
         };
-        assert_eq!(scene.push(&shape.rgba(color)).unwrap(), index);
+        assert_eq!(scene.add_geom(&shape.rgba(color)).unwrap(), index);
     }
     let mut renderer = self::renderer(data.model(), [640, 480]);
     save(&renderer.rgb(&scene).unwrap(), "shapes");
     let segmentation = renderer.segmentation(&scene).unwrap();
-    save(&segmentation.to_picture(), "shapes by segment");
+    save(&segmentation.to_rgb(), "shapes by segment");
     let seen = segmentation.segments();
     let unseen: Vec<usize> =
         (0..shapes.len()).filter(|index| seen.iter().all(|(segment, _)| segment.geom != *index)).collect();
@@ -262,7 +262,12 @@ fn humanoid() -> (Data, Perturbation) {
     (data, perturbation)
 }
 
-fn decorated(renderer: &mut Renderer, data: &mut Data, perturbation: &Perturbation, options: &SceneOptions) -> Picture {
+fn decorated(
+    renderer: &mut Renderer,
+    data: &mut Data,
+    perturbation: &Perturbation,
+    options: &SceneOptions,
+) -> RgbImage {
     let mut scene = Scene::new(data.model(), 10_000).unwrap();
     let mut camera = Camera::free(data.model());
     camera.lookat = [0.0, 0.0, 0.3];
@@ -275,7 +280,7 @@ fn decorated(renderer: &mut Renderer, data: &mut Data, perturbation: &Perturbati
 fn every_decoration_is_visible() {
     let (mut data, perturbation) = humanoid();
     let mut renderer = self::renderer(data.model(), [640, 480]);
-    let plain = SceneOptions { flags: VisualFlags::TEXTURE | VisualFlags::STATIC, ..SceneOptions::default() };
+    let plain = SceneOptions::default().with_flags(VisualFlags::TEXTURE | VisualFlags::STATIC);
     let before = decorated(&mut renderer, &mut data, &perturbation, &plain);
     // Flags for which the model has something to show.
     for flag in [
@@ -290,17 +295,17 @@ fn every_decoration_is_visible() {
         VisualFlags::COM,
         VisualFlags::SELECT,
     ] {
-        let options = SceneOptions { flags: plain.flags | flag, ..plain.clone() };
+        let options = plain.clone().with_flags(plain.flags | flag);
         let after = decorated(&mut renderer, &mut data, &perturbation, &options);
         assert!(difference(&before, &after) > 1e-5, "{flag:?} is not visible");
         save(&after, &format!("decoration {flag:?}"));
     }
     for frame in [FrameMode::Body, FrameMode::Geom, FrameMode::Contact, FrameMode::World] {
-        let after = decorated(&mut renderer, &mut data, &perturbation, &SceneOptions { frame, ..plain.clone() });
+        let after = decorated(&mut renderer, &mut data, &perturbation, &plain.clone().with_frame(frame));
         assert!(difference(&before, &after) > 1e-5, "frames of {frame:?} are not seen");
         save(&after, &format!("frames {frame:?}"));
     }
-    let all = SceneOptions { flags: VisualFlags::all(), frame: FrameMode::Body, ..SceneOptions::default() };
+    let all = SceneOptions::default().with_flags(VisualFlags::all()).with_frame(FrameMode::Body);
     save(&decorated(&mut renderer, &mut data, &perturbation, &all), "decoration all");
 }
 
@@ -311,12 +316,12 @@ fn labels_are_visible() {
     let plain = SceneOptions::default();
     let before = decorated(&mut renderer, &mut data, &perturbation, &plain);
     for label in [LabelMode::Body, LabelMode::Geom, LabelMode::Selection] {
-        let after = decorated(&mut renderer, &mut data, &perturbation, &SceneOptions { label, ..plain.clone() });
+        let after = decorated(&mut renderer, &mut data, &perturbation, &plain.clone().with_label(label));
         assert!(difference(&before, &after) > 1e-4, "labels of {label:?} are not seen");
         save(&after, &format!("labels {label:?}"));
         // White letters.
         let is_white = |pixel: &&[u8; 3]| pixel.iter().all(|&byte| byte > 230);
-        let white = |picture: &Picture| picture.as_bytes().as_chunks::<3>().0.iter().filter(is_white).count();
+        let white = |picture: &RgbImage| picture.as_bytes().as_chunks::<3>().0.iter().filter(is_white).count();
         assert!(white(&after) > white(&before) + 5, "{label:?}: {} against {}", white(&after), white(&before));
     }
 }
@@ -330,7 +335,7 @@ fn a_user_label_is_drawn_at_its_position_in_front_of_everything() {
     let mut renderer = self::renderer(data.model(), SIZE);
     let before = renderer.rgb(&scene).unwrap();
     // Behind the hills, and with letters that the font lacks.
-    scene.push(&NewGeom::text("höher als die Hügel").unwrap().pos([1.5, 4.0, 0.1])).unwrap();
+    scene.add_geom(&NewGeom::text("höher als die Hügel").unwrap().pos([1.5, 4.0, 0.1])).unwrap();
     let after = renderer.rgb(&scene).unwrap();
     assert!(difference(&before, &after) > 1e-3);
     save(&after, "text");

@@ -3,7 +3,9 @@
 #![forbid(unsafe_code)]
 
 use mujoco_safe::render::{Lighting, RenderError, Renderer, RendererOptions};
-use mujoco_safe::scene::{Connector, NewGeom, RenderFlags, Scene, SceneOptions, Transform, Viewpoint, VisualFlags};
+use mujoco_safe::scene::{
+    Connector, NewGeom, RenderFlags, Scene, SceneOptions, TextureRepeat, Transform, Viewpoint, VisualFlags,
+};
 use mujoco_safe::{Data, Error, Model};
 
 use crate::stage::{self, Stage};
@@ -98,12 +100,12 @@ fn a_new_geom_of_any_size_is_drawn_or_skipped() {
             NewGeom::connector(Connector::Arrow, size, [0.0; 3], [0.0; 3]),
             NewGeom::connector(Connector::Arrow2, 0.1, [0.0; 3], [size, size, 0.0]),
             NewGeom::sphere(1.0).mat([size, 0.0, 0.0, 0.0, size, 0.0, 0.0, 0.0, 0.0]),
-            NewGeom::cuboid([1.0; 3]).texture(texture, [size as f32; 2], true),
+            NewGeom::cuboid([1.0; 3]).texture(texture, TextureRepeat::PerLength([size as f32; 2])),
             NewGeom::cuboid([1.0; 3]).surface(size as f32, size as f32, size as f32, size as f32),
             NewGeom::text("a\u{1F916}b").unwrap().pos([size; 3]),
         ] {
             for alpha in [1.0, 0.5] {
-                stage.scene.push(&geom.clone().rgba([1.0, 1.0, 1.0, alpha])).unwrap();
+                stage.scene.add_geom(&geom.clone().rgba([1.0, 1.0, 1.0, alpha])).unwrap();
             }
         }
         let Stage { renderer, scene, .. } = &mut stage;
@@ -130,7 +132,7 @@ fn a_model_of_any_numbers_is_drawn() {
         data.forward().unwrap();
         let mut scene = stage::scene(&mut data);
         for lighting in [Lighting::PerPixel, Lighting::PerVertex] {
-            let options = RendererOptions::default().lighting(lighting);
+            let options = RendererOptions::default().with_lighting(lighting);
             let mut renderer = Renderer::on(stage::gpu(), &model, 8, 8, &options).unwrap();
             draw_all(&mut renderer, &mut scene, &format!("a model of {number}"));
         }
@@ -201,7 +203,7 @@ fn any_number_of_lights_is_drawn() {
         let xml =
             format!(r#"<mujoco>{headlight}<worldbody>{lights}<geom type="plane" size="1 1 1"/></worldbody></mujoco>"#);
         for lighting in [Lighting::PerVertex, Lighting::PerPixel] {
-            let options = RendererOptions::default().shadow_size(16).samples(1).lighting(lighting);
+            let options = RendererOptions::default().with_shadow_size(16).with_samples(1).with_lighting(lighting);
             let mut stage = Stage::with(&xml, [4, 4], &options);
             accept(stage.renderer.rgb(&stage.scene), &format!("{count} lights"));
         }
@@ -256,7 +258,7 @@ fn an_invalid_image_size_is_an_error() {
     assert!(too_large(&stage.renderer.resize(0x7FFF_FFFF, 12)));
     assert!(too_large(&stage.renderer.resize(16, 0x7FFF_FFFF)));
     assert_eq!(stage.renderer.size(), [16, 12], "the size is unchanged");
-    let options = RendererOptions::default().shadow_size(0x7FFF_FFFF);
+    let options = RendererOptions::default().with_shadow_size(0x7FFF_FFFF);
     assert!(too_large(&Renderer::on(stage::gpu(), stage.data.model(), 16, 12, &options).map(drop)));
     let mut wrong = vec![0; 4 * 16 * 12 - 1];
     let result = stage.renderer.rgba_into(&stage.scene, &mut wrong);
@@ -268,7 +270,7 @@ fn every_visual_flag_is_drawn() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let Stage { data, scene, camera, renderer } = &mut stage;
     for flag in VisualFlags::all() {
-        let options = SceneOptions { flags: flag, ..SceneOptions::default() };
+        let options = SceneOptions::default().with_flags(flag);
         scene.update(data, &options, None, camera, mujoco_safe::scene::Categories::all()).unwrap();
         accept(renderer.rgb(scene), &format!("{flag:?}"));
     }

@@ -2,7 +2,7 @@
 //! implementation.
 #![forbid(unsafe_code)]
 
-use mujoco_safe::render::{Lighting, Picture, Renderer, RendererOptions};
+use mujoco_safe::render::{Lighting, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::scene::{NewGeom, RenderFlags};
 
 use crate::stage::{self, Stage};
@@ -17,7 +17,7 @@ fn world(visual: &str, body: &str) -> String {
     )
 }
 
-fn middle(picture: &Picture) -> [u8; 3] {
+fn middle(picture: &RgbImage) -> [u8; 3] {
     picture.pixel(picture.width() / 2, picture.height() / 2)
 }
 
@@ -41,7 +41,7 @@ fn an_empty_scene_is_black_without_depth_and_geoms() {
 fn an_emissive_material_has_its_own_colour() {
     let mut stage = Stage::new(&world("", r#"<light directional="true" diffuse="0 0 0" specular="0 0 0"/>"#), SIZE);
     stage.look_along_x([0.0; 3], 3.0);
-    stage.scene.push(&NewGeom::sphere(0.5).rgba([0.2, 0.4, 0.6, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
+    stage.scene.add_geom(&NewGeom::sphere(0.5).rgba([0.2, 0.4, 0.6, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
     let picture = stage.rgb();
     assert_rgb(middle(&picture), [0.2, 0.4, 0.6]);
     assert_eq!(picture.pixel(0, 0), [0; 3], "beside the box");
@@ -55,7 +55,7 @@ fn a_directional_light_follows_the_cosine_law() {
     let body = r#"<light directional="true" castshadow="false" dir="3 0 -4" ambient="0.1 0.2 0" diffuse="0.5 0.5 0.5" specular="0 0 0"/>
                   <geom type="box" size="0.5 2 2" rgba="1 0.5 0.25 1"/>"#;
     for lighting in [Lighting::PerVertex, Lighting::PerPixel] {
-        let options = RendererOptions::default().samples(1).lighting(lighting);
+        let options = RendererOptions::default().with_samples(1).with_lighting(lighting);
         let mut stage = Stage::with(&world("", body), SIZE, &options);
         stage.look_along_x([0.0; 3], 3.0);
         let cosine = 0.6;
@@ -75,7 +75,7 @@ fn a_spot_light_attenuates_and_has_a_cone() {
                       ambient="0 0 0" diffuse="1 1 1" specular="0 0 0"/>
                <geom type="box" size="0.5 0.6 0.6" rgba="1 1 1 1"/>"#
         );
-        let options = RendererOptions::default().samples(1).lighting(Lighting::PerPixel);
+        let options = RendererOptions::default().with_samples(1).with_lighting(Lighting::PerPixel);
         let mut stage = Stage::with(&world("", &body), SIZE, &options);
         stage.look_along_x([0.0; 3], 3.0);
         stage.rgb()
@@ -94,10 +94,10 @@ fn a_spot_light_attenuates_and_has_a_cone() {
 fn a_specular_highlight_is_at_the_mirror_direction() {
     // Light and camera are both at -x, so the highlight is where the sphere faces them.
     let body = r#"<light directional="true" castshadow="false" dir="1 0 0" diffuse="0 0 0" specular="1 1 1"/>"#;
-    let options = RendererOptions::default().samples(1).lighting(Lighting::PerPixel);
+    let options = RendererOptions::default().with_samples(1).with_lighting(Lighting::PerPixel);
     let mut stage = Stage::with(&world("", body), SIZE, &options);
     stage.look_along_x([0.0; 3], 3.0);
-    stage.scene.push(&NewGeom::sphere(0.5).rgba([0.5, 0.5, 0.5, 1.0]).surface(0.0, 0.8, 0.5, 0.0)).unwrap();
+    stage.scene.add_geom(&NewGeom::sphere(0.5).rgba([0.5, 0.5, 0.5, 1.0]).surface(0.0, 0.8, 0.5, 0.0)).unwrap();
     let picture = stage.rgb();
     let [red, ..] = middle(&picture);
     assert!((f64::from(red) - 255.0 * 0.8).abs() < 4.0, "{red}");
@@ -111,8 +111,8 @@ fn transparent_geoms_are_blended() {
     stage.look_along_x([0.0; 3], 3.0);
     let wall =
         |x: f64, rgba| NewGeom::cuboid([0.01, 2.0, 2.0]).pos([x, 0.0, 0.0]).rgba(rgba).surface(1.0, 0.0, 0.0, 0.0);
-    stage.scene.push(&wall(0.0, [0.0, 0.5, 0.0, 0.4])).unwrap();
-    stage.scene.push(&wall(1.0, [1.0, 0.0, 0.0, 1.0])).unwrap();
+    stage.scene.add_geom(&wall(0.0, [0.0, 0.5, 0.0, 0.4])).unwrap();
+    stage.scene.add_geom(&wall(1.0, [1.0, 0.0, 0.0, 1.0])).unwrap();
     // It is drawn twice, front to back and back to front, like in the engine.
     let over = |below: f64, own: f64| 0.4 * own + 0.6 * below;
     assert_rgb(middle(&stage.rgb()), [over(over(1.0, 0.0), 0.0), over(over(0.0, 0.5), 0.5), 0.0]);
@@ -135,7 +135,7 @@ fn fog_hides_distant_geoms() {
         stage.scene.set_render_flags(flags);
         // The visible side of the box is at x.
         let wall = NewGeom::cuboid([0.5, 3.0, 3.0]).pos([x + 0.5, 0.0, 0.0]);
-        stage.scene.push(&wall.rgba([1.0, 0.0, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
+        stage.scene.add_geom(&wall.rgba([1.0, 0.0, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0)).unwrap();
         assert_rgb(middle(&stage.rgb()), [clear, 0.0, 1.0 - clear]);
     }
 }
@@ -153,7 +153,7 @@ fn a_mirror_shows_the_reflected_geom() {
         // The camera looks down at 30°: the ball is 0.5 m above the floor, and its reflection 0.5 m below.
         stage.look([0.0; 3], 4.0, 0.0, -30.0);
         let ball = NewGeom::sphere(0.2).pos([0.0, 0.0, 0.5]).rgba([1.0, 0.5, 0.0, 1.0]).surface(1.0, 0.0, 0.0, 0.0);
-        stage.scene.push(&ball).unwrap();
+        stage.scene.add_geom(&ball).unwrap();
         stage
     };
     for size in ["0 0 1", "2 2 1"] {
@@ -258,7 +258,7 @@ fn an_image_does_not_depend_on_earlier_images() {
     let expected: Vec<_> = (0..places.len())
         .map(|index| {
             place(&mut stage, index);
-            let options = RendererOptions::default().samples(1);
+            let options = RendererOptions::default().with_samples(1);
             Renderer::on(stage::gpu(), stage.data.model(), 48, 32, &options).unwrap().rgb(&stage.scene).unwrap()
         })
         .collect();

@@ -11,9 +11,12 @@
 
 use std::path::Path;
 
+use mujoco_safe::data::{RayHit, RayOptions};
+use mujoco_safe::enums::GeomType;
+use mujoco_safe::id::GeomId;
 use mujoco_safe::render::{Renderer, RendererOptions, Segment};
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneGeom, SceneObject, SceneOptions, Viewpoint, VisualFlags};
-use mujoco_safe::{Data, GeomId, GeomType, Model, RayHit, RayOptions, math, sample};
+use mujoco_safe::{Data, Model, math, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -128,7 +131,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
 
 /// Returns options that show all geoms, which rays can hit, and few other objects.
 fn geoms_only() -> SceneOptions {
-    let mut options = SceneOptions { flags: VisualFlags::STATIC, geomgroup: [true; 6], ..SceneOptions::default() };
+    let mut options = SceneOptions::default().with_flags(VisualFlags::STATIC).with_geomgroup([true; 6]);
     options.sitegroup = [false; 6];
     options
 }

@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use mujoco_safe::render::{Gpu, Picture, Renderer, RendererOptions};
+use mujoco_safe::render::{Gpu, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
 use mujoco_safe::{Data, Model};
 
@@ -23,7 +23,7 @@ pub struct Stage {
 impl Stage {
     /// Creates a stage with one sample per pixel.
     pub fn new(xml: &str, size: [u32; 2]) -> Self {
-        Self::with(xml, size, &RendererOptions::default().samples(1))
+        Self::with(xml, size, &RendererOptions::default().with_samples(1))
     }
 
     pub fn with(xml: &str, [width, height]: [u32; 2], options: &RendererOptions) -> Self {
@@ -52,7 +52,7 @@ impl Stage {
         scene.update(data, &SceneOptions::default(), None, camera, Categories::all()).unwrap();
     }
 
-    pub fn rgb(&mut self) -> Picture {
+    pub fn rgb(&mut self) -> RgbImage {
         self.renderer.rgb(&self.scene).unwrap()
     }
 }

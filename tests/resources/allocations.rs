@@ -4,15 +4,17 @@
 
 use std::sync::Arc;
 
+use mujoco_safe::control::TimeVaryingLqr;
+use mujoco_safe::data::Timer;
+use mujoco_safe::derivative::{InverseForce, InverseJacobians, TransitionMethod, TransitionOptions};
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
 use mujoco_safe::rollout::{Batch, Rollout, RolloutBuffers, Workers};
 use mujoco_safe::scene::{
     Camera, Categories, MouseAction, NewGeom, Perturbation, PerturbationFlags, Scene, SceneOptions, VisualFlags,
 };
 use mujoco_safe::{
-    Controller, Data, Differences, InverseJacobians, Lineariser, Lqr, LqrWeights, Matrix, Model, PdController,
-    RandomController, StateSpace, StateSpec, TimeVaryingLqr, Timer, Trajectory, TransitionMethod, TransitionOptions,
-    ZeroController, sample,
+    Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, Model, PdController, RandomController,
+    StateSpace, StateSpec, Trajectory, ZeroController, sample,
 };
 use nalgebra::DMatrix;
 
@@ -69,7 +71,7 @@ fn the_pipeline_does_not_allocate() {
 
 #[test]
 fn every_solver_and_integrator_does_not_allocate() {
-    use mujoco_safe::{Cone, Integrator, JacobianStorage, Solver};
+    use mujoco_safe::enums::{Cone, Integrator, JacobianStorage, Solver};
     let _lock = lock_process();
     let mut data = squatting();
     for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
@@ -201,7 +203,7 @@ fn scenes_do_not_allocate() {
     let model = data.model().clone();
     let mut scene = Scene::new(&model, 5000).unwrap();
     let mut camera = Camera::free(&model);
-    let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
+    let options = SceneOptions::default().with_flags(VisualFlags::all());
     let mut perturbation = Perturbation::default();
     perturbation.select = Some(model.body("torso").unwrap().id());
     perturbation.active = PerturbationFlags::all();
@@ -209,10 +211,10 @@ fn scenes_do_not_allocate() {
         perturbation.apply_force(&mut data).unwrap();
         data.step().unwrap();
         scene.update(&mut data, &options, Some(&perturbation), &mut camera, Categories::all()).unwrap();
-        scene.add(&mut data, &options, None, Categories::DYNAMIC).unwrap();
-        scene.push(&NewGeom::text("here").unwrap()).unwrap();
+        scene.add_geoms(&mut data, &options, None, Categories::DYNAMIC).unwrap();
+        scene.add_geom(&NewGeom::text("here").unwrap()).unwrap();
         camera.move_by(&model, &scene, MouseAction::RotateV, [0.1, 0.0]).unwrap();
-        perturbation.init(&data, &scene).unwrap();
+        perturbation.start(&data, &scene).unwrap();
         perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1, 0.0]).unwrap();
         scene.select(&data, &options, 1.0, [0.5; 2]).unwrap();
         assert!(scene.geoms().filter(|geom| geom.object().is_some()).count() > 10);
@@ -240,8 +242,8 @@ fn linearising_in_a_workspace_does_not_allocate() {
     let _lock = lock_process();
     let mut data = squatting();
     let mut system = StateSpace::zeros(data.model());
-    for method in [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse] {
-        let options = TransitionOptions { method, ..Default::default() };
+    for method in [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit] {
+        let options = TransitionOptions::default().with_method(method);
         let mut transition = Lineariser::new(data.model().clone(), options).unwrap();
         allocates_nothing(&format!("a workspace by {method:?}"), || {
             transition.linear_system_into(&mut data, &mut system).unwrap();
@@ -335,7 +337,9 @@ fn derivatives_of_inverse_dynamics_do_not_allocate() {
     let _lock = lock_process();
     let mut data = squatting();
     let mut jacobians = InverseJacobians::zeros(data.model());
-    allocates_nothing("inverse_fd_into", || data.inverse_fd_into(1e-6, true, &mut jacobians).unwrap());
+    allocates_nothing("inverse_fd_into", || {
+        data.inverse_fd_into(1e-6, InverseForce::WithoutActuators, &mut jacobians).unwrap();
+    });
 }
 
 #[test]

@@ -8,7 +8,9 @@
 use std::fs;
 use std::path::Path;
 
-use mujoco_safe::{Callbacks, Data, Error, Integrator, LoadOptions, Model, RandomController, Trajectory, sample};
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::enums::Integrator;
+use mujoco_safe::{Data, Error, LoadOptions, Model, RandomController, Trajectory, sample};
 
 use crate::allocator::allocated_bytes;
 use crate::{lock_process, trouble};

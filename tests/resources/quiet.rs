@@ -9,8 +9,9 @@ use std::process::Stdio;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use mujoco_safe::data::Warning;
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
-use mujoco_safe::{Data, Error, Model, Warning, sample};
+use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::{child, lock_process};
 
@@ -123,7 +124,7 @@ fn everything_that_the_engine_would_print() {
         data.step().unwrap();
     }
     assert_eq!(data.warning(Warning::ConstraintFull).number, 3);
-    assert_eq!(data.warning(Warning::ConstraintFull).last_info, 10);
+    assert_eq!(data.warning(Warning::ConstraintFull).lastinfo, 10);
     assert_eq!(logged("constraints that njmax allows"), 1);
     let copy = data.clone();
     assert_eq!(copy.warning(Warning::ConstraintFull), data.warning(Warning::ConstraintFull));
@@ -137,7 +138,7 @@ fn everything_that_the_engine_would_print() {
     let panic = catch_unwind(AssertUnwindSafe(|| data.step())).unwrap_err();
     assert!(panic.downcast_ref::<&str>().is_some_and(|text| text.contains("outside of the engine")));
     let counted = data.warning(Warning::ContactFull);
-    assert!(counted.number >= 1 && counted.last_info == 2, "{counted:?}");
+    assert!(counted.number >= 1 && counted.lastinfo == 2, "{counted:?}");
     data.step().unwrap();
     assert_eq!(data.warning(Warning::ContactFull).number, 2 * counted.number);
 
@@ -176,7 +177,7 @@ fn everything_that_the_engine_would_print() {
         model.dof_armature_mut().fill(0.0);
         model.dof_damping_mut().fill(0.0);
         let _ = model.update_constants();
-        model.options(|options| options.integrator = mujoco_safe::Integrator::Implicit).unwrap();
+        model.options(|options| options.integrator = mujoco_safe::enums::Integrator::Implicit).unwrap();
     })
     .unwrap();
     data.reset().unwrap();

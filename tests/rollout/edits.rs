@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use mujoco_safe::enums::Cone;
 use mujoco_safe::rollout::{Rollout, RolloutError, Workers};
-use mujoco_safe::{Cone, Data, Error, Model, ModelMut, Result, sample};
+use mujoco_safe::{Data, Error, Model, ModelMut, Result, sample};
 
 use super::{bits, pool};
 

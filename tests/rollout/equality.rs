@@ -1,7 +1,8 @@
 //! Rollouts equal plain loops bit for bit, independent of threads, chunks and buffers.
 
+use mujoco_safe::data::{Timer, Warning};
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
-use mujoco_safe::{Controller, Data, RandomController, StateSpec, Timer, Warning, rayon, sample};
+use mujoco_safe::{Controller, Data, RandomController, StateSpec, rayon, sample};
 
 use super::{Case, Expected, bits, pool};
 

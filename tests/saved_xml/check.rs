@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use mujoco_safe::{Error, LoadOptions, Model, SaveXmlOptions, XmlCheck, sample};
+use mujoco_safe::model::{SaveXmlOptions, XmlCheck};
+use mujoco_safe::{Error, LoadOptions, Model, sample};
 
 use super::{assets, copy_into, folder, lost, samples, saved_with};
 

@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use assets::folder;
-use mujoco_safe::{LostEdit, Model, Result, SaveXmlOptions, XmlCheck};
+use mujoco_safe::model::{SaveXmlOptions, UnsavedField, XmlCheck};
+use mujoco_safe::{Model, Result};
 
 /// Locks the engine's XML tree while a test loads and saves.
 fn lock_engine() -> MutexGuard<'static, ()> {
@@ -27,7 +28,11 @@ fn lock_engine() -> MutexGuard<'static, ()> {
 }
 
 /// Loads a model and saves it.
-fn saved_with(load: impl FnOnce() -> Model, path: &Path, options: &SaveXmlOptions) -> (Model, Result<Vec<LostEdit>>) {
+fn saved_with(
+    load: impl FnOnce() -> Model,
+    path: &Path,
+    options: &SaveXmlOptions,
+) -> (Model, Result<Vec<UnsavedField>>) {
     let model = load();
     let saved = model.save_xml_with(path, options);
     (model, saved)

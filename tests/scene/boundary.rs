@@ -5,11 +5,12 @@
 use std::hint::black_box;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use mujoco_safe::enums::Cone;
 use mujoco_safe::scene::{
-    Camera, CameraView, Categories, Connector, FrameMode, LabelMode, MouseAction, NewGeom, Perturbation,
-    PerturbationFlags, RenderFlags, Scene, SceneOptions, Selection, Transform, Viewpoint, VisualFlags,
+    Camera, CameraView, Categories, Connector, FrameMode, LabelMode, MouseAction, MovableBodies, NewGeom, Perturbation,
+    PerturbationFlags, RenderFlags, Scene, SceneOptions, Selection, TextureRepeat, Transform, Viewpoint, VisualFlags,
 };
-use mujoco_safe::{Cone, Data, Error, Model, sample};
+use mujoco_safe::{Data, Error, Model, sample};
 
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
 
@@ -19,17 +20,16 @@ fn every_element() -> Model {
 
 fn everything(label: LabelMode, frame: FrameMode) -> SceneOptions {
     let all = [true; 6];
-    SceneOptions {
-        label,
-        frame,
-        geomgroup: all,
-        sitegroup: all,
-        jointgroup: all,
-        tendongroup: all,
-        actuatorgroup: all,
-        skingroup: all,
-        flags: VisualFlags::all(),
-    }
+    SceneOptions::default()
+        .with_label(label)
+        .with_frame(frame)
+        .with_geomgroup(all)
+        .with_sitegroup(all)
+        .with_jointgroup(all)
+        .with_tendongroup(all)
+        .with_actuatorgroup(all)
+        .with_skingroup(all)
+        .with_flags(VisualFlags::all())
 }
 
 /// Branches on the value, because memcheck reports uninitialised values in branches.
@@ -49,8 +49,7 @@ fn touch(scene: &Scene) -> usize {
             let reals = reals.chain(others).chain(geom.texrepeat()).chain([geom.camdist()]);
             let label = geom.label().bytes().map(branch).sum::<usize>();
             let flags = [geom.texuniform(), geom.texcoord(), geom.transparent()];
-            let data =
-                [geom.plane(), geom.mesh().map(|(mesh, _)| mesh.index()), geom.height_field().map(|id| id.index())];
+            let data = [geom.plane(), geom.mesh().map(|mesh| mesh.index()), geom.height_field().map(|id| id.index())];
             let ids = usize::from(geom.object().is_some()) + usize::from(geom.texture().is_some()) + geom.segid();
             reals.map(branch).sum::<usize>() + flags.map(branch)[0] + data.map(branch)[0] + ids + label
         })
@@ -84,11 +83,11 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
         succeeded(scene.update_camera(data, &mut camera)),
         succeeded(scene.update(data, &plain, Some(&perturbation), &mut camera, Categories::all())),
         succeeded(scene.update_lights(data)),
-        succeeded(scene.add(data, &plain, Some(&perturbation), Categories::all())),
-        succeeded(perturbation.init(data, scene)),
+        succeeded(scene.add_geoms(data, &plain, Some(&perturbation), Categories::all())),
+        succeeded(perturbation.start(data, scene)),
         succeeded(perturbation.move_by(data, scene, MouseAction::RotateV, [0.1, 0.2])),
         succeeded(perturbation.move_by(data, scene, MouseAction::MoveH, [0.1, 0.2])),
-        succeeded(perturbation.apply_pose(data, true)),
+        succeeded(perturbation.apply_pose(data, MovableBodies::MocapAndFree)),
         succeeded(perturbation.select(data, &Selection { body, geom: None, skin: None, point: [0.0; 3] })),
         succeeded(scene.select(data, &plain, 1.0, [0.5, 0.5])),
     ];
@@ -96,10 +95,10 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
     black_box(touch(scene));
     let contacts = [
         everything(LabelMode::ContactForce, FrameMode::Contact),
-        SceneOptions { frame: FrameMode::Contact, ..plain.clone() },
-        SceneOptions { flags: VisualFlags::CONTACTPOINT, ..plain.clone() },
-        SceneOptions { flags: VisualFlags::CONTACTFORCE, ..plain.clone() },
-        SceneOptions { flags: VisualFlags::CONSTRAINT, ..plain },
+        plain.clone().with_frame(FrameMode::Contact),
+        plain.clone().with_flags(VisualFlags::CONTACTPOINT),
+        plain.clone().with_flags(VisualFlags::CONTACTFORCE),
+        plain.with_flags(VisualFlags::CONSTRAINT),
     ]
     .map(|options| succeeded(scene.update(data, &options, Some(&perturbation), &mut camera, Categories::all())));
     assert!(contacts.iter().all(|&succeeded| succeeded == contacts[0]), "{contacts:?}");
@@ -162,7 +161,7 @@ fn a_scene_without_an_update_has_no_view() {
         scene.camera_in_room().unwrap_err(),
         scene.move_model(&model, MouseAction::RotateV, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
         camera.move_by(&model, &scene, MouseAction::MoveH, [0.1; 2]).unwrap_err(),
-        perturbation.init(&data, &scene).unwrap_err(),
+        perturbation.start(&data, &scene).unwrap_err(),
         perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
     ] {
         assert!(matches!(&error, Error::Engine { message, .. } if message.contains("frustum_near")), "{error}");
@@ -188,13 +187,13 @@ fn objects_of_another_model_are_rejected() {
     let mut perturbation = Perturbation::default();
     for error in [
         scene.update(&mut other, &options, None, &mut camera, Categories::all()).unwrap_err(),
-        scene.add(&mut other, &options, None, Categories::all()).unwrap_err(),
+        scene.add_geoms(&mut other, &options, None, Categories::all()).unwrap_err(),
         scene.update_lights(&other).unwrap_err(),
         scene.update_camera(&other, &mut camera).unwrap_err(),
         scene.select(&other, &options, 1.0, [0.5; 2]).unwrap_err(),
         scene.move_model(&model, MouseAction::Zoom, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
         camera.move_by(&model, &scene, MouseAction::Zoom, [0.1; 2]).unwrap_err(),
-        perturbation.init(&other, &scene).unwrap_err(),
+        perturbation.start(&other, &scene).unwrap_err(),
         perturbation.move_by(&other, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
     ] {
         assert!(matches!(error, Error::OtherModel { .. }), "{error}");
@@ -227,13 +226,13 @@ fn objects_of_another_model_are_rejected() {
         (perturbation.select, perturbation.skinselect) = (select, skinselect);
         perturbation.active = PerturbationFlags::all();
         panics("a displayed perturbation", &mut |scene, data| {
-            let _ = scene.add(data, &options, Some(&perturbation), Categories::all());
+            let _ = scene.add_geoms(data, &options, Some(&perturbation), Categories::all());
         });
         panics("a perturbation", &mut |_, data| {
             let _ = perturbation.force(data);
         });
         panics("a perturbation of a pose", &mut |_, data| {
-            let _ = perturbation.apply_pose(data, true);
+            let _ = perturbation.apply_pose(data, MovableBodies::MocapAndFree);
         });
     }
     panics("a selection", &mut |_, data| {
@@ -244,10 +243,10 @@ fn objects_of_another_model_are_rejected() {
         NewGeom::mesh(mesh),
         NewGeom::convex_hull(mesh),
         NewGeom::height_field(field),
-        NewGeom::sphere(1.0).texture(texture, [1.0; 2], false),
+        NewGeom::sphere(1.0).texture(texture, TextureRepeat::PerGeom([1.0; 2])),
     ] {
         panics("a new geom", &mut |scene, _| {
-            let _ = scene.push(&geom);
+            let _ = scene.add_geom(&geom);
         });
     }
     // A force applied to one body is not removed from another.
@@ -305,7 +304,10 @@ fn invalid_numbers_are_rejected() {
             set(&mut perturbation, invalid);
             assert!(matches!(perturbation.force(&mut data), Err(Error::Invalid { .. })));
             assert!(matches!(perturbation.apply_force(&mut data), Err(Error::Invalid { .. })));
-            assert!(matches!(perturbation.apply_pose(&mut data, true), Err(Error::Invalid { .. })));
+            assert!(matches!(
+                perturbation.apply_pose(&mut data, MovableBodies::MocapAndFree),
+                Err(Error::Invalid { .. })
+            ));
             let updated = scene.update(&mut data, &options, Some(&perturbation), &mut camera, Categories::all());
             assert!(matches!(updated, Err(Error::Invalid { .. })));
         }
@@ -324,7 +326,7 @@ fn invalid_numbers_are_rejected() {
             NewGeom::connector(Connector::Line, 1.0, [invalid; 3], [1.0; 3]),
             NewGeom::connector(Connector::Capsule, 1.0, [0.0; 3], [invalid; 3]),
         ] {
-            assert!(matches!(scene.push(&geom), Err(Error::Invalid { .. })), "{geom:?}");
+            assert!(matches!(scene.add_geom(&geom), Err(Error::Invalid { .. })), "{geom:?}");
         }
         let eye = scene.viewpoint();
         for eye in [
@@ -387,10 +389,10 @@ fn a_scene_larger_than_memory_is_an_error() {
     assert!(matches!(Scene::new(&model, usize::MAX), Err(Error::Invalid { .. })));
     assert!(matches!(Scene::new(&model, i32::MAX as usize + 1), Err(Error::Invalid { .. })));
     let mut none = Scene::new(&model, 0).unwrap();
-    assert!(matches!(none.push(&NewGeom::sphere(1.0)), Err(Error::SceneFull { what: "geoms", room: 0 })));
+    assert!(matches!(none.add_geom(&NewGeom::sphere(1.0)), Err(Error::SceneFull { what: "geoms", capacity: 0 })));
     // A large scene takes memory only for the geoms in use.
     let mut large = Scene::new(&model, 1_000_000).unwrap();
-    large.push(&NewGeom::sphere(1.0)).unwrap();
+    large.add_geom(&NewGeom::sphere(1.0)).unwrap();
     assert_eq!(large.ngeom(), 1);
 }
 
@@ -398,7 +400,7 @@ fn a_scene_larger_than_memory_is_an_error() {
 fn labels_are_not_truncated_within_the_limit() {
     let mut scene = Scene::new(&sample::cartpole(), 10).unwrap();
     for text in ["", "goal", &"x".repeat(99), &"é".repeat(49)] {
-        let index = scene.push(&NewGeom::text(text).unwrap()).unwrap();
+        let index = scene.add_geom(&NewGeom::text(text).unwrap()).unwrap();
         assert_eq!(scene.geom(index).label(), text);
     }
     for text in ["x".repeat(100), "é".repeat(50), "a\0b".to_owned()] {
@@ -418,9 +420,9 @@ fn long_names_are_truncated_at_a_character_boundary() {
         let mut scene = Scene::new(data.model(), 10).unwrap();
         // The rest of the previous label must not follow.
         for _ in 0..10 {
-            scene.push(&NewGeom::text(&"z".repeat(99)).unwrap()).unwrap();
+            scene.add_geom(&NewGeom::text(&"z".repeat(99)).unwrap()).unwrap();
         }
-        let options = SceneOptions { label: LabelMode::Geom, ..SceneOptions::default() };
+        let options = SceneOptions::default().with_label(LabelMode::Geom);
         let mut camera = Camera::free(data.model());
         scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();
         assert_eq!(scene.geom(0).label(), label);
@@ -443,14 +445,14 @@ fn user_geoms_remain_until_the_next_update() {
         NewGeom::capsule(0.1, 0.2),
         NewGeom::ellipsoid([0.1, 0.2, 0.3]),
         NewGeom::cylinder(0.1, 0.2).category(Categories::DYNAMIC),
-        NewGeom::cuboid([0.1, 0.2, 0.3]).texture(texture, [2.0, 3.0], true),
+        NewGeom::cuboid([0.1, 0.2, 0.3]).texture(texture, TextureRepeat::PerLength([2.0, 3.0])),
         NewGeom::mesh(model.mesh("tetra").unwrap().id()),
         NewGeom::height_field(model.height_field("second").unwrap().id()),
     ]
     .into_iter()
     .enumerate()
     {
-        assert_eq!(scene.push(&geom).unwrap(), shown + index);
+        assert_eq!(scene.add_geom(&geom).unwrap(), shown + index);
         assert_eq!((scene.geom(shown + index).object(), scene.geom(shown + index).segid()), (None, shown + index));
     }
     let added = |index: usize| scene.geom(shown + index);
@@ -459,13 +461,15 @@ fn user_geoms_remain_until_the_next_update() {
     assert_eq!(added(2).size(), [0.1, 0.2, 0.3]);
     assert_eq!((added(3).size(), added(3).category()), ([0.1, 0.1, 0.2], Categories::DYNAMIC));
     assert_eq!((added(4).texture(), added(4).texrepeat(), added(4).texuniform()), (Some(texture), [2.0, 3.0], true));
-    assert_eq!(added(5).mesh(), Some((model.mesh("tetra").unwrap().id(), false)));
+    assert_eq!(added(5).mesh(), Some(model.mesh("tetra").unwrap().id()));
+    assert!(!added(5).shows_convex_hull());
     assert_eq!(added(6).height_field(), Some(model.height_field("second").unwrap().id()));
     // A convex hull, where one exists.
     for mesh in model.meshes() {
-        let index = scene.push(&NewGeom::convex_hull(mesh.id())).unwrap();
+        let index = scene.add_geom(&NewGeom::convex_hull(mesh.id())).unwrap();
         let has_hull = model.mesh_graphadr()[mesh.index()] >= 0;
-        assert_eq!(scene.geom(index).mesh(), Some((mesh.id(), has_hull)));
+        assert_eq!(scene.geom(index).mesh(), Some(mesh.id()));
+        assert_eq!(scene.geom(index).shows_convex_hull(), has_hull);
     }
     black_box(touch(&scene));
     scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();

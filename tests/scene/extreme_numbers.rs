@@ -1,6 +1,8 @@
 //! Extreme numbers and sizes: an error or a scene, in bounded time and memory.
 
-use mujoco_safe::scene::{Camera, Categories, Connector, MouseAction, NewGeom, Perturbation, Scene, SceneOptions};
+use mujoco_safe::scene::{
+    Camera, Categories, Connector, MouseAction, MovableBodies, NewGeom, Perturbation, Scene, SceneOptions,
+};
 use mujoco_safe::{Data, Error, Model, sample};
 
 const NUMBERS: [f64; 10] = [0.0, -0.0, -1.0, 1e-320, 1e-30, 1e30, 1e300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
@@ -47,9 +49,9 @@ fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_scenes() {
             }
         }
         let mut perturbation = Perturbation::default();
-        let _ = perturbation.init(&data, &scene);
+        let _ = perturbation.start(&data, &scene);
         let _ = perturbation.move_by(&data, &scene, MouseAction::MoveV, [number, number]);
-        let _ = perturbation.apply_pose(&mut data, true);
+        let _ = perturbation.apply_pose(&mut data, MovableBodies::MocapAndFree);
         data.reset().unwrap();
         data.forward().unwrap();
         let _ = scene.set_viewpoints(scene.viewpoints());
@@ -62,7 +64,7 @@ fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_scenes() {
             NewGeom::sphere(0.1).pos([number; 3]).mat([number; 9]).rgba([number as f32; 4]),
         ] {
             let before = scene.ngeom();
-            if scene.push(&geom).is_err() {
+            if scene.add_geom(&geom).is_err() {
                 assert_eq!(scene.ngeom(), before);
             }
         }

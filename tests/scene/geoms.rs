@@ -1,11 +1,12 @@
 //! Contents of complete scenes.
 
+use mujoco_safe::data::Warning;
 use mujoco_safe::scene::{
     Camera, Categories, FrameMode, LabelMode, Perturbation, PerturbationFlags, Scene, SceneGeomType, SceneObject,
     SceneOptions, VisualFlags,
 };
 use mujoco_safe::sys::{self, mjvCamera, mjvOption, mjvPerturb};
-use mujoco_safe::{Data, Error, Model, Warning, sample};
+use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::raw::{RawScene, assert_same_scene, filled, raw_options, raw_perturbation, scene_subjects};
 use crate::twins::{Twins, c};
@@ -64,13 +65,13 @@ fn all_options(thorough: bool) -> Vec<SceneOptions> {
         for (index, label) in LABELS.into_iter().enumerate() {
             for (other, frame) in FRAMES.into_iter().enumerate() {
                 if thorough || index % FRAMES.len() == other {
-                    all.push(SceneOptions { label, frame, flags, ..default.clone() });
+                    all.push(default.clone().with_label(label).with_frame(frame).with_flags(flags));
                 }
             }
         }
     }
     for flag in VisualFlags::all() {
-        all.push(SceneOptions { flags: default.flags ^ flag, ..default.clone() });
+        all.push(default.clone().with_flags(default.flags ^ flag));
     }
     for group in 0..6 {
         let mut some = [false; 6];
@@ -78,16 +79,17 @@ fn all_options(thorough: bool) -> Vec<SceneOptions> {
         let flags = VisualFlags::all();
         let (geomgroup, sitegroup, jointgroup) = (some, some, some);
         let (tendongroup, actuatorgroup, skingroup) = (some, some, some);
-        all.push(SceneOptions {
-            flags,
-            geomgroup,
-            sitegroup,
-            jointgroup,
-            tendongroup,
-            actuatorgroup,
-            skingroup,
-            ..default.clone()
-        });
+        all.push(
+            default
+                .clone()
+                .with_flags(flags)
+                .with_geomgroup(geomgroup)
+                .with_sitegroup(sitegroup)
+                .with_jointgroup(jointgroup)
+                .with_tendongroup(tendongroup)
+                .with_actuatorgroup(actuatorgroup)
+                .with_skingroup(skingroup),
+        );
     }
     all
 }
@@ -152,7 +154,7 @@ fn geom_views_have_the_engines_values() {
         let mut twins = Twins::in_motion(&subject);
         let mut scene = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
-        let options = SceneOptions { flags: VisualFlags::all(), label: LabelMode::Geom, ..SceneOptions::default() };
+        let options = SceneOptions::default().with_flags(VisualFlags::all()).with_label(LabelMode::Geom);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let mut camera = Camera::free(&twins.model);
         scene.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
@@ -170,7 +172,7 @@ fn geom_views_have_the_engines_values() {
             assert_eq!((ours.texrepeat(), ours.texuniform()), (theirs.texrepeat, theirs.texuniform != 0));
             assert_eq!(ours.texcoord(), theirs.texcoord != 0);
             let data = match ours.geom_type() {
-                SceneGeomType::Mesh => ours.mesh().map(|(mesh, hull)| 2 * mesh.index() + usize::from(hull)),
+                SceneGeomType::Mesh => ours.mesh().map(|mesh| 2 * mesh.index() + usize::from(ours.shows_convex_hull())),
                 SceneGeomType::HeightField => ours.height_field().map(|field| field.index()),
                 _ => ours.plane(),
             };
@@ -215,14 +217,14 @@ fn added_geoms_equal_c() {
         let mut twins = Twins::in_motion(&subject);
         let mut ours = Scene::new(&twins.model, 20_000).unwrap();
         let mut theirs = RawScene::new(&twins.raw, 20_000);
-        let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
+        let options = SceneOptions::default().with_flags(VisualFlags::all());
         let raw_options = raw_options(&options);
         let perturbation = perturbation(&twins.model);
         let raw_perturbation = raw_perturbation(&perturbation);
         let mut end = 0;
         for bits in 0..8 {
             let categories = Categories::from_bits_truncate(bits);
-            let range = ours.add(&mut twins.ours, &options, Some(&perturbation), categories).unwrap();
+            let range = ours.add_geoms(&mut twins.ours, &options, Some(&perturbation), categories).unwrap();
             assert_eq!((range.start, range.end), (end, ours.ngeom()));
             end = range.end;
             let (opt, pert) = (&raw const raw_options, &raw const raw_perturbation);
@@ -237,7 +239,7 @@ fn added_geoms_equal_c() {
 #[test]
 fn a_full_scene_is_an_error_and_keeps_the_first_geoms() {
     let mut twins = Twins::in_motion(&scene_subjects()[0]);
-    let options = SceneOptions { flags: VisualFlags::all(), ..SceneOptions::default() };
+    let options = SceneOptions::default().with_flags(VisualFlags::all());
     let mut camera = Camera::free(&twins.model);
     let mut whole = Scene::new(&twins.model, 20_000).unwrap();
     whole.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
@@ -247,23 +249,23 @@ fn a_full_scene_is_an_error_and_keeps_the_first_geoms() {
     exact.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
     assert_eq!(twins.ours.warning(Warning::VisualGeomFull).number, 0);
 
-    for room in [0, 1, 7, needed / 2, needed - 1] {
-        let mut ours = Scene::new(&twins.model, room).unwrap();
-        let mut theirs = RawScene::new(&twins.raw, room as i32);
+    for capacity in [0, 1, 7, needed / 2, needed - 1] {
+        let mut ours = Scene::new(&twins.model, capacity).unwrap();
+        let mut theirs = RawScene::new(&twins.raw, capacity as i32);
         let mut camera = Camera::free(&twins.model);
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let error = ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap_err();
-        assert!(matches!(error, Error::SceneFull { what: "geoms", room: found } if found == room), "{error}");
+        assert!(matches!(error, Error::SceneFull { what: "geoms", capacity: found } if found == capacity), "{error}");
         // The engine logs only the first warning, which is disabled here.
         // SAFETY: the data belongs to this test.
         unsafe { (*twins.raw.d).warning[sys::mjWARN_VGEOMFULL as usize].number += 1 };
         theirs.update(&twins.raw, &options, None, &mut raw_camera);
         // SAFETY: as above.
         unsafe { (*twins.raw.d).warning[sys::mjWARN_VGEOMFULL as usize].number -= 1 };
-        assert_eq!(ours.ngeom(), room);
-        assert_same_scene(&format!("room for {room}"), &ours, &theirs, true);
+        assert_eq!(ours.ngeom(), capacity);
+        assert_same_scene(&format!("capacity for {capacity}"), &ours, &theirs, true);
         twins.assert_same_state("after a full scene");
-        let error = ours.add(&mut twins.ours, &options, None, Categories::all()).unwrap_err();
+        let error = ours.add_geoms(&mut twins.ours, &options, None, Categories::all()).unwrap_err();
         assert!(matches!(error, Error::SceneFull { .. }), "{error}");
         // SAFETY: as above. The library has added the number of omitted geoms to the counter.
         unsafe { (*twins.raw.d).warning = (*twins.ours.as_ptr()).warning };
@@ -285,7 +287,9 @@ fn too_many_lights_are_reported() {
         assert_eq!(scene.lights().len(), 100); // includes the headlight
         match updated {
             Ok(()) => assert!(fits),
-            Err(error) => assert!(!fits && matches!(error, Error::SceneFull { what: "lights", room: 100 }), "{error}"),
+            Err(error) => {
+                assert!(!fits && matches!(error, Error::SceneFull { what: "lights", capacity: 100 }), "{error}");
+            }
         }
     }
 }

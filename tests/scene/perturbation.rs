@@ -1,7 +1,7 @@
 //! Bodies pulled with the mouse.
 
 use mujoco_safe::scene::{
-    Camera, Categories, MouseAction, Perturbation, PerturbationFlags, Scene, SceneOptions, Selection,
+    Camera, Categories, MouseAction, MovableBodies, Perturbation, PerturbationFlags, Scene, SceneOptions, Selection,
 };
 use mujoco_safe::sys::{mjvCamera, mjvPerturb};
 
@@ -39,7 +39,7 @@ fn perturbations_equal_c() {
             let mut ours = Perturbation::default();
             ours.select = Some(body.id());
             let mut raw = raw_perturbation(&ours);
-            ours.init(&twins.ours, &scene).unwrap();
+            ours.start(&twins.ours, &scene).unwrap();
             c!(mjv_initPerturb(model.as_ptr(), twins.raw.d, &raw const *theirs.0, &raw mut raw));
             assert_same_perturbation(&what, &ours, &raw);
             for (number, action) in [MouseAction::RotateV, MouseAction::RotateH, MouseAction::MoveV, MouseAction::MoveH]
@@ -61,10 +61,10 @@ fn perturbations_equal_c() {
                 let applied = twins.raw.values(|d| d.xfrc_applied, 6 * model.nbody());
                 assert_same(&what, &force, &applied[6 * body.index()..][..6]);
                 assert!(twins.ours.xfrc_applied().as_flattened().iter().all(|&force| force == 0.0));
-                for paused in [false, true] {
+                for (bodies, paused) in [(MovableBodies::Mocap, 0), (MovableBodies::MocapAndFree, 1)] {
                     let before = twins.ours.qpos().to_vec();
-                    ours.apply_pose(&mut twins.ours, paused).unwrap();
-                    c!(mjv_applyPerturbPose(model.as_ptr(), twins.raw.d, &raw const raw, paused.into()));
+                    ours.apply_pose(&mut twins.ours, bodies).unwrap();
+                    c!(mjv_applyPerturbPose(model.as_ptr(), twins.raw.d, &raw const raw, paused));
                     assert_same(&what, twins.ours.qpos(), &twins.raw.values(|d| d.qpos, model.nq()));
                     let mocap = twins.raw.values(|d| d.mocap_pos, 3 * model.nmocap());
                     assert_same(&what, twins.ours.mocap_pos().as_flattened(), &mocap);

@@ -3,9 +3,10 @@
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
+use mujoco_safe::Model;
+use mujoco_safe::id::BodyId;
 use mujoco_safe::scene::{Perturbation, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::sys::{self, mjvCamera, mjvGeom, mjvOption, mjvPerturb, mjvScene};
-use mujoco_safe::{BodyId, Model};
 
 use crate::twins::{Raw, Subject, c, read, usual_subjects};
 

@@ -1,6 +1,6 @@
 //! Selection of the object at a point of the window.
 
-use mujoco_safe::RayOptions;
+use mujoco_safe::data::RayOptions;
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::sys::mjvCamera;
 
@@ -21,8 +21,8 @@ fn selections_equal_c() {
         let mut camera = Camera::free(&twins.model);
         let mut raw: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         let default = SceneOptions::default();
-        let without_static = SceneOptions { flags: default.flags - VisualFlags::STATIC, ..default.clone() };
-        let other_group = SceneOptions { geomgroup: [false, true, false, true, true, true], ..default.clone() };
+        let without_static = default.clone().with_flags(default.flags - VisualFlags::STATIC);
+        let other_group = default.clone().with_geomgroup([false, true, false, true, true, true]);
         for options in [default.clone(), without_static, other_group] {
             ours.update(&mut twins.ours, &options, None, &mut camera, Categories::all()).unwrap();
             theirs.update(&twins.raw, &options, None, &mut raw);
@@ -58,11 +58,9 @@ fn selections_equal_c() {
                 });
                 let (right, up) = ((relx - 0.5) * height * 1.5, (rely - 0.5) * height);
                 let direction = [0, 1, 2].map(|i| head.forward[i] + up * head.up[i] - right * left[i]);
-                let ray_options = RayOptions {
-                    geomgroup: Some(options.geomgroup),
-                    with_static: options.flags.contains(VisualFlags::STATIC),
-                    bodyexclude: None,
-                };
+                let ray_options = RayOptions::default()
+                    .with_geomgroup(options.geomgroup)
+                    .with_static_geoms(options.flags.contains(VisualFlags::STATIC));
                 let hit = twins.ours.ray(head.pos, direction, &ray_options).unwrap().unwrap();
                 let at = [0, 1, 2].map(|i| head.pos[i] + hit.distance * direction[i]);
                 // The camera frame has single precision, so the ray may hit another geom at an edge.

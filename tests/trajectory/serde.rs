@@ -1,9 +1,8 @@
 //! Results as plain data: they round-trip, and inconsistent data is rejected.
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{
-    ContactForce, Data, Differences, Matrix, RandomController, StateSpace, StateSpec, Trajectory, WarningCount, sample,
-};
+use mujoco_safe::data::{ContactForce, WarningCount};
+use mujoco_safe::{Data, Differences, Matrix, RandomController, StateSpace, StateSpec, Trajectory, sample};
 use serde_json::{Value, from_str, from_value, json, to_string, to_value};
 
 fn trajectory() -> (Data, Trajectory) {
@@ -91,8 +90,8 @@ fn structs_with_public_fields_round_trip() {
     let force = ContactForce { force: [1.0, 2.0, 3.0], torque: [4.0, 5.0, 6.0] };
     assert_eq!(to_value(force).unwrap(), json!({"force": [1.0, 2.0, 3.0], "torque": [4.0, 5.0, 6.0]}));
     assert_eq!(from_value::<ContactForce>(to_value(force).unwrap()).unwrap(), force);
-    let count: WarningCount = from_value(json!({"number": 2, "last_info": -1})).unwrap();
-    assert_eq!((count.number, count.last_info), (2, -1));
+    let count: WarningCount = from_value(json!({"number": 2, "lastinfo": -1})).unwrap();
+    assert_eq!((count.number, count.lastinfo), (2, -1));
 }
 
 #[test]

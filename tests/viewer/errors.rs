@@ -6,18 +6,16 @@ use mujoco_safe::record::RecorderOptions;
 use mujoco_safe::viewer::{Viewer, ViewerError, ViewerOptions};
 use mujoco_safe::{Controller, Data, Result, sample};
 
-use crate::harness::{press, show, state};
+use crate::harness::{press, show, show_with, state};
 use crate::input::wait_until;
 
 pub fn interrupt() {
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("recording.gif");
-    let options = ViewerOptions {
-        recordings: Some(recording.clone()),
-        recording: RecorderOptions { frames_per_second: 10.0, ..RecorderOptions::default() },
-        ..ViewerOptions::default()
-    };
-    let data = show(Viewer::new().options(options), Data::new(sample::cartpole()).unwrap(), |input| {
+    let options = ViewerOptions::default()
+        .with_recordings(recording.clone())
+        .with_recording(RecorderOptions::default().with_frames_per_second(10.0));
+    let data = show_with(options, Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
         press(input, "space", "the simulation runs", |state| state.time > 0.0);
         press(input, "ctrl+v", "the recording has two frames", |state| {
             state.recording.is_some_and(|frames| frames >= 2)
@@ -50,7 +48,7 @@ impl Controller for Failing {
 pub fn controller_failure() {
     for (panics, message) in [(true, "controller panic"), (false, "controller error")] {
         let data = Data::new(sample::cartpole()).unwrap();
-        show(Viewer::new().controller(Failing { panics }), data, |input| {
+        show_with(ViewerOptions::default(), Viewer::new().controller(Failing { panics }), data, |input| {
             input.key("space");
             wait_until("the failure is shown and pauses the simulation", || {
                 state().problem.contains(message) && state().status == "Paused"
@@ -64,7 +62,7 @@ pub fn controller_failure() {
 
 pub fn lost_surface() {
     let data = Data::new(sample::cartpole()).unwrap();
-    show(Viewer::new(), data, |input| {
+    show(data, |input| {
         press(input, "space", "the simulation runs", |state| state.time > 0.0);
         for _ in 0..3 {
             let frame = state().frame;
@@ -76,7 +74,7 @@ pub fn lost_surface() {
 
 /// Checks that an idle window neither draws nor computes.
 pub fn idle() {
-    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {
+    show(Data::new(sample::cartpole()).unwrap(), |_| {
         // Waits until the messages have expired and the info panel shows an idle refresh rate.
         let mut frame = state().frame;
         wait_until("no frame is drawn for a second", || {

@@ -8,8 +8,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use mujoco_safe::Data;
-use mujoco_safe::viewer::Viewer;
 use mujoco_safe::viewer::test_hooks::{self, WindowState};
+use mujoco_safe::viewer::{Viewer, ViewerOptions};
 
 use crate::input::{Input, wait_until};
 
@@ -64,7 +64,12 @@ pub fn exit_on_panic<R>(act: impl FnOnce() -> R) -> R {
 
 /// Shows a viewer on this thread while a closure performs input on another thread. The closure must leave the window open; Esc closes
 /// it afterwards.
-pub fn show(viewer: Viewer, data: Data, act: impl FnOnce(&Input) + Send) -> Data {
+pub fn show(data: Data, act: impl FnOnce(&Input) + Send) -> Data {
+    show_with(ViewerOptions::default(), Viewer::new(), data, act)
+}
+
+/// As [`show`], with options, and with a viewer whose options are replaced.
+pub fn show_with(options: ViewerOptions, viewer: Viewer, data: Data, act: impl FnOnce(&Input) + Send) -> Data {
     test_hooks::start();
     let title = unique_title();
     thread::scope(|scope| {
@@ -77,7 +82,7 @@ pub fn show(viewer: Viewer, data: Data, act: impl FnOnce(&Input) + Send) -> Data
                 input.key("Escape");
             });
         });
-        viewer.title(&*title).size(SIZE).run(data).expect("the window opens")
+        viewer.options(options.with_title(&*title).with_size(SIZE)).run(data).expect("the window opens")
     })
 }
 

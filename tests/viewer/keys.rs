@@ -1,10 +1,10 @@
 //! Keys of the simulation and of the visualisation.
 
 use mujoco_safe::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFlags};
-use mujoco_safe::viewer::Viewer;
+use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, Model, PdController, sample};
 
-use crate::harness::{press, show, state};
+use crate::harness::{press, show, show_with, state};
 use crate::input::wait_until;
 
 fn humanoid() -> Data {
@@ -17,7 +17,7 @@ pub fn simulation() {
     let data = humanoid();
     let controller = PdController::new(data.model(), 10.0, 1.0);
     let timestep = data.model().timestep();
-    show(Viewer::new().controller(controller), data, |input| {
+    show_with(ViewerOptions::default(), Viewer::new().controller(controller), data, |input| {
         let first = state();
         assert_eq!((first.mode.as_str(), first.status.as_str(), first.time), ("Controller", "Paused", 0.0));
         let at = |steps: f64| move |time: f64| (time - steps * timestep).abs() < 1e-9;
@@ -77,7 +77,7 @@ pub fn visualisation() {
     let mut data = Data::new(Model::from_xml_str(SMALL).unwrap()).unwrap();
     data.forward().unwrap();
     let model = data.model().clone();
-    show(Viewer::new(), data, |input| {
+    show(data, |input| {
         for (keys, part) in [("F1", 0), ("F2", 1), ("ctrl+1", 2), ("ctrl+2", 3), ("F3", 4), ("F4", 5)] {
             let before = state().panels;
             press(input, keys, "a panel is toggled", |state| state.panels[part] != before[part]);

@@ -2,7 +2,7 @@
 
 use std::thread;
 
-use mujoco_safe::viewer::{self, Handle, Key, Viewer, ViewerError, ViewerOptions};
+use mujoco_safe::viewer::{self, Key, Viewer, ViewerError, ViewerHandle, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
 use crate::harness::{SIZE, exit_on_panic, press, show, state, unique_title};
@@ -12,11 +12,11 @@ use crate::input::{Input, wait_until};
 const RUN_TIME: f64 = 1.0;
 
 fn options() -> ViewerOptions {
-    ViewerOptions { title: unique_title(), size: Some(SIZE), ..ViewerOptions::default() }
+    ViewerOptions::default().with_title(unique_title()).with_size(SIZE)
 }
 
 /// Steps a simulation until the window is closed. Returns the keys without a binding.
-fn run_steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerError> {
+fn run_steps(handle: &mut ViewerHandle, data: &mut Data) -> Result<Vec<Key>, ViewerError> {
     let mut keys = Vec::new();
     while handle.is_running() {
         if !handle.is_paused() {
@@ -31,7 +31,7 @@ fn run_steps(handle: &mut Handle, data: &mut Data) -> Result<Vec<Key>, ViewerErr
 
 pub fn consecutive() {
     // Shows a window with the viewer's simulation, a window with the program's simulation, and a window that the program closes.
-    let data = show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
+    let data = show(Data::new(sample::cartpole()).unwrap(), |input| {
         press(input, "Right", "one step is taken", |state| state.time > 0.0);
     });
     assert!(data.time() > 0.0, "`run` returns the final state");
@@ -116,18 +116,18 @@ pub fn launched() {
     assert!(first.is_running());
     drop(first);
     // `Viewer::run` uses the same background thread.
-    let data = show(Viewer::new(), data, |input| {
+    let data = show(data, |input| {
         press(input, "Right", "one step is taken", |state| state.status == "Paused" && state.time > 0.0);
     });
     drop(data);
 }
 
 pub fn two_threads() {
-    let data = show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {});
+    let data = show(Data::new(sample::cartpole()).unwrap(), |_| {});
     let error = thread::spawn(move || Viewer::new().run(data).map(drop).unwrap_err()).join().unwrap();
     assert!(matches!(error, ViewerError::OtherThread), "{error}");
     let error = viewer::launch(options()).map(drop).unwrap_err();
     assert!(matches!(error, ViewerError::OtherThread), "{error}");
     // The first thread can still show windows.
-    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |_| {});
+    show(Data::new(sample::cartpole()).unwrap(), |_| {});
 }

@@ -5,7 +5,7 @@ use std::fs;
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, Model};
 
-use crate::harness::{press, show, state};
+use crate::harness::{press, show_with, state};
 use crate::input::{Input, wait_until};
 
 /// Frames in a period, which consists of rounds of at least 25 frames.
@@ -55,8 +55,8 @@ pub fn memory_does_not_leak() {
     .unwrap();
     let data = Data::new(Model::from_xml_path(&file).unwrap()).unwrap();
     let controller = |data: &mut Data| data.ctrl_mut().fill(0.1);
-    let options = ViewerOptions { file: Some(file), ..ViewerOptions::default() };
-    show(Viewer::new().options(options).controller(controller), data, |input| {
+    let options = ViewerOptions::default().with_file(file);
+    show_with(options, Viewer::new().controller(controller), data, |input| {
         // Warms up the caches of the driver.
         (0..6).for_each(|number| run_round(input, number));
         // A leak grows in every period. Memory that allocators and drivers retain grows only in some periods.

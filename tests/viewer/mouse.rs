@@ -1,7 +1,6 @@
 //! Mouse gestures.
 
 use mujoco_safe::scene::CameraView;
-use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, Model};
 
 use crate::harness::{SIZE, press, settle, show, state};
@@ -30,7 +29,7 @@ pub const MIDDLE: [i32; 2] = [SIZE[0] as i32 / 2, SIZE[1] as i32 / 2];
 pub fn gestures() {
     let mut data = Data::new(Model::from_xml_str(FLOATING).unwrap()).unwrap();
     data.forward().unwrap();
-    show(Viewer::new(), data, |input| {
+    show(data, |input| {
         // The info panel would cover a part of the scene.
         press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
         camera(input);

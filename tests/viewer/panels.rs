@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use mujoco_safe::viewer::Viewer;
 use mujoco_safe::{Data, sample};
 
 use crate::display::Screen;
@@ -11,7 +10,7 @@ use crate::input::wait_until;
 
 pub fn panels() {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
-    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
+    show(Data::new(sample::cartpole()).unwrap(), |input| {
         let [width, height] = SIZE.map(|pixels| pixels as i32);
         // The panel covers the scene.
         let right = [width as usize - 4, height as usize / 2];

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::Duration;
 
-use mujoco_safe::viewer::{Viewer, test_hooks};
+use mujoco_safe::viewer::test_hooks;
 use mujoco_safe::{Data, Model, sample};
 
 use crate::harness::{press, press_marker, settle, show, state};
@@ -29,7 +29,7 @@ pub fn gestures() {
 fn scene() {
     let mut data = Data::new(Model::from_xml_str(FLOATING).unwrap()).unwrap();
     data.forward().unwrap();
-    show(Viewer::new(), data, |input| {
+    show(data, |input| {
         press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
         settle(input);
         // The second click arrives during the frame that the first click causes.
@@ -59,7 +59,7 @@ fn scene() {
 }
 
 fn panels() {
-    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
+    show(Data::new(sample::cartpole()).unwrap(), |input| {
         press(input, "ctrl+2", "the right panel is open", |state| state.panels[3]);
         let mut before = Vec::new();
         wait_until("the panel has its final size", || {

@@ -69,8 +69,8 @@ pub fn draw(directory: &Path) {
                 input.key("Escape");
             });
         });
-        let options = ViewerOptions { screenshots: directory.join("screenshot.png"), ..ViewerOptions::default() };
-        let viewer = Viewer::new().options(options).title(&*title).size(SIZE);
+        let options = ViewerOptions::default().with_screenshots(directory.join("screenshot.png"));
+        let viewer = Viewer::new().options(options.with_title(&*title).with_size(SIZE));
         viewer.controller(controller).trajectories([trajectory]).run(data).expect("the window opens");
     });
 }

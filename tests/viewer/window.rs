@@ -7,13 +7,13 @@ use mujoco_safe::record::RecorderOptions;
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
-use crate::harness::{SIZE, press, settle, show, state};
+use crate::harness::{SIZE, press, settle, show, show_with, state};
 use crate::input::wait_until;
 use crate::queued_events::during_a_frame;
 
 pub fn keys() {
     let data = Data::new(sample::cartpole()).unwrap();
-    show(Viewer::new(), data, |input| {
+    show(data, |input| {
         for (key, size) in [
             ("F8", [1024, 768]),
             ("shift+F8", [1280, 1024]),
@@ -29,7 +29,7 @@ pub fn keys() {
         input.resize([300, 200]);
         wait_until("the frame has the size of the window", || state().size == [300, 200]);
     });
-    show(Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| input.key("ctrl+q"));
+    show(Data::new(sample::cartpole()).unwrap(), |input| input.key("ctrl+q"));
 }
 
 /// Returns the duration of a GIF, s.
@@ -48,14 +48,12 @@ pub fn outputs() {
     let model = path("model.xml");
     fs::write(&model, "<mujoco><worldbody><body><geom size='.1'/></body></worldbody></mujoco>").unwrap();
     let data = Data::new(mujoco_safe::Model::from_xml_path(&model).unwrap()).unwrap();
-    let options = ViewerOptions {
-        file: Some(model.clone()),
-        screenshots: path("screenshot.png"),
-        recordings: Some(path("recording.gif")),
-        recording: RecorderOptions { frames_per_second: 10.0, ..RecorderOptions::default() },
-        ..ViewerOptions::default()
-    };
-    show(Viewer::new().options(options), data, |input| {
+    let options = ViewerOptions::default()
+        .with_file(model.clone())
+        .with_screenshots(path("screenshot.png"))
+        .with_recordings(path("recording.gif"))
+        .with_recording(RecorderOptions::default().with_frames_per_second(10.0));
+    show_with(options, Viewer::new(), data, |input| {
         input.key("ctrl+p");
         wait_until("a screenshot is saved", || path("screenshot.png").exists());
         input.key("ctrl+p");

@@ -127,9 +127,9 @@ const fn part(methods: &'static [&'static str], needs: &'static str, fields: &'s
 
 /// Quantities that only the integrator of a step computes.
 const INTEGRATED: [(&str, &[&str]); 2] = [
-    ("the integrator [`Euler`](crate::Integrator::Euler) with damping in joints", &["qH", "qHDiagInv"]),
+    ("the integrator [`Euler`](crate::enums::Integrator::Euler) with damping in joints", &["qH", "qHDiagInv"]),
     (
-        "the integrator [`Implicit`](crate::Integrator::Implicit)",
+        "the integrator [`Implicit`](crate::enums::Integrator::Implicit)",
         &["D_rownnz", "D_rowadr", "D_colind", "qDeriv", "qLU"],
     ),
 ];

@@ -36,6 +36,7 @@ use crate::derivative::{LinearisationReport, Lineariser, StateSpace, TransitionO
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::Model;
+use crate::with_methods::with_methods;
 
 /// Smallest non-zero regularisation.
 const MIN_REGULARISATION: f64 = 1e-6;
@@ -46,6 +47,7 @@ const REGULARISATION_FACTOR: f64 = 1.6;
 
 /// Options of [`Ilqr`].
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct IlqrOptions {
     /// Maximum number of iterations; 200 by default.
     pub iterations: usize,
@@ -64,6 +66,13 @@ impl Default for IlqrOptions {
         Self { iterations: 200, tolerance: 1e-8, threads: 1, step_sizes }
     }
 }
+
+with_methods!(IlqrOptions {
+    with_iterations(iterations: usize),
+    with_tolerance(tolerance: f64),
+    with_threads(threads: usize),
+    with_step_sizes(step_sizes: impl Into<Vec<f64>>) = step_sizes.into(),
+});
 
 /// Reason for the end of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -33,7 +33,7 @@ pub enum RiccatiError {
         /// Expected rows and columns.
         expected: (usize, usize),
         /// Actual rows and columns.
-        got: (usize, usize),
+        found: (usize, usize),
     },
     /// An entry is infinite or not a number.
     NotFinite {
@@ -116,9 +116,9 @@ impl fmt::Display for RiccatiMatrix {
 impl fmt::Display for RiccatiError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::WrongShape { matrix, expected: (rows, columns), got: (got_rows, got_columns) } => write!(
+            Self::WrongShape { matrix, expected: (rows, columns), found: (found_rows, found_columns) } => write!(
                 formatter,
-                "{matrix} is {got_rows} by {got_columns}; to match the other matrices it should be {rows} by {columns}"
+                "{matrix} is {found_rows} by {found_columns}; to match the other matrices it should be {rows} by {columns}"
             ),
             Self::NotFinite { matrix, row, column, value } => write!(
                 formatter,

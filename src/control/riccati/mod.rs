@@ -251,7 +251,7 @@ fn check(
     expected: (usize, usize),
 ) -> Result<(), RiccatiError> {
     if view.shape() != expected {
-        return Err(RiccatiError::WrongShape { matrix, expected, got: view.shape() });
+        return Err(RiccatiError::WrongShape { matrix, expected, found: view.shape() });
     }
     for (column, entries) in view.column_iter().enumerate() {
         if let Some(row) = entries.iter().position(|entry| !entry.is_finite()) {

@@ -23,7 +23,8 @@ use crate::field_docs::field_docs;
 /// changes them. The defaults are those of the engine, for a model whose XML has no `<option>`.
 ///
 /// ```
-/// use mujoco_safe::{Integrator, Options};
+/// use mujoco_safe::enums::Integrator;
+/// use mujoco_safe::Options;
 ///
 /// let options = Options::default();
 /// assert_eq!((options.timestep, options.gravity), (0.002, [0.0, 0.0, -9.81]));
@@ -291,6 +292,6 @@ impl Model {
     }
 }
 
-field_docs!(Options, "Option", "apirate", "update rate for remote API (Hz)", 24);
-field_docs!(Visual, "Visual", "global.fovy", "y-field of view for free camera (degrees)", 68);
-field_docs!(Statistics, "Statistic", "extent", "spatial extent", 5);
+field_docs!(model::Options, "Option", "apirate", "update rate for remote API (Hz)", 24);
+field_docs!(model::Visual, "Visual", "global.fovy", "y-field of view for free camera (degrees)", 68);
+field_docs!(model::Statistics, "Statistic", "extent", "spatial extent", 5);

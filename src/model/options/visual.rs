@@ -16,7 +16,8 @@ use crate::model::{Model, ModelMut};
 /// affect the simulation. The defaults are those of the engine, for a model whose XML has no `<visual>`.
 ///
 /// ```
-/// use mujoco_safe::{Visual, sample};
+/// use mujoco_safe::model::Visual;
+/// use mujoco_safe::sample;
 ///
 /// let visual: Visual = sample::humanoid().visual();
 /// println!("{} x {} pixels", visual.global.offwidth, visual.global.offheight);

@@ -7,9 +7,9 @@ use std::collections::HashMap;
 
 use mujoco_sys::{mjMINVAL, mjOption, mjStatistic, mjVisual};
 
-use crate::error::{Error, LostEdit, Result};
-use crate::field_docs::Field;
-use crate::id::Kind;
+use crate::error::{Error, Result, UnsavedField};
+use crate::field_docs::FieldDoc;
+use crate::kind::Kind;
 use crate::model::Model;
 
 /// Largest difference between two values that are considered equal, relative to the largest value of their row. The text has 17
@@ -34,10 +34,10 @@ const SIX_DIGITS: [&str; 3] = ["skin_vert", "skin_texcoord", "skin_bonevertweigh
 const CACHED_FLAGS: [&str; 5] = ["body_simple", "body_sameframe", "geom_sameframe", "site_sameframe", "dof_simplenum"];
 
 /// Returns the fields of `model` whose values differ in `reloaded`.
-pub(super) fn lost(model: &Model, reloaded: &Model) -> Result<Vec<LostEdit>> {
+pub(super) fn lost(model: &Model, reloaded: &Model) -> Result<Vec<UnsavedField>> {
     let relative = relative_tolerance(model, reloaded);
     let sizes = sizes(model).zip(sizes(reloaded));
-    let mut lost: Vec<LostEdit> =
+    let mut lost: Vec<UnsavedField> =
         sizes.filter(|(own, other)| own != other).map(|((name, _), _)| of_setting(name)).collect();
     settings(model, reloaded, relative, &mut lost);
     // Arrays can be compared only if they have the same shapes.
@@ -115,7 +115,7 @@ macro_rules! compare {
 }
 
 /// Compares options, statistics and visualiser settings.
-fn settings(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<LostEdit>) {
+fn settings(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<UnsavedField>) {
     use mujoco_sys::{
         mjVisual___bindgen_ty_1 as Global, mjVisual___bindgen_ty_2 as Quality, mjVisual___bindgen_ty_3 as Headlight,
         mjVisual___bindgen_ty_4 as Map, mjVisual___bindgen_ty_5 as Scale, mjVisual___bindgen_ty_6 as Rgba,
@@ -150,13 +150,13 @@ fn settings(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<LostE
 }
 
 /// Compares all arrays of two models with the same sizes.
-fn arrays(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<LostEdit>) -> Result<()> {
+fn arrays(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<UnsavedField>) -> Result<()> {
     let sizes: HashMap<&str, usize> = sizes(model).map(|(name, value)| (name, value.try_into().unwrap_or(0))).collect();
     let extent = |text: &str| -> usize {
         text.split('*').map(|factor| factor.parse().unwrap_or_else(|_| sizes[factor])).product()
     };
     let (own, other) = (model.to_binary()?, reloaded.to_binary()?);
-    let fields: Vec<Field> = Model::fields().filter(|field| field.is_array).collect();
+    let fields: Vec<FieldDoc> = Model::fields().filter(|field| field.is_array).collect();
     let length: usize =
         fields.iter().map(|field| extent(field.rows) * extent(field.columns) * element_size(field.ctype)).sum();
     // Both binary models end with the arrays.
@@ -206,15 +206,15 @@ fn decode(ctype: &str, bytes: &[u8]) -> Vec<f64> {
 }
 
 /// Describes a field that has one value for the whole model.
-fn of_setting(field: &str) -> LostEdit {
-    LostEdit { field: field.to_owned(), elements: Vec::new() }
+fn of_setting(field: &str) -> UnsavedField {
+    UnsavedField { field: field.to_owned(), elements: Vec::new() }
 }
 
 /// Describes rows of an array.
-fn of_rows(model: &Model, field: &Field, rows: &[usize]) -> LostEdit {
+fn of_rows(model: &Model, field: &FieldDoc, rows: &[usize]) -> UnsavedField {
     let mut elements: Vec<String> = rows.iter().map(|&row| owner_of_row(model, field.rows, row)).collect();
     elements.dedup();
-    LostEdit { field: field.name.to_owned(), elements }
+    UnsavedField { field: field.name.to_owned(), elements }
 }
 
 /// Returns the name or index of the element to which a row of an array belongs. `rows` is the size that counts the rows.

@@ -14,7 +14,7 @@ use std::path::Path;
 use mujoco_sys::{self as sys, guard};
 
 use super::{Model, mjb};
-use crate::error::{Error, LostEdit, Result};
+use crate::error::{Error, Result, UnsavedField};
 use crate::{ffi, file};
 
 /// Check that [`Model::save_xml_with`] performs before it writes a file.
@@ -23,7 +23,7 @@ use crate::{ffi, file};
 pub enum XmlCheck {
     /// Loads the text, and writes the file only if the loaded model equals the saved model.
     #[default]
-    Refuse,
+    Require,
     /// Loads the text, writes the file even if the loaded model differs, and returns the fields that differ.
     Report,
     /// Writes the file without loading the text, for example before the meshes that it names exist.
@@ -33,7 +33,7 @@ pub enum XmlCheck {
 /// Options of [`Model::save_xml_with`].
 ///
 /// ```
-/// use mujoco_safe::{SaveXmlOptions, XmlCheck};
+/// use mujoco_safe::model::{SaveXmlOptions, XmlCheck};
 ///
 /// let options = SaveXmlOptions::default().with_check(XmlCheck::Report);
 /// assert_eq!(options.check, XmlCheck::Report);
@@ -41,7 +41,7 @@ pub enum XmlCheck {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SaveXmlOptions {
-    /// Check before the file is written. By default [`XmlCheck::Refuse`].
+    /// Check before the file is written. By default [`XmlCheck::Require`].
     pub check: XmlCheck,
     /// Names and contents of files in memory. In the check, they take precedence over files on disk. By default none.
     pub files: Vec<(String, Vec<u8>)>,
@@ -159,11 +159,11 @@ impl Model {
     /// model was loaded in the meantime, [`Error::Save`] if the engine cannot write the model, or if the text does not load
     /// from `path`, [`Error::File`] if the file cannot be written. An existing file is then unchanged.
     #[doc(alias = "mj_saveLastXML")]
-    pub fn save_xml_with(&self, path: impl AsRef<Path>, options: &SaveXmlOptions) -> Result<Vec<LostEdit>> {
+    pub fn save_xml_with(&self, path: impl AsRef<Path>, options: &SaveXmlOptions) -> Result<Vec<UnsavedField>> {
         let path = path.as_ref();
         let (text, reloaded) = self.to_xml(path, options)?;
         let lost = reloaded.map_or(Ok(Vec::new()), |reloaded| compare::lost(self, &reloaded))?;
-        if !lost.is_empty() && options.check == XmlCheck::Refuse {
+        if !lost.is_empty() && options.check == XmlCheck::Require {
             return Err(Error::XmlLosesEdits { path: path.to_owned(), fields: lost });
         }
         file::replace(path, |out| out.write_all(&text))?;

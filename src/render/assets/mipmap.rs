@@ -145,11 +145,11 @@ fn mix(a: f32, b: f32, weight: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::{Faces, MipChain, MipLevel, resample};
-    use crate::render::Picture;
+    use crate::render::RgbImage;
     use crate::{LoadOptions, Model};
 
     fn model() -> Model {
-        let mut picture = Picture::new(4, 4);
+        let mut picture = RgbImage::new(4, 4);
         for (index, byte) in picture.as_bytes_mut().iter_mut().enumerate() {
             *byte = index as u8;
         }

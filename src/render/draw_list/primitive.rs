@@ -57,7 +57,7 @@ pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: DetailLevel, pa
         SceneGeomType::Cylinder => parts.extend(cylinder(size, round)),
         SceneGeomType::Box => parts.push(Part::new(shapes.cuboid(), size)),
         SceneGeomType::Mesh => {
-            let shape = geom.mesh().and_then(|(mesh, is_hull)| shapes.mesh(mesh.index(), is_hull));
+            let shape = geom.mesh().and_then(|mesh| shapes.mesh(mesh.index(), geom.shows_convex_hull()));
             parts.extend(shape.map(asset));
         }
         SceneGeomType::Arrow => parts.extend(arrow(size, ARROWHEAD_SCALE, round)),

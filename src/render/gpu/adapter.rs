@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::{Gpu, Origin, Shared};
 use crate::render::RenderError;
+use crate::with_methods::with_methods;
 
 /// Preference between hardware and software adapters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -30,12 +31,7 @@ pub struct GpuOptions {
     pub low_power: bool,
 }
 
-impl GpuOptions {
-    /// Returns the default options with the given preference.
-    pub fn preferring(preference: GpuPreference) -> Self {
-        Self { preference, ..Self::default() }
-    }
-}
+with_methods!(GpuOptions { with_preference(preference: GpuPreference), with_low_power(low_power: bool) });
 
 /// Type of a graphics adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -138,12 +134,12 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// [`RenderError::Refused`] if the adapter cannot present to this window.
+    /// [`RenderError::Wgpu`] if the adapter cannot present to this window.
     pub(crate) fn surface(
         &self,
         window: impl Into<wgpu::SurfaceTarget<'static>>,
     ) -> Result<wgpu::Surface<'static>, RenderError> {
-        let refused = |message: String| RenderError::Refused { message };
+        let refused = |message: String| RenderError::Wgpu { message };
         let Some(origin) = &self.shared.origin else {
             return Err(refused("a device of the caller cannot create window surfaces".to_owned()));
         };

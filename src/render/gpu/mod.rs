@@ -20,7 +20,7 @@ use super::RenderError;
 ///
 /// let gpu = Gpu::new()?;
 /// println!("{}, {:?}", gpu.name(), gpu.kind());
-/// let software = Gpu::with_options(&GpuOptions::preferring(GpuPreference::Software))?;
+/// let software = Gpu::with_options(&GpuOptions::default().with_preference(GpuPreference::Software))?;
 /// # Ok::<(), mujoco_safe::render::RenderError>(())
 /// ```
 #[derive(Clone)]

@@ -10,7 +10,7 @@ use super::draw_list::{AuxOutput, DrawList};
 use super::gpu::buffer::{GrowableBuffer, ReadBackBuffer};
 use super::pass::{AuxTarget, COLOR_FORMAT, Labels, MainPass, Pipelines, ShadowMaps, Sky, Target, check_size};
 use super::settings::VisualSettings;
-use super::{DepthPicture, Gpu, Picture, RenderError, RendererOptions, SegmentationPicture};
+use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
 use crate::error::Error;
 use crate::id::{HeightFieldId, Lineage, MeshId, TextureId};
 use crate::model::Model;
@@ -235,8 +235,8 @@ impl Renderer {
     /// [`RenderError::OutOfMemory`] and [`RenderError::Lost`].
     #[doc(alias = "mjr_render")]
     #[doc(alias = "mjr_readPixels")]
-    pub fn rgb(&mut self, scene: &Scene) -> Result<Picture, RenderError> {
-        let mut picture = Picture::default();
+    pub fn rgb(&mut self, scene: &Scene) -> Result<RgbImage, RenderError> {
+        let mut picture = RgbImage::default();
         self.rgb_into(scene, &mut picture)?;
         Ok(picture)
     }
@@ -246,7 +246,7 @@ impl Renderer {
     /// # Errors
     ///
     /// As for [`rgb`](Self::rgb).
-    pub fn rgb_into(&mut self, scene: &Scene, picture: &mut Picture) -> Result<(), RenderError> {
+    pub fn rgb_into(&mut self, scene: &Scene, picture: &mut RgbImage) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|length| length as usize);
         let mut rows = picture.resize(width, height).chunks_exact_mut(3 * width);
         self.render_color(scene, |row| {
@@ -285,8 +285,8 @@ impl Renderer {
     /// # Errors
     ///
     /// As for [`rgb`](Self::rgb).
-    pub fn depth(&mut self, scene: &Scene) -> Result<DepthPicture, RenderError> {
-        let mut picture = DepthPicture::default();
+    pub fn depth(&mut self, scene: &Scene) -> Result<DepthImage, RenderError> {
+        let mut picture = DepthImage::default();
         self.depth_into(scene, &mut picture)?;
         Ok(picture)
     }
@@ -296,7 +296,7 @@ impl Renderer {
     /// # Errors
     ///
     /// As for [`rgb`](Self::rgb).
-    pub fn depth_into(&mut self, scene: &Scene, picture: &mut DepthPicture) -> Result<(), RenderError> {
+    pub fn depth_into(&mut self, scene: &Scene, picture: &mut DepthImage) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|length| length as usize);
         let mut rows = picture.resize(width, height).chunks_exact_mut(width);
         self.render_aux(scene, AuxOutput::Depth, |row| {
@@ -312,8 +312,8 @@ impl Renderer {
     /// # Errors
     ///
     /// As for [`rgb`](Self::rgb).
-    pub fn segmentation(&mut self, scene: &Scene) -> Result<SegmentationPicture, RenderError> {
-        let mut picture = SegmentationPicture::default();
+    pub fn segmentation(&mut self, scene: &Scene) -> Result<SegmentationImage, RenderError> {
+        let mut picture = SegmentationImage::default();
         self.segmentation_into(scene, &mut picture)?;
         Ok(picture)
     }
@@ -323,7 +323,7 @@ impl Renderer {
     /// # Errors
     ///
     /// As for [`rgb`](Self::rgb).
-    pub fn segmentation_into(&mut self, scene: &Scene, picture: &mut SegmentationPicture) -> Result<(), RenderError> {
+    pub fn segmentation_into(&mut self, scene: &Scene, picture: &mut SegmentationImage) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|length| length as usize);
         let mut rows = picture.resize(width, height, scene).chunks_exact_mut(width);
         self.render_aux(scene, AuxOutput::Ids, |row| {
@@ -417,7 +417,7 @@ mod tests {
         let mut scene = Scene::new(data.model(), 1000).unwrap();
         let mut camera = Camera::free(data.model());
         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
-        let options = RendererOptions::default().samples(1).shadow_size(64);
+        let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
         let draw = |count: u32| {
             let mut renderer = Renderer::on(&gpu, data.model(), 8, 8, &options).unwrap();
             for frame in 0..count {

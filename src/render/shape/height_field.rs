@@ -60,7 +60,8 @@ pub(crate) fn height_field(model: &Model, id: HeightFieldId, max_vertices: usize
 mod tests {
     use super::super::test_support::{assert_closed, assert_finite, assert_normals_agree, volume};
     use super::height_field;
-    use crate::{HeightFieldId, Model};
+    use crate::Model;
+    use crate::id::HeightFieldId;
 
     fn model(rows: usize, columns: usize, elevation: impl Fn(usize) -> f32) -> (Model, HeightFieldId) {
         let mut model = Model::from_xml_str(&format!(

@@ -119,7 +119,8 @@ mod tests {
     use super::super::test_support::{assert_closed, assert_finite, assert_normals_agree, faces, volume};
     use super::super::{Tessellation, Triangles, sphere};
     use super::{hull, mesh, skin};
-    use crate::{MeshId, Model};
+    use crate::Model;
+    use crate::id::MeshId;
 
     /// L-shaped prism: base area 3, height 2.
     const NOTCHED: &str = "0 0 0  2 0 0  2 1 0  1 1 0  1 2 0  0 2 0  0 0 2  2 0 2  2 1 2  1 1 2  1 2 2  0 2 2";

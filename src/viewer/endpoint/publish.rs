@@ -87,7 +87,7 @@ impl SimulationEndpoint {
         for (reported, warning) in self.warned.iter_mut().zip(Warning::ALL) {
             let count = data.warning(warning);
             if count.number > 0 && !*reported && warning != Warning::VisualGeomFull {
-                self.link.send(Event::Notice(warning.message(count.last_info, data)));
+                self.link.send(Event::Notice(warning.message(count.lastinfo, data)));
             }
             *reported = count.number > 0;
         }

@@ -7,7 +7,8 @@ use super::keyframe::{CapturedKey, key_xml};
 use crate::data::Data;
 use crate::enums::JointType;
 use crate::error::{Error, Result};
-use crate::id::{ElementKind, Id, JointId};
+use crate::id::{Id, JointId};
+use crate::kind::ElementKind;
 use crate::math::normalize4;
 use crate::viewer::link::{EndpointRequest, Event};
 
@@ -112,7 +113,7 @@ fn set_position(joint: JointId, part: usize, value: f64, data: &mut Data) -> Res
     let mut joint = data.joint_mut(joint);
     let Some(number) = joint.qpos_mut().get_mut(part) else { return Ok(false) };
     *number = value;
-    let quaternion = match joint.as_view().in_model().joint_type() {
+    let quaternion = match joint.view().in_model().joint_type() {
         JointType::Free => 3,
         JointType::Ball => 0,
         JointType::Slide | JointType::Hinge => return Ok(true),

@@ -5,7 +5,7 @@ use super::keyframe::camera_xml;
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::id::BodyId;
-use crate::scene::{Categories, MouseAction, PerturbationFlags, Scene, Selection};
+use crate::scene::{Categories, MouseAction, MovableBodies, PerturbationFlags, Scene, Selection};
 use crate::viewer::link::{Event, ViewportPoint};
 
 impl SimulationEndpoint {
@@ -68,7 +68,7 @@ impl SimulationEndpoint {
             return Ok(());
         }
         let mut perturbation = self.perturbation.clone();
-        self.with_scene(data, |scene, data| perturbation.init(data, scene))?;
+        self.with_scene(data, |scene, data| perturbation.start(data, scene))?;
         perturbation.active = flags;
         self.perturbation = perturbation;
         self.dragged = false;
@@ -104,7 +104,7 @@ impl SimulationEndpoint {
         if data.stage() < Stage::Velocity {
             self.refresh(data)?;
         }
-        self.perturbation.apply_pose(data, false)?;
+        self.perturbation.apply_pose(data, MovableBodies::Mocap)?;
         self.perturbation.apply_force(data)
     }
 
@@ -119,7 +119,7 @@ impl SimulationEndpoint {
             return Ok(false);
         }
         self.refresh_if_needed(data)?;
-        self.perturbation.apply_pose(data, true)?;
+        self.perturbation.apply_pose(data, MovableBodies::MocapAndFree)?;
         Ok(true)
     }
 

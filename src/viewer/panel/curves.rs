@@ -139,10 +139,11 @@ impl Curves {
 #[cfg(test)]
 mod tests {
     use super::{Curve, Curves, MAX_POINTS};
+    use crate::model::EnableFlags;
     use crate::viewer::endpoint::Watch;
-    use crate::viewer::handle::Handle;
+    use crate::viewer::handle::ViewerHandle;
     use crate::viewer::link::{EndpointRequest, link};
-    use crate::{Data, EnableFlags, sample};
+    use crate::{Data, sample};
 
     #[test]
     fn curve_keeps_the_newest_points_and_discards_undone_steps() {
@@ -166,7 +167,7 @@ mod tests {
         let mut data = Data::new(sample::humanoid()).unwrap();
         data.edit_model(|model| model.options(|options| options.enable |= EnableFlags::ENERGY)).unwrap().unwrap();
         data.reset_to_key("stand").unwrap();
-        let (mut handle, mut curves) = (Handle::new(physics), Curves::default());
+        let (mut handle, mut curves) = (ViewerHandle::new(physics), Curves::default());
         let mut watches: Vec<Watch> = vec!["qpos[2]".parse().unwrap(), "time".parse().unwrap()];
         window.send(EndpointRequest::Watch(watches.clone()));
         let mut heights = Vec::new();

@@ -149,7 +149,7 @@ impl Player {
             trajectory.apply(record, data)?;
             data.fwd_position()?;
             self.added.push((scene.ngeom(), record));
-            match scene.add(data, &options, None, Categories::DYNAMIC) {
+            match scene.add_geoms(data, &options, None, Categories::DYNAMIC) {
                 Ok(_) => {}
                 Err(Error::SceneFull { .. }) => break,
                 Err(error) => return Err(error),

@@ -2,7 +2,7 @@
 
 use super::{Bench, trajectories};
 use crate::scene::{MouseAction, PerturbationFlags};
-use crate::viewer::handle::Handle;
+use crate::viewer::handle::ViewerHandle;
 use crate::viewer::link::{EndpointRequest, Mode, Request, SimulationRequest, Status, ViewportPoint, link};
 use crate::{Data, Model, sample};
 
@@ -201,7 +201,7 @@ fn program_sees_a_pull_and_a_pause_before_the_same_batch_ends_them() {
     let (mut window, physics) = link(|| ());
     let mut data = Data::new(Model::from_xml_str(MODEL).unwrap()).unwrap();
     let ball = data.model().body("ball").unwrap().id();
-    let mut handle = Handle::new(physics);
+    let mut handle = ViewerHandle::new(physics);
     handle.sync(&mut data).unwrap();
 
     // Pull.

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::scene::{Camera, CameraView, FrameMode, MouseAction, NewGeom, PerturbationFlags, SceneOptions};
-use crate::viewer::handle::Handle;
+use crate::viewer::handle::ViewerHandle;
 use crate::viewer::input::{Key, KeyPress, Modifiers};
 use crate::viewer::link::{
     Asset, EndpointRequest, Event, Request, SimulationRequest, Snapshot, Status, WindowEnd, link,
@@ -15,11 +15,11 @@ fn newest(window: &mut WindowEnd) -> &mut Snapshot {
     window.latest().expect("a snapshot").0
 }
 
-fn squatting() -> (WindowEnd, Handle, Data) {
+fn squatting() -> (WindowEnd, ViewerHandle, Data) {
     let (window, physics) = link(|| ());
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
-    let mut handle = Handle::new(physics);
+    let mut handle = ViewerHandle::new(physics);
     handle.sync(&mut data).unwrap();
     (window, handle, data)
 }
@@ -139,7 +139,7 @@ fn modified_assets_are_uploaded_once() {
         <worldbody><geom type="hfield" hfield="ground"/></worldbody></mujoco>"#;
     let (mut window, physics) = link(|| ());
     let mut data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
-    let mut handle = Handle::new(physics);
+    let mut handle = ViewerHandle::new(physics);
     handle.sync(&mut data).unwrap();
     let ground = data.model().height_field("ground").unwrap().id();
     data.edit_model(|model| model.hfield_data_mut()[0] = 0.5).unwrap();
@@ -189,7 +189,7 @@ fn geoms_of_the_program_are_shown_until_removed() {
 #[test]
 fn camera_and_options_are_read_and_set() {
     let (mut window, physics) = link(|| ());
-    let mut handle = Handle::new(physics);
+    let mut handle = ViewerHandle::new(physics);
     assert_eq!(handle.camera(), None);
     let options = SceneOptions { frame: FrameMode::Body, ..SceneOptions::default() };
     handle.set_options(options.clone());
@@ -243,7 +243,7 @@ fn failed_simulation_is_reported_and_reset_from_the_window() {
     let (mut window, physics) = link(|| ());
     let mut data = Data::new(Model::from_xml_str(text).unwrap()).unwrap();
     data.qpos_mut()[0] = 1.0;
-    let mut handle = Handle::new(physics);
+    let mut handle = ViewerHandle::new(physics);
     handle.sync(&mut data).unwrap();
     while data.step().is_ok() {}
     handle.sync(&mut data).unwrap();

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use super::{Bench, trajectories};
+use crate::enums::Integrator;
+use crate::model::EnableFlags;
 use crate::scene::{FrameMode, PerturbationFlags};
 use crate::viewer::link::{
     EndpointRequest, Event, Mode, PlaybackRequest, Request, SceneView, SharedModel, SimulationRequest, link,
 };
-use crate::{Data, EnableFlags, Integrator, Model, sample};
+use crate::{Data, Model, sample};
 
 const TIED: &str = r#"<mujoco>
     <worldbody>

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use allocation_counter::measure;
 
 use super::{Bench, trajectories};
-use crate::viewer::handle::Handle;
+use crate::viewer::handle::ViewerHandle;
 use crate::viewer::link::{
     EndpointRequest, PlaybackRequest, Request, SimulationRequest, Snapshot, Status, WindowEnd, link,
 };
@@ -101,7 +101,7 @@ fn dropping_the_window_ends_the_thread() {
 #[test]
 fn dropping_the_handle_closes_the_window() {
     let (window, physics) = link(|| ());
-    let mut handle = Handle::new(physics);
+    let mut handle = ViewerHandle::new(physics);
     let mut data = Data::new(sample::cartpole()).unwrap();
     handle.sync(&mut data).unwrap();
     assert!(handle.is_running() && !window.is_closing());
@@ -114,7 +114,7 @@ fn steady_state_frames_do_not_allocate() {
     let (mut window, physics) = link(|| ());
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
-    let mut handle = Handle::new(physics);
+    let mut handle = ViewerHandle::new(physics);
     let actuator = data.model().actuator(0).unwrap().id();
     window.send(EndpointRequest::Watch(vec!["qpos[2]".parse().unwrap()]));
     let mut frame = |data: &mut Data| {
@@ -146,7 +146,7 @@ fn playback_with_a_burst_does_not_allocate() {
 fn at_most_three_snapshots_circulate() {
     let (mut window, physics) = link(|| ());
     let mut data = Data::new(sample::cartpole()).unwrap();
-    let mut handle = Handle::new(physics);
+    let mut handle = ViewerHandle::new(physics);
     let mut addresses = std::collections::HashSet::new();
     for round in 0..200 {
         for _ in 0..round % 3 {

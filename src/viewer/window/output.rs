@@ -6,7 +6,7 @@ use super::session::Session;
 use super::surface::SceneRenderer;
 use crate::error::{Error, Result};
 use crate::record::{Recorder, RecorderOptions, Summary};
-use crate::render::{Gpu, Picture, RenderError};
+use crate::render::{Gpu, RenderError, RgbImage};
 use crate::viewer::error::ViewerError;
 use crate::viewer::launch::ViewerOptions;
 use crate::viewer::link::Snapshot;
@@ -195,7 +195,7 @@ impl Recording {
     fn add<'a>(
         &mut self,
         time: f64,
-        draw: impl FnOnce([u32; 2]) -> Result<&'a Picture, RenderError>,
+        draw: impl FnOnce([u32; 2]) -> Result<&'a RgbImage, RenderError>,
     ) -> Result<(), ViewerError> {
         // A state with a time that is not finite is never due.
         if self.recorder.is_due(time) {
@@ -236,7 +236,7 @@ mod tests {
 
     use super::{Recording, free_path};
     use crate::record::{Recorder, RecorderOptions};
-    use crate::render::Picture;
+    use crate::render::RgbImage;
 
     fn start(path: &Path) -> Recording {
         let options = RecorderOptions { frames_per_second: 10.0, ..RecorderOptions::default() };
@@ -266,7 +266,7 @@ mod tests {
         ] {
             let mut recording = start(&path);
             for (number, time) in times.into_iter().enumerate() {
-                let mut picture = Picture::new(6, 4);
+                let mut picture = RgbImage::new(6, 4);
                 picture.set_pixel(number % 6, number / 6 % 4, [255; 3]);
                 recording
                     .add(time, |size| {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use wgpu::CurrentSurfaceTexture as Acquired;
 use winit::window::Window;
 
-use crate::render::{Gpu, GpuOptions, Picture, RenderError, Renderer, RendererOptions};
+use crate::render::{Gpu, GpuOptions, RenderError, Renderer, RendererOptions, RgbImage};
 use crate::viewer::link::{Asset, Snapshot};
 
 /// Clear colour before the first snapshot.
@@ -35,7 +35,7 @@ impl WindowSurface {
         let (gpu, surface) = Gpu::for_window(&window, &GpuOptions::default())?;
         let configuration = gpu.surface_configuration(&surface, window.inner_size().into());
         let mut configuration = configuration
-            .ok_or_else(|| RenderError::Refused { message: format!("{} cannot draw to this window", gpu.name()) })?;
+            .ok_or_else(|| RenderError::Wgpu { message: format!("{} cannot draw to this window", gpu.name()) })?;
         configuration.present_mode = present_mode(vsync);
         Ok(Self { window, surface, gpu, configuration, configured: false })
     }
@@ -135,7 +135,7 @@ fn present_mode(vsync: bool) -> wgpu::PresentMode {
 pub(super) struct SceneRenderer {
     /// Generation of the model, and its renderer.
     renderer: Option<(u64, Renderer)>,
-    picture: Picture,
+    picture: RgbImage,
 }
 
 impl SceneRenderer {
@@ -200,7 +200,7 @@ impl SceneRenderer {
     }
 
     /// Renders a snapshot without the panels to an image.
-    pub fn picture(&mut self, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<&Picture, RenderError> {
+    pub fn picture(&mut self, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<&RgbImage, RenderError> {
         // Reuses the memory of the last image.
         let mut picture = std::mem::take(&mut self.picture);
         let renderer = self.renderer(gpu, snapshot, size)?;

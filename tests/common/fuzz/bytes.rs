@@ -26,6 +26,10 @@ impl<'b> Bytes<'b> {
         self.below(times) == times - 1
     }
 
+    pub fn either<T>(&mut self, first: T, second: T) -> T {
+        if self.once_in(2) { first } else { second }
+    }
+
     pub fn choose<'c, T: ?Sized>(&mut self, choices: &[&'c T]) -> &'c T {
         choices[self.below(choices.len())]
     }

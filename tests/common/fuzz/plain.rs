@@ -92,9 +92,9 @@ fn mutated_csv(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
 mod json {
     use std::hint::black_box;
 
-    use mujoco_safe::{
-        Data, Differences, Matrix, Options, StateSpace, StateSpec, Statistics, Trajectory, Visual, WarningCount,
-    };
+    use mujoco_safe::data::WarningCount;
+    use mujoco_safe::model::{Statistics, Visual};
+    use mujoco_safe::{Data, Differences, Matrix, Options, StateSpace, StateSpec, Trajectory};
     use serde::Serialize;
     use serde::de::DeserializeOwned;
     use serde_json::{Value, json};
@@ -142,7 +142,7 @@ mod json {
             _ if model.nv() <= 4 => {
                 let system =
                     data.transition_fd(1e-6, Differences::Forward).unwrap_or_else(|_| StateSpace::zeros(model));
-                let _ = loaded::<_, WarningCount>(&json!({"number": 1, "last_info": -1}), bytes, log);
+                let _ = loaded::<_, WarningCount>(&json!({"number": 1, "lastinfo": -1}), bytes, log);
                 loaded(&system, bytes, log).map(|system: StateSpace| {
                     [&system.a, &system.b, &system.c, &system.d].into_iter().for_each(use_matrix);
                     let weights = mujoco_safe::LqrWeights::diagonal(&[1.0; 4], &[1.0]);

@@ -22,8 +22,8 @@ fn a_wrong_shape_is_an_error_with_the_expected_shape() {
         } else {
             wrong[index].0 += 1;
         }
-        let (expected, got) = (shapes[index], wrong[index]);
-        assert_eq!(attempt(wrong), Err(RiccatiError::WrongShape { matrix, expected, got }));
+        let (expected, found) = (shapes[index], wrong[index]);
+        assert_eq!(attempt(wrong), Err(RiccatiError::WrongShape { matrix, expected, found }));
     }
 }
 

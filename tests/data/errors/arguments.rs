@@ -1,6 +1,7 @@
 //! Unknown names and options out of range.
 
-use mujoco_safe::{Data, Differences, Integrator, sample};
+use mujoco_safe::enums::Integrator;
+use mujoco_safe::{Data, Differences, sample};
 
 use super::text_of;
 

@@ -1,10 +1,11 @@
 //! Poisoning by engine errors: calls that poison the data, and the behaviour of poisoned data.
 
+use mujoco_safe::data::{Accelerations, Axes, FrameId, RayOptions, SensorUpdate};
+use mujoco_safe::derivative::InverseForce;
+use mujoco_safe::id::BodyId;
 use mujoco_safe::scene::{Camera, Categories, MouseAction, Perturbation, Scene, SceneOptions};
 use mujoco_safe::sys::mjGEOM_BOX;
-use mujoco_safe::{
-    Axes, BodyId, Data, Differences, Error, FrameId, Matrix, Model, RayOptions, Result, Stage, StateSpec, sample,
-};
+use mujoco_safe::{Data, Differences, Error, Matrix, Model, Result, Stage, StateSpec, sample};
 
 type Call = (&'static str, fn(&mut Data) -> Result<()>);
 
@@ -36,8 +37,8 @@ const WRITING: [Call; 20] = [
     ("step2", |data| data.step2()),
     ("forward", |data| data.forward()),
     ("inverse", |data| data.inverse()),
-    ("forward_skip", |data| data.forward_skip(Stage::Velocity, true)),
-    ("inverse_skip", |data| data.inverse_skip(Stage::Velocity, true)),
+    ("forward_skip", |data| data.forward_skip(Stage::Velocity, SensorUpdate::Skip)),
+    ("inverse_skip", |data| data.inverse_skip(Stage::Velocity, SensorUpdate::Skip)),
     ("com_pos", |data| data.com_pos()),
     ("fwd_position", |data| data.fwd_position()),
     ("make_constraint", |data| data.make_constraint()),
@@ -45,8 +46,8 @@ const WRITING: [Call; 20] = [
     ("subtree_vel", |data| data.subtree_vel()),
     ("compute_qfrc_bias", |data| data.compute_qfrc_bias()),
     ("transition_fd", |data| data.transition_fd(1e-6, Differences::Forward).map(drop)),
-    ("inverse_fd", |data| data.inverse_fd(1e-6, false).map(drop)),
-    ("rne", |data| data.rne_into(true, &mut vec![0.0; data.model().nv()])),
+    ("inverse_fd", |data| data.inverse_fd(1e-6, InverseForce::Total).map(drop)),
+    ("rne", |data| data.rne_into(Accelerations::Present, &mut vec![0.0; data.model().nv()])),
     ("jac_subtree_com", |data| data.jac_subtree_com(body(data)).map(drop)),
     ("jac_point_axis", |data| data.jac_point_axis(body(data), [0.0; 3], [1.0, 0.0, 0.0]).map(drop)),
     ("apply_ft", |data| {
@@ -71,7 +72,7 @@ fn readings(data: &Data) -> Vec<f64> {
     let hit = data.ray([5.0, 5.0, 3.0], [0.0, 0.0, -1.0], &RayOptions::default()).unwrap();
     let copy = data.try_clone().unwrap();
     let force = data.contacts().next().unwrap().force().unwrap();
-    [&product, jacobian.translation.as_slice(), &velocity.linear, &acceleration.linear, &force.force]
+    [&product, jacobian.linear.as_slice(), &velocity.linear, &acceleration.linear, &force.force]
         .concat()
         .into_iter()
         .chain([hit.unwrap().distance])
@@ -152,7 +153,7 @@ fn an_engine_error_in_a_call_that_only_reads_leaves_the_data_usable_and_unchange
     let mut perturbation = Perturbation::default();
     perturbation.select = Some(body(&data));
     let failed = [
-        perturbation.init(&data, &scene),
+        perturbation.start(&data, &scene),
         perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1, 0.1]),
         scene.select(&data, &SceneOptions::default(), 1.0, [0.5, 0.5]).map(drop),
     ];

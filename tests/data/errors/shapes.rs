@@ -1,8 +1,9 @@
 //! Vectors and matrices of wrong sizes.
 
+use mujoco_safe::derivative::TransitionOutputs;
 use mujoco_safe::{
     Controller, Data, Differences, Error, Lqr, LqrWeights, Matrix, Model, PdController, Result, StateSpace, StateSpec,
-    Trajectory, TransitionOutputs, sample,
+    Trajectory, sample,
 };
 use nalgebra::DMatrix;
 

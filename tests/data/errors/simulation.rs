@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, Barrier};
 
-use mujoco_safe::{Data, Differences, Error, Integrator, Model, Result, Stage, StateSpec, UnstableField, sample};
+use mujoco_safe::data::UnstableField;
+use mujoco_safe::enums::Integrator;
+use mujoco_safe::{Data, Differences, Error, Model, Result, Stage, StateSpec, sample};
 
 use super::text_of;
 use crate::trouble;
@@ -49,7 +51,7 @@ fn a_nan_position_or_velocity_is_an_error_that_changes_nothing() {
             &["the simulation is unstable at time 0 s", "qpos[3] of joint 'root'", &value.to_string(), "1e10"],
         );
         let Err(Error::Unstable(found)) = data.step() else { panic!("the error must persist") };
-        assert_eq!((found.quantity, found.index, found.time), (UnstableField::Position, 3, 0.0));
+        assert_eq!((found.field, found.index, found.time), (UnstableField::Position, 3, 0.0));
         data.reset().unwrap();
         let knee = data.model().joint("left_knee").unwrap().dofs().start;
         data.qvel_mut()[knee] = value;
@@ -75,7 +77,7 @@ fn divergence_in_a_step_is_an_error_until_a_reset() {
     data.step().unwrap();
 
     data.xfrc_applied_mut()[1] = [f64::NAN; 6];
-    assert!(matches!(data.step(), Err(Error::Unstable(found)) if found.quantity == UnstableField::Acceleration));
+    assert!(matches!(data.step(), Err(Error::Unstable(found)) if found.field == UnstableField::Acceleration));
     data.reset().unwrap();
     assert_eq!(data.xfrc_applied()[1], [0.0; 6], "a reset clears applied forces");
     data.step().unwrap();
@@ -154,7 +156,9 @@ fn results_that_are_not_computed_are_errors() {
     }
     data.step2().unwrap();
     assert!(data.contacts().all(|contact| contact.force().is_ok()));
-    data.edit_model(|model| model.options(|options| options.cone = mujoco_safe::Cone::Elliptic)).unwrap().unwrap();
+    data.edit_model(|model| model.options(|options| options.cone = mujoco_safe::enums::Cone::Elliptic))
+        .unwrap()
+        .unwrap();
     assert!(data.contacts().all(|contact| contact.force().is_err()));
 }
 

@@ -1,6 +1,9 @@
 //! Contacts added by the caller.
 
-use mujoco_safe::{Cone, Data, DisableFlags, Error, JacobianStorage, Model, NewContact, Result};
+use mujoco_safe::data::NewContact;
+use mujoco_safe::enums::{Cone, JacobianStorage};
+use mujoco_safe::model::DisableFlags;
+use mujoco_safe::{Data, Error, Model, Result};
 
 /// Returns a ball far above a floor, with room for three contacts.
 fn ball() -> Data {

@@ -1,6 +1,8 @@
 //! Distances between two geoms.
 
-use mujoco_safe::{Data, Error, GeomDistance, GeomId, Model, sample};
+use mujoco_safe::data::GeomDistance;
+use mujoco_safe::id::GeomId;
+use mujoco_safe::{Data, Error, Model, sample};
 
 /// Returns two geoms, the second on a body at `pos` with the orientation `euler` in degrees.
 fn pair(first: &str, second: &str, pos: &str, euler: &str) -> Data {
@@ -109,7 +111,7 @@ fn computing_a_distance_changes_nothing() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     data.edit_model(|model| {
-        model.options(|options| options.enable |= mujoco_safe::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
+        model.options(|options| options.enable |= mujoco_safe::model::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
     })
     .unwrap()
     .unwrap();

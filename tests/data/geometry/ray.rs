@@ -1,28 +1,32 @@
 //! Rays for which the engine would exit or read out of bounds.
 
+use mujoco_safe::data::RayOptions;
+use mujoco_safe::enums::GeomType;
 use mujoco_safe::math::{quat2mat, ray_geom, ray_skin};
-use mujoco_safe::{Data, Error, GeomType, Model, RayOptions, sample};
+use mujoco_safe::{Data, Error, Model, sample};
 
-const ANY: RayOptions = RayOptions { geomgroup: None, with_static: true, bodyexclude: None };
+fn any() -> RayOptions {
+    RayOptions::default()
+}
 
 #[test]
 fn a_ray_without_a_direction_is_an_error() {
     let mut data = Data::new(sample::humanoid()).unwrap();
-    assert!(matches!(data.ray([0.0; 3], [1.0, 0.0, 0.0], &ANY), Err(Error::NotComputed { call: "ray", .. })));
+    assert!(matches!(data.ray([0.0; 3], [1.0, 0.0, 0.0], &any()), Err(Error::NotComputed { call: "ray", .. })));
     data.forward().unwrap();
     let nan = f64::NAN;
     for direction in [[0.0; 3], [1e-300, 0.0, 0.0], [nan, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0], [1e300; 3]] {
-        assert!(matches!(data.ray([0.0; 3], direction, &ANY), Err(Error::Invalid { .. })), "{direction:?}");
+        assert!(matches!(data.ray([0.0; 3], direction, &any()), Err(Error::Invalid { .. })), "{direction:?}");
         let skin = ray_skin(&[], &[], &[0.0; 3], &direction);
         assert!(matches!(skin, Err(Error::Invalid { .. })), "{direction:?}");
         let mut hits = [None; 1];
-        assert!(data.multi_ray([0.0; 3], &[direction], 1.0, &ANY, &mut hits).is_err());
+        assert!(data.multi_ray_into([0.0; 3], &[direction], 1.0, &any(), &mut hits).is_err());
     }
-    assert!(matches!(data.ray([nan, 0.0, 0.0], [1.0, 0.0, 0.0], &ANY), Err(Error::Invalid { .. })));
+    assert!(matches!(data.ray([nan, 0.0, 0.0], [1.0, 0.0, 0.0], &any()), Err(Error::Invalid { .. })));
     let mut hits = [None; 2];
     let one = [[0.0, 0.0, -1.0]];
-    assert!(matches!(data.multi_ray([0.0; 3], &one, 1.0, &ANY, &mut hits), Err(Error::Shape { .. })));
-    assert!(matches!(data.multi_ray([0.0; 3], &one, nan, &ANY, &mut hits[..1]), Err(Error::Invalid { .. })));
+    assert!(matches!(data.multi_ray_into([0.0; 3], &one, 1.0, &any(), &mut hits), Err(Error::Shape { .. })));
+    assert!(matches!(data.multi_ray_into([0.0; 3], &one, nan, &any(), &mut hits[..1]), Err(Error::Invalid { .. })));
 }
 
 #[test]
@@ -31,15 +35,15 @@ fn a_ray_ignores_excluded_geoms() {
     data.forward().unwrap();
     let above = [data.xpos()[1][0], data.xpos()[1][1], 5.0];
     let down = [0.0, 0.0, -1.0];
-    let first = data.ray(above, down, &ANY).unwrap().unwrap();
+    let first = data.ray(above, down, &any()).unwrap().unwrap();
     assert_ne!(data.geom(first.geom).name(), Some("floor"));
-    let nothing = RayOptions { geomgroup: Some([false; 6]), ..ANY };
+    let nothing = any().with_geomgroup([false; 6]);
     let floor = data.ray(above, down, &nothing).unwrap().unwrap();
     assert_eq!(data.geom(floor.geom).name(), Some("floor"), "planes are in no group");
-    assert_eq!(data.ray(above, down, &RayOptions { with_static: false, ..nothing }).unwrap(), None);
+    assert_eq!(data.ray(above, down, &nothing.with_static_geoms(false)).unwrap(), None);
     let body = data.model().geom_bodyid()[first.geom.index()] as usize;
     let body = data.model().bodies().nth(body).unwrap().id();
-    let excluded = data.ray(above, down, &RayOptions { bodyexclude: Some(body), ..ANY }).unwrap().unwrap();
+    let excluded = data.ray(above, down, &any().with_bodyexclude(body)).unwrap().unwrap();
     assert!(excluded.distance > first.distance);
 }
 
@@ -75,7 +79,7 @@ fn a_height_field_with_more_rows_than_columns_is_an_error() {
         // From the side, the direction in which the engine would read beyond the height field.
         let [point, direction] = [[3.0, 0.9, 0.2], [-1.0, 0.0, 0.0]];
         let results = [
-            data.ray(point, direction, &ANY).map(|hit| hit.map(|hit| hit.distance)),
+            data.ray(point, direction, &any()).map(|hit| hit.map(|hit| hit.distance)),
             data.ray_hfield(field, point, direction),
         ];
         for result in results {

@@ -1,8 +1,9 @@
 //! Every stage after every other stage, and long random sequences of stages.
 
-use mujoco_safe::{
-    Cone, Data, EnableFlags, Error, Integrator, JacobianStorage, Model, Result, Solver, Stage, StateSpec, sample,
-};
+use mujoco_safe::data::{ConeHessian, SensorUpdate};
+use mujoco_safe::enums::{Cone, Integrator, JacobianStorage, Solver};
+use mujoco_safe::model::EnableFlags;
+use mujoco_safe::{Data, Error, Model, Result, Stage, StateSpec, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -33,22 +34,22 @@ trait More {
 impl More for Data {
     fn cost(&mut self) -> Result<()> {
         let jar = vec![-0.1; self.nefc()];
-        self.constraint_update(&jar, true).map(drop)
+        self.constraint_update(&jar, ConeHessian::Compute).map(drop)
     }
 }
 
 /// Returns calls with arguments, and calls that read the results of stages.
 fn more() -> Vec<Part> {
-    fn skip(data: &mut Data, stage: Stage, sensors: bool) -> Result<()> {
+    fn skip(data: &mut Data, stage: Stage, sensors: SensorUpdate) -> Result<()> {
         data.forward_skip(stage, sensors)
     }
     vec![
-        ("skip nothing", |data| skip(data, Stage::Nothing, true)),
-        ("skip positions", |data| skip(data, Stage::Position, false)),
-        ("skip velocities", |data| skip(data, Stage::Velocity, true)),
-        ("inverse, skip nothing", |data| data.inverse_skip(Stage::Nothing, true)),
-        ("inverse, skip positions", |data| data.inverse_skip(Stage::Position, false)),
-        ("inverse, skip velocities", |data| data.inverse_skip(Stage::Velocity, true)),
+        ("skip nothing", |data| skip(data, Stage::Nothing, SensorUpdate::Skip)),
+        ("skip positions", |data| skip(data, Stage::Position, SensorUpdate::Compute)),
+        ("skip velocities", |data| skip(data, Stage::Velocity, SensorUpdate::Skip)),
+        ("inverse, skip nothing", |data| data.inverse_skip(Stage::Nothing, SensorUpdate::Skip)),
+        ("inverse, skip positions", |data| data.inverse_skip(Stage::Position, SensorUpdate::Compute)),
+        ("inverse, skip velocities", |data| data.inverse_skip(Stage::Velocity, SensorUpdate::Skip)),
         ("full_m", |data| data.full_m().map(drop)),
         ("solve_m", |data| {
             let vector = vec![1.0; data.model().nv()];
@@ -214,7 +215,7 @@ fn stages_of_the_inverse_in_order_equal_inverse_dynamics() {
         whole.inverse().unwrap();
         parts.inv_position().unwrap();
         parts.inv_velocity().unwrap();
-        parts.inverse_skip(Stage::Velocity, true).unwrap();
+        parts.inverse_skip(Stage::Velocity, SensorUpdate::Skip).unwrap();
         let nv = parts.model().nv();
         let bits = |values: &[f64]| -> Vec<u64> { values.iter().map(|value| value.to_bits()).collect() };
         assert_eq!(bits(parts.qfrc_inverse()), bits(whole.qfrc_inverse()), "{name}");

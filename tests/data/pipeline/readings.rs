@@ -1,6 +1,10 @@
 //! Sensor readings and forces on bodies: each is current, or is an error that names the missing call.
 
-use mujoco_safe::{Callbacks, Data, DisableFlags, Error, Integrator, MissingResults, Model, Result, Stage};
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::data::{MissingResults, SensorUpdate};
+use mujoco_safe::enums::Integrator;
+use mujoco_safe::model::DisableFlags;
+use mujoco_safe::{Data, Error, Model, Result, Stage};
 use proptest::prelude::*;
 
 /// Returns a ball that swings on a tendon and lands, with a sensor of each stage, and with each sensor that needs a separate
@@ -53,11 +57,11 @@ fn a_reading_is_an_error_until_the_stage_of_its_sensor_has_been_computed() {
     assert_eq!(computed(&data), [true, true, false], "the acceleration belongs to the previous step");
     data.inverse().unwrap();
     assert_eq!(computed(&data), [true; 3]);
-    data.forward_skip(Stage::Velocity, true).unwrap_err();
+    data.forward_skip(Stage::Velocity, SensorUpdate::Skip).unwrap_err();
     data.forward().unwrap();
-    data.forward_skip(Stage::Velocity, true).unwrap();
+    data.forward_skip(Stage::Velocity, SensorUpdate::Skip).unwrap();
     assert_eq!(computed(&data), [true, true, false], "forces without force sensors");
-    data.forward_skip(Stage::Velocity, false).unwrap();
+    data.forward_skip(Stage::Velocity, SensorUpdate::Compute).unwrap();
     assert_eq!(computed(&data), [true; 3]);
     assert_eq!(computed(&data.clone()), [true; 3]);
     data.edit_model(|model| model.set_timestep(0.001)).unwrap().unwrap();
@@ -144,6 +148,10 @@ fn a_controller_in_a_step_reads_the_sensors_of_the_stages_before_it() {
 /// A call that computes results, in some cases after a change of its inputs.
 type Call = fn(&mut Data, f64) -> Result<()>;
 
+fn sensors(number: f64) -> SensorUpdate {
+    if number > 0.0 { SensorUpdate::Skip } else { SensorUpdate::Compute }
+}
+
 const CALLS: [Call; 16] = [
     |data, _| data.forward(),
     |data, _| data.inverse(),
@@ -155,7 +163,7 @@ const CALLS: [Call; 16] = [
     |data, _| data.sensor_acc(),
     |data, _| data.runge_kutta(),
     |data, _| data.fwd_velocity(),
-    |data, _| data.forward_skip(Stage::Position, true),
+    |data, _| data.forward_skip(Stage::Position, SensorUpdate::Skip),
     |data, number| {
         data.qpos_mut()[0] = number;
         data.fwd_position()
@@ -166,16 +174,16 @@ const CALLS: [Call; 16] = [
     },
     |data, number| {
         data.qpos_mut()[0] = number;
-        data.forward_skip(Stage::Nothing, number > 0.0)
+        data.forward_skip(Stage::Nothing, sensors(number))
     },
     |data, number| {
         data.ctrl_mut()[0] = number;
-        data.forward_skip(Stage::Velocity, number > 0.0)?;
+        data.forward_skip(Stage::Velocity, sensors(number))?;
         data.rne_post_constraint()
     },
     |data, number| {
         data.qacc_mut()[0] = number;
-        data.inverse_skip(if number > 0.5 { Stage::Position } else { Stage::Velocity }, number > 0.0)
+        data.inverse_skip(if number > 0.5 { Stage::Position } else { Stage::Velocity }, sensors(number))
     },
 ];
 

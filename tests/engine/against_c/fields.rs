@@ -6,8 +6,11 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use mujoco_safe::data::Timer;
+use mujoco_safe::enums::Solver;
+use mujoco_safe::model::EnableFlags;
 use mujoco_safe::sys::{self, mjData, mjModel};
-use mujoco_safe::{Data, EnableFlags, MatrixView, MatrixViewMut, Model, Solver, Timer, kind, sample};
+use mujoco_safe::{Data, MatrixView, MatrixViewMut, Model, kind, sample};
 
 use crate::twins::subjects;
 
@@ -96,7 +99,7 @@ impl<T: Value, const N: usize> Locate for &mut [[T; N]] {
 
 impl Locate for MatrixViewMut<'_> {
     fn locate(self) -> Place {
-        self.as_view().locate()
+        self.view().locate()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Constraints, forces, velocities and accelerations of objects, and square roots of the inertia matrix.
 
-use mujoco_safe::{Axes, FrameId, SpatialVector, Stage};
+use mujoco_safe::Stage;
+use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId, SpatialVector};
 
 use crate::twins::{Twins, assert_same, c, small_subjects, usual_subjects};
 
@@ -26,9 +27,9 @@ fn square_roots_of_the_inertia_matrix_equal_c() {
         c!(mj_solveM2(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vectors.as_ptr(), 2));
         assert_same(&twins.name, &ours, &theirs);
 
-        for (with, flag) in [(false, 0), (true, 1)] {
+        for (accelerations, flag) in [(Accelerations::Zero, 0), (Accelerations::Present, 1)] {
             let (mut ours, mut theirs) = (vec![0.0; nv], vec![0.0; nv]);
-            twins.ours.rne_into(with, &mut ours).unwrap();
+            twins.ours.rne_into(accelerations, &mut ours).unwrap();
             c!(mj_rne(twins.raw.m(), twins.raw.d, flag, theirs.as_mut_ptr()));
             assert_same(&twins.name, &ours, &theirs);
         }
@@ -88,7 +89,7 @@ fn products_with_the_constraint_jacobian_equal_c() {
         let jar = twins.numbers(nefc);
         let mut cost = 0.0;
         c!(mj_constraintUpdate(twins.raw.m(), twins.raw.d, jar.as_ptr(), &raw mut cost, 1));
-        assert_same(&twins.name, &[twins.ours.constraint_update(&jar, true).unwrap()], &[cost]);
+        assert_same(&twins.name, &[twins.ours.constraint_update(&jar, ConeHessian::Compute).unwrap()], &[cost]);
         assert_same(&twins.name, twins.ours.efc_force(), &twins.raw.values(|d| d.efc_force, nefc));
         assert_same(&twins.name, twins.ours.qfrc_constraint(), &twins.raw.values(|d| d.qfrc_constraint, nv));
 

@@ -1,6 +1,9 @@
 //! Functions of a state: Jacobians, the inertia matrix, differences of positions, contacts, linearisations.
 
-use mujoco_safe::{BodyId, Differences, Error, Jacobian, Matrix, StateSpace, StateSpec, TransitionOutputs};
+use mujoco_safe::data::Jacobian;
+use mujoco_safe::derivative::TransitionOutputs;
+use mujoco_safe::id::BodyId;
+use mujoco_safe::{Differences, Error, Matrix, StateSpace, StateSpec};
 
 use crate::twins::{Twins, assert_same, c, read, small_subjects, usual_subjects};
 
@@ -18,8 +21,8 @@ fn pair(nv: usize, call: impl FnOnce(*mut f64, *mut f64)) -> (Vec<f64>, Vec<f64>
 }
 
 fn assert_same_pair(what: &str, ours: &Jacobian, (jacp, jacr): &(Vec<f64>, Vec<f64>)) {
-    assert_same(what, ours.translation.as_slice(), jacp);
-    assert_same(what, ours.rotation.as_slice(), jacr);
+    assert_same(what, ours.linear.as_slice(), jacp);
+    assert_same(what, ours.angular.as_slice(), jacr);
 }
 
 #[test]
@@ -73,7 +76,7 @@ fn a_single_jacobian_equals_that_of_the_pair() {
                 (Matrix::zeros(3, twins.model.nv()), Matrix::zeros(3, twins.model.nv()));
             twins.ours.jac_body_into(body, Some(&mut translation), None).unwrap();
             twins.ours.jac_body_into(body, None, Some(&mut rotation)).unwrap();
-            assert_eq!((translation, rotation), (both.translation, both.rotation), "{}, {body:?}", twins.name);
+            assert_eq!((translation, rotation), (both.linear, both.angular), "{}, {body:?}", twins.name);
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Length ranges of actuators.
 
+use mujoco_safe::Model;
+use mujoco_safe::model::{LengthRangeMode, LengthRangeOptions};
 use mujoco_safe::sys::{self, mjLROpt};
-use mujoco_safe::{LengthRangeMode, LengthRangeOptions, Model};
 
 use crate::twins::{assert_same, c};
 
@@ -43,7 +44,7 @@ fn length_ranges_equal_c() {
     ] {
         for index in 0..2 {
             let mut model = original.clone();
-            let options = LengthRangeOptions { mode, maxforce, uselimit, ..Default::default() };
+            let options = LengthRangeOptions::default().with_mode(mode).with_maxforce(maxforce).with_uselimit(uselimit);
             let id = model.id_at(index).unwrap();
             let ours = model.edit().set_length_range(id, &options).expect("the length range converges");
 

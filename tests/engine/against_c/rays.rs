@@ -1,7 +1,8 @@
 //! Rays.
 
+use mujoco_safe::data::RayOptions;
+use mujoco_safe::enums::GeomType;
 use mujoco_safe::math::ray_geom;
-use mujoco_safe::{GeomType, RayOptions};
 
 use crate::twins::{Twins, assert_same, c, usual_subjects};
 
@@ -18,9 +19,9 @@ fn rays_equal_c() {
         let some_groups = [true, false, true, false, true, true];
         for options in [
             RayOptions::default(),
-            RayOptions { with_static: false, ..Default::default() },
-            RayOptions { bodyexclude: Some(exclude), ..Default::default() },
-            RayOptions { geomgroup: Some(some_groups), ..Default::default() },
+            RayOptions::default().with_static_geoms(false),
+            RayOptions::default().with_bodyexclude(exclude),
+            RayOptions::default().with_geomgroup(some_groups),
         ] {
             for _ in 0..50 {
                 let numbers = twins.numbers(6);
@@ -29,7 +30,7 @@ fn rays_equal_c() {
                 let groups = options.geomgroup.map(|groups| groups.map(u8::from));
                 let groups = groups.as_ref().map_or(std::ptr::null(), |groups| groups.as_ptr());
                 let body = options.bodyexclude.map_or(-1, |body| body.index() as i32);
-                let with_static = options.with_static.into();
+                let with_static = options.static_geoms.into();
                 let (mut geom, m, d) = (0, twins.raw.m(), twins.raw.d);
                 let (pnt, vec) = (point.as_ptr(), direction.as_ptr());
                 let theirs = c!(mj_ray(m, d, pnt, vec, groups, with_static, body, &raw mut geom));

@@ -2,11 +2,10 @@
 
 use std::mem::MaybeUninit;
 
+use mujoco_safe::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
+use mujoco_safe::model::{DisableFlags, EnableFlags, Statistics, Visual};
 use mujoco_safe::sys::{self, mjModel, mjOption, mjVisual};
-use mujoco_safe::{
-    Collision, Cone, DisableFlags, EnableFlags, Error, Integrator, JacobianStorage, Model, Options, Solver, Statistics,
-    Visual, sample,
-};
+use mujoco_safe::{Error, Model, Options, sample};
 
 use crate::twins::{c, subjects};
 

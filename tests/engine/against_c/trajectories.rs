@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::{Cone, EnableFlags, Error, Integrator, Model, Solver, UnstableField, Warning, sample, sys};
+use mujoco_safe::data::{UnstableField, Warning};
+use mujoco_safe::enums::{Cone, Integrator, Solver};
+use mujoco_safe::model::EnableFlags;
+use mujoco_safe::{Error, Model, sample, sys};
 
 use crate::twins::{Subject, Twins, c, read, subjects, usual_subjects};
 
@@ -118,7 +121,7 @@ fn an_acceleration_out_of_range_is_detected_as_in_c() {
         assert!(warning.number == 1, "the engine has reset the simulation");
         match twins.ours.step() {
             Err(Error::Unstable(found)) => {
-                assert_eq!((found.quantity, found.index as i32), (UnstableField::Acceleration, warning.lastinfo));
+                assert_eq!((found.field, found.index as i32), (UnstableField::Acceleration, warning.lastinfo));
             }
             other => panic!("{other:?}"),
         }
@@ -214,7 +217,7 @@ fn warnings_are_counted_as_in_c() {
             let counted = twins.ours.warning(warning);
             let stat = twins.raw.data().warning[number as usize];
             assert_eq!(counted.number, stat.number as usize, "{}, step {step}", twins.name);
-            assert_eq!(counted.last_info, stat.lastinfo, "{}, step {step}", twins.name);
+            assert_eq!(counted.lastinfo, stat.lastinfo, "{}, step {step}", twins.name);
             twins.assert_same_state(&format!("after step {step}"));
         }
         assert!(twins.ours.warning(warning).number > 10, "{}: {warning} is raised", twins.name);

@@ -1,7 +1,8 @@
 //! Restored state, optional outputs, and rejected arguments.
 #![forbid(unsafe_code)]
 
-use mujoco_safe::{Data, Error, InverseJacobians, InverseOutputs, Matrix, Model, Stage, StateSpec, sample};
+use mujoco_safe::derivative::{InverseForce, InverseJacobians, InverseOutputs};
+use mujoco_safe::{Data, Error, Matrix, Model, Stage, StateSpec, sample};
 
 use super::{EPS, subjects};
 
@@ -17,7 +18,7 @@ fn state_accelerations_and_inputs_are_restored() {
         data.mocap_quat_mut().as_flattened_mut().iter_mut().for_each(|value| *value *= 0.9);
         let state = StateSpec::all();
         let (before, qacc) = (data.state(state), data.qacc().to_vec());
-        data.inverse_fd(EPS, true).unwrap();
+        data.inverse_fd(EPS, InverseForce::WithoutActuators).unwrap();
         assert_eq!(bits(&data.state(state)), bits(&before));
         assert_eq!(bits(data.qacc()), bits(&qacc));
     }
@@ -27,7 +28,7 @@ fn state_accelerations_and_inputs_are_restored() {
 fn other_results_are_those_of_inverse() {
     for mut data in subjects() {
         let mut other = data.clone();
-        data.inverse_fd(EPS, false).unwrap();
+        data.inverse_fd(EPS, InverseForce::Total).unwrap();
         other.inverse().unwrap();
         assert_eq!(data.stage(), Stage::Acceleration);
         for (ours, theirs) in [
@@ -51,15 +52,15 @@ fn many_calls_do_not_exhaust_the_stack() {
     // Each call releases the engine's stack.
     let mut data = Data::new(sample::cartpole()).unwrap();
     for _ in 0..2000 {
-        data.inverse_fd(EPS, true).unwrap();
+        data.inverse_fd(EPS, InverseForce::WithoutActuators).unwrap();
     }
 }
 
 #[test]
 fn each_output_is_independent_of_the_other_outputs() {
     for mut data in subjects() {
-        for flg_actuation in [false, true] {
-            let all = data.inverse_fd(EPS, flg_actuation).unwrap();
+        for force in [InverseForce::Total, InverseForce::WithoutActuators] {
+            let all = data.inverse_fd(EPS, force).unwrap();
             let mut alone = InverseJacobians::zeros(data.model());
             let none = InverseOutputs::default;
             for outputs in [
@@ -72,7 +73,7 @@ fn each_output_is_independent_of_the_other_outputs() {
                 InverseOutputs { dm_dq: Some(&mut alone.dm_dq), ..none() },
                 none(),
             ] {
-                data.inverse_fd_into(EPS, flg_actuation, outputs).unwrap();
+                data.inverse_fd_into(EPS, force, outputs).unwrap();
             }
             assert_eq!(alone, all);
         }
@@ -90,7 +91,7 @@ fn a_wrong_shape_is_rejected_before_any_computation() {
             let InverseJacobians { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = &mut jacobians;
             let matrix = [df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq].into_iter().nth(output).unwrap();
             *matrix = Matrix::zeros(matrix.nrows() + rows, matrix.ncols() + columns);
-            let error = data.inverse_fd_into(EPS, false, &mut jacobians).unwrap_err();
+            let error = data.inverse_fd_into(EPS, InverseForce::Total, &mut jacobians).unwrap_err();
             assert!(matches!(error, Error::Shape { .. }), "{error}");
         }
     }
@@ -101,11 +102,11 @@ fn a_wrong_shape_is_rejected_before_any_computation() {
 fn invalid_differences_are_rejected() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     for eps in [0.0, -1e-6, 1e-13, 1.5, f64::NAN, f64::INFINITY] {
-        let error = data.inverse_fd(eps, false).unwrap_err();
+        let error = data.inverse_fd(eps, InverseForce::Total).unwrap_err();
         assert!(matches!(&error, Error::Invalid { what, .. } if what == "eps of inverse_fd"), "{error}");
     }
     data.qpos_mut()[0] = f64::NAN;
-    assert!(matches!(data.inverse_fd(EPS, false), Err(Error::Unstable(_))));
+    assert!(matches!(data.inverse_fd(EPS, InverseForce::Total), Err(Error::Unstable(_))));
 }
 
 /// Returns the model with another `nstack`, the number of values on the engine's stack.
@@ -129,7 +130,7 @@ fn a_small_stack_is_an_error_that_keeps_the_state() {
         let mut data = Data::new(with_stack(&model, nstack as i32)).unwrap();
         data.qpos_mut().iter_mut().for_each(|value| *value *= 1.01);
         let before = bits(&data.state(StateSpec::all()));
-        let found = data.inverse_fd(EPS, false);
+        let found = data.inverse_fd(EPS, InverseForce::Total);
         assert_eq!(found.is_ok(), enough);
         if let Err(error) = found {
             assert!(matches!(error, Error::Engine { .. }), "{error}");
@@ -138,13 +139,13 @@ fn a_small_stack_is_an_error_that_keeps_the_state() {
         assert_eq!(matches!(data.inverse(), Err(Error::Poisoned { .. })), !enough);
         // The stack is released: the same calls succeed again.
         data.reset().unwrap();
-        assert_eq!(data.inverse_fd(EPS, false).is_ok(), enough);
+        assert_eq!(data.inverse_fd(EPS, InverseForce::Total).is_ok(), enough);
     }
 }
 
 #[test]
 fn models_without_joints_and_sensors_have_empty_jacobians() {
     let mut data = Data::new(Model::from_xml_str("<mujoco/>").unwrap()).unwrap();
-    let jacobians = data.inverse_fd(EPS, true).unwrap();
+    let jacobians = data.inverse_fd(EPS, InverseForce::WithoutActuators).unwrap();
     assert_eq!((jacobians.df_dq.shape(), jacobians.dm_dq.shape()), ((0, 0), (0, 0)));
 }

@@ -1,7 +1,8 @@
 //! Numerical results.
 
-use mujoco_safe::sys;
-use mujoco_safe::{Data, DisableFlags, InverseJacobians, Matrix, Model, StateSpec, sample};
+use mujoco_safe::derivative::{InverseForce, InverseJacobians};
+use mujoco_safe::model::DisableFlags;
+use mujoco_safe::{Data, Matrix, Model, StateSpec, sample, sys};
 
 use super::{EPS, assert_near, subjects};
 
@@ -25,7 +26,8 @@ fn difference(after: &[f64], before: &[f64]) -> Vec<f64> {
 fn rows_equal_differences_of_the_engines_inverse_dynamics() {
     for mut data in subjects() {
         let original = data.clone();
-        let InverseJacobians { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } = data.inverse_fd(EPS, false).unwrap();
+        let InverseJacobians { df_dq, df_dv, df_da, ds_dq, ds_dv, ds_da, dm_dq } =
+            data.inverse_fd(EPS, InverseForce::Total).unwrap();
         let (force, sensors, inertia) = inverse_of_changed(&original, |_| {});
         let model = original.model().clone();
         for dof in 0..model.nv() {
@@ -54,7 +56,7 @@ fn without_constraints_the_derivative_by_acceleration_is_the_inertia_matrix() {
     for mut data in subjects() {
         let disable = DisableFlags::CONSTRAINT;
         data.edit_model(|model| model.options(|options| options.disable = disable)).unwrap().unwrap();
-        let found = data.inverse_fd(1e-3, false).unwrap().df_da;
+        let found = data.inverse_fd(1e-3, InverseForce::Total).unwrap().df_da;
         assert_near("DfDa", found.as_slice(), data.full_m().unwrap().as_slice(), 1e-7);
     }
 }
@@ -62,7 +64,7 @@ fn without_constraints_the_derivative_by_acceleration_is_the_inertia_matrix() {
 #[test]
 fn the_derivative_of_the_inertia_matrix_equals_differences() {
     for mut data in subjects() {
-        let dm_dq = data.inverse_fd(EPS, false).unwrap().dm_dq;
+        let dm_dq = data.inverse_fd(EPS, InverseForce::Total).unwrap().dm_dq;
         let (model, nv) = (data.model().clone(), data.model().nv());
         for dof in 0..nv {
             // Both use the full matrix; converting back gives the sparse form.
@@ -117,8 +119,9 @@ fn derivatives_of_a_pendulum_equal_the_formula() {
     data.qacc_mut()[0] = 2.0;
     data.ctrl_mut()[0] = 0.1;
     let gravity = 2.0 * 10.0 * 0.5 * angle.cos();
-    for (flg_actuation, servo) in [(false, [0.0, 0.0]), (true, [5.0, 0.2])] {
-        let found = data.inverse_fd(EPS, flg_actuation).unwrap();
+    let cases = [(InverseForce::Total, [0.0, 0.0]), (InverseForce::WithoutActuators, [5.0, 0.2])];
+    for (force, servo) in cases {
+        let found = data.inverse_fd(EPS, force).unwrap();
         assert_near("DfDq", found.df_dq.as_slice(), &[gravity + 1.5 + servo[0]], 1e-5);
         assert_near("DfDv", found.df_dv.as_slice(), &[0.3 + servo[1]], 1e-7);
         assert_near("DfDa", found.df_da.as_slice(), &[inertia], 1e-7);
@@ -154,7 +157,7 @@ fn rows_correspond_to_inputs() {
     let mut data = Data::new(model).unwrap();
     data.qvel_mut().copy_from_slice(&[3.0, 0.7]);
     // With r = 0.5: moment 2 m r ω ṙ, force −m r ω².
-    let found = data.inverse_fd(EPS, false).unwrap().df_dv;
+    let found = data.inverse_fd(EPS, InverseForce::Total).unwrap().df_dv;
     let by_turning = [2.0 * 2.0 * 0.5 * 0.7, -2.0 * 2.0 * 0.5 * 3.0];
     let by_sliding = [2.0 * 2.0 * 0.5 * 3.0, 0.0];
     assert_near("by ω", found.row(0), &by_turning, 1e-5);
@@ -169,7 +172,7 @@ fn derivatives_of_the_cart_pole_equal_a_newer_engine() {
     data.qvel_mut().copy_from_slice(&[0.5, -1.5]);
     data.qacc_mut().copy_from_slice(&[1.0, 2.0]);
     data.ctrl_mut()[0] = 0.3;
-    let found = data.inverse_fd(EPS, true).unwrap();
+    let found = data.inverse_fd(EPS, InverseForce::WithoutActuators).unwrap();
     assert_near("DfDq", found.df_dq.as_slice(), &[0.0, 0.0, -0.451_399_550_627_229_5, -1.222_097_515_407_583], 1e-8);
     assert_near("DfDv", found.df_dv.as_slice(), &[0.050_000_000_58, 0.0, 0.289_897_862_16, 0.049_999_999_918], 1e-8);
     let inertia = [2.000_000_000_28, 0.114_726_328_215_297_71, 0.114_726_327_993_253_11, 0.063_454_431_709_075_72];

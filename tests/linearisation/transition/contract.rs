@@ -2,22 +2,28 @@
 
 use std::sync::Arc;
 
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::derivative::{Fallback, TransitionMethod, TransitionOptions, TransitionOutputs};
+use mujoco_safe::enums::Integrator;
 use mujoco_safe::rayon::ThreadPoolBuilder;
 use mujoco_safe::{
-    Callbacks, Data, Differences, Error, Fallback, Integrator, Lineariser, Matrix, Model, ModelMut, Options,
-    StateSpace, StateSpec, TransitionMethod, TransitionOptions, TransitionOutputs, sample,
+    Data, Differences, Error, Lineariser, Matrix, Model, ModelMut, Options, StateSpace, StateSpec, sample,
 };
 
 use super::{assert_near, deviation, oracle, standing};
 
-const METHODS: [TransitionMethod; 3] = [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse];
+const METHODS: [TransitionMethod; 3] =
+    [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit];
 
 fn workspace(data: &Data, options: TransitionOptions) -> Lineariser {
     Lineariser::new(data.model().clone(), options).unwrap()
 }
 
 fn by(data: &mut Data, method: TransitionMethod, threads: usize) -> StateSpace {
-    workspace(data, TransitionOptions { method, threads, ..Default::default() }).linear_system(data).unwrap().0
+    workspace(data, TransitionOptions::default().with_method(method).with_threads(threads))
+        .linear_system(data)
+        .unwrap()
+        .0
 }
 
 fn cartpole() -> Data {
@@ -47,8 +53,10 @@ fn columns_equal_the_engine_bit_for_bit() {
     // With the implicit integrator, the engine uses a factor from the previous step, which does not depend on the control.
     for mut data in [cartpole(), standing(), with_options(zoo(), |options| options.integrator = Integrator::Euler)] {
         for differences in [Differences::Central, Differences::Forward] {
-            let options =
-                TransitionOptions { differences, method: TransitionMethod::Columns, threads: 2, ..Default::default() };
+            let options = TransitionOptions::default()
+                .with_differences(differences)
+                .with_method(TransitionMethod::Columns)
+                .with_threads(2);
             let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
             assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, None));
             let engine = data.clone().transition_fd(1e-6, differences).unwrap();
@@ -79,14 +87,14 @@ fn all_methods_perturb_a_control_at_its_limit_inwards() {
     let engine = by(&mut data, TransitionMethod::Engine, 1);
     assert!((0..engine.b.nrows()).all(|row| engine.b[(row, 2)] == 0.0));
     assert_eq!(by(&mut data, TransitionMethod::Columns, 1), engine);
-    assert_near("inverse", &by(&mut data, TransitionMethod::Inverse, 1), &engine, 1e-5);
+    assert_near("inverse", &by(&mut data, TransitionMethod::Implicit, 1), &engine, 1e-5);
 }
 
 #[test]
 fn the_implicit_method_is_more_accurate_than_the_engine() {
     for mut data in [standing(), cartpole()] {
         let truth = oracle::linear_system(&data);
-        let inverse = by(&mut data, TransitionMethod::Inverse, 1);
+        let inverse = by(&mut data, TransitionMethod::Implicit, 1);
         let engine = by(&mut data, TransitionMethod::Engine, 1);
         assert_near("engine", &inverse, &engine, 1e-5);
         assert_near("truth", &inverse, &truth, 3e-7);
@@ -98,8 +106,8 @@ fn the_implicit_method_is_more_accurate_than_the_engine() {
 #[test]
 fn forward_differences_are_close_to_central_differences() {
     let mut data = standing();
-    let central = by(&mut data, TransitionMethod::Inverse, 1);
-    let options = TransitionOptions { differences: Differences::Forward, ..Default::default() };
+    let central = by(&mut data, TransitionMethod::Implicit, 1);
+    let options = TransitionOptions::default().with_differences(Differences::Forward);
     let (forward, _) = workspace(&data, options).linear_system(&mut data).unwrap();
     assert!(forward != central);
     assert_near("forward", &forward, &central, 1e-3);
@@ -135,7 +143,7 @@ fn the_result_does_not_depend_on_the_surrounding_pool() {
 fn a_workspace_is_usable_after_a_failure() {
     let mut data = standing();
     for method in METHODS {
-        let options = TransitionOptions { method, threads: 2, ..Default::default() };
+        let options = TransitionOptions::default().with_method(method).with_threads(2);
         let (mut used, mut system) = (workspace(&data, options), StateSpace::zeros(data.model()));
         let one = by(&mut data, method, 1);
         let mut lost = data.clone();
@@ -151,7 +159,8 @@ fn omitted_outputs_do_not_affect_other_outputs() {
     let mut data = standing();
     for method in METHODS {
         for threads in [1, 2] {
-            let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
+            let mut transition =
+                workspace(&data, TransitionOptions::default().with_method(method).with_threads(threads));
             let whole = transition.linear_system(&mut data).unwrap().0;
             let mut part = StateSpace::zeros(data.model());
             let outputs = TransitionOutputs { a: Some(&mut part.a), ..Default::default() };
@@ -181,7 +190,8 @@ fn the_simulation_is_restored_bit_for_bit() {
         for method in METHODS {
             for threads in [1, 2] {
                 let before = everything(&data);
-                let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
+                let mut transition =
+                    workspace(&data, TransitionOptions::default().with_method(method).with_threads(threads));
                 transition.linear_system(&mut data).unwrap();
                 assert_eq!(everything(&data), before);
 
@@ -208,7 +218,7 @@ fn unsupported_models_fall_back_to_differences_with_a_report() {
         let mut data = data;
         let truth = oracle::linear_system(&data);
         for threads in [1, 2] {
-            let options = TransitionOptions { threads, ..Default::default() };
+            let options = TransitionOptions::default().with_threads(threads);
             let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
             assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(fallback)));
             assert_near(&fallback.to_string(), &system, &truth, 1e-4);
@@ -216,10 +226,10 @@ fn unsupported_models_fall_back_to_differences_with_a_report() {
     }
     let mut data = with_options(standing(), |options| {
         options.iterations = 1;
-        options.solver = mujoco_safe::Solver::Pgs;
+        options.solver = mujoco_safe::enums::Solver::Pgs;
     });
     for threads in [1, 2] {
-        let options = TransitionOptions { threads, ..Default::default() };
+        let options = TransitionOptions::default().with_threads(threads);
         let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
         assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(Fallback::NotConverged)));
         assert_eq!(system, data.clone().transition_fd(1e-6, Differences::Central).unwrap());
@@ -229,7 +239,7 @@ fn unsupported_models_fall_back_to_differences_with_a_report() {
 #[test]
 fn columns_support_runge_kutta_and_the_engine_does_not() {
     let mut data = with_options(cartpole(), |options| options.integrator = Integrator::Rk4);
-    let options = TransitionOptions { method: TransitionMethod::Engine, ..Default::default() };
+    let options = TransitionOptions::default().with_method(TransitionMethod::Engine);
     let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
     assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(Fallback::RungeKutta)));
     assert_near("Runge–Kutta", &system, &oracle::linear_system(&data), 1e-7);
@@ -254,7 +264,7 @@ fn linearisations_include_callbacks() {
 fn edits_of_the_model_are_followed() {
     let mut data = cartpole();
     for method in METHODS {
-        let mut transition = workspace(&data, TransitionOptions { method, ..Default::default() });
+        let mut transition = workspace(&data, TransitionOptions::default().with_method(method));
         let before = transition.linear_system(&mut data).unwrap().0;
         let mut changed = with_options(data.clone(), |options| options.gravity = [0.0; 3]);
         let after = transition.linear_system(&mut changed).unwrap().0;
@@ -277,7 +287,8 @@ fn linearisations_along_a_trajectory_equal_single_linearisations() {
     let controls = Matrix::from_row_major(5, controls.len() / 5, controls);
     for method in METHODS {
         for threads in [1, 2, 9] {
-            let mut transition = workspace(&data, TransitionOptions { method, threads, ..Default::default() });
+            let mut transition =
+                workspace(&data, TransitionOptions::default().with_method(method).with_threads(threads));
             let systems = transition.along(&data, &states, &controls).unwrap();
             for (knot, (system, used)) in systems.iter().enumerate() {
                 let mut alone = data.clone();
@@ -290,7 +301,7 @@ fn linearisations_along_a_trajectory_equal_single_linearisations() {
     }
     let mut invalid = states.clone();
     invalid[(3, 0)] = f64::NAN;
-    let mut transition = workspace(&data, TransitionOptions { threads: 2, ..Default::default() });
+    let mut transition = workspace(&data, TransitionOptions::default().with_threads(2));
     assert!(matches!(transition.along(&data, &invalid, &controls), Err(Error::Unstable(_))));
     assert!(
         transition
@@ -305,11 +316,11 @@ fn wrong_shapes_options_and_models_are_errors() {
     let mut data = cartpole();
     let model: Arc<Model> = data.model().clone();
     for eps in [0.0, 2.0, f64::NAN] {
-        let options = TransitionOptions { eps: Some(eps), ..Default::default() };
+        let options = TransitionOptions::default().with_eps(eps);
         assert!(matches!(Lineariser::new(model.clone(), options), Err(Error::Invalid { .. })));
     }
     for threads in [0, 1025, usize::MAX] {
-        let options = TransitionOptions { threads, ..Default::default() };
+        let options = TransitionOptions::default().with_threads(threads);
         assert!(matches!(Lineariser::new(model.clone(), options), Err(Error::Invalid { .. })));
     }
 
@@ -344,7 +355,7 @@ fn models_without_joints_or_actuators_have_empty_systems() {
         let engine = by(&mut data, TransitionMethod::Engine, 1);
         for threads in [1, 2] {
             assert_eq!(by(&mut data, TransitionMethod::Columns, threads), engine);
-            assert_near(xml, &by(&mut data, TransitionMethod::Inverse, threads), &engine, 1e-7);
+            assert_near(xml, &by(&mut data, TransitionMethod::Implicit, threads), &engine, 1e-7);
         }
     }
 }

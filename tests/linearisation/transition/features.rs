@@ -1,6 +1,7 @@
 //! Each feature of the engine that affects a step, alone: the implicit method against extrapolated differences.
 
-use mujoco_safe::{Data, Lineariser, Model, StateSpace, TransitionMethod, TransitionOptions};
+use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
+use mujoco_safe::{Data, Lineariser, Model, StateSpace};
 
 use super::{assert_near, oracle};
 
@@ -61,7 +62,7 @@ fn moving(xml: &str, steps: usize) -> Data {
 fn inverse(data: &mut Data) -> StateSpace {
     let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
     let (system, used) = transition.linear_system(data).unwrap();
-    assert_eq!((used.method, used.fallback), (TransitionMethod::Inverse, None));
+    assert_eq!((used.method, used.fallback), (TransitionMethod::Implicit, None));
     system
 }
 

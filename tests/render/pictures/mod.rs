@@ -20,7 +20,7 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use mujoco_safe::render::{Lighting, Picture, Renderer, RendererOptions};
+use mujoco_safe::render::{Lighting, Renderer, RendererOptions, RgbImage};
 
 use scenes::Setting;
 
@@ -46,7 +46,7 @@ struct Difference {
 }
 
 impl Difference {
-    fn of(engine: &Picture, ours: &Picture) -> Self {
+    fn of(engine: &RgbImage, ours: &RgbImage) -> Self {
         assert_eq!((engine.width(), engine.height()), (ours.width(), ours.height()));
         let pixels = engine.as_bytes().chunks_exact(3).zip(ours.as_bytes().chunks_exact(3));
         let (mut sum, mut sum_largest, mut outliers) = (0.0, 0.0, 0.0);
@@ -73,16 +73,16 @@ fn out() -> PathBuf {
     folder
 }
 
-fn engines(setting: &Setting) -> Picture {
+fn engines(setting: &Setting) -> RgbImage {
     let path = scenes::folder().join("engine").join(format!("{}.png", setting.name));
     let mut reader = png::Decoder::new(BufReader::new(File::open(&path).unwrap())).read_info().unwrap();
     let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut rgb).unwrap();
     assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
-    Picture::from_rgb(info.width as usize, info.height as usize, rgb).unwrap()
+    RgbImage::from_rgb(info.width as usize, info.height as usize, rgb).unwrap()
 }
 
-fn ours(setting: &Setting, options: &RendererOptions) -> Picture {
+fn ours(setting: &Setting, options: &RendererOptions) -> RgbImage {
     let mut data = setting.as_drawn();
     let scene = setting.scene(&mut data);
     let mut renderer = Renderer::with_options(data.model(), WIDTH as u32, HEIGHT as u32, options).unwrap();
@@ -90,8 +90,8 @@ fn ours(setting: &Setting, options: &RendererOptions) -> Picture {
 }
 
 /// Returns the engine's image, ours, and their scaled difference side by side.
-fn side_by_side(engine: &Picture, ours: &Picture) -> Picture {
-    let mut all = Picture::new(3 * WIDTH, HEIGHT);
+fn side_by_side(engine: &RgbImage, ours: &RgbImage) -> RgbImage {
+    let mut all = RgbImage::new(3 * WIDTH, HEIGHT);
     for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
         let pair = [engine.pixel(x, y), ours.pixel(x, y)];
         let difference = std::array::from_fn(|channel| pair[0][channel].abs_diff(pair[1][channel]).saturating_mul(8));
@@ -107,7 +107,7 @@ fn compare(name: &str) {
     let engine = engines(&setting);
     assert_eq!(OUTLIERS[0].1, RendererOptions::default().lighting);
     let differences = OUTLIERS.map(|(label, lighting, outliers)| {
-        let ours = ours(&setting, &RendererOptions::default().lighting(lighting));
+        let ours = ours(&setting, &RendererOptions::default().with_lighting(lighting));
         side_by_side(&engine, &ours).save_png(out().join(format!("{name}{label}.png"))).unwrap();
         (Difference::of(&engine, &ours), outliers)
     });
@@ -155,7 +155,7 @@ compare! {
 
 #[test]
 fn a_difference_is_detected() {
-    let grey = Picture::from_rgb(10, 10, vec![100; 300]).unwrap();
+    let grey = RgbImage::from_rgb(10, 10, vec![100; 300]).unwrap();
     let mut other = grey.clone();
     other.set_pixel(3, 4, [100, 109, 97]);
     other.set_pixel(5, 6, [108, 100, 100]);

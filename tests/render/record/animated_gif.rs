@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use mujoco_safe::record::{Format, Recorder, RecorderOptions};
+use mujoco_safe::record::{Format, Recorder};
 
 use super::{HEIGHT, Shown, WIDTH, assert_shows, names, options, record};
 
@@ -87,7 +87,7 @@ fn the_number_of_repetitions_is_that_of_the_options() {
     // The format counts repetitions after the first playback.
     for (plays, repeat) in [(0, gif::Repeat::Infinite), (1, gif::Repeat::Finite(0)), (4, gif::Repeat::Finite(3))] {
         let path = folder.path().join("walk.gif");
-        record(&path, RecorderOptions { plays, ..options(10.0) }, [0.0, 0.1]);
+        record(&path, options(10.0).with_plays(plays), [0.0, 0.1]);
         assert_eq!(decode(&path).1, repeat);
     }
 }

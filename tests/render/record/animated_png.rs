@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use mujoco_safe::record::{Format, Recorder, RecorderOptions};
+use mujoco_safe::record::{Format, Recorder};
 
 use super::{HEIGHT, Shown, WIDTH, assert_shows, names, options, picture, record};
 
@@ -35,7 +35,7 @@ fn frames_and_delays_are_those_of_the_simulation() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["walk.png", "walk.apng"] {
         let path = folder.path().join(name);
-        let summary = record(&path, RecorderOptions { plays: 3, ..options(10.0) }, [7.0, 7.1, 7.2, 7.5]);
+        let summary = record(&path, options(10.0).with_plays(3), [7.0, 7.1, 7.2, 7.5]);
         assert_eq!((summary.format, summary.frames, summary.seconds), (Format::AnimatedPng, 6, 0.6));
         assert_eq!(summary.path, path);
         let (shown, plays) = decode(&path);
@@ -105,7 +105,7 @@ fn a_recording_continues_after_a_reset_of_time() {
 fn slow_motion_records_more_frames() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.png");
-    let mut recorder = Recorder::create(&path, RecorderOptions { speed: 0.1, ..options(20.0) }).unwrap();
+    let mut recorder = Recorder::create(&path, options(20.0).with_speed(0.1)).unwrap();
     let taken: Vec<bool> =
         (0..=100).map(|step| recorder.push_rgb(WIDTH, HEIGHT, &picture(step), step as f64 * 0.001).unwrap()).collect();
     for (step, &taken) in taken.iter().enumerate() {

@@ -26,7 +26,7 @@ fn picture(number: usize) -> Vec<u8> {
 }
 
 fn options(frames_per_second: f64) -> RecorderOptions {
-    RecorderOptions { frames_per_second, ..RecorderOptions::default() }
+    RecorderOptions::default().with_frames_per_second(frames_per_second)
 }
 
 /// Records images at these times, starting with `picture(0)`.

@@ -31,7 +31,7 @@ mod stand_in {
         cp \"$here/input\" \"${last#file:}\"";
 
     fn with(program: PathBuf) -> RecorderOptions {
-        RecorderOptions { ffmpeg: program, ..options(25.0) }
+        options(25.0).with_ffmpeg(program)
     }
 
     #[test]
@@ -66,10 +66,7 @@ mod stand_in {
     #[test]
     fn an_odd_size_is_padded_to_an_even_size() {
         let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        let options = RecorderOptions {
-            ffmpeg_arguments: vec!["-c:v".into(), "mpeg4".into()],
-            ..with(program(folder.path(), KEEPER))
-        };
+        let options = with(program(folder.path(), KEEPER)).with_ffmpeg_arguments(vec!["-c:v".into(), "mpeg4".into()]);
         let mut recorder = Recorder::create(out.path().join("walk.mkv"), options).unwrap();
         recorder.push_rgb(1, 3, &[1, 2, 3, 4, 5, 6, 7, 8, 9], 0.0).unwrap();
         recorder.finish().unwrap();

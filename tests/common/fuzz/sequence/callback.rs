@@ -3,7 +3,8 @@
 use std::panic::resume_unwind;
 use std::sync::Arc;
 
-use mujoco_safe::{Callbacks, Data, Model, Result};
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::{Data, Model, Result};
 
 use super::super::bytes::of_seed;
 use super::{Bytes, Call, ON_PURPOSE, call_some, expected, models, read_only};

@@ -2,9 +2,9 @@
 
 use std::hint::black_box;
 
+use mujoco_safe::derivative::{InverseForce, InverseJacobians, InverseOutputs, TransitionOutputs};
 use mujoco_safe::{
-    Controller, Differences, InverseJacobians, InverseOutputs, Lqr, LqrWeights, Matrix, PdController, RandomController,
-    Trajectory, TransitionOutputs, ZeroController,
+    Controller, Differences, Lqr, LqrWeights, Matrix, PdController, RandomController, Trajectory, ZeroController,
 };
 
 use super::{Call, Scene};
@@ -36,8 +36,8 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("inverse_fd", |scene, bytes| {
         let eps = if bytes.once_in(3) { bytes.number() } else { 1e-6 };
-        let actuation = bytes.once_in(2);
-        if small(scene) { scene.data.inverse_fd(eps, actuation).map(drop) } else { Ok(()) }
+        let force = bytes.either(InverseForce::WithoutActuators, InverseForce::Total);
+        if small(scene) { scene.data.inverse_fd(eps, force).map(drop) } else { Ok(()) }
     }),
     ("inverse_fd_into", |scene, bytes| {
         let mut jacobians = InverseJacobians::zeros(scene.data.model());
@@ -56,8 +56,8 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             ds_da: (wanted & 32 != 0).then_some(ds_da),
             dm_dq: (wanted & 64 != 0).then_some(dm_dq),
         };
-        let actuation = bytes.once_in(2);
-        if small(scene) { scene.data.inverse_fd_into(1e-6, actuation, outputs) } else { Ok(()) }
+        let force = bytes.either(InverseForce::WithoutActuators, InverseForce::Total);
+        if small(scene) { scene.data.inverse_fd_into(1e-6, force, outputs) } else { Ok(()) }
     }),
     ("Lqr", |scene, bytes| {
         let model = scene.data.model();

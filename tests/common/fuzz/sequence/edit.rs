@@ -2,10 +2,9 @@
 
 use std::hint::black_box;
 
-use mujoco_safe::{
-    Collision, Cone, Data, DisableFlags, EnableFlags, Integrator, JacobianStorage, LengthRangeMode, LengthRangeOptions,
-    Options, Result, Solver, Statistics, Visual,
-};
+use mujoco_safe::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
+use mujoco_safe::model::{DisableFlags, EnableFlags, LengthRangeMode, LengthRangeOptions, Statistics, Visual};
+use mujoco_safe::{Data, Options, Result};
 
 use super::{Bytes, Call, touch_all};
 
@@ -66,14 +65,12 @@ fn length_range(timestep: f64, bytes: &mut Bytes<'_>) -> LengthRangeOptions {
         0 => [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300][bytes.below(5)],
         _ => timestep * bytes.below(12) as f64,
     };
-    let mut options = LengthRangeOptions {
-        mode: MODES[bytes.below(4)],
-        useexisting: bytes.once_in(4),
-        uselimit: bytes.once_in(4),
-        inttotal,
-        inteval: if bytes.once_in(8) { bytes.number() } else { inttotal / 2.0 },
-        ..LengthRangeOptions::default()
-    };
+    let mut options = LengthRangeOptions::default()
+        .with_mode(MODES[bytes.below(4)])
+        .with_useexisting(bytes.once_in(4))
+        .with_uselimit(bytes.once_in(4))
+        .with_inttotal(inttotal)
+        .with_inteval(if bytes.once_in(8) { bytes.number() } else { inttotal / 2.0 });
     let number = bytes.number();
     match bytes.below(8) {
         0 => options.accel = number,

@@ -2,17 +2,18 @@
 
 use std::hint::black_box;
 
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
 use mujoco_safe::control::riccati::{Riccati, RiccatiRecursion, RiccatiSolution, RiccatiWorkspace};
+use mujoco_safe::derivative::{TransitionMethod, TransitionOptions, TransitionOutputs};
 use mujoco_safe::nalgebra::DMatrix;
-use mujoco_safe::{
-    Callbacks, Controller, Data, Differences, Lineariser, LqrWeights, Matrix, Result, StateSpace, StateSpec,
-    TimeVaryingLqr, TransitionMethod, TransitionOptions, TransitionOutputs,
-};
+use mujoco_safe::{Controller, Data, Differences, Lineariser, LqrWeights, Matrix, Result, StateSpace, StateSpec};
 
 use super::{Bytes, Call, Scene};
 
-const METHODS: [TransitionMethod; 3] = [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Inverse];
+const METHODS: [TransitionMethod; 3] =
+    [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit];
 
 /// Makes a call with a workspace, often the workspace of an earlier call, with the same model or another.
 fn with_transition(
@@ -24,12 +25,11 @@ fn with_transition(
         return Ok(());
     }
     if scene.transition.is_none() || bytes.once_in(4) {
-        let options = TransitionOptions {
-            method: METHODS[bytes.below(3)],
-            differences: [Differences::Forward, Differences::Central][bytes.below(2)],
-            eps: bytes.once_in(3).then(|| bytes.number()),
-            threads: [1, 1, 2, 3, 0][bytes.below(5)],
-        };
+        let mut options = TransitionOptions::default()
+            .with_method(METHODS[bytes.below(3)])
+            .with_differences([Differences::Forward, Differences::Central][bytes.below(2)])
+            .with_threads([1, 1, 2, 3, 0][bytes.below(5)]);
+        options.eps = bytes.once_in(3).then(|| bytes.number());
         scene.transition = Some(Lineariser::new(scene.data.model().clone(), options)?);
     }
     let transition = scene.transition.as_mut().expect("just created");
@@ -158,12 +158,11 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
         let (nx, nu) = (2 * model.nv() + model.na(), model.nu());
         let (options, number) = (IlqrOptions::default(), bytes.number());
-        let options = IlqrOptions {
-            iterations: bytes.below(5),
-            tolerance: if bytes.once_in(8) { number } else { options.tolerance },
-            threads: 1 + bytes.below(2),
-            step_sizes: if bytes.once_in(8) { vec![number; bytes.below(3)] } else { options.step_sizes },
-        };
+        let options = IlqrOptions::default()
+            .with_iterations(bytes.below(5))
+            .with_tolerance(if bytes.once_in(8) { number } else { options.tolerance })
+            .with_threads(1 + bytes.below(2))
+            .with_step_sizes(if bytes.once_in(8) { vec![number; bytes.below(3)] } else { options.step_sizes });
         let target = bytes.vector(model.state_size(StateSpec::PHYSICS));
         let cost = QuadraticCost::new(model.clone(), &target, weights(bytes, nx, nu), cost(bytes, nx))?;
         let steps = bytes.below(6);

@@ -2,8 +2,9 @@
 
 use std::hint::black_box;
 
+use mujoco_safe::enums::GeomType;
 use mujoco_safe::math::{self, BandShape, BoxQp, Pose};
-use mujoco_safe::{GeomType, Matrix, MatrixView, Result};
+use mujoco_safe::{Matrix, MatrixView, Result};
 
 use super::{Bytes, Call};
 
@@ -137,7 +138,8 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let (mut res, vec) = (bytes.vector(n), bytes.vector(n));
         math::chol_solve(&mut res, &mat, &vec)?;
         math::chol_solve_in_place(&mat, &mut res)?;
-        math::chol_update(&mut mat, &mut bytes.vector(n), bytes.once_in(2)).map(drop)
+        let update = bytes.either(math::RankOneUpdate::Add, math::RankOneUpdate::Subtract);
+        math::chol_update(&mut mat, &mut bytes.vector(n), update).map(drop)
     }),
     ("band", |_, bytes| {
         let (shape, mut mat) = band(bytes)?;
@@ -146,10 +148,11 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
         let n = shape.ntotal();
         let mut dense = matrix(bytes, n, n);
-        math::band2dense(&mut dense, &mat, shape, bytes.once_in(2))?;
+        let kind = bytes.either(math::BandKind::Symmetric, math::BandKind::LowerTriangular);
+        math::band2dense(&mut dense, &mat, shape, kind)?;
         math::dense2band(&mut mat, &dense, shape)?;
         let times = bytes.below(3);
-        math::band_mul_mat_vec(&mut matrix(bytes, times, n), &mat, &matrix(bytes, times, n), shape, bytes.once_in(2))?;
+        math::band_mul_mat_vec(&mut matrix(bytes, times, n), &mat, &matrix(bytes, times, n), shape, kind)?;
         black_box(math::chol_factor_band(&mut mat, shape, bytes.number(), bytes.number())?);
         let (mut res, vec) = (bytes.vector(n), bytes.vector(n));
         math::chol_solve_band(&mut res, &mat, &vec, shape)?;
@@ -189,7 +192,13 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         black_box((math::cross(&vec, &other), math::rot_vec_mat(&vec, &mat), math::rot_vec_mat_t(&vec, &mat)));
         black_box(math::eig3(&mat));
         let rotation = bytes.once_in(2).then_some(&mat);
-        black_box(math::transform_spatial(&bytes.numbers(), bytes.once_in(2), &vec, &other, rotation));
+        black_box(math::transform_spatial(
+            &bytes.numbers(),
+            bytes.either(math::SpatialKind::Force, math::SpatialKind::Motion),
+            &vec,
+            &other,
+            rotation,
+        ));
         let (range, number) = (bytes.numbers(), bytes.number());
         black_box(math::muscle_gain(number, bytes.number(), &range, bytes.number(), &mat));
         black_box(math::muscle_bias(number, &range, bytes.number(), &mat));

@@ -1,6 +1,7 @@
 //! The stages of the pipeline in the valid order, in any other order, and interleaved with other calls.
 
-use mujoco_safe::{Data, NewContact, Result, Stage};
+use mujoco_safe::data::{ConeHessian, NewContact, SensorUpdate};
+use mujoco_safe::{Data, Result, Stage};
 
 use super::{Bytes, Call, read_only, touch_all};
 
@@ -57,12 +58,8 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("forward_skip, inverse_skip", |scene, bytes| {
         let skip = [Stage::Nothing, Stage::Position, Stage::Velocity, Stage::Acceleration][bytes.below(4)];
-        let without_sensors = bytes.once_in(2);
-        if bytes.once_in(2) {
-            scene.data.forward_skip(skip, without_sensors)
-        } else {
-            scene.data.inverse_skip(skip, without_sensors)
-        }
+        let sensors = bytes.either(SensorUpdate::Skip, SensorUpdate::Compute);
+        if bytes.once_in(2) { scene.data.forward_skip(skip, sensors) } else { scene.data.inverse_skip(skip, sensors) }
     }),
     ("add_contact", |scene, bytes| {
         const COLLISION: usize = 7;
@@ -83,7 +80,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("constraint_update", |scene, bytes| {
         let jar = bytes.vector(scene.data.nefc());
-        scene.data.constraint_update(&jar, bytes.once_in(2)).map(drop)
+        scene.data.constraint_update(&jar, bytes.either(ConeHessian::Compute, ConeHessian::Skip)).map(drop)
     }),
 ];
 

@@ -2,7 +2,9 @@
 
 use std::hint::black_box;
 
-use mujoco_safe::{Data, Matrix, Model, Options, Result, Statistics, Visual};
+use mujoco_safe::data::Accelerations;
+use mujoco_safe::model::{Statistics, Visual};
+use mujoco_safe::{Data, Matrix, Model, Options, Result};
 
 use super::{Bytes, Call, must_panic, read_only};
 
@@ -19,7 +21,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     ("solve_m2", |scene, bytes| solve(scene.data.model().nv(), bytes, |result, b| scene.data.solve_m2_into(b, result))),
     ("rne", |scene, bytes| {
         let mut result = bytes.vector(scene.data.model().nv());
-        scene.data.rne_into(bytes.once_in(2), &mut result)
+        scene.data.rne_into(bytes.either(Accelerations::Present, Accelerations::Zero), &mut result)
     }),
     ("add_m", |scene, bytes| {
         let nv = scene.data.model().nv();
@@ -52,7 +54,11 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         docs[which](name).map(drop)
     }),
     ("schema", |_, bytes| {
-        if bytes.once_in(64) { mujoco_safe::schema().and(mujoco_safe::schema_html()).map(drop) } else { Ok(()) }
+        if bytes.once_in(64) {
+            mujoco_safe::model::schema().and(mujoco_safe::model::schema_html()).map(drop)
+        } else {
+            Ok(())
+        }
     }),
     ("an id of another model", |scene, bytes| {
         let Some(other) = scene.other.as_ref().filter(|other| !other.model().is_same_structure(scene.data.model()))

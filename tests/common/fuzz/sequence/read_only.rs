@@ -2,9 +2,9 @@
 
 use std::hint::black_box;
 
-use mujoco_safe::{
-    Axes, BodyId, Data, FrameId, GeomId, Matrix, RayOptions, Result, StateSpec, Timer, Trajectory, Warning,
-};
+use mujoco_safe::data::{Axes, FrameId, RayOptions, Timer, Warning};
+use mujoco_safe::id::{BodyId, GeomId};
+use mujoco_safe::{Data, Matrix, Result, StateSpec, Trajectory};
 
 use super::{Bytes, Call, print_all, touch_all};
 
@@ -53,11 +53,10 @@ fn axes(bytes: &mut Bytes<'_>) -> Axes {
 
 fn ray_options(data: &Data, bytes: &mut Bytes<'_>) -> Result<RayOptions> {
     let groups = bytes.word();
-    Ok(RayOptions {
-        geomgroup: bytes.once_in(2).then(|| std::array::from_fn(|group| groups >> group & 1 != 0)),
-        with_static: bytes.once_in(2),
-        bodyexclude: if bytes.once_in(4) { Some(body(data, bytes)?) } else { None },
-    })
+    let mut options = RayOptions::default().with_static_geoms(bytes.once_in(2));
+    options.geomgroup = bytes.once_in(2).then(|| std::array::from_fn(|group| groups >> group & 1 != 0));
+    options.bodyexclude = if bytes.once_in(4) { Some(body(data, bytes)?) } else { None };
+    Ok(options)
 }
 
 /// Returns a direction, mostly a valid one.
@@ -114,11 +113,11 @@ const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
         let options = ray_options(data, bytes)?;
         data.ray(bytes.numbers(), direction(bytes), &options).map(drop)
     }),
-    ("multi_ray", |data, bytes| {
+    ("multi_ray_into", |data, bytes| {
         let options = ray_options(data, bytes)?;
         let directions: Vec<_> = (0..bytes.below(5)).map(|_| direction(bytes)).collect();
         let mut hits = vec![None; directions.len() + usize::from(bytes.once_in(8))];
-        data.multi_ray(bytes.numbers(), &directions, bytes.number(), &options, &mut hits)
+        data.multi_ray_into(bytes.numbers(), &directions, bytes.number(), &options, &mut hits)
     }),
     ("ray_mesh, ray_hfield", |data, bytes| {
         let (mesh, field) = (

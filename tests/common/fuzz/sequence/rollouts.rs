@@ -3,8 +3,8 @@
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
-use mujoco_safe::rollout::Workers;
-use mujoco_safe::{Batch, Data, Result, Rollout, RolloutBuffers, StateSpec};
+use mujoco_safe::rollout::{RolloutBuffers, Workers};
+use mujoco_safe::{Batch, Data, Result, Rollout, StateSpec};
 
 use super::{Bytes, Call, Scene, expected};
 

@@ -3,8 +3,8 @@
 use std::hint::black_box;
 
 use mujoco_safe::scene::{
-    self, Camera, CameraView, Categories, Connector, FrameMode, LabelMode, MouseAction, NewGeom, Perturbation,
-    PerturbationFlags, RenderFlags, SceneOptions, Transform, Viewpoint, VisualFlags,
+    self, Camera, CameraView, Categories, Connector, FrameMode, LabelMode, MouseAction, MovableBodies, NewGeom,
+    Perturbation, PerturbationFlags, RenderFlags, SceneOptions, TextureRepeat, Transform, Viewpoint, VisualFlags,
 };
 use mujoco_safe::{Data, Error, Result};
 
@@ -54,17 +54,16 @@ fn options(bytes: &mut Bytes<'_>) -> SceneOptions {
         let bits = bytes.word();
         std::array::from_fn(|index| bits >> index & 1 != 0)
     };
-    SceneOptions {
-        label: LABELS[bytes.below(5)],
-        frame: FRAMES[bytes.below(4)],
-        geomgroup: group(bytes),
-        sitegroup: group(bytes),
-        jointgroup: group(bytes),
-        tendongroup: group(bytes),
-        actuatorgroup: group(bytes),
-        skingroup: group(bytes),
-        flags: VisualFlags::from_bits_retain(bytes.word() as u32),
-    }
+    SceneOptions::default()
+        .with_label(LABELS[bytes.below(5)])
+        .with_frame(FRAMES[bytes.below(4)])
+        .with_geomgroup(group(bytes))
+        .with_sitegroup(group(bytes))
+        .with_jointgroup(group(bytes))
+        .with_tendongroup(group(bytes))
+        .with_actuatorgroup(group(bytes))
+        .with_skingroup(group(bytes))
+        .with_flags(VisualFlags::from_bits_retain(bytes.word() as u32))
 }
 
 fn action(bytes: &mut Bytes<'_>) -> MouseAction {
@@ -122,7 +121,10 @@ fn new_geom(data: &Data, bytes: &mut Bytes<'_>) -> Result<NewGeom> {
         1 => geom = geom.mat(bytes.numbers()),
         2 => geom = geom.rgba([number as f32; 4]),
         3 => geom = geom.surface(number as f32, 0.0, 1.0, number as f32),
-        4 => geom = geom.texture(model.texture(bytes.index(model.ntex()))?.id(), [number as f32; 2], true),
+        4 => {
+            geom = geom
+                .texture(model.texture(bytes.index(model.ntex()))?.id(), TextureRepeat::PerLength([number as f32; 2]));
+        }
         5 => geom = geom.category(Categories::from_bits_retain(bytes.word() as u32)),
         6 => geom = geom.label(&"ä".repeat(bytes.below(60)))?,
         _ => {}
@@ -148,23 +150,23 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             scene.update(data, &options(bytes), Some(perturbation), camera, categories)
         })
     }),
-    ("Scene::add", |scene, bytes| {
+    ("Scene::add_geoms", |scene, bytes| {
         with_view(scene, bytes, |view, data, bytes| {
             let SceneView { scene, perturbation, .. } = view;
-            let added = scene.add(data, &options(bytes), Some(perturbation), Categories::all())?;
+            let added = scene.add_geoms(data, &options(bytes), Some(perturbation), Categories::all())?;
             assert_eq!(added.end, scene.ngeom());
             Ok(())
         })
     }),
-    ("Scene::push", |scene, bytes| {
+    ("Scene::add_geom", |scene, bytes| {
         with_view(scene, bytes, |view, data, bytes| {
             if !view.fits(data) {
                 let Ok(mesh) = data.model().mesh(0) else { return Ok(()) };
-                must_panic(|| view.scene.push(&NewGeom::mesh(mesh.id())));
+                must_panic(|| view.scene.add_geom(&NewGeom::mesh(mesh.id())));
                 return Ok(());
             }
             for _ in 0..bytes.below(4) {
-                let index = view.scene.push(&new_geom(data, bytes)?)?;
+                let index = view.scene.add_geom(&new_geom(data, bytes)?)?;
                 assert_eq!(index + 1, view.scene.ngeom());
             }
             Ok(())
@@ -247,7 +249,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                 if perturbation.select.is_some() {
                     must_panic(|| perturbation.force(data));
                 }
-                return perturbation.init(data, scene);
+                return perturbation.start(data, scene);
             }
             if bytes.once_in(2) {
                 perturbation.select = Some(read_only::body(data, bytes)?);
@@ -269,10 +271,10 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                 6 => (perturbation.localpos, perturbation.scale) = ([0.0; 3], 1.0),
                 _ => {}
             }
-            expected(&perturbation.init(data, scene));
+            expected(&perturbation.start(data, scene));
             let motion = if bytes.once_in(4) { bytes.numbers() } else { [bytes.fraction(), bytes.fraction()] };
             expected(&perturbation.move_by(data, scene, action(bytes), motion));
-            expected(&perturbation.apply_pose(data, bytes.once_in(2)));
+            expected(&perturbation.apply_pose(data, bytes.either(MovableBodies::MocapAndFree, MovableBodies::Mocap)));
             expected(&perturbation.apply_force(data));
             if bytes.once_in(2) {
                 expected(&data.step());

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mujoco_safe::{Cone, Data, JacobianStorage, Solver};
+use mujoco_safe::Data;
+use mujoco_safe::enums::{Cone, JacobianStorage, Solver};
 
 use super::Call;
 

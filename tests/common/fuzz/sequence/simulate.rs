@@ -34,7 +34,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("enable_timers", |_, bytes| {
         if bytes.once_in(16) {
-            mujoco_safe::enable_timers();
+            mujoco_safe::data::enable_timers();
         }
         Ok(())
     }),

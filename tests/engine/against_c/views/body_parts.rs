@@ -1,6 +1,7 @@
 //! Bodies, joints, geoms, sites, cameras and lights of a model.
 
-use mujoco_safe::{GeomType, sys};
+use mujoco_safe::enums::GeomType;
+use mujoco_safe::sys;
 
 use super::{check_fields, int, joint_sizes, models, on_model, optional, raw, span};
 

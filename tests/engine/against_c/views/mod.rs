@@ -10,8 +10,9 @@ mod simulation;
 
 use std::sync::{Arc, OnceLock};
 
+use mujoco_safe::id::Id;
 use mujoco_safe::sys::{mjData, mjModel};
-use mujoco_safe::{Data, Id, Model};
+use mujoco_safe::{Data, Model};
 
 use crate::twins::{Subject, subjects};
 

@@ -2,7 +2,8 @@
 
 use std::ffi::{CStr, CString};
 
-use mujoco_safe::{Kind, sys};
+use mujoco_safe::kind::Kind;
+use mujoco_safe::sys;
 
 use super::models;
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use super::{Picture, check, index, write_png_grey16};
+use super::{RgbImage, check, index, write_png_grey16};
 use crate::error::Result;
 use crate::file;
 
@@ -14,28 +14,28 @@ use crate::file;
 /// wall perpendicular to the axis has constant depth.
 ///
 /// ```
-/// use mujoco_safe::render::DepthPicture;
+/// use mujoco_safe::render::DepthImage;
 ///
-/// let depth = DepthPicture::from_metres(2, 1, vec![1.5, f32::INFINITY])?;
+/// let depth = DepthImage::from_metres(2, 1, vec![1.5, f32::INFINITY])?;
 /// assert_eq!(depth.metres(0, 0), 1.5);
 /// assert_eq!(depth.range(), Some([1.5, 1.5]));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Default, PartialEq)]
-pub struct DepthPicture {
+pub struct DepthImage {
     width: usize,
     height: usize,
     metres: Vec<f32>,
 }
 
-impl DepthPicture {
+impl DepthImage {
     /// Creates an image from depths `(height, width)`, row-major from the top, m.
     ///
     /// # Errors
     ///
     /// [`Error::Shape`](crate::Error::Shape) unless `metres` has length `width * height`.
     pub fn from_metres(width: usize, height: usize, metres: Vec<f32>) -> Result<Self> {
-        check("the metres of DepthPicture::from_metres", [width, height], 1, metres.len())?;
+        check("the metres of DepthImage::from_metres", [width, height], 1, metres.len())?;
         Ok(Self { width, height, metres })
     }
 
@@ -79,9 +79,9 @@ impl DepthPicture {
 
     /// Converts the depths to a grey image for display: white at depth `near`, darker with depth, dark grey at `far`
     /// and beyond; black for the background. See [`range`](Self::range).
-    pub fn to_picture(&self, [near, far]: [f32; 2]) -> Picture {
+    pub fn to_rgb(&self, [near, far]: [f32; 2]) -> RgbImage {
         const DARKEST: f32 = 40.0;
-        let mut picture = Picture::new(self.width, self.height);
+        let mut picture = RgbImage::new(self.width, self.height);
         for (pixel, &depth) in picture.as_bytes_mut().as_chunks_mut::<3>().0.iter_mut().zip(&self.metres) {
             if depth.is_finite() {
                 let fraction = (depth - near) / (far - near);
@@ -122,18 +122,18 @@ impl DepthPicture {
     }
 }
 
-impl fmt::Debug for DepthPicture {
+impl fmt::Debug for DepthImage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "DepthPicture({} x {})", self.width, self.height)
+        write!(f, "DepthImage({} x {})", self.width, self.height)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::DepthPicture;
+    use super::DepthImage;
 
-    fn picture() -> DepthPicture {
-        DepthPicture::from_metres(4, 2, vec![0.5, 1.0, 2.5, f32::INFINITY, 0.0004, 65.535, 65.536, f32::NAN]).unwrap()
+    fn picture() -> DepthImage {
+        DepthImage::from_metres(4, 2, vec![0.5, 1.0, 2.5, f32::INFINITY, 0.0004, 65.535, 65.536, f32::NAN]).unwrap()
     }
 
     #[test]
@@ -154,7 +154,7 @@ mod tests {
     fn near_pixels_are_brighter_and_the_background_is_black() {
         let picture = picture();
         assert_eq!(picture.range(), Some([0.0004, 65.536]));
-        let grey = picture.to_picture([0.5, 2.5]);
+        let grey = picture.to_rgb([0.5, 2.5]);
         let level = |x, y| {
             let [red, green, blue] = grey.pixel(x, y);
             assert!(red == green && green == blue);
@@ -164,20 +164,20 @@ mod tests {
         assert!(level(1, 0) < 255 && level(1, 0) > 40);
         assert_eq!([level(3, 0), level(3, 1)], [0, 0]);
         // Empty range and NaN limits.
-        assert_eq!(picture.to_picture([0.5, 0.5]).pixel(0, 0), [255; 3]);
-        assert_eq!(picture.to_picture([f32::NAN; 2]).pixel(0, 0), [255; 3]);
+        assert_eq!(picture.to_rgb([0.5, 0.5]).pixel(0, 0), [255; 3]);
+        assert_eq!(picture.to_rgb([f32::NAN; 2]).pixel(0, 0), [255; 3]);
     }
 
     #[test]
     fn background_has_no_range() {
-        assert_eq!(DepthPicture::from_metres(1, 1, vec![f32::INFINITY]).unwrap().range(), None);
-        assert_eq!(DepthPicture::default().range(), None);
+        assert_eq!(DepthImage::from_metres(1, 1, vec![f32::INFINITY]).unwrap().range(), None);
+        assert_eq!(DepthImage::default().range(), None);
     }
 
     #[test]
     fn wrong_number_of_depths_is_an_error() {
         for (width, height, depths) in [(2, 1, 1), (2, 1, 3), (usize::MAX, usize::MAX, 1)] {
-            DepthPicture::from_metres(width, height, vec![0.0; depths]).unwrap_err();
+            DepthImage::from_metres(width, height, vec![0.0; depths]).unwrap_err();
         }
     }
 }

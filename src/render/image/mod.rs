@@ -11,9 +11,9 @@ use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder};
 
-pub use self::depth::DepthPicture;
-pub use self::rgb::Picture;
-pub use self::segmentation::{Segment, SegmentationPicture};
+pub use self::depth::DepthImage;
+pub use self::rgb::RgbImage;
+pub use self::segmentation::{Segment, SegmentationImage};
 use crate::error::{Error, Result};
 
 /// Returns the number of pixels of an image, or `None` if the image is too large.

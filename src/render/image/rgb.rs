@@ -10,9 +10,9 @@ use crate::file;
 /// RGB image with 8 bits per channel, as displayed on a screen.
 ///
 /// ```
-/// use mujoco_safe::render::Picture;
+/// use mujoco_safe::render::RgbImage;
 ///
-/// let mut picture = Picture::new(2, 1);
+/// let mut picture = RgbImage::new(2, 1);
 /// picture.set_pixel(1, 0, [255, 128, 0]);
 /// assert_eq!(picture.as_bytes(), [0, 0, 0, 255, 128, 0]);
 ///
@@ -22,13 +22,13 @@ use crate::file;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Default, PartialEq, Eq)]
-pub struct Picture {
+pub struct RgbImage {
     width: usize,
     height: usize,
     rgb: Vec<u8>,
 }
 
-impl Picture {
+impl RgbImage {
     /// Creates a black image.
     ///
     /// # Panics
@@ -46,7 +46,7 @@ impl Picture {
     ///
     /// [`Error::Shape`](crate::Error::Shape) unless `rgb` has `3 * width * height` bytes.
     pub fn from_rgb(width: usize, height: usize, rgb: Vec<u8>) -> Result<Self> {
-        check("the rgb of Picture::from_rgb", [width, height], 3, rgb.len())?;
+        check("the rgb of RgbImage::from_rgb", [width, height], 3, rgb.len())?;
         Ok(Self { width, height, rgb })
     }
 
@@ -128,20 +128,20 @@ impl Picture {
     }
 }
 
-impl fmt::Debug for Picture {
+impl fmt::Debug for RgbImage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Picture({} x {})", self.width, self.height)
+        write!(f, "RgbImage({} x {})", self.width, self.height)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Picture;
+    use super::RgbImage;
     use crate::error::Error;
 
     /// Returns an image whose bytes are all different.
-    fn picture() -> Picture {
-        Picture::from_rgb(5, 3, (0..45).collect()).unwrap()
+    fn picture() -> RgbImage {
+        RgbImage::from_rgb(5, 3, (0..45).collect()).unwrap()
     }
 
     #[test]
@@ -174,7 +174,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.png");
         std::fs::write(&path, "before").unwrap();
-        for empty in [Picture::default(), Picture::new(0, 3), Picture::new(3, 0)] {
+        for empty in [RgbImage::default(), RgbImage::new(0, 3), RgbImage::new(3, 0)] {
             assert!(matches!(empty.to_png(), Err(Error::Invalid { .. })));
             assert!(matches!(empty.save_png(&path), Err(Error::File { .. })));
         }
@@ -184,9 +184,9 @@ mod tests {
     #[test]
     fn wrong_number_of_bytes_is_an_error() {
         for (width, height, bytes) in [(2, 1, 5), (2, 1, 7), (1, 2, 0), (usize::MAX, 2, 6), (0, 0, 1)] {
-            Picture::from_rgb(width, height, vec![0; bytes]).unwrap_err();
+            RgbImage::from_rgb(width, height, vec![0; bytes]).unwrap_err();
         }
-        assert!(Picture::from_rgb(0, 7, Vec::new()).is_ok());
+        assert!(RgbImage::from_rgb(0, 7, Vec::new()).is_ok());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use super::{Picture, index};
+use super::{RgbImage, index};
 use crate::error::Result;
 use crate::math;
 use crate::scene::{Scene, SceneObject};
@@ -20,7 +20,7 @@ pub struct Segment {
 
 /// Segmentation image: for each pixel the visible geom of the scene, and the model element that it represents.
 #[derive(Clone, Default, PartialEq, Eq)]
-pub struct SegmentationPicture {
+pub struct SegmentationImage {
     width: usize,
     height: usize,
     /// For each pixel 0 for the background, or the geom's index in the scene plus 1.
@@ -29,7 +29,7 @@ pub struct SegmentationPicture {
     objects: Vec<Option<SceneObject>>,
 }
 
-impl SegmentationPicture {
+impl SegmentationImage {
     /// Returns the width, pixels.
     pub fn width(&self) -> usize {
         self.width
@@ -73,8 +73,8 @@ impl SegmentationPicture {
 
     /// Converts the ids to an image for display, with a distinct colour for each geom that depends on its index only;
     /// black for the background.
-    pub fn to_picture(&self) -> Picture {
-        let mut picture = Picture::new(self.width, self.height);
+    pub fn to_rgb(&self) -> RgbImage {
+        let mut picture = RgbImage::new(self.width, self.height);
         for (pixel, &id) in picture.as_bytes_mut().as_chunks_mut::<3>().0.iter_mut().zip(&self.ids) {
             if id != 0 {
                 *pixel = rgb(id);
@@ -83,14 +83,14 @@ impl SegmentationPicture {
         picture
     }
 
-    /// Writes the [colour image](Self::to_picture) as a PNG file.
+    /// Writes the [colour image](Self::to_rgb) as a PNG file.
     ///
     /// # Errors
     ///
     /// [`Error::File`](crate::Error::File) if the file cannot be written or the image is empty. An existing file is
     /// then unchanged.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<()> {
-        self.to_picture().save_png(path)
+        self.to_rgb().save_png(path)
     }
 
     fn segment(&self, id: u32) -> Option<Segment> {
@@ -109,9 +109,9 @@ impl SegmentationPicture {
     }
 }
 
-impl fmt::Debug for SegmentationPicture {
+impl fmt::Debug for SegmentationImage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "SegmentationPicture({} x {}, {} geoms)", self.width, self.height, self.objects.len())
+        write!(f, "SegmentationImage({} x {}, {} geoms)", self.width, self.height, self.objects.len())
     }
 }
 
@@ -126,18 +126,18 @@ fn rgb(id: u32) -> [u8; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::{Segment, SegmentationPicture};
+    use super::{Segment, SegmentationImage};
     use crate::scene::{Camera, Categories, NewGeom, Scene, SceneObject, SceneOptions};
     use crate::{Data, sample};
 
-    fn picture() -> (SegmentationPicture, usize) {
+    fn picture() -> (SegmentationImage, usize) {
         let mut data = Data::new(sample::cartpole()).unwrap();
         data.forward().unwrap();
         let mut scene = Scene::new(data.model(), 100).unwrap();
         let mut camera = Camera::free(data.model());
         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
-        let added = scene.push(&NewGeom::sphere(1.0)).unwrap();
-        let mut picture = SegmentationPicture::default();
+        let added = scene.add_geom(&NewGeom::sphere(1.0)).unwrap();
+        let mut picture = SegmentationImage::default();
         picture.resize(3, 2, &scene).copy_from_slice(&[0, 1, 1, added as u32 + 1, 2, u32::MAX]);
         (picture, added)
     }
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn colours_are_distinct_and_bright() {
         let (picture, _) = picture();
-        let shown = picture.to_picture();
+        let shown = picture.to_rgb();
         assert_eq!(shown.pixel(0, 0), [0; 3]);
         assert_eq!(shown.pixel(1, 0), shown.pixel(2, 0));
         assert_ne!(shown.pixel(1, 0), shown.pixel(1, 1));
