@@ -152,8 +152,8 @@ fn the_page_of_fields_is_up_to_date() {
     }
     let smaller = [
         ("Option", "Options", "ModelMut::options", Options::fields().collect::<Vec<_>>()),
-        ("Visual", "Visual", "ModelMut::visual", Visual::fields().collect()),
-        ("Statistic", "Statistics", "ModelMut::statistics", Statistics::fields().collect()),
+        ("Visual", "model::Visual", "ModelMut::visual", Visual::fields().collect()),
+        ("Statistic", "model::Statistics", "ModelMut::statistics", Statistics::fields().collect()),
     ];
     for (engine, here, writer, fields) in smaller {
         let names: Vec<String> = fields.iter().map(|field| format!("`{}`", field.name)).collect();
