@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::find::Engine;
 
 /// The engine whose bindings are committed.
-const COMMITTED: u32 = 222;
+pub(crate) const COMMITTED: u32 = 222;
 
 /// Writes `bindings.rs` and the field table, `fields.tsv`, into `out`: copies of the committed files, or files generated from the headers.
 pub(crate) fn choose(engine: &Engine, out: &Path) {

@@ -3,7 +3,8 @@
 use std::env;
 use std::path::{Path, PathBuf};
 
-use crate::headers::{self, MUJOCO_DIR};
+use crate::bindings;
+use crate::headers::{self, ENVIRONMENTS, MUJOCO_DIR};
 
 /// An engine to compile against and to link with.
 pub(crate) struct Engine {
@@ -27,17 +28,21 @@ pub(crate) struct Missing {
     pub(crate) tried: Vec<String>,
 }
 
-/// Searches `MUJOCO_DIR` alone if it is set, and otherwise the system.
+/// Returns the engine in `MUJOCO_DIR` if it is set. Otherwise returns the first engine whose bindings are committed, or else the first of another
+/// version.
 pub(crate) fn engine() -> Result<Engine, Missing> {
-    println!("cargo::rerun-if-env-changed={MUJOCO_DIR}");
-    let mut tried = Vec::new();
+    for variable in [MUJOCO_DIR].iter().chain(&ENVIRONMENTS) {
+        println!("cargo::rerun-if-env-changed={variable}");
+    }
+    let (mut other, mut tried) = (None, Vec::new());
     for root in headers::roots() {
         match probe(&root) {
-            Ok(engine) => return Ok(engine),
+            Ok(engine) if engine.version == bindings::COMMITTED || cfg!(feature = "bindgen") => return Ok(engine),
+            Ok(engine) => other = other.or(Some(engine)),
             Err(why) => tried.push(why),
         }
     }
-    Err(Missing { requested: headers::requested(), tried })
+    other.ok_or_else(|| Missing { requested: headers::requested(), tried })
 }
 
 fn probe(root: &Path) -> Result<Engine, String> {

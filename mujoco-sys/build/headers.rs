@@ -1,10 +1,14 @@
-//! Finds the engine's headers. Used by the build script and by `xtask`.
+//! Finds the engine's headers. Used by the build script, by its tests and by `xtask`.
 
 use std::env;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// The variable that names an engine outside the system directories.
+/// The variable that names an engine. If it is set, no other place is searched.
 pub(crate) const MUJOCO_DIR: &str = "MUJOCO_DIR";
+
+/// The variables that name environments in which an engine can be installed.
+pub(crate) const ENVIRONMENTS: [&str; 3] = ["VIRTUAL_ENV", "CONDA_PREFIX", "AMENT_PREFIX_PATH"];
 
 /// System installation prefixes, in search order.
 const SYSTEM_ROOTS: [&str; 3] = ["/usr", "/usr/local", "/opt/mujoco"];
@@ -19,12 +23,44 @@ pub(crate) struct Headers {
 
 /// Returns the value of `MUJOCO_DIR`, unless it is unset or empty.
 pub(crate) fn requested() -> Option<PathBuf> {
-    env::var_os(MUJOCO_DIR).filter(|dir| !dir.is_empty()).map(PathBuf::from)
+    variable(MUJOCO_DIR).map(PathBuf::from)
 }
 
-/// Returns the directories to search: `MUJOCO_DIR` alone if it is set, else the system's.
+/// Returns the value of an environment variable, unless it is unset or empty.
+fn variable(name: &str) -> Option<OsString> {
+    env::var_os(name).filter(|value| !value.is_empty())
+}
+
+/// Returns the directories to search, in search order.
 pub(crate) fn roots() -> Vec<PathBuf> {
-    requested().map_or_else(|| SYSTEM_ROOTS.map(PathBuf::from).to_vec(), |dir| vec![dir])
+    requested().map_or_else(|| found_roots(variable), |dir| vec![dir])
+}
+
+/// Returns the directories to search without `MUJOCO_DIR`: the wheel in the active Python environment, the active conda environment, ROS's
+/// `mujoco_vendor`, the prefix that pkg-config reports, and the system's prefixes.
+pub(crate) fn found_roots(variable: impl Fn(&str) -> Option<OsString>) -> Vec<PathBuf> {
+    let [python, conda, ros] = ENVIRONMENTS.map(variable);
+    let mut roots = Vec::new();
+    roots.extend(python.map(PathBuf::from).iter().flat_map(|prefix| wheels(prefix)));
+    roots.extend(conda.map(PathBuf::from));
+    let ros = ros.unwrap_or_default();
+    roots.extend(env::split_paths(&ros).map(|prefix| prefix.join("opt/mujoco_vendor")).filter(|root| root.is_dir()));
+    roots.extend(
+        pkg_config::get_variable("mujoco", "prefix").ok().filter(|prefix| !prefix.is_empty()).map(PathBuf::from),
+    );
+    roots.extend(SYSTEM_ROOTS.map(PathBuf::from));
+    let mut seen = std::collections::HashSet::new();
+    roots.retain(|root| seen.insert(root.clone()));
+    roots
+}
+
+/// Returns the package directories of the engine's wheel in a Python environment, one per version of Python.
+fn wheels(prefix: &Path) -> Vec<PathBuf> {
+    let pythons = std::fs::read_dir(prefix.join("lib")).into_iter().flatten().flatten();
+    let mut wheels: Vec<_> =
+        pythons.map(|python| python.path().join("site-packages/mujoco")).filter(|wheel| wheel.is_dir()).collect();
+    wheels.sort();
+    wheels
 }
 
 /// Reads the version from the headers below `root`.

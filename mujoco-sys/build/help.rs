@@ -12,10 +12,13 @@ pub(crate) fn fail(missing: &Missing) -> ! {
         lines.push("Searched:".to_owned());
     }
     lines.extend(missing.tried.iter().map(|tried| format!("  - {tried}")));
-    lines.push("To install it on Debian or Ubuntu:  apt-get install libmujoco-dev".to_owned());
-    lines.push(format!(
-        "To use an engine elsewhere:  set {MUJOCO_DIR} to the directory that holds include/mujoco/mujoco.h and the library"
-    ));
+    lines.push("To install it on Debian 12:  apt-get install libmujoco-dev".to_owned());
+    lines.push("To install it from PyPI, on Linux and macOS:".to_owned());
+    lines.push(
+        "  pip install --target DIR --python-version 3.10 --only-binary :all: --no-deps mujoco==2.2.2".to_owned(),
+    );
+    lines.push(format!("  export {MUJOCO_DIR}=DIR/mujoco"));
+    lines.push(format!("{MUJOCO_DIR} can name any directory that contains include/mujoco/mujoco.h and the library."));
     lines.push("In a bug report, please paste this message and the output of `rustc -vV`.".to_owned());
     end(&lines)
 }

@@ -12,6 +12,9 @@ pub(crate) fn announce(engine: &Engine, out: &Path) {
         // `cargo run` and `cargo test` add a search path to the loader's path only if it lies inside `target`, so a
         // link to the library is placed there. An installed program needs LD_LIBRARY_PATH or an rpath.
         stage(engine, out);
+        if crate::headers::requested().is_none() {
+            println!("cargo::warning=linking the MuJoCo engine in {}", engine.library_dir.display());
+        }
         println!("cargo::rustc-link-search=native={}", out.display());
         println!("cargo::rustc-link-arg=-Wl,-rpath,{}", engine.library_dir.display());
         println!("cargo::metadata=rpath={}", engine.library_dir.display());

@@ -345,5 +345,8 @@ fn names_indices_ids_and_views_select_the_same_element() {
     let mut target = vec![0.0; model.nv()];
     assert!(matches!(data.apply_ft([0.0; 3], [0.0; 3], [0.0; 3], "foot", &mut target), Err(Error::NoSuchName { .. })));
     let mut own = sample::humanoid();
-    assert!(matches!(own.edit().set_length_range("foot", &Default::default()), Err(Error::NoSuchName { .. })));
+    assert!(matches!(
+        own.edit().set_length_range("foot", &LengthRangeOptions::default()),
+        Err(Error::NoSuchName { .. })
+    ));
 }

@@ -1,0 +1,52 @@
+//! The places in which the build script searches for an engine.
+
+#[allow(dead_code, reason = "the build script uses all of it")]
+#[path = "../build/headers.rs"]
+mod headers;
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::PathBuf;
+
+#[test]
+fn environments_come_before_the_system() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let wheel = path("venv/lib/python3.10/site-packages/mujoco");
+    let vendor = path("ros/opt/mujoco_vendor");
+    fs::create_dir_all(&wheel).unwrap();
+    fs::create_dir_all(&vendor).unwrap();
+
+    let prefixes = std::env::join_paths([path("workspace"), path("ros")]).unwrap();
+    let roots = headers::found_roots(|name| {
+        Some(match name {
+            "VIRTUAL_ENV" => path("venv").into_os_string(),
+            "CONDA_PREFIX" => path("conda").into_os_string(),
+            "AMENT_PREFIX_PATH" => prefixes.clone(),
+            other => panic!("{other} is not searched"),
+        })
+    });
+    assert_eq!(roots[..3], [wheel, path("conda"), vendor]);
+    assert!(roots[3..].contains(&PathBuf::from("/usr")));
+}
+
+#[test]
+fn without_environments_only_the_system_is_searched() {
+    let roots = headers::found_roots(|_| None::<OsString>);
+    assert!(roots.ends_with(&["/usr", "/usr/local", "/opt/mujoco"].map(PathBuf::from)), "{roots:?}");
+    // pkg-config may report one more prefix.
+    assert!(roots.len() <= 4, "{roots:?}");
+}
+
+#[test]
+fn headers_without_a_version_are_an_error_that_names_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let include = folder.path().join("include/mujoco");
+    fs::create_dir_all(&include).unwrap();
+    let error = |root| headers::probe(root).map(|found| found.version).unwrap_err();
+    assert!(error(folder.path()).contains("mujoco.h"));
+    fs::write(include.join("mujoco.h"), "int mj_version(void);\n").unwrap();
+    assert!(error(folder.path()).contains("mjVERSION_HEADER"));
+    fs::write(include.join("mujoco.h"), "#define mjVERSION_HEADER 222\n").unwrap();
+    assert_eq!(headers::probe(folder.path()).map(|found| found.version), Ok(222));
+}
