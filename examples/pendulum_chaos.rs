@@ -62,7 +62,7 @@ fn pendulum_chaos() -> std::result::Result<(), Box<dyn std::error::Error>> {
         let apart = runs[0].iter().zip(angles).find(|(first, other)| (first.1 - other.1).abs() > 0.1);
         match apart {
             Some(((time, _), _)) => {
-                println!("run {run}, faster by {run}e-9 rad/s: differs by 0.1 rad after {time:.2} s")
+                println!("run {run}, faster by {run}e-9 rad/s: differs by 0.1 rad after {time:.2} s");
             }
             None => println!("run {run} stays within 0.1 rad"),
         }
