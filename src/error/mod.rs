@@ -13,6 +13,18 @@ use crate::kind::Kind;
 use crate::stage::MissingResults;
 use crate::version::Version;
 
+/// Implements `Debug` of an error type by its `Display`, because `unwrap` and a `main` that returns an error print `Debug`.
+macro_rules! debug_as_display {
+    ($error:ty) => {
+        impl std::fmt::Debug for $error {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                std::fmt::Display::fmt(self, f)
+            }
+        }
+    };
+}
+pub(crate) use debug_as_display;
+
 /// Result of the fallible functions of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -26,7 +38,9 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 /// assert!(matches!(&error, Error::NoSuchName { name, .. } if name == "left_kne"));
 /// assert!(error.to_string().contains("did you mean 'left_knee'"));
 /// ```
-#[derive(Debug, thiserror::Error)]
+///
+/// `Debug` prints the same text as `Display`, so `unwrap` and a `main` that returns a `Result` show it too.
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The engine raised an error (`mju_error`) during a call.
@@ -249,6 +263,8 @@ pub enum Error {
         running: Version,
     },
 }
+
+debug_as_display!(Error);
 
 impl Error {
     /// Returns the cause of a [`Solver`](Self::Solver) error, if it is an `E`.

@@ -1,7 +1,9 @@
 //! Errors of rendering.
 
+use crate::error::debug_as_display;
+
 /// An error of the renderer or the graphics adapter.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
     /// The scene, the model or an argument is invalid.
@@ -61,6 +63,8 @@ pub enum RenderError {
         message: String,
     },
 }
+
+debug_as_display!(RenderError);
 
 impl RenderError {
     /// Converts an error of wgpu.

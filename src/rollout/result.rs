@@ -1,10 +1,10 @@
 //! Results of rollouts, and the buffers that hold them.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, debug_as_display};
 use crate::matrix::MatrixView;
 
 /// Reason why a rollout did not take all of its steps.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum RolloutError {
     /// A step, its controller, or the edit of the model before the first step failed. Other rollouts continue.
@@ -24,6 +24,8 @@ pub enum RolloutError {
         step: usize,
     },
 }
+
+debug_as_display!(RolloutError);
 
 impl RolloutError {
     /// Returns the number of steps taken.

@@ -1,10 +1,10 @@
 //! Errors of the viewer.
 
-use crate::error::Error;
+use crate::error::{Error, debug_as_display};
 use crate::render::RenderError;
 
 /// Reason why a window could not be shown or has ended early.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewerError {
     /// No display is available.
@@ -45,3 +45,5 @@ pub enum ViewerError {
     #[error(transparent)]
     Engine(#[from] Error),
 }
+
+debug_as_display!(ViewerError);

@@ -4,6 +4,8 @@ use std::fmt;
 
 use nalgebra::Complex;
 
+use crate::error::debug_as_display;
+
 /// Matrix of a Riccati equation or recursion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RiccatiMatrix {
@@ -23,7 +25,7 @@ pub enum RiccatiMatrix {
 
 /// Error of [`Riccati::solve`](super::Riccati::solve) or of a [`RiccatiRecursion`](super::RiccatiRecursion). Rows and columns
 /// are counted from zero.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum RiccatiError {
     /// The shape of a matrix does not match the number of rows of `A` (states) and of columns of `B` (controls).
@@ -166,6 +168,8 @@ impl fmt::Display for RiccatiError {
         }
     }
 }
+
+debug_as_display!(RiccatiError);
 
 impl std::error::Error for RiccatiError {}
 

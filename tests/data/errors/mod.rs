@@ -7,6 +7,7 @@ mod files;
 mod poisoning;
 mod shapes;
 mod simulation;
+mod texts;
 
 use mujoco_safe::Result;
 
