@@ -30,6 +30,14 @@ for_each_kind!(declare_ids);
 /// a separately loaded model panics, even if the index exists there.
 ///
 /// A joint's id is not the index of its first degree of freedom: see `Joint::dofs`.
+///
+/// ```
+/// use mujoco_safe::sample;
+///
+/// let hinge = sample::cartpole().joint("hinge")?.id();
+/// assert_eq!(hinge.to_string(), "joint 1");
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
 pub struct Id<K> {
     index: u32,
     lineage: Lineage,
@@ -76,9 +84,16 @@ impl<K> Hash for Id<K> {
     }
 }
 
-impl<K: ElementKind> fmt::Debug for Id<K> {
+impl<K: ElementKind> fmt::Display for Id<K> {
+    /// Writes the kind and the index: `joint 3`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", K::KIND, self.index)
+    }
+}
+
+impl<K: ElementKind> fmt::Debug for Id<K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -86,12 +86,13 @@ fn missing_names_and_values_are_listed_as_such() {
 }
 
 #[test]
-fn debug_output_is_one_line_with_kind_index_and_name() {
+fn views_and_ids_print_on_one_line_with_kind_index_and_name() {
     let model = zoo();
     let mut data = simulation();
     assert_eq!(format!("{:?}", model.joint("elbow").unwrap()), "joint 3 'elbow'");
     assert_eq!(format!("{:?}", model.joint(4).unwrap()), "joint 4");
     assert_eq!(format!("{:?}", model.joint("elbow").unwrap().id()), "joint 3");
+    assert_eq!(format!("{}", model.joint("elbow").unwrap().id()), "joint 3");
     assert_eq!(format!("{:?}", data.camera("overview").unwrap()), "camera 0 'overview'");
     assert_eq!(format!("{:?}", data.sensor_mut("touch").unwrap()), "sensor 5 'touch'");
     assert_eq!(format!("{:?}", model.keyframe("lifted").unwrap()), "keyframe 0 'lifted'");
