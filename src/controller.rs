@@ -27,6 +27,31 @@ use crate::model::Model;
 /// assert!(data.qpos()[0] > 0.0);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
+///
+/// The closure must declare the type of its argument, `|data: &mut Data|`, because the compiler does not infer it from this trait.
+///
+/// `Box<dyn Controller>` and `&mut dyn Controller` are controllers too, also with `Send` and `Sync`, so a program can choose a controller
+/// at run time. A `Box<C>` or `&mut C` of another controller `C` must be converted to one of them.
+///
+/// ```
+/// use mujoco_safe::{Controller, Data, PdController, RandomController, Trajectory, sample};
+///
+/// let mut data = Data::new(sample::cartpole())?;
+/// for name in ["pd", "random"] {
+///     let mut controller: Box<dyn Controller> = match name {
+///         "pd" => Box::new(PdController::new(data.model(), 0.02, 0.005)),
+///         _ => Box::new(RandomController::new(1)),
+///     };
+///     Trajectory::new(data.model()).record(&mut data, &mut controller, 10)?;
+/// }
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a controller",
+    label = "not a controller",
+    note = "a closure is a controller if it declares the type of its argument, `|data: &mut Data| …`, and returns `()` or `Result<()>`",
+    note = "other types implement `Controller`; a `&mut C` converts to a `&mut dyn Controller`, which is one"
+)]
 pub trait Controller {
     /// Sets the controls for the present state.
     ///
@@ -67,6 +92,28 @@ where
         self(data).into_result()
     }
 }
+
+/// Implements [`Controller`] for pointers to trait objects. A generic `Box<C>` would overlap with closures, because a box of a closure is
+/// a closure.
+macro_rules! forward_to_trait_object {
+    ($($pointer:ty),*) => {
+        $(
+            impl Controller for $pointer {
+                fn control(&mut self, data: &mut Data) -> Result<()> {
+                    (**self).control(data)
+                }
+            }
+        )*
+    };
+}
+forward_to_trait_object!(
+    Box<dyn Controller + '_>,
+    Box<dyn Controller + Send + '_>,
+    Box<dyn Controller + Send + Sync + '_>,
+    &mut (dyn Controller + '_),
+    &mut (dyn Controller + Send + '_),
+    &mut (dyn Controller + Send + Sync + '_)
+);
 
 /// Controller that sets all controls to zero, which leaves the passive dynamics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,6 +6,7 @@
 mod fields;
 
 mod batch;
+mod controllers;
 mod edits;
 mod equality;
 mod isolation;
