@@ -46,7 +46,7 @@ use crate::error::{Error, Result};
 pub use crate::error::{Instability, UnstableField};
 use crate::ffi;
 use crate::field_docs::field_docs;
-use crate::model::{Model, ModelMut};
+use crate::model::{IntoModel, Model, ModelMut};
 pub(crate) use crate::stage::PipelineFlags;
 pub use crate::stage::{MissingResults, SensorUpdate, Stage};
 
@@ -160,15 +160,15 @@ unsafe impl Send for Data {}
 unsafe impl Sync for Data {}
 
 impl Data {
-    /// Creates a simulation of a [`Model`] or an `Arc<Model>`, in the reference position and at rest.
+    /// Creates a simulation of a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, in the reference position and at rest.
     ///
     /// # Errors
     ///
     /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
     #[doc(alias = "mj_makeData")]
     #[doc(alias = "init_data")]
-    pub fn new(model: impl Into<Arc<Model>>) -> Result<Self> {
-        let model = model.into();
+    pub fn new(model: impl IntoModel) -> Result<Self> {
+        let model = model.into_model();
         let mut made = ptr::null_mut();
         // SAFETY: a valid model, and a valid pointer for the result.
         ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;

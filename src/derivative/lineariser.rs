@@ -1,6 +1,6 @@
 //! Repeated linearisation of steps, in several threads and without allocation.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use super::implicit::obstacle;
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
@@ -12,7 +12,7 @@ use crate::data::{Data, StateSpec};
 use crate::enums::Integrator;
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
-use crate::model::Model;
+use crate::model::IntoModel;
 
 /// Minimum number of columns for which waking another thread is worthwhile.
 const MIN_COLUMNS_TO_SHARE: usize = 16;
@@ -55,8 +55,8 @@ impl Lineariser {
     ///
     /// [`Error::Invalid`] unless `eps` is between `1e-12` and 1 and there are from 1 to 1024 threads, [`Error::Engine`] or
     /// [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
-    pub fn new(model: impl Into<Arc<Model>>, options: TransitionOptions) -> Result<Self> {
-        let model = model.into();
+    pub fn new(model: impl IntoModel, options: TransitionOptions) -> Result<Self> {
+        let model = model.into_model();
         if let Some(eps) = options.eps {
             check_eps("TransitionOptions", eps)?;
         }

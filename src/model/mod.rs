@@ -15,6 +15,7 @@ mod options;
 mod position;
 mod save;
 mod schema;
+mod shared;
 mod xml_guard;
 
 use std::fmt;
@@ -30,6 +31,7 @@ pub use self::options::{
 };
 pub use self::save::{SaveXmlOptions, XmlCheck};
 pub use self::schema::{schema, schema_html};
+pub use self::shared::IntoModel;
 pub use crate::data::length_range::{LengthRangeMode, LengthRangeOptions};
 use crate::error::Result;
 pub use crate::error::UnsavedField;

@@ -12,7 +12,7 @@ use crate::controller::Outcome;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
-use crate::model::Model;
+use crate::model::{IntoModel, Model};
 
 /// Batch of simulations of one model that are stepped together under a policy: a vectorised environment of reinforcement
 /// learning.
@@ -66,8 +66,8 @@ impl<'a> Batch<'a> {
     ///
     /// [`Error::Invalid`] if memory does not suffice, [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate a
     /// simulation.
-    pub fn new(model: impl Into<Arc<Model>>, count: usize) -> Result<Self> {
-        let model = model.into();
+    pub fn new(model: impl IntoModel, count: usize) -> Result<Self> {
+        let model = model.into_model();
         let mut simulations = Vec::new();
         if count > 0 {
             let first = Data::new(model.clone())?;

@@ -36,7 +36,6 @@ mod workers;
 
 use std::fmt;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 pub use self::batch::Batch;
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
@@ -45,7 +44,7 @@ pub use self::workers::Workers;
 use crate::controller::{Controller, Outcome};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
-use crate::model::{Model, ModelMut};
+use crate::model::{IntoModel, ModelMut};
 
 /// Edit of the model before a rollout.
 type Edit<'a> = dyn Fn(usize, &mut ModelMut<'_>) -> Result<()> + Send + Sync + 'a;
@@ -117,8 +116,8 @@ pub struct Rollout<'a> {
 
 impl<'a> Rollout<'a> {
     /// Creates a builder for `nroll` simulations of `nstep` steps, by default from the reference position and with zero controls.
-    /// Takes a [`Model`] or an `Arc<Model>`.
-    pub fn new(model: impl Into<Arc<Model>>, nroll: usize, nstep: usize) -> Self {
+    /// Takes a [`Model`](crate::Model) or an `Arc<Model>`.
+    pub fn new(model: impl IntoModel, nroll: usize, nstep: usize) -> Self {
         Self::on(&Workers::new(model), nroll, nstep)
     }
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::Edit;
 use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
-use crate::model::{Model, ModelMut};
+use crate::model::{IntoModel, Model, ModelMut};
 
 /// Pool of simulations that rollouts run in: one for each active thread, created on demand and kept for the next run.
 ///
@@ -40,8 +40,8 @@ pub struct Workers {
 
 impl Workers {
     /// Creates an empty pool for rollouts of this model. Takes a [`Model`] or an `Arc<Model>`.
-    pub fn new(model: impl Into<Arc<Model>>) -> Self {
-        Self { model: model.into(), idle: Arc::default() }
+    pub fn new(model: impl IntoModel) -> Self {
+        Self { model: model.into_model(), idle: Arc::default() }
     }
 
     /// Returns the model.

@@ -18,6 +18,7 @@ mod function_arguments;
 mod geometry;
 mod misuse;
 mod pipeline;
+mod shared_model;
 mod soundness;
 mod state;
 mod threads;

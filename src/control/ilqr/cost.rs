@@ -10,7 +10,7 @@ use crate::derivative;
 use crate::enums::JointType;
 use crate::error::{Error, Result};
 use crate::math::sub_quat_derivative;
-use crate::model::Model;
+use crate::model::{IntoModel, Model};
 
 /// Cost of a trajectory: the sum of the costs of all steps and of a terminal cost.
 ///
@@ -111,13 +111,8 @@ impl QuadraticCost {
     /// # Errors
     ///
     /// [`Error::Shape`] for a wrong shape.
-    pub fn new(
-        model: impl Into<Arc<Model>>,
-        state: &[f64],
-        weights: LqrWeights,
-        terminal: DMatrix<f64>,
-    ) -> Result<Self> {
-        let model = model.into();
+    pub fn new(model: impl IntoModel, state: &[f64], weights: LqrWeights, terminal: DMatrix<f64>) -> Result<Self> {
+        let model = model.into_model();
         let (nx, nu, _) = derivative::sizes(&model);
         Error::check_length("the state of a QuadraticCost", state.len(), model.state_size(StateSpec::PHYSICS))?;
         Error::check_shape("Q of a QuadraticCost", weights.q.shape(), (nx, nx))?;

@@ -25,7 +25,6 @@ mod cost;
 mod forward;
 
 use std::fmt;
-use std::sync::Arc;
 
 use self::backward::{AffinePolicy, Backward};
 pub use self::cost::{CostExpansion, QuadraticCost, TrajectoryCost};
@@ -35,7 +34,7 @@ use crate::data::{Data, StateSpec};
 use crate::derivative::{LinearisationReport, Lineariser, StateSpace, TransitionOptions};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
-use crate::model::Model;
+use crate::model::IntoModel;
 use crate::with_methods::with_methods;
 
 /// Smallest non-zero regularisation.
@@ -157,14 +156,14 @@ pub struct Ilqr {
 }
 
 impl Ilqr {
-    /// Creates an optimiser for simulations of this model. Takes a [`Model`] or an `Arc<Model>`.
+    /// Creates an optimiser for simulations of this model. Takes a [`Model`](crate::Model) or an `Arc<Model>`.
     ///
     /// # Errors
     ///
     /// [`Error::Invalid`] unless there is at least one thread and one step size, all step sizes are above 0 and at most 1, and
     /// the tolerance is not negative; [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
-    pub fn new(model: impl Into<Arc<Model>>, options: IlqrOptions) -> Result<Self> {
-        let model = model.into();
+    pub fn new(model: impl IntoModel, options: IlqrOptions) -> Result<Self> {
+        let model = model.into_model();
         if options.tolerance.is_nan() || options.tolerance < 0.0 {
             return Err(Error::invalid("tolerance of IlqrOptions", options.tolerance, "zero or more"));
         }
