@@ -59,8 +59,7 @@
 //!     let j = jacobian.transposed(); // (nv, 3): a view
 //!     let damped = j.tr_mul(&j) + 1e-4 * nalgebra::DMatrix::<f64>::identity(3, 3);
 //!     let dq = &j * damped.lu().solve(&error).expect("a positive definite matrix");
-//!     let model = data.model().clone();
-//!     model.integrate_pos(data.qpos_mut(), dq.as_slice(), 1.0)?;
+//!     data.integrate_pos(dq.as_slice(), 1.0)?;
 //! }
 //! data.fwd_position()?;
 //! assert!((target - Vector3::from(*data.site(tip).xpos())).norm() < 1e-4);

@@ -4,6 +4,7 @@ use bitflags::bitflags;
 
 use super::Data;
 use crate::error::{Error, Result};
+use crate::ffi;
 use crate::model::Model;
 
 bitflags! {
@@ -153,6 +154,30 @@ impl Data {
             rest = after;
         }
         Ok(())
+    }
+
+    /// Integrates the velocity `qvel` (`nv`) over the time `dt` in seconds and adds the result to `qpos`. The velocity of the
+    /// simulation is unchanged. Call [`forward`](Self::forward) to update the quantities that depend on the position.
+    ///
+    /// [`Model::integrate_pos`] integrates any other position.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for a wrong length, [`Error::Invalid`] if `dt` is not finite. The position is then unchanged.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// data.integrate_pos(&[0.1, 0.5], 2.0)?;
+    /// assert_eq!(data.qpos(), [0.2, 1.0]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_integratePos")]
+    pub fn integrate_pos(&mut self, qvel: &[f64], dt: f64) -> Result<()> {
+        // SAFETY: the engine allocated `qpos` with this length, and the data is borrowed exclusively.
+        let qpos = unsafe { ffi::array_mut(self.raw_mut().qpos, self.model.nq()) };
+        self.model.integrate_pos(qpos, qvel, dt)
     }
 
     fn read_state(&self, spec: StateSpec, state: &mut [f64]) {

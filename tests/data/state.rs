@@ -139,6 +139,27 @@ proptest! {
     }
 
     #[test]
+    fn integrate_pos_of_a_simulation_equals_that_of_its_model(
+        model in any_model(),
+        velocity in prop::collection::vec(-1.0..1.0_f64, 40),
+        dt in -1.5..1.5_f64,
+    ) {
+        let velocity = &velocity[..model.nv()];
+        let mut data = Data::new(&model).unwrap();
+        let mut expected = data.qpos().to_vec();
+        for _ in 0..3 {
+            data.integrate_pos(velocity, dt).unwrap();
+            model.integrate_pos(&mut expected, velocity, dt).unwrap();
+        }
+        prop_assert_eq!(bits(data.qpos()), bits(&expected));
+        let wrong_length = data.integrate_pos(&[0.0; 41], dt);
+        prop_assert!(matches!(wrong_length, Err(Error::Shape { .. })), "{:?}", wrong_length);
+        prop_assert!(data.integrate_pos(velocity, f64::NAN).is_err());
+        prop_assert_eq!(bits(data.qpos()), bits(&expected));
+        prop_assert!(data.qvel().iter().all(|value| *value == 0.0));
+    }
+
+    #[test]
     fn integrate_pos_inverts_differentiate_pos(
         model in any_model(),
         first in prop::collection::vec(-1.5..1.5_f64, 40),
