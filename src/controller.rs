@@ -7,6 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::data::Data;
+pub use crate::error::Outcome;
 use crate::error::{Error, Result};
 use crate::id::{ActuatorId, Lineage};
 use crate::model::Model;
@@ -61,32 +62,10 @@ pub trait Controller {
     fn control(&mut self, data: &mut Data) -> Result<()>;
 }
 
-/// Return type of a closure that serves as a [`Controller`]: `()` or `Result<()>`.
-pub trait Outcome {
-    /// Converts the return value to a result.
-    ///
-    /// # Errors
-    ///
-    /// The error that the closure returned.
-    fn into_result(self) -> Result<()>;
-}
-
-impl Outcome for () {
-    fn into_result(self) -> Result<()> {
-        Ok(())
-    }
-}
-
-impl Outcome for Result<()> {
-    fn into_result(self) -> Result<()> {
-        self
-    }
-}
-
 impl<F, O> Controller for F
 where
     F: FnMut(&mut Data) -> O,
-    O: Outcome,
+    O: Outcome<Value = ()>,
 {
     fn control(&mut self, data: &mut Data) -> Result<()> {
         self(data).into_result()

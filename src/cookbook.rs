@@ -19,7 +19,7 @@
 //! )?;
 //! let mut data = Data::new(model)?;
 //! data.body_mut("hand")?.mocap_pos_mut().expect("a mocap body")[2] = 0.12;
-//! data.edit_model(|model| model.equality_mut("grasp").map(|mut grasp| grasp.set_active(true)))??;
+//! data.edit_model(|model| model.equality_mut("grasp").map(|mut grasp| grasp.set_active(true)))?;
 //! for step in 0..500 {
 //!     data.body_mut("hand")?.mocap_pos_mut().expect("a mocap body")[2] = 0.12 + 0.001 * f64::from(step);
 //!     data.step()?;

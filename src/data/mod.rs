@@ -42,7 +42,7 @@ pub use self::state::StateSpec;
 pub(crate) use self::warning::silence as silence_warnings;
 pub use self::warning::{Warning, WarningCount};
 pub use crate::engine::enable_timers;
-use crate::error::{Error, Result};
+use crate::error::{Error, Outcome, Result};
 pub use crate::error::{Instability, UnstableField};
 use crate::ffi;
 use crate::field_docs::field_docs;
@@ -194,18 +194,28 @@ impl Data {
     ///
     /// All results were computed for the old model, so they count as not computed afterwards.
     ///
+    /// The closure returns nothing or a [`Result`], as for [`Rollout::edit_model`](crate::Rollout::edit_model); the call returns the
+    /// value in its `Ok`.
+    ///
     /// # Errors
     ///
     /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated. The model is unchanged then, and
-    /// the data is not poisoned.
+    /// the data is not poisoned. The error of the closure, if it returns one. Its changes before the error remain.
     ///
     /// ```
     /// use mujoco_safe::enums::Cone;
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
-    /// data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic))??;
+    /// data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic))?;
     /// assert_eq!(data.model().options().cone, Cone::Elliptic);
+    ///
+    /// let mass = data.edit_model(|model| {
+    ///     model.body_mut("torso")?.scale_mass(2.0)?;
+    ///     model.update_constants()?;
+    ///     Ok(model.total_mass())
+    /// })?;
+    /// assert!(mass > 40.0);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     ///
@@ -237,13 +247,13 @@ impl Data {
     /// data.edit_model(|model| mass = Some(model.body_mass_mut())); // borrowed data escapes
     /// data.step();
     /// ```
-    pub fn edit_model<R>(&mut self, edit: impl FnOnce(&mut ModelMut<'_>) -> R) -> Result<R> {
+    pub fn edit_model<O: Outcome>(&mut self, edit: impl FnOnce(&mut ModelMut<'_>) -> O) -> Result<O::Value> {
         if Arc::get_mut(&mut self.model).is_none() {
             self.model = Arc::new(self.model.try_clone()?);
         }
         let model = Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared");
         self.computed = PipelineFlags::empty();
-        Ok(edit(&mut model.edit()))
+        edit(&mut model.edit()).into_result()
     }
 
     /// Sets the simulated time, s.

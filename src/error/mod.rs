@@ -1,6 +1,7 @@
 //! The error type of the crate, and the conversion of panics into messages.
 
 mod instability;
+mod outcome;
 mod suggestion;
 
 use std::fmt;
@@ -8,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 pub use self::instability::{Instability, UnstableField};
+pub use self::outcome::Outcome;
 pub(crate) use self::suggestion::near_names;
 use crate::kind::Kind;
 use crate::stage::MissingResults;

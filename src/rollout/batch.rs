@@ -8,9 +8,8 @@ use super::Read;
 use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
 use super::result::no_room;
 use super::workers::restart;
-use crate::controller::Outcome;
 use crate::data::{Data, StateSpec};
-use crate::error::{Error, Result};
+use crate::error::{Error, Outcome, Result};
 use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 use crate::model::{IntoModel, Model};
 
@@ -187,7 +186,10 @@ impl<'a> Batch<'a> {
     /// # Panics
     ///
     /// If a closure panics.
-    pub fn step<O: Outcome>(&mut self, policy: impl FnOnce(MatrixView<'_>, &mut MatrixViewMut<'_>) -> O) -> Result<()> {
+    pub fn step<O: Outcome<Value = ()>>(
+        &mut self,
+        policy: impl FnOnce(MatrixView<'_>, &mut MatrixViewMut<'_>) -> O,
+    ) -> Result<()> {
         let (count, nu) = self.controls.shape();
         let mut controls = MatrixViewMut::from_row_major(count, nu, self.controls.as_mut_slice());
         policy(self.observations.view(), &mut controls).into_result()?;
@@ -211,7 +213,7 @@ impl<'a> Batch<'a> {
     /// # Panics
     ///
     /// If a closure panics.
-    pub fn reset_where<O: Outcome>(
+    pub fn reset_where<O: Outcome<Value = ()>>(
         &mut self,
         which: impl Fn(usize) -> bool + Sync,
         start: impl Fn(usize, &mut Data) -> O + Sync,

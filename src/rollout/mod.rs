@@ -41,9 +41,9 @@ pub use self::batch::Batch;
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
 use self::result::{Sizes, reserve, reserve_outcomes};
 pub use self::workers::Workers;
-use crate::controller::{Controller, Outcome};
+use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
-use crate::error::{Error, Result};
+use crate::error::{Error, Outcome, Result};
 use crate::model::{IntoModel, ModelMut};
 
 /// Edit of the model before a rollout.
@@ -189,7 +189,10 @@ impl<'a> Rollout<'a> {
     ///
     /// The edit applies to one rollout only; other rollouts and the shared model are unaffected. Parts of the model that an edit
     /// cannot change are not copied. The closure returns nothing or a [`Result`]; an error fails the rollout at step 0.
-    pub fn edit_model<O: Outcome>(mut self, edit: impl Fn(usize, &mut ModelMut<'_>) -> O + Send + Sync + 'a) -> Self {
+    pub fn edit_model<O: Outcome<Value = ()>>(
+        mut self,
+        edit: impl Fn(usize, &mut ModelMut<'_>) -> O + Send + Sync + 'a,
+    ) -> Self {
         self.edit = Some(Box::new(move |index, model| edit(index, model).into_result()));
         self
     }

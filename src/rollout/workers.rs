@@ -76,7 +76,7 @@ impl Workers {
             data.edit_model(|model| {
                 restore(model, &self.model);
                 edit(index, model)
-            })??;
+            })?;
         }
         restart(data)
     }

@@ -169,7 +169,7 @@ fn editing_and_cloning_make_no_invalid_access() {
     let mut data = Data::new(model).unwrap();
     data.step().unwrap();
     let mut other = data.clone();
-    other.edit_model(|model| model.set_timestep(0.001)).unwrap().unwrap();
+    other.edit_model(|model| model.set_timestep(0.001)).unwrap();
     other.copy_from(&data).unwrap();
     other.clone_from(&data);
     other.clone_from(&Data::new(copy).unwrap());
@@ -193,7 +193,6 @@ fn every_solver_makes_no_invalid_access() {
                             mujoco_safe::model::EnableFlags::all() - mujoco_safe::model::EnableFlags::OVERRIDE;
                     })
                 })
-                .unwrap()
                 .unwrap();
                 data.reset().unwrap();
                 data.step().unwrap();
@@ -233,7 +232,6 @@ fn engine_errors_and_instability_make_no_invalid_access() {
         let _ = model.update_constants();
         model.options(|options| options.integrator = Integrator::Implicit)
     })
-    .unwrap()
     .unwrap();
     let _ = data.step();
     touch_all::data(&data);

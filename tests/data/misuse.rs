@@ -133,7 +133,7 @@ fn step2_is_rejected_after_a_change_of_options() {
     ];
     for change in changes {
         data.step1().unwrap();
-        data.edit_model(|model| model.options(change)).unwrap().unwrap();
+        data.edit_model(|model| model.options(change)).unwrap();
         assert!(matches!(data.step2(), Err(Error::NotComputed { .. })));
         assert!(matches!(data.jac_body(data.model().body("torso").unwrap().id()), Err(Error::NotComputed { .. })));
         for contact in data.contacts() {
@@ -158,7 +158,6 @@ fn every_combination_of_discrete_options_steps() {
                                 (options.cone, options.noslip_iterations) = (cone, noslip);
                             })
                         })
-                        .unwrap()
                         .unwrap();
                         data.reset_to_key("squat").unwrap();
                         for _ in 0..3 {
@@ -273,10 +272,7 @@ fn copying_between_separately_loaded_models_is_an_error() {
 
     // A clone with other options: copying transfers the state, but no computed results.
     let mut edited = a.clone();
-    edited
-        .edit_model(|model| model.options(|options| options.cone = mujoco_safe::enums::Cone::Elliptic))
-        .unwrap()
-        .unwrap();
+    edited.edit_model(|model| model.options(|options| options.cone = mujoco_safe::enums::Cone::Elliptic)).unwrap();
     edited.step().unwrap();
     assert!(edited.contacts().len() > 0);
     a.copy_from(&edited).unwrap();
@@ -296,7 +292,7 @@ fn a_simulation_works_after_a_panic_in_an_edit() {
     assert_eq!(
         panic_text(|| data.edit_model(|model| {
             model.body_mass_mut()[1] = 100.0;
-            panic!("in the closure");
+            assert!(model.body_mass()[1] < 100.0, "in the closure");
         })),
         "in the closure"
     );
@@ -347,7 +343,7 @@ fn empty_models_and_models_without_joints_work_in_every_call() {
         trajectory.record(&mut data, &mut RandomController::new(1), 3).unwrap();
         PdController::new(data.model(), 1.0, 1.0).control(&mut data).unwrap();
         Lqr::with_gain(&data, Matrix::zeros(0, 2 * nv)).unwrap().control(&mut data).unwrap();
-        data.edit_model(|model| model.update_constants()).unwrap().unwrap();
+        data.edit_model(|model| model.update_constants()).unwrap();
         drop(data.clone());
         data.reset().unwrap();
     }

@@ -21,7 +21,7 @@ fn squatting() -> Data {
 }
 
 fn change(data: &mut Data, change: impl FnOnce(&mut mujoco_safe::Options)) {
-    data.edit_model(|model| model.options(change)).unwrap().unwrap();
+    data.edit_model(|model| model.options(change)).unwrap();
 }
 
 fn is_not_computed<T: std::fmt::Debug>(result: &Result<T, Error>) {
@@ -149,7 +149,7 @@ mod crashes {
         let result = data.edit_model(|model| {
             model.options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 30))
         });
-        assert!(matches!(result.unwrap(), Err(Error::Invalid { .. })));
+        assert!(matches!(result, Err(Error::Invalid { .. })));
     }
 
     #[test]

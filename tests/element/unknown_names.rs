@@ -58,7 +58,7 @@ fn a_mutable_lookup_gives_the_same_error() {
     let mut data = simulation();
     assert!(unknown(data.joint_mut("elbwo")).contains("'elbow'"));
     assert!(data.sensor_mut(99).is_err());
-    let text = data.edit_model(|model| unknown(model.geom_mut("grund"))).unwrap();
+    let text = data.edit_model(|model| Ok(unknown(model.geom_mut("grund")))).unwrap();
     assert!(text.contains("'ground'"), "{text}");
 }
 

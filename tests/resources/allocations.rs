@@ -85,7 +85,6 @@ fn every_solver_and_integrator_does_not_allocate() {
                         (options.jacobian, options.cone) = (jacobian, cone);
                     })
                 })
-                .unwrap()
                 .unwrap();
                 allocates_nothing("step", || data.step().unwrap());
             }

@@ -113,7 +113,6 @@ fn computing_a_distance_changes_nothing() {
     data.edit_model(|model| {
         model.options(|options| options.enable |= mujoco_safe::model::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
     })
-    .unwrap()
     .unwrap();
     data.forward().unwrap();
     let before = (data.geom_xpos().to_vec(), data.geom_xmat().to_vec(), data.contacts().len());

@@ -69,7 +69,7 @@ fn more() -> Vec<Part> {
                 model.options(|options| {
                     options.solver = if options.solver == Solver::Pgs { Solver::Newton } else { Solver::Pgs };
                 })
-            })?
+            })
         }),
         ("another storage", |data| {
             data.edit_model(|model| {
@@ -79,14 +79,14 @@ fn more() -> Vec<Part> {
                         _ => JacobianStorage::Sparse,
                     };
                 })
-            })?
+            })
         }),
         ("another cone", |data| {
             data.edit_model(|model| {
                 model.options(|options| {
                     options.cone = if options.cone == Cone::Elliptic { Cone::Pyramidal } else { Cone::Elliptic };
                 })
-            })?
+            })
         }),
     ]
 }
@@ -228,7 +228,7 @@ fn stages_of_the_inverse_in_order_equal_inverse_dynamics() {
 #[test]
 fn a_runge_kutta_step_equals_forward_and_runge_kutta() {
     for (name, mut data) in subjects() {
-        data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap().unwrap();
+        data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap();
         let mut whole = data.clone();
         whole.step().unwrap();
         data.forward().unwrap();

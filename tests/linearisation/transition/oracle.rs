@@ -20,7 +20,6 @@ impl Oracle {
                 options.iterations = options.iterations.max(200);
             })
         })
-        .unwrap()
         .unwrap();
         Self { inputs: data.state(StateSpec::INTEGRATION), data }
     }

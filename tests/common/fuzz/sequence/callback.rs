@@ -71,7 +71,7 @@ impl Closure {
             }
             5 => {
                 let number = bytes.number();
-                self.own.as_mut().map_or(Ok(()), |own| own.edit_model(|model| model.set_timestep(number))?)
+                self.own.as_mut().map_or(Ok(()), |own| own.edit_model(|model| model.set_timestep(number)))
             }
             6 => {
                 self.own = None;

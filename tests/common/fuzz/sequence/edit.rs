@@ -10,7 +10,7 @@ use super::{Bytes, Call, touch_all};
 
 /// Changes options in one edit.
 fn options(data: &mut Data, change: impl FnOnce(&mut Options)) -> Result<()> {
-    data.edit_model(|model| model.options(change))?
+    data.edit_model(|model| model.options(change))
 }
 
 /// A field that can be set to a number.
@@ -152,7 +152,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("set_timestep", |scene, bytes| {
         let timestep = bytes.number();
-        scene.data.edit_model(|model| model.set_timestep(timestep))?
+        scene.data.edit_model(|model| model.set_timestep(timestep))
     }),
     ("an array of the model", |scene, bytes| {
         let which = bytes.below(touch_all::MODEL_MUT.len());
@@ -172,11 +172,11 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("visual", |scene, bytes| {
         let (which, number) = (bytes.below(VISUAL), bytes.number());
-        scene.data.edit_model(|model| model.visual(|visual| put_visual(visual, which, number)))?
+        scene.data.edit_model(|model| model.visual(|visual| put_visual(visual, which, number)))
     }),
     ("statistics", |scene, bytes| {
         let (which, number) = (bytes.below(STATISTIC), bytes.number());
-        scene.data.edit_model(|model| model.statistics(|statistics| put_statistic(statistics, which, number)))?
+        scene.data.edit_model(|model| model.statistics(|statistics| put_statistic(statistics, which, number)))
     }),
     ("set_total_mass", |scene, bytes| {
         let mass = bytes.number();
@@ -184,12 +184,12 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             let result = model.set_total_mass(mass);
             black_box(model.total_mass());
             result
-        })?
+        })
     }),
     ("scale_mass", |scene, bytes| {
         let factor = bytes.number();
         let body = scene.data.model().body(bytes.index(scene.data.model().nbody()))?.id();
-        scene.data.edit_model(|model| model.body_mut(body).scale_mass(factor))?
+        scene.data.edit_model(|model| model.body_mut(body).scale_mass(factor))
     }),
     ("set_length_range", |scene, bytes| {
         if scene.data.model().nv() > 20 && !bytes.once_in(4) {
@@ -197,9 +197,9 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
         let actuator = scene.data.model().actuator(bytes.index(scene.data.model().nu()))?.id();
         let options = length_range(scene.data.model().timestep(), bytes);
-        scene.data.edit_model(|model| model.set_length_range(actuator, &options))?.map(drop)
+        scene.data.edit_model(|model| model.set_length_range(actuator, &options)).map(drop)
     }),
-    ("update_constants", |scene, _| scene.data.edit_model(|model| model.update_constants())?),
+    ("update_constants", |scene, _| scene.data.edit_model(|model| model.update_constants())),
     ("no edit", |scene, _| scene.data.edit_model(|_| ())),
     ("the original model", |scene, _| {
         scene.data = Data::new(scene.model.clone())?;

@@ -181,7 +181,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.data.edit_model(|model| {
             let results = chosen.iter().map(|&(which, (index, value))| MODEL[which].1(model, index, value));
             results.fold(Ok(()), Result::and)
-        })?
+        })
     }),
     ("integer setters of the model", |scene, bytes| {
         let chosen: Vec<_> =
@@ -189,7 +189,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.data.edit_model(|model| {
             let results = chosen.iter().map(|&((_, set), (index, value))| set(model, index, value));
             results.fold(Ok(()), Result::and)
-        })?
+        })
     }),
     ("an element", |scene, bytes| {
         let (name, set) = [DATA, OPTIONAL].concat()[bytes.below(DATA.len() + OPTIONAL.len())];

@@ -58,7 +58,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                     if index != seldom {
                         return data.forward();
                     }
-                    data.edit_model(|model| model.set_timestep(edited))?
+                    data.edit_model(|model| model.set_timestep(edited))
                 }
             }),
         };
@@ -122,7 +122,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                 1 => batch.reset_where(
                     |index| index != which,
                     |index, data| -> Result<()> {
-                        data.edit_model(|model| model.options(|options| options.gravity[index % 3] = number))??;
+                        data.edit_model(|model| model.options(|options| options.gravity[index % 3] = number))?;
                         data.step()
                     },
                 ),

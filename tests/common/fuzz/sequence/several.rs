@@ -36,7 +36,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                 options.jacobian = if dense { JacobianStorage::Dense } else { JacobianStorage::Sparse };
                 options.cone = if elliptic { Cone::Elliptic } else { Cone::Pyramidal };
             })
-        })??;
+        })?;
         copy.forward()?;
         if bytes.once_in(2) {
             std::mem::swap(&mut copy, &mut scene.data);
