@@ -43,13 +43,20 @@ impl FieldDoc {
 
     /// Returns the name and documentation of a field.
     pub(crate) fn docs_of(structure: &'static str, name: &str) -> Result<String> {
-        Self::all(structure).find(|field| field.name == name).map(|field| field.to_string()).ok_or_else(|| {
-            Error::NoSuchField {
-                structure,
-                name: name.to_owned(),
-                near: near_names(name, Self::all(structure).map(|field| field.name)),
-            }
-        })
+        Self::find(structure, name)
+            .map(|field| field.to_string())
+            .ok_or_else(|| Self::unknown(structure, name, Self::all(structure).map(|field| field.name)))
+    }
+
+    fn find(structure: &'static str, name: &str) -> Option<Self> {
+        Self::all(structure).find(|field| field.name == name)
+    }
+
+    /// Returns the error about an unknown field, with similar names among `known`, and with the struct that has a field of this name.
+    pub(crate) fn unknown(structure: &'static str, name: &str, known: impl Iterator<Item = &'static str>) -> Error {
+        const STRUCTURES: [&str; 5] = ["Model", "Data", "Option", "Visual", "Statistic"];
+        let owner = STRUCTURES.into_iter().find(|&other| other != structure && Self::find(other, name).is_some());
+        Error::NoSuchField { structure, name: name.to_owned(), near: near_names(name, known), owner }
     }
 
     /// Returns the shape as rows and columns: `(nbody, 3)`, or `(nq)` for one column. Empty for a single value.
@@ -84,7 +91,7 @@ macro_rules! field_docs {
             ///
             /// # Errors
             ///
-            /// [`Error::NoSuchField`](crate::Error::NoSuchField) with similar names.
+            /// [`Error::NoSuchField`](crate::Error::NoSuchField) with similar names, and with the struct that has the field if another one has it.
             ///
             /// ```
             #[doc = concat!("use mujoco_safe::{Error, ", stringify!($module), "::", stringify!($type), "};")]

@@ -162,7 +162,7 @@ pub enum Error {
     },
 
     /// The engine's struct has no field with this name.
-    #[error("mj{structure} has no field '{name}'{}", suggestion::similar_only(near))]
+    #[error("mj{structure} has no field '{name}'{}", suggestion::field(*owner, near))]
     NoSuchField {
         /// Name of the struct without `mj`.
         structure: &'static str,
@@ -170,6 +170,8 @@ pub enum Error {
         name: String,
         /// Similar names, most similar first.
         near: Vec<String>,
+        /// Another struct that has a field with this name, without `mj`.
+        owner: Option<&'static str>,
     },
 
     /// The model has no element with this index.

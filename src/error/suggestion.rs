@@ -19,9 +19,20 @@ pub(super) fn similar_and_known(name: &str, known: &[String]) -> String {
     format!("{suggestion} (known names: {list}{more})")
 }
 
-/// Returns the end of the error about an unknown field: the similar names.
-pub(super) fn similar_only(near: &[String]) -> String {
-    if near.is_empty() { String::new() } else { format!(", did you mean '{}'?", near.join("', '")) }
+/// Returns the end of the error about an unknown field: the struct that has it, or the similar names.
+pub(super) fn field(owner: Option<&str>, near: &[String]) -> String {
+    match owner {
+        Some(owner) => {
+            let rust_type = match owner {
+                "Option" => "Options",
+                "Statistic" => "Statistics",
+                same => same,
+            };
+            format!(": it is a field of mj{owner}, see {rust_type}::field_docs")
+        }
+        None if near.is_empty() => String::new(),
+        None => format!(", did you mean '{}'?", near.join("', '")),
+    }
 }
 
 /// Returns at most eight names that differ little from `name`, contain it or are contained in it, most similar first.

@@ -68,3 +68,30 @@ fn a_wrong_name_suggests_similar_names() {
         "mjData has no field 'quite another thing'"
     );
 }
+
+#[test]
+fn a_field_of_another_struct_is_an_error_that_names_the_struct() {
+    for (result, text) in [
+        (
+            Model::field_docs("geom_xpos"),
+            "mjModel has no field 'geom_xpos': it is a field of mjData, see Data::field_docs",
+        ),
+        (Data::field_docs("nv"), "mjData has no field 'nv': it is a field of mjModel, see Model::field_docs"),
+        (
+            Model::field_docs("timestep"),
+            "mjModel has no field 'timestep': it is a field of mjOption, see Options::field_docs",
+        ),
+        (
+            Options::field_docs("extent"),
+            "mjOption has no field 'extent': it is a field of mjStatistic, see Statistics::field_docs",
+        ),
+        (
+            Data::field_docs("map.znear"),
+            "mjData has no field 'map.znear': it is a field of mjVisual, see Visual::field_docs",
+        ),
+    ] {
+        let error = result.unwrap_err();
+        assert!(matches!(error, Error::NoSuchField { owner: Some(_), .. }));
+        assert_eq!(error.to_string(), text);
+    }
+}

@@ -4,7 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::data::Data;
-use crate::error::{Error, Result, near_names};
+use crate::error::{Error, Result};
+use crate::field_docs::FieldDoc;
 use crate::matrix::MatrixView;
 
 /// Element of a field of [`Data`]. The index counts over rows and columns in row-major order.
@@ -23,11 +24,7 @@ impl Watch {
     pub fn new(field: &str, index: usize) -> Result<Self> {
         match FIELDS.iter().position(|(name, _)| *name == field) {
             Some(field) => Ok(Self { field, index }),
-            None => Err(Error::NoSuchField {
-                structure: "Data",
-                name: field.to_owned(),
-                near: near_names(field, Self::fields()),
-            }),
+            None => Err(FieldDoc::unknown("Data", field, Self::fields())),
         }
     }
 
