@@ -68,11 +68,11 @@ impl Warning {
                 format!("more than the {info} constraints that njmax allows; increase it (time {time} s)")
             }
             Self::VisualGeomFull => format!("more than the {info} geoms that fit in the scene"),
-            Self::BadQpos => format!("qpos[{info}] is NaN or beyond ±1e10 (time {time} s)"),
-            Self::BadQvel => format!("qvel[{info}] is NaN or beyond ±1e10 (time {time} s)"),
-            Self::BadQacc => format!("qacc[{info}] is NaN or beyond ±1e10 (time {time} s)"),
+            Self::BadQpos => format!("qpos[{info}] is not between -1e10 and 1e10 (time {time} s)"),
+            Self::BadQvel => format!("qvel[{info}] is not between -1e10 and 1e10 (time {time} s)"),
+            Self::BadQacc => format!("qacc[{info}] is not between -1e10 and 1e10 (time {time} s)"),
             Self::BadCtrl => format!(
-                "ctrl[{info}]{} is NaN or beyond ±1e10 (time {time} s)",
+                "ctrl[{info}]{} is not between -1e10 and 1e10 (time {time} s)",
                 usize::try_from(info)
                     .ok()
                     .and_then(|index| data.model().name_at(Kind::Actuator, index))

@@ -59,10 +59,10 @@ impl fmt::Display for Instability {
             write!(f, " of {kind} '{name}'")?;
         }
         match self.value {
-            Some(value) => write!(f, " is {value}, beyond ±1e10"),
+            Some(value) => write!(f, " is {value}, but must be between -1e10 and 1e10"),
             None => write!(
                 f,
-                " is NaN or beyond ±1e10; try a smaller timestep, or softer contacts and joints with more damping"
+                " is not between -1e10 and 1e10; try a smaller timestep, or softer contacts and joints with more damping"
             ),
         }
     }

@@ -103,5 +103,8 @@ pub fn no_display() {
         let error = Viewer::new().run(data).map(drop).unwrap_err();
         assert!(matches!(error, ViewerError::NoDisplay(_)), "{error}");
         assert!(error.to_string().contains("DISPLAY"), "{error}");
+        // The windowing library precedes its message by the path and line of its source code.
+        assert!(!error.to_string().contains(".rs"), "{error}");
+        assert_eq!(format!("{error:?}"), error.to_string());
     }
 }

@@ -115,7 +115,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::Load`] with the compiler's complete message, which includes the line if the compiler reports one.
+    /// [`Error::Load`] with the compiler's complete message, which includes the line if the compiler reports one. If the text is a path
+    /// instead of XML, the message names the function that loads files.
     ///
     /// ```
     /// use mujoco_safe::Model;
@@ -150,6 +151,9 @@ impl Model {
     /// ```
     #[doc(alias = "mj_loadXML")]
     pub fn from_xml_str_with(xml: &str, options: &LoadOptions<'_>) -> Result<Self> {
+        if let Some(message) = path_instead_of_xml(xml) {
+            return Err(Error::Load { source_name: FROM_MEMORY.to_owned(), message });
+        }
         Self::from_text(FROM_MEMORY, TEXT.as_ref(), xml.as_bytes(), options)
     }
 
@@ -274,4 +278,18 @@ impl Model {
         // SAFETY: the engine allocated the model, nothing else owns it, and its contents were validated.
         Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
     }
+}
+
+/// Returns the message for a text that is the path of a model file.
+fn path_instead_of_xml(text: &str) -> Option<String> {
+    let text = text.trim();
+    if text.contains(['<', '\n']) {
+        return None;
+    }
+    let function = match Path::new(text).extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        "xml" | "mjcf" | "urdf" => "from_xml_path",
+        "mjb" => "from_binary_path",
+        _ => return None,
+    };
+    Some(format!("'{text}' is a path, not XML: load the file with Model::{function}"))
 }

@@ -5,6 +5,7 @@
 //! that lives as long as the process.
 
 use std::cell::RefCell;
+use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread::{self, ThreadId};
@@ -95,7 +96,7 @@ pub(super) fn window_thread() -> Result<EventLoopProxy<Wake>, ViewerError> {
             Ok(event_loop) => {
                 let _ = sender.send(Ok(event_loop.create_proxy()));
                 if let Err(error) = event_loop.run_app(&mut App::forever()) {
-                    log::error!("the window thread has ended: {error}");
+                    log::error!("the window thread has ended: {}", message_of(&error));
                 }
             }
             Err(error) => drop(sender.send(Err(error))),
@@ -135,8 +136,17 @@ fn build() -> Result<EventLoop<Wake>, ViewerError> {
 fn convert(error: &EventLoopError) -> ViewerError {
     match error {
         EventLoopError::RecreationAttempt => ViewerError::EventLoopTaken,
-        EventLoopError::Os(_) | EventLoopError::NotSupported(_) => ViewerError::NoDisplay(error.to_string()),
-        EventLoopError::ExitFailure(_) => ViewerError::Window(error.to_string()),
+        EventLoopError::Os(_) | EventLoopError::NotSupported(_) => ViewerError::NoDisplay(message_of(error)),
+        EventLoopError::ExitFailure(_) => ViewerError::Window(message_of(error)),
+    }
+}
+
+/// Returns the text of an error of the windowing library, without the place in its source code that precedes errors of the system.
+pub(super) fn message_of(error: &impl Display) -> String {
+    let text = error.to_string();
+    match text.strip_prefix("os error at ").and_then(|rest| rest.split_once(": ")) {
+        Some((_place, message)) => message.to_owned(),
+        None => text,
     }
 }
 

@@ -11,7 +11,7 @@ use winit::window::{Window, WindowId};
 
 use super::Opening;
 use super::app::InterruptGuard;
-use super::event_loop::{Waker, WindowToken};
+use super::event_loop::{Waker, WindowToken, message_of};
 use super::output::Output;
 use super::overlay::Overlay;
 use super::scheduler::FrameScheduler;
@@ -85,7 +85,7 @@ impl Session {
 
         let attributes =
             Window::default_attributes().with_title(&options.title).with_inner_size(PhysicalSize::<u32>::from(size));
-        let window = event_loop.create_window(attributes).map_err(|error| ViewerError::Window(error.to_string()))?;
+        let window = event_loop.create_window(attributes).map_err(|error| ViewerError::Window(message_of(&error)))?;
         let window = Arc::new(window);
         let surface = WindowSurface::new(window.clone(), options.vsync)?;
         let overlay = Overlay::new(&window, surface.gpu().device(), surface.format());

@@ -39,6 +39,19 @@ fn a_directory_is_not_a_model() {
 }
 
 #[test]
+fn a_path_instead_of_xml_is_an_error_that_names_the_function_for_files() {
+    for path in ["humanoid.xml", "robots/arm.urdf", " C:\\models\\arm.XML\n"] {
+        text_of(Model::from_xml_str(path), &["cannot load the given XML", path.trim(), "Model::from_xml_path"]);
+    }
+    let (_folder, path) = file("model.xml", "<mujoco/>");
+    text_of(Model::from_xml_str(path.to_str().unwrap()), &["is a path, not XML", "Model::from_xml_path"]);
+    text_of(Model::from_xml_str("model.mjb"), &["is a path, not XML", "Model::from_binary_path"]);
+    for text in ["model.obj", "not XML at all", "xml", "<mujoco>model.xml", "one.xml\ntwo.xml"] {
+        assert!(!text_of(Model::from_xml_str(text), &[]).contains("is a path"), "{text}");
+    }
+}
+
+#[test]
 fn malformed_xml_is_an_error_with_its_line() {
     text_of(Model::from_xml_str("<mujoco>\n<worldbody>\n</mujoco>"), &["cannot load the given XML", "Line number=2"]);
     text_of(
