@@ -298,3 +298,42 @@ fields!(Joint on Data {
     /// Axis, world frame.
     xaxis: [f64; 3] = xaxis;
 });
+
+impl<'a> View<'a, Data, kind::Joint> {
+    /// Returns the orientation of a free or ball joint, a unit quaternion `[w, x, y, z]`: the last four values of
+    /// [`qpos`](Self::qpos). `None` for a slide or a hinge.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, math, sample};
+    ///
+    /// let data = Data::new(sample::humanoid())?;
+    /// let quat = data.joint("root")?.quat().expect("a free joint");
+    /// assert_eq!(math::rot_vec_quat(&[0.0, 0.0, 1.0], quat), [0.0, 0.0, 1.0]); // upright
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[inline]
+    pub fn quat(&self) -> Option<&'a [f64; 4]> {
+        self.qpos().last_chunk()
+    }
+}
+
+impl ViewMut<'_, Data, kind::Joint> {
+    /// Returns a mutable reference to `quat`, the orientation of a free or ball joint. `None` for a slide or a hinge.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    /// use mujoco_safe::{Data, math, sample};
+    ///
+    /// // Turn the humanoid by a quarter about the vertical.
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// let mut root = data.joint_mut("root")?;
+    /// math::quat_integrate(root.quat_mut().expect("a free joint"), &[0.0, 0.0, FRAC_PI_2], 1.0);
+    /// data.forward()?;
+    /// assert!((data.body("torso")?.xmat()[3] - 1.0).abs() < 1e-12); // its x axis points along y
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[inline]
+    pub fn quat_mut(&mut self) -> Option<&mut [f64; 4]> {
+        self.qpos_mut().last_chunk_mut()
+    }
+}

@@ -21,6 +21,21 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
+//! # Arrays and slices
+//!
+//! Functions of vectors in space and of quaternions take arrays, `&[f64; 3]` and `&[f64; 4]`, so their sizes need no check. Fields with
+//! rows of a fixed length give arrays: `data.xquat()[body]`, `data.body("torso")?.xquat()`, `data.joint("root")?.quat()`. A part of a
+//! slice, for example of `qpos` or of the reading of a sensor, becomes an array by `try_into` or `first_chunk`:
+//!
+//! ```
+//! use mujoco_safe::{Data, math, sample};
+//!
+//! let data = Data::new(sample::humanoid())?;
+//! let quat: &[f64; 4] = data.qpos()[3..7].try_into().expect("four values");
+//! assert_eq!(math::quat2mat(quat), data.qpos()[3..].first_chunk().map(math::quat2mat).expect("four values"));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
 //! # Functions in place
 //!
 //! In C, the output of some functions may alias an argument. The borrow checker forbids this, so separate functions work in place:

@@ -1,11 +1,12 @@
 //! Index ranges of elements, and their parents.
 
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use mujoco_safe::enums::JointType;
-use mujoco_safe::sample;
+use mujoco_safe::{math, sample};
 
-use crate::zoo;
+use crate::{simulation, zoo};
 
 #[test]
 fn a_joint_has_the_positions_and_dofs_of_its_type() {
@@ -61,4 +62,24 @@ fn only_the_last_actuators_have_activations() {
     let model = zoo();
     let activations: Vec<_> = model.actuators().map(|actuator| actuator.activation()).collect();
     assert_eq!(activations, [None, None, None, Some(0), Some(1), Some(2)]);
+}
+
+#[test]
+fn free_and_ball_joints_have_an_orientation_that_the_mathematics_takes() {
+    let mut data = simulation();
+    for name in ["crate", "shoulder"] {
+        let mut joint = data.joint_mut(name).unwrap();
+        *joint.quat_mut().unwrap() = [1.0, 0.0, 0.0, 0.0];
+        math::quat_integrate(joint.quat_mut().unwrap(), &[0.0, 0.0, FRAC_PI_2], 1.0);
+        let joint = data.joint(name).unwrap();
+        let quat = joint.quat().unwrap();
+        let end = joint.in_model().qpos_range().end;
+        assert_eq!(quat[..], data.qpos()[end - 4..end]);
+        let turned = math::rot_vec_quat(&[1.0, 0.0, 0.0], quat);
+        assert!((turned[1] - 1.0).abs() < 1e-12, "{name}: {turned:?}");
+    }
+    for name in ["rail", "elbow"] {
+        assert_eq!(data.joint(name).unwrap().quat(), None);
+        assert_eq!(data.joint_mut(name).unwrap().quat_mut(), None);
+    }
 }
