@@ -108,6 +108,7 @@ mod ffi;
 mod field_docs;
 mod file;
 mod generated;
+pub mod guide;
 pub mod id;
 pub mod kind;
 pub mod math;

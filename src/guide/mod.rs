@@ -1,0 +1,11 @@
+//! Guide: one page per theme. All programs on these pages run as tests, except those that need a graphics driver or a display.
+//!
+//! | page | contents |
+//! |---|---|
+//! | [`concepts`] | model and data, the pipeline, states, results and their age, names and ids, matrices, errors |
+//!
+//! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
+//! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
+//! every function, field and kind of the engine with its counterpart.
+
+pub mod concepts;
