@@ -1,0 +1,263 @@
+//! Coming from the `mujoco` package for Python: a table of calls, idioms, and differences.
+//!
+//! The names are those of the engine, without `mj_` and in snake case. Fields are methods: `data.qpos` is [`data.qpos()`](Data::qpos), and
+//! [`data.qpos_mut()`](Data::qpos_mut) for writing. The search of this documentation finds functions by their C names.
+//! The tables use `m` for a [`Model`], `d` for a [`Data`], and `edit` for a [`ModelMut`].
+//!
+//! # Models
+//!
+//! | Python | here |
+//! |---|---|
+//! | `mujoco.MjModel.from_xml_path(path)` | [`Model::from_xml_path(path)?`](Model::from_xml_path) |
+//! | `mujoco.MjModel.from_xml_string(xml)` | [`Model::from_xml_str(xml)?`](Model::from_xml_str) |
+//! | `from_xml_string(xml, assets)` | [`Model::from_xml_str_with(xml, &LoadOptions::default().with_file(name, bytes))?`](Model::from_xml_str_with) |
+//! | `mujoco.MjModel.from_binary_path(path)` | [`Model::from_binary_path(path)?`](Model::from_binary_path) |
+//! | `mujoco.mj_saveModel(m, path)` | [`m.save_binary(path)?`](Model::save_binary) |
+//! | `mujoco.mj_saveLastXML(path, m)` | [`m.save_xml(path)?`](Model::save_xml), which saves `m` or fails, never another model |
+//! | `copy.copy(m)` | `m.clone()`, or [`m.try_clone()?`](Model::try_clone) |
+//! | `m.nq`, `m.nu`, `m.body_mass` | [`m.nq()`](Model::nq), [`m.nu()`](Model::nu), [`m.body_mass()`](Model::body_mass) |
+//! | `m.opt.timestep` | [`m.timestep()`](Model::timestep), [`m.options()`](Model::options) |
+//! | `m.opt.timestep = 0.001` | [`m.edit().set_timestep(0.001)?`](ModelMut::set_timestep) |
+//! | `m.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4` | [`m.edit().options(\|o\| o.integrator = Integrator::Rk4)?`](ModelMut::options) |
+//! | `m.opt.gravity[:] = 0` | [`m.edit().options(\|o\| o.gravity = [0.0; 3])?`](ModelMut::options) |
+//! | `m.opt.disableflags \|= mujoco.mjtDisableBit.mjDSBL_CONTACT` | [`m.edit().options(\|o\| o.disable \|= DisableFlags::CONTACT)?`](crate::model::DisableFlags) |
+//! | `m.opt.enableflags \|= mujoco.mjtEnableBit.mjENBL_ENERGY` | [`m.edit().options(\|o\| o.enable \|= EnableFlags::ENERGY)?`](crate::model::EnableFlags) |
+//! | `m.vis.global_.offwidth = 1280` | [`m.edit().visual(\|v\| v.global.offwidth = 1280)?`](ModelMut::visual) |
+//! | `m.stat.extent` | [`m.statistics().extent`](Model::statistics) |
+//! | `mujoco.mj_setConst(m, d)` | [`edit.update_constants()?`](ModelMut::update_constants) |
+//! | `mujoco.mj_setTotalmass(m, 70)` | [`edit.set_total_mass(70.0)?`](ModelMut::set_total_mass), [`edit.update_constants()?`](ModelMut::update_constants) |
+//! | `mujoco.mj_versionString()` | [`engine_version()`](crate::engine_version) |
+//!
+//! # Simulation and state
+//!
+//! | Python | here |
+//! |---|---|
+//! | `mujoco.MjData(m)` | [`Data::new(m)?`](Data::new), with a [`Model`] or an `Arc<Model>` |
+//! | `copy.copy(d)` | `d.clone()`, or [`d.try_clone()?`](Data::try_clone) |
+//! | `mujoco.mj_copyData(target, m, source)` | [`target.copy_from(&source)?`](Data::copy_from) |
+//! | `mujoco.mj_step(m, d)` | [`d.step()?`](Data::step) |
+//! | `mujoco.mj_step(m, d, nstep=10)` | `for _ in 0..10 { d.step()?; }` |
+//! | `mujoco.mj_step1(m, d)`, `mujoco.mj_step2(m, d)` | [`d.step1()?`](Data::step1), [`d.step2()?`](Data::step2) |
+//! | `mujoco.mj_forward(m, d)` | [`d.forward()?`](Data::forward) |
+//! | `mujoco.mj_inverse(m, d)`, `d.qfrc_inverse` | [`d.inverse()?`](Data::inverse), [`d.qfrc_inverse()`](Data::qfrc_inverse) |
+//! | `mujoco.mj_resetData(m, d)` | [`d.reset()?`](Data::reset) |
+//! | `mujoco.mj_resetDataKeyframe(m, d, 0)` | [`d.reset_to_key(0)?`](Data::reset_to_key), or `d.reset_to_key("home")?` |
+//! | `m.key('home').qpos` | [`m.keyframe("home")?.qpos()`](Model::keyframe) |
+//! | `d.time`, `d.time = 0` | [`d.time()`](Data::time), [`d.set_time(0.0)`](Data::set_time) |
+//! | `d.qpos[:] = q` | [`d.qpos_mut().copy_from_slice(&q)`](Data::qpos_mut) |
+//! | `d.qpos.copy()` | `d.qpos().to_vec()` |
+//! | `d.ctrl[2] = 0.5` | [`d.ctrl_mut()[2] = 0.5`](Data::ctrl_mut) |
+//! | `d.xfrc_applied[b, :3] = f` | [`d.xfrc_applied_mut()[b][..3].copy_from_slice(&f)`](Data::xfrc_applied_mut) |
+//! | `d.mocap_pos[m.body('target').mocapid] = p` | [`*d.body_mut("target")?.mocap_pos_mut().unwrap() = p`](crate::element::BodyDataMut) |
+//! | `mujoco.mj_getState(m, d, s, spec)` | [`d.state(spec)`](Data::state), [`d.state_into(spec, &mut s)?`](Data::state_into) |
+//! | `mujoco.mj_setState(m, d, s, spec)` | [`d.set_state(spec, &s)?`](Data::set_state) |
+//! | `mujoco.mj_stateSize(m, spec)` | [`m.state_size(spec)`](Model::state_size) |
+//! | `mjtState.mjSTATE_INTEGRATION` | [`StateSpec::INTEGRATION`] |
+//! | `d.energy` | [`d.energy()`](Data::energy), with [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) |
+//! | `d.warning[k].number` | [`d.warning(kind).number`](Data::warning) |
+//! | `d.timer[k].duration` | [`d.timer(part).duration`](Data::timer), after [`enable_timers()`](crate::data::enable_timers) |
+//!
+//! # Names and elements
+//!
+//! | Python | here |
+//! |---|---|
+//! | `m.geom('floor').id` | [`m.geom("floor")?.id()`](Model::geom); [`index()`](crate::element::View::index) is the number |
+//! | `m.geom(3).name` | [`m.geom(3)?.name()`](crate::element::View::name), an `Option` |
+//! | `mujoco.mj_name2id(m, mjOBJ_BODY, 'torso')`, −1 if unknown | [`m.body("torso")?.index()`](Model::body), an error that lists the names |
+//! | `mujoco.mj_id2name(m, mjOBJ_BODY, 1)` | [`m.body(1)?.name()`](Model::body) |
+//! | `[m.joint(i).name for i in range(m.njnt)]` | [`m.joints().filter_map(\|joint\| joint.name())`](Model::joints) |
+//! | `d.joint('knee').qpos`, `d.joint('knee').qvel` | [`d.joint("knee")?.qpos()`](Data::joint), `d.joint("knee")?.qvel()`: slices |
+//! | `d.joint('knee').qpos = 0.1` | [`d.joint_mut("knee")?.qpos_mut()[0] = 0.1`](Data::joint_mut) |
+//! | `m.joint('knee').qposadr`, `m.joint('knee').dofadr` | `m.joint("knee")?.qpos_range()`, `m.joint("knee")?.dofs()`: ranges |
+//! | `d.body('torso').xpos`, `d.site('tip').xmat` | [`d.body("torso")?.xpos()`](Data::body), [`d.site("tip")?.xmat()`](Data::site): `[f64; 9]`, row-major |
+//! | `d.actuator('motor').ctrl = 0.5` | [`d.actuator_mut("motor")?.set_ctrl(0.5)`](Data::actuator_mut) |
+//! | `m.actuator('motor').ctrlrange` | [`m.actuator("motor")?.ctrlrange()`](Model::actuator) |
+//! | `d.sensor('gyro').data` | [`d.sensor("gyro")?.data()?`](Data::sensor) |
+//! | `d.sensordata` | [`d.sensordata()`](Data::sensordata), with [`m.sensor("gyro")?.data_range()`](Model::sensor) |
+//! | `m.numeric('gains').data` | [`m.numeric("gains")?.data()`](Model::numeric) |
+//! | `print(d.joint('knee'))` | `println!("{}", d.joint("knee")?)` |
+//!
+//! # Contacts, rays and dynamics
+//!
+//! | Python | here |
+//! |---|---|
+//! | `d.ncon`, `d.contact[i]`, `d.contact[i].geom1` | [`d.ncon()`](Data::ncon), [`d.contacts()`](Data::contacts), [`contact.geoms()[0]`](crate::data::Contact::geoms) |
+//! | `mujoco.mj_contactForce(m, d, i, f)` | [`contact.force()?`](crate::data::Contact::force), [`contact.force_in_world()?`](crate::data::Contact::force_in_world) |
+//! | `mujoco.mj_geomDistance(m, d, a, b, far, None)` | [`d.geom_distance("a", "b", far)?`](Data::geom_distance) |
+//! | `mujoco.mj_ray(m, d, …)` | [`d.ray(origin, direction, &RayOptions::default())?`](Data::ray) |
+//! | `mujoco.mj_multiRay(m, d, …)` | [`d.multi_ray_into(origin, &directions, cutoff, &options, &mut hits)?`](Data::multi_ray_into) |
+//! | `mujoco.mj_jacBodyCom(m, d, jp, jr, b)` | [`d.jac_body_com("torso")?`](Data::jac_body_com): `linear` and `angular`; [`jac_body_com_into`](Data::jac_body_com_into) |
+//! | `mujoco.mj_jacSite`, `mujoco.mj_jac`, `mujoco.mj_jacSubtreeCom` | [`jac_site`](Data::jac_site), [`jac`](Data::jac), [`jac_subtree_com`](Data::jac_subtree_com) |
+//! | `mujoco.mj_fullM(m, M, d.qM)` | [`d.full_m()?`](Data::full_m) |
+//! | `mujoco.mj_mulM`, `mujoco.mj_solveM` | [`mul_m_into`](Data::mul_m_into), [`solve_m_into`](Data::solve_m_into) |
+//! | `mujoco.mj_differentiatePos(m, dq, 1, q1, q2)` | [`m.differentiate_pos_into(1.0, &q1, &q2, &mut dq)?`](Model::differentiate_pos_into) |
+//! | `mujoco.mj_integratePos(m, q, v, dt)` | [`m.integrate_pos(&mut q, &v, dt)?`](Model::integrate_pos) |
+//! | `mujoco.mj_objectVelocity(m, d, mjOBJ_BODY, b, v, 1)` | [`d.object_velocity(FrameId::Body(id), Axes::Local)?`](Data::object_velocity) |
+//! | `mujoco.mj_rnePostConstraint(m, d)`, `d.cfrc_ext` | [`d.rne_post_constraint()?`](Data::rne_post_constraint), [`d.body("torso")?.cfrc_ext()?`](Data::body) |
+//! | `mujoco.mj_applyFT(m, d, f, t, p, b, q)` | [`d.apply_ft(f, t, p, "torso", &mut q)?`](Data::apply_ft) |
+//! | `mujoco.mjd_transitionFD(m, d, eps, True, A, B, C, D)` | [`d.transition_fd(eps, Differences::Central)?`](Data::transition_fd), or a [`Lineariser`](crate::Lineariser) |
+//! | `mujoco.mju_mulQuat(r, a, b)` | [`math::mul_quat(&a, &b)`](crate::math::mul_quat), with results instead of output arguments |
+//! | `mujoco.mju_rotVecQuat`, `mujoco.mju_quat2Mat`, `mujoco.mju_axisAngle2Quat` | [`math::rot_vec_quat`](crate::math::rot_vec_quat), [`math::quat2mat`](crate::math::quat2mat), [`math::axis_angle2quat`](crate::math::axis_angle2quat) |
+//!
+//! # Edits, callbacks and many simulations
+//!
+//! | Python | here |
+//! |---|---|
+//! | `m.body_mass[b] *= 2` on a running simulation | [`d.edit_model(…)??`](Data::edit_model), see [below](#editing-a-parameter-of-a-running-simulation) |
+//! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.edit_model(\|edit\| edit.equality_mut("grasp").map(\|mut e\| e.set_active(false)))??`](ModelMut::equality_mut) |
+//! | `mujoco.set_mjcb_control(f)` | [`d.with_callbacks(Callbacks::new().control(f), \|d\| …)`](Data::with_callbacks): one simulation, one scope |
+//! | `mujoco.set_mjcb_passive`, `mujoco.set_mjcb_contactfilter`, … | the other methods of [`Callbacks`](crate::callback::Callbacks) |
+//! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.initial_states(…).controls(…).run()?` |
+//! | `gymnasium.vector` environments | [`Batch`](crate::rollout::Batch) |
+//! | `ThreadPoolExecutor` with one `MjData` per thread | [`std::thread::scope`] with one [`Data`] per thread |
+//! | `np.savez(path, qpos=…)` | [`trajectory.save_npz(path)?`](crate::Trajectory), feature `npz`; [`save_csv`](crate::Trajectory::save_csv) |
+//!
+//! # Pictures and the viewer
+//!
+//! | Python | here |
+//! |---|---|
+//! | `mujoco.Renderer(m, height, width)` | [`Renderer::new(&m, width, height)?`][renderer], feature `renderer` |
+//! | `renderer.update_scene(d, camera='eye')` | [`scene.update(&mut d, &options, None, &mut camera, Categories::all())?`](crate::Scene::update) |
+//! | `camera='eye'` | [`Camera::fixed(m.camera("eye")?.id())`](crate::scene::Camera::fixed) |
+//! | `mujoco.MjvCamera()`, `mujoco.MjvOption()` | [`Camera::free(&m)`](crate::scene::Camera), [`SceneOptions::default()`](crate::scene::SceneOptions) |
+//! | `renderer.render()` | [`renderer.rgb(&scene)?`][rgb] |
+//! | `renderer.enable_depth_rendering()` | [`renderer.depth(&scene)?`][depth], in metres |
+//! | `renderer.enable_segmentation_rendering()` | [`renderer.segmentation(&scene)?`][segmentation] |
+//! | `mujoco.mjv_updateScene(m, d, opt, pert, cam, mask, scn)` | [`Scene::update`](crate::Scene::update) |
+//! | `mujoco.mjv_initGeom(scn.geoms[scn.ngeom], …)` | [`scene.add_geom(&NewGeom::sphere(0.1).pos(p))?`](crate::Scene::add_geom) |
+//! | `mujoco.viewer.launch(m, d)` | [`Viewer::new().run(d)?`][viewer], feature `viewer` |
+//! | `mujoco.viewer.launch_passive(m, d)` | [`viewer::launch(options)?`][launch], or [`viewer::run`][run] on macOS |
+//! | `v.sync()`, `v.is_running()`, `v.user_scn` | [`handle.sync(&mut d)?`][handle], `handle.is_running()`, `handle.geoms_mut()` |
+//! | `mediapy.write_video(path, frames)` | [`Recorder`][recorder]: GIF, APNG, PNG files, or MP4 by ffmpeg |
+//!
+//! # A loop with a controller and observations
+//!
+//! ```
+//! use mujoco_safe::{Data, sample};
+//!
+//! let mut data = Data::new(sample::cartpole())?;
+//! let (hinge, motor) = (data.model().joint("hinge")?.id(), data.model().actuator("slide")?.id());
+//! data.joint_mut(hinge).qpos_mut()[0] = 0.1;
+//! let mut observations = Vec::new();
+//! while data.time() < 1.0 {
+//!     let pole = data.joint(hinge);
+//!     let (angle, rate) = (pole.qpos()[0], pole.qvel()[0]);
+//!     data.actuator_mut(motor).set_ctrl((3.0 * angle + 0.5 * rate).clamp(-1.0, 1.0));
+//!     data.step()?;
+//!     observations.push([data.time(), angle, rate]);
+//! }
+//! assert!(observations.last().unwrap()[1].abs() < 0.02);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Rollouts on all cores
+//!
+//! Arrays are flat and row-major, like NumPy's: controls have the shape `(nroll, nstep, nu)`, and states `(nroll, nstep + 1, nstate)`. Row 0 is the
+//! initial state.
+//!
+//! ```
+//! use mujoco_safe::rollout::Rollout;
+//! use mujoco_safe::{StateSpec, sample};
+//!
+//! let (nroll, nstep) = (16, 50);
+//! let initial: Vec<f64> = (0..nroll).flat_map(|roll| [0.0, 0.01 * roll as f64, 0.0, 0.0]).collect();
+//! let controls = vec![0.1; nroll * nstep]; // nu = 1
+//! let result = Rollout::new(sample::cartpole(), nroll, nstep)
+//!     .initial_states(StateSpec::PHYSICS, &initial)
+//!     .controls(&controls)
+//!     .run()?;
+//! assert!(result.outcomes().iter().all(Result::is_ok));
+//! assert_eq!(result.states_of(15).shape(), (51, 4));
+//! assert_eq!(result.sensordata_of(15).ncols(), 7);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # An image from a camera of the model
+//!
+//! The width comes before the height. A [`Scene`](crate::Scene) can also serve for depth and segmentation of the same moment.
+//!
+#![cfg_attr(feature = "renderer", doc = "```no_run")]
+#![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
+//! use mujoco_safe::render::Renderer;
+//! use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
+//! use mujoco_safe::{Data, sample};
+//!
+//! let mut data = Data::new(sample::cartpole())?;
+//! data.forward()?;
+//! let mut scene = Scene::new(data.model(), 1000)?;
+//! let mut camera = Camera::fixed(data.model().camera("fixed")?.id());
+//! scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
+//!
+//! let mut renderer = Renderer::new(data.model(), 640, 480)?;
+//! renderer.rgb(&scene)?.save_png("cartpole.png")?;
+//! # Ok::<(), mujoco_safe::render::RenderError>(())
+//! ```
+//!
+//! # Editing a parameter of a running simulation
+//!
+//! The edit applies to this simulation only. A shared model is copied once; later edits of the same simulation copy nothing. The first `?`
+//! is for the copy, the second for the result of the closure.
+//!
+//! ```
+//! use mujoco_safe::{Data, sample};
+//!
+//! let mut data = Data::new(sample::cartpole())?;
+//! (0..10).try_for_each(|_| data.step())?;
+//! data.edit_model(|edit| {
+//!     edit.body_mut("pole")?.scale_mass(2.0)?; // mass and inertia
+//!     edit.update_constants()                  // quantities that the compiler derived from them
+//! })??;
+//! data.step()?; // continues with the heavier pole
+//! assert_eq!(data.model().body("pole")?.mass(), 1.0);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Differences
+//!
+//! - **A simulation knows its model.** Python does not check that `m` and `d` in `mj_step(m, d)` belong together. Here each [`Data`] holds its model.
+//! - **Reading and writing are separate.** A view in Python follows the simulation and changes in the next step. Here a slice of
+//!   [`Data::qpos`] is a borrow, and the compiler rejects a step while it is in use. Copy values with `to_vec()`.
+//! - **A model is constant while it is shared.** Python changes a model under all of its simulations. [`Model::edit`] needs the only reference;
+//!   [`Data::edit_model`] gives the simulation its own copy.
+//! - **A diverged simulation is an error.** The engine resets it and prints a warning. Here [`Data::step`] returns [`Error::Unstable`](crate::Error::Unstable) with the
+//!   quantity, the joint and the time.
+//! - **Missing results are errors.** In Python `d.sensor('gyro').data` contains zeros before the first computation. Here it returns
+//!   [`Error::NotComputed`](crate::Error::NotComputed). See [results that have not been computed](super::concepts#results-that-have-not-been-computed).
+//! - **An index is an id, a position in an array, or neither.** `d.qpos[j]` with the id of a joint is correct only without free and ball joints.
+//!   Use `d.joint(id).qpos()`, or the ranges `qpos_range()` and `dofs()` of the joint.
+//! - **Callbacks belong to a simulation**, not to the process, and a panic in a callback is an error of the call.
+//! - **Nothing is printed.** Warnings go to the [`log`](https://docs.rs/log) crate and to counters; no `MUJOCO_LOG.TXT` is written.
+//! - **The engine is 2.2.2.** `MjSpec`, plugins, flexes, the implicit-fast integrator and the GPU backends of newer releases do not exist. Some
+//!   functions of newer releases exist here: `mj_getState`, `mj_multiRay`, `mj_geomDistance`, `mjd_inverseFD`.
+//!
+#![cfg_attr(
+    feature = "viewer",
+    doc = "
+[renderer]: crate::render::Renderer::new
+[rgb]: crate::render::Renderer::rgb
+[depth]: crate::render::Renderer::depth
+[segmentation]: crate::render::Renderer::segmentation
+[viewer]: crate::viewer::Viewer::run
+[launch]: crate::viewer
+[run]: crate::viewer::run
+[handle]: crate::viewer::ViewerHandle::sync
+[recorder]: crate::record::Recorder
+"
+)]
+#![cfg_attr(
+    not(feature = "viewer"),
+    doc = "
+[renderer]: crate#features
+[rgb]: crate#features
+[depth]: crate#features
+[segmentation]: crate#features
+[viewer]: crate#features
+[launch]: crate#features
+[run]: crate#features
+[handle]: crate#features
+[recorder]: crate#features
+"
+)]
+
+#[cfg(doc)]
+use crate::{Data, Model, ModelMut, StateSpec};
