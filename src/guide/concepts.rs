@@ -52,8 +52,8 @@
 //! | [`USER`](StateSpec::USER) | the inputs: controls, applied forces, mocap poses, user data |
 //! | [`INTEGRATION`](StateSpec::INTEGRATION) | all of these and the warm start of the solver |
 //!
-//! A simulation that is set to a saved [`INTEGRATION`](StateSpec::INTEGRATION) state continues bit for bit. The other specifications omit the
-//! warm start, so the continuation differs within the tolerance of the constraint solver.
+//! A simulation that is set to a saved [`INTEGRATION`](StateSpec::INTEGRATION) state continues bit for bit. Without the warm start, the
+//! continuation differs within the tolerance of the constraint solver.
 //!
 //! ```
 //! use mujoco_safe::{Data, StateSpec, sample};

@@ -23,9 +23,7 @@
 //! | `m.opt.disableflags \|= mujoco.mjtDisableBit.mjDSBL_CONTACT` | [`m.edit().options(\|o\| o.disable \|= DisableFlags::CONTACT)?`](crate::model::DisableFlags) |
 //! | `m.opt.enableflags \|= mujoco.mjtEnableBit.mjENBL_ENERGY` | [`m.edit().options(\|o\| o.enable \|= EnableFlags::ENERGY)?`](crate::model::EnableFlags) |
 //! | `m.vis.global_.offwidth = 1280` | [`m.edit().visual(\|v\| v.global.offwidth = 1280)?`](ModelMut::visual) |
-//! | `m.stat.extent` | [`m.statistics().extent`](Model::statistics) |
 //! | `mujoco.mj_setConst(m, d)` | [`edit.update_constants()?`](ModelMut::update_constants) |
-//! | `mujoco.mj_setTotalmass(m, 70)` | [`edit.set_total_mass(70.0)?`](ModelMut::set_total_mass), [`edit.update_constants()?`](ModelMut::update_constants) |
 //! | `mujoco.mj_versionString()` | [`engine_version()`](crate::engine_version) |
 //!
 //! # Simulation and state
@@ -33,8 +31,7 @@
 //! | Python | here |
 //! |---|---|
 //! | `mujoco.MjData(m)` | [`Data::new(m)?`](Data::new), with a [`Model`] or an `Arc<Model>` |
-//! | `copy.copy(d)` | `d.clone()`, or [`d.try_clone()?`](Data::try_clone) |
-//! | `mujoco.mj_copyData(target, m, source)` | [`target.copy_from(&source)?`](Data::copy_from) |
+//! | `copy.copy(d)` | `d.clone()`; [`target.copy_from(&d)?`](Data::copy_from) into an existing simulation |
 //! | `mujoco.mj_step(m, d)` | [`d.step()?`](Data::step) |
 //! | `mujoco.mj_step(m, d, nstep=10)` | `for _ in 0..10 { d.step()?; }` |
 //! | `mujoco.mj_step1(m, d)`, `mujoco.mj_step2(m, d)` | [`d.step1()?`](Data::step1), [`d.step2()?`](Data::step2) |
@@ -45,14 +42,12 @@
 //! | `m.key('home').qpos` | [`m.keyframe("home")?.qpos()`](Model::keyframe) |
 //! | `d.time`, `d.time = 0` | [`d.time()`](Data::time), [`d.set_time(0.0)`](Data::set_time) |
 //! | `d.qpos[:] = q` | [`d.qpos_mut().copy_from_slice(&q)`](Data::qpos_mut) |
-//! | `d.qpos.copy()` | `d.qpos().to_vec()` |
 //! | `d.ctrl[2] = 0.5` | [`d.ctrl_mut()[2] = 0.5`](Data::ctrl_mut) |
 //! | `d.xfrc_applied[b, :3] = f` | [`d.xfrc_applied_mut()[b][..3].copy_from_slice(&f)`](Data::xfrc_applied_mut) |
 //! | `d.mocap_pos[m.body('target').mocapid] = p` | [`*d.body_mut("target")?.mocap_pos_mut().unwrap() = p`](crate::element::BodyDataMut) |
 //! | `mujoco.mj_getState(m, d, s, spec)` | [`d.state(spec)`](Data::state), [`d.state_into(spec, &mut s)?`](Data::state_into) |
 //! | `mujoco.mj_setState(m, d, s, spec)` | [`d.set_state(spec, &s)?`](Data::set_state) |
 //! | `mujoco.mj_stateSize(m, spec)` | [`m.state_size(spec)`](Model::state_size) |
-//! | `mjtState.mjSTATE_INTEGRATION` | [`StateSpec::INTEGRATION`] |
 //! | `d.energy` | [`d.energy()`](Data::energy), with [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) |
 //! | `d.warning[k].number` | [`d.warning(kind).number`](Data::warning) |
 //! | `d.timer[k].duration` | [`d.timer(part).duration`](Data::timer), after [`enable_timers()`](crate::data::enable_timers) |
@@ -74,7 +69,6 @@
 //! | `m.actuator('motor').ctrlrange` | [`m.actuator("motor")?.ctrlrange()`](Model::actuator) |
 //! | `d.sensor('gyro').data` | [`d.sensor("gyro")?.data()?`](Data::sensor) |
 //! | `d.sensordata` | [`d.sensordata()`](Data::sensordata), with [`m.sensor("gyro")?.data_range()`](Model::sensor) |
-//! | `m.numeric('gains').data` | [`m.numeric("gains")?.data()`](Model::numeric) |
 //! | `print(d.joint('knee'))` | `println!("{}", d.joint("knee")?)` |
 //!
 //! # Contacts, rays and dynamics
@@ -83,7 +77,6 @@
 //! |---|---|
 //! | `d.ncon`, `d.contact[i]`, `d.contact[i].geom1` | [`d.ncon()`](Data::ncon), [`d.contacts()`](Data::contacts), [`contact.geoms()[0]`](crate::data::Contact::geoms) |
 //! | `mujoco.mj_contactForce(m, d, i, f)` | [`contact.force()?`](crate::data::Contact::force), [`contact.force_in_world()?`](crate::data::Contact::force_in_world) |
-//! | `mujoco.mj_geomDistance(m, d, a, b, far, None)` | [`d.geom_distance("a", "b", far)?`](Data::geom_distance) |
 //! | `mujoco.mj_ray(m, d, …)` | [`d.ray(origin, direction, &RayOptions::default())?`](Data::ray) |
 //! | `mujoco.mj_multiRay(m, d, …)` | [`d.multi_ray_into(origin, &directions, cutoff, &options, &mut hits)?`](Data::multi_ray_into) |
 //! | `mujoco.mj_jacBodyCom(m, d, jp, jr, b)` | [`d.jac_body_com("torso")?`](Data::jac_body_com): `linear` and `angular`; [`jac_body_com_into`](Data::jac_body_com_into) |
@@ -94,7 +87,6 @@
 //! | `mujoco.mj_integratePos(m, q, v, dt)` | [`m.integrate_pos(&mut q, &v, dt)?`](Model::integrate_pos) |
 //! | `mujoco.mj_objectVelocity(m, d, mjOBJ_BODY, b, v, 1)` | [`d.object_velocity(FrameId::Body(id), Axes::Local)?`](Data::object_velocity) |
 //! | `mujoco.mj_rnePostConstraint(m, d)`, `d.cfrc_ext` | [`d.rne_post_constraint()?`](Data::rne_post_constraint), [`d.body("torso")?.cfrc_ext()?`](Data::body) |
-//! | `mujoco.mj_applyFT(m, d, f, t, p, b, q)` | [`d.apply_ft(f, t, p, "torso", &mut q)?`](Data::apply_ft) |
 //! | `mujoco.mjd_transitionFD(m, d, eps, True, A, B, C, D)` | [`d.transition_fd(eps, Differences::Central)?`](Data::transition_fd), or a [`Lineariser`](crate::Lineariser) |
 //! | `mujoco.mju_mulQuat(r, a, b)` | [`math::mul_quat(&a, &b)`](crate::math::mul_quat), with results instead of output arguments |
 //! | `mujoco.mju_rotVecQuat`, `mujoco.mju_quat2Mat`, `mujoco.mju_axisAngle2Quat` | [`math::rot_vec_quat`](crate::math::rot_vec_quat), [`math::quat2mat`](crate::math::quat2mat), [`math::axis_angle2quat`](crate::math::axis_angle2quat) |
@@ -105,8 +97,7 @@
 //! |---|---|
 //! | `m.body_mass[b] *= 2` on a running simulation | [`d.edit_model(…)??`](Data::edit_model), see [below](#editing-a-parameter-of-a-running-simulation) |
 //! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.edit_model(\|edit\| edit.equality_mut("grasp").map(\|mut e\| e.set_active(false)))??`](ModelMut::equality_mut) |
-//! | `mujoco.set_mjcb_control(f)` | [`d.with_callbacks(Callbacks::new().control(f), \|d\| …)`](Data::with_callbacks): one simulation, one scope |
-//! | `mujoco.set_mjcb_passive`, `mujoco.set_mjcb_contactfilter`, … | the other methods of [`Callbacks`](crate::callback::Callbacks) |
+//! | `mujoco.set_mjcb_control(f)`, … | [`d.with_callbacks(Callbacks::new().control(f), \|d\| …)`](Data::with_callbacks): one simulation, one scope |
 //! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.initial_states(…).controls(…).run()?` |
 //! | `gymnasium.vector` environments | [`Batch`](crate::rollout::Batch) |
 //! | `ThreadPoolExecutor` with one `MjData` per thread | [`std::thread::scope`] with one [`Data`] per thread |
@@ -117,13 +108,12 @@
 //! | Python | here |
 //! |---|---|
 //! | `mujoco.Renderer(m, height, width)` | [`Renderer::new(&m, width, height)?`][renderer], feature `renderer` |
-//! | `renderer.update_scene(d, camera='eye')` | [`scene.update(&mut d, &options, None, &mut camera, Categories::all())?`](crate::Scene::update) |
+//! | `renderer.update_scene(d, camera='eye')`, `mujoco.mjv_updateScene(…)` | [`scene.update(&mut d, &options, None, &mut camera, Categories::all())?`](crate::Scene::update) |
 //! | `camera='eye'` | [`Camera::fixed(m.camera("eye")?.id())`](crate::scene::Camera::fixed) |
 //! | `mujoco.MjvCamera()`, `mujoco.MjvOption()` | [`Camera::free(&m)`](crate::scene::Camera), [`SceneOptions::default()`](crate::scene::SceneOptions) |
 //! | `renderer.render()` | [`renderer.rgb(&scene)?`][rgb] |
 //! | `renderer.enable_depth_rendering()` | [`renderer.depth(&scene)?`][depth], in metres |
 //! | `renderer.enable_segmentation_rendering()` | [`renderer.segmentation(&scene)?`][segmentation] |
-//! | `mujoco.mjv_updateScene(m, d, opt, pert, cam, mask, scn)` | [`Scene::update`](crate::Scene::update) |
 //! | `mujoco.mjv_initGeom(scn.geoms[scn.ngeom], …)` | [`scene.add_geom(&NewGeom::sphere(0.1).pos(p))?`](crate::Scene::add_geom) |
 //! | `mujoco.viewer.launch(m, d)` | [`Viewer::new().run(d)?`][viewer], feature `viewer` |
 //! | `mujoco.viewer.launch_passive(m, d)` | [`viewer::launch(options)?`][launch], or [`viewer::run`][run] on macOS |
@@ -186,6 +176,7 @@
 //! data.forward()?;
 //! let mut scene = Scene::new(data.model(), 1000)?;
 //! let mut camera = Camera::fixed(data.model().camera("fixed")?.id());
+//! scene.update_camera(&data, &mut camera)?; // once, before the first update
 //! scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
 //!
 //! let mut renderer = Renderer::new(data.model(), 640, 480)?;
