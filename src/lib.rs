@@ -49,7 +49,8 @@
 //! - [`scene`]: abstract visualisation of a simulation. `render` draws it, `record` writes animations, `viewer` opens a window.
 //! - [`sample`]: sample models.
 //!
-//! The [`prelude`] imports the names that most programs need. The [`cookbook`] has complete programs, [`promises`] lists the guarantees with their
+//! The [`guide`] explains the concepts, with pages for users of Python and MuJoCo.jl and a table of common problems. The [`prelude`] imports the
+//! names that most programs need. The [`cookbook`] has complete programs, [`promises`] lists the guarantees with their
 //! tests, and [`coverage`] lists the counterpart of each function, field and kind of the engine. [`Model::field_docs`] returns the engine's
 //! description of a field.
 //!
