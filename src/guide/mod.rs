@@ -5,11 +5,13 @@
 //! | [`concepts`] | model and data, the pipeline, states, results and their age, names and ids, matrices, errors |
 //! | [`python`] | coming from the `mujoco` package for Python: a table of calls, and idioms |
 //! | [`julia`] | coming from MuJoCo.jl |
+//! | [`control`] | controllers, set-points, linearisation, LQR, iLQR, predictive control, recorded trajectories |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
 //! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
 //! every function, field and kind of the engine with its counterpart.
 
 pub mod concepts;
+pub mod control;
 pub mod julia;
 pub mod python;

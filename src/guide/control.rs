@@ -1,0 +1,191 @@
+//! Simulation and control: controllers, set-points, linearisation, LQR, iLQR, predictive control, recorded trajectories.
+//!
+//! # Controllers
+//!
+//! A [`Controller`] sets the controls of a simulation once before each step. Recordings, rollouts and the viewer accept any controller. Closures
+//! that take `&mut Data` are controllers; name the type of the argument (`|data: &mut Data|`), because the compiler cannot infer it.
+//!
+//! | controller | law |
+//! |---|---|
+//! | [`ZeroController`](crate::ZeroController) | zero controls: passive dynamics |
+//! | [`RandomController`](crate::RandomController) | uniform random controls within their ranges, reproducible by a seed |
+//! | [`PdController`](crate::PdController) | PD control of the actuator lengths |
+//! | [`Lqr`] | linear-quadratic regulator about a set-point |
+//! | [`TimeVaryingLqr`] | linear-quadratic regulator along a trajectory |
+//!
+//! A controller with a state is a type:
+//!
+//! ```
+//! use mujoco_safe::{Controller, Data, Result, Trajectory, sample};
+//!
+//! /// PID control of a hinge.
+//! struct Pid {
+//!     gains: [f64; 3],
+//!     integral: f64,
+//! }
+//!
+//! impl Controller for Pid {
+//!     fn control(&mut self, data: &mut Data) -> Result<()> {
+//!         let (angle, rate) = (data.qpos()[1], data.qvel()[1]);
+//!         self.integral += angle * data.model().timestep();
+//!         let [kp, ki, kd] = self.gains;
+//!         data.ctrl_mut()[0] = (kp * angle + ki * self.integral + kd * rate).clamp(-1.0, 1.0);
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let mut data = Data::new(sample::cartpole())?;
+//! data.qpos_mut()[1] = 0.1;
+//! let mut pid: Box<dyn Controller> = Box::new(Pid { gains: [3.0, 0.5, 0.5], integral: 0.0 });
+//! let mut trajectory = Trajectory::new(data.model());
+//! trajectory.record(&mut data, &mut *pid, 200)?; // `&mut *`: a box is not a controller, its content is
+//! assert!(trajectory.qpos(199)[1].abs() < 0.02);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! A control law that needs quantities of the *present* state, such as the bias force, sets the controls between
+//! [`step1`](Data::step1) and [`step2`](Data::step2), or in a [`control` callback](crate::callback::Callbacks::control), which the Runge–Kutta integrator calls in
+//! each substep. The cookbook compensates [gravity](crate::cookbook#gravity-compensation) in this way.
+//!
+//! # Set-points
+//!
+//! [`Data::inverse`] returns the forces that hold a pose: set [`qacc`](Data::qacc_mut) to zero, call it, and read
+//! [`qfrc_inverse`](Data::qfrc_inverse). The [page for MuJoCo.jl](super::julia#set-point-of-the-humanoid) converts them to controls.
+//!
+//! # Linearisation
+//!
+//! A step is `x⁺ = A x + B u` near the present state, and its sensors are `y = C x + D u`. The state of the linear system is
+//! `[dq; dv; da]` of length `nx = 2 nv + na`: the difference of positions lives in the tangent space, so a quaternion counts three, not four.
+//! [`Model::differentiate_pos_into`] computes that difference.
+//!
+//! | call | method |
+//! |---|---|
+//! | [`Data::transition_fd`] | differences of steps, by the engine |
+//! | [`Lineariser::linear_system_into`] | by default implicit differentiation: faster, in several threads if requested, without allocation |
+//! | [`Lineariser::along`] | the systems of all steps of a trajectory |
+//!
+//! All return or fill a [`StateSpace`](crate::StateSpace). The [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was used.
+//!
+//! # LQR
+//!
+//! [`Lqr::at_present_state`] linearises about the present state and controls, solves the Riccati equation and returns a controller. To
+//! inspect the solution, or to use another linear system, call the two parts:
+//!
+//! ```
+//! use mujoco_safe::control::riccati::RiccatiError;
+//! use mujoco_safe::{Controller, Data, Differences, Lqr, LqrWeights, Matrix, sample};
+//!
+//! let mut data = Data::new(sample::cartpole())?;
+//! let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
+//! let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
+//! let solution = Lqr::solve(&system, &weights)?;
+//! assert!(solution.spectral_radius < 1.0);       // the closed loop is stable
+//! assert!(solution.relative_residual < 1e-9);
+//! let mut lqr = Lqr::with_gain(&data, Matrix::from(&solution.k))?;
+//! data.qpos_mut()[1] = 0.1;
+//! for _ in 0..1000 {
+//!     lqr.control(&mut data)?;
+//!     data.step()?;
+//! }
+//! assert!(data.qpos()[1].abs() < 1e-3);
+//!
+//! // Without a cost of its position, the cart may drift: no controller is optimal and stabilising.
+//! let unobservable = LqrWeights::diagonal(&[0.0, 10.0, 1.0, 5.0], &[1.0]);
+//! assert!(matches!(Lqr::solve(&system, &unobservable), Err(RiccatiError::UnobservableMode { .. })));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! A [`RiccatiError`](crate::control::riccati::RiccatiError) names the reason: an uncontrollable mode, an unobservable mode, a control cost that is not positive.
+//! [`Riccati`](crate::control::riccati::Riccati) solves the equation for any matrices, also without a simulation.
+//!
+//! # Trajectory optimisation, and regulators along a trajectory
+//!
+//! [`Ilqr`](crate::control::ilqr::Ilqr) finds a trajectory of minimal cost within the control ranges. Its solution has a gain for each step, and
+//! [`controller`](crate::control::ilqr::IlqrSolution::controller) returns the [`TimeVaryingLqr`] that follows the trajectory:
+//!
+//! ```
+//! use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
+//! use mujoco_safe::nalgebra::DMatrix;
+//! use mujoco_safe::{Controller, Data, LqrWeights, Matrix, sample};
+//!
+//! // Move the cart to 0.5 m in a second.
+//! let mut data = Data::new(sample::cartpole())?;
+//! let model = data.model().clone();
+//! let weights = LqrWeights::diagonal(&[0.1, 0.1, 0.0, 0.0], &[0.01]);
+//! let cost = QuadraticCost::new(model.clone(), &[0.5, 0.0, 0.0, 0.0], weights, DMatrix::identity(4, 4) * 100.0)?;
+//! let plan = Ilqr::new(model, IlqrOptions::default())?.solve(&data, &Matrix::zeros(100, 1), &cost)?;
+//!
+//! // Follow the plan from a disturbed state.
+//! data.qpos_mut()[1] = 0.02;
+//! let mut follow = plan.controller(&data)?;
+//! for _ in 0..100 {
+//!     follow.control(&mut data)?;
+//!     data.step()?;
+//! }
+//! assert!((data.qpos()[0] - 0.5).abs() < 0.02);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! [`TimeVaryingLqr::along`] computes the gains along a given trajectory. Implement [`TrajectoryCost`](crate::control::ilqr::TrajectoryCost) for
+//! costs that are not quadratic. The example `cartpole_swing_up` swings a pole up from any angle.
+//!
+//! # Predictive control
+//!
+//! A predictive controller simulates candidates from the present state and applies the best. [`Workers`](crate::rollout::Workers) keeps the simulations of the
+//! [rollouts](crate::rollout::Rollout) between decisions. Here the cost to go after the horizon is that of the linear-quadratic regulator:
+//!
+//! ```
+//! use mujoco_safe::nalgebra::{DMatrix, DVectorView};
+//! use mujoco_safe::rollout::{Rollout, Workers};
+//! use mujoco_safe::{Controller, Data, Differences, Lqr, LqrWeights, Result, StateSpec, sample};
+//!
+//! const HORIZON: usize = 10;
+//!
+//! struct Predictive {
+//!     workers: Workers,
+//!     candidates: Vec<f64>, // constant controls, (nroll, HORIZON, nu)
+//!     cost_to_go: DMatrix<f64>,
+//! }
+//!
+//! impl Controller for Predictive {
+//!     fn control(&mut self, data: &mut Data) -> Result<()> {
+//!         let (state, count) = (data.state(StateSpec::FULL_PHYSICS), self.candidates.len() / HORIZON);
+//!         let result = Rollout::on(&self.workers, count, HORIZON)
+//!             .initial_state(StateSpec::FULL_PHYSICS, &state)
+//!             .controls(&self.candidates)
+//!             .run()?;
+//!         let cost = |roll: usize| {
+//!             let x = DVectorView::from_slice(result.state(roll, HORIZON), 4);
+//!             x.dot(&(&self.cost_to_go * x))
+//!         };
+//!         let best = (0..count).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).expect("candidates");
+//!         data.ctrl_mut()[0] = self.candidates[best * HORIZON];
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let mut data = Data::new(sample::cartpole())?;
+//! let system = data.transition_fd(Lqr::EPS, Differences::Central)?;
+//! let cost_to_go = Lqr::solve(&system, &LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]))?.p;
+//! let candidates = (-8..=8).flat_map(|force| [0.1 * f64::from(force); HORIZON]).collect();
+//! let mut predictive = Predictive { workers: Workers::new(data.model().clone()), candidates, cost_to_go };
+//! data.qpos_mut()[1] = 0.3;
+//! for _ in 0..200 {
+//!     predictive.control(&mut data)?;
+//!     data.step()?;
+//! }
+//! assert!(data.qpos()[1].abs() < 0.1);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! The example `humanoid_predictive` samples perturbations of an LQR in this way.
+//!
+//! # Recorded trajectories
+//!
+//! A [`Trajectory`](crate::Trajectory) holds times, states and controls. [`record`](crate::Trajectory::record) steps under a controller,
+//! [`push`](crate::Trajectory::push) appends the present state, and [`apply`](crate::Trajectory::apply) sets a simulation to a record. Files:
+//! [`save_csv`](crate::Trajectory::save_csv) writes lossless text, `save_npz` (feature `npz`) NumPy arrays. The viewer plays
+//! trajectories. Sensor readings are not part of a trajectory; [`Rollout`](crate::rollout::Rollout) records them.
+
+#[cfg(doc)]
+use crate::{Controller, Data, Lineariser, Lqr, Model, control::TimeVaryingLqr};
