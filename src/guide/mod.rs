@@ -6,6 +6,7 @@
 //! | [`python`] | coming from the `mujoco` package for Python: a table of calls, and idioms |
 //! | [`julia`] | coming from MuJoCo.jl |
 //! | [`control`] | controllers, set-points, linearisation, LQR, iLQR, predictive control, recorded trajectories |
+//! | [`pictures`] | images, depth, segmentation, animations, the viewer |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
 //! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
@@ -14,4 +15,5 @@
 pub mod concepts;
 pub mod control;
 pub mod julia;
+pub mod pictures;
 pub mod python;

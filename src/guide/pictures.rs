@@ -1,0 +1,207 @@
+//! Pictures and the viewer: images, depth, segmentation, animations, windows.
+//!
+//! The feature `renderer` adds rendering without a window or a display, the feature `viewer` also the window. Both need a Vulkan, Metal,
+//! Direct3D 12 or OpenGL driver; a software driver suffices. See [troubleshooting](super::troubleshooting#rendering-and-the-viewer).
+//!
+//! # From a simulation to an image
+//!
+//! 1. [`Data::forward`] computes the poses.
+//! 2. A [`Scene`] converts the simulation to a list of geoms and lights, as seen by a [`Camera`]. It needs no graphics driver.
+//! 3. A [`Renderer`][renderer] draws the scene to an [`RgbImage`][rgb], a [`DepthImage`][depth] or a [`SegmentationImage`][segmentation].
+//!
+#![cfg_attr(feature = "renderer", doc = "```no_run")]
+#![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
+//! use mujoco_safe::render::Renderer;
+//! use mujoco_safe::scene::{Camera, Categories, SceneOptions};
+//! use mujoco_safe::{Data, Scene, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! data.reset_to_key("squat")?;
+//! data.forward()?;
+//!
+//! let mut camera = Camera { azimuth: 120.0, elevation: -15.0, ..Camera::free(data.model()) };
+//! let mut scene = Scene::new(data.model(), 1000)?; // room for 1000 geoms
+//! scene.update_camera(&data, &mut camera)?;        // once: places an infinite floor before the first update
+//! scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
+//!
+//! let mut renderer = Renderer::new(data.model(), 640, 480)?; // width, height
+//! renderer.rgb(&scene)?.save_png("humanoid.png")?;
+//! renderer.depth(&scene)?.save_png("depth.png")?;            // 16 bits, millimetres
+//! for (segment, pixels) in renderer.segmentation(&scene)?.segments() {
+//!     println!("{:?}: {pixels} pixels", segment.object);
+//! }
+//! # Ok::<(), mujoco_safe::render::RenderError>(())
+//! ```
+//!
+//! One scene serves for all three kinds of images. Keep scene and renderer for further images: the first image compiles shaders and uploads
+//! textures. `rgb_into`, `depth_into` and `segmentation_into` write to an existing image.
+//!
+//! # Cameras
+//!
+//! | camera | view |
+//! |---|---|
+//! | [`Camera::free(&model)`](Camera::free) | the complete model; `lookat`, `distance`, `azimuth` and `elevation` can be changed |
+//! | [`Camera::tracking(&model, body)`](Camera::tracking) | follows a body |
+//! | [`Camera::fixed(camera)`](Camera::fixed) | a camera that the model defines: `Camera::fixed(model.camera("eye")?.id())` |
+//! | [`Scene::set_viewpoints`] | any pose and frustum |
+//!
+//! # Contents of a scene
+//!
+//! - [`SceneOptions`]: geom groups, labels, frames, and [`VisualFlags`](crate::scene::VisualFlags) such as contact forces, joints and centres of mass.
+//! - [`Categories`](crate::scene::Categories): static geoms, moving geoms, decoration.
+//! - [`RenderFlags`](crate::scene::RenderFlags): shadows, reflections, fog, wireframe ([`Scene::set_render_flags`]).
+//! - [`NewGeom`](crate::scene::NewGeom): additional shapes, arrows and labels, which [`Scene::add_geom`] appends after each update.
+//! - [`Visual`](crate::model::Visual) of the model: light of the camera, image size, shadow resolution, colours. [`ModelMut::visual`](crate::ModelMut::visual) edits it
+//!   before the renderer is created.
+//!
+//! ```
+//! use mujoco_safe::scene::{Camera, Categories, Connector, NewGeom, SceneOptions, VisualFlags};
+//! use mujoco_safe::{Data, Scene, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! data.reset_to_key("stand")?;
+//! data.forward()?;
+//! let mut options = SceneOptions::default();
+//! options.flags |= VisualFlags::CONTACTFORCE | VisualFlags::COM;
+//! options.geomgroup[2] = false; // hides the geoms of group 2
+//! let (mut scene, mut camera) = (Scene::new(data.model(), 1000)?, Camera::free(data.model()));
+//! scene.update(&mut data, &options, None, &mut camera, Categories::all())?;
+//! let arrow = NewGeom::connector(Connector::Arrow, 0.02, [0.0, 0.0, 1.0], [0.5, 0.0, 1.0]);
+//! scene.add_geom(&arrow.rgba([1.0, 0.0, 0.0, 1.0]).label("goal")?)?;
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Points from a depth image
+//!
+//! The depth is measured along the optical axis. A camera looks along its negative z axis, with x to the right and y upwards. For a camera of
+//! the model with the vertical angle of view `fovy`, a pixel of depth `z` is this point in the world frame:
+//!
+//! ```
+//! use mujoco_safe::id::CameraId;
+//! use mujoco_safe::{Data, math};
+//!
+//! /// Returns the point in the world frame of a pixel of an image of a model's camera.
+//! fn point(data: &Data, camera: CameraId, [width, height]: [usize; 2], [column, row]: [usize; 2], z: f64) -> [f64; 3] {
+//!     let view = data.camera(camera);
+//!     let focal = 0.5 * height as f64 / (0.5 * view.in_model().fovy().to_radians()).tan(); // pixels
+//!     let x = (column as f64 + 0.5 - 0.5 * width as f64) * z / focal;
+//!     let y = (0.5 * height as f64 - row as f64 - 0.5) * z / focal;
+//!     let [dx, dy, dz] = math::rot_vec_mat(&[x, y, -z], view.xmat());
+//!     let [px, py, pz] = *view.xpos();
+//!     [px + dx, py + dy, pz + dz]
+//! }
+//! # let mut data = Data::new(mujoco_safe::sample::cartpole())?;
+//! # data.forward()?;
+//! # let camera = data.model().camera("fixed")?.id();
+//! # let centre = point(&data, camera, [641, 481], [320, 240], 2.0);
+//! # let axis = data.camera(camera).xmat();
+//! # let from = data.camera(camera).xpos();
+//! # (0..3).for_each(|i| assert!((centre[i] - (from[i] - 2.0 * axis[3 * i + 2])).abs() < 1e-12));
+//! # let upper = point(&data, camera, [641, 481], [320, 0], 2.0);
+//! # assert!(upper[2] > centre[2]);
+//! # let right = point(&data, camera, [641, 481], [640, 240], 2.0);
+//! # assert!(right[0] > centre[0]);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Animations
+//!
+//! A [`Recorder`][recorder] selects frames by simulated time. The extension of the path selects the format: GIF, animated PNG, numbered PNG files, or video
+//! through the program `ffmpeg`.
+//!
+#![cfg_attr(feature = "renderer", doc = "```no_run")]
+#![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
+//! use mujoco_safe::record::{Recorder, RecorderOptions};
+//! use mujoco_safe::render::{Renderer, RgbImage};
+//! use mujoco_safe::scene::{Camera, Categories, SceneOptions};
+//! use mujoco_safe::{Data, Scene, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! let (mut scene, mut camera) = (Scene::new(data.model(), 1000)?, Camera::free(data.model()));
+//! let mut renderer = Renderer::new(data.model(), 480, 360)?;
+//! let mut image = RgbImage::default();
+//! let mut recorder = Recorder::create("fall.gif", RecorderOptions::default().with_frames_per_second(25.0))?;
+//! while data.time() < 2.0 {
+//!     if recorder.is_due(data.time()) {
+//!         data.forward()?; // the poses of the present state
+//!         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
+//!         renderer.rgb_into(&scene, &mut image)?;
+//!         recorder.push(&image, data.time())?;
+//!     }
+//!     data.step()?;
+//! }
+//! println!("{} frames", recorder.finish()?.frames);
+//! # Ok::<(), mujoco_safe::render::RenderError>(())
+//! ```
+//!
+//! # The viewer
+//!
+//! | function | steps the simulation | shows the window |
+//! |---|---|---|
+//! | [`Viewer::run`][run-viewer] | the viewer, under a controller or by playing trajectories | the calling thread |
+//! | [`viewer::run`][run] | the program, in a new thread | the calling thread |
+//! | [`viewer::launch`][launch] | the program, in the calling thread | a background thread; not on macOS |
+//!
+//! F1 lists all keys and mouse gestures. A double-click selects a body, and Ctrl with the right button pulls it.
+//!
+#![cfg_attr(feature = "viewer", doc = "```no_run")]
+#![cfg_attr(not(feature = "viewer"), doc = "```ignore")]
+//! use std::time::Duration;
+//! use mujoco_safe::scene::NewGeom;
+//! use mujoco_safe::viewer::{self, Viewer, ViewerError, ViewerOptions};
+//! use mujoco_safe::{Data, RandomController, sample};
+//!
+//! // The viewer steps. It returns the simulation in its final state.
+//! let mut data = Viewer::new().controller(RandomController::new(1)).run(Data::new(sample::humanoid())?)?;
+//!
+//! // The program steps, and shows a goal.
+//! data.reset()?;
+//! viewer::run(ViewerOptions::default().with_title("goal"), |handle| -> Result<(), ViewerError> {
+//!     handle.geoms_mut().push(NewGeom::sphere(0.05).pos([1.0, 0.0, 0.5]));
+//!     while handle.is_running() {
+//!         if handle.is_paused() {
+//!             handle.wait(Duration::from_millis(20));
+//!         } else {
+//!             data.step()?;
+//!         }
+//!         handle.sync(&mut data)?; // shows the state, and applies the user's pulls and edits
+//!     }
+//!     Ok(())
+//! })?;
+//! # Ok::<(), ViewerError>(())
+//! ```
+//!
+//! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches [`Data::time`].
+//!
+#![cfg_attr(
+    feature = "viewer",
+    doc = "
+[renderer]: crate::render::Renderer
+[rgb]: crate::render::RgbImage
+[depth]: crate::render::DepthImage
+[segmentation]: crate::render::SegmentationImage
+[recorder]: crate::record::Recorder
+[run-viewer]: crate::viewer::Viewer::run
+[run]: crate::viewer::run
+[launch]: crate::viewer
+"
+)]
+#![cfg_attr(
+    not(feature = "viewer"),
+    doc = "
+[renderer]: crate#features
+[rgb]: crate#features
+[depth]: crate#features
+[segmentation]: crate#features
+[recorder]: crate#features
+[run-viewer]: crate#features
+[run]: crate#features
+[launch]: crate#features
+"
+)]
+
+#[cfg(doc)]
+use crate::{
+    Data, Scene,
+    scene::{Camera, SceneOptions},
+};
