@@ -7,6 +7,7 @@
 //! | [`julia`] | coming from MuJoCo.jl |
 //! | [`control`] | controllers, set-points, linearisation, LQR, iLQR, predictive control, recorded trajectories |
 //! | [`pictures`] | images, depth, segmentation, animations, the viewer |
+//! | [`parallel`] | threads, rollouts, batches, determinism |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
 //! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
@@ -15,5 +16,6 @@
 pub mod concepts;
 pub mod control;
 pub mod julia;
+pub mod parallel;
 pub mod pictures;
 pub mod python;

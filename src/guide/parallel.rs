@@ -1,0 +1,130 @@
+//! Many simulations: threads, rollouts, batches, determinism.
+//!
+//! | task | use |
+//! |---|---|
+//! | independent simulations with their own logic | [`std::thread::scope`], one [`Data`] per thread |
+//! | many simulations from initial states, with controls or controllers | [`Rollout`] |
+//! | one policy for many simulations that step together (reinforcement learning) | [`Batch`] |
+//! | rollouts in every control step | [`Rollout::on`] with [`Workers`] |
+//! | linearisation in several threads | [`Lineariser`](crate::Lineariser) with [`TransitionOptions::with_threads`](crate::derivative::TransitionOptions::with_threads) |
+//! | many machines | a process per machine: the example `mpi` distributes rollouts over MPI ranks |
+//!
+//! # Shared and owned
+//!
+//! A [`Model`] is constant while it is shared, so all threads read one `Arc<Model>`. A [`Data`] belongs to one thread at a time. Any number of
+//! threads may read a [`Data`] that no thread changes; the compiler enforces both rules. The cookbook has a program with
+//! [threads](crate::cookbook#parallel-simulations).
+//!
+//! # Rollouts
+//!
+//! A [`Rollout`] resets each simulation, sets its initial state, and takes a fixed number of steps. Controls come from an array or from a
+//! controller for each rollout. Each rollout can edit its own copy of the model:
+//!
+//! ```
+//! use std::sync::Arc;
+//! use mujoco_safe::rollout::Rollout;
+//! use mujoco_safe::{Data, Lqr, LqrWeights, StateSpec, sample};
+//!
+//! // Does the regulator of the nominal pole balance poles of other masses?
+//! let model = Arc::new(sample::cartpole());
+//! let pole = model.body("pole")?.id();
+//! let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
+//! let lqr = Lqr::at_present_state(&mut Data::new(model.clone())?, &weights)?;
+//! let result = Rollout::new(model, 8, 300)
+//!     .initial_state(StateSpec::PHYSICS, &[0.0, 0.1, 0.0, 0.0])
+//!     .controllers(|_| lqr.clone())
+//!     .edit_model(|index, edit| {
+//!         edit.body_mut(pole).scale_mass(0.8 + 0.1 * index as f64)?;
+//!         edit.update_constants()
+//!     })
+//!     .outputs(1, |data, row| row[0] = data.actuator_force()[0])
+//!     .run()?;
+//! for (index, outcome) in result.outcomes().iter().enumerate() {
+//!     match outcome {
+//!         Ok(()) => assert!(result.state(index, 300)[1].abs() < 0.05),
+//!         Err(error) => println!("rollout {index} failed: {error}"),
+//!     }
+//! }
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! A failure ends one rollout and leaves NaN in its remaining rows; the others continue. [`Rollout::run_into`] writes to existing
+//! buffers. [`Rollout::progress`] reports completed rollouts and can cancel the rest.
+//!
+//! ## Rows and times
+//!
+//! | array | shape | row `k` |
+//! |---|---|---|
+//! | [`states`](crate::rollout::RolloutResult::states) | `(nroll, nstep + 1, nstate)` | the state after `k` steps |
+//! | [`sensordata`](crate::rollout::RolloutResult::sensordata) | `(nroll, nstep, nsensordata)` | the readings in the state of row `k` |
+//! | [`outputs`](crate::rollout::RolloutResult::outputs) | `(nroll, nstep, noutput)` | the closure after step `k` |
+//!
+//! The closure of [`outputs`](Rollout::outputs) runs after a step. The state that it reads is that of row `k + 1`; poses, contacts and forces are those
+//! of row `k`, because [a step does not update them](super::concepts#age-of-results). For positions of sites and bodies, define sensors in the model.
+//!
+//! # Batches
+//!
+//! A [`Batch`] calls one policy per step with all observations as a matrix `(n, nobs)` and all controls as a matrix `(n, nu)`. Stepping, observing
+//! and resetting run in parallel.
+//!
+//! ```
+//! use mujoco_safe::rollout::Batch;
+//! use mujoco_safe::{Matrix, sample};
+//!
+//! let gains = Matrix::from_rows(&[[0.3, 3.0, 0.4, 0.6]]); // (nu, nobs)
+//! let mut batch = Batch::new(sample::cartpole(), 32)?.substeps(2); // observations: [qpos; qvel; act]
+//! let mut episodes = vec![0_u32; batch.len()];
+//! batch.reset_where(|_| true, |index, data| data.qpos_mut()[1] = 0.01 * index as f64 - 0.16)?;
+//! for _ in 0..100 {
+//!     batch.step(|observations, controls| {
+//!         for (row, x) in observations.rows().enumerate() {
+//!             let control: f64 = gains.row(0).iter().zip(x).map(|(gain, x)| gain * x).sum();
+//!             controls.as_mut_slice()[row] = control.clamp(-1.0, 1.0);
+//!         }
+//!     })?;
+//!     // Start again where an episode has ended: a fall, or a failure of the simulation (its observations are NaN).
+//!     let ended: Vec<bool> = batch.observations().rows().map(|x| x[1].is_nan() || x[1].abs() > 0.5).collect();
+//!     episodes.iter_mut().zip(&ended).for_each(|(episode, &ended)| *episode += u32::from(ended));
+//!     batch.reset_where(|index| ended[index], |index, data| data.qpos_mut()[1] = 1e-3 * f64::from(episodes[index]))?;
+//! }
+//! assert!(batch.observations().rows().all(|x| x[1].abs() < 0.1));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! The observations of a failed simulation are NaN, and [`failure`](Batch::failure) returns its error. The closure of
+//! [`observe`](Batch::observe) reads the simulation after a step, so the remark on the age of poses applies to it too.
+//!
+//! # Threads and memory
+//!
+//! Rollouts and batches use the current [rayon] pool, by default one thread per logical processor. To use fewer threads, or pinned
+//! ones, run them in a pool:
+//!
+//! ```
+//! use mujoco_safe::rayon::ThreadPoolBuilder;
+//! use mujoco_safe::rollout::Rollout;
+//! use mujoco_safe::sample;
+//!
+//! let pool = ThreadPoolBuilder::new().num_threads(2).build()?;
+//! let result = pool.install(|| Rollout::new(sample::cartpole(), 100, 50).run())?;
+//! assert_eq!(result.len(), 100);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A rollout needs one [`Data`] per thread, a batch one per simulation. A [`Data`] of a large model takes several megabytes, mostly for the
+//! constraints and the stack that `njmax`, `nconmax` and `nstack` in the model's `size` element reserve. Lower limits reduce the memory of a batch.
+//!
+//! # Determinism
+//!
+//! - A rollout or a batch equals a loop over [`Data::step`] bit for bit, for any number of threads and any chunk size.
+//! - A simulation that is set to a [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) state continues bit for bit.
+//! - The results of two builds of the engine, or of two kinds of processors, differ in the last bits. Contacts amplify these differences.
+//! - Random numbers: derive the seed from the index of the rollout (`RandomController::new(index as u64)`), not from a generator that threads
+//!   share.
+//!
+//! [Promises](crate::promises) 8 and 12 state this with their tests.
+
+#[cfg(doc)]
+use crate::{
+    Data, Model,
+    rollout::{Batch, Rollout, Workers},
+};
