@@ -8,6 +8,7 @@
 //! | [`control`] | controllers, set-points, linearisation, LQR, iLQR, predictive control, recorded trajectories |
 //! | [`pictures`] | images, depth, segmentation, animations, the viewer |
 //! | [`parallel`] | threads, rollouts, batches, determinism |
+//! | [`performance`] | allocation, shared models, build profiles, builds of the engine, measurements |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
 //! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
@@ -17,5 +18,6 @@ pub mod concepts;
 pub mod control;
 pub mod julia;
 pub mod parallel;
+pub mod performance;
 pub mod pictures;
 pub mod python;

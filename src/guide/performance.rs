@@ -1,0 +1,113 @@
+//! Performance: allocation, shared models, build profiles, builds of the engine, measurements.
+//!
+//! # Costs of a step
+//!
+//! The engine takes nearly all of the time of a step. [`Data::step`] adds some tens of nanoseconds to the C call for its checks; the README
+//! compares both. The largest savings are in the model and in the number of calls:
+//!
+//! - **Do not compute twice.** [`Data::step`] contains [`Data::forward`]. A loop that calls both takes twice the time. Read quantities one step
+//!   late, or split the step into [`step1`](Data::step1) and [`step2`](Data::step2).
+//! - **Contacts.** Collision detection and the constraint solver dominate models with contacts. Exclude pairs that cannot touch
+//!   (`contype`, `conaffinity`, `exclude` in MJCF), and use primitive shapes in place of meshes.
+//! - **Solver.** [`Options`](crate::Options) sets the solver, its iterations and its tolerance. [`Data::solver`] returns the statistics of each iteration.
+//! - **Time step.** A longer step with an implicit integrator can be stable where Euler is not:
+//!   [`Integrator::Implicit`](crate::enums::Integrator::Implicit).
+//!
+//! # Allocation
+//!
+//! Steps, forward and inverse dynamics, state vectors with `_into`, named access by id, contacts and their forces, Jacobians with `_into`,
+//! rays, scenes, linearisation into outputs, and the regulators allocate nothing. A test counts the allocations of Rust, C and C++. These
+//! calls allocate:
+//!
+//! | allocates | alternative |
+//! |---|---|
+//! | [`Data::state`], [`Data::physics_state`] | [`state_into`](Data::state_into), [`physics_state_into`](Data::physics_state_into) |
+//! | [`Data::jac_site`] and other functions that return a [`Matrix`] | [`jac_site_into`](Data::jac_site_into), … |
+//! | [`Data::transition_fd`] | [`transition_fd_into`](Data::transition_fd_into), [`Lineariser::linear_system_into`](crate::Lineariser::linear_system_into) |
+//! | [`Riccati::solve`](crate::control::riccati::Riccati::solve) | [`solve_into`](crate::control::riccati::Riccati::solve_into) with a workspace |
+//! | [`Data::clone`] | [`copy_from`](Data::copy_from) into an existing simulation |
+//! | [`Trajectory::new`](crate::Trajectory::new) while it grows | [`Trajectory::with_capacity`](crate::Trajectory::with_capacity) |
+//! | [`Rollout::new`](crate::rollout::Rollout::new) for each run | [`Rollout::on`](crate::rollout::Rollout::on) with [`Workers`](crate::rollout::Workers), [`run_into`](crate::rollout::Rollout::run_into) |
+//! | the first [`Data::edit_model`] of a shared model | later edits of the same simulation copy nothing |
+//!
+//! ```
+//! use mujoco_safe::{Data, Matrix, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! let foot = data.model().site("sole_left")?.id();                // look up once
+//! let mut linear = Matrix::zeros(3, data.model().nv());           // allocate once
+//! for _ in 0..10 {
+//!     data.step()?;
+//!     data.jac_site_into(foot, Some(&mut linear), None)?;         // no angular part
+//! }
+//! assert!(linear.as_slice().iter().any(|&entry| entry != 0.0));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Models
+//!
+//! Wrap the model in an `Arc` and clone the `Arc`. [`Data::new`] with a [`Model`] moves it into an `Arc` of its own. Each edit of
+//! a shared model by [`Data::edit_model`] copies the model once, with its meshes and textures; a rollout with
+//! [`edit_model`](crate::rollout::Rollout::edit_model) reuses its copies. Loading a binary model ([`Model::from_binary_path`]) skips the XML compiler, which can
+//! take seconds for large meshes.
+//!
+//! # Threads
+//!
+//! Simulations in different threads do not share locks, so throughput grows with the number of cores until the memory bandwidth limits it. See
+//! [`parallel`](super::parallel). Linearisations use several threads on request:
+//! [`TransitionOptions::with_threads`](crate::derivative::TransitionOptions::with_threads).
+//!
+//! # Build profiles
+//!
+//! Measure release builds: `cargo run --release`. The engine is optimised in every profile, but accessors and controllers are not. For a debug
+//! build with usable speed, optimise the dependencies:
+//!
+//! ```toml
+//! [profile.dev.package."*"]
+//! opt-level = 2
+//! ```
+//!
+//! `lto = "thin"` and `codegen-units = 1` in `[profile.release]` concern only Rust code, the controllers and the Riccati solver, not the engine.
+//!
+//! # Builds of the engine
+//!
+//! Debian's library and the official ones, in the release archive and in the wheel for Python, are compiled by other compilers with other
+//! options. Their speeds differ, and so do the last bits of their results. Compare them on your machine, each with its own target directory:
+//!
+//! ```sh
+//! cargo bench --bench step                                                          # Debian's library
+//! MUJOCO_DIR=/opt/mujoco-2.2.2 CARGO_TARGET_DIR=target/official cargo bench --bench step
+//! ```
+//!
+//! The page [`engines`](super::engines) describes `MUJOCO_DIR`.
+//!
+//! # Measurements
+//!
+//! `cargo bench` in this repository compares each call with the raw C call in one process, and prints the ratio with its confidence interval
+//! (`cargo bench -- ÷` prints only the ratios). In a program, the engine's timers show the parts of a step:
+//!
+//! ```
+//! use mujoco_safe::data::{Timer, enable_timers};
+//! use mujoco_safe::{Data, sample};
+//!
+//! enable_timers(); // before the first step; without a clock, the timers only count
+//! let mut data = Data::new(sample::humanoid())?;
+//! (0..100).try_for_each(|_| data.step())?;
+//! for timer in Timer::ALL {
+//!     let total = data.timer(timer);
+//!     println!("{timer:?}: {} calls, {:.1} µs each", total.number, 1e6 * total.duration / total.number.max(1) as f64);
+//! }
+//! assert_eq!(data.timer(Timer::Step).number, 100);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! A profiler such as `perf` attributes time to the engine's functions only if the library has symbols. The viewer plots the timers.
+//!
+//! # Rendering
+//!
+//! Keep [`Scene`](crate::Scene) and renderer, and write to existing images with `rgb_into`. Rendering with a software driver is proportional to the number of
+//! pixels and samples: reduce the size, the samples and the shadow maps (`RendererOptions`), or switch shadows and reflections off
+//! ([`RenderFlags`](crate::scene::RenderFlags)). Render only frames that are due; [`pictures`](super::pictures#animations) shows how.
+
+#[cfg(doc)]
+use crate::{Data, Matrix, Model};
