@@ -9,6 +9,7 @@
 //! | [`pictures`] | images, depth, segmentation, animations, the viewer |
 //! | [`parallel`] | threads, rollouts, batches, determinism |
 //! | [`performance`] | allocation, shared models, build profiles, builds of the engine, measurements |
+//! | [`errors`] | kinds of errors and their remedies, poisoning, panics, limits of the guarantees |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
 //! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
@@ -16,6 +17,7 @@
 
 pub mod concepts;
 pub mod control;
+pub mod errors;
 pub mod julia;
 pub mod parallel;
 pub mod performance;
