@@ -10,6 +10,7 @@
 //! | [`parallel`] | threads, rollouts, batches, determinism |
 //! | [`performance`] | allocation, shared models, build profiles, builds of the engine, measurements |
 //! | [`errors`] | kinds of errors and their remedies, poisoning, panics, limits of the guarantees |
+//! | [`engines`] | installation of the engine, and the search paths at build time and at run time |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
 //! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
@@ -17,6 +18,7 @@
 
 pub mod concepts;
 pub mod control;
+pub mod engines;
 pub mod errors;
 pub mod julia;
 pub mod parallel;

@@ -1,0 +1,107 @@
+//! Engines and set-up: installation of MuJoCo 2.2.2, and the search paths at build time and at run time.
+//!
+//! This crate supports MuJoCo **2.2.2** only: the layout of the engine's structs changes with each release. It links the engine as a
+//! shared library, compiles a small shim with a C and a C++ compiler, and contains bindings, so it needs neither libclang nor Python.
+//!
+//! # Debian 12
+//!
+//! ```sh
+//! apt-get install libmujoco-dev g++
+//! apt-get install libmujoco-samples      # optional: the engine's sample models, for sample::system_models
+//! ```
+//!
+//! No variable is necessary, and the dynamic loader finds the library.
+//!
+//! # Other builds: `MUJOCO_DIR`
+//!
+//! `MUJOCO_DIR` names a directory with `include/mujoco/mujoco.h` and the library. If it is set, the build script searches nowhere else.
+//!
+//! | source | `MUJOCO_DIR` |
+//! |---|---|
+//! | release archive for Linux, unpacked in `/opt` | `/opt/mujoco-2.2.2` |
+//! | wheel `mujoco==2.2.2` for Python 3.7 to 3.10 | the directory of the package `mujoco` |
+//! | an own build, installed with a prefix | the prefix |
+//!
+//! The directory of the Python package:
+//!
+//! ```sh
+//! pip install mujoco==2.2.2
+//! export MUJOCO_DIR=$(python3 -c "import importlib.util as u; print(u.find_spec('mujoco').submodule_search_locations[0])")
+//! cargo build
+//! ```
+//!
+//! The wheel is a convenient source of the official library without root permissions. Its library is named `libmujoco.so.2.2.2`, without a link
+//! `libmujoco.so`; the build script accepts both names.
+//!
+//! Cargo runs the build script again when `MUJOCO_DIR` changes. To alternate between two engines without recompilation, give each a target
+//! directory (`CARGO_TARGET_DIR`).
+//!
+//! # Search at build time
+//!
+//! 1. The directory is `MUJOCO_DIR` if it is set and not empty; otherwise `/usr`, `/usr/local` and `/opt/mujoco`, in this order.
+//! 2. The headers are in `include/mujoco` of the directory.
+//! 3. The library `libmujoco.so`, `libmujoco.so.*` or `libmujoco.dylib` is in `lib/<architecture>-linux-gnu`, `lib64`, `lib`, or the directory itself.
+//!
+//! A failure prints the searched places and the reason for each. An engine of another version is an error of the build. On
+//! docs.rs (`DOCS_RS` is set) a missing engine is not an error, because documentation links nothing.
+//!
+//! # Search at run time
+//!
+//! | the library is in | `cargo run`, `cargo test`, `cargo bench` | an installed program |
+//! |---|---|---|
+//! | `/usr/lib` or its multiarch directory | found | found |
+//! | another directory | found, through a link in Cargo's output directory | needs one of the following |
+//!
+//! Cargo does not pass a run-time search path from a dependency to the program. Choose one:
+//!
+//! - Set `LD_LIBRARY_PATH` to the directory of the library when the program starts.
+//! - Build with `RUSTFLAGS="-C link-arg=-Wl,-rpath,DIR"`.
+//! - Put the library beside the program, and build with `RUSTFLAGS='-C link-arg=-Wl,-rpath,$ORIGIN'`.
+//! - Add the directory to `/etc/ld.so.conf.d/` and run `ldconfig`.
+//!
+//! The second and third need the library under its own name (`libmujoco.so.2.2.2`), which the program records.
+//!
+//! The first call that loads a model compares the version of the running library with that of the headers and returns
+//! [`Error::EngineVersion`](crate::Error::EngineVersion) if they differ:
+//!
+//! ```
+//! use mujoco_safe::{built_against, engine_version};
+//!
+//! assert_eq!(engine_version(), built_against());
+//! println!("MuJoCo {}", engine_version());
+//! ```
+//!
+//! # Build scripts of dependants
+//!
+//! A crate that depends directly on `mujoco-safe-sys` receives `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and `DEP_MUJOCO_VERSION` in its build
+//! script, and `DEP_MUJOCO_RPATH` if the library is outside of the loader's path. The build script of a program can set its own run-time path:
+//!
+//! ```
+//! // build.rs, with mujoco-safe-sys as a direct dependency
+//! if let Ok(dir) = std::env::var("DEP_MUJOCO_RPATH") {
+//!     println!("cargo::rustc-link-arg=-Wl,-rpath,{dir}");
+//! }
+//! ```
+//!
+//! # Containers
+//!
+//! A minimal image for a program without rendering, on Debian's library:
+//!
+//! ```text
+//! FROM debian:12-slim
+//! RUN apt-get update && apt-get install -y --no-install-recommends libmujoco2.2.2
+//! COPY program /usr/local/bin/
+//! CMD ["program"]
+//! ```
+//!
+//! Rendering also needs a driver: `libvulkan1 mesa-vulkan-drivers` is a software driver.
+//!
+//! # Platforms
+//!
+//! Tested: Debian 12 on x86-64. The build script has no rule for the library names of Windows. macOS is untested.
+//!
+//! # Raw bindings
+//!
+//! [`sys`](crate::sys) has the raw bindings for calls that this crate does not wrap; their use is `unsafe`. The feature `bindgen` of `mujoco-safe-sys`
+//! generates them from the installed headers instead of using the committed ones, and needs libclang. Other versions than 2.2.2 do not
+//! work yet: CONTRIBUTING describes how to port the crate.
