@@ -11,6 +11,7 @@
 //! | [`performance`] | allocation, shared models, build profiles, builds of the engine, measurements |
 //! | [`errors`] | kinds of errors and their remedies, poisoning, panics, limits of the guarantees |
 //! | [`engines`] | installation of the engine, and the search paths at build time and at run time |
+//! | [`troubleshooting`] | symptoms, causes and remedies |
 //!
 //! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
 //! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
@@ -25,3 +26,4 @@ pub mod parallel;
 pub mod performance;
 pub mod pictures;
 pub mod python;
+pub mod troubleshooting;

@@ -1,0 +1,124 @@
+//! Troubleshooting: symptoms, causes and remedies.
+//!
+//! # Build and start
+//!
+//! | symptom | cause | remedy |
+//! |---|---|---|
+//! | `The MuJoCo physics engine was not found.` | no engine in the searched directories, which the message lists | `apt-get install libmujoco-dev`, or set `MUJOCO_DIR`: see [`engines`](super::engines) |
+//! | `The engine … has mjVERSION_HEADER …` | an engine of another version | install 2.2.2, or point `MUJOCO_DIR` to it |
+//! | `headers found, but no libmujoco.so in …` | `MUJOCO_DIR` names the source tree or the `include` directory | name the directory that contains both |
+//! | `error while loading shared libraries: libmujoco.so.2.2.2` | the program was started without Cargo, and the library is outside of the loader's path | `LD_LIBRARY_PATH` or an rpath: see [`engines`](super::engines#search-at-run-time) |
+//! | [`EngineVersion`](Error::EngineVersion) | the loader finds another release than the build script | rebuild, or correct `LD_LIBRARY_PATH` |
+//! | `failed to find tool "c++"` | no C++ compiler for the shim | `apt-get install g++` |
+//! | `requires rustc 1.95` | the viewer's dependencies need a newer Rust than the rest | update Rust, or build without the feature `viewer` |
+//! | `cannot find render in mujoco_safe` | a feature is off | `cargo add mujoco-safe --features renderer` |
+//! | the documentation has no `render`, `viewer` or `save_npz` | `cargo doc` without features | `cargo doc --open --features viewer,npz,serde` |
+//! | a simulation takes ten times as long as expected | a debug build of the program's own code | `cargo run --release`: see [`performance`](super::performance#build-profiles) |
+//!
+//! # Models
+//!
+//! | symptom | cause | remedy |
+//! |---|---|---|
+//! | `unrecognized element: 'frame'`, `'flexcomp'`, `'plugin'` | an element of newer engines | 2.2.2 has neither frames nor flexes nor plugins; replace them |
+//! | `unrecognized attribute: 'memory'`, `'kv'`, `'actuatorfrcrange'` | an attribute of newer engines | remove it; `memory` becomes `njmax`, `nconmax` and `nstack` |
+//! | `invalid keyword: 'implicitfast'` | an integrator of newer engines | `integrator="implicit"` |
+//! | `joint has range but not limited` | newer engines derive `limited` from `range` | `<compiler autolimits="true"/>` |
+//! | `XML_ERROR_PARSING_TEXT` in line 1 | [`from_xml_str`](Model::from_xml_str) was called with a path | [`from_xml_path`](Model::from_xml_path) |
+//! | a mesh of a URDF is not found | `package://` URIs | [`LoadOptions::with_package_path`](crate::LoadOptions::with_package_path) |
+//! | names lack in a URDF model, or bodies are merged | the compiler fuses static bodies of a URDF | `<mujoco><compiler fusestatic="false"/></mujoco>` in the `robot` element |
+//! | contacts are missing, and a warning mentions `nconmax` | the limit of contacts is reached | larger `nconmax` and `njmax` in the model's `size` |
+//!
+//! Convert a model of a newer release by hand: the compiler reports one problem at a time, with its line.
+//!
+//! # Simulation
+//!
+//! | symptom | cause | remedy |
+//! |---|---|---|
+//! | [`NotComputed`](Error::NotComputed) | a reset or an edit discarded the results | the call in the message, usually [`Data::forward`] |
+//! | [`NotComputed`](Error::NotComputed) for `cfrc_ext` or `cacc` | a step does not compute them | [`Data::rne_post_constraint`] after the step |
+//! | [`Poisoned`](Error::Poisoned) | an earlier call failed; the message repeats its cause | handle the first error, then [`Data::reset`] |
+//! | [`Unstable`](Error::Unstable) | the simulation diverges | a smaller time step, softer contacts (`solref`), more damping or armature; limited controls |
+//! | [`NoSuchName`](Error::NoSuchName) | a misspelt name; names differ between bodies, joints and geoms | the message lists the names of this kind |
+//! | [`Shape`](Error::Shape) | `nq` and `nv` differ | positions have `nq` numbers; velocities, forces and the rows of Jacobians have `nv` |
+//! | poses lag one step behind `qpos` | [the age of results](super::concepts#age-of-results) | [`Data::forward`] |
+//! | a joint's index addresses another joint in `qpos` | a free joint occupies 7 positions and 6 velocities | `qpos_range()` and `dofs()` of the joint |
+//! | an edit has no effect, or the motion is implausible after one | derived quantities are out of date | [`update_constants`](crate::ModelMut::update_constants) |
+//! | results differ in the last digits from Python | another build of the engine | compare with the same library: `MUJOCO_DIR` with the wheel |
+//! | a panic: `belongs to another model` | an id of a model that was loaded separately | take ids from the model of this simulation, `data.model()` |
+//!
+//! # Borrows
+//!
+//! **`cannot borrow data as mutable because it is also borrowed as immutable`.** A slice or a view of the simulation is in use during a step or a write. Copy the
+//! values, or take an id:
+//!
+//! ```compile_fail,E0502
+//! # use mujoco_safe::{Data, sample};
+//! # let mut data = Data::new(sample::cartpole())?;
+//! let before = data.qpos();
+//! data.step()?;
+//! println!("{before:?} to {:?}", data.qpos());
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! ```
+//! # use mujoco_safe::{Data, sample};
+//! # let mut data = Data::new(sample::cartpole())?;
+//! let before = data.qpos().to_vec();
+//! let pole = data.model().body("pole")?.id(); // an id borrows nothing
+//! data.step()?;
+//! println!("{before:?} to {:?}, {:?}", data.qpos(), data.body(pole).xpos());
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! The model of a simulation is part of it, so a call on `data.model()` cannot write to `data`. Clone the `Arc`, which copies no model:
+//!
+//! ```compile_fail,E0502
+//! # use mujoco_safe::{Data, sample};
+//! # let mut data = Data::new(sample::cartpole())?;
+//! data.model().integrate_pos(data.qpos_mut(), &[0.1, 0.0], 1.0)?;
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! ```
+//! # use mujoco_safe::{Data, sample};
+//! # let mut data = Data::new(sample::cartpole())?;
+//! let model = data.model().clone();
+//! model.integrate_pos(data.qpos_mut(), &[0.1, 0.0], 1.0)?;
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! **`the trait bound Arc<Model>: From<&Model> is not satisfied`.** [`Data::new`] takes a [`Model`] or an `Arc<Model>`. Write `Data::new(model.clone())` with an
+//! `Arc`, which shares the model; with a [`Model`] it copies the model.
+//!
+//! **`type annotations needed`, or a closure is not a [`Controller`](crate::Controller).** Name the type of the argument:
+//!
+//! ```
+//! # use mujoco_safe::{Controller, Data, sample};
+//! # let mut data = Data::new(sample::cartpole())?;
+//! let mut push = |data: &mut Data| data.ctrl_mut()[0] = 0.1;
+//! push.control(&mut data)?;
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! **`Box<dyn Controller>` is not a `Controller`.** Pass its content: `trajectory.record(&mut data, &mut *controller, steps)`.
+//!
+//! # Rendering and the viewer
+//!
+//! | symptom | cause | remedy |
+//! |---|---|---|
+//! | `no … was found. A software adapter is in …` (`RenderError::NoAdapter`) | no graphics driver | `apt-get install libvulkan1 mesa-vulkan-drivers` |
+//! | `no display is available for a window` (`ViewerError::NoDisplay`) | no X server | render without a window, or `xvfb-run`, or `ssh -X` |
+//! | a window fails on a minimal system | libraries of the desktop are missing | the list of packages in the documentation of the module `viewer` |
+//! | the first image takes long | shaders are compiled | keep the renderer for further images |
+//! | an image shows only the background | the camera is far away, or inside a geom | [`Camera::free`](crate::scene::Camera::free) shows the complete model |
+//! | a large floor is misplaced in the first image | the engine centres infinite planes at the previous viewpoint | [`Scene::update_camera`](crate::Scene::update_camera) before the first update |
+//! | [`SceneFull`](Error::SceneFull) | more geoms than the scene has room for | a larger capacity in [`Scene::new`](crate::Scene::new) |
+//! | an edited mesh or texture is drawn unchanged | the renderer keeps copies | `Renderer::update_mesh`, `update_texture`, `update_height_field` |
+//!
+//! # No remedy here
+//!
+//! Log messages show the warnings of the engine: install a logger (`env_logger`, for example) and set `RUST_LOG=mujoco=warn`.
+//! [`Data::print_to`] writes all quantities of a simulation to a text file. [`errors`](super::errors) explains the kinds of errors.
+
+#[cfg(doc)]
+use crate::{Data, Error, Model};
