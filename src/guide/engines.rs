@@ -20,7 +20,7 @@
 //! |---|---|
 //! | release archive for Linux, unpacked in `/opt` | `/opt/mujoco-2.2.2` |
 //! | wheel `mujoco==2.2.2` for Python 3.7 to 3.10 | the directory of the package `mujoco` |
-//! | an own build, installed with a prefix | the prefix |
+//! | a build from source, installed to a prefix | the prefix |
 //!
 //! The directory of the Python package:
 //!

@@ -13,8 +13,8 @@
 //! # Row-major matrices
 //!
 //! The engine and [`Matrix`] are row-major, so there is no counterpart of `mj_zeros` and `mj_array`: every [`Matrix`] fits the engine. nalgebra is
-//! column-major, like Julia. [`Matrix::to_nalgebra`] copies, and [`Matrix::transposed`] is a view of the transpose without a copy. The transpose is
-//! frequently the matrix that a formula needs: `data.actuator_moment().transposed()` is `momentᵀ`.
+//! column-major, like Julia. [`Matrix::to_nalgebra`] copies, and [`Matrix::transposed`] is a view of the transpose without a copy. Many
+//! formulas need the transpose: `data.actuator_moment().transposed()` is `momentᵀ`.
 //!
 //! # Table of calls
 //!
@@ -75,7 +75,7 @@
 //! ```
 //!
 //! [`Lqr::at_present_state`](crate::Lqr::at_present_state) does all of this in one call, without allocation in the loop, and treats quaternions as
-//! rotations. In place of a functor with preallocated memory, write a type that implements [`Controller`](crate::Controller):
+//! rotations. For a controller with preallocated memory (a functor in MuJoCo.jl), write a type that implements [`Controller`](crate::Controller):
 //! see [`control`](super::control).
 //!
 //! # Set-point of the humanoid

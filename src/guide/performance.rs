@@ -8,7 +8,7 @@
 //! - **Do not compute twice.** [`Data::step`] contains [`Data::forward`]. A loop that calls both takes twice the time. Read quantities one step
 //!   late, or split the step into [`step1`](Data::step1) and [`step2`](Data::step2).
 //! - **Contacts.** Collision detection and the constraint solver dominate models with contacts. Exclude pairs that cannot touch
-//!   (`contype`, `conaffinity`, `exclude` in MJCF), and use primitive shapes in place of meshes.
+//!   (`contype`, `conaffinity`, `exclude` in MJCF), and replace meshes by primitive shapes.
 //! - **Solver.** [`Options`](crate::Options) sets the solver, its iterations and its tolerance. [`Data::solver`] returns the statistics of each iteration.
 //! - **Time step.** A longer step with an implicit integrator can be stable where Euler is not:
 //!   [`Integrator::Implicit`](crate::enums::Integrator::Implicit).
@@ -46,7 +46,7 @@
 //!
 //! # Models
 //!
-//! Wrap the model in an `Arc` and clone the `Arc`. [`Data::new`] with a [`Model`] moves it into an `Arc` of its own. Each edit of
+//! Wrap the model in an `Arc` and clone the `Arc`. [`Data::new`] with a [`Model`] moves it into a new `Arc`. Each edit of
 //! a shared model by [`Data::edit_model`] copies the model once, with its meshes and textures; a rollout with
 //! [`edit_model`](crate::rollout::Rollout::edit_model) reuses its copies. Loading a binary model ([`Model::from_binary_path`]) skips the XML compiler, which can
 //! take seconds for large meshes.

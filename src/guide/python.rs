@@ -205,7 +205,7 @@
 //!
 //! # Differences
 //!
-//! - **A simulation knows its model.** Python does not check that `m` and `d` in `mj_step(m, d)` belong together. Here each [`Data`] holds its model.
+//! - **A simulation holds its model.** Python does not check that `m` and `d` in `mj_step(m, d)` belong together. Here the model is part of the [`Data`].
 //! - **Reading and writing are separate.** A view in Python follows the simulation and changes in the next step. Here a slice of
 //!   [`Data::qpos`] is a borrow, and the compiler rejects a step while it is in use. Copy values with `to_vec()`.
 //! - **A model is constant while it is shared.** Python changes a model under all of its simulations. [`Model::edit`] needs the only reference;

@@ -25,7 +25,7 @@
 //! | `joint has range but not limited` | newer engines derive `limited` from `range` | `<compiler autolimits="true"/>` |
 //! | `XML_ERROR_PARSING_TEXT` in line 1 | [`from_xml_str`](Model::from_xml_str) was called with a path | [`from_xml_path`](Model::from_xml_path) |
 //! | a mesh of a URDF is not found | `package://` URIs | [`LoadOptions::with_package_path`](crate::LoadOptions::with_package_path) |
-//! | names lack in a URDF model, or bodies are merged | the compiler fuses static bodies of a URDF | `<mujoco><compiler fusestatic="false"/></mujoco>` in the `robot` element |
+//! | bodies of a URDF are missing or merged | the compiler fuses static bodies of a URDF | `<mujoco><compiler fusestatic="false"/></mujoco>` in the `robot` element |
 //! | contacts are missing, and a warning mentions `nconmax` | the limit of contacts is reached | larger `nconmax` and `njmax` in the model's `size` |
 //!
 //! Convert a model of a newer release by hand: the compiler reports one problem at a time, with its line.
@@ -115,9 +115,9 @@
 //! | [`SceneFull`](Error::SceneFull) | more geoms than the scene has room for | a larger capacity in [`Scene::new`](crate::Scene::new) |
 //! | an edited mesh or texture is drawn unchanged | the renderer keeps copies | `Renderer::update_mesh`, `update_texture`, `update_height_field` |
 //!
-//! # No remedy here
+//! # Further information
 //!
-//! Log messages show the warnings of the engine: install a logger (`env_logger`, for example) and set `RUST_LOG=mujoco=warn`.
+//! The engine's warnings are log messages: install a logger (`env_logger`, for example) and set `RUST_LOG=mujoco=warn`.
 //! [`Data::print_to`] writes all quantities of a simulation to a text file. [`errors`](super::errors) explains the kinds of errors.
 
 #[cfg(doc)]

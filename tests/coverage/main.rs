@@ -8,6 +8,7 @@ mod engine_calls;
 mod field_docs;
 mod fields;
 mod functions;
+mod guide;
 mod kinds;
 mod promises;
 

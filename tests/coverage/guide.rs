@@ -1,0 +1,44 @@
+//! The guide links to sections that exist. rustdoc checks the item of a link, but not its fragment.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::sources;
+
+/// Returns rustdoc's fragment for a heading.
+fn fragment(heading: &str) -> String {
+    let heading = heading.trim().to_lowercase().replace(' ', "-");
+    heading.chars().filter(|&c| c == '-' || c == '_' || c.is_alphanumeric()).collect()
+}
+
+/// Returns the fragments of all headings in the documentation of a module.
+fn headings(text: &str) -> HashSet<String> {
+    let lines = text.lines().filter_map(|line| line.strip_prefix("//! #"));
+    lines.filter(|line| line.starts_with(['#', ' '])).map(|line| fragment(line.trim_start_matches('#'))).collect()
+}
+
+#[test]
+fn every_section_that_the_guide_links_to_exists() {
+    let modules: HashMap<String, HashSet<String>> = sources("src")
+        .into_iter()
+        .filter(|(path, _)| {
+            path.parent().is_some_and(|folder| folder.ends_with("src") || folder.ends_with("src/guide"))
+        })
+        .map(|(path, text)| (path.file_stem().unwrap().to_string_lossy().into_owned(), headings(&text)))
+        .collect();
+    let mut links = 0;
+    for (path, text) in sources("src/guide") {
+        let page = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let targets = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+        for (module, section) in targets.filter_map(|target| target.split_once('#')) {
+            let module = match module.rsplit("::").next() {
+                Some("") | None => &page,
+                Some("crate") => "lib",
+                Some(name) => name,
+            };
+            let exists = modules.get(module).is_some_and(|sections| sections.contains(section));
+            assert!(exists, "{page} links to {module}#{section}");
+            links += 1;
+        }
+    }
+    assert!(links >= 10, "{links}");
+}
