@@ -61,6 +61,9 @@
 //!
 //! The second and third need the library under its own name (`libmujoco.so.2.2.2`), which the program records.
 //!
+//! If Debian's library is installed too, a program that starts without these settings runs with Debian's library. It has the same name and the same
+//! version, so nothing fails; speed and last bits of the results change. `/proc/PID/maps` or `ldd` show the library that a program uses.
+//!
 //! The first call that loads a model compares the version of the running library with that of the headers and returns
 //! [`Error::EngineVersion`](crate::Error::EngineVersion) if they differ:
 //!

@@ -58,8 +58,8 @@
 //! |---|---|
 //! | `m.geom('floor').id` | [`m.geom("floor")?.id()`](Model::geom); [`index()`](crate::element::View::index) is the number |
 //! | `m.geom(3).name` | [`m.geom(3)?.name()`](crate::element::View::name), an `Option` |
-//! | `mujoco.mj_name2id(m, mjOBJ_BODY, 'torso')`, −1 if unknown | [`m.body("torso")?.index()`](Model::body), an error that lists the names |
-//! | `mujoco.mj_id2name(m, mjOBJ_BODY, 1)` | [`m.body(1)?.name()`](Model::body) |
+//! | `mujoco.mj_name2id(m, mjtObj.mjOBJ_BODY, 'torso')`, −1 if unknown | [`m.body("torso")?.index()`](Model::body), an error that lists the names |
+//! | `mujoco.mj_id2name(m, mjtObj.mjOBJ_BODY, 1)` | [`m.body(1)?.name()`](Model::body) |
 //! | `[m.joint(i).name for i in range(m.njnt)]` | [`m.joints().filter_map(\|joint\| joint.name())`](Model::joints) |
 //! | `d.joint('knee').qpos`, `d.joint('knee').qvel` | [`d.joint("knee")?.qpos()`](Data::joint), `d.joint("knee")?.qvel()`: slices |
 //! | `d.joint('knee').qpos = 0.1` | [`d.joint_mut("knee")?.qpos_mut()[0] = 0.1`](Data::joint_mut) |
@@ -85,7 +85,7 @@
 //! | `mujoco.mj_mulM`, `mujoco.mj_solveM` | [`mul_m_into`](Data::mul_m_into), [`solve_m_into`](Data::solve_m_into) |
 //! | `mujoco.mj_differentiatePos(m, dq, 1, q1, q2)` | [`m.differentiate_pos_into(1.0, &q1, &q2, &mut dq)?`](Model::differentiate_pos_into) |
 //! | `mujoco.mj_integratePos(m, q, v, dt)` | [`m.integrate_pos(&mut q, &v, dt)?`](Model::integrate_pos) |
-//! | `mujoco.mj_objectVelocity(m, d, mjOBJ_BODY, b, v, 1)` | [`d.object_velocity(FrameId::Body(id), Axes::Local)?`](Data::object_velocity) |
+//! | `mujoco.mj_objectVelocity(m, d, mjtObj.mjOBJ_BODY, b, v, 1)` | [`d.object_velocity(FrameId::Body(id), Axes::Local)?`](Data::object_velocity) |
 //! | `mujoco.mj_rnePostConstraint(m, d)`, `d.cfrc_ext` | [`d.rne_post_constraint()?`](Data::rne_post_constraint), [`d.body("torso")?.cfrc_ext()?`](Data::body) |
 //! | `mujoco.mjd_transitionFD(m, d, eps, True, A, B, C, D)` | [`d.transition_fd(eps, Differences::Central)?`](Data::transition_fd), or a [`Lineariser`](crate::Lineariser) |
 //! | `mujoco.mju_mulQuat(r, a, b)` | [`math::mul_quat(&a, &b)`](crate::math::mul_quat), with results instead of output arguments |
@@ -205,16 +205,17 @@
 //!
 //! # Differences
 //!
-//! - **A simulation holds its model.** Python does not check that `m` and `d` in `mj_step(m, d)` belong together. Here the model is part of the [`Data`].
-//! - **Reading and writing are separate.** A view in Python follows the simulation and changes in the next step. Here a slice of
-//!   [`Data::qpos`] is a borrow, and the compiler rejects a step while it is in use. Copy values with `to_vec()`.
-//! - **A model is constant while it is shared.** Python changes a model under all of its simulations. [`Model::edit`] needs the only reference;
-//!   [`Data::edit_model`] gives the simulation its own copy.
-//! - **A diverged simulation is an error.** The engine resets it and prints a warning. Here [`Data::step`] returns [`Error::Unstable`](crate::Error::Unstable) with the
-//!   quantity, the joint and the time.
-//! - **Missing results are errors.** In Python `d.sensor('gyro').data` contains zeros before the first computation. Here it returns
-//!   [`Error::NotComputed`](crate::Error::NotComputed). See [results that have not been computed](super::concepts#results-that-have-not-been-computed).
-//! - **An index is an id, a position in an array, or neither.** `d.qpos[j]` with the id of a joint is correct only without free and ball joints.
+//! - **A simulation holds its model.** Python does not check that `m` and `d` in `mj_step(m, d)` belong together; other sizes cause accesses
+//!   out of bounds. Here the model is part of the [`Data`].
+//! - **Reading and writing are separate,** so that no value changes while a program uses it. A view in Python changes with the next step. Here a
+//!   slice of [`Data::qpos`] is a borrow, and the compiler rejects a step while it is in use. Copy values with `to_vec()`.
+//! - **A model is constant while it is shared,** so that threads read it without locks. Python changes a model under all of its simulations.
+//!   [`Model::edit`] needs the only reference; [`Data::edit_model`] gives the simulation its own copy.
+//! - **A diverged simulation is an error,** because a reset would hide the failure. The engine resets it and prints a warning. Here
+//!   [`Data::step`] returns [`Error::Unstable`](crate::Error::Unstable) with the quantity, the joint and the time.
+//! - **Missing results are errors,** because zeros are plausible measurements. In Python `d.sensor('gyro').data` contains zeros before the first
+//!   computation. Here it returns [`Error::NotComputed`](crate::Error::NotComputed). See [results that have not been computed](super::concepts#results-that-have-not-been-computed).
+//! - **As in Python, the id of a joint is not its position in `qpos`.** `d.qpos[j]` with the id of a joint is correct only without free and ball joints.
 //!   Use `d.joint(id).qpos()`, or the ranges `qpos_range()` and `dofs()` of the joint.
 //! - **Callbacks belong to a simulation**, not to the process, and a panic in a callback is an error of the call.
 //! - **Nothing is printed.** Warnings go to the [`log`](https://docs.rs/log) crate and to counters; no `MUJOCO_LOG.TXT` is written.
