@@ -19,18 +19,19 @@
 //! | source | `MUJOCO_DIR` |
 //! |---|---|
 //! | release archive for Linux, unpacked in `/opt` | `/opt/mujoco-2.2.2` |
-//! | wheel `mujoco==2.2.2` for Python 3.7 to 3.10 | the directory of the package `mujoco` |
+//! | wheel `mujoco==2.2.2` from PyPI | the directory of the package `mujoco` |
 //! | a build from source, installed to a prefix | the prefix |
 //!
-//! The directory of the Python package:
+//! The wheel is a convenient source of the official library without root permissions, on every Linux distribution. It was built for Python 3.7 to
+//! 3.10, but any version of pip can download it:
 //!
 //! ```sh
-//! pip install mujoco==2.2.2
-//! export MUJOCO_DIR=$(python3 -c "import importlib.util as u; print(u.find_spec('mujoco').submodule_search_locations[0])")
+//! pip install --target DIR --python-version 3.10 --only-binary :all: --no-deps mujoco==2.2.2
+//! export MUJOCO_DIR=DIR/mujoco
 //! cargo build
 //! ```
 //!
-//! The wheel is a convenient source of the official library without root permissions. Its library is named `libmujoco.so.2.2.2`, without a link
+//! If a Python of these versions has the package installed, `python3 -c "import mujoco; print(mujoco.__path__[0])"` prints the directory. The wheel's library is named `libmujoco.so.2.2.2`, without a link
 //! `libmujoco.so`; the build script accepts both names.
 //!
 //! Cargo runs the build script again when `MUJOCO_DIR` changes. To alternate between two engines without recompilation, give each a target
@@ -38,9 +39,17 @@
 //!
 //! # Search at build time
 //!
-//! 1. The directory is `MUJOCO_DIR` if it is set and not empty; otherwise `/usr`, `/usr/local` and `/opt/mujoco`, in this order.
-//! 2. The headers are in `include/mujoco` of the directory.
-//! 3. The library `libmujoco.so`, `libmujoco.so.*` or `libmujoco.dylib` is in `lib/<architecture>-linux-gnu`, `lib64`, `lib`, or the directory itself.
+//! If `MUJOCO_DIR` is set and not empty, the build script searches only that directory. Otherwise it searches, in this order:
+//!
+//! 1. the wheel in the active Python environment, `$VIRTUAL_ENV/lib/python*/site-packages/mujoco`,
+//! 2. the active conda environment, `$CONDA_PREFIX`,
+//! 3. ROS's vendor package, `opt/mujoco_vendor` in each directory of `$AMENT_PREFIX_PATH`,
+//! 4. the prefix that `pkg-config` reports for `mujoco`,
+//! 5. `/usr`, `/usr/local` and `/opt/mujoco`.
+//!
+//! The headers are in `include/mujoco` of the directory. The library `libmujoco.so`, `libmujoco.so.*` or `libmujoco.dylib` is in
+//! `lib/<architecture>-linux-gnu`, `lib64`, `lib`, or the directory itself. The script skips engines of other versions if one of these places has 2.2.2.
+//! A build of this repository prints a warning with the library's directory if the engine is in one of the first four places.
 //!
 //! A failure prints the searched places and the reason for each. An engine of another version is an error of the build. On
 //! docs.rs (`DOCS_RS` is set) a missing engine is not an error, because documentation links nothing.

@@ -2,8 +2,8 @@
 //!
 //! # Costs of a step
 //!
-//! The engine takes nearly all of the time of a step. [`Data::step`] adds some tens of nanoseconds to the C call for its checks; the README
-//! compares both. The largest savings are in the model and in the number of calls:
+//! The engine takes nearly all of the time of a step. [`Data::step`] adds some tens of nanoseconds to the C call for its checks; the [figures](#measurements)
+//! compare both. The largest savings are in the model and in the number of calls:
 //!
 //! - **Do not compute twice.** [`Data::step`] contains [`Data::forward`]. A loop that calls both takes twice the time. Read quantities one step
 //!   late, or split the step into [`step1`](Data::step1) and [`step2`](Data::step2).
@@ -82,6 +82,37 @@
 //! The page [`engines`](super::engines) describes `MUJOCO_DIR`.
 //!
 //! # Measurements
+//!
+//! Ratios to the same call in C, medians with confidence intervals, on a virtual machine with two cores of an AMD EPYC:
+//!
+//! | | time | ratio | command |
+//! |---|---|---|---|
+//! | [`Data::step`], humanoid | 44 µs | 0.997 [0.994, 1.001] | `cargo bench --bench step` |
+//! | [`Data::step`], cart-pole | 1.7 µs | 0.994 [0.993, 0.995] | |
+//! | [`Data::step`], 22 humanoids | 0.8 ms | 0.998 [0.994, 1.002] | |
+//! | [`Data::transition_fd_into`], humanoid, A and B | 2.3 ms | 1.001 [0.997, 1.005] | `cargo bench --bench transition_fd` |
+//! | the same by implicit differentiation | | 0.417 [0.416, 0.419] | |
+//! | the same in two threads | | 0.240 [0.239, 0.241] | |
+//! | [`Data::jac_body_com_into`] | 93 ns | 1.007 [1.007, 1.007] | `cargo bench --bench jacobian` |
+//!
+//! A step takes no longer than in C because the check of the inputs replaces the engine's own, which makes a function call for each number. The
+//! Riccati equation of the humanoid, with 54 states and 21 controls, is solved with a relative residual of 2·10⁻¹³ (`cargo bench --bench riccati`).
+//! The humanoid's regulator computes its controls in 0.4 µs without allocation; as a closure that allocates vectors it takes 1.17 times as long
+//! (`cargo bench --bench controller`).
+//!
+//! Frames per second of processor time relative to the engine's own renderer, with the same settings and software rendering (Mesa's Vulkan and
+//! OpenGL), in alternation (`MUJOCO_PYTHON=python3 cargo bench --features renderer --bench render`):
+//!
+//! | | 640×480 | 1280×720 |
+//! |---|---|---|
+//! | humanoid, shadows and reflections | 2.56 [2.48, 2.63] | 2.35 [2.30, 2.43] |
+//! | 22 humanoids | 3.25 [3.12, 3.34] | 2.39 [2.15, 2.48] |
+//! | the engine's `humanoid100` | 1.59 [1.56, 1.66] | 1.54 [1.46, 1.56] |
+//!
+//! The first image of the humanoid takes 0.21 s [0.20, 0.21], and 0.64 s [0.63, 0.67] before Mesa has cached its compiled shaders on disk.
+//!
+//! `scripts/compare` measures this crate, the engine called from C, the official Python bindings, SciPy and NumPy in one run. `MUJOCO_PYTHON` is an
+//! interpreter with `mujoco==2.2.2`, `numpy<2`, SciPy and PyOpenGL; `scripts/compare` creates one if it finds a Python 3.7 to 3.10.
 //!
 //! `cargo bench` in this repository compares each call with the raw C call in one process, and prints the ratio with its confidence interval
 //! (`cargo bench -- ÷` prints only the ratios). In a program, the engine's timers show the parts of a step:

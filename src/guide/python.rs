@@ -30,7 +30,7 @@
 //!
 //! | Python | here |
 //! |---|---|
-//! | `mujoco.MjData(m)` | [`Data::new(m)?`](Data::new), with a [`Model`] or an `Arc<Model>` |
+//! | `mujoco.MjData(m)` | [`Data::new(m)?`](Data::new), with a [`Model`], an `Arc<Model>` or an `&Arc<Model>` |
 //! | `copy.copy(d)` | `d.clone()`; [`target.copy_from(&d)?`](Data::copy_from) into an existing simulation |
 //! | `mujoco.mj_step(m, d)` | [`d.step()?`](Data::step) |
 //! | `mujoco.mj_step(m, d, nstep=10)` | `for _ in 0..10 { d.step()?; }` |
@@ -84,7 +84,7 @@
 //! | `mujoco.mj_fullM(m, M, d.qM)` | [`d.full_m()?`](Data::full_m) |
 //! | `mujoco.mj_mulM`, `mujoco.mj_solveM` | [`mul_m_into`](Data::mul_m_into), [`solve_m_into`](Data::solve_m_into) |
 //! | `mujoco.mj_differentiatePos(m, dq, 1, q1, q2)` | [`m.differentiate_pos_into(1.0, &q1, &q2, &mut dq)?`](Model::differentiate_pos_into) |
-//! | `mujoco.mj_integratePos(m, q, v, dt)` | [`m.integrate_pos(&mut q, &v, dt)?`](Model::integrate_pos) |
+//! | `mujoco.mj_integratePos(m, q, v, dt)` | [`m.integrate_pos(&mut q, &v, dt)?`](Model::integrate_pos); [`d.integrate_pos(&v, dt)?`](Data::integrate_pos) for the present position |
 //! | `mujoco.mj_objectVelocity(m, d, mjtObj.mjOBJ_BODY, b, v, 1)` | [`d.object_velocity(FrameId::Body(id), Axes::Local)?`](Data::object_velocity) |
 //! | `mujoco.mj_rnePostConstraint(m, d)`, `d.cfrc_ext` | [`d.rne_post_constraint()?`](Data::rne_post_constraint), [`d.body("torso")?.cfrc_ext()?`](Data::body) |
 //! | `mujoco.mjd_transitionFD(m, d, eps, True, A, B, C, D)` | [`d.transition_fd(eps, Differences::Central)?`](Data::transition_fd), or a [`Lineariser`](crate::Lineariser) |
@@ -95,8 +95,8 @@
 //!
 //! | Python | here |
 //! |---|---|
-//! | `m.body_mass[b] *= 2` on a running simulation | [`d.edit_model(…)??`](Data::edit_model), see [below](#editing-a-parameter-of-a-running-simulation) |
-//! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.edit_model(\|edit\| edit.equality_mut("grasp").map(\|mut e\| e.set_active(false)))??`](ModelMut::equality_mut) |
+//! | `m.body_mass[b] *= 2` on a running simulation | [`d.edit_model(…)?`](Data::edit_model), see [below](#editing-a-parameter-of-a-running-simulation) |
+//! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.edit_model(\|edit\| edit.equality_mut("grasp").map(\|mut e\| e.set_active(false)))?`](ModelMut::equality_mut) |
 //! | `mujoco.set_mjcb_control(f)`, … | [`d.with_callbacks(Callbacks::new().control(f), \|d\| …)`](Data::with_callbacks): one simulation, one scope |
 //! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.initial_states(…).controls(…).run()?` |
 //! | `gymnasium.vector` environments | [`Batch`](crate::rollout::Batch) |
@@ -186,8 +186,7 @@
 //!
 //! # Editing a parameter of a running simulation
 //!
-//! The edit applies to this simulation only. A shared model is copied once; later edits of the same simulation copy nothing. The first `?`
-//! is for the copy, the second for the result of the closure.
+//! The edit applies to this simulation only. A shared model is copied once; later edits of the same simulation copy nothing.
 //!
 //! ```
 //! use mujoco_safe::{Data, sample};
@@ -197,7 +196,7 @@
 //! data.edit_model(|edit| {
 //!     edit.body_mut("pole")?.scale_mass(2.0)?; // mass and inertia
 //!     edit.update_constants()                  // quantities that the compiler derived from them
-//! })??;
+//! })?;
 //! data.step()?; // continues with the heavier pole
 //! assert_eq!(data.model().body("pole")?.mass(), 1.0);
 //! # Ok::<(), mujoco_safe::Error>(())
