@@ -1,10 +1,7 @@
 //! Simulations: the state, the inputs, and all quantities that are computed from them.
 //!
-//! [`Data`] owns the engine's `mjData`. `call` makes the engine calls: it converts engine errors, poisons the data after a failure,
-//! runs callbacks, and records which results are valid. The other modules add methods to [`Data`] by theme: the state (`state`,
-//! `reset`), the pipeline and its steps (`step`, [`pipeline`]), kinematics and Jacobians (`frame`, `jacobian`), dynamics and
-//! inertia (`inertia`), contacts and constraints (`contact`, `constraint`), queries (`ray`, `distance`), and diagnostics
-//! (`warning`, `diagnostics`).
+//! [`Data`] is a simulation. The other types are arguments and results of its methods. The page [`pipeline`] lists the calls for single parts
+//! of a step; the [guide](crate::guide::concepts) explains which quantities are valid after which call.
 
 mod call;
 mod constraint;
