@@ -1,4 +1,22 @@
-//! Off-screen rendering of a [`Scene`](crate::scene::Scene) with wgpu: no window, no display, no OpenGL context.
+//! Off-screen rendering of simulations with wgpu: no window, no display, no OpenGL context.
+//!
+//! ```no_run
+//! use mujoco_safe::render::Renderer;
+//! use mujoco_safe::{Data, sample};
+//!
+//! let mut data = Data::new(sample::humanoid())?;
+//! data.forward()?;
+//! let mut renderer = Renderer::new(data.model(), 640, 480)?;
+//! let mut snapshot = renderer.snapshot(&mut data, "side")?; // a name, an id, or &mut Camera::free(data.model())
+//!
+//! snapshot.rgb()?.save_png("colours.png")?;
+//! let depth = snapshot.depth()?;
+//! let seen = snapshot.segmentation()?.pixel(320, 240).map(|segment| segment.object);
+//! println!("centre pixel: {} m, {seen:?}", depth.metres(320, 240));
+//! # Ok::<(), mujoco_safe::render::RenderError>(())
+//! ```
+//!
+//! A program that adds geoms, applies perturbations or restricts categories updates a [`Scene`](crate::scene::Scene) itself, and draws it:
 //!
 //! ```no_run
 //! use mujoco_safe::render::Renderer;
@@ -9,13 +27,9 @@
 //! data.forward()?;
 //! let mut scene = Scene::new(data.model(), 1000)?;
 //! let mut camera = Camera::free(data.model());
-//! scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
-//!
+//! scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::DYNAMIC)?;
 //! let mut renderer = Renderer::new(data.model(), 640, 480)?;
-//! renderer.rgb(&scene)?.save_png("colours.png")?;
-//! let metres = renderer.depth(&scene)?.metres(320, 240);
-//! let seen = renderer.segmentation(&scene)?.pixel(320, 240).map(|segment| segment.object);
-//! println!("centre pixel: {metres} m, {seen:?}");
+//! renderer.rgb(&scene)?.save_png("dynamic.png")?;
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
 //!
@@ -74,5 +88,5 @@ mod view;
 pub use self::error::RenderError;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
 pub use self::image::{DepthImage, RgbImage, Segment, SegmentationImage};
-pub use self::renderer::Renderer;
+pub use self::renderer::{Renderer, Snapshot};
 pub use self::settings::{Lighting, RendererOptions};

@@ -37,6 +37,8 @@
 //! and has neither stiffness nor damping.
 
 mod camera;
+#[cfg(feature = "renderer")]
+mod camera_source;
 mod geom;
 mod light;
 mod new_geom;
@@ -55,6 +57,8 @@ use std::ptr::{self, NonNull};
 use mujoco_sys::{self as sys, guard, mjvGeom, mjvScene};
 
 pub use self::camera::{Camera, CameraView, MouseAction};
+#[cfg(feature = "renderer")]
+pub use self::camera_source::CameraSource;
 pub use self::geom::{SceneGeom, SceneGeomMut, SceneGeomType, SceneObject, SceneSkin};
 pub use self::light::SceneLight;
 pub use self::new_geom::{Connector, NewGeom, TextureRepeat};

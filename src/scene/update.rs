@@ -61,6 +61,33 @@ impl Scene {
         if lights > capacity { Err(Error::SceneFull { what: "lights", capacity }) } else { Ok(()) }
     }
 
+    /// Rebuilds the scene as [`update`](Self::update) does, but independently of the previous viewpoints, and with all geoms: a larger scene
+    /// replaces a full one, and the data keeps no warning of it.
+    #[cfg(feature = "renderer")]
+    pub(crate) fn update_and_grow(
+        &mut self,
+        data: &mut Data,
+        options: &SceneOptions,
+        camera: &mut Camera,
+    ) -> Result<()> {
+        let start = *camera;
+        self.check_data("Renderer::snapshot", data, options)?;
+        self.update_camera(data, &mut camera.clone())?;
+        let warning = Warning::VisualGeomFull as usize;
+        let before = data.raw_mut().warning[warning];
+        loop {
+            let result = self.update(data, options, None, camera, Categories::all());
+            let Err(Error::SceneFull { what: "geoms", capacity }) = result else { return result };
+            data.raw_mut().warning[warning] = before;
+            let mut larger = Self::new(data.model(), 2 * capacity.max(1))?;
+            larger.raw_mut().flags = self.raw().flags;
+            larger.raw_mut().camera = self.raw().camera;
+            *self = larger;
+            // Each update moves a tracking camera.
+            *camera = start;
+        }
+    }
+
     /// Appends the geoms of a simulation to the scene and returns their indices. The state may differ from that of the last
     /// [`update`](Self::update), so one image can show several poses.
     ///

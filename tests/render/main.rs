@@ -10,4 +10,5 @@ mod pictures;
 mod quiet;
 mod rays;
 mod record;
+mod snapshots;
 mod stage;

@@ -221,6 +221,21 @@ fn scenes_do_not_allocate() {
     });
 }
 
+#[cfg(feature = "renderer")]
+#[test]
+fn snapshots_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let mut renderer = mujoco_safe::render::Renderer::new(data.model(), 8, 8).unwrap();
+    let side = data.model().camera("side").unwrap().id();
+    let mut free = Camera::free(data.model());
+    allocates_nothing("a snapshot", || {
+        data.step().unwrap();
+        renderer.snapshot(&mut data, side).unwrap();
+        renderer.snapshot(&mut data, &mut free).unwrap();
+    });
+}
+
 #[test]
 fn linearising_into_outputs_does_not_allocate() {
     let _lock = lock_process();

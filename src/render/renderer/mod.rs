@@ -1,9 +1,12 @@
 //! Renderer of the scenes of one model.
 
 mod encode;
+mod snapshot;
 
 use std::fmt;
+use std::sync::Arc;
 
+pub use self::snapshot::Snapshot;
 use super::assets::{Shapes, Textures};
 use super::bounding_volume::AssetBounds;
 use super::draw_list::{AuxOutput, DrawList};
@@ -16,6 +19,9 @@ use crate::id::{HeightFieldId, Lineage, MeshId, TextureId};
 use crate::model::Model;
 use crate::scene::Scene;
 
+/// Initial capacity of the scene of snapshots, geoms. The scene grows if a model needs more.
+const SNAPSHOT_CAPACITY: usize = 10_000;
+
 /// Off-screen renderer of the scenes of one model.
 ///
 /// The renderer copies the model's meshes, textures and visual settings at construction. After edits of the model, call
@@ -24,20 +30,16 @@ use crate::scene::Scene;
 ///
 /// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`].
 ///
+/// [`snapshot`](Self::snapshot) shows a simulation from a camera. The functions that take a [`Scene`] draw a scene of the caller.
+///
 /// ```no_run
 /// use mujoco_safe::render::Renderer;
-/// use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
 /// use mujoco_safe::{Data, sample};
 ///
 /// let mut data = Data::new(sample::humanoid())?;
 /// data.forward()?;
-/// let mut scene = Scene::new(data.model(), 1000)?;
-/// let mut camera = Camera::free(data.model());
-/// scene.update_camera(&data, &mut camera)?;
-/// scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
-///
 /// let mut renderer = Renderer::new(data.model(), 640, 480)?;
-/// renderer.rgb(&scene)?.save_png("humanoid.png")?;
+/// renderer.snapshot(&mut data, "side")?.rgb()?.save_png("humanoid.png")?;
 /// # Ok::<(), mujoco_safe::render::RenderError>(())
 /// ```
 #[doc(alias = "mjrContext")]
@@ -65,6 +67,8 @@ pub struct Renderer {
     target: Option<Target>,
     color: Option<(wgpu::Texture, wgpu::TextureView)>,
     read_back: Option<ReadBackBuffer>,
+    /// Scene of snapshots. Shared only during a call of a snapshot.
+    snapshot_scene: Arc<Scene>,
 }
 
 impl Renderer {
@@ -74,7 +78,7 @@ impl Renderer {
     ///
     /// [`RenderError::NoAdapter`] if no adapter is available; [`RenderError::TooLarge`] if the image, or a mesh or a
     /// texture of the model, exceeds a limit of the adapter; [`RenderError::OutOfMemory`]. [`Error::Invalid`] for an
-    /// empty image.
+    /// empty image; the errors of [`Scene::new`] for the scene of snapshots.
     #[doc(alias = "mjr_makeContext")]
     pub fn new(model: &Model, width: u32, height: u32) -> Result<Self, RenderError> {
         Self::with_options(model, width, height, &RendererOptions::default())
@@ -137,6 +141,7 @@ impl Renderer {
                 target: None,
                 color: None,
                 read_back: None,
+                snapshot_scene: Arc::new(Scene::new(model, SNAPSHOT_CAPACITY)?),
             })
         })
     }
