@@ -7,6 +7,7 @@ mod content;
 mod extreme_scenes;
 mod optics;
 mod pictures;
+mod pinhole;
 mod quiet;
 mod rays;
 mod record;

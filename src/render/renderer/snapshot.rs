@@ -7,7 +7,7 @@ use super::Renderer;
 use crate::data::Data;
 use crate::error::Error;
 use crate::render::{DepthImage, RenderError, RgbImage, SegmentationImage};
-use crate::scene::{CameraSource, Scene, SceneOptions};
+use crate::scene::{CameraSource, PinholeCamera, Scene, SceneOptions};
 
 /// State of a simulation, seen by one camera: a source of colour, depth and segmentation images, which all show the same scene.
 ///
@@ -161,6 +161,29 @@ impl Snapshot<'_> {
     /// As for [`rgb`](Self::rgb).
     pub fn segmentation_into(&mut self, picture: &mut SegmentationImage) -> Result<(), RenderError> {
         self.renderer.segmentation_into(&self.shared_scene(), picture)
+    }
+
+    /// Returns the pinhole model of the camera: focal lengths and principal point in pixels of these images, position and rotation.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] as for [`rgb`](Self::rgb), and for a scene with a [`transform`](Scene::transform), which only
+    /// [`scene_mut`](Self::scene_mut) can set.
+    ///
+    /// ```no_run
+    /// use mujoco_safe::render::Renderer;
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// let mut renderer = Renderer::new(data.model(), 640, 480)?;
+    /// let camera = renderer.snapshot(&mut data, "side")?.pinhole_camera()?;
+    /// assert_eq!((camera.cx, camera.cy), (320.0, 240.0));
+    /// # Ok::<(), mujoco_safe::render::RenderError>(())
+    /// ```
+    pub fn pinhole_camera(&self) -> Result<PinholeCamera, RenderError> {
+        let [width, height] = self.renderer.size.map(|length| length as usize);
+        Ok(self.scene().pinhole_camera(width, height)?)
     }
 
     /// Returns the scene, for example to look up the geoms of a segmentation image.

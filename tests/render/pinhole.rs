@@ -1,0 +1,107 @@
+//! Pinhole cameras agree with the engine's poses and fields of view.
+
+use mujoco_safe::render::{RenderError, Renderer, RendererOptions};
+use mujoco_safe::scene::{Camera, PinholeCamera, Scene, Transform};
+use mujoco_safe::{Data, Error, Model, sample};
+
+use crate::stage;
+
+const SIZE: [usize; 2] = [160, 120];
+/// A tilted camera beside a finite floor with a box and a sphere.
+const TABLE: &str = r#"<mujoco>
+    <visual><global fovy="38"/></visual>
+    <worldbody>
+      <camera name="tilted" pos="-1.2 -2 1.6" xyaxes="2.2 -1.85 -.55 3.8 2.255 7.615" fovy="50"/>
+      <geom name="floor" type="plane" size="2 2 .1"/>
+      <geom name="box" type="box" pos=".4 -.3 .25" size=".3 .2 .25" euler="0 0 30"/>
+      <geom name="sphere" type="sphere" pos="-.4 .4 .3" size=".3"/>
+    </worldbody>
+  </mujoco>"#;
+
+/// Pose and field of view of a camera, computed without the scene.
+struct Eye {
+    pos: [f64; 3],
+    right: [f64; 3],
+    up: [f64; 3],
+    forward: [f64; 3],
+    fovy: f64,
+}
+
+impl Eye {
+    fn of_model(data: &Data, name: &str) -> Self {
+        let id = data.model().camera(name).unwrap().id();
+        let mat = data.cam_xmat()[id.index()];
+        let column = |column: usize| [0, 3, 6].map(|row| mat[row + column]);
+        let (pos, fovy) = (data.cam_xpos()[id.index()], data.model().cam_fovy()[id.index()]);
+        Self { pos, right: column(0), up: column(1), forward: column(2).map(|part| -part), fovy }
+    }
+
+    fn of_free(model: &Model, camera: &Camera) -> Self {
+        let (sin, cos) = camera.azimuth.to_radians().sin_cos();
+        let (down, along) = camera.elevation.to_radians().sin_cos();
+        let forward = [along * cos, along * sin, down];
+        let pos = [0, 1, 2].map(|axis| camera.lookat[axis] - camera.distance * forward[axis]);
+        let fovy = f64::from(model.visual().global.fovy);
+        Self { pos, right: [sin, -cos, 0.0], up: [-down * cos, -down * sin, along], forward, fovy }
+    }
+
+    fn assert_equals(&self, camera: &PinholeCamera) {
+        let focal_length = SIZE[1] as f64 / (2.0 * (self.fovy.to_radians() / 2.0).tan());
+        assert!((camera.fx - focal_length).abs() < 1e-6 * focal_length && camera.fx == camera.fy, "{camera:?}");
+        assert!((camera.cx - 80.0).abs() < 1e-4 && (camera.cy - 60.0).abs() < 1e-4, "{camera:?}");
+        let Self { pos, right, up, forward, .. } = self;
+        for axis in 0..3 {
+            assert!((camera.pos[axis] - pos[axis]).abs() < 1e-6, "{camera:?}");
+            let row = [right[axis], up[axis], -forward[axis]];
+            assert!((0..3).all(|column| (camera.mat[3 * axis + column] - row[column]).abs() < 1e-6), "{camera:?}");
+        }
+    }
+}
+
+fn table() -> (Data, Renderer) {
+    let mut data = Data::new(Model::from_xml_str(TABLE).unwrap()).unwrap();
+    data.forward().unwrap();
+    let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
+    let [width, height] = SIZE.map(|length| length as u32);
+    let renderer = Renderer::on(stage::gpu(), data.model(), width, height, &options).unwrap();
+    (data, renderer)
+}
+
+fn free(model: &Model) -> Camera {
+    Camera { lookat: [0.2, 0.1, 0.1], distance: 2.7, azimuth: 140.0, elevation: -42.0, ..Camera::free(model) }
+}
+
+#[test]
+fn intrinsics_and_pose_follow_from_the_field_of_view_and_the_camera() {
+    let (mut data, mut renderer) = table();
+    let camera = renderer.snapshot(&mut data, "tilted").unwrap().pinhole_camera().unwrap();
+    assert_eq!([camera.width, camera.height], SIZE);
+    Eye::of_model(&data, "tilted").assert_equals(&camera);
+    let mut free = free(data.model());
+    let camera = renderer.snapshot(&mut data, &mut free).unwrap().pinhole_camera().unwrap();
+    Eye::of_free(data.model(), &free).assert_equals(&camera);
+}
+
+#[test]
+fn pinhole_camera_of_an_unsuitable_scene_is_an_error() {
+    let (mut data, mut renderer) = table();
+    let is_invalid = |result| matches!(result, Err(Error::Invalid { .. }));
+    assert!(is_invalid(Scene::new(data.model(), 1).unwrap().pinhole_camera(4, 3)), "never updated");
+    let mut snapshot = renderer.snapshot(&mut data, "tilted").unwrap();
+    assert!(is_invalid(snapshot.scene().pinhole_camera(0, 3)) && is_invalid(snapshot.scene().pinhole_camera(4, 0)));
+    let transform = Transform { translate: [0.0; 3], rotate: [1.0, 0.0, 0.0, 0.0], scale: 2.0 };
+    snapshot.scene_mut().set_transform(Some(transform)).unwrap();
+    let error = snapshot.pinhole_camera().unwrap_err();
+    assert!(matches!(error, RenderError::Engine(Error::Invalid { .. })), "{error}");
+}
+
+#[test]
+fn camera_with_two_eyes_has_the_pinhole_model_of_the_image() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.forward().unwrap();
+    data.edit_model(|model| model.cam_ipd_mut().fill(0.2)).unwrap();
+    data.forward().unwrap();
+    let renderer = Renderer::on(stage::gpu(), data.model(), 160, 120, &RendererOptions::default());
+    let camera = renderer.unwrap().snapshot(&mut data, "side").unwrap().pinhole_camera().unwrap();
+    Eye::of_model(&data, "side").assert_equals(&camera);
+}
