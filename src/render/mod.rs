@@ -13,6 +13,8 @@
 //! let depth = snapshot.depth()?;
 //! let seen = snapshot.segmentation()?.pixel(320, 240).map(|segment| segment.object);
 //! println!("centre pixel: {} m, {seen:?}", depth.metres(320, 240));
+//! let cloud: Vec<[f64; 3]> = depth.points(&snapshot.pinhole_camera()?).map(|(_, point)| point).collect();
+//! println!("{} points in the world frame", cloud.len());
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
 //!

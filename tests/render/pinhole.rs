@@ -1,5 +1,6 @@
-//! Pinhole cameras agree with the engine's poses and fields of view.
+//! Pinhole cameras and point clouds agree with the engine's poses, fields of view and rays.
 
+use mujoco_safe::data::RayOptions;
 use mujoco_safe::render::{RenderError, Renderer, RendererOptions};
 use mujoco_safe::scene::{Camera, PinholeCamera, Scene, Transform};
 use mujoco_safe::{Data, Error, Model, sample};
@@ -7,6 +8,8 @@ use mujoco_safe::{Data, Error, Model, sample};
 use crate::stage;
 
 const SIZE: [usize; 2] = [160, 120];
+/// Relative error of depth at viewing angles of 15° or more.
+const PRECISION: f64 = 1.0 / 3000.0;
 /// A tilted camera beside a finite floor with a box and a sphere.
 const TABLE: &str = r#"<mujoco>
     <visual><global fovy="38"/></visual>
@@ -45,6 +48,14 @@ impl Eye {
         Self { pos, right: [sin, -cos, 0.0], up: [-down * cos, -down * sin, along], forward, fovy }
     }
 
+    /// Returns the direction through the centre of a pixel, scaled so that distance is depth.
+    fn direction(&self, [x, y]: [usize; 2]) -> [f64; 3] {
+        let [width, height] = SIZE.map(|length| length as f64);
+        let pixel = 2.0 * (self.fovy.to_radians() / 2.0).tan() / height;
+        let (x, y) = ((x as f64 + 0.5 - width / 2.0) * pixel, (height / 2.0 - y as f64 - 0.5) * pixel);
+        [0, 1, 2].map(|axis| self.forward[axis] + x * self.right[axis] + y * self.up[axis])
+    }
+
     fn assert_equals(&self, camera: &PinholeCamera) {
         let focal_length = SIZE[1] as f64 / (2.0 * (self.fovy.to_radians() / 2.0).tan());
         assert!((camera.fx - focal_length).abs() < 1e-6 * focal_length && camera.fx == camera.fy, "{camera:?}");
@@ -80,6 +91,65 @@ fn intrinsics_and_pose_follow_from_the_field_of_view_and_the_camera() {
     let mut free = free(data.model());
     let camera = renderer.snapshot(&mut data, &mut free).unwrap().pinhole_camera().unwrap();
     Eye::of_free(data.model(), &free).assert_equals(&camera);
+}
+
+#[test]
+fn points_of_a_depth_image_are_where_rays_hit() {
+    let (mut data, mut renderer) = table();
+    let free = free(data.model());
+    let eyes = [Eye::of_model(&data, "tilted"), Eye::of_free(data.model(), &free)];
+    let fixed = Camera::fixed(data.model().camera("tilted").unwrap().id());
+    for (eye, mut camera) in eyes.iter().zip([fixed, free]) {
+        let mut snapshot = renderer.snapshot(&mut data, &mut camera).unwrap();
+        let depth = snapshot.depth().unwrap();
+        let camera = snapshot.pinhole_camera().unwrap();
+        assert_points_equal_hits(&data, eye, &depth.points(&camera).collect::<Vec<_>>());
+        for ([x, y], point) in depth.points(&camera) {
+            let [u, v] = camera.project(&point).unwrap();
+            assert!((u - x as f64 - 0.5).abs() < 1e-9 && (v - y as f64 - 0.5).abs() < 1e-9, "[{x}, {y}]: [{u}, {v}]");
+        }
+    }
+}
+
+fn assert_points_equal_hits(data: &Data, eye: &Eye, points: &[([usize; 2], [f64; 3])]) {
+    let [width, height] = SIZE;
+    let hit = |pixel: [usize; 2]| data.ray(eye.pos, eye.direction(pixel), &RayOptions::default()).unwrap();
+    let hits: Vec<_> = (0..width * height).map(|index| hit([index % width, index / width])).collect();
+    let mut found = vec![None; hits.len()];
+    for &([x, y], point) in points {
+        found[y * width + x] = Some(point);
+    }
+    let mut counts = [0; 4]; // sky, floor, box, sphere
+    for (y, x) in (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (y, x))) {
+        let geom = |index: usize| hits[index].map(|hit| hit.geom);
+        let index = y * width + x;
+        let around = (0..9).map(|place| (y + place / 3 - 1) * width + x + place % 3 - 1);
+        if around.into_iter().any(|neighbour| geom(neighbour) != geom(index)) {
+            continue; // an outline
+        }
+        let Some(hit) = hits[index] else {
+            assert_eq!(found[index], None, "sky at [{x}, {y}]");
+            counts[0] += 1;
+            continue;
+        };
+        let direction = eye.direction([x, y]);
+        let expected = [0, 1, 2].map(|axis| eye.pos[axis] + hit.distance * direction[axis]);
+        let length = |vector: [f64; 3]| vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let name = data.geom(hit.geom).name().unwrap();
+        if name == "sphere" {
+            let center = data.geom(hit.geom).xpos();
+            let slope: f64 = (0..3).map(|axis| (expected[axis] - center[axis]) * direction[axis]).sum();
+            if slope.abs() / (0.3 * length(direction)) < 15_f64.to_radians().sin() {
+                continue;
+            }
+        }
+        let point = found[index].unwrap_or_else(|| panic!("no point on the {name} at [{x}, {y}]"));
+        let error = length([0, 1, 2].map(|axis| point[axis] - expected[axis]));
+        let limit = PRECISION * hit.distance * length(direction);
+        assert!(error <= limit, "{name} at [{x}, {y}]: {point:?}, the ray hits {expected:?}");
+        counts[["", "floor", "box", "sphere"].iter().position(|geom| *geom == name).unwrap()] += 1;
+    }
+    assert!(counts.iter().all(|&count| count > 200), "pixels of sky, floor, box and sphere: {counts:?}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::{RgbImage, check, index, write_png_grey16};
 use crate::error::Result;
 use crate::file;
+use crate::scene::PinholeCamera;
 
 /// Depth image: for each pixel the distance of the visible surface along the optical axis of the camera, m.
 /// [`f32::INFINITY`] for the background.
@@ -77,6 +78,46 @@ impl DepthImage {
         })
     }
 
+    /// Iterates over the pixels that show a surface, row by row from the top: the pixel `[x, y]`, column from the left and row from the
+    /// top, and the point of the surface at the centre of the pixel, m, in the world frame. Skips the background.
+    ///
+    /// `camera` is the camera of the image: see [`Scene::pinhole_camera`](crate::scene::Scene::pinhole_camera) and
+    /// [`Snapshot::pinhole_camera`](crate::render::Snapshot::pinhole_camera).
+    ///
+    /// # Panics
+    ///
+    /// If the image of the camera has another size.
+    ///
+    /// ```
+    /// use mujoco_safe::render::DepthImage;
+    /// use mujoco_safe::scene::PinholeCamera;
+    ///
+    /// // A camera at the origin looks down.
+    /// let mat = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    /// let camera = PinholeCamera { width: 2, height: 1, fx: 2.0, fy: 2.0, cx: 1.0, cy: 0.5, pos: [0.0; 3], mat };
+    /// let depth = DepthImage::from_metres(2, 1, vec![f32::INFINITY, 3.0])?;
+    /// let cloud: Vec<_> = depth.points(&camera).collect();
+    /// assert_eq!(cloud, [([1, 0], [0.75, 0.0, -3.0])]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "point_cloud")]
+    #[track_caller]
+    pub fn points(&self, camera: &PinholeCamera) -> impl Iterator<Item = ([usize; 2], [f64; 3])> + '_ {
+        assert!(
+            [self.width, self.height] == [camera.width, camera.height],
+            "a depth image of {} x {} pixels and a camera of {} x {} pixels",
+            self.width,
+            self.height,
+            camera.width,
+            camera.height
+        );
+        let (camera, width) = (*camera, self.width);
+        self.metres.iter().enumerate().filter(|(_, depth)| depth.is_finite()).map(move |(index, &depth)| {
+            let pixel = [index % width, index / width];
+            (pixel, camera.unproject(pixel.map(|place| place as f64 + 0.5), f64::from(depth)))
+        })
+    }
+
     /// Converts the depths to a grey image for display: white at depth `near`, darker with depth, dark grey at `far`
     /// and beyond; black for the background. See [`range`](Self::range).
     pub fn to_rgb(&self, [near, far]: [f32; 2]) -> RgbImage {
@@ -130,7 +171,7 @@ impl fmt::Debug for DepthImage {
 
 #[cfg(test)]
 mod tests {
-    use super::DepthImage;
+    use super::{DepthImage, PinholeCamera};
 
     fn picture() -> DepthImage {
         DepthImage::from_metres(4, 2, vec![0.5, 1.0, 2.5, f32::INFINITY, 0.0004, 65.535, 65.536, f32::NAN]).unwrap()
@@ -172,6 +213,14 @@ mod tests {
     fn background_has_no_range() {
         assert_eq!(DepthImage::from_metres(1, 1, vec![f32::INFINITY]).unwrap().range(), None);
         assert_eq!(DepthImage::default().range(), None);
+    }
+
+    #[test]
+    #[should_panic(expected = "a depth image of 4 x 2 pixels and a camera of 2 x 4 pixels")]
+    fn points_of_a_camera_of_another_size_panic() {
+        let camera =
+            PinholeCamera { width: 2, height: 4, fx: 1.0, fy: 1.0, cx: 1.0, cy: 2.0, pos: [0.0; 3], mat: [0.0; 9] };
+        let _ = picture().points(&camera).count();
     }
 
     #[test]

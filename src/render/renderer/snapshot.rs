@@ -23,7 +23,12 @@ use crate::scene::{CameraSource, PinholeCamera, Scene, SceneOptions};
 /// let mut snapshot = renderer.snapshot(&mut data, "side")?;
 /// let colours = snapshot.rgb()?;
 /// let depth = snapshot.depth()?;
-/// println!("{:?}: {} m", colours.pixel(320, 240), depth.metres(320, 240));
+///
+/// // A coloured point cloud in the world frame.
+/// let camera = snapshot.pinhole_camera()?;
+/// for ([x, y], point) in depth.points(&camera) {
+///     println!("{point:?} {:?}", colours.pixel(x, y));
+/// }
 /// # Ok::<(), mujoco_safe::render::RenderError>(())
 /// ```
 pub struct Snapshot<'r> {
