@@ -19,8 +19,8 @@ use std::path::PathBuf;
 use common::command_line;
 use mujoco_safe::id::GeomId;
 use mujoco_safe::render::{DepthImage, Renderer, SegmentationImage};
-use mujoco_safe::scene::{Camera, Categories, SceneObject, SceneOptions};
-use mujoco_safe::{Data, Model, Scene};
+use mujoco_safe::scene::SceneObject;
+use mujoco_safe::{Data, Model};
 
 const HELP: &str = "camera_sensor [--seconds S] [--size WxH] [--out DIR]";
 
@@ -57,8 +57,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     let mut data = Data::new(Model::from_xml_str(include_str!("../models/rover.xml"))?)?;
     let model = data.model().clone();
     let (ball, mast) = (model.geom("ball")?.id(), model.geom("head")?.id());
-    let mut camera = Camera::fixed(model.camera("eye")?.id());
-    let mut scene = Scene::new(&model, 1000)?;
+    let eye = model.camera("eye")?.id();
     let mut renderer = Renderer::new(&model, width, height)?;
     let (mut depth, mut segmentation) = (DepthImage::default(), SegmentationImage::default());
     if let Some(out) = &out {
@@ -72,9 +71,9 @@ fn run() -> Result<(), Box<dyn Error>> {
     while data.time() < seconds {
         if data.time() >= f64::from(images) * IMAGE_INTERVAL {
             // Render the present view of the camera.
-            scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
-            renderer.depth_into(&scene, &mut depth)?;
-            renderer.segmentation_into(&scene, &mut segmentation)?;
+            let mut snapshot = renderer.snapshot(&mut data, eye)?;
+            snapshot.depth_into(&mut depth)?;
+            snapshot.segmentation_into(&mut segmentation)?;
             detection = Detection::find(ball, &depth, &segmentation);
 
             // Drive towards the ball and slow down near it. Without a detection, turn on the spot.
@@ -86,7 +85,7 @@ fn run() -> Result<(), Box<dyn Error>> {
 
             if let Some(out) = out.as_ref().filter(|_| images % 10 == 0) {
                 let name = |kind: &str| out.join(format!("rover_{images:03}_{kind}.png"));
-                renderer.rgb(&scene)?.save_png(name("rgb"))?;
+                snapshot.rgb()?.save_png(name("rgb"))?;
                 depth.to_rgb([0.0, 5.0]).save_png(name("depth"))?;
                 segmentation.save_png(name("segmentation"))?;
                 bar.suspend(|| println!("{}", describe(&data, detection)));

@@ -19,10 +19,10 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use common::{balance, command_line};
+use mujoco_safe::Controller;
 use mujoco_safe::record::{Recorder, RecorderOptions};
 use mujoco_safe::render::{Renderer, RgbImage};
-use mujoco_safe::scene::{Camera, Categories, SceneOptions, VisualFlags};
-use mujoco_safe::{Controller, Scene};
+use mujoco_safe::scene::{Camera, SceneOptions, VisualFlags};
 
 const HELP: &str = "record [--out PATH] [--seconds S] [--slow N] [--fps N] [--size WxH]";
 
@@ -67,13 +67,11 @@ fn run() -> Result<(), Box<dyn Error>> {
     let model = data.model().clone();
     let torso = model.body("torso")?.id();
 
-    // Configure the scene and the camera.
-    let mut scene = Scene::new(&model, 1000)?;
+    // Configure the images.
     let mut shown = SceneOptions::default();
     shown.flags |= VisualFlags::PERTFORCE;
     let mut camera = Camera { distance: 2.9, azimuth: 215.0, elevation: -12.0, ..Camera::free(&model) };
     camera.lookat = [0.0, 0.0, 0.85];
-    scene.update_camera(&data, &mut camera)?;
     let mut renderer = Renderer::new(&model, width, height)?;
     let mut picture = RgbImage::default();
 
@@ -84,8 +82,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         *data.body_mut(torso).xfrc_applied_mut() = [x, y, 0.0, 0.0, 0.0, 0.0];
         // Rendering takes longer than a step, so render only when a frame is due.
         if recorder.is_due(data.time()) {
-            scene.update(&mut data, &shown, None, &mut camera, Categories::all())?;
-            renderer.rgb_into(&scene, &mut picture)?;
+            renderer.snapshot_with(&mut data, &mut camera, &shown)?.rgb_into(&mut picture)?;
             recorder.push(&picture, data.time())?;
         }
         lqr.control(&mut data)?;

@@ -20,8 +20,8 @@ use std::path::PathBuf;
 use common::{balance, command_line, window};
 use mujoco_safe::record::{Recorder, RecorderOptions};
 use mujoco_safe::render::{Renderer, RgbImage};
-use mujoco_safe::scene::{Camera, Categories, SceneOptions};
-use mujoco_safe::{Controller, Data, Scene, Trajectory, ZeroController};
+use mujoco_safe::scene::Camera;
+use mujoco_safe::{Controller, Data, Trajectory, ZeroController};
 
 const HELP: &str = "trajectories [--out PATH] [--seconds S] [--size WxH] [--view]";
 
@@ -77,11 +77,8 @@ fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> 
     let [width, height] = arguments.size;
     let mut recorder = Recorder::create(&arguments.out, RecorderOptions::default().with_frames_per_second(25.0))?;
     let mut renderer = Renderer::new(data.model(), width, height)?;
-    let mut scene = Scene::new(data.model(), 1000)?;
-    let options = SceneOptions::default();
     let mut camera = Camera { distance: 3.2, azimuth: 200.0, elevation: -12.0, ..Camera::free(data.model()) };
     camera.lookat = [0.0, 0.0, 0.75];
-    scene.update_camera(data, &mut camera)?;
 
     let (width, height) = (width as usize, height as usize);
     let mut both = RgbImage::new(width * trajectories.len(), height);
@@ -94,8 +91,7 @@ fn draw(data: &mut Data, trajectories: &[Trajectory], arguments: &Arguments) -> 
         for (index, trajectory) in trajectories.iter().enumerate() {
             trajectory.apply(record, data)?;
             data.forward()?;
-            scene.update(data, &options, None, &mut camera, Categories::all())?;
-            renderer.rgb_into(&scene, &mut half)?;
+            renderer.snapshot(data, &mut camera)?.rgb_into(&mut half)?;
             let halves = both.as_bytes_mut().chunks_exact_mut(3 * width).skip(index).step_by(trajectories.len());
             halves.zip(half.as_bytes().chunks_exact(3 * width)).for_each(|(to, from)| to.copy_from_slice(from));
         }
