@@ -5,36 +5,33 @@
 //!
 //! # From a simulation to an image
 //!
-//! 1. [`Data::forward`] computes the poses.
-//! 2. A [`Scene`] converts the simulation to a list of geoms and lights, as seen by a [`Camera`]. It needs no graphics driver.
-//! 3. A [`Renderer`][renderer] draws the scene to an [`RgbImage`][rgb], a [`DepthImage`][depth] or a [`SegmentationImage`][segmentation].
+//! [`Data::forward`] computes the poses. A [`Renderer`][renderer] takes a snapshot of the simulation from a camera: a name, an index, an id, or a
+//! `&mut` [`Camera`]. One snapshot gives an [`RgbImage`][rgb], a [`DepthImage`][depth] and a [`SegmentationImage`][segmentation] of the same moment.
 //!
 #![cfg_attr(feature = "renderer", doc = "```no_run")]
 #![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
 //! use mujoco_safe::render::Renderer;
-//! use mujoco_safe::scene::{Camera, Categories, SceneOptions};
-//! use mujoco_safe::{Data, Scene, sample};
+//! use mujoco_safe::scene::Camera;
+//! use mujoco_safe::{Data, sample};
 //!
 //! let mut data = Data::new(sample::humanoid())?;
 //! data.reset_to_key("squat")?;
 //! data.forward()?;
+//! let mut renderer = Renderer::new(data.model(), 640, 480)?; // width, height
+//! renderer.snapshot(&mut data, "side")?.rgb()?.save_png("side.png")?;
 //!
 //! let mut camera = Camera { azimuth: 120.0, elevation: -15.0, ..Camera::free(data.model()) };
-//! let mut scene = Scene::new(data.model(), 1000)?; // room for 1000 geoms
-//! scene.update_camera(&data, &mut camera)?;        // once: places an infinite floor before the first update
-//! scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
-//!
-//! let mut renderer = Renderer::new(data.model(), 640, 480)?; // width, height
-//! renderer.rgb(&scene)?.save_png("humanoid.png")?;
-//! renderer.depth(&scene)?.save_png("depth.png")?;            // 16 bits, millimetres
-//! for (segment, pixels) in renderer.segmentation(&scene)?.segments() {
+//! let mut snapshot = renderer.snapshot(&mut data, &mut camera)?;
+//! snapshot.depth()?.save_png("depth.png")?; // 16 bits, millimetres
+//! for (segment, pixels) in snapshot.segmentation()?.segments() {
 //!     println!("{:?}: {pixels} pixels", segment.object);
 //! }
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
 //!
-//! One scene serves for all three kinds of images. Keep scene and renderer for further images: the first image compiles shaders and uploads
-//! textures. `rgb_into`, `depth_into` and `segmentation_into` write to an existing image.
+//! Keep the renderer for further images: the first image compiles shaders and uploads textures. `rgb_into`, `depth_into` and
+//! `segmentation_into` write to an existing image. A program that restricts [categories](crate::scene::Categories), shows a perturbation or draws
+//! several simulations in one image updates a [`Scene`] itself and passes it to the renderer.
 //!
 //! # Cameras
 //!
@@ -73,36 +70,26 @@
 //!
 //! # Points from a depth image
 //!
-//! The depth is measured along the optical axis. A camera looks along its negative z axis, with x to the right and y upwards. For a camera of
-//! the model with the vertical angle of view `fovy`, a pixel of depth `z` is this point in the world frame:
+//! The depth is measured along the optical axis, in metres. The snapshot knows the focal lengths, the principal point and the pose of its camera, so
+//! a depth image becomes a point cloud in the world frame:
 //!
-//! ```
-//! use mujoco_safe::id::CameraId;
-//! use mujoco_safe::{Data, math};
+#![cfg_attr(feature = "renderer", doc = "```no_run")]
+#![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
+//! use mujoco_safe::render::Renderer;
+//! use mujoco_safe::{Data, sample};
 //!
-//! /// Returns the point in the world frame of a pixel of an image of a model's camera.
-//! fn point(data: &Data, camera: CameraId, [width, height]: [usize; 2], [column, row]: [usize; 2], z: f64) -> [f64; 3] {
-//!     let view = data.camera(camera);
-//!     let focal = 0.5 * height as f64 / (0.5 * view.in_model().fovy().to_radians()).tan(); // pixels
-//!     let x = (column as f64 + 0.5 - 0.5 * width as f64) * z / focal;
-//!     let y = (0.5 * height as f64 - row as f64 - 0.5) * z / focal;
-//!     let [dx, dy, dz] = math::rot_vec_mat(&[x, y, -z], view.xmat());
-//!     let [px, py, pz] = *view.xpos();
-//!     [px + dx, py + dy, pz + dz]
+//! let mut data = Data::new(sample::cartpole())?;
+//! data.forward()?;
+//! let mut renderer = Renderer::new(data.model(), 640, 480)?;
+//! let mut snapshot = renderer.snapshot(&mut data, "fixed")?;
+//! let (colours, depth, camera) = (snapshot.rgb()?, snapshot.depth()?, snapshot.pinhole_camera()?);
+//! for ([x, y], point) in depth.points(&camera) {
+//!     println!("{point:?} {:?}", colours.pixel(x, y));
 //! }
-//! # let mut data = Data::new(mujoco_safe::sample::cartpole())?;
-//! # data.forward()?;
-//! # let camera = data.model().camera("fixed")?.id();
-//! # let centre = point(&data, camera, [641, 481], [320, 240], 2.0);
-//! # let axis = data.camera(camera).xmat();
-//! # let from = data.camera(camera).xpos();
-//! # (0..3).for_each(|i| assert!((centre[i] - (from[i] - 2.0 * axis[3 * i + 2])).abs() < 1e-12));
-//! # let upper = point(&data, camera, [641, 481], [320, 0], 2.0);
-//! # assert!(upper[2] > centre[2]);
-//! # let right = point(&data, camera, [641, 481], [640, 240], 2.0);
-//! # assert!(right[0] > centre[0]);
-//! # Ok::<(), mujoco_safe::Error>(())
+//! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
+//!
+//! [`PinholeCamera`](crate::scene::PinholeCamera) documents the formulas, and also converts single pixels and points.
 //!
 //! # Animations
 //!
@@ -113,19 +100,16 @@
 #![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
 //! use mujoco_safe::record::{Recorder, RecorderOptions};
 //! use mujoco_safe::render::{Renderer, RgbImage};
-//! use mujoco_safe::scene::{Camera, Categories, SceneOptions};
-//! use mujoco_safe::{Data, Scene, sample};
+//! use mujoco_safe::{Data, sample};
 //!
 //! let mut data = Data::new(sample::humanoid())?;
-//! let (mut scene, mut camera) = (Scene::new(data.model(), 1000)?, Camera::free(data.model()));
 //! let mut renderer = Renderer::new(data.model(), 480, 360)?;
 //! let mut image = RgbImage::default();
 //! let mut recorder = Recorder::create("fall.gif", RecorderOptions::default().with_frames_per_second(25.0))?;
 //! while data.time() < 2.0 {
 //!     if recorder.is_due(data.time()) {
 //!         data.forward()?; // the poses of the present state
-//!         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
-//!         renderer.rgb_into(&scene, &mut image)?;
+//!         renderer.snapshot(&mut data, "side")?.rgb_into(&mut image)?;
 //!         recorder.push(&image, data.time())?;
 //!     }
 //!     data.step()?;

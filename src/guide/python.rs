@@ -108,12 +108,13 @@
 //! | Python | here |
 //! |---|---|
 //! | `mujoco.Renderer(m, height, width)` | [`Renderer::new(&m, width, height)?`][renderer], feature `renderer` |
-//! | `renderer.update_scene(d, camera='eye')`, `mujoco.mjv_updateScene(…)` | [`scene.update(&mut d, &options, None, &mut camera, Categories::all())?`](crate::Scene::update) |
+//! | `renderer.update_scene(d, camera='eye')` | [`renderer.snapshot(&mut d, "eye")?`][snapshot] |
+//! | `mujoco.mjv_updateScene(…)` | [`scene.update(&mut d, &options, None, &mut camera, Categories::all())?`](crate::Scene::update) |
 //! | `camera='eye'` | [`Camera::fixed(m.camera("eye")?.id())`](crate::scene::Camera::fixed) |
 //! | `mujoco.MjvCamera()`, `mujoco.MjvOption()` | [`Camera::free(&m)`](crate::scene::Camera), [`SceneOptions::default()`](crate::scene::SceneOptions) |
-//! | `renderer.render()` | [`renderer.rgb(&scene)?`][rgb] |
-//! | `renderer.enable_depth_rendering()` | [`renderer.depth(&scene)?`][depth], in metres |
-//! | `renderer.enable_segmentation_rendering()` | [`renderer.segmentation(&scene)?`][segmentation] |
+//! | `renderer.render()` | [`snapshot.rgb()?`][rgb] |
+//! | `renderer.enable_depth_rendering()` | [`snapshot.depth()?`][depth], in metres |
+//! | `renderer.enable_segmentation_rendering()` | [`snapshot.segmentation()?`][segmentation] |
 //! | `mujoco.mjv_initGeom(scn.geoms[scn.ngeom], …)` | [`scene.add_geom(&NewGeom::sphere(0.1).pos(p))?`](crate::Scene::add_geom) |
 //! | `mujoco.viewer.launch(m, d)` | [`Viewer::new().run(d)?`][viewer], feature `viewer` |
 //! | `mujoco.viewer.launch_passive(m, d)` | [`viewer::launch(options)?`][launch], or [`viewer::run`][run] on macOS |
@@ -164,23 +165,17 @@
 //!
 //! # An image from a camera of the model
 //!
-//! The width comes before the height. A [`Scene`](crate::Scene) can also serve for depth and segmentation of the same moment.
+//! The width comes before the height. One snapshot gives colours, depth and segmentation of the same moment.
 //!
 #![cfg_attr(feature = "renderer", doc = "```no_run")]
 #![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
 //! use mujoco_safe::render::Renderer;
-//! use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
 //! use mujoco_safe::{Data, sample};
 //!
 //! let mut data = Data::new(sample::cartpole())?;
 //! data.forward()?;
-//! let mut scene = Scene::new(data.model(), 1000)?;
-//! let mut camera = Camera::fixed(data.model().camera("fixed")?.id());
-//! scene.update_camera(&data, &mut camera)?; // once, before the first update
-//! scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all())?;
-//!
 //! let mut renderer = Renderer::new(data.model(), 640, 480)?;
-//! renderer.rgb(&scene)?.save_png("cartpole.png")?;
+//! renderer.snapshot(&mut data, "fixed")?.rgb()?.save_png("cartpole.png")?;
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
 //!
@@ -225,9 +220,10 @@
     feature = "viewer",
     doc = "
 [renderer]: crate::render::Renderer::new
-[rgb]: crate::render::Renderer::rgb
-[depth]: crate::render::Renderer::depth
-[segmentation]: crate::render::Renderer::segmentation
+[snapshot]: crate::render::Renderer::snapshot
+[rgb]: crate::render::Snapshot::rgb
+[depth]: crate::render::Snapshot::depth
+[segmentation]: crate::render::Snapshot::segmentation
 [viewer]: crate::viewer::Viewer::run
 [launch]: crate::viewer
 [run]: crate::viewer::run
@@ -239,6 +235,7 @@
     not(feature = "viewer"),
     doc = "
 [renderer]: crate#features
+[snapshot]: crate#features
 [rgb]: crate#features
 [depth]: crate#features
 [segmentation]: crate#features
