@@ -54,7 +54,7 @@ fn an_edit_that_fails_returns_its_error_and_keeps_earlier_changes() {
     let error = data
         .edit_model(|model| {
             model.body_mass_mut()[1] = 5.0;
-            model.geom_mut("flor")?.set_contype(2);
+            model.geom_mut("floors")?.set_contype(2);
             Ok(())
         })
         .unwrap_err();
