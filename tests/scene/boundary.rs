@@ -440,7 +440,7 @@ fn user_geoms_remain_until_the_next_update() {
     scene.update(&mut data, &options, None, &mut camera, Categories::all()).unwrap();
     let shown = scene.ngeom();
     let texture = model.texture("checks").unwrap().id();
-    for (index, geom) in [
+    let geoms = [
         NewGeom::plane([1.0, 2.0]),
         NewGeom::capsule(0.1, 0.2),
         NewGeom::ellipsoid([0.1, 0.2, 0.3]),
@@ -448,10 +448,8 @@ fn user_geoms_remain_until_the_next_update() {
         NewGeom::cuboid([0.1, 0.2, 0.3]).texture(texture, TextureRepeat::PerLength([2.0, 3.0])),
         NewGeom::mesh(model.mesh("tetra").unwrap().id()),
         NewGeom::height_field(model.height_field("second").unwrap().id()),
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    ];
+    for (index, geom) in geoms.into_iter().enumerate() {
         assert_eq!(scene.add_geom(&geom).unwrap(), shown + index);
         assert_eq!((scene.geom(shown + index).object(), scene.geom(shown + index).segid()), (None, shown + index));
     }
@@ -461,8 +459,7 @@ fn user_geoms_remain_until_the_next_update() {
     assert_eq!(added(2).size(), [0.1, 0.2, 0.3]);
     assert_eq!((added(3).size(), added(3).category()), ([0.1, 0.1, 0.2], Categories::DYNAMIC));
     assert_eq!((added(4).texture(), added(4).texrepeat(), added(4).texuniform()), (Some(texture), [2.0, 3.0], true));
-    assert_eq!(added(5).mesh(), Some(model.mesh("tetra").unwrap().id()));
-    assert!(!added(5).shows_convex_hull());
+    assert_eq!((added(5).mesh(), added(5).shows_convex_hull()), (Some(model.mesh("tetra").unwrap().id()), false));
     assert_eq!(added(6).height_field(), Some(model.height_field("second").unwrap().id()));
     // A convex hull, where one exists.
     for mesh in model.meshes() {
