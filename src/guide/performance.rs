@@ -87,17 +87,17 @@
 //!
 //! | | time | ratio | command |
 //! |---|---|---|---|
-//! | [`Data::step`], humanoid | 44 µs | 0.997 [0.994, 1.001] | `cargo bench --bench step` |
-//! | [`Data::step`], cart-pole | 1.7 µs | 0.994 [0.993, 0.995] | |
-//! | [`Data::step`], 22 humanoids | 0.8 ms | 0.998 [0.994, 1.002] | |
-//! | [`Data::transition_fd_into`], humanoid, A and B | 2.3 ms | 1.001 [0.997, 1.005] | `cargo bench --bench transition_fd` |
-//! | the same by implicit differentiation | | 0.417 [0.416, 0.419] | |
-//! | the same in two threads | | 0.240 [0.239, 0.241] | |
-//! | [`Data::jac_body_com_into`] | 93 ns | 1.007 [1.007, 1.007] | `cargo bench --bench jacobian` |
+//! | [`Data::step`], humanoid | 43 µs | 1.000 [0.998, 1.003] | `cargo bench --bench step` |
+//! | [`Data::step`], cart-pole | 1.7 µs | 0.993 [0.992, 0.994] | |
+//! | [`Data::step`], 22 humanoids | 0.8 ms | 0.999 [0.994, 1.004] | |
+//! | [`Data::transition_fd_into`], humanoid, A and B | 2.3 ms | 1.000 [0.999, 1.002] | `cargo bench --bench transition_fd` |
+//! | the same by implicit differentiation | | 0.421 [0.420, 0.421] | |
+//! | the same in two threads | | 0.26 to 0.34 in three runs, as other programs used the host | |
+//! | [`Data::jac_body_com_into`] | 93 ns | 1.006 [1.005, 1.006] | `cargo bench --bench jacobian` |
 //!
 //! A step takes no longer than in C because the check of the inputs replaces the engine's own, which makes a function call for each number. The
 //! Riccati equation of the humanoid, with 54 states and 21 controls, is solved with a relative residual of 2·10⁻¹³ (`cargo bench --bench riccati`).
-//! The humanoid's regulator computes its controls in 0.4 µs without allocation; as a closure that allocates vectors it takes 1.17 times as long
+//! The humanoid's regulator computes its controls in 0.4 µs without allocation; as a closure that allocates vectors it takes 1.08 times as long
 //! (`cargo bench --bench controller`).
 //!
 //! Frames per second of processor time relative to the engine's own renderer, with the same settings and software rendering (Mesa's Vulkan and
