@@ -48,6 +48,13 @@ pub enum SensorUpdate {
     Skip,
 }
 
+impl SensorUpdate {
+    /// Returns [`Compute`](Self::Compute) if sensors are needed.
+    pub(crate) fn needed(needed: bool) -> Self {
+        if needed { Self::Compute } else { Self::Skip }
+    }
+}
+
 bitflags! {
     /// Parts of the pipeline whose results are valid: laid out as the present options require, and newer than all results that
     /// they depend on.
@@ -177,13 +184,13 @@ impl PipelineFlags {
     }
 
     /// Returns the sensor stages that are valid after forward or inverse dynamics with the stages up to `skip` left out.
-    pub(crate) fn sensors_after(self, skip: Stage, skip_sensors: bool) -> Self {
+    pub(crate) fn sensors_after(self, skip: Stage, sensors: SensorUpdate) -> Self {
         let kept = match skip {
             Stage::Nothing => Self::empty(),
             Stage::Position => Self::SENSOR_POS,
             Stage::Velocity | Stage::Acceleration => Self::SENSOR_POS | Self::SENSOR_VEL,
         };
-        let read = if skip_sensors { Self::empty() } else { Self::SENSORS - kept };
+        let read = if sensors == SensorUpdate::Skip { Self::empty() } else { Self::SENSORS - kept };
         (self & kept) | read
     }
 
@@ -304,7 +311,7 @@ impl fmt::Debug for MissingResults {
 
 #[cfg(test)]
 mod tests {
-    use super::{PipelineFlags, Stage};
+    use super::{PipelineFlags, SensorUpdate, Stage};
 
     #[test]
     fn parts_are_in_topological_order() {
@@ -336,11 +343,17 @@ mod tests {
     #[test]
     fn only_sensor_readings_of_skipped_stages_are_kept() {
         let (all, none) = (PipelineFlags::all(), PipelineFlags::empty());
-        assert_eq!(none.sensors_after(Stage::Nothing, false), PipelineFlags::SENSORS);
-        assert_eq!(all.sensors_after(Stage::Nothing, true), none);
-        assert_eq!(none.sensors_after(Stage::Position, false), PipelineFlags::SENSOR_VEL | PipelineFlags::SENSOR_ACC);
-        assert_eq!(all.sensors_after(Stage::Position, true), PipelineFlags::SENSOR_POS);
-        assert_eq!(none.sensors_after(Stage::Velocity, false), PipelineFlags::SENSOR_ACC);
-        assert_eq!(all.sensors_after(Stage::Velocity, true), PipelineFlags::SENSOR_POS | PipelineFlags::SENSOR_VEL);
+        assert_eq!(none.sensors_after(Stage::Nothing, SensorUpdate::Compute), PipelineFlags::SENSORS);
+        assert_eq!(all.sensors_after(Stage::Nothing, SensorUpdate::Skip), none);
+        assert_eq!(
+            none.sensors_after(Stage::Position, SensorUpdate::Compute),
+            PipelineFlags::SENSOR_VEL | PipelineFlags::SENSOR_ACC
+        );
+        assert_eq!(all.sensors_after(Stage::Position, SensorUpdate::Skip), PipelineFlags::SENSOR_POS);
+        assert_eq!(none.sensors_after(Stage::Velocity, SensorUpdate::Compute), PipelineFlags::SENSOR_ACC);
+        assert_eq!(
+            all.sensors_after(Stage::Velocity, SensorUpdate::Skip),
+            PipelineFlags::SENSOR_POS | PipelineFlags::SENSOR_VEL
+        );
     }
 }

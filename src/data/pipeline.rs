@@ -266,7 +266,7 @@ impl Data {
         };
         self.check_parts("forward_skip", needs)?;
         self.check_inputs()?;
-        let results = C::FORWARD | self.computed.sensors_after(skip, sensors == SensorUpdate::Skip);
+        let results = C::FORWARD | self.computed.sensors_after(skip, sensors);
         self.run("mj_forwardSkip", results, |m, d| {
             // SAFETY: as for the other parts.
             unsafe { guard::mj_forward_skip(m, d, stage as c_int, (sensors == SensorUpdate::Skip).into()) }
@@ -289,8 +289,7 @@ impl Data {
         self.check_parts("inverse_skip", needs)?;
         self.check_inputs()?;
         self.clear_stale_inputs(results);
-        let computes =
-            (self.after(results) - C::SENSORS) | self.computed.sensors_after(skip, sensors == SensorUpdate::Skip);
+        let computes = (self.after(results) - C::SENSORS) | self.computed.sensors_after(skip, sensors);
         self.run("mj_inverseSkip", computes, |m, d| {
             // SAFETY: as for the other parts.
             unsafe { guard::mj_inverse_skip(m, d, stage as c_int, (sensors == SensorUpdate::Skip).into()) }

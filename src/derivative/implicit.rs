@@ -130,8 +130,7 @@ impl Linearisation {
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<bool> {
         let Settings { model, wanted, .. } = settings;
         let data = &mut point.data;
-        let sensors = if wanted.sensors { SensorUpdate::Compute } else { SensorUpdate::Skip };
-        data.forward_skip(Stage::Nothing, sensors)?;
+        data.forward_skip(Stage::Nothing, SensorUpdate::needed(wanted.sensors))?;
         if !data.qacc().iter().all(|value| value.abs() <= mjMAXVAL) {
             return Ok(false);
         }

@@ -209,11 +209,6 @@ struct InversePerturbation<'a> {
     stack_pointer: c_int,
 }
 
-/// Returns the effect on sensors of an evaluation with the given output.
-fn sensors(output: Option<&&mut Matrix>) -> SensorUpdate {
-    if output.is_some() { SensorUpdate::Compute } else { SensorUpdate::Skip }
-}
-
 /// Layout of the saved values.
 struct Layout {
     qpos: Range<usize>,
@@ -291,7 +286,7 @@ impl<'a> InversePerturbation<'a> {
             if df_da.is_some() || ds_da.is_some() {
                 let qacc = self.data.qacc()[dof];
                 self.data.qacc_mut()[dof] = qacc + self.eps;
-                self.evaluate(Stage::Velocity, sensors(ds_da.as_ref()))?;
+                self.evaluate(Stage::Velocity, SensorUpdate::needed(ds_da.is_some()))?;
                 self.data.qacc_mut()[dof] = qacc;
                 self.record(dof, df_da, ds_da);
             }
@@ -300,7 +295,7 @@ impl<'a> InversePerturbation<'a> {
             if df_dv.is_some() || ds_dv.is_some() {
                 let qvel = self.data.qvel()[dof];
                 self.data.qvel_mut()[dof] = qvel + self.eps;
-                self.evaluate(Stage::Position, sensors(ds_dv.as_ref()))?;
+                self.evaluate(Stage::Position, SensorUpdate::needed(ds_dv.is_some()))?;
                 self.data.qvel_mut()[dof] = qvel;
                 self.record(dof, df_dv, ds_dv);
             }
@@ -308,7 +303,7 @@ impl<'a> InversePerturbation<'a> {
         for dof in 0..nv {
             if df_dq.is_some() || ds_dq.is_some() || dm_dq.is_some() {
                 self.perturb_position(dof)?;
-                self.evaluate(Stage::Nothing, sensors(ds_dq.as_ref()))?;
+                self.evaluate(Stage::Nothing, SensorUpdate::needed(ds_dq.is_some()))?;
                 self.record(dof, df_dq, ds_dq);
                 if let Some(dm_dq) = dm_dq {
                     dm_dq.row_mut(dof).copy_from_slice(self.data.qM());
