@@ -86,6 +86,7 @@ impl fmt::Display for FieldDoc {
 /// for the examples.
 macro_rules! field_docs {
     ($module:ident::$type:ident, $structure:literal, $name:literal, $docs:literal, $count:literal) => {
+        /// # Field documentation
         impl $type {
             #[doc = concat!("Returns the engine's documentation of a field of `mj", $structure, "`, by the field's name in the engine.")]
             ///

@@ -94,27 +94,31 @@
 //! `data` and `model` form the only cycle. A simulation belongs to a model, and three functions of the model need a simulation: an edit through
 //! [`Data::edit_model`] invalidates the simulation's results, and loading and saving compile or simulate the model to check it.
 
+// The page of a type in the documentation has the methods in the order of the modules that declare them: loading a model comes first,
+// the generated accessors come last.
+pub mod model;
+
+pub mod data;
+
+pub mod element;
+
 pub mod callback;
 pub mod control;
 pub mod controller;
 pub mod cookbook;
 pub mod coverage;
-pub mod data;
 pub mod derivative;
-pub mod element;
 mod engine;
 pub mod enums;
 mod error;
 mod ffi;
 mod field_docs;
 mod file;
-mod generated;
 pub mod guide;
 pub mod id;
 pub mod kind;
 pub mod math;
 pub mod matrix;
-pub mod model;
 pub mod prelude;
 pub mod promises;
 #[cfg(feature = "renderer")]
@@ -132,6 +136,8 @@ mod version;
 #[cfg(feature = "viewer")]
 pub mod viewer;
 mod with_methods;
+
+mod generated;
 
 /// The linear algebra crate of the views of matrices, in the version that this crate uses.
 pub use nalgebra;

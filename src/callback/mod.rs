@@ -180,6 +180,7 @@ impl<'c> Callbacks<'c> {
     }
 }
 
+/// # Callbacks
 impl Data {
     /// Runs `run` with these closures active. Within `run`, every call that computes results of this simulation, in any thread,
     /// calls the closures at the points that [`callback`](crate::callback) lists. Clones of the simulation do not call them. A

@@ -8,6 +8,7 @@ use super::{Data, PipelineFlags};
 use crate::error::{Error, Result};
 use crate::model::Model;
 
+/// # Constraints
 impl Model {
     /// Returns true if friction cones are pyramidal.
     #[doc(alias = "mj_isPyramidal")]
@@ -41,6 +42,7 @@ pub enum ConeHessian {
     Skip,
 }
 
+/// # Constraints
 impl Data {
     /// Computes `result = J vector` with the Jacobian J of the constraints: `result` of length nefc, `vector` of length nv.
     ///

@@ -30,6 +30,7 @@ pub struct ContactForce {
     pub torque: [f64; 3],
 }
 
+/// # Contacts
 impl Data {
     /// Returns the contacts of the last collision detection.
     ///
@@ -226,6 +227,7 @@ impl NewContact {
     }
 }
 
+/// # Additional contacts
 impl Data {
     /// Adds a contact to those of the last [`collision`](Self::collision). The constraint rows count as not computed
     /// afterwards: continue with [`make_constraint`](Self::make_constraint). The next collision detection, for example of a step,

@@ -110,6 +110,7 @@ impl From<&mjSolverStat> for SolverIteration {
     }
 }
 
+/// # Timers and solver statistics
 impl Data {
     /// Returns the number and the total duration of the computations of a part since the last reset.
     ///

@@ -33,6 +33,7 @@ struct Nearest {
 /// Width, m, to which the bracket of a positive distance is reduced.
 const RESOLUTION: f64 = 1e-9;
 
+/// # Distances between geoms
 impl Data {
     /// Computes the smallest signed distance between two geoms, or `None` if it is larger than `distmax` in m. Newer engines
     /// provide this as `mj_geomDistance`. Version 2.2.2 does not, so this method uses the collision functions.

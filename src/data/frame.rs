@@ -50,6 +50,7 @@ pub struct SpatialVector {
     pub linear: [f64; 3],
 }
 
+/// # Velocities, forces and positions of frames
 impl Data {
     /// Computes the velocity of a frame.
     ///

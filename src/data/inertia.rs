@@ -18,6 +18,7 @@ pub enum Accelerations {
     Present,
 }
 
+/// # Inertia matrix and inverse dynamics
 impl Data {
     /// Returns the inertia matrix M as a full matrix `(nv, nv)`.
     ///

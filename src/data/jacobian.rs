@@ -78,6 +78,7 @@ macro_rules! jacobian_of {
     };
 }
 
+/// # Jacobians
 impl Data {
     jacobian_of! {
         /// Computes the Jacobian of the frame of a body.

@@ -145,6 +145,7 @@ impl Model {
     }
 }
 
+/// # Length ranges of actuators
 impl ModelMut<'_> {
     /// Computes the length range of an actuator by driving it to both ends in simulation, writes it to `actuator_lengthrange`, and
     /// returns it. If the options exclude the actuator, returns the existing range.

@@ -3,6 +3,15 @@
 //! [`Data`] is a simulation. The other types are arguments and results of its methods. The page [`pipeline`] lists the calls for single parts
 //! of a step; the [guide](crate::guide::concepts) explains which quantities are valid after which call.
 
+// The page of `Data` in the documentation has the methods in the order of the modules.
+mod create;
+
+mod step;
+
+mod reset;
+mod results;
+mod state;
+
 mod call;
 mod constraint;
 mod contact;
@@ -14,16 +23,13 @@ mod jacobian;
 pub(crate) mod length_range;
 pub mod pipeline;
 mod ray;
-mod reset;
-mod state;
-mod step;
 mod warning;
 
 use std::fmt;
-use std::ptr::{self, NonNull};
+use std::ptr::NonNull;
 use std::sync::Arc;
 
-use mujoco_sys::{self as sys, guard, mjData};
+use mujoco_sys::{self as sys, mjData};
 
 use self::call::CallbackSlot;
 pub(crate) use self::call::EngineCallbacks;
@@ -39,11 +45,10 @@ pub use self::state::StateSpec;
 pub(crate) use self::warning::silence as silence_warnings;
 pub use self::warning::{Warning, WarningCount};
 pub use crate::engine::enable_timers;
-use crate::error::{Error, Outcome, Result};
+use crate::error::{Error, Result};
 pub use crate::error::{Instability, UnstableField};
-use crate::ffi;
 use crate::field_docs::field_docs;
-use crate::model::{IntoModel, Model, ModelMut};
+use crate::model::Model;
 pub(crate) use crate::stage::PipelineFlags;
 pub use crate::stage::{MissingResults, SensorUpdate, Stage};
 
@@ -156,168 +161,8 @@ unsafe impl Send for Data {}
 // mj_mulJacVec, mj_mulJacTVec, mj_local2Global. These functions write only to their output arguments.
 unsafe impl Sync for Data {}
 
+/// # Raw access
 impl Data {
-    /// Creates a simulation of a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, in the reference position and at rest.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
-    #[doc(alias = "mj_makeData")]
-    #[doc(alias = "init_data")]
-    pub fn new(model: impl IntoModel) -> Result<Self> {
-        let model = model.into_model();
-        let mut made = ptr::null_mut();
-        // SAFETY: a valid model, and a valid pointer for the result.
-        ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
-        // SAFETY: the engine made it for this model.
-        unsafe { Self::from_raw(made, model) }
-    }
-
-    /// # Safety
-    ///
-    /// `raw` is NULL, or a data that the engine made for a model of the same structure as `model` and that has no other owner.
-    unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
-        let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
-        Ok(Self { raw, model, computed: PipelineFlags::empty(), failure: None, callbacks: None })
-    }
-
-    /// Returns the model.
-    #[inline]
-    pub fn model(&self) -> &Arc<Model> {
-        &self.model
-    }
-
-    /// Changes the model of this simulation. A shared model is copied first, so that other simulations keep theirs unchanged.
-    ///
-    /// All results were computed for the old model, so they count as not computed afterwards.
-    ///
-    /// The closure returns nothing or a [`Result`], as for [`Rollout::edit_model`](crate::Rollout::edit_model); the call returns the
-    /// value in its `Ok`.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated. The model is unchanged then, and
-    /// the data is not poisoned. The error of the closure, if it returns one. Its changes before the error remain.
-    ///
-    /// ```
-    /// use mujoco_safe::enums::Cone;
-    /// use mujoco_safe::{Data, sample};
-    ///
-    /// let mut data = Data::new(sample::humanoid())?;
-    /// data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic))?;
-    /// assert_eq!(data.model().options().cone, Cone::Elliptic);
-    ///
-    /// let mass = data.edit_model(|model| {
-    ///     model.body_mut("torso")?.scale_mass(2.0)?;
-    ///     model.update_constants()?;
-    ///     Ok(model.total_mass())
-    /// })?;
-    /// assert!(mass > 40.0);
-    /// # Ok::<(), mujoco_safe::Error>(())
-    /// ```
-    ///
-    /// The closure cannot replace the model by another one:
-    ///
-    /// ```compile_fail,E0521
-    /// use mujoco_safe::{Data, sample};
-    ///
-    /// let mut a = Data::new(sample::humanoid()).unwrap();
-    /// let mut b = Data::new(sample::cartpole()).unwrap();
-    /// a.edit_model(|a| b.edit_model(|b| std::mem::swap(a, b))); // borrowed data escapes
-    /// ```
-    ///
-    /// ```compile_fail,E0308
-    /// use mujoco_safe::{Data, sample};
-    ///
-    /// let mut data = Data::new(sample::humanoid()).unwrap();
-    /// let mut other = sample::cartpole();
-    /// data.edit_model(|model| std::mem::swap(model, &mut other)); // a `ModelMut` is not a `Model`
-    /// ```
-    ///
-    /// It cannot keep a borrow of the model either:
-    ///
-    /// ```compile_fail,E0521
-    /// use mujoco_safe::{Data, sample};
-    ///
-    /// let mut data = Data::new(sample::humanoid()).unwrap();
-    /// let mut mass = None;
-    /// data.edit_model(|model| mass = Some(model.body_mass_mut())); // borrowed data escapes
-    /// data.step();
-    /// ```
-    pub fn edit_model<O: Outcome>(&mut self, edit: impl FnOnce(&mut ModelMut<'_>) -> O) -> Result<O::Value> {
-        if Arc::get_mut(&mut self.model).is_none() {
-            self.model = Arc::new(self.model.try_clone()?);
-        }
-        let model = Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared");
-        self.computed = PipelineFlags::empty();
-        edit(&mut model.edit()).into_result()
-    }
-
-    /// Sets the simulated time, s.
-    #[inline]
-    pub fn set_time(&mut self, time: f64) {
-        self.raw_mut().time = time;
-    }
-
-    /// Returns the potential and kinetic energy, J. [`forward`](Self::forward), [`step`](Self::step) and
-    /// [`inverse`](Self::inverse) compute them while [`EnableFlags::ENERGY`](crate::model::EnableFlags::ENERGY) is set. Without the flag
-    /// they are zero after a reset. If the flag is cleared later, the values are stale.
-    pub fn energy(&self) -> [f64; 2] {
-        self.raw().energy
-    }
-
-    /// Returns the last stage whose results are all valid.
-    #[inline]
-    pub fn stage(&self) -> Stage {
-        self.computed.stage()
-    }
-
-    /// Returns an error unless these results have been computed for the present model: those of a [`Stage`], or of a constant of
-    /// [`MissingResults`].
-    ///
-    /// The getters of plain arrays such as [`xpos`](Self::xpos) and [`sensordata`](Self::sensordata) return slices of the
-    /// engine's memory without a check. Before the first [`forward`](Self::forward) these arrays are zero, and after a change of
-    /// the model they hold stale values. Call this method before a loop that reads them, or inside: it costs a comparison of two
-    /// integers.
-    ///
-    /// Results count as computed until a reset, a change of the model, or a new computation of the quantities that they depend
-    /// on. After [`step`](Self::step) they belong to the state before the step. Writes to the arrays, for example through
-    /// [`qpos_mut`](Self::qpos_mut), are not tracked: call `forward` after them.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NotComputed`] with the call that computes the results, [`Error::Poisoned`] after an engine error.
-    ///
-    /// ```
-    /// use mujoco_safe::data::MissingResults;
-    /// use mujoco_safe::{Data, Error, Stage, sample};
-    ///
-    /// let mut data = Data::new(sample::humanoid())?;
-    /// assert!(matches!(data.require(Stage::Position), Err(Error::NotComputed { .. })));
-    /// data.step()?;
-    /// data.require(Stage::Acceleration)?;
-    /// data.require(MissingResults::SENSORS)?;
-    /// // A step does not compute the forces on bodies.
-    /// assert!(data.require(MissingResults::BODY_FORCES).is_err());
-    /// data.rne_post_constraint()?;
-    /// data.require(MissingResults::BODY_FORCES)?;
-    /// println!("{:?}", data.cfrc_ext());
-    /// # Ok::<(), Error>(())
-    /// ```
-    #[inline]
-    pub fn require(&self, needs: impl Into<MissingResults>) -> Result<()> {
-        self.check_usable()?;
-        match needs.into().not_in(self.computed) {
-            None => Ok(()),
-            Some(missing) => Err(Error::NotComputed { call: "Data::require", missing }),
-        }
-    }
-
-    /// Replaces the record of valid results.
-    pub(crate) fn set_computed(&mut self, computed: PipelineFlags) {
-        self.computed = computed;
-    }
-
     /// Returns a pointer to the engine's struct, for direct calls of the engine.
     #[inline]
     pub fn as_ptr(&self) -> *const mjData {
@@ -329,6 +174,11 @@ impl Data {
     #[inline]
     pub fn as_mut_ptr(&mut self) -> *mut mjData {
         self.raw.as_ptr()
+    }
+
+    /// Replaces the record of valid results.
+    pub(crate) fn set_computed(&mut self, computed: PipelineFlags) {
+        self.computed = computed;
     }
 
     #[inline]

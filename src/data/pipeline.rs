@@ -52,6 +52,7 @@ type C = PipelineFlags;
 /// Defines methods that make one engine call each, from the inputs and the results of the call.
 macro_rules! parts {
     ($($(#[$doc:meta])* $method:ident = $function:ident($alias:literal) reads $reads:expr, computes $results:expr;)*) => {
+        /// # Parts of a step
         impl Data {$(
             $(#[$doc])*
             ///
@@ -169,6 +170,7 @@ parts! {
         reads C::COM_VEL.union(C::FORCE), computes C::POST_CONSTRAINT;
 }
 
+/// # Partial steps and integrators
 impl Data {
     /// Computes lengths and moments of actuators.
     ///

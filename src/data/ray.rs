@@ -53,6 +53,7 @@ pub struct RayHit {
     pub geom: GeomId,
 }
 
+/// # Rays
 impl Data {
     /// Returns the nearest intersection of a ray with the geoms.
     ///

@@ -49,6 +49,7 @@ bitflags! {
     }
 }
 
+/// # State vectors
 impl Model {
     /// Returns the length of a state vector.
     ///
@@ -80,6 +81,7 @@ impl Model {
     }
 }
 
+/// # State vectors
 impl Data {
     /// Returns positions, velocities and activations, `[qpos; qvel; act]`.
     #[doc(alias = "get_physics_state")]

@@ -7,6 +7,7 @@ use crate::error::{Error, Instability, Result, UnstableField};
 use crate::ffi;
 use crate::kind::Kind;
 
+/// # Steps and dynamics
 impl Data {
     /// Advances the simulation by one time step: computes all quantities from the present state and inputs, then integrates.
     ///

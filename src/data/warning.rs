@@ -191,6 +191,7 @@ pub(super) fn with_fatal_full_constraints(
     status
 }
 
+/// # Warnings
 impl Data {
     /// Returns the number of warnings of a type since the last reset. The first warning of each type is logged under the target
     /// `mujoco`. Within a callback only the warnings of the present call are counted.

@@ -124,6 +124,7 @@ pub enum InverseForce {
     WithoutActuators,
 }
 
+/// # Derivatives of inverse dynamics
 impl Data {
     /// Computes the derivatives of inverse dynamics at the present positions, velocities and accelerations (`qacc`), by forward
     /// differences with the step `eps`; `1e-6` is a good choice.

@@ -55,6 +55,7 @@ impl<'a> From<&'a mut StateSpace> for TransitionOutputs<'a> {
     }
 }
 
+/// # Derivatives of a step
 impl Data {
     /// Linearises a step of the simulation about the present state and controls, by differences with the step `eps`; `1e-6` with
     /// [`Differences::Central`] is a good choice.

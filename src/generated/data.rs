@@ -4,6 +4,7 @@ use crate::data::Data;
 use crate::ffi;
 use crate::matrix::{MatrixView, MatrixViewMut};
 
+/// # Sizes and arrays of the engine
 impl Data {
     /// Position. `(nq, 1)`
     ///

@@ -4,6 +4,7 @@ use crate::ffi;
 use crate::matrix::MatrixView;
 use crate::model::Model;
 
+/// # Sizes and arrays of the engine
 impl Model {
     /// Number of generalized coordinates = dim(qpos).
     ///

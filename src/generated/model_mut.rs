@@ -4,6 +4,7 @@ use crate::ffi;
 use crate::matrix::MatrixViewMut;
 use crate::model::ModelMut;
 
+/// # Writing to the engine's arrays
 impl ModelMut<'_> {
     /// Returns [`qpos0`](crate::Model::qpos0) for writing.
     #[inline]

@@ -53,6 +53,7 @@ pub struct ModelMut<'m> {
     model: &'m mut Model,
 }
 
+/// # Options, masses and derived constants
 impl<'m> ModelMut<'m> {
     pub(crate) fn new(model: &'m mut Model) -> Self {
         Self { model }
@@ -213,7 +214,27 @@ impl<'m> ModelMut<'m> {
     }
 }
 
+/// # Editing
 impl Model {
+    /// Returns mutable access to a model that is not shared.
+    ///
+    /// ```
+    /// use mujoco_safe::enums::Integrator;
+    /// use mujoco_safe::sample;
+    ///
+    /// let mut model = sample::cartpole();
+    /// model.edit().options(|options| {
+    ///     options.timestep = 0.002;
+    ///     options.integrator = Integrator::Rk4;
+    /// })?;
+    /// model.edit().body_mass_mut()[1] = 2.0;
+    /// assert_eq!(model.timestep(), 0.002);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn edit(&mut self) -> ModelMut<'_> {
+        ModelMut::new(self)
+    }
+
     /// Returns the sum of all masses, kg.
     #[doc(alias = "mj_getTotalmass")]
     pub fn total_mass(&self) -> f64 {

@@ -5,13 +5,17 @@
 //! module rejects all inputs that are known to crash it. [`ModelMut`] is the checked interface for changes after
 //! compilation.
 
-mod cached_flags;
-mod edit;
-mod engine_limits;
+// The page of `Model` in the documentation has the methods in the order of the modules.
 mod load;
-mod mjb;
+
 mod names;
+
+mod edit;
 mod options;
+
+mod cached_flags;
+mod engine_limits;
+mod mjb;
 mod position;
 mod save;
 mod schema;
@@ -77,6 +81,7 @@ unsafe impl Send for Model {}
 // SAFETY: as above: `&Model` only reads.
 unsafe impl Sync for Model {}
 
+/// # Copies, comparison and raw access
 impl Model {
     /// Takes ownership of a model of the engine.
     ///
@@ -117,25 +122,6 @@ impl Model {
     #[inline]
     pub fn as_ptr(&self) -> *const mjModel {
         self.raw.as_ptr()
-    }
-
-    /// Returns mutable access to a model that is not shared.
-    ///
-    /// ```
-    /// use mujoco_safe::enums::Integrator;
-    /// use mujoco_safe::sample;
-    ///
-    /// let mut model = sample::cartpole();
-    /// model.edit().options(|options| {
-    ///     options.timestep = 0.002;
-    ///     options.integrator = Integrator::Rk4;
-    /// })?;
-    /// model.edit().body_mass_mut()[1] = 2.0;
-    /// assert_eq!(model.timestep(), 0.002);
-    /// # Ok::<(), mujoco_safe::Error>(())
-    /// ```
-    pub fn edit(&mut self) -> ModelMut<'_> {
-        ModelMut::new(self)
     }
 
     /// Returns `true` if ids and data of one model are valid for the other: they are the same model, or one is a clone of the

@@ -11,6 +11,7 @@ use crate::id::sealed::Sealed;
 use crate::id::{Id, Lookup};
 use crate::kind::{ElementKind, Kind};
 
+/// # Names and counts
 impl Model {
     /// Returns the number of elements of a kind.
     #[inline]

@@ -6,6 +6,7 @@ use mujoco_sys as sys;
 use super::Model;
 use crate::error::{Error, Result};
 
+/// # Differences and integrals of positions
 impl Model {
     /// Computes the constant velocity `qvel` (`nv`) that leads from `qpos1` to `qpos2` (`nq` each) in the time `dt` in seconds. If
     /// `dt` is 1, the result is the difference of the positions in the tangent space, which is the state error of a controller.

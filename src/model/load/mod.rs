@@ -31,6 +31,7 @@ const FROM_MEMORY: &str = "the given XML";
 /// Function that runs the engine's compiler on a file. The last argument is the name in error messages.
 type Compile<'a> = dyn FnMut(&CString, &VirtualFiles, &str) -> Result<Model> + 'a;
 
+/// # Loading
 impl Model {
     /// Loads a model from an MJCF or URDF file. Paths in it (includes, meshes, textures, height fields) are relative to it.
     ///

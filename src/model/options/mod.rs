@@ -278,6 +278,7 @@ impl Options {
     }
 }
 
+/// # Physics options
 impl Model {
     /// Returns a copy of the physics options.
     #[doc(alias = "opt")]

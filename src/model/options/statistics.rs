@@ -44,6 +44,7 @@ impl Statistics {
     }
 }
 
+/// # Statistics
 impl Model {
     /// Returns a copy of the statistics of the model at `qpos0`.
     ///
@@ -59,6 +60,7 @@ impl Model {
     }
 }
 
+/// # Statistics
 impl ModelMut<'_> {
     /// Changes the statistics. Rejects the change if a value is out of range. The check includes values that `change`
     /// does not modify, for example those from the XML.

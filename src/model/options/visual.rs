@@ -243,6 +243,7 @@ mirror! {
     }
 }
 
+/// # Visual settings
 impl Model {
     /// Returns a copy of the visualiser settings.
     ///
@@ -254,6 +255,7 @@ impl Model {
     }
 }
 
+/// # Visual settings
 impl ModelMut<'_> {
     /// Changes the visualiser settings. Rejects the change if a setting is out of range. The check includes settings that
     /// `change` does not modify, for example those from the XML.

@@ -64,6 +64,7 @@ impl SaveXmlOptions {
     }
 }
 
+/// # Saving
 impl Model {
     /// Writes the model in the engine's binary form (MJB), which loads faster than XML and is specific to this engine version.
     ///

@@ -1,0 +1,181 @@
+//! Creation and copies of simulations, and their model.
+
+use std::ptr::{self, NonNull};
+use std::sync::Arc;
+
+use mujoco_sys::{guard, mjData};
+
+use super::{Data, PipelineFlags, warning};
+use crate::error::{Error, Outcome, Result};
+use crate::ffi;
+use crate::model::{IntoModel, Model, ModelMut};
+
+/// # Creation, copies and the model
+impl Data {
+    /// Creates a simulation of a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, in the reference position and at rest.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
+    #[doc(alias = "mj_makeData")]
+    #[doc(alias = "init_data")]
+    pub fn new(model: impl IntoModel) -> Result<Self> {
+        let model = model.into_model();
+        let mut made = ptr::null_mut();
+        // SAFETY: a valid model, and a valid pointer for the result.
+        ffi::check_without_data("mj_makeData", unsafe { guard::mj_make_data(model.as_ptr(), &raw mut made) })?;
+        // SAFETY: the engine made it for this model.
+        unsafe { Self::from_raw(made, model) }
+    }
+
+    /// Returns the model.
+    #[inline]
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// Changes the model of this simulation. A shared model is copied first, so that other simulations keep theirs unchanged.
+    ///
+    /// All results were computed for the old model, so they count as not computed afterwards.
+    ///
+    /// The closure returns nothing or a [`Result`], as for [`Rollout::edit_model`](crate::Rollout::edit_model); the call returns the
+    /// value in its `Ok`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the copy of the model cannot be allocated. The model is unchanged then, and
+    /// the data is not poisoned. The error of the closure, if it returns one. Its changes before the error remain.
+    ///
+    /// ```
+    /// use mujoco_safe::enums::Cone;
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic))?;
+    /// assert_eq!(data.model().options().cone, Cone::Elliptic);
+    ///
+    /// let mass = data.edit_model(|model| {
+    ///     model.body_mut("torso")?.scale_mass(2.0)?;
+    ///     model.update_constants()?;
+    ///     Ok(model.total_mass())
+    /// })?;
+    /// assert!(mass > 40.0);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    ///
+    /// The closure cannot replace the model by another one:
+    ///
+    /// ```compile_fail,E0521
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut a = Data::new(sample::humanoid()).unwrap();
+    /// let mut b = Data::new(sample::cartpole()).unwrap();
+    /// a.edit_model(|a| b.edit_model(|b| std::mem::swap(a, b))); // borrowed data escapes
+    /// ```
+    ///
+    /// ```compile_fail,E0308
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid()).unwrap();
+    /// let mut other = sample::cartpole();
+    /// data.edit_model(|model| std::mem::swap(model, &mut other)); // a `ModelMut` is not a `Model`
+    /// ```
+    ///
+    /// It cannot keep a borrow of the model either:
+    ///
+    /// ```compile_fail,E0521
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid()).unwrap();
+    /// let mut mass = None;
+    /// data.edit_model(|model| mass = Some(model.body_mass_mut())); // borrowed data escapes
+    /// data.step();
+    /// ```
+    pub fn edit_model<O: Outcome>(&mut self, edit: impl FnOnce(&mut ModelMut<'_>) -> O) -> Result<O::Value> {
+        if Arc::get_mut(&mut self.model).is_none() {
+            self.model = Arc::new(self.model.try_clone()?);
+        }
+        let model = Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared");
+        self.computed = PipelineFlags::empty();
+        edit(&mut model.edit()).into_result()
+    }
+
+    /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of poisoned data is poisoned.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate it.
+    #[doc(alias = "mj_copyData")]
+    pub fn try_clone(&self) -> Result<Self> {
+        let mut copy = ptr::null_mut();
+        self.call("mj_copyData", |m, _| {
+            // SAFETY: for a NULL destination the engine allocates a new data; the source is valid and was made for the model.
+            self.with_empty_stack(|source| unsafe { guard::mj_copy_data(ptr::null_mut(), m, source, &raw mut copy) })
+        })?;
+        // SAFETY: the engine made it for this model, and nothing else refers to it.
+        let mut copy = unsafe { Self::from_raw(copy, self.model.clone()) }?;
+        copy.computed = self.computed;
+        copy.failure.clone_from(&self.failure);
+        warning::restore_copied(copy.raw_mut());
+        Ok(copy)
+    }
+
+    /// Copies all fields from another simulation without allocation. The models must have the same structure; this
+    /// simulation keeps its own model. Afterwards it is poisoned if and only if the other one is.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OtherModel`] if the model of the other simulation was loaded separately. [`Error::Engine`] if the engine fails,
+    /// which does not occur for two models of the same structure.
+    pub fn copy_from(&mut self, other: &Self) -> Result<()> {
+        if !self.model.is_same_structure(&other.model) {
+            return Err(Error::OtherModel { what: "the data to copy from" });
+        }
+        let mut copied = ptr::null_mut();
+        self.call_mut("mj_copyData", |m, d| {
+            // SAFETY: the models of both data have the same structure, so the data have the same sizes.
+            other.with_empty_stack(|source| unsafe { guard::mj_copy_data(d, m, source, &raw mut copied) })
+        })?;
+        // With other options, results may have another layout.
+        self.computed = if Arc::ptr_eq(&self.model, &other.model) { other.computed } else { PipelineFlags::empty() };
+        self.failure.clone_from(&other.failure);
+        warning::restore_copied(self.raw_mut());
+        Ok(())
+    }
+
+    /// Calls `copy` with this data, or during a step with a shallow copy whose stack is empty. The engine does not copy a data
+    /// whose stack is in use, and leaks the destination that it has allocated. A copy does not need the contents of the stack.
+    fn with_empty_stack<R>(&self, copy: impl FnOnce(*const mjData) -> R) -> R {
+        if self.raw().pstack == 0 {
+            return copy(self.as_ptr());
+        }
+        copy(&raw const *Box::new(mjData { pstack: 0, ..*self.raw() }))
+    }
+
+    /// # Safety
+    ///
+    /// `raw` is NULL, or a data that the engine made for a model of the same structure as `model` and that has no other owner.
+    unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
+        let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
+        Ok(Self { raw, model, computed: PipelineFlags::empty(), failure: None, callbacks: None })
+    }
+}
+
+impl Clone for Data {
+    /// # Panics
+    ///
+    /// If memory is exhausted; see [`try_clone`](Self::try_clone).
+    fn clone(&self) -> Self {
+        self.try_clone().unwrap_or_else(|error| panic!("cannot clone the data: {error}"))
+    }
+
+    /// Reuses the memory if the models have the same structure.
+    fn clone_from(&mut self, source: &Self) {
+        if self.copy_from(source).is_ok() {
+            self.model = source.model.clone();
+            self.computed = source.computed;
+        } else {
+            *self = source.clone();
+        }
+    }
+}
