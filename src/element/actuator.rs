@@ -8,6 +8,15 @@ use crate::id::{BodyId, Id, JointId, SiteId, TendonId};
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
+/// # Methods of [`ActuatorDataMut`](super::ActuatorDataMut)
+impl ViewMut<'_, Data, kind::Actuator> {
+    /// Returns a mutable reference to `act`.
+    pub fn act_mut(&mut self) -> Option<&mut f64> {
+        let activation = self.view().in_model().activation()?;
+        Some(&mut self.owner.act_mut()[activation])
+    }
+}
+
 fields!(Actuator on Model {
     /// Transmission: the element that the actuator acts on.
     #[doc(alias = "trntype")]
@@ -88,14 +97,6 @@ fields!(Actuator on Data {
     /// Time derivative of the activation. `None` without activation.
     act_dot: {Option<f64>} = |actuator| Some(actuator.owner.act_dot()[actuator.in_model().activation()?]);
 });
-
-impl ViewMut<'_, Data, kind::Actuator> {
-    /// Returns a mutable reference to `act`.
-    pub fn act_mut(&mut self) -> Option<&mut f64> {
-        let activation = self.view().in_model().activation()?;
-        Some(&mut self.owner.act_mut()[activation])
-    }
-}
 
 /// Transmission of an actuator: the element that it acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

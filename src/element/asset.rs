@@ -144,23 +144,7 @@ impl fmt::Debug for Bones<'_> {
     }
 }
 
-fields!(HeightField on Model {
-    /// Half-extents along x and y, maximum elevation, and depth of the base below, m.
-    size: [f64; 4] = hfield_size;
-    /// Number of rows of the elevation grid, along y.
-    nrow: {usize} = |field| ffi::size(field.owner.hfield_nrow()[field.index()]);
-    /// Number of columns of the elevation grid, along x.
-    ncol: {usize} = |field| ffi::size(field.owner.hfield_ncol()[field.index()]);
-    /// Range of its elevations in `hfield_data`.
-    #[doc(alias = "adr")]
-    data_range: {Range<usize>} = |field| {
-        let start = ffi::size(field.owner.hfield_adr()[field.index()]);
-        start..start + field.nrow() * field.ncol()
-    };
-    /// Elevations, row-major, as fractions of the maximum elevation. `(nrow · ncol)`
-    data: [f32] = hfield_data at data_range, data_mut in hfield_data_mut;
-});
-
+/// # Methods of [`HeightField`](super::HeightField)
 impl<'a> View<'a, Model, kind::HeightField> {
     /// Returns the elevations as a matrix `(nrow, ncol)`: a view of the engine's memory, not a copy.
     ///
@@ -182,8 +166,38 @@ impl<'a> View<'a, Model, kind::HeightField> {
     }
 }
 
+fields!(HeightField on Model {
+    /// Half-extents along x and y, maximum elevation, and depth of the base below, m.
+    size: [f64; 4] = hfield_size;
+    /// Number of rows of the elevation grid, along y.
+    nrow: {usize} = |field| ffi::size(field.owner.hfield_nrow()[field.index()]);
+    /// Number of columns of the elevation grid, along x.
+    ncol: {usize} = |field| ffi::size(field.owner.hfield_ncol()[field.index()]);
+    /// Range of its elevations in `hfield_data`.
+    #[doc(alias = "adr")]
+    data_range: {Range<usize>} = |field| {
+        let start = ffi::size(field.owner.hfield_adr()[field.index()]);
+        start..start + field.nrow() * field.ncol()
+    };
+    /// Elevations, row-major, as fractions of the maximum elevation. `(nrow · ncol)`
+    data: [f32] = hfield_data at data_range, data_mut in hfield_data_mut;
+});
+
 /// Bytes per pixel of a texture: red, green and blue.
 const PIXEL: usize = 3;
+
+/// # Methods of [`TextureMut`](super::TextureMut)
+impl ViewMut<'_, ModelMut<'_>, kind::Texture> {
+    /// Returns a mutable reference to `rgb`.
+    pub fn rgb_mut(&mut self) -> &mut [u8] {
+        let range = self.view().in_model().rgb_range();
+        let length = self.owner.tex_rgb().len();
+        let array = self.owner.raw_mut().tex_rgb;
+        // SAFETY: the engine allocated the array with this length, the model is borrowed exclusively, and any byte is a colour.
+        let bytes = unsafe { ffi::array_mut(array, length) };
+        &mut bytes[range]
+    }
+}
 
 fields!(Texture on Model {
     /// Mapping of the texture onto a surface.
@@ -201,18 +215,6 @@ fields!(Texture on Model {
     /// Pixels, row-major: red, green and blue of each. `(height · width · 3)`
     rgb: [u8] = tex_rgb at rgb_range;
 });
-
-impl ViewMut<'_, ModelMut<'_>, kind::Texture> {
-    /// Returns a mutable reference to `rgb`.
-    pub fn rgb_mut(&mut self) -> &mut [u8] {
-        let range = self.view().in_model().rgb_range();
-        let length = self.owner.tex_rgb().len();
-        let array = self.owner.raw_mut().tex_rgb;
-        // SAFETY: the engine allocated the array with this length, the model is borrowed exclusively, and any byte is a colour.
-        let bytes = unsafe { ffi::array_mut(array, length) };
-        &mut bytes[range]
-    }
-}
 
 fields!(Material on Model {
     /// Texture, if any.

@@ -20,14 +20,7 @@ fields!(Numeric on Model {
     data: [f64] = numeric_data at data_range, data_mut in numeric_data_mut;
 });
 
-fields!(Text on Model {
-    /// Text. Bytes of a file that are not UTF-8 become replacement characters, in a copy.
-    #[doc(alias = "text_data")]
-    #[doc(alias = "text_adr")]
-    #[doc(alias = "text_size")]
-    data: {Cow<'a, str>} = |text| String::from_utf8_lossy(text.bytes());
-});
-
+/// # Methods of [`Text`](super::Text)
 impl<'a> View<'a, Model, kind::Text> {
     /// Returns the bytes of the text, without the NUL terminator of the engine's array.
     pub fn bytes(&self) -> &'a [u8] {
@@ -35,6 +28,14 @@ impl<'a> View<'a, Model, kind::Text> {
         with_end.strip_suffix(&[0]).unwrap_or(with_end)
     }
 }
+
+fields!(Text on Model {
+    /// Text. Bytes of a file that are not UTF-8 become replacement characters, in a copy.
+    #[doc(alias = "text_data")]
+    #[doc(alias = "text_adr")]
+    #[doc(alias = "text_size")]
+    data: {Cow<'a, str>} = |text| String::from_utf8_lossy(text.bytes());
+});
 
 fields!(Tuple on Model {
     /// Range of its elements in `tuple_objprm`.

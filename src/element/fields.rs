@@ -16,71 +16,87 @@
 /// - `name: {type} = |view| expression;` any other field.
 macro_rules! fields {
     ($kind:ident on Model { $($body:tt)* }) => {
-        fields!(@each $kind, Model, {ModelMut<'_>}, [] $($body)*);
+        fields!(@each $kind, Model, "", {ModelMut<'_>}, [] {} {} $($body)*);
     };
     ($kind:ident on Data { $($body:tt)* }) => {
-        fields!(@each $kind, Data, {Data}, [] $($body)*);
+        fields!(@each $kind, Data, "Data", {Data}, [] {} {} $($body)*);
     };
 
     // A byte that is 0 or 1.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: bool = $array:ident $(, $set:ident)?; $($rest:tt)*
     ) => {
-        impl<'a> View<'a, $owner, kind::$kind> {
-            $(#[$doc])*
-            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
-            #[inline]
-            pub fn $name(&self) -> bool {
-                self.owner.$array()[self.id.index()] != 0
-            }
-        }
-        $(
-            impl ViewMut<'_, $writer, kind::$kind> {
-                #[doc = concat!("Sets `", stringify!($name), "`.")]
-                pub fn $set(&mut self, value: bool) {
-                    fields!(@write self, $array, u8::from(value));
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
+            {
+                $($read)*
+
+                $(#[$doc])*
+                #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
+                #[inline]
+                pub fn $name(&self) -> bool {
+                    self.owner.$array()[self.id.index()] != 0
                 }
             }
-        )?
-        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+            {
+                $($write)*
+
+                $(
+                    #[doc = concat!("Sets `", stringify!($name), "`.")]
+                    pub fn $set(&mut self, value: bool) {
+                        fields!(@write self, $array, u8::from(value));
+                    }
+                )?
+            }
+            $($rest)*
+        );
     };
 
     // An integer with an unchecked setter.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident; $($rest:tt)*
     ) => {
-        impl ViewMut<'_, $writer, kind::$kind> {
-            #[doc = concat!("Sets `", stringify!($name), "`.")]
-            pub fn $set(&mut self, value: i32) {
-                fields!(@write self, $array, value);
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)*]
+            {$($read)*}
+            {
+                $($write)*
+
+                #[doc = concat!("Sets `", stringify!($name), "`.")]
+                pub fn $set(&mut self, value: i32) {
+                    fields!(@write self, $array, value);
+                }
             }
-        }
-        fields!(@each $kind, $owner, {$writer}, [$($seen)*] $(#[$doc])* $name: i32 = $array; $($rest)*);
+            $(#[$doc])* $name: i32 = $array; $($rest)*
+        );
     };
 
     // An integer with a checked setter.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: i32 = $array:ident, $set:ident if [$($allowed:literal),+]; $($rest:tt)*
     ) => {
-        impl ViewMut<'_, $writer, kind::$kind> {
-            #[doc = concat!("Sets `", stringify!($name), "`.")]
-            ///
-            /// # Errors
-            ///
-            #[doc = concat!("[`Error::Invalid`](crate::Error::Invalid) unless the value is one of `", stringify!($($allowed),+), "`.")]
-            pub fn $set(&mut self, value: i32) -> $crate::Result<()> {
-                if ![$($allowed),+].contains(&value) {
-                    return Err($crate::Error::invalid(
-                        format!("{} of {self:?}", stringify!($name)),
-                        value,
-                        concat!("one of ", stringify!($($allowed),+)),
-                    ));
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)*]
+            {$($read)*}
+            {
+                $($write)*
+
+                #[doc = concat!("Sets `", stringify!($name), "`.")]
+                ///
+                /// # Errors
+                ///
+                #[doc = concat!("[`Error::Invalid`](crate::Error::Invalid) unless the value is one of `", stringify!($($allowed),+), "`.")]
+                pub fn $set(&mut self, value: i32) -> $crate::Result<()> {
+                    if ![$($allowed),+].contains(&value) {
+                        return Err($crate::Error::invalid(
+                            format!("{} of {self:?}", stringify!($name)),
+                            value,
+                            concat!("one of ", stringify!($($allowed),+)),
+                        ));
+                    }
+                    fields!(@write self, $array, value);
+                    Ok(())
                 }
-                fields!(@write self, $array, value);
-                Ok(())
             }
-        }
-        fields!(@each $kind, $owner, {$writer}, [$($seen)*] $(#[$doc])* $name: i32 = $array; $($rest)*);
+            $(#[$doc])* $name: i32 = $array; $($rest)*
+        );
     };
 
     // Writes an integer. The generated accessors give no mutable access to integers, because most are addresses and ids.
@@ -93,147 +109,195 @@ macro_rules! fields {
     };
 
     // A number.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: $type:ident = $array:ident $(, $set:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
-        impl<'a> View<'a, $owner, kind::$kind> {
-            $(#[$doc])*
-            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
-            #[inline]
-            pub fn $name(&self) -> $type {
-                self.owner.$array()[self.id.index()]
-            }
-        }
-        $(
-            impl ViewMut<'_, $writer, kind::$kind> {
-                #[doc = concat!("Sets `", stringify!($name), "`.")]
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
+            {
+                $($read)*
+
+                $(#[$doc])*
+                #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
                 #[inline]
-                pub fn $set(&mut self, value: $type) {
-                    self.owner.$array_mut()[self.id.index()] = value;
+                pub fn $name(&self) -> $type {
+                    self.owner.$array()[self.id.index()]
                 }
             }
-        )?
-        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+            {
+                $($write)*
+
+                $(
+                    #[doc = concat!("Sets `", stringify!($name), "`.")]
+                    #[inline]
+                    pub fn $set(&mut self, value: $type) {
+                        self.owner.$array_mut()[self.id.index()] = value;
+                    }
+                )?
+            }
+            $($rest)*
+        );
     };
 
     // A row of fixed length.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: [$type:ident; $columns:literal] = $array:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
-        impl<'a> View<'a, $owner, kind::$kind> {
-            $(#[$doc])*
-            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
-            #[inline]
-            pub fn $name(&self) -> &'a [$type; $columns] {
-                &self.owner.$array()[self.id.index()]
-            }
-        }
-        $(
-            impl ViewMut<'_, $writer, kind::$kind> {
-                #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
+            {
+                $($read)*
+
+                $(#[$doc])*
+                #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
                 #[inline]
-                pub fn $name_mut(&mut self) -> &mut [$type; $columns] {
-                    let index = self.id.index();
-                    &mut self.owner.$array_mut()[index]
+                pub fn $name(&self) -> &'a [$type; $columns] {
+                    &self.owner.$array()[self.id.index()]
                 }
             }
-        )?
-        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+            {
+                $($write)*
+
+                $(
+                    #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
+                    #[inline]
+                    pub fn $name_mut(&mut self) -> &mut [$type; $columns] {
+                        let index = self.id.index();
+                        &mut self.owner.$array_mut()[index]
+                    }
+                )?
+            }
+            $($rest)*
+        );
     };
 
     // A row of fixed length, computed by a part of the pipeline outside forward dynamics.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: [$type:ident; $columns:literal] = $array:ident after $part:ident; $($rest:tt)*
     ) => {
-        impl<'a> View<'a, $owner, kind::$kind> {
-            $(#[$doc])*
-            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
-            ///
-            /// # Errors
-            ///
-            /// [`Error::NotComputed`](crate::Error::NotComputed) with the call that computes it.
-            #[inline]
-            pub fn $name(&self) -> $crate::Result<&'a [$type; $columns]> {
-                self.owner.check_parts(stringify!($name), $crate::data::PipelineFlags::$part)?;
-                Ok(&self.owner.$array()[self.id.index()])
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
+            {
+                $($read)*
+
+                $(#[$doc])*
+                #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
+                ///
+                /// # Errors
+                ///
+                /// [`Error::NotComputed`](crate::Error::NotComputed) with the call that computes it.
+                #[inline]
+                pub fn $name(&self) -> $crate::Result<&'a [$type; $columns]> {
+                    self.owner.check_parts(stringify!($name), $crate::data::PipelineFlags::$part)?;
+                    Ok(&self.owner.$array()[self.id.index()])
+                }
             }
-        }
-        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+            {$($write)*}
+            $($rest)*
+        );
     };
 
     // A row of a matrix.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: [$type:ident] = $array:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
-        impl<'a> View<'a, $owner, kind::$kind> {
-            $(#[$doc])*
-            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
-            #[inline]
-            pub fn $name(&self) -> &'a [$type] {
-                self.owner.$array().row(self.id.index())
-            }
-        }
-        $(
-            impl ViewMut<'_, $writer, kind::$kind> {
-                #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
+            {
+                $($read)*
+
+                $(#[$doc])*
+                #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
                 #[inline]
-                pub fn $name_mut(&mut self) -> &mut [$type] {
-                    let index = self.id.index();
-                    self.owner.$array_mut().into_row(index)
+                pub fn $name(&self) -> &'a [$type] {
+                    self.owner.$array().row(self.id.index())
                 }
             }
-        )?
-        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+            {
+                $($write)*
+
+                $(
+                    #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
+                    #[inline]
+                    pub fn $name_mut(&mut self) -> &mut [$type] {
+                        let index = self.id.index();
+                        self.owner.$array_mut().into_row(index)
+                    }
+                )?
+            }
+            $($rest)*
+        );
     };
 
     // A range of an array, such as a joint's range of qpos.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: [$type:ty] = $array:ident at $range:ident $(, $name_mut:ident in $array_mut:ident)?; $($rest:tt)*
     ) => {
-        impl<'a> View<'a, $owner, kind::$kind> {
-            $(#[$doc])*
-            #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
-            #[inline]
-            pub fn $name(&self) -> &'a [$type] {
-                &self.owner.$array()[self.in_model().$range()]
-            }
-        }
-        $(
-            impl ViewMut<'_, $writer, kind::$kind> {
-                #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
+            {
+                $($read)*
+
+                $(#[$doc])*
+                #[doc = concat!("\n\nEngine array `", stringify!($array), "`.")]
                 #[inline]
-                pub fn $name_mut(&mut self) -> &mut [$type] {
-                    let range = self.view().in_model().$range();
-                    &mut self.owner.$array_mut()[range]
+                pub fn $name(&self) -> &'a [$type] {
+                    &self.owner.$array()[self.in_model().$range()]
                 }
             }
-        )?
-        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+            {
+                $($write)*
+
+                $(
+                    #[doc = concat!("Returns a mutable reference to `", stringify!($name), "`.")]
+                    #[inline]
+                    pub fn $name_mut(&mut self) -> &mut [$type] {
+                        let range = self.view().in_model().$range();
+                        &mut self.owner.$array_mut()[range]
+                    }
+                )?
+            }
+            $($rest)*
+        );
     };
 
     // Any other field.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}
         $(#[$doc:meta])* $name:ident: {$type:ty} = |$view:ident| $value:expr; $($rest:tt)*
     ) => {
-        impl<'a> View<'a, $owner, kind::$kind> {
-            $(#[$doc])*
-            #[inline]
-            pub fn $name(&self) -> $type {
-                let $view = self;
-                $value
+        fields!(@each $kind, $owner, $suffix, {$writer}, [$($seen)* $name]
+            {
+                $($read)*
+
+                $(#[$doc])*
+                #[inline]
+                pub fn $name(&self) -> $type {
+                    let $view = self;
+                    $value
+                }
             }
-        }
-        fields!(@each $kind, $owner, {$writer}, [$($seen)* $name] $($rest)*);
+            {$($write)*}
+            $($rest)*
+        );
     };
 
-    // End of the fields: `Display`.
-    (@each $kind:ident, $owner:ident, {$writer:ty}, [$($seen:ident)*]) => {
+    // End of the fields: the methods and `Display`.
+    (@each $kind:ident, $owner:ident, $suffix:literal, {$writer:ty}, [$($seen:ident)*] {$($read:tt)*} {$($write:tt)*}) => {
+        #[doc = concat!("# Fields of [`", stringify!($kind), $suffix, "`](crate::element::", stringify!($kind), $suffix, ")")]
+        impl<'a> View<'a, $owner, kind::$kind> {
+            $($read)*
+        }
+
+        fields!(@writers $kind, $suffix, {$writer}, $($write)*);
+
         impl std::fmt::Display for View<'_, $owner, kind::$kind> {
             /// Writes one line per field.
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 let fields: &[(&str, &dyn std::fmt::Debug)] = &[$((stringify!($seen), &self.$seen())),*];
                 $crate::element::display::listing(f, stringify!($kind), self.index(), self.name(), fields)
             }
+        }
+    };
+    (@writers $kind:ident, $suffix:literal, {$writer:ty},) => {};
+    (@writers $kind:ident, $suffix:literal, {$writer:ty}, $($write:tt)*) => {
+        #[doc = concat!("# Fields of [`", stringify!($kind), $suffix, "Mut`](crate::element::", stringify!($kind), $suffix, "Mut)")]
+        impl ViewMut<'_, $writer, kind::$kind> {
+            $($write)*
         }
     };
 }

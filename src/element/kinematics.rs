@@ -13,6 +13,70 @@ use crate::id::{BodyId, Ids};
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
+/// # Methods of [`BodyMut`](super::BodyMut)
+impl ViewMut<'_, ModelMut<'_>, kind::Body> {
+    /// Sets `mass`, kg. The moments of inertia do not change, which suits a point mass. [`scale_mass`](Self::scale_mass)
+    /// changes both, like a change of density.
+    ///
+    /// Call [`update_constants`](ModelMut::update_constants) afterwards. It updates the quantities derived from masses:
+    /// `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `tendon_invweight0`, `actuator_acc0`, and the means in
+    /// [`Statistics`](crate::model::Statistics).
+    pub fn set_mass(&mut self, mass: f64) {
+        self.owner.body_mass_mut()[self.id.index()] = mass;
+    }
+
+    /// Multiplies `mass` and `inertia` by a factor, like a change of the density of all geoms of the body. The centre of mass,
+    /// the axes of inertia and the bodies below do not change.
+    ///
+    /// Call [`update_constants`](ModelMut::update_constants) afterwards, as for [`set_mass`](Self::set_mass).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] unless the factor is positive and finite, and the new mass and inertia are finite. The model is
+    /// unchanged after an error.
+    ///
+    /// ```
+    /// use mujoco_safe::sample;
+    ///
+    /// let mut model = sample::cartpole();
+    /// let (mass, inertia) = (model.body("pole")?.mass(), *model.body("pole")?.inertia());
+    /// let mut edit = model.edit();
+    /// edit.body_mut("pole")?.scale_mass(2.0)?;
+    /// edit.update_constants()?;
+    /// assert_eq!(model.body("pole")?.mass(), 2.0 * mass);
+    /// assert_eq!(*model.body("pole")?.inertia(), inertia.map(|moment| 2.0 * moment));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn scale_mass(&mut self, factor: f64) -> Result<()> {
+        let index = self.id.index();
+        let (mass, inertia) = (self.owner.body_mass()[index], self.owner.body_inertia()[index]);
+        let is_valid = factor.is_finite() && factor > 0.0;
+        let (mass, inertia) = (mass * factor, inertia.map(|moment| moment * factor));
+        if !is_valid || !mass.is_finite() || inertia.iter().any(|moment| !moment.is_finite()) {
+            let expected = "positive and finite, and leave mass and inertia finite";
+            return Err(Error::invalid(format!("the factor for the mass of {self:?}"), factor, expected));
+        }
+        self.owner.body_mass_mut()[index] = mass;
+        self.owner.body_inertia_mut()[index] = inertia;
+        Ok(())
+    }
+}
+
+/// # Methods of [`BodyDataMut`](super::BodyDataMut)
+impl ViewMut<'_, Data, kind::Body> {
+    /// Returns a mutable reference to `mocap_pos`.
+    pub fn mocap_pos_mut(&mut self) -> Option<&mut [f64; 3]> {
+        let mocap = self.view().in_model().mocap()?;
+        Some(&mut self.owner.mocap_pos_mut()[mocap])
+    }
+
+    /// Returns a mutable reference to `mocap_quat`.
+    pub fn mocap_quat_mut(&mut self) -> Option<&mut [f64; 4]> {
+        let mocap = self.view().in_model().mocap()?;
+        Some(&mut self.owner.mocap_quat_mut()[mocap])
+    }
+}
+
 fields!(Body on Model {
     /// Parent in the kinematic tree; the world for the world itself.
     parent: {BodyId} = |body| body.id_in(body.owner.body_parentid());
@@ -120,65 +184,44 @@ fields!(Body on Data {
     mocap_quat: {Option<&'a [f64; 4]>} = |body| Some(&body.owner.mocap_quat()[body.in_model().mocap()?]);
 });
 
-impl ViewMut<'_, ModelMut<'_>, kind::Body> {
-    /// Sets `mass`, kg. The moments of inertia do not change, which suits a point mass. [`scale_mass`](Self::scale_mass)
-    /// changes both, like a change of density.
-    ///
-    /// Call [`update_constants`](ModelMut::update_constants) afterwards. It updates the quantities derived from masses:
-    /// `body_subtreemass`, `body_invweight0`, `dof_invweight0`, `tendon_invweight0`, `actuator_acc0`, and the means in
-    /// [`Statistics`](crate::model::Statistics).
-    pub fn set_mass(&mut self, mass: f64) {
-        self.owner.body_mass_mut()[self.id.index()] = mass;
-    }
-
-    /// Multiplies `mass` and `inertia` by a factor, like a change of the density of all geoms of the body. The centre of mass,
-    /// the axes of inertia and the bodies below do not change.
-    ///
-    /// Call [`update_constants`](ModelMut::update_constants) afterwards, as for [`set_mass`](Self::set_mass).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Invalid`] unless the factor is positive and finite, and the new mass and inertia are finite. The model is
-    /// unchanged after an error.
+/// # Methods of [`JointData`](super::JointData)
+impl<'a> View<'a, Data, kind::Joint> {
+    /// Returns the orientation of a free or ball joint, a unit quaternion `[w, x, y, z]`: the last four values of
+    /// [`qpos`](Self::qpos). `None` for a slide or a hinge.
     ///
     /// ```
-    /// use mujoco_safe::sample;
+    /// use mujoco_safe::{Data, math, sample};
     ///
-    /// let mut model = sample::cartpole();
-    /// let (mass, inertia) = (model.body("pole")?.mass(), *model.body("pole")?.inertia());
-    /// let mut edit = model.edit();
-    /// edit.body_mut("pole")?.scale_mass(2.0)?;
-    /// edit.update_constants()?;
-    /// assert_eq!(model.body("pole")?.mass(), 2.0 * mass);
-    /// assert_eq!(*model.body("pole")?.inertia(), inertia.map(|moment| 2.0 * moment));
+    /// let data = Data::new(sample::humanoid())?;
+    /// let quat = data.joint("root")?.quat().expect("a free joint");
+    /// assert_eq!(math::rot_vec_quat(&[0.0, 0.0, 1.0], quat), [0.0, 0.0, 1.0]); // upright
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
-    pub fn scale_mass(&mut self, factor: f64) -> Result<()> {
-        let index = self.id.index();
-        let (mass, inertia) = (self.owner.body_mass()[index], self.owner.body_inertia()[index]);
-        let is_valid = factor.is_finite() && factor > 0.0;
-        let (mass, inertia) = (mass * factor, inertia.map(|moment| moment * factor));
-        if !is_valid || !mass.is_finite() || inertia.iter().any(|moment| !moment.is_finite()) {
-            let expected = "positive and finite, and leave mass and inertia finite";
-            return Err(Error::invalid(format!("the factor for the mass of {self:?}"), factor, expected));
-        }
-        self.owner.body_mass_mut()[index] = mass;
-        self.owner.body_inertia_mut()[index] = inertia;
-        Ok(())
+    #[inline]
+    pub fn quat(&self) -> Option<&'a [f64; 4]> {
+        self.qpos().last_chunk()
     }
 }
 
-impl ViewMut<'_, Data, kind::Body> {
-    /// Returns a mutable reference to `mocap_pos`.
-    pub fn mocap_pos_mut(&mut self) -> Option<&mut [f64; 3]> {
-        let mocap = self.view().in_model().mocap()?;
-        Some(&mut self.owner.mocap_pos_mut()[mocap])
-    }
-
-    /// Returns a mutable reference to `mocap_quat`.
-    pub fn mocap_quat_mut(&mut self) -> Option<&mut [f64; 4]> {
-        let mocap = self.view().in_model().mocap()?;
-        Some(&mut self.owner.mocap_quat_mut()[mocap])
+/// # Methods of [`JointDataMut`](super::JointDataMut)
+impl ViewMut<'_, Data, kind::Joint> {
+    /// Returns a mutable reference to `quat`, the orientation of a free or ball joint. `None` for a slide or a hinge.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    /// use mujoco_safe::{Data, math, sample};
+    ///
+    /// // Turn the humanoid by a quarter about the vertical.
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// let mut root = data.joint_mut("root")?;
+    /// math::quat_integrate(root.quat_mut().expect("a free joint"), &[0.0, 0.0, FRAC_PI_2], 1.0);
+    /// data.forward()?;
+    /// assert!((data.body("torso")?.xmat()[3] - 1.0).abs() < 1e-12); // its x axis points along y
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[inline]
+    pub fn quat_mut(&mut self) -> Option<&mut [f64; 4]> {
+        self.qpos_mut().last_chunk_mut()
     }
 }
 
@@ -298,42 +341,3 @@ fields!(Joint on Data {
     /// Axis, world frame.
     xaxis: [f64; 3] = xaxis;
 });
-
-impl<'a> View<'a, Data, kind::Joint> {
-    /// Returns the orientation of a free or ball joint, a unit quaternion `[w, x, y, z]`: the last four values of
-    /// [`qpos`](Self::qpos). `None` for a slide or a hinge.
-    ///
-    /// ```
-    /// use mujoco_safe::{Data, math, sample};
-    ///
-    /// let data = Data::new(sample::humanoid())?;
-    /// let quat = data.joint("root")?.quat().expect("a free joint");
-    /// assert_eq!(math::rot_vec_quat(&[0.0, 0.0, 1.0], quat), [0.0, 0.0, 1.0]); // upright
-    /// # Ok::<(), mujoco_safe::Error>(())
-    /// ```
-    #[inline]
-    pub fn quat(&self) -> Option<&'a [f64; 4]> {
-        self.qpos().last_chunk()
-    }
-}
-
-impl ViewMut<'_, Data, kind::Joint> {
-    /// Returns a mutable reference to `quat`, the orientation of a free or ball joint. `None` for a slide or a hinge.
-    ///
-    /// ```
-    /// use std::f64::consts::FRAC_PI_2;
-    /// use mujoco_safe::{Data, math, sample};
-    ///
-    /// // Turn the humanoid by a quarter about the vertical.
-    /// let mut data = Data::new(sample::humanoid())?;
-    /// let mut root = data.joint_mut("root")?;
-    /// math::quat_integrate(root.quat_mut().expect("a free joint"), &[0.0, 0.0, FRAC_PI_2], 1.0);
-    /// data.forward()?;
-    /// assert!((data.body("torso")?.xmat()[3] - 1.0).abs() < 1e-12); // its x axis points along y
-    /// # Ok::<(), mujoco_safe::Error>(())
-    /// ```
-    #[inline]
-    pub fn quat_mut(&mut self) -> Option<&mut [f64; 4]> {
-        self.qpos_mut().last_chunk_mut()
-    }
-}

@@ -97,13 +97,18 @@
 
 #[macro_use]
 mod fields;
+
+// The pages of the views have the methods in the order of the modules.
+mod common;
+
+mod kinematics;
+
 mod actuator;
 mod asset;
 mod attachment;
 mod constraint;
 mod custom;
 mod display;
-mod kinematics;
 mod sensor;
 mod tendon;
 mod tendon_path;
@@ -121,17 +126,21 @@ use crate::data::Data;
 use crate::error::Result;
 use crate::ffi;
 use crate::id::sealed::Sealed;
-use crate::id::{Id, Ids, Key, Lookup};
+use crate::id::{Id, Key, Lookup};
 use crate::kind::{self, ElementKind};
 use crate::model::{Model, ModelMut};
 
 /// View of one element of a model or a simulation: an id and a borrow. Cheap to copy; the fields of each kind are methods.
+///
+/// This page has the methods of all kinds. The page of an alias, such as [`JointData`], has those of one kind.
 pub struct View<'a, Owner, K> {
     owner: &'a Owner,
     id: Id<K>,
 }
 
 /// Mutable view of one element.
+///
+/// This page has the methods of all kinds. The page of an alias, such as [`JointDataMut`], has those of one kind.
 pub struct ViewMut<'a, Owner, K> {
     owner: &'a mut Owner,
     id: Id<K>,
@@ -168,70 +177,6 @@ impl Owner for Data {
     #[inline]
     fn model_of(&self) -> &Model {
         self.model()
-    }
-}
-
-#[allow(private_bounds, reason = "only a model and a simulation own elements")]
-impl<'a, O: Owner, K: ElementKind> View<'a, O, K> {
-    #[inline]
-    fn new(owner: &'a O, id: Id<K>) -> Self {
-        Self { owner, id }
-    }
-
-    /// Returns the id, which is valid for every simulation of the model.
-    #[inline]
-    pub fn id(&self) -> Id<K> {
-        self.id
-    }
-
-    /// Returns the engine's index, counted from 0.
-    #[inline]
-    pub fn index(&self) -> usize {
-        self.id.index()
-    }
-
-    /// Returns the name; `None` for an unnamed element.
-    pub fn name(&self) -> Option<&'a str> {
-        self.owner.model_of().name(self.id)
-    }
-
-    /// Returns the view of the same element in the model.
-    #[inline]
-    pub fn in_model(&self) -> View<'a, Model, K> {
-        View::new(self.owner.model_of(), self.id)
-    }
-
-    /// Returns this element's entry of an array of ids.
-    #[inline]
-    fn id_in<L>(&self, ids: &[i32]) -> Id<L> {
-        Id::new(ffi::size(ids[self.index()]), self.owner.model_of().lineage())
-    }
-
-    /// Returns this element's entry of an array of ids; `None` for -1.
-    #[inline]
-    fn optional_id_in<L>(&self, ids: &[i32]) -> Option<Id<L>> {
-        let index = usize::try_from(ids[self.index()]).ok()?;
-        Some(Id::new(index, self.owner.model_of().lineage()))
-    }
-
-    /// Returns the ids of the elements of another kind that belong to this element.
-    #[inline]
-    fn ids_in<L>(&self, addresses: &[i32], counts: &[i32]) -> Ids<L> {
-        Ids::new(range(addresses, counts, self.index()), self.owner.model_of().lineage())
-    }
-}
-
-#[allow(private_bounds, reason = "only a model and a simulation own elements")]
-impl<'a, O: Owner, K: ElementKind> ViewMut<'a, O, K> {
-    #[inline]
-    fn new(owner: &'a mut O, id: Id<K>) -> Self {
-        Self { owner, id }
-    }
-
-    /// Returns an immutable view of the same element.
-    #[inline]
-    pub fn view(&self) -> View<'_, O, K> {
-        View::new(self.owner, self.id)
     }
 }
 
@@ -273,20 +218,31 @@ impl<O, K: ElementKind> Key<K> for View<'_, O, K> {
     }
 }
 
-/// Declares the types and lookup methods of a kind: `Kind` and `KindMut`, and with time-dependent fields `KindData` and
+/// Declares the types and lookup methods of the kinds: `Kind` and `KindMut`, and with time-dependent fields `KindData` and
 /// `KindDataMut`.
-macro_rules! kind {
-    (
+macro_rules! kinds {
+    ($(
         $one:ident, $one_mut:ident, $many:ident, $short:literal => $kind:ident, $model_mut:ident
-        $(, $data:ident, $data_mut:ident)?
-    ) => {
-        #[doc = concat!("View of one ", stringify!($one), " in a model.")]
-        pub type $kind<'m> = View<'m, Model, kind::$kind>;
-        #[doc = concat!("Mutable view of one ", stringify!($one), " in a model.")]
-        pub type $model_mut<'m, 'e> = ViewMut<'e, ModelMut<'m>, kind::$kind>;
+        $(, $data:ident, $data_mut:ident)?;
+    )*) => {
+        $(
+            #[doc = concat!("View of one ", stringify!($one), " in a model.")]
+            pub type $kind<'m> = View<'m, Model, kind::$kind>;
+            #[doc = concat!("Mutable view of one ", stringify!($one), " in a model.")]
+            pub type $model_mut<'m, 'e> = ViewMut<'e, ModelMut<'m>, kind::$kind>;
+            $(
+                #[doc = concat!("View of one ", stringify!($one), " in a simulation.")]
+                pub type $data<'d> = View<'d, Data, kind::$kind>;
+                #[doc = concat!("Mutable view of one ", stringify!($one), " in a simulation.")]
+                pub type $data_mut<'d> = ViewMut<'d, Data, kind::$kind>;
+            )?
+        )*
 
-        impl Model {
-            #[doc = concat!("Returns the ", stringify!($one), " for a key: see [`element`](crate::element).")]
+        /// # Elements
+        ///
+        /// A key is a name, an index, an id or a view: see [`element`](crate::element).
+        impl Model {$(
+            #[doc = concat!("Returns the ", stringify!($one), " for a key.")]
             #[doc(alias = $short)]
             #[inline]
             pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$kind<'_>> {
@@ -298,69 +254,70 @@ macro_rules! kind {
                 let lineage = self.lineage();
                 (0..self.count(<kind::$kind as ElementKind>::KIND)).map(move |index| View::new(self, Id::new(index, lineage)))
             }
-        }
+        )*}
 
-        impl<'m> ModelMut<'m> {
+        /// # Elements
+        ///
+        /// A key is a name, an index, an id or a view: see [`element`](crate::element).
+        impl<'m> ModelMut<'m> {$(
             #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
             #[inline]
             pub fn $one_mut<'e, Q: Key<kind::$kind>>(&'e mut self, key: Q) -> Q::Found<$model_mut<'m, 'e>> {
                 let id = key.id(&**self);
                 Q::found(id, |id| ViewMut::new(self, id))
             }
-        }
+        )*}
 
-        $(
-            #[doc = concat!("View of one ", stringify!($one), " in a simulation.")]
-            pub type $data<'d> = View<'d, Data, kind::$kind>;
-            #[doc = concat!("Mutable view of one ", stringify!($one), " in a simulation.")]
-            pub type $data_mut<'d> = ViewMut<'d, Data, kind::$kind>;
-
-            impl Data {
-                #[doc = concat!("Returns the ", stringify!($one), " for a key: see [`element`](crate::element).")]
-                #[doc(alias = $short)]
-                #[inline]
-                pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$data<'_>> {
-                    key.find(self.model().as_ref(), |id| View::new(self, id))
-                }
-
-                #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
-                #[inline]
-                pub fn $one_mut<Q: Key<kind::$kind>>(&mut self, key: Q) -> Q::Found<$data_mut<'_>> {
-                    let id = key.id(self.model().as_ref());
-                    Q::found(id, |id| ViewMut::new(self, id))
-                }
-
-                #[doc = concat!("Returns an iterator over all elements of kind ", stringify!($one), ", in the engine's order.")]
-                pub fn $many(&self) -> impl ExactSizeIterator<Item = $data<'_>> + DoubleEndedIterator {
-                    let model = self.model();
-                    (0..model.count(<kind::$kind as ElementKind>::KIND)).map(move |index| View::new(self, Id::new(index, model.lineage())))
-                }
+        /// # Elements
+        ///
+        /// A key is a name, an index, an id or a view: see [`element`](crate::element).
+        impl Data {$($(
+            #[doc = concat!("Returns the ", stringify!($one), " for a key.")]
+            #[doc(alias = $short)]
+            #[inline]
+            pub fn $one<Q: Key<kind::$kind>>(&self, key: Q) -> Q::Found<$data<'_>> {
+                key.find(self.model().as_ref(), |id| View::new(self, id))
             }
-        )?
+
+            #[doc = concat!("Returns a mutable view of the ", stringify!($one), " for a key.")]
+            #[inline]
+            pub fn $one_mut<Q: Key<kind::$kind>>(&mut self, key: Q) -> Q::Found<$data_mut<'_>> {
+                let id = key.id(self.model().as_ref());
+                Q::found(id, |id| ViewMut::new(self, id))
+            }
+
+            #[doc = concat!("Returns an iterator over all elements of kind ", stringify!($one), ", in the engine's order.")]
+            pub fn $many(&self) -> impl ExactSizeIterator<Item = $data<'_>> + DoubleEndedIterator {
+                let model = self.model();
+                (0..model.count(<kind::$kind as ElementKind>::KIND)).map(move |index| View::new(self, Id::new(index, model.lineage())))
+            }
+        )?)*}
     };
 }
 
-kind!(body, body_mut, bodies, "xbody" => Body, BodyMut, BodyData, BodyDataMut);
-kind!(joint, joint_mut, joints, "jnt" => Joint, JointMut, JointData, JointDataMut);
-kind!(geom, geom_mut, geoms, "mjOBJ_GEOM" => Geom, GeomMut, GeomData, GeomDataMut);
-kind!(site, site_mut, sites, "mjOBJ_SITE" => Site, SiteMut, SiteData, SiteDataMut);
-kind!(camera, camera_mut, cameras, "cam" => Camera, CameraMut, CameraData, CameraDataMut);
-kind!(light, light_mut, lights, "mjOBJ_LIGHT" => Light, LightMut, LightData, LightDataMut);
-kind!(tendon, tendon_mut, tendons, "ten" => Tendon, TendonMut, TendonData, TendonDataMut);
-kind!(actuator, actuator_mut, actuators, "mjOBJ_ACTUATOR" => Actuator, ActuatorMut, ActuatorData, ActuatorDataMut);
-kind!(sensor, sensor_mut, sensors, "sensordata" => Sensor, SensorMut, SensorData, SensorDataMut);
-kind!(keyframe, keyframe_mut, keyframes, "key" => Keyframe, KeyframeMut);
-kind!(mesh, mesh_mut, meshes, "mjOBJ_MESH" => Mesh, MeshMut);
-kind!(skin, skin_mut, skins, "mjOBJ_SKIN" => Skin, SkinMut);
-kind!(height_field, height_field_mut, height_fields, "hfield" => HeightField, HeightFieldMut);
-kind!(texture, texture_mut, textures, "tex" => Texture, TextureMut);
-kind!(material, material_mut, materials, "mat" => Material, MaterialMut);
-kind!(pair, pair_mut, pairs, "mjOBJ_PAIR" => Pair, PairMut);
-kind!(exclude, exclude_mut, excludes, "mjOBJ_EXCLUDE" => Exclude, ExcludeMut);
-kind!(equality, equality_mut, equalities, "eq" => Equality, EqualityMut);
-kind!(numeric, numeric_mut, numerics, "mjOBJ_NUMERIC" => Numeric, NumericMut);
-kind!(text, text_mut, texts, "mjOBJ_TEXT" => Text, TextMut);
-kind!(tuple, tuple_mut, tuples, "mjOBJ_TUPLE" => Tuple, TupleMut);
+kinds! {
+    body, body_mut, bodies, "xbody" => Body, BodyMut, BodyData, BodyDataMut;
+    joint, joint_mut, joints, "jnt" => Joint, JointMut, JointData, JointDataMut;
+    geom, geom_mut, geoms, "mjOBJ_GEOM" => Geom, GeomMut, GeomData, GeomDataMut;
+    site, site_mut, sites, "mjOBJ_SITE" => Site, SiteMut, SiteData, SiteDataMut;
+    camera, camera_mut, cameras, "cam" => Camera, CameraMut, CameraData, CameraDataMut;
+    light, light_mut, lights, "mjOBJ_LIGHT" => Light, LightMut, LightData, LightDataMut;
+    tendon, tendon_mut, tendons, "ten" => Tendon, TendonMut, TendonData, TendonDataMut;
+    actuator, actuator_mut, actuators, "mjOBJ_ACTUATOR" => Actuator, ActuatorMut, ActuatorData, ActuatorDataMut;
+    sensor, sensor_mut, sensors, "sensordata" => Sensor, SensorMut, SensorData, SensorDataMut;
+    keyframe, keyframe_mut, keyframes, "key" => Keyframe, KeyframeMut;
+    mesh, mesh_mut, meshes, "mjOBJ_MESH" => Mesh, MeshMut;
+    skin, skin_mut, skins, "mjOBJ_SKIN" => Skin, SkinMut;
+    height_field, height_field_mut, height_fields, "hfield" => HeightField, HeightFieldMut;
+    texture, texture_mut, textures, "tex" => Texture, TextureMut;
+    material, material_mut, materials, "mat" => Material, MaterialMut;
+    pair, pair_mut, pairs, "mjOBJ_PAIR" => Pair, PairMut;
+    exclude, exclude_mut, excludes, "mjOBJ_EXCLUDE" => Exclude, ExcludeMut;
+    equality, equality_mut, equalities, "eq" => Equality, EqualityMut;
+    numeric, numeric_mut, numerics, "mjOBJ_NUMERIC" => Numeric, NumericMut;
+    text, text_mut, texts, "mjOBJ_TEXT" => Text, TextMut;
+    tuple, tuple_mut, tuples, "mjOBJ_TUPLE" => Tuple, TupleMut;
+}
 
 /// Returns the range that starts at an element's address. Empty for an element without entries, whose address is -1.
 #[inline]

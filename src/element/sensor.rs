@@ -12,6 +12,16 @@ use crate::ffi;
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
+/// # Methods of [`SensorDataMut`](super::SensorDataMut)
+impl ViewMut<'_, Data, kind::Sensor> {
+    /// Returns a mutable reference to the sensor's range of [`sensordata`](Data::sensordata).
+    #[inline]
+    pub fn data_mut(&mut self) -> &mut [f64] {
+        let range = self.view().in_model().data_range();
+        &mut self.owner.sensordata_mut()[range]
+    }
+}
+
 fields!(Sensor on Model {
     /// Type of the sensor.
     sensor_type: {SensorType} = |sensor| SensorType::of_field(sensor.owner.sensor_type()[sensor.index()]);
@@ -96,12 +106,3 @@ fields!(Sensor on Data {
         Ok(&data.sensordata()[sensor.in_model().data_range()])
     };
 });
-
-impl ViewMut<'_, Data, kind::Sensor> {
-    /// Returns a mutable reference to the sensor's range of [`sensordata`](Data::sensordata).
-    #[inline]
-    pub fn data_mut(&mut self) -> &mut [f64] {
-        let range = self.view().in_model().data_range();
-        &mut self.owner.sensordata_mut()[range]
-    }
-}

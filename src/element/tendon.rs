@@ -15,6 +15,24 @@ use crate::id::MaterialId;
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
+/// # Methods of [`TendonData`](super::TendonData)
+impl<'a> View<'a, Data, kind::Tendon> {
+    fn jacobian_row(&self) -> Option<JacobianRow<'a>> {
+        // The options determine the layout that the engine has written, so they must not have changed since.
+        if self.owner.stage() == Stage::Nothing {
+            return None;
+        }
+        let (data, index, dofs) = (self.owner, self.index(), self.owner.model().nv());
+        // SAFETY: the model is valid; the engine reads its options and sizes.
+        if unsafe { sys::mj_isSparse(data.model().as_ptr()) } == 0 {
+            return Some(JacobianRow { values: data.ten_J().row(index), columns: None, dofs });
+        }
+        let row = range(data.ten_J_rowadr(), data.ten_J_rownnz(), index);
+        let values = &data.ten_J().as_slice()[row.clone()];
+        Some(JacobianRow { values, columns: Some(&data.ten_J_colind()[row]), dofs })
+    }
+}
+
 fields!(Tendon on Model {
     /// Elements of the path: sites, geoms and pulleys of a spatial tendon, joints of a fixed tendon.
     #[doc(alias = "adr")]
@@ -83,23 +101,6 @@ fields!(Tendon on Data {
         WrapPoints::new(&objects[range.clone()], &positions[range], tendon.owner.model().lineage())
     };
 });
-
-impl<'a> View<'a, Data, kind::Tendon> {
-    fn jacobian_row(&self) -> Option<JacobianRow<'a>> {
-        // The options determine the layout that the engine has written, so they must not have changed since.
-        if self.owner.stage() == Stage::Nothing {
-            return None;
-        }
-        let (data, index, dofs) = (self.owner, self.index(), self.owner.model().nv());
-        // SAFETY: the model is valid; the engine reads its options and sizes.
-        if unsafe { sys::mj_isSparse(data.model().as_ptr()) } == 0 {
-            return Some(JacobianRow { values: data.ten_J().row(index), columns: None, dofs });
-        }
-        let row = range(data.ten_J_rowadr(), data.ten_J_rownnz(), index);
-        let values = &data.ten_J().as_slice()[row.clone()];
-        Some(JacobianRow { values, columns: Some(&data.ten_J_colind()[row]), dofs })
-    }
-}
 
 /// Row of a Jacobian in the engine's layout: dense, or sparse.
 #[derive(Clone, Copy)]
