@@ -26,11 +26,12 @@
 //! # Data flow
 //!
 //! ```text
-//!  humanoid.xml ──load──▶ Model ──Arc──▶ Data ──qpos, qvel──▶ Controller ──ctrl──▶ Data::step ──▶ Trajectory ──▶ CSV
-//!                         sizes, ids,     │  ▲
-//!                         names, options  │  └── reset, reset_to_key, set_state
-//!                                         ├── Scene ─▶ Renderer ─▶ PNG, GIF, MP4; Viewer
-//!                                         └── transition_fd ─▶ StateSpace (A, B, C, D) ─▶ Lqr (Riccati) ─▶ K
+//! humanoid.xml ──load──▶ Model ──Arc──▶ Data ──qpos, qvel──▶ Controller ──ctrl──▶ Data::step
+//!                        sizes, ids,     │  ▲                                          │
+//!                        names, options  │  └── reset, reset_to_key, set_state          ▼
+//!                                        │                                 Trajectory ─▶ CSV
+//!                                        ├── Scene ─▶ Renderer ─▶ PNG, GIF, MP4; Viewer
+//!                                        └── transition_fd ─▶ StateSpace ─▶ Lqr ─▶ gains K
 //! ```
 //!
 //! - [`Model`]: description of a mechanism. Loaded from MJCF, URDF or MJB, edited by [`Model::edit`] before it is shared and by
@@ -73,26 +74,6 @@
 //!
 //! SI units: metres, seconds, radians, kilograms, newtons. Quaternions are `[w, x, y, z]`. Indices count from 0. The
 //! number of positions `nq` differs from the number of degrees of freedom `nv` if there are free or ball joints.
-//!
-//! # Layers
-//!
-//! Modules import only from layers below them:
-//!
-//! ```text
-//! viewer                                                      feature viewer
-//! render, record                                              feature renderer
-//! control
-//! rollout, trajectory
-//! derivative, scene
-//! controller, callback
-//! element
-//! data ⇄ model
-//! matrix, math, id, kind, enums, stage, error, engine, ffi, file, field_docs
-//! mujoco-sys
-//! ```
-//!
-//! `data` and `model` form the only cycle. A simulation belongs to a model, and three functions of the model need a simulation: an edit through
-//! [`Data::edit_model`] invalidates the simulation's results, and loading and saving compile or simulate the model to check it.
 
 // The page of a type in the documentation has the methods in the order of the modules that declare them: loading a model comes first,
 // the generated accessors come last.
