@@ -14,15 +14,12 @@ pub use crate::version::Version;
 pub(crate) const LOG_TARGET: &str = "mujoco";
 
 /// Returns the version of the engine library that is loaded at run time.
-#[doc(alias = "mj_version")]
-#[doc(alias = "mj_versionString")]
 pub fn engine_version() -> Version {
     // SAFETY: takes no arguments and returns a constant.
     Version::from_number(unsafe { mj_version() } as u32)
 }
 
 /// Returns the version of the headers that this crate was built against.
-#[doc(alias = "mjVERSION_HEADER")]
 pub const fn built_against() -> Version {
     Version::from_number(mjVERSION_HEADER)
 }
@@ -49,7 +46,6 @@ pub(crate) fn ready() -> Result<()> {
 /// ```
 /// mujoco_safe::data::enable_timers();
 /// ```
-#[doc(alias = "mjcb_time")]
 pub fn enable_timers() {
     // SAFETY: the installed clock function only reads the system clock.
     unsafe { callback::install_clock() };

@@ -45,6 +45,7 @@ pub(crate) use engine_enum;
 
 engine_enum! {
     /// Numerical integrator of a step.
+    #[doc(alias = "mjtIntegrator")]
     Integrator {
         /// Semi-implicit Euler, with implicit joint damping.
         Euler = mjINT_EULER,
@@ -56,6 +57,7 @@ engine_enum! {
 }
 engine_enum! {
     /// Selection of the pairs of geoms that are tested for collision.
+    #[doc(alias = "mjtCollision")]
     Collision {
         /// Pairs that the model names, and pairs that `contype` and `conaffinity` select.
         All = mjCOL_ALL,
@@ -67,6 +69,7 @@ engine_enum! {
 }
 engine_enum! {
     /// Friction cone of contacts.
+    #[doc(alias = "mjtCone")]
     Cone {
         /// Pyramid inscribed into the elliptic cone.
         Pyramidal = mjCONE_PYRAMIDAL,
@@ -76,6 +79,7 @@ engine_enum! {
 }
 engine_enum! {
     /// Storage of the constraint Jacobian.
+    #[doc(alias = "mjtJacobian")]
     JacobianStorage {
         /// Dense matrix.
         Dense = mjJAC_DENSE,
@@ -87,6 +91,7 @@ engine_enum! {
 }
 engine_enum! {
     /// Constraint solver.
+    #[doc(alias = "mjtSolver")]
     Solver {
         /// Projected Gauss–Seidel, on the dual problem.
         Pgs = mjSOL_PGS,
@@ -98,6 +103,7 @@ engine_enum! {
 }
 engine_enum! {
     /// Type of a joint.
+    #[doc(alias = "mjtJoint")]
     JointType {
         /// Free joint: six degrees of freedom, seven numbers in `qpos`.
         Free = mjJNT_FREE,
@@ -111,6 +117,7 @@ engine_enum! {
 }
 engine_enum! {
     /// Shape of a geom or a site.
+    #[doc(alias = "mjtGeom")]
     GeomType {
         /// Plane, finite or infinite.
         Plane = mjGEOM_PLANE,
@@ -161,6 +168,7 @@ engine_enum! {
 }
 engine_enum! {
     /// Type of an element of a tendon's path: see `element::Wrap`.
+    #[doc(alias = "mjtWrap")]
     WrapType {
         /// Joint of a fixed tendon.
         Joint = mjWRAP_JOINT,
@@ -176,6 +184,7 @@ engine_enum! {
 }
 engine_enum! {
     /// Type of the transmission of an actuator: see `element::Transmission`.
+    #[doc(alias = "mjtTrn")]
     TransmissionType {
         /// Joint.
         Joint = mjTRN_JOINT,

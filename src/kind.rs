@@ -49,6 +49,8 @@ pub(crate) use for_each_kind;
 macro_rules! declare_kinds {
     ($($name:ident, $text:literal, $object:ident, $id:ident;)*) => {
         /// Kind of a named element.
+        #[doc(alias = "mjtObj")]
+        #[doc(alias = "mju_type2Str")]
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[non_exhaustive]
         #[allow(missing_docs, reason = "the variants are the engine's kinds")]

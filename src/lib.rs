@@ -116,6 +116,7 @@ mod trajectory;
 mod version;
 #[cfg(feature = "viewer")]
 pub mod viewer;
+mod with_aliases;
 mod with_methods;
 
 mod generated;
@@ -133,13 +134,21 @@ pub use crate::control::{Lqr, LqrWeights};
 pub use crate::controller::{Controller, PdController, RandomController, ZeroController};
 pub use crate::data::{Data, Stage, StateSpec};
 pub use crate::derivative::{Differences, Lineariser, StateSpace};
-pub use crate::engine::{Version, built_against, engine_version};
+pub use crate::engine::Version;
 pub use crate::error::{Error, Result};
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{LoadOptions, Model, ModelMut, Options};
 pub use crate::rollout::{Batch, Rollout};
 pub use crate::scene::Scene;
 pub use crate::trajectory::Trajectory;
+use crate::with_aliases::with_aliases;
+
+with_aliases! {
+    pub use crate::engine::{
+        built_against = "mjVERSION_HEADER",
+        engine_version = "mj_version" "mj_versionString",
+    };
+}
 
 /// Compiles the README's examples as tests.
 #[cfg(doctest)]

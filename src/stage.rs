@@ -14,7 +14,6 @@ use bitflags::bitflags;
 /// A call that needs a later stage returns [`Error::NotComputed`](crate::Error::NotComputed). Without this check the engine would
 /// interpret arrays with the wrong layout, or return values of an earlier state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[doc(alias = "mjtStage")]
 pub enum Stage {
     /// Nothing has been computed since the last reset or change of the model.
     Nothing,
@@ -40,7 +39,6 @@ impl fmt::Display for Stage {
 /// Effect of [`Data::forward_skip`](crate::Data::forward_skip) and
 /// [`Data::inverse_skip`](crate::Data::inverse_skip) on sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "skipsensor")]
 pub enum SensorUpdate {
     /// Computes the sensors of the stages that are not skipped.
     Compute,

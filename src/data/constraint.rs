@@ -34,7 +34,6 @@ impl Model {
 
 /// Effect of [`Data::constraint_update`] on the Hessians of elliptic cones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "flg_coneHessian")]
 pub enum ConeHessian {
     /// Stores the Hessians in the contacts.
     Compute,

@@ -14,7 +14,6 @@ use crate::model::DisableFlags;
 
 /// Contact of the last collision detection.
 #[derive(Clone, Copy)]
-#[doc(alias = "mjContact")]
 pub struct Contact<'d> {
     data: &'d Data,
     index: usize,
@@ -153,7 +152,6 @@ impl fmt::Debug for Contact<'_> {
 
 /// Contact to add with [`Data::add_contact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[doc(alias = "mjContact")]
 pub struct NewContact {
     /// The two geoms. The contact acts on their bodies.
     pub geoms: [GeomId; 2],

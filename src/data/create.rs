@@ -127,6 +127,7 @@ impl Data {
     ///
     /// [`Error::OtherModel`] if the model of the other simulation was loaded separately. [`Error::Engine`] if the engine fails,
     /// which does not occur for two models of the same structure.
+    #[doc(alias = "mj_copyData")]
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
         if !self.model.is_same_structure(&other.model) {
             return Err(Error::OtherModel { what: "the data to copy from" });

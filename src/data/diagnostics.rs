@@ -12,7 +12,6 @@ use crate::ffi;
 
 engine_enum! {
     /// Timed part of the computation.
-    #[doc(alias = "mjtTimer")]
     Timer {
         /// Complete step.
         Step = mjTIMER_STEP,

@@ -12,7 +12,6 @@ use crate::model::Model;
 
 /// Identifier of a coordinate frame that is attached to a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "mjtObj")]
 pub enum FrameId {
     /// Inertial frame of a body, at its centre of mass.
     #[doc(alias = "mjOBJ_BODY")]
@@ -33,7 +32,6 @@ pub enum FrameId {
 
 /// Axes of the components of a velocity or an acceleration. The reference point is the origin of the object in both cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "flg_local")]
 pub enum Axes {
     /// Axes of the world.
     World,

@@ -10,7 +10,6 @@ use crate::matrix::Matrix;
 
 /// Accelerations that [`Data::rne_into`] uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "flg_acc")]
 pub enum Accelerations {
     /// No accelerations.
     Zero,

@@ -18,7 +18,6 @@ use crate::with_methods::with_methods;
 
 /// Actuators that [`ModelMut::set_length_range`] processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "mjtLRMode")]
 pub enum LengthRangeMode {
     /// None.
     #[doc(alias = "mjLRMODE_NONE")]
@@ -37,7 +36,6 @@ pub enum LengthRangeMode {
 /// Options of [`ModelMut::set_length_range`]. The defaults are those of the engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-#[doc(alias = "mjLROpt")]
 pub struct LengthRangeOptions {
     /// Actuators to process.
     pub mode: LengthRangeMode,

@@ -33,24 +33,42 @@ use mujoco_sys::{self as sys, mjData};
 
 use self::call::CallbackSlot;
 pub(crate) use self::call::EngineCallbacks;
-pub use self::constraint::ConeHessian;
-pub use self::contact::{Contact, ContactForce, NewContact};
-pub use self::diagnostics::{SolverIteration, Timer, TimerCount};
+pub use self::contact::ContactForce;
+pub use self::diagnostics::{SolverIteration, TimerCount};
 pub use self::distance::GeomDistance;
-pub use self::frame::{Axes, FrameId, SpatialVector};
-pub use self::inertia::Accelerations;
+pub use self::frame::SpatialVector;
 pub use self::jacobian::Jacobian;
 pub use self::ray::{RayHit, RayOptions};
-pub use self::state::StateSpec;
+pub use self::warning::WarningCount;
 pub(crate) use self::warning::silence as silence_warnings;
-pub use self::warning::{Warning, WarningCount};
-pub use crate::engine::enable_timers;
 use crate::error::{Error, Result};
 pub use crate::error::{Instability, UnstableField};
 use crate::field_docs::field_docs;
 use crate::model::Model;
+pub use crate::stage::MissingResults;
 pub(crate) use crate::stage::PipelineFlags;
-pub use crate::stage::{MissingResults, SensorUpdate, Stage};
+use crate::with_aliases::with_aliases;
+
+with_aliases! {
+    pub use self::constraint::{ConeHessian = "flg_coneHessian"};
+    pub use self::contact::{
+        Contact = "mjContact",
+        NewContact = "mjContact",
+    };
+    pub use self::diagnostics::{Timer = "mjtTimer"};
+    pub use self::frame::{
+        Axes = "flg_local",
+        FrameId = "mjtObj",
+    };
+    pub use self::inertia::{Accelerations = "flg_acc"};
+    pub use self::state::{StateSpec = "mjtState"};
+    pub use self::warning::{Warning = "mjtWarning"};
+    pub use crate::engine::{enable_timers = "mjcb_time"};
+    pub use crate::stage::{
+        SensorUpdate = "skipsensor",
+        Stage = "mjtStage",
+    };
+}
 
 /// Simulation: its state, its inputs, and the quantities that are computed from them. It holds its model in an [`Arc`], so the
 /// model lives as long as the simulation, and any number of simulations share one model.
@@ -142,6 +160,7 @@ pub use crate::stage::{MissingResults, SensorUpdate, Stage};
 /// });
 /// ```
 #[doc(alias = "mjData")]
+#[doc(alias = "mj_deleteData")]
 pub struct Data {
     raw: NonNull<mjData>,
     model: Arc<Model>,

@@ -12,7 +12,6 @@ bitflags! {
     /// those of `mjtState` in newer engines, except for parts that 2.2.2 keeps in the model (active equality constraints) or does
     /// not have (plugins).
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-    #[doc(alias = "mjtState")]
     pub struct StateSpec: u32 {
         /// `time` (1)
         const TIME = 1;
@@ -134,6 +133,7 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::Shape`] for a wrong length.
+    #[doc(alias = "mj_getState")]
     pub fn state_into(&self, spec: StateSpec, state: &mut [f64]) -> Result<()> {
         Error::check_length("state", state.len(), self.model().state_size(spec))?;
         self.read_state(spec, state);

@@ -21,7 +21,6 @@ const COUNT: usize = sys::mjNWARNING as usize;
 /// Type of warning that the engine raises during a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-#[doc(alias = "mjtWarning")]
 pub enum Warning {
     /// The inertia matrix is singular, or nearly so, at a degree of freedom.
     Inertia,

@@ -116,7 +116,6 @@ impl InverseOutputs<'_> {
 
 /// Generalised force that [`Data::inverse_fd`] differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "flg_actuation")]
 pub enum InverseForce {
     /// All forces of inverse dynamics: `qfrc_inverse`.
     Total,

@@ -28,12 +28,17 @@ mod transition;
 mod work_queue;
 mod worker;
 
-pub use self::inverse::{InverseForce, InverseJacobians, InverseOutputs};
+pub use self::inverse::{InverseJacobians, InverseOutputs};
 pub use self::lineariser::Lineariser;
 pub use self::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
 use crate::error::{Error, Result};
+use crate::with_aliases::with_aliases;
+
+with_aliases! {
+    pub use self::inverse::{InverseForce = "flg_actuation"};
+}
 
 /// Smallest step of differences. With a smaller one, rounding would silently make them zero.
 const MIN_EPS: f64 = 1e-12;

@@ -101,7 +101,6 @@ fields!(Actuator on Data {
 /// Transmission of an actuator: the element that it acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-#[doc(alias = "mjtTrn")]
 pub enum Transmission {
     /// A joint: a force or torque along its axis; for a ball or free joint, in the frame of the body.
     Joint(JointId),

@@ -95,9 +95,6 @@ macro_rules! objects {
         /// Element of any kind: a member of a tuple, or the object that a sensor is attached to.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[non_exhaustive]
-        #[doc(alias = "mjtObj")]
-        #[doc(alias = "objtype")]
-        #[doc(alias = "objid")]
         pub enum Object {
             $($(#[$doc])* $name(Id<kind::$name>),)*
             /// A body. A sensor measures its body frame instead of the inertial frame.

@@ -115,13 +115,12 @@ mod tendon_path;
 
 use std::fmt;
 
-pub use self::actuator::Transmission;
 pub use self::asset::{Bone, Bones};
 pub use self::attachment::SameFrame;
 pub use self::constraint::EqualityObjects;
-pub use self::custom::{Object, Objects};
+pub use self::custom::Objects;
 pub use self::tendon::JacobianRow;
-pub use self::tendon_path::{Wrap, WrapPoint, WrapPoints, Wraps};
+pub use self::tendon_path::{WrapPoint, WrapPoints, Wraps};
 use crate::data::Data;
 use crate::error::Result;
 use crate::ffi;
@@ -129,6 +128,13 @@ use crate::id::sealed::Sealed;
 use crate::id::{Id, Key, Lookup};
 use crate::kind::{self, ElementKind};
 use crate::model::{Model, ModelMut};
+use crate::with_aliases::with_aliases;
+
+with_aliases! {
+    pub use self::actuator::{Transmission = "mjtTrn"};
+    pub use self::custom::{Object = "mjtObj" "objtype" "objid"};
+    pub use self::tendon_path::{Wrap = "mjtWrap"};
+}
 
 /// View of one element of a model or a simulation: an id and a borrow. Cheap to copy; the fields of each kind are methods.
 ///

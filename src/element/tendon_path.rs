@@ -11,7 +11,6 @@ use crate::model::Model;
 /// Element of a tendon's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-#[doc(alias = "mjtWrap")]
 pub enum Wrap {
     /// Joint of a fixed tendon.
     Joint {

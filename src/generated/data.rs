@@ -917,6 +917,7 @@ impl Data {
     /// Result of the last [`make_constraint`](crate::Data::make_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Position)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_type`.
+    #[doc(alias = "mjtConstraint")]
     #[inline]
     pub fn efc_type(&self) -> &[i32] {
         // SAFETY: the engine allocated the array with this shape, and nothing writes to it while `self` is borrowed.
@@ -1710,6 +1711,7 @@ impl Data {
     /// Result of the last [`fwd_constraint`](crate::Data::fwd_constraint), called directly or within [`forward`](crate::Data::forward) or [`step`](crate::Data::step). It is zero before the first such call, and changes of the state or the model do not update it. [`require(Stage::Acceleration)`](crate::Data::require) checks that it has been computed.
     ///
     /// Engine field `mjData.efc_state`.
+    #[doc(alias = "mjtConstraintState")]
     #[inline]
     pub fn efc_state(&self) -> &[i32] {
         // SAFETY: the engine allocated the array with this shape, and nothing writes to it while `self` is borrowed.

@@ -145,7 +145,6 @@ fn dot(vec1: &[f64], vec2: &[f64]) -> f64 {
 /// assert_eq!(res, [1.0, 2.0, 3.0]);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_cholFactorBand")]
 pub fn chol_factor_band(mat: &mut [f64], shape: BandShape, diagadd: f64, diagmul: f64) -> Result<Option<f64>> {
     shape.check_matrix("mat of chol_factor_band", mat)?;
     let mut smallest = f64::INFINITY;
@@ -177,7 +176,6 @@ pub fn chol_factor_band(mat: &mut [f64], shape: BandShape, diagadd: f64, diagmul
 /// # Errors
 ///
 /// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of both vectors is `ntotal`.
-#[doc(alias = "mju_cholSolveBand")]
 pub fn chol_solve_band(res: &mut [f64], mat: &[f64], vec: &[f64], shape: BandShape) -> Result<()> {
     Error::check_length("the result of chol_solve_band", res.len(), shape.ntotal)?;
     Error::check_length("vec of chol_solve_band", vec.len(), shape.ntotal)?;
@@ -191,7 +189,6 @@ pub fn chol_solve_band(res: &mut [f64], mat: &[f64], vec: &[f64], shape: BandSha
 /// # Errors
 ///
 /// [`Error::Shape`] unless the length of `mat` is that of the shape, and the length of `vec` is `ntotal`.
-#[doc(alias = "mju_cholSolveBand")]
 pub fn chol_solve_band_in_place(mat: &[f64], vec: &mut [f64], shape: BandShape) -> Result<()> {
     shape.check_matrix("mat of chol_solve_band_in_place", mat)?;
     Error::check_length("vec of chol_solve_band_in_place", vec.len(), shape.ntotal)?;
@@ -211,7 +208,6 @@ pub fn chol_solve_band_in_place(mat: &[f64], vec: &mut [f64], shape: BandShape) 
 
 /// Matrix that band storage stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "flg_sym")]
 pub enum BandKind {
     /// Symmetric matrix.
     Symmetric,
@@ -224,7 +220,6 @@ pub enum BandKind {
 /// # Errors
 ///
 /// [`Error::Shape`] unless the length of `mat` is that of the shape, and `res` has the shape `(ntotal, ntotal)`.
-#[doc(alias = "mju_band2Dense")]
 pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: BandShape, kind: BandKind) -> Result<()> {
     let mut res = res.into();
     let n = shape.ntotal;
@@ -250,7 +245,6 @@ pub fn band2dense<'a>(res: impl Into<MatrixViewMut<'a>>, mat: &[f64], shape: Ban
 /// # Errors
 ///
 /// [`Error::Shape`] unless the length of `res` is that of the shape, and `mat` has the shape `(ntotal, ntotal)`.
-#[doc(alias = "mju_dense2Band")]
 pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: BandShape) -> Result<()> {
     let mat = mat.into();
     shape.check_matrix("the result of dense2band", res)?;
@@ -267,7 +261,6 @@ pub fn dense2band<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, shape: Ba
 /// # Errors
 ///
 /// [`Error::Shape`] unless the length of `mat` is that of the shape, `vec` has `ntotal` columns, and `res` has the shape of `vec`.
-#[doc(alias = "mju_bandMulMatVec")]
 pub fn band_mul_mat_vec<'a, 'b>(
     res: impl Into<MatrixViewMut<'a>>,
     mat: &[f64],

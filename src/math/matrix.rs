@@ -26,7 +26,6 @@ use crate::matrix::{MatrixView, MatrixViewMut};
 /// assert_eq!(res, [-1.0, -1.0, -1.0]);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_mulMatVec")]
 pub fn mul_mat_vec<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f64]) -> Result<()> {
     let mat = mat.into();
     Error::check_length("the result of mul_mat_vec", res.len(), mat.nrows())?;
@@ -42,7 +41,6 @@ pub fn mul_mat_vec<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f
 /// # Errors
 ///
 /// [`Error::Shape`] unless the length of `vec` is the number of rows of `mat`, and that of `res` its number of columns.
-#[doc(alias = "mju_mulMatTVec")]
 pub fn mul_mat_t_vec<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f64]) -> Result<()> {
     let mat = mat.into();
     Error::check_length("the result of mul_mat_t_vec", res.len(), mat.ncols())?;
@@ -58,7 +56,6 @@ pub fn mul_mat_t_vec<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &
 /// # Errors
 ///
 /// [`Error::Shape`] unless the length of both vectors is the number of rows and columns of `mat`.
-#[doc(alias = "mju_mulVecMatVec")]
 pub fn mul_vec_mat_vec<'a>(vec1: &[f64], mat: impl Into<MatrixView<'a>>, vec2: &[f64]) -> Result<f64> {
     let mat = mat.into();
     Error::check_length("vec2 of mul_vec_mat_vec", vec2.len(), vec1.len())?;
@@ -71,7 +68,6 @@ pub fn mul_vec_mat_vec<'a>(vec1: &[f64], mat: impl Into<MatrixView<'a>>, vec2: &
 /// # Errors
 ///
 /// [`Error::Shape`] unless `res` has the shape of `matᵀ`.
-#[doc(alias = "mju_transpose")]
 pub fn transpose<'a, 'b>(res: impl Into<MatrixViewMut<'a>>, mat: impl Into<MatrixView<'b>>) -> Result<()> {
     let (mut res, mat) = (res.into(), mat.into());
     Error::check_shape("the result of transpose", res.shape(), (mat.ncols(), mat.nrows()))?;
@@ -86,7 +82,6 @@ pub fn transpose<'a, 'b>(res: impl Into<MatrixViewMut<'a>>, mat: impl Into<Matri
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat` is square and `res` has the same shape.
-#[doc(alias = "mju_symmetrize")]
 pub fn symmetrize<'a, 'b>(res: impl Into<MatrixViewMut<'a>>, mat: impl Into<MatrixView<'b>>) -> Result<()> {
     let (mut res, mat) = (res.into(), mat.into());
     check_square("mat of symmetrize", mat.shape())?;
@@ -100,7 +95,6 @@ pub fn symmetrize<'a, 'b>(res: impl Into<MatrixViewMut<'a>>, mat: impl Into<Matr
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat` is square.
-#[doc(alias = "mju_symmetrize")]
 pub fn symmetrize_in_place<'a>(mat: impl Into<MatrixViewMut<'a>>) -> Result<()> {
     let mut mat = mat.into();
     check_square("mat of symmetrize_in_place", mat.shape())?;
@@ -120,7 +114,6 @@ pub fn symmetrize_in_place<'a>(mat: impl Into<MatrixViewMut<'a>>) -> Result<()> 
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat` is square.
-#[doc(alias = "mju_eye")]
 pub fn eye<'a>(mat: impl Into<MatrixViewMut<'a>>) -> Result<()> {
     let mut mat = mat.into();
     check_square("mat of eye", mat.shape())?;
@@ -135,7 +128,6 @@ pub fn eye<'a>(mat: impl Into<MatrixViewMut<'a>>) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Shape`] unless the number of rows of `mat2` is the number of columns of `mat1`, and `res` has the shape of the product.
-#[doc(alias = "mju_mulMatMat")]
 pub fn mul_mat_mat<'a, 'b, 'c>(
     res: impl Into<MatrixViewMut<'a>>,
     mat1: impl Into<MatrixView<'b>>,
@@ -158,7 +150,6 @@ pub fn mul_mat_mat<'a, 'b, 'c>(
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat1` and `mat2` have the same number of columns, and `res` has the shape of the product.
-#[doc(alias = "mju_mulMatMatT")]
 pub fn mul_mat_mat_t<'a, 'b, 'c>(
     res: impl Into<MatrixViewMut<'a>>,
     mat1: impl Into<MatrixView<'b>>,
@@ -181,7 +172,6 @@ pub fn mul_mat_mat_t<'a, 'b, 'c>(
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat1` and `mat2` have the same number of rows, and `res` has the shape of the product.
-#[doc(alias = "mju_mulMatTMat")]
 pub fn mul_mat_t_mat<'a, 'b, 'c>(
     res: impl Into<MatrixViewMut<'a>>,
     mat1: impl Into<MatrixView<'b>>,
@@ -215,7 +205,6 @@ pub fn mul_mat_t_mat<'a, 'b, 'c>(
 /// assert_eq!(res, Matrix::from_rows(&[[91.0, 122.0], [122.0, 164.0]]));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_sqrMatTD")]
 pub fn sqr_mat_td<'a, 'b>(
     res: impl Into<MatrixViewMut<'a>>,
     mat: impl Into<MatrixView<'b>>,
@@ -259,7 +248,6 @@ pub(super) fn check_square(what: &'static str, (nrows, ncols): (usize, usize)) -
 /// assert_eq!(res, [1.5, 1.0]);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_cholFactor")]
 pub fn chol_factor<'a>(mat: impl Into<MatrixViewMut<'a>>, mindiag: f64) -> Result<usize> {
     let mut mat = mat.into();
     check_square("mat of chol_factor", mat.shape())?;
@@ -273,7 +261,6 @@ pub fn chol_factor<'a>(mat: impl Into<MatrixViewMut<'a>>, mindiag: f64) -> Resul
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat` is square and the length of both vectors is its number of rows.
-#[doc(alias = "mju_cholSolve")]
 pub fn chol_solve<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f64]) -> Result<()> {
     let mat = mat.into();
     check_square("mat of chol_solve", mat.shape())?;
@@ -288,7 +275,6 @@ pub fn chol_solve<'a>(res: &mut [f64], mat: impl Into<MatrixView<'a>>, vec: &[f6
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat` is square and the length of `vec` is its number of rows.
-#[doc(alias = "mju_cholSolve")]
 pub fn chol_solve_in_place<'a>(mat: impl Into<MatrixView<'a>>, vec: &mut [f64]) -> Result<()> {
     let mat = mat.into();
     check_square("mat of chol_solve_in_place", mat.shape())?;
@@ -302,7 +288,6 @@ pub fn chol_solve_in_place<'a>(mat: impl Into<MatrixView<'a>>, vec: &mut [f64]) 
 
 /// Sign of the rank-one update of [`chol_update`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "flg_plus")]
 pub enum RankOneUpdate {
     /// `A + x xᵀ`
     Add,
@@ -315,7 +300,6 @@ pub enum RankOneUpdate {
 /// # Errors
 ///
 /// [`Error::Shape`] unless `mat` is square and the length of `x` is its number of rows.
-#[doc(alias = "mju_cholUpdate")]
 pub fn chol_update<'a>(mat: impl Into<MatrixViewMut<'a>>, x: &mut [f64], update: RankOneUpdate) -> Result<usize> {
     let mut mat = mat.into();
     check_square("mat of chol_update", mat.shape())?;

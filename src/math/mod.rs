@@ -81,32 +81,111 @@ mod vector;
 
 use std::ffi::c_int;
 
-pub use self::band::{
-    BandKind, BandShape, band_mul_mat_vec, band2dense, chol_factor_band, chol_solve_band, chol_solve_band_in_place,
-    dense2band,
-};
+pub use self::band::BandShape;
 pub use self::box_qp::{BoxQp, BoxQpSolution, BoxQpStatus};
-pub use self::matrix::{
-    RankOneUpdate, chol_factor, chol_solve, chol_solve_in_place, chol_update, eye, mul_mat_mat, mul_mat_mat_t,
-    mul_mat_t_mat, mul_mat_t_vec, mul_mat_vec, mul_vec_mat_vec, sqr_mat_td, symmetrize, symmetrize_in_place, transpose,
-};
-pub use self::quaternion::{
-    QuatIntegrateDerivative, SubQuatDerivative, axis_angle2quat, deriv_quat, euler2quat, mat2quat, mul_quat,
-    mul_quat_axis, neg_quat, normalize4, quat_integrate, quat_integrate_derivative, quat_z2vec, quat2mat, quat2vel,
-    rot_vec_quat, sub_quat, sub_quat_derivative,
-};
+pub use self::quaternion::{QuatIntegrateDerivative, SubQuatDerivative};
+pub use self::ray::SkinHit;
 pub(crate) use self::ray::check_ray;
-pub use self::ray::{SkinHit, ray_geom, ray_skin};
-pub use self::scalar::{halton, muscle_bias, muscle_dynamics, muscle_gain, sigmoid, spring_damper};
-pub use self::spatial::{
-    Eig3, Pose, SpatialKind, cross, decode_pyramid, eig3, encode_pyramid, mul_pose, neg_pose, rot_vec_mat,
-    rot_vec_mat_t, transform_spatial, trn_vec_pose,
-};
-pub use self::vector::{
-    add, add_scl, add_to, add_to_scl, copy, dot, f2n, fill, insertion_sort, insertion_sort_int, is_bad, is_zero, l1,
-    n2f, norm, normalize, scl, scl_in_place, sub, sub_from, sum, zero,
-};
+pub use self::spatial::{Eig3, Pose};
 use crate::error::{Error, Result};
+use crate::with_aliases::with_aliases;
+
+with_aliases! {
+    pub use self::band::{
+        BandKind = "flg_sym",
+        band_mul_mat_vec = "mju_bandMulMatVec",
+        band2dense = "mju_band2Dense",
+        chol_factor_band = "mju_cholFactorBand",
+        chol_solve_band = "mju_cholSolveBand",
+        chol_solve_band_in_place = "mju_cholSolveBand",
+        dense2band = "mju_dense2Band",
+    };
+    pub use self::matrix::{
+        RankOneUpdate = "flg_plus",
+        chol_factor = "mju_cholFactor",
+        chol_solve = "mju_cholSolve",
+        chol_solve_in_place = "mju_cholSolve",
+        chol_update = "mju_cholUpdate",
+        eye = "mju_eye",
+        mul_mat_mat = "mju_mulMatMat",
+        mul_mat_mat_t = "mju_mulMatMatT",
+        mul_mat_t_mat = "mju_mulMatTMat",
+        mul_mat_t_vec = "mju_mulMatTVec",
+        mul_mat_vec = "mju_mulMatVec",
+        mul_vec_mat_vec = "mju_mulVecMatVec",
+        sqr_mat_td = "mju_sqrMatTD",
+        symmetrize = "mju_symmetrize",
+        symmetrize_in_place = "mju_symmetrize",
+        transpose = "mju_transpose",
+    };
+    pub use self::quaternion::{
+        axis_angle2quat = "mju_axisAngle2Quat",
+        deriv_quat = "mju_derivQuat",
+        euler2quat = "mju_euler2Quat",
+        mat2quat = "mju_mat2Quat",
+        mul_quat = "mju_mulQuat",
+        mul_quat_axis = "mju_mulQuatAxis",
+        neg_quat = "mju_negQuat",
+        normalize4 = "mju_normalize4",
+        quat_integrate = "mju_quatIntegrate",
+        quat_integrate_derivative = "mjd_quatIntegrate",
+        quat_z2vec = "mju_quatZ2Vec",
+        quat2mat = "mju_quat2Mat",
+        quat2vel = "mju_quat2Vel",
+        rot_vec_quat = "mju_rotVecQuat",
+        sub_quat = "mju_subQuat",
+        sub_quat_derivative = "mjd_subQuat",
+    };
+    pub use self::ray::{
+        ray_geom = "mju_rayGeom",
+        ray_skin = "mju_raySkin",
+    };
+    pub use self::scalar::{
+        halton = "mju_Halton",
+        muscle_bias = "mju_muscleBias",
+        muscle_dynamics = "mju_muscleDynamics",
+        muscle_gain = "mju_muscleGain",
+        sigmoid = "mju_sigmoid",
+        spring_damper = "mju_springDamper",
+    };
+    pub use self::spatial::{
+        SpatialKind = "flg_force",
+        cross = "mju_cross",
+        decode_pyramid = "mju_decodePyramid",
+        eig3 = "mju_eig3",
+        encode_pyramid = "mju_encodePyramid",
+        mul_pose = "mju_mulPose",
+        neg_pose = "mju_negPose",
+        rot_vec_mat = "mju_rotVecMat",
+        rot_vec_mat_t = "mju_rotVecMatT",
+        transform_spatial = "mju_transformSpatial",
+        trn_vec_pose = "mju_trnVecPose",
+    };
+    pub use self::vector::{
+        add = "mju_add",
+        add_scl = "mju_addScl",
+        add_to = "mju_addTo",
+        add_to_scl = "mju_addToScl",
+        copy = "mju_copy" "mju_d2n" "mju_n2d",
+        dot = "mju_dot" "mju_dot3",
+        f2n = "mju_f2n",
+        fill = "mju_fill",
+        insertion_sort = "mju_insertionSort",
+        insertion_sort_int = "mju_insertionSortInt",
+        is_bad = "mju_isBad",
+        is_zero = "mju_isZero",
+        l1 = "mju_L1",
+        n2f = "mju_n2f",
+        norm = "mju_norm" "mju_norm3",
+        normalize = "mju_normalize" "mju_normalize3",
+        scl = "mju_scl",
+        scl_in_place = "mju_scl",
+        sub = "mju_sub",
+        sub_from = "mju_subFrom",
+        sum = "mju_sum",
+        zero = "mju_zero",
+    };
+}
 
 /// Converts a size to the engine's C `int`.
 #[inline]

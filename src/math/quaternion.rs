@@ -20,7 +20,6 @@ use super::{array, rot_vec_mat_t};
 use crate::error::{Error, Result};
 
 /// Normalises `quat` and returns its original norm. A quaternion with a norm below `1e-15` becomes `[1, 0, 0, 0]`.
-#[doc(alias = "mju_normalize4")]
 #[inline]
 pub fn normalize4(quat: &mut [f64; 4]) -> f64 {
     // SAFETY: the engine reads and writes four numbers.
@@ -36,7 +35,6 @@ pub fn normalize4(quat: &mut [f64; 4]) -> f64 {
 /// let turned = math::rot_vec_quat(&[1.0, 0.0, 0.0], &quarter);
 /// assert!((turned[1] - 1.0).abs() < 1e-15); // x has become y
 /// ```
-#[doc(alias = "mju_rotVecQuat")]
 #[inline]
 pub fn rot_vec_quat(vec: &[f64; 3], quat: &[f64; 4]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -44,7 +42,6 @@ pub fn rot_vec_quat(vec: &[f64; 3], quat: &[f64; 4]) -> [f64; 3] {
 }
 
 /// Returns the conjugate `[w, −x, −y, −z]`: the inverse rotation.
-#[doc(alias = "mju_negQuat")]
 #[inline]
 pub fn neg_quat(quat: &[f64; 4]) -> [f64; 4] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -52,7 +49,6 @@ pub fn neg_quat(quat: &[f64; 4]) -> [f64; 4] {
 }
 
 /// Returns the product `quat1 quat2`: the rotation `quat2` followed by `quat1`.
-#[doc(alias = "mju_mulQuat")]
 #[inline]
 pub fn mul_quat(quat1: &[f64; 4], quat2: &[f64; 4]) -> [f64; 4] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -60,7 +56,6 @@ pub fn mul_quat(quat1: &[f64; 4], quat2: &[f64; 4]) -> [f64; 4] {
 }
 
 /// Returns the product `quat [0, axis]`.
-#[doc(alias = "mju_mulQuatAxis")]
 #[inline]
 pub fn mul_quat_axis(quat: &[f64; 4], axis: &[f64; 3]) -> [f64; 4] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -68,7 +63,6 @@ pub fn mul_quat_axis(quat: &[f64; 4], axis: &[f64; 3]) -> [f64; 4] {
 }
 
 /// Returns the rotation by `angle` (rad) about `axis`, which must be a unit vector.
-#[doc(alias = "mju_axisAngle2Quat")]
 #[inline]
 pub fn axis_angle2quat(axis: &[f64; 3], angle: f64) -> [f64; 4] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -77,7 +71,6 @@ pub fn axis_angle2quat(axis: &[f64; 3], angle: f64) -> [f64; 4] {
 
 /// Returns the constant angular velocity (rad/s, in the rotated frame) that produces the rotation `quat` within the time `dt` (s),
 /// along the shorter arc. With `dt` of 1 it is the rotation vector.
-#[doc(alias = "mju_quat2Vel")]
 #[inline]
 pub fn quat2vel(quat: &[f64; 4], dt: f64) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -87,7 +80,6 @@ pub fn quat2vel(quat: &[f64; 4], dt: f64) -> [f64; 3] {
 /// Returns the rotation vector (rad, in the frame of `qb`) from `qb` to `qa`: `qb quat(res) = qa`, along the shorter arc.
 ///
 /// [`sub_quat_derivative`] computes its derivatives.
-#[doc(alias = "mju_subQuat")]
 #[inline]
 pub fn sub_quat(qa: &[f64; 4], qb: &[f64; 4]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -95,7 +87,6 @@ pub fn sub_quat(qa: &[f64; 4], qb: &[f64; 4]) -> [f64; 3] {
 }
 
 /// Converts a unit quaternion to a rotation matrix.
-#[doc(alias = "mju_quat2Mat")]
 #[inline]
 pub fn quat2mat(quat: &[f64; 4]) -> [f64; 9] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -103,7 +94,6 @@ pub fn quat2mat(quat: &[f64; 4]) -> [f64; 9] {
 }
 
 /// Converts a rotation matrix to a quaternion.
-#[doc(alias = "mju_mat2Quat")]
 #[inline]
 pub fn mat2quat(mat: &[f64; 9]) -> [f64; 4] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -111,7 +101,6 @@ pub fn mat2quat(mat: &[f64; 9]) -> [f64; 4] {
 }
 
 /// Returns the time derivative (1/s) of `quat` for the angular velocity `vel` (rad/s, world frame).
-#[doc(alias = "mju_derivQuat")]
 #[inline]
 pub fn deriv_quat(quat: &[f64; 4], vel: &[f64; 3]) -> [f64; 4] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -131,7 +120,6 @@ pub fn deriv_quat(quat: &[f64; 4], vel: &[f64; 3]) -> [f64; 4] {
 /// let vector = math::sub_quat(&end, &start);
 /// assert!((vector[1] + 0.4).abs() < 1e-15);
 /// ```
-#[doc(alias = "mju_quatIntegrate")]
 #[inline]
 pub fn quat_integrate(quat: &mut [f64; 4], vel: &[f64; 3], scale: f64) {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -139,7 +127,6 @@ pub fn quat_integrate(quat: &mut [f64; 4], vel: &[f64; 3], scale: f64) {
 }
 
 /// Returns the shortest rotation from the z axis to the direction of `vec`; the identity for a zero `vec`.
-#[doc(alias = "mju_quatZ2Vec")]
 #[inline]
 pub fn quat_z2vec(vec: &[f64; 3]) -> [f64; 4] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -163,7 +150,6 @@ pub fn quat_z2vec(vec: &[f64; 3]) -> [f64; 4] {
 /// assert!(math::sub_quat(&intrinsic, &extrinsic).iter().all(|angle| angle.abs() < 1e-15));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_euler2Quat")]
 pub fn euler2quat(euler: &[f64; 3], seq: &str) -> Result<[f64; 4]> {
     let invalid = || Error::invalid("seq of euler2quat", format!("{seq:?}"), "three letters of x, y, z, X, Y, Z");
     let letters: [u8; 3] = seq.as_bytes().try_into().map_err(|_| invalid())?;
@@ -205,7 +191,6 @@ pub struct SubQuatDerivative {
 /// let derivative = math::sub_quat_derivative(&q, &q);
 /// assert_eq!(derivative.da, [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
 /// ```
-#[doc(alias = "mjd_subQuat")]
 pub fn sub_quat_derivative(qa: &[f64; 4], qb: &[f64; 4]) -> SubQuatDerivative {
     let phi = sub_quat(qa, qb);
     let angle = length(&phi);
@@ -235,7 +220,6 @@ pub struct QuatIntegrateDerivative {
 }
 
 /// Computes the derivatives of [`quat_integrate`]`(quat, vel, scale)`. They do not depend on `quat`.
-#[doc(alias = "mjd_quatIntegrate")]
 pub fn quat_integrate_derivative(vel: &[f64; 3], scale: f64) -> QuatIntegrateDerivative {
     let phi = vel.map(|value| scale * value);
     let angle = length(&phi);

@@ -29,7 +29,6 @@ use crate::error::{Error, Result};
 /// assert_eq!(ball(&[1.0, 0.0, 2.0])?, None);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_rayGeom")]
 pub fn ray_geom(
     pos: &[f64; 3],
     mat: &[f64; 9],
@@ -76,7 +75,6 @@ pub struct SkinHit {
 ///
 /// [`Error::Invalid`] for an index out of bounds, for a zero direction, and for a ray that is not finite,
 /// [`Error::Unsupported`] for more faces or vertices than a C `int` counts.
-#[doc(alias = "mju_raySkin")]
 pub fn ray_skin(face: &[[i32; 3]], vert: &[[f32; 3]], pnt: &[f64; 3], vec: &[f64; 3]) -> Result<Option<SkinHit>> {
     check_ray(pnt, vec)?;
     let (faces, vertices) = (face.as_flattened(), vert.as_flattened());

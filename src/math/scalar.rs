@@ -18,14 +18,12 @@ use crate::error::{Error, Result};
 /// let position = mujoco_safe::math::spring_damper(1.0, 0.0, 4.0, 0.0, std::f64::consts::FRAC_PI_2);
 /// assert!((position + 1.0).abs() < 1e-15);
 /// ```
-#[doc(alias = "mju_springDamper")]
 pub fn spring_damper(pos0: f64, vel0: f64, kp: f64, kv: f64, dt: f64) -> f64 {
     // SAFETY: a pure function of its arguments.
     unsafe { sys::mju_springDamper(pos0, vel0, kp, kv, dt) }
 }
 
 /// Returns a smooth step from 0 for `x ≤ 0` to 1 for `x ≥ 1`, of two parabolas. (Newer engines use a fifth-degree polynomial.)
-#[doc(alias = "mju_sigmoid")]
 pub fn sigmoid(x: f64) -> f64 {
     // SAFETY: a pure function of its arguments.
     unsafe { sys::mju_sigmoid(x) }
@@ -45,7 +43,6 @@ pub fn sigmoid(x: f64) -> f64 {
 /// assert!(math::halton(6, 1).is_err());
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_Halton")]
 pub fn halton(index: u32, base: u32) -> Result<f64> {
     let largest = c_int::MAX;
     let number = |what: &str, value: u32, least: c_int| {
@@ -60,14 +57,12 @@ pub fn halton(index: u32, base: u32) -> Result<f64> {
 
 /// Returns the active force (N) of a muscle at full activation, for the length `len` (m) and the velocity `vel` (m/s) of the
 /// actuator. It is never positive: muscles pull.
-#[doc(alias = "mju_muscleGain")]
 pub fn muscle_gain(len: f64, vel: f64, lengthrange: &[f64; 2], acc0: f64, prm: &[f64; 9]) -> f64 {
     // SAFETY: the arrays have the lengths that the engine reads.
     unsafe { sys::mju_muscleGain(len, vel, lengthrange.as_ptr(), acc0, prm.as_ptr()) }
 }
 
 /// Returns the passive force (N) of a muscle for the length `len` (m) of the actuator. It is never positive.
-#[doc(alias = "mju_muscleBias")]
 pub fn muscle_bias(len: f64, lengthrange: &[f64; 2], acc0: f64, prm: &[f64; 9]) -> f64 {
     // SAFETY: the arrays have the lengths that the engine reads.
     unsafe { sys::mju_muscleBias(len, lengthrange.as_ptr(), acc0, prm.as_ptr()) }
@@ -76,7 +71,6 @@ pub fn muscle_bias(len: f64, lengthrange: &[f64; 2], acc0: f64, prm: &[f64; 9]) 
 /// Returns the time derivative (1/s) of a muscle's activation `act` for the control `ctrl`. `prm` contains the time constants (s) of
 /// activation and deactivation. Source: M. Millard and others, "Flexing computational muscle", Journal of Biomechanical Engineering
 /// 135, 2013.
-#[doc(alias = "mju_muscleDynamics")]
 pub fn muscle_dynamics(ctrl: f64, act: f64, prm: &[f64; 2]) -> f64 {
     // SAFETY: the array has the length that the engine reads.
     unsafe { sys::mju_muscleDynamics(ctrl, act, prm.as_ptr()) }

@@ -13,7 +13,6 @@ use super::{array, count};
 use crate::error::{Error, Result};
 
 /// Returns the cross product `a × b`.
-#[doc(alias = "mju_cross")]
 #[inline]
 pub fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -21,7 +20,6 @@ pub fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
 }
 
 /// Returns `mat vec`: transforms from the local frame of the rotation matrix, for instance from a body to the world.
-#[doc(alias = "mju_rotVecMat")]
 #[inline]
 pub fn rot_vec_mat(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -29,7 +27,6 @@ pub fn rot_vec_mat(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
 }
 
 /// Returns `matᵀ vec`: the inverse rotation, for instance from the world to a body.
-#[doc(alias = "mju_rotVecMatT")]
 #[inline]
 pub fn rot_vec_mat_t(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
@@ -38,7 +35,6 @@ pub fn rot_vec_mat_t(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
 
 /// Quantity that [`transform_spatial`] transforms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "flg_force")]
 pub enum SpatialKind {
     /// Motion vector: angular and linear velocity.
     Motion,
@@ -58,7 +54,6 @@ pub enum SpatialKind {
 /// let moved = math::transform_spatial(&force, SpatialKind::Force, &[0.0, 0.0, 3.0], &[0.0; 3], None);
 /// assert_eq!(moved, [0.0, -6.0, 0.0, 2.0, 0.0, 0.0]);
 /// ```
-#[doc(alias = "mju_transformSpatial")]
 pub fn transform_spatial(
     vec: &[f64; 6],
     kind: SpatialKind,
@@ -97,7 +92,6 @@ pub struct Eig3 {
 /// let found = math::eig3(&[2.0, 1.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 7.0]);
 /// assert!(found.eigval.iter().zip([7.0, 3.0, 1.0]).all(|(a, b)| (a - b).abs() < 1e-12));
 /// ```
-#[doc(alias = "mju_eig3")]
 pub fn eig3(mat: &[f64; 9]) -> Eig3 {
     let mut res = Eig3 { eigval: [0.0; 3], eigvec: [0.0; 9], quat: [0.0; 4], iterations: 0 };
     // SAFETY: three, nine and four numbers to write, nine to read. The engine ends after 500 rotations at the latest.
@@ -134,7 +128,6 @@ impl Default for Pose {
 /// assert!(identity.pos.iter().all(|value| value.abs() < 1e-15));
 /// assert!((identity.quat[0] - 1.0).abs() < 1e-15);
 /// ```
-#[doc(alias = "mju_mulPose")]
 pub fn mul_pose(pose1: &Pose, pose2: &Pose) -> Pose {
     let mut res = Pose::default();
     // SAFETY: each position has three numbers, each quaternion four, and the result aliases neither input.
@@ -152,7 +145,6 @@ pub fn mul_pose(pose1: &Pose, pose2: &Pose) -> Pose {
 }
 
 /// Returns the inverse pose: that of the outer frame in the inner frame.
-#[doc(alias = "mju_negPose")]
 pub fn neg_pose(pose: &Pose) -> Pose {
     let mut res = Pose::default();
     // SAFETY: as in `mul_pose`.
@@ -163,7 +155,6 @@ pub fn neg_pose(pose: &Pose) -> Pose {
 }
 
 /// Transforms the point `vec` from the inner frame to the outer frame: rotation, then translation.
-#[doc(alias = "mju_trnVecPose")]
 pub fn trn_vec_pose(pose: &Pose, vec: &[f64; 3]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
     array(|res| unsafe { sys::mju_trnVecPose(res, pose.pos.as_ptr(), pose.quat.as_ptr(), vec.as_ptr()) })
@@ -188,7 +179,6 @@ pub fn trn_vec_pose(pose: &Pose, vec: &[f64; 3]) -> [f64; 3] {
 /// assert_eq!(decoded, force);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_encodePyramid")]
 pub fn encode_pyramid(pyramid: &mut [f64], force: &[f64], mu: &[f64]) -> Result<()> {
     Error::check_length("the pyramid of encode_pyramid", pyramid.len(), edges(mu))?;
     Error::check_length("the force of encode_pyramid", force.len(), mu.len().saturating_add(1))?;
@@ -210,7 +200,6 @@ pub fn encode_pyramid(pyramid: &mut [f64], force: &[f64], mu: &[f64]) -> Result<
 ///
 /// [`Error::Shape`] unless the length of `force` is that of `mu` plus one, and the length of `pyramid` twice that of `mu` (one if
 /// `mu` is empty).
-#[doc(alias = "mju_decodePyramid")]
 pub fn decode_pyramid(force: &mut [f64], pyramid: &[f64], mu: &[f64]) -> Result<()> {
     Error::check_length("the pyramid of decode_pyramid", pyramid.len(), edges(mu))?;
     Error::check_length("the force of decode_pyramid", force.len(), mu.len().saturating_add(1))?;

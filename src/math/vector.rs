@@ -43,14 +43,12 @@ fn for_chunks_of_two(
 }
 
 /// Sets `res = 0`.
-#[doc(alias = "mju_zero")]
 #[inline]
 pub fn zero(res: &mut [f64]) {
     res.fill(0.0);
 }
 
 /// Sets every value: `res = val`. (Newer engines provide it in C.)
-#[doc(alias = "mju_fill")]
 #[inline]
 pub fn fill(res: &mut [f64], val: f64) {
     res.fill(val);
@@ -61,9 +59,6 @@ pub fn fill(res: &mut [f64], val: f64) {
 /// # Errors
 ///
 /// [`Error::Shape`] unless both lengths are equal.
-#[doc(alias = "mju_copy")]
-#[doc(alias = "mju_d2n")]
-#[doc(alias = "mju_n2d")]
 #[inline]
 pub fn copy(res: &mut [f64], data: &[f64]) -> Result<()> {
     Error::check_length("the result of copy", res.len(), data.len())?;
@@ -76,7 +71,6 @@ pub fn copy(res: &mut [f64], data: &[f64]) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Shape`] unless both lengths are equal.
-#[doc(alias = "mju_f2n")]
 pub fn f2n(res: &mut [f64], vec: &[f32]) -> Result<()> {
     Error::check_length("the result of f2n", res.len(), vec.len())?;
     res.iter_mut().zip(vec).for_each(|(res, &value)| *res = f64::from(value));
@@ -88,7 +82,6 @@ pub fn f2n(res: &mut [f64], vec: &[f32]) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Shape`] unless both lengths are equal.
-#[doc(alias = "mju_n2f")]
 pub fn n2f(res: &mut [f32], vec: &[f64]) -> Result<()> {
     Error::check_length("the result of n2f", res.len(), vec.len())?;
     res.iter_mut().zip(vec).for_each(|(res, &value)| *res = value as f32);
@@ -96,22 +89,18 @@ pub fn n2f(res: &mut [f32], vec: &[f64]) -> Result<()> {
 }
 
 /// Returns the sum of all values.
-#[doc(alias = "mju_sum")]
 #[inline]
 pub fn sum(vec: &[f64]) -> f64 {
     sum_over_chunks(vec, sys::mju_sum)
 }
 
 /// Returns the L₁ norm: the sum of all absolute values.
-#[doc(alias = "mju_L1")]
 #[inline]
 pub fn l1(vec: &[f64]) -> f64 {
     sum_over_chunks(vec, sys::mju_L1)
 }
 
 /// Returns the Euclidean norm `√(vec · vec)`. It overflows if the squares do.
-#[doc(alias = "mju_norm")]
-#[doc(alias = "mju_norm3")]
 #[inline]
 pub fn norm(vec: &[f64]) -> f64 {
     dot_of_equals(vec, vec).sqrt()
@@ -131,8 +120,6 @@ pub fn norm(vec: &[f64]) -> f64 {
 /// assert_eq!(error.to_string(), "vec2 of dot has shape (1), but must have (3)");
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_dot")]
-#[doc(alias = "mju_dot3")]
 #[inline]
 pub fn dot(vec1: &[f64], vec2: &[f64]) -> Result<f64> {
     Error::check_length("vec2 of dot", vec2.len(), vec1.len())?;
@@ -151,8 +138,6 @@ pub(super) fn dot_of_equals(vec1: &[f64], vec2: &[f64]) -> f64 {
 
 /// Divides `vec` by its Euclidean norm and returns the original norm. A vector with a norm below `1e-15` becomes `(1, 0, 0, …)`.
 /// (An empty vector stays empty; the engine would write out of bounds.)
-#[doc(alias = "mju_normalize")]
-#[doc(alias = "mju_normalize3")]
 pub fn normalize(vec: &mut [f64]) -> f64 {
     let length = norm(vec);
     if length < mjMINVAL {
@@ -172,7 +157,6 @@ pub fn normalize(vec: &mut [f64]) -> f64 {
 /// # Errors
 ///
 /// [`Error::Shape`] unless both lengths are equal.
-#[doc(alias = "mju_scl")]
 #[inline]
 pub fn scl(res: &mut [f64], vec: &[f64], scl: f64) -> Result<()> {
     Error::check_length("the result of scl", res.len(), vec.len())?;
@@ -182,7 +166,6 @@ pub fn scl(res: &mut [f64], vec: &[f64], scl: f64) -> Result<()> {
 }
 
 /// Scales a vector in place: `res = res · scl`.
-#[doc(alias = "mju_scl")]
 #[inline]
 pub fn scl_in_place(res: &mut [f64], scl: f64) {
     for value in res {
@@ -195,7 +178,6 @@ pub fn scl_in_place(res: &mut [f64], scl: f64) {
 /// # Errors
 ///
 /// [`Error::Shape`] unless all lengths are equal.
-#[doc(alias = "mju_add")]
 #[inline]
 pub fn add(res: &mut [f64], vec1: &[f64], vec2: &[f64]) -> Result<()> {
     Error::check_length("vec1 of add", vec1.len(), res.len())?;
@@ -210,7 +192,6 @@ pub fn add(res: &mut [f64], vec1: &[f64], vec2: &[f64]) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Shape`] unless all lengths are equal.
-#[doc(alias = "mju_sub")]
 #[inline]
 pub fn sub(res: &mut [f64], vec1: &[f64], vec2: &[f64]) -> Result<()> {
     Error::check_length("vec1 of sub", vec1.len(), res.len())?;
@@ -225,7 +206,6 @@ pub fn sub(res: &mut [f64], vec1: &[f64], vec2: &[f64]) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Shape`] unless both lengths are equal.
-#[doc(alias = "mju_addTo")]
 #[inline]
 pub fn add_to(res: &mut [f64], vec: &[f64]) -> Result<()> {
     Error::check_length("vec of add_to", vec.len(), res.len())?;
@@ -239,7 +219,6 @@ pub fn add_to(res: &mut [f64], vec: &[f64]) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Shape`] unless both lengths are equal.
-#[doc(alias = "mju_subFrom")]
 #[inline]
 pub fn sub_from(res: &mut [f64], vec: &[f64]) -> Result<()> {
     Error::check_length("vec of sub_from", vec.len(), res.len())?;
@@ -253,7 +232,6 @@ pub fn sub_from(res: &mut [f64], vec: &[f64]) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Shape`] unless both lengths are equal.
-#[doc(alias = "mju_addToScl")]
 #[inline]
 pub fn add_to_scl(res: &mut [f64], vec: &[f64], scl: f64) -> Result<()> {
     Error::check_length("vec of add_to_scl", vec.len(), res.len())?;
@@ -267,7 +245,6 @@ pub fn add_to_scl(res: &mut [f64], vec: &[f64], scl: f64) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Shape`] unless all lengths are equal.
-#[doc(alias = "mju_addScl")]
 #[inline]
 pub fn add_scl(res: &mut [f64], vec1: &[f64], vec2: &[f64], scl: f64) -> Result<()> {
     Error::check_length("vec1 of add_scl", vec1.len(), res.len())?;
@@ -278,14 +255,12 @@ pub fn add_scl(res: &mut [f64], vec1: &[f64], vec2: &[f64], scl: f64) -> Result<
 }
 
 /// Returns `true` if all values are zero, of either sign. An empty vector is zero.
-#[doc(alias = "mju_isZero")]
 #[inline]
 pub fn is_zero(vec: &[f64]) -> bool {
     vec.iter().all(|&value| value == 0.0)
 }
 
 /// Returns `true` if the engine treats a value as bad: NaN, or beyond ±10¹⁰.
-#[doc(alias = "mju_isBad")]
 #[inline]
 pub fn is_bad(x: f64) -> bool {
     x.is_nan() || x.abs() > sys::mjMAXVAL
@@ -306,7 +281,6 @@ pub fn is_bad(x: f64) -> bool {
 /// assert_eq!(list, [-1.0, 2.0, 3.0]);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mju_insertionSort")]
 pub fn insertion_sort(list: &mut [f64]) -> Result<()> {
     let n = count("insertion_sort", list.len())?;
     // SAFETY: the list has n values. A false comparison, as with NaN, only ends the search for the insertion point.
@@ -319,7 +293,6 @@ pub fn insertion_sort(list: &mut [f64]) -> Result<()> {
 /// # Errors
 ///
 /// [`Error::Unsupported`] for more values than a C `int` counts.
-#[doc(alias = "mju_insertionSortInt")]
 pub fn insertion_sort_int(list: &mut [c_int]) -> Result<()> {
     let n = count("insertion_sort_int", list.len())?;
     // SAFETY: the list has n values.

@@ -64,6 +64,7 @@ fn check_count(nrows: usize, ncols: usize, found: usize) {
 
 /// Row-major matrix that owns its values.
 #[derive(Clone, PartialEq, Default)]
+#[doc(alias = "mju_printMat")]
 pub struct Matrix {
     nrows: usize,
     ncols: usize,

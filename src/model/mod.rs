@@ -29,20 +29,34 @@ use mujoco_sys::{self as sys, guard, mjModel};
 
 pub use self::edit::ModelMut;
 pub use self::load::LoadOptions;
-pub use self::options::{
-    DisableFlags, EnableFlags, Options, Statistics, Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality,
-    VisualRgba, VisualScale,
-};
+pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
 pub use self::save::{SaveXmlOptions, XmlCheck};
-pub use self::schema::{schema, schema_html};
 pub use self::shared::IntoModel;
-pub use crate::data::length_range::{LengthRangeMode, LengthRangeOptions};
 use crate::error::Result;
 pub use crate::error::UnsavedField;
 use crate::ffi;
 pub use crate::field_docs::FieldDoc;
 use crate::field_docs::field_docs;
 use crate::id::Lineage;
+use crate::with_aliases::with_aliases;
+
+with_aliases! {
+    pub use self::options::{
+        DisableFlags = "mjtDisableBit",
+        EnableFlags = "mjtEnableBit",
+        Options = "mjOption",
+        Statistics = "mjStatistic",
+        Visual = "mjVisual" "mj_defaultVisual",
+    };
+    pub use self::schema::{
+        schema = "mj_printSchema",
+        schema_html = "mj_printSchema",
+    };
+    pub use crate::data::length_range::{
+        LengthRangeMode = "mjtLRMode",
+        LengthRangeOptions = "mjLROpt" "mj_defaultLROpt",
+    };
+}
 
 /// A compiled model.
 ///
@@ -65,6 +79,9 @@ use crate::id::Lineage;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[doc(alias = "mjModel")]
+#[doc(alias = "mj_copyModel")]
+#[doc(alias = "mj_deleteModel")]
+#[doc(alias = "mj_printModel")]
 pub struct Model {
     raw: NonNull<mjModel>,
     lineage: Lineage,

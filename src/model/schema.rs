@@ -23,7 +23,6 @@ use crate::ffi;
 /// assert!(schema.lines().any(|line| line.trim_start().starts_with("freejoint (*)")));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mj_printSchema")]
 pub fn schema() -> Result<String> {
     print(false)
 }
@@ -38,7 +37,6 @@ pub fn schema() -> Result<String> {
 /// assert!(mujoco_safe::model::schema_html()?.starts_with("<table"));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
-#[doc(alias = "mj_printSchema")]
 pub fn schema_html() -> Result<String> {
     print(true)
 }

@@ -90,5 +90,10 @@ mod view;
 pub use self::error::RenderError;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
 pub use self::image::{DepthImage, RgbImage, Segment, SegmentationImage};
-pub use self::renderer::{Renderer, Snapshot};
+pub use self::renderer::Snapshot;
 pub use self::settings::{Lighting, RendererOptions};
+use crate::with_aliases::with_aliases;
+
+with_aliases! {
+    pub use self::renderer::{Renderer = "mjrContext"};
+}

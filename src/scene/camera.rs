@@ -14,7 +14,6 @@ use crate::model::Model;
 
 /// Mode of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "mjtCamera")]
 pub enum CameraView {
     /// The camera points at [`Camera::lookat`], which the user moves.
     Free,
@@ -30,7 +29,6 @@ pub enum CameraView {
 
 engine_enum! {
     /// Effect of a mouse motion.
-    #[doc(alias = "mjtMouse")]
     MouseAction {
         /// Rotates in a vertical plane.
         RotateV = mjMOUSE_ROTATE_V,
@@ -58,7 +56,6 @@ engine_enum! {
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[doc(alias = "mjvCamera")]
 pub struct Camera {
     /// Mode.
     pub view: CameraView,

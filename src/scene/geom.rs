@@ -16,7 +16,6 @@ use crate::kind::Kind;
 
 engine_enum! {
     /// Shape of a geom in a scene: the shapes of a model, and shapes for decoration only.
-    #[doc(alias = "mjtGeom")]
     SceneGeomType {
         /// Plane through its origin, normal along z. `size`: half lengths along x and y, 0 for infinite.
         Plane = mjGEOM_PLANE,
@@ -90,7 +89,6 @@ impl SceneObject {
 
 /// Geom of a scene, in single precision.
 #[derive(Clone, Copy)]
-#[doc(alias = "mjvGeom")]
 pub struct SceneGeom<'s> {
     raw: &'s mjvGeom,
     lineage: Lineage,

@@ -9,7 +9,6 @@ use crate::ffi;
 
 /// Light of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[doc(alias = "mjvLight")]
 pub struct SceneLight {
     /// Position, m, world frame. Zero for the headlight, which is placed at the camera.
     pub pos: [f32; 3],

@@ -57,21 +57,49 @@ use std::ptr::{self, NonNull};
 
 use mujoco_sys::{self as sys, guard, mjvGeom, mjvScene};
 
-pub use self::camera::{Camera, CameraView, MouseAction};
 #[cfg(feature = "renderer")]
 pub use self::camera_source::CameraSource;
-pub use self::geom::{SceneGeom, SceneGeomMut, SceneGeomType, SceneObject, SceneSkin};
-pub use self::light::SceneLight;
-pub use self::new_geom::{Connector, NewGeom, TextureRepeat};
-pub use self::options::{Categories, FrameMode, LabelMode, RenderFlags, SceneOptions, VisualFlags};
-pub use self::perturbation::{MovableBodies, Perturbation, PerturbationFlags};
-pub use self::pinhole::PinholeCamera;
+pub use self::geom::{SceneGeomMut, SceneObject, SceneSkin};
+pub use self::new_geom::{Connector, TextureRepeat};
 pub use self::selection::Selection;
-pub use self::viewpoint::{Head, Transform, Viewpoint, align_to_camera};
+pub use self::viewpoint::{Head, Transform};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::Lineage;
 use crate::model::Model;
+use crate::with_aliases::with_aliases;
+
+with_aliases! {
+    pub use self::camera::{
+        Camera = "mjvCamera",
+        CameraView = "mjtCamera",
+        MouseAction = "mjtMouse",
+    };
+    pub use self::geom::{
+        SceneGeom = "mjvGeom",
+        SceneGeomType = "mjtGeom",
+    };
+    pub use self::light::{SceneLight = "mjvLight"};
+    pub use self::new_geom::{NewGeom = "mjv_initGeom"};
+    pub use self::options::{
+        Categories = "mjtCatBit",
+        FrameMode = "mjtFrame",
+        LabelMode = "mjtLabel",
+        RenderFlags = "mjtRndFlag",
+        SceneOptions = "mjvOption",
+        VisualFlags = "mjtVisFlag",
+    };
+    pub use self::perturbation::{
+        MovableBodies = "flg_paused",
+        Perturbation = "mjvPerturb",
+        PerturbationFlags = "mjtPertBit",
+    };
+    pub use self::pinhole::{PinholeCamera = "intrinsics" "extrinsics"};
+    pub use self::viewpoint::{
+        Viewpoint = "mjvGLCamera",
+        align_to_camera = "mjv_alignToCamera",
+    };
+}
 
 /// Abstract scene with a fixed capacity of geoms. See the [module](self).
 #[doc(alias = "mjvScene")]

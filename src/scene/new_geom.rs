@@ -54,7 +54,6 @@ enum Shape {
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Debug)]
-#[doc(alias = "mjv_initGeom")]
 #[must_use = "a new geom is shown only after `Scene::add_geom`"]
 pub struct NewGeom {
     shape: Shape,

@@ -8,7 +8,6 @@ use crate::with_methods::with_methods;
 
 engine_enum! {
     /// Kind of element that carries labels.
-    #[doc(alias = "mjtLabel")]
     LabelMode {
         /// No labels.
         None = mjLABEL_NONE,
@@ -43,7 +42,6 @@ engine_enum! {
 
 engine_enum! {
     /// Kind of object whose frames are drawn, as three cylinders: x red, y green, z blue.
-    #[doc(alias = "mjtFrame")]
     FrameMode {
         /// No frames.
         None = mjFRAME_NONE,
@@ -68,7 +66,6 @@ bitflags! {
     /// Visible parts of a model and its simulation.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
-    #[doc(alias = "mjtVisFlag")]
     pub struct VisualFlags: u32 {
         /// Convex hulls instead of the meshes.
         const CONVEXHULL = 1 << sys::mjVIS_CONVEXHULL;
@@ -123,7 +120,6 @@ bitflags! {
     /// Rendering effects. The engine stores them in the scene.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
-    #[doc(alias = "mjtRndFlag")]
     pub struct RenderFlags: u32 {
         /// Shadows.
         const SHADOW = 1 << sys::mjRND_SHADOW;
@@ -151,7 +147,6 @@ bitflags! {
 bitflags! {
     /// Categories of geoms in a scene, as a bit mask.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-    #[doc(alias = "mjtCatBit")]
     pub struct Categories: u32 {
         /// Geoms and sites of the world and of bodies fixed to it.
         const STATIC = sys::mjCAT_STATIC;
@@ -179,7 +174,6 @@ bitflags! {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-#[doc(alias = "mjvOption")]
 pub struct SceneOptions {
     /// Labelled kind of element.
     pub label: LabelMode,

@@ -16,7 +16,6 @@ use crate::model::Model;
 bitflags! {
     /// Active parts of a perturbation.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-    #[doc(alias = "mjtPertBit")]
     pub struct PerturbationFlags: u32 {
         /// Pulls the body to a position.
         const TRANSLATE = sys::mjPERT_TRANSLATE;
@@ -61,7 +60,6 @@ struct Applied {
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-#[doc(alias = "mjvPerturb")]
 pub struct Perturbation {
     /// Selected body. The world body is never highlighted, pulled or rotated.
     pub select: Option<BodyId>,
@@ -102,7 +100,6 @@ impl Default for Perturbation {
 
 /// Bodies that [`Perturbation::apply_pose`] moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[doc(alias = "flg_paused")]
 pub enum MovableBodies {
     /// Mocap bodies, by their mocap pose. For a running simulation.
     Mocap,
@@ -231,6 +228,7 @@ impl Perturbation {
     /// # Panics
     ///
     /// If the selected body or skin belongs to another model.
+    #[doc(alias = "mjv_applyPerturbForce")]
     pub fn force(&self, data: &mut Data) -> Result<[f64; 6]> {
         let raw = self.raw(data.model())?;
         data.check_computed("Perturbation::force", Stage::Velocity)?;

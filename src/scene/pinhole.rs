@@ -46,8 +46,6 @@ use crate::math;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[doc(alias = "intrinsics")]
-#[doc(alias = "extrinsics")]
 pub struct PinholeCamera {
     /// Width of the image, pixels.
     pub width: usize,

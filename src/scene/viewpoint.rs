@@ -10,7 +10,6 @@ use crate::model::Model;
 
 /// Viewpoint of one eye: pose and frustum, in single precision.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
-#[doc(alias = "mjvGLCamera")]
 pub struct Viewpoint {
     /// Position, m.
     pub pos: [f32; 3],
@@ -257,7 +256,6 @@ impl Scene {
 /// let ahead = align_to_camera([0.0, 1.0, 0.0], [1.0, 0.0, -0.5]);
 /// assert_eq!(ahead, [1.0, 0.0, 0.0]);
 /// ```
-#[doc(alias = "mjv_alignToCamera")]
 pub fn align_to_camera(vec: [f64; 3], forward: [f64; 3]) -> [f64; 3] {
     let mut res = [0.0; 3];
     // SAFETY: arrays of three numbers; the function cannot fail.

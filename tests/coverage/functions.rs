@@ -14,14 +14,21 @@ const FAMILIES: [(&str, &str); 2] =
 /// The part of the table for functions that 2.2.2 lacks.
 const NEWER: &str = "Of newer engines";
 
-struct Row {
+pub struct Row {
     section: &'static str,
-    name: &'static str,
-    here: Vec<&'static str>,
+    pub name: &'static str,
+    pub here: Vec<&'static str>,
     remark: &'static str,
 }
 
-fn rows() -> Vec<Row> {
+impl Row {
+    /// Returns `true` for a function that 2.2.2 lacks.
+    pub fn is_newer(&self) -> bool {
+        self.section.starts_with(NEWER)
+    }
+}
+
+pub fn rows() -> Vec<Row> {
     let mut section = "";
     let mut rows = Vec::new();
     for line in TABLE.lines() {
@@ -44,20 +51,15 @@ fn declared() -> BTreeSet<String> {
     names.filter_map(|rest| rest.split('(').next()).filter(|name| name.starts_with("mj")).map(str::to_owned).collect()
 }
 
-fn family(name: &str) -> Option<&'static str> {
+pub fn family(name: &str) -> Option<&'static str> {
     FAMILIES.iter().find(|(prefix, _)| name.starts_with(prefix)).map(|(prefix, _)| *prefix)
 }
 
 #[test]
 fn every_function_of_the_header_is_wrapped_or_has_a_reason() {
     let rows = rows();
-    let listed: BTreeSet<String> =
-        rows.iter().filter(|row| !row.section.starts_with(NEWER)).map(|row| row.name.to_owned()).collect();
-    assert_eq!(
-        listed.len() + rows.iter().filter(|row| row.section.starts_with(NEWER)).count(),
-        rows.len(),
-        "duplicate rows"
-    );
+    let listed: BTreeSet<String> = rows.iter().filter(|row| !row.is_newer()).map(|row| row.name.to_owned()).collect();
+    assert_eq!(listed.len() + rows.iter().filter(|row| row.is_newer()).count(), rows.len(), "duplicate rows");
     let declared: BTreeSet<String> = declared().into_iter().filter(|name| family(name).is_none()).collect();
     assert_eq!(listed, declared);
     for row in &rows {
@@ -86,7 +88,7 @@ fn every_wrapper_has_the_c_name_as_an_alias() {
 fn the_page_of_functions_is_up_to_date() {
     let rows = rows();
     let (wrapped, left): (Vec<&Row>, Vec<&Row>) =
-        rows.iter().filter(|row| !row.section.starts_with(NEWER)).partition(|row| !row.here.is_empty());
+        rows.iter().filter(|row| !row.is_newer()).partition(|row| !row.here.is_empty());
     let mut page = format!(
         "Every function of `mujoco.h` 2.2.2: {} have an equivalent here, and {} have none, with the reason.\n\n",
         wrapped.len(),

@@ -11,6 +11,8 @@ mod functions;
 mod guide;
 mod kinds;
 mod promises;
+mod rendered;
+mod search_index;
 
 use std::path::{Path, PathBuf};
 

@@ -45,6 +45,9 @@ const FLAGGED: [(&str, &str); 11] = [
 /// copy costs less than a longer list would.
 const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];
 
+/// Integer arrays with the values of an engine's enum that has no counterpart in Rust.
+const ENUMS: [(&str, &str); 2] = [("efc_type", "mjtConstraint"), ("efc_state", "mjtConstraintState")];
+
 /// Additions to the header's one-line comments, for the most common fields.
 const NOTES: [(&str, &str); 22] = [
     (
@@ -310,6 +313,9 @@ fn documentation(text: &mut String, field: Field<'_>) {
         text.push_str(&computed_by::guarantee(field.name, field.kind));
     }
     let _ = writeln!(text, "    ///\n    /// Engine field `mj{}.{}`.", field.owner, field.name);
+    if let Some((_, alias)) = ENUMS.iter().find(|(name, _)| *name == field.name) {
+        let _ = writeln!(text, "    #[doc(alias = \"{alias}\")]");
+    }
 }
 
 /// Returns the Rust type of an element of an array.

@@ -256,6 +256,7 @@ impl Model {
     /// assert!(matches!(Model::from_binary(&bytes[..100]), Err(Error::InvalidBinary { .. })));
     /// # Ok::<(), Error>(())
     /// ```
+    #[doc(alias = "mj_loadModel")]
     pub fn from_binary(bytes: &[u8]) -> Result<Self> {
         Self::from_binary_named(bytes, "the given buffer")
     }

@@ -35,7 +35,6 @@ use crate::field_docs::field_docs;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[non_exhaustive]
-#[doc(alias = "mjOption")]
 pub struct Options {
     /// Duration of a step, s. Positive.
     pub timestep: f64,
@@ -125,7 +124,6 @@ bitflags! {
     /// Standard features of the physics that are disabled.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
-    #[doc(alias = "mjtDisableBit")]
     pub struct DisableFlags: u32 {
         /// The entire constraint solver.
         const CONSTRAINT = sys::mjDSBL_CONSTRAINT;
@@ -160,7 +158,6 @@ bitflags! {
     /// Optional features of the physics that are enabled.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
-    #[doc(alias = "mjtEnableBit")]
     pub struct EnableFlags: u32 {
         /// Override of the contact parameters of the geoms by those of the options.
         const OVERRIDE = sys::mjENBL_OVERRIDE;

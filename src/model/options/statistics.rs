@@ -13,7 +13,6 @@ mirror! {
     ///
     /// The struct is a copy of the engine's values: [`Model::statistics`] reads them, [`ModelMut::statistics`] changes them. The
     /// compiler computes them, unless `<statistic>` in the XML overrides them.
-    #[doc(alias = "mjStatistic")]
     Statistics = mjStatistic {
         /// Mean of the diagonal of the inertia matrix. The constraint solver divides the improvement of the cost by it
         /// before the comparison with its tolerance. Positive.

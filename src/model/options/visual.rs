@@ -28,8 +28,6 @@ use crate::model::{Model, ModelMut};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[non_exhaustive]
-#[doc(alias = "mjVisual")]
-#[doc(alias = "mj_defaultVisual")]
 pub struct Visual {
     /// Free camera, and size of offscreen images.
     pub global: VisualGlobal,

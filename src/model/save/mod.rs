@@ -83,6 +83,7 @@ impl Model {
     ///
     /// [`Error::Engine`] if the engine cannot write the model.
     #[doc(alias = "mj_sizeModel")]
+    #[doc(alias = "mj_saveModel")]
     pub fn to_binary(&self) -> Result<Vec<u8>> {
         // SAFETY: a valid model; the function only adds up sizes.
         let bound = unsafe { sys::mj_sizeModel(self.as_ptr()) };

@@ -42,7 +42,6 @@ const SNAPSHOT_CAPACITY: usize = 10_000;
 /// renderer.snapshot(&mut data, "side")?.rgb()?.save_png("humanoid.png")?;
 /// # Ok::<(), mujoco_safe::render::RenderError>(())
 /// ```
-#[doc(alias = "mjrContext")]
 pub struct Renderer {
     gpu: Gpu,
     lineage: Lineage,
