@@ -63,6 +63,8 @@ impl Data {
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     ///
+    /// <details><summary>Uses that the compiler rejects</summary>
+    ///
     /// The closure cannot replace the model by another one:
     ///
     /// ```compile_fail,E0521
@@ -91,6 +93,8 @@ impl Data {
     /// data.edit_model(|model| mass = Some(model.body_mass_mut())); // borrowed data escapes
     /// data.step();
     /// ```
+    ///
+    /// </details>
     pub fn edit_model<O: Outcome>(&mut self, edit: impl FnOnce(&mut ModelMut<'_>) -> O) -> Result<O::Value> {
         if Arc::get_mut(&mut self.model).is_none() {
             self.model = Arc::new(self.model.try_clone()?);

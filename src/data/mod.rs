@@ -101,6 +101,8 @@ with_aliases! {
 ///
 /// # Uses that the compiler rejects
 ///
+/// <details><summary>Borrows that would outlive the simulation, changes of a shared model, and concurrent steps</summary>
+///
 /// A view, a slice or a contact borrows the simulation, so it cannot outlive the simulation:
 ///
 /// ```compile_fail,E0597
@@ -159,6 +161,8 @@ with_aliases! {
 ///     scope.spawn(|| data.step()); // more than once as mutable
 /// });
 /// ```
+///
+/// </details>
 #[doc(alias = "mjData")]
 #[doc(alias = "mj_deleteData")]
 pub struct Data {

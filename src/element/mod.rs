@@ -13,11 +13,12 @@
 //!
 //! let knee = model.joint("left_knee")?;              // a name may be unknown: Result
 //! println!("{} of {:?}", knee.range()[1], knee.name());
-//! data.joint_mut(knee).qvel_mut()[0] = 1.0;          // a joint of this model exists: no Result
+//! data.joint_mut(knee).qvel_mut()[0] = 1.0;          // it exists in this model: no Result
 //! assert_eq!(data.joint(knee).qvel(), &data.qvel()[knee.dofs()]);
 //!
-//! let left: Vec<_> = model.joints().filter(|joint| joint.name().is_some_and(|name| name.contains("left"))).collect();
-//! assert_eq!(left.len(), 9);
+//! let is_left = |name: &str| name.contains("left");
+//! let left = model.joints().filter(|joint| joint.name().is_some_and(is_left));
+//! assert_eq!(left.count(), 9);
 //!
 //! let error = data.joint("left_kne").unwrap_err();   // lists the known names
 //! assert!(error.to_string().contains("left_knee"));
@@ -47,36 +48,37 @@
 //! # Kinds
 //!
 //! Each kind has a lookup method and an iterator on [`Model`]. The kinds in the first table also have both on [`Data`], for their
-//! time-dependent fields. The search of this documentation also finds them by the engine's abbreviations.
+//! time-dependent fields. The page of each view lists its fields; the views for writing end in `Mut`, such as [`JointMut`] and
+//! [`JointDataMut`]. The search of this documentation also finds the kinds by the engine's abbreviations.
 //!
-//! | lookup | iterator | id | engine's abbreviation |
-//! |---|---|---|---|
-//! | [`body`](Model::body) | [`bodies`](Model::bodies) | [`BodyId`](crate::id::BodyId) | body, xbody |
-//! | [`joint`](Model::joint) | [`joints`](Model::joints) | [`JointId`](crate::id::JointId) | jnt; dof for its degrees of freedom |
-//! | [`geom`](Model::geom) | [`geoms`](Model::geoms) | [`GeomId`](crate::id::GeomId) | geom |
-//! | [`site`](Model::site) | [`sites`](Model::sites) | [`SiteId`](crate::id::SiteId) | site |
-//! | [`camera`](Model::camera) | [`cameras`](Model::cameras) | [`CameraId`](crate::id::CameraId) | cam |
-//! | [`light`](Model::light) | [`lights`](Model::lights) | [`LightId`](crate::id::LightId) | light |
-//! | [`tendon`](Model::tendon) | [`tendons`](Model::tendons) | [`TendonId`](crate::id::TendonId) | ten |
-//! | [`actuator`](Model::actuator) | [`actuators`](Model::actuators) | [`ActuatorId`](crate::id::ActuatorId) | actuator |
-//! | [`sensor`](Model::sensor) | [`sensors`](Model::sensors) | [`SensorId`](crate::id::SensorId) | sensor |
+//! | lookup | iterator | fields in a model | in a simulation | id | engine's abbreviation |
+//! |---|---|---|---|---|---|
+//! | [`body`](Model::body) | [`bodies`](Model::bodies) | [`Body`] | [`BodyData`] | [`BodyId`](crate::id::BodyId) | body, xbody |
+//! | [`joint`](Model::joint) | [`joints`](Model::joints) | [`Joint`] | [`JointData`] | [`JointId`](crate::id::JointId) | jnt; dof for its degrees of freedom |
+//! | [`geom`](Model::geom) | [`geoms`](Model::geoms) | [`Geom`] | [`GeomData`] | [`GeomId`](crate::id::GeomId) | geom |
+//! | [`site`](Model::site) | [`sites`](Model::sites) | [`Site`] | [`SiteData`] | [`SiteId`](crate::id::SiteId) | site |
+//! | [`camera`](Model::camera) | [`cameras`](Model::cameras) | [`Camera`] | [`CameraData`] | [`CameraId`](crate::id::CameraId) | cam |
+//! | [`light`](Model::light) | [`lights`](Model::lights) | [`Light`] | [`LightData`] | [`LightId`](crate::id::LightId) | light |
+//! | [`tendon`](Model::tendon) | [`tendons`](Model::tendons) | [`Tendon`] | [`TendonData`] | [`TendonId`](crate::id::TendonId) | ten |
+//! | [`actuator`](Model::actuator) | [`actuators`](Model::actuators) | [`Actuator`] | [`ActuatorData`] | [`ActuatorId`](crate::id::ActuatorId) | actuator |
+//! | [`sensor`](Model::sensor) | [`sensors`](Model::sensors) | [`Sensor`] | [`SensorData`] | [`SensorId`](crate::id::SensorId) | sensor |
 //!
 //! Kinds without time-dependent fields:
 //!
-//! | lookup | iterator | id | engine's abbreviation |
-//! |---|---|---|---|
-//! | [`mesh`](Model::mesh) | [`meshes`](Model::meshes) | [`MeshId`](crate::id::MeshId) | mesh |
-//! | [`skin`](Model::skin) | [`skins`](Model::skins) | [`SkinId`](crate::id::SkinId) | skin |
-//! | [`height_field`](Model::height_field) | [`height_fields`](Model::height_fields) | [`HeightFieldId`](crate::id::HeightFieldId) | hfield |
-//! | [`texture`](Model::texture) | [`textures`](Model::textures) | [`TextureId`](crate::id::TextureId) | tex |
-//! | [`material`](Model::material) | [`materials`](Model::materials) | [`MaterialId`](crate::id::MaterialId) | mat |
-//! | [`pair`](Model::pair) | [`pairs`](Model::pairs) | [`PairId`](crate::id::PairId) | pair |
-//! | [`exclude`](Model::exclude) | [`excludes`](Model::excludes) | [`ExcludeId`](crate::id::ExcludeId) | exclude |
-//! | [`equality`](Model::equality) | [`equalities`](Model::equalities) | [`EqualityId`](crate::id::EqualityId) | eq |
-//! | [`numeric`](Model::numeric) | [`numerics`](Model::numerics) | [`NumericId`](crate::id::NumericId) | numeric |
-//! | [`text`](Model::text) | [`texts`](Model::texts) | [`TextId`](crate::id::TextId) | text |
-//! | [`tuple`](Model::tuple) | [`tuples`](Model::tuples) | [`TupleId`](crate::id::TupleId) | tuple |
-//! | [`keyframe`](Model::keyframe) | [`keyframes`](Model::keyframes) | [`KeyframeId`](crate::id::KeyframeId) | key |
+//! | lookup | iterator | fields | id | engine's abbreviation |
+//! |---|---|---|---|---|
+//! | [`mesh`](Model::mesh) | [`meshes`](Model::meshes) | [`Mesh`] | [`MeshId`](crate::id::MeshId) | mesh |
+//! | [`skin`](Model::skin) | [`skins`](Model::skins) | [`Skin`] | [`SkinId`](crate::id::SkinId) | skin |
+//! | [`height_field`](Model::height_field) | [`height_fields`](Model::height_fields) | [`HeightField`] | [`HeightFieldId`](crate::id::HeightFieldId) | hfield |
+//! | [`texture`](Model::texture) | [`textures`](Model::textures) | [`Texture`] | [`TextureId`](crate::id::TextureId) | tex |
+//! | [`material`](Model::material) | [`materials`](Model::materials) | [`Material`] | [`MaterialId`](crate::id::MaterialId) | mat |
+//! | [`pair`](Model::pair) | [`pairs`](Model::pairs) | [`Pair`] | [`PairId`](crate::id::PairId) | pair |
+//! | [`exclude`](Model::exclude) | [`excludes`](Model::excludes) | [`Exclude`] | [`ExcludeId`](crate::id::ExcludeId) | exclude |
+//! | [`equality`](Model::equality) | [`equalities`](Model::equalities) | [`Equality`] | [`EqualityId`](crate::id::EqualityId) | eq |
+//! | [`numeric`](Model::numeric) | [`numerics`](Model::numerics) | [`Numeric`] | [`NumericId`](crate::id::NumericId) | numeric |
+//! | [`text`](Model::text) | [`texts`](Model::texts) | [`Text`] | [`TextId`](crate::id::TextId) | text |
+//! | [`tuple`](Model::tuple) | [`tuples`](Model::tuples) | [`Tuple`] | [`TupleId`](crate::id::TupleId) | tuple |
+//! | [`keyframe`](Model::keyframe) | [`keyframes`](Model::keyframes) | [`Keyframe`] | [`KeyframeId`](crate::id::KeyframeId) | key |
 //!
 //! # Writing to a model
 //!

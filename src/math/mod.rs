@@ -32,7 +32,8 @@
 //!
 //! let data = Data::new(sample::humanoid())?;
 //! let quat: &[f64; 4] = data.qpos()[3..7].try_into().expect("four values");
-//! assert_eq!(math::quat2mat(quat), data.qpos()[3..].first_chunk().map(math::quat2mat).expect("four values"));
+//! let same: &[f64; 4] = data.qpos()[3..].first_chunk().expect("four values");
+//! assert_eq!(math::quat2mat(quat), math::quat2mat(same));
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!

@@ -7,13 +7,15 @@
 //! let mut data = Data::new(sample::humanoid())?;
 //! data.forward()?;
 //! let mut renderer = Renderer::new(data.model(), 640, 480)?;
-//! let mut snapshot = renderer.snapshot(&mut data, "side")?; // a name, an id, or &mut Camera::free(data.model())
+//! // The camera is a name, an id, or &mut Camera::free(data.model()).
+//! let mut snapshot = renderer.snapshot(&mut data, "side")?;
 //!
 //! snapshot.rgb()?.save_png("colours.png")?;
 //! let depth = snapshot.depth()?;
 //! let seen = snapshot.segmentation()?.pixel(320, 240).map(|segment| segment.object);
 //! println!("centre pixel: {} m, {seen:?}", depth.metres(320, 240));
-//! let cloud: Vec<[f64; 3]> = depth.points(&snapshot.pinhole_camera()?).map(|(_, point)| point).collect();
+//! let camera = snapshot.pinhole_camera()?;
+//! let cloud: Vec<[f64; 3]> = depth.points(&camera).map(|(_, point)| point).collect();
 //! println!("{} points in the world frame", cloud.len());
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```

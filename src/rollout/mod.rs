@@ -8,8 +8,9 @@
 //! use mujoco_safe::{StateSpec, sample};
 //!
 //! // Simulate the cart-pole from five angles for a second, without control.
-//! let angles: Vec<f64> = (0..5).flat_map(|angle| [0.0, 0.1 * f64::from(angle), 0.0, 0.0]).collect();
-//! let result = Rollout::new(sample::cartpole(), 5, 100).initial_states(StateSpec::PHYSICS, &angles).run()?;
+//! let states: Vec<f64> = (0..5).flat_map(|i| [0.0, 0.1 * f64::from(i), 0.0, 0.0]).collect();
+//! let rollout = Rollout::new(sample::cartpole(), 5, 100);
+//! let result = rollout.initial_states(StateSpec::PHYSICS, &states).run()?;
 //! assert!(result.outcomes().iter().all(Result::is_ok));
 //! assert_eq!(result.states().len(), 5 * 101 * 4);
 //! assert_eq!(result.state(0, 100), [0.0; 4]); // upright
