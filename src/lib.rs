@@ -67,8 +67,8 @@
 //!
 //! # Features
 //!
-//! All features are off by default. `renderer`: rendering and animations, without a window or a display. `viewer`: the window. `npz`: trajectories
-//! as NumPy files. `serde`: options, states, matrices and trajectories as plain data in the formats of serde.
+//! All features are off by default. `renderer`: rendering and animations, without a window or a display. `viewer`: the window. `npz`: trajectories,
+//! rollouts and other arrays as NumPy files. `serde`: options, states, matrices and trajectories as plain data in the formats of serde.
 //!
 //! # Units and conventions
 //!
@@ -100,6 +100,8 @@ pub mod id;
 pub mod kind;
 pub mod math;
 pub mod matrix;
+#[cfg(feature = "npz")]
+pub mod npz;
 pub mod prelude;
 pub mod promises;
 #[cfg(feature = "renderer")]

@@ -62,6 +62,10 @@
 //! The closure of [`outputs`](Rollout::outputs) runs after a step. The state that it reads is that of row `k + 1`; poses, contacts and forces are those
 //! of row `k`, because [a step does not update them](super::concepts#age-of-results). For positions of sites and bodies, define sensors in the model.
 //!
+//! ## Files
+//!
+//! `result.save_npz(path)?` (feature `npz`) writes these arrays for `numpy.load`, and which rollouts completed. `npz::save` writes any other arrays.
+//!
 //! # Batches
 //!
 //! A [`Batch`] calls one policy per step with all observations as a matrix `(n, nobs)` and all controls as a matrix `(n, nu)`. Stepping, observing

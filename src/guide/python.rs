@@ -101,7 +101,8 @@
 //! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.initial_states(…).controls(…).run()?` |
 //! | `gymnasium.vector` environments | [`Batch`](crate::rollout::Batch) |
 //! | `ThreadPoolExecutor` with one `MjData` per thread | [`std::thread::scope`] with one [`Data`] per thread |
-//! | `np.savez(path, qpos=…)` | [`trajectory.save_npz(path)?`](crate::Trajectory), feature `npz`; [`save_csv`](crate::Trajectory::save_csv) |
+//! | `np.savez(path, qpos=…)` | `npz::save(path, &[Array::new("qpos", &[n, nq], &qpos)])?`, feature `npz` |
+//! | the same for results | [`trajectory.save_npz(path)?`](crate::Trajectory), [`rollouts.save_npz(path)?`](crate::rollout::RolloutResult); [`save_csv`](crate::Trajectory::save_csv) |
 //!
 //! # Pictures and the viewer
 //!

@@ -30,6 +30,8 @@
 //! continue. If a closure panics, the call panics after all threads have stopped. All arguments of the call remain usable.
 
 mod batch;
+#[cfg(feature = "npz")]
+mod npz;
 mod parallel;
 mod result;
 mod run;

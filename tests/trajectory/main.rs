@@ -2,6 +2,9 @@
 
 #[path = "../common/arbitrary.rs"]
 mod arbitrary;
+#[cfg(feature = "npz")]
+#[path = "../common/numpy.rs"]
+mod numpy;
 
 #[cfg(feature = "npz")]
 mod npz;

@@ -1,13 +1,15 @@
 //! Trajectories in NumPy files.
 #![forbid(unsafe_code)]
 
-use std::fs::{self, File};
-use std::io::{Cursor, Read, Write};
+use std::fs;
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 use mujoco_safe::{Data, Model, RandomController, Trajectory, sample};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, ZipWriter};
+
+use crate::numpy;
 
 /// A model with two positions, two velocities, one activation and two controls.
 const FILTERED: &str = r#"<mujoco>
@@ -27,17 +29,10 @@ fn recorded(xml: &str) -> (Model, Trajectory) {
     (model, trajectory)
 }
 
-/// Reads an array according to the format's specification: magic string, version, length of the header, header, numbers.
+/// Returns the header and the values of an array.
 fn array(path: &Path, name: &str) -> (String, Vec<f64>) {
-    let mut archive = ZipArchive::new(File::open(path).unwrap()).unwrap();
-    let mut bytes = Vec::new();
-    archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
-    assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
-    let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
-    assert!(start.is_multiple_of(64) && bytes[start - 1] == b'\n');
-    let header = String::from_utf8(bytes[10..start].to_vec()).unwrap().trim_end().to_owned();
-    let values = bytes[start..].chunks_exact(8).map(|value| f64::from_le_bytes(value.try_into().unwrap())).collect();
-    (header, values)
+    let (header, bytes) = numpy::array(path, name);
+    (header, bytes.chunks_exact(8).map(|value| f64::from_le_bytes(value.try_into().unwrap())).collect())
 }
 
 /// Returns a file with these arrays.
