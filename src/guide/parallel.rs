@@ -77,8 +77,7 @@
 //!
 //! let gains = Matrix::from_rows(&[[0.3, 3.0, 0.4, 0.6]]); // (nu, nobs)
 //! let mut batch = Batch::new(sample::cartpole(), 32)?.substeps(2); // observations: [qpos; qvel; act]
-//! let mut episodes = vec![0_u32; batch.len()];
-//! batch.reset_where(|_| true, |index, data| data.qpos_mut()[1] = 0.01 * index as f64 - 0.16)?;
+//! batch.reset_where(|_| true, |index, _, data| data.qpos_mut()[1] = 0.01 * index as f64 - 0.16)?;
 //! for _ in 0..100 {
 //!     batch.step(|observations, controls| {
 //!         for (row, x) in observations.rows().enumerate() {
@@ -88,8 +87,7 @@
 //!     })?;
 //!     // Start again where an episode has ended: a fall, or a failure of the simulation (its observations are NaN).
 //!     let ended: Vec<bool> = batch.observations().rows().map(|x| x[1].is_nan() || x[1].abs() > 0.5).collect();
-//!     episodes.iter_mut().zip(&ended).for_each(|(episode, &ended)| *episode += u32::from(ended));
-//!     batch.reset_where(|index| ended[index], |index, data| data.qpos_mut()[1] = 1e-3 * f64::from(episodes[index]))?;
+//!     batch.reset_where(|index| ended[index], |_, episode, data| data.qpos_mut()[1] = 1e-3 * episode as f64)?;
 //! }
 //! assert!(batch.observations().rows().all(|x| x[1].abs() < 0.1));
 //! # Ok::<(), mujoco_safe::Error>(())
@@ -123,7 +121,7 @@
 //! - A simulation that is set to a [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) state continues bit for bit.
 //! - The results of two builds of the engine, or of two kinds of processors, differ in the last bits. Contacts amplify these differences.
 //! - Random numbers: derive the seed from the index of the rollout (`RandomController::new(index as u64)`), not from a generator that threads
-//!   share.
+//!   share. In a batch, derive it from the index and the number of the episode, which [`reset_where`](Batch::reset_where) passes to its closure.
 //!
 //! [Promises](crate::promises) 8 and 12 state this with their tests.
 

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Read;
-use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
+use super::members::{Member, Members, Simulation, check_memory};
+use super::parallel::{StopOnPanic, default_chunk, in_chunks};
 use super::result::no_room;
-use super::workers::restart;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Outcome, Result};
 use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
@@ -30,7 +30,7 @@ use crate::model::{IntoModel, Model};
 /// let mut batch = Batch::new(sample::cartpole(), 16)?.observe(2, |data, row| {
 ///     row.copy_from_slice(&[data.qpos()[1], data.qvel()[1]]);
 /// });
-/// batch.reset_where(|_| true, |index, data| data.qpos_mut()[1] = 0.01 * index as f64)?;
+/// batch.reset_where(|_| true, |index, _, data| data.qpos_mut()[1] = 0.01 * index as f64)?;
 /// for _ in 0..200 {
 ///     batch.step(|observations, controls| {
 ///         for (observation, control) in observations.rows().zip(controls.as_mut_slice()) {
@@ -39,7 +39,7 @@ use crate::model::{IntoModel, Model};
 ///     })?;
 ///     // Reset the cart-poles that have fallen.
 ///     let fallen: Vec<bool> = batch.observations().rows().map(|row| row[0].abs() > 0.5).collect();
-///     batch.reset_where(|index| fallen[index], |_, data| data.qpos_mut()[1] = 0.05)?;
+///     batch.reset_where(|index| fallen[index], |_, _, data| data.qpos_mut()[1] = 0.05)?;
 /// }
 /// assert!(batch.failures().next().is_none());
 /// assert!(batch.observations().rows().all(|row| row[0].abs() < 0.2));
@@ -47,9 +47,7 @@ use crate::model::{IntoModel, Model};
 /// ```
 pub struct Batch<'a> {
     model: Arc<Model>,
-    simulations: Vec<Data>,
-    /// Error that stopped each simulation, if any.
-    failures: Vec<Option<Error>>,
+    simulations: Vec<Simulation>,
     observations: Matrix,
     controls: Matrix,
     observe: Box<Read<'a>>,
@@ -72,13 +70,12 @@ impl<'a> Batch<'a> {
             let first = Data::new(model.clone())?;
             check_memory(&first, count)?;
             simulations.try_reserve_exact(count).map_err(|_| no_room("simulations", count))?;
-            simulations.push(first);
+            simulations.push(Simulation::new(first));
         }
         for _ in 1..count {
-            simulations.push(Data::new(model.clone())?);
+            simulations.push(Simulation::new(Data::new(model.clone())?));
         }
         let batch = Self {
-            failures: simulations.iter().map(|_| None).collect(),
             observations: Matrix::default(),
             controls: Matrix::zeros(count, model.nu()),
             observe: Box::new(|_, _| ()),
@@ -104,8 +101,8 @@ impl<'a> Batch<'a> {
     pub fn observe(mut self, nobs: usize, read: impl Fn(&Data, &mut [f64]) + Send + Sync + 'a) -> Self {
         self.observations = Matrix::zeros(self.simulations.len(), nobs);
         self.observe = Box::new(read);
-        for (index, data) in self.simulations.iter().enumerate() {
-            (self.observe)(data, self.observations.row_mut(index));
+        for (index, simulation) in self.simulations.iter_mut().enumerate() {
+            simulation.observe(&*self.observe, self.observations.row_mut(index));
         }
         self
     }
@@ -156,7 +153,7 @@ impl<'a> Batch<'a> {
     ///
     /// If the index is out of range.
     pub fn data(&self, index: usize) -> &Data {
-        &self.simulations[index]
+        &self.simulations[index].data
     }
 
     /// Returns the error of a simulation, if it has failed. A failed simulation is not stepped until it is reset.
@@ -165,12 +162,25 @@ impl<'a> Batch<'a> {
     ///
     /// If the index is out of range.
     pub fn failure(&self, index: usize) -> Option<&Error> {
-        self.failures[index].as_ref()
+        self.simulations[index].failure.as_ref()
+    }
+
+    /// Returns the number of the present episode of a simulation, which is the number of its resets: 0 in a new batch, 1 after the
+    /// first reset. Failed resets count.
+    ///
+    /// # Panics
+    ///
+    /// If the index is out of range.
+    pub fn episode(&self, index: usize) -> u64 {
+        self.simulations[index].episode
     }
 
     /// Returns the indices and the errors of all failed simulations.
     pub fn failures(&self) -> impl Iterator<Item = (usize, &Error)> {
-        self.failures.iter().enumerate().filter_map(|(index, failure)| Some((index, failure.as_ref()?)))
+        self.simulations
+            .iter()
+            .enumerate()
+            .filter_map(|(index, simulation)| Some((index, simulation.failure.as_ref()?)))
     }
 
     /// Calls the policy to set the controls `(n, nu)` from the observations `(n, nobs)`, steps all simulations, and observes them.
@@ -195,8 +205,8 @@ impl<'a> Batch<'a> {
         policy(self.observations.view(), &mut controls).into_result()?;
         let substeps = self.substeps;
         self.each(|_, member| {
-            if member.failure.is_none() {
-                *member.failure = member.advance(substeps).err();
+            if member.simulation.failure.is_none() {
+                member.advance(substeps);
                 member.observe();
             }
         });
@@ -205,6 +215,28 @@ impl<'a> Batch<'a> {
 
     /// Resets the simulations whose index satisfies `which`, calls `start` to set their initial states, and observes them. An edit
     /// of the model by [`Data::edit_model`] in `start` affects that simulation only, and persists.
+    ///
+    /// The arguments of `start` are the index, the number of the [`episode`](Self::episode) that starts, and the simulation. The first
+    /// reset of a simulation starts its episode 1. Random numbers from a seed of both numbers depend neither on the threads nor on
+    /// the order in which the episodes of different simulations end:
+    ///
+    /// ```
+    /// use mujoco_safe::{Batch, sample};
+    /// use rand::{RngExt, SeedableRng};
+    /// use rand_xoshiro::Xoshiro256PlusPlus;
+    ///
+    /// let mut batch = Batch::new(sample::cartpole(), 8)?;
+    /// batch.reset_where(
+    ///     |_| true,
+    ///     |index, episode, data| {
+    ///         let mut random = Xoshiro256PlusPlus::seed_from_u64(((index as u64) << 32) | episode);
+    ///         data.qpos_mut()[1] = random.random_range(-0.1..0.1);
+    ///     },
+    /// )?;
+    /// assert_eq!(batch.episode(3), 1);
+    /// assert_ne!(batch.data(3).qpos()[1], batch.data(4).qpos()[1]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -216,17 +248,19 @@ impl<'a> Batch<'a> {
     pub fn reset_where<O: Outcome<Value = ()>>(
         &mut self,
         which: impl Fn(usize) -> bool + Sync,
-        start: impl Fn(usize, &mut Data) -> O + Sync,
+        start: impl Fn(usize, u64, &mut Data) -> O + Sync,
     ) -> Result<()> {
         let failed = std::sync::Mutex::new(None::<(usize, Error)>);
         self.each(|index, member| {
             if !which(index) {
                 return;
             }
-            *member.failure = None;
-            let result = restart(member.data).and_then(|()| start(index, member.data).into_result());
+            let simulation = &mut *member.simulation;
+            let result = simulation
+                .restart()
+                .and_then(|()| start(index, simulation.episode, &mut simulation.data).into_result());
             if let Err(error) = result {
-                *member.failure = Some(Error::Poisoned { failure: error.to_string() });
+                simulation.failure = Some(Error::Poisoned { failure: error.to_string() });
                 let mut failed = failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 if failed.as_ref().is_none_or(|(first, _)| index < *first) {
                     *failed = Some((index, error));
@@ -250,11 +284,9 @@ impl<'a> Batch<'a> {
     ///
     /// If the index is out of range.
     pub fn reset(&mut self, index: usize) -> Result<()> {
-        restart(&mut self.simulations[index])?;
-        self.failures[index] = None;
+        self.simulations[index].restart()?;
         let row = self.observations.row_mut(index);
-        row.fill(0.0);
-        (self.observe)(&self.simulations[index], row);
+        self.simulations[index].observe(&*self.observe, row);
         Ok(())
     }
 
@@ -265,21 +297,20 @@ impl<'a> Batch<'a> {
         let observe = &*self.observe;
         let members = Members {
             simulations: &mut self.simulations,
-            failures: &mut self.failures,
             controls: self.controls.view(),
             width: self.observations.ncols(),
             observations: self.observations.as_mut_slice(),
         };
         in_chunks(members, 0, chunk, &|first, members| {
             let guard = StopOnPanic::new(&stop);
-            let Members { simulations, failures, controls, width, observations } = members;
-            for (offset, (data, failure)) in simulations.iter_mut().zip(failures).enumerate() {
+            let Members { simulations, controls, width, observations } = members;
+            for (offset, simulation) in simulations.iter_mut().enumerate() {
                 if stop.load(Ordering::Relaxed) {
                     break;
                 }
                 let index = first + offset;
                 let row = &mut observations[offset * width..][..width];
-                work(index, &mut Member { data, failure, controls: controls.row(index), row, observe });
+                work(index, &mut Member { simulation, controls: controls.row(index), row, observe });
             }
             guard.disarm();
         });
@@ -290,73 +321,4 @@ impl fmt::Debug for Batch<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Batch: {} simulations, {} failed, of {:?}", self.len(), self.failures().count(), self.model)
     }
-}
-
-/// Part of the simulations, with all controls.
-struct Members<'b> {
-    simulations: &'b mut [Data],
-    failures: &'b mut [Option<Error>],
-    controls: MatrixView<'b>,
-    observations: &'b mut [f64],
-    width: usize,
-}
-
-impl Split for Members<'_> {
-    fn count(&self) -> usize {
-        self.simulations.len()
-    }
-
-    fn split(self, first: usize) -> (Self, Self) {
-        let Self { controls, width, .. } = self;
-        let (simulations, other_simulations) = self.simulations.split_at_mut(first);
-        let (failures, other_failures) = self.failures.split_at_mut(first);
-        let (observations, other_observations) = split_rows(self.observations, first, width);
-        (
-            Self { simulations, failures, controls, observations, width },
-            Self {
-                simulations: other_simulations,
-                failures: other_failures,
-                controls,
-                observations: other_observations,
-                width,
-            },
-        )
-    }
-}
-
-/// Simulation with its controls and its row of observations.
-struct Member<'m> {
-    data: &'m mut Data,
-    failure: &'m mut Option<Error>,
-    controls: &'m [f64],
-    row: &'m mut [f64],
-    observe: &'m Read<'m>,
-}
-
-impl Member<'_> {
-    fn advance(&mut self, substeps: usize) -> Result<()> {
-        self.data.set_state(StateSpec::CTRL, self.controls)?;
-        (0..substeps).try_for_each(|_| self.data.step())
-    }
-
-    fn observe(&mut self) {
-        if self.failure.is_some() {
-            self.row.fill(f64::NAN);
-        } else {
-            self.row.fill(0.0);
-            (self.observe)(self.data, self.row);
-        }
-    }
-}
-
-/// Checks that there is enough memory for all simulations, before they are allocated.
-fn check_memory(simulation: &Data, count: usize) -> Result<()> {
-    // SAFETY: the pointer is valid, and nothing writes to the simulation while it is borrowed.
-    let (buffer, stack) = unsafe { ((*simulation.as_ptr()).nbuffer, (*simulation.as_ptr()).nstack) };
-    let bytes = usize::try_from(buffer).ok().zip(usize::try_from(stack).ok()).and_then(|(buffer, stack)| {
-        let one = stack.checked_mul(size_of::<f64>())?.checked_add(buffer)?.checked_add(size_of::<Data>())?;
-        one.checked_mul(count)
-    });
-    let fits = bytes.is_some_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
-    if fits { Ok(()) } else { Err(no_room("simulations", count)) }
 }

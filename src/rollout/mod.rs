@@ -30,6 +30,7 @@
 //! continue. If a closure panics, the call panics after all threads have stopped. All arguments of the call remain usable.
 
 mod batch;
+mod members;
 #[cfg(feature = "npz")]
 mod npz;
 mod parallel;

@@ -423,5 +423,5 @@ fn steps_of_a_batch_do_not_allocate() {
     allocates_nothing("Batch::step", || {
         batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
     });
-    allocates_nothing("Batch::reset_where", || batch.reset_where(|index| index > 0, |_, _| ()).unwrap());
+    allocates_nothing("Batch::reset_where", || batch.reset_where(|index| index > 0, |_, _, _| ()).unwrap());
 }

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use mujoco_safe::{Batch, Data, Error, StateSpec, sample};
+use mujoco_safe::{Batch, Controller, Data, Error, RandomController, StateSpec, sample};
 
 use super::{bits, pool};
 
@@ -54,11 +54,11 @@ fn batches_equal_plain_loops_for_any_threads_and_chunks() {
     for (threads, chunk) in [(1, 1), (2, 1), (3, 2), (2, 3), (1, 7), (4, usize::MAX)] {
         let states = pool(threads).install(|| {
             let mut batch = Batch::new(sample::humanoid(), count).unwrap().substeps(SUBSTEPS).chunk(chunk);
-            batch.reset_where(|_| true, start).unwrap();
+            batch.reset_where(|_| true, |index, _, data| start(index, data)).unwrap();
             let mut states = vec![Vec::new(); count];
             for step in 0..STEPS {
                 if step == 20 {
-                    batch.reset_where(|index| index % 3 == 1, |index, data| start(index + 1, data)).unwrap();
+                    batch.reset_where(|index| index % 3 == 1, |index, _, data| start(index + 1, data)).unwrap();
                 }
                 batch
                     .step(|observations, controls| {
@@ -116,12 +116,15 @@ fn a_failure_stops_one_simulation_until_its_reset() {
 fn an_error_in_the_initial_state_stops_only_its_simulations() {
     let mut batch = Batch::new(sample::cartpole(), 5).unwrap().chunk(1);
     let error = batch
-        .reset_where(|index| index != 0, |index, data| if index >= 3 { data.reset_to_key(10 + index) } else { Ok(()) })
+        .reset_where(
+            |index| index != 0,
+            |index, _, data| if index >= 3 { data.reset_to_key(10 + index) } else { Ok(()) },
+        )
         .unwrap_err();
     assert!(matches!(error, Error::NoSuchIndex { index: 13, .. }), "{error}");
     assert_eq!(batch.failures().map(|(index, _)| index).collect::<Vec<_>>(), [3, 4]);
     assert!(batch.failure(4).unwrap().to_string().contains("keyframe 14"));
-    batch.reset_where(|_| true, |_, data| data.reset_to_key(0)).unwrap();
+    batch.reset_where(|_| true, |_, _, data| data.reset_to_key(0)).unwrap();
     assert!(batch.failures().next().is_none());
     assert_eq!(batch.data(4).qpos(), [0.0, 1.57]);
 }
@@ -151,7 +154,7 @@ fn a_panic_propagates_and_the_batch_remains_usable() {
         }))
     });
     assert_eq!(caught.unwrap_err().downcast_ref::<&str>(), Some(&"too late"));
-    batch.reset_where(|_| true, |_, _| ()).unwrap();
+    batch.reset_where(|_| true, |_, _, _| ()).unwrap();
     batch.step(|_, _| ()).unwrap();
     assert_eq!(batch.observations().as_slice(), [0.01; 6]);
 }
@@ -163,7 +166,7 @@ fn each_simulation_may_have_its_own_edited_model() {
         data.qpos_mut()[1] = 0.2;
         data.edit_model(|model| model.body_mass_mut()[2] += index as f64)
     };
-    batch.reset_where(|_| true, edit).unwrap();
+    batch.reset_where(|_| true, |index, _, data| edit(index, data)).unwrap();
     for _ in 0..20 {
         batch.step(|_, _| ()).unwrap();
     }
@@ -179,8 +182,85 @@ fn each_simulation_may_have_its_own_edited_model() {
 #[test]
 fn replacing_a_simulation_is_a_failure_of_that_simulation() {
     let mut batch = Batch::new(sample::cartpole(), 3).unwrap();
-    batch.reset_where(|index| index == 1, |_, data| *data = Data::new(sample::humanoid()).unwrap()).unwrap();
+    batch.reset_where(|index| index == 1, |_, _, data| *data = Data::new(sample::humanoid()).unwrap()).unwrap();
     batch.step(|_, _| ()).unwrap();
     assert!(matches!(batch.failure(1), Some(Error::Shape { .. })));
     assert_eq!(batch.failures().count(), 1);
+}
+
+#[test]
+fn the_number_of_an_episode_counts_the_resets_of_its_simulation() {
+    let mut batch = Batch::new(sample::cartpole(), 3).unwrap();
+    let episodes = |batch: &Batch<'_>| [batch.episode(0), batch.episode(1), batch.episode(2)];
+    assert_eq!(episodes(&batch), [0, 0, 0]);
+    batch.reset_where(|_| true, |_, _, _| ()).unwrap();
+    batch.step(|_, _| ()).unwrap();
+    batch.reset_where(|index| index == 1, |_, _, _| ()).unwrap();
+    batch.reset(2).unwrap();
+    batch.reset(2).unwrap();
+    assert_eq!(episodes(&batch), [1, 2, 3]);
+    // A reset whose closure fails has started an episode, so that the next attempt has another seed.
+    let seen = std::sync::Mutex::new(Vec::new());
+    let result = batch.reset_where(
+        |_| true,
+        |index, episode, data| {
+            seen.lock().unwrap().push((index, episode));
+            if index == 0 { data.reset_to_key("nothing") } else { Ok(()) }
+        },
+    );
+    assert!(result.is_err());
+    let mut seen = seen.into_inner().unwrap();
+    seen.sort_unstable();
+    assert_eq!(seen, [(0, 2), (1, 3), (2, 4)]);
+    assert_eq!(episodes(&batch), [2, 3, 4]);
+}
+
+/// Sets a state that depends on the index and the episode only.
+fn random_start(index: usize, episode: u64, data: &mut Data) -> mujoco_safe::Result<()> {
+    let mut random = RandomController::new(1000 * index as u64 + episode);
+    for _ in 0..3 {
+        random.control(data)?;
+        data.step()?;
+    }
+    Ok(())
+}
+
+/// Returns `true` if a call resets the simulation of an index.
+type Order = fn(usize, usize) -> bool;
+
+#[test]
+fn episodes_start_alike_for_any_threads_and_any_order_of_resets() {
+    const EPISODES: u64 = 4;
+    let count = 5;
+    // Each episode in a simulation of its own, without a batch.
+    let alone = |index, episode| {
+        let mut data = Data::new(sample::humanoid()).unwrap();
+        random_start(index, episode, &mut data).unwrap();
+        bits(&data.state(StateSpec::INTEGRATION))
+    };
+    let expected: Vec<Vec<_>> =
+        (0..count).map(|index| (1..=EPISODES).map(|episode| alone(index, episode)).collect()).collect();
+    // All together, one after the other, and simulation by simulation.
+    let orders: [(usize, Order); 3] =
+        [(4, |_, _| true), (20, |call, index| call % 5 == index), (20, |call, index| call / 4 == index)];
+    for ((calls, which), (threads, chunk)) in
+        orders.into_iter().flat_map(|order| [(1, 1), (1, 2), (3, 1), (3, 2)].map(|division| (order, division)))
+    {
+        pool(threads).install(|| {
+            let mut batch = Batch::new(sample::humanoid(), count).unwrap().chunk(chunk);
+            for call in 0..calls {
+                batch.reset_where(|index| which(call, index), random_start).unwrap();
+                for index in (0..count).filter(|&index| which(call, index)) {
+                    let state = bits(&batch.data(index).state(StateSpec::INTEGRATION));
+                    assert!(
+                        state == expected[index][batch.episode(index) as usize - 1],
+                        "simulation {index}, reset {call}"
+                    );
+                }
+                // Motion between the resets has no effect on the next start.
+                batch.step(|_, controls| controls.as_mut_slice().fill(0.3)).unwrap();
+            }
+            assert!((0..count).all(|index| batch.episode(index) == EPISODES));
+        });
+    }
 }

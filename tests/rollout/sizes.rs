@@ -75,7 +75,7 @@ fn zero_rollouts_and_zero_steps_are_valid() {
 
     let mut batch = Batch::new(sample::cartpole(), 0).unwrap();
     batch.step(|observations, controls| assert_eq!((observations.nrows(), controls.shape()), (0, (0, 1)))).unwrap();
-    batch.reset_where(|_| true, |_, _| ()).unwrap();
+    batch.reset_where(|_| true, |_, _, _| ()).unwrap();
     assert!(batch.is_empty() && batch.failures().next().is_none());
 }
 

@@ -118,10 +118,10 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         for _ in 0..=bytes.below(4) {
             let (number, which) = (bytes.number(), bytes.below(4));
             let result = match bytes.below(5) {
-                0 => batch.reset_where(|index| index != which, |_, data| data.qvel_mut().fill(number)),
+                0 => batch.reset_where(|index| index != which, |_, _, data| data.qvel_mut().fill(number)),
                 1 => batch.reset_where(
                     |index| index != which,
-                    |index, data| -> Result<()> {
+                    |index, _, data| -> Result<()> {
                         data.edit_model(|model| model.options(|options| options.gravity[index % 3] = number))?;
                         data.step()
                     },

@@ -1,0 +1,99 @@
+//! Simulations of a batch, and their division among threads.
+
+use super::Read;
+use super::parallel::{Split, split_rows};
+use super::result::no_room;
+use super::workers::restart;
+use crate::data::{Data, StateSpec};
+use crate::error::{Error, Result};
+use crate::matrix::MatrixView;
+
+/// Simulation of a batch.
+pub(super) struct Simulation {
+    pub(super) data: Data,
+    /// Error that stopped the simulation, if any.
+    pub(super) failure: Option<Error>,
+    /// Number of resets.
+    pub(super) episode: u64,
+}
+
+impl Simulation {
+    pub(super) fn new(data: Data) -> Self {
+        Self { data, failure: None, episode: 0 }
+    }
+
+    /// Resets the simulation to the reference position, and starts the next episode.
+    pub(super) fn restart(&mut self) -> Result<()> {
+        self.episode += 1;
+        self.failure = None;
+        restart(&mut self.data)
+    }
+
+    /// Writes the observations, or NaN if the simulation has failed.
+    pub(super) fn observe(&mut self, observe: &Read<'_>, row: &mut [f64]) {
+        if self.failure.is_some() {
+            row.fill(f64::NAN);
+        } else {
+            row.fill(0.0);
+            observe(&self.data, row);
+        }
+    }
+}
+
+/// Simulation with its controls and its row of observations.
+pub(super) struct Member<'m> {
+    pub(super) simulation: &'m mut Simulation,
+    pub(super) controls: &'m [f64],
+    pub(super) row: &'m mut [f64],
+    pub(super) observe: &'m Read<'m>,
+}
+
+impl Member<'_> {
+    /// Steps the simulation, until an error stops it.
+    pub(super) fn advance(&mut self, substeps: usize) {
+        let data = &mut self.simulation.data;
+        let set = data.set_state(StateSpec::CTRL, self.controls);
+        let result = set.and_then(|()| (0..substeps).try_for_each(|_| data.step()));
+        self.simulation.failure = result.err();
+    }
+
+    pub(super) fn observe(&mut self) {
+        self.simulation.observe(self.observe, self.row);
+    }
+}
+
+/// Part of the simulations, with all controls.
+pub(super) struct Members<'b> {
+    pub(super) simulations: &'b mut [Simulation],
+    pub(super) controls: MatrixView<'b>,
+    pub(super) observations: &'b mut [f64],
+    pub(super) width: usize,
+}
+
+impl Split for Members<'_> {
+    fn count(&self) -> usize {
+        self.simulations.len()
+    }
+
+    fn split(self, first: usize) -> (Self, Self) {
+        let Self { controls, width, .. } = self;
+        let (simulations, other_simulations) = self.simulations.split_at_mut(first);
+        let (observations, other_observations) = split_rows(self.observations, first, width);
+        (
+            Self { simulations, controls, observations, width },
+            Self { simulations: other_simulations, controls, observations: other_observations, width },
+        )
+    }
+}
+
+/// Checks that there is enough memory for all simulations, before they are allocated.
+pub(super) fn check_memory(simulation: &Data, count: usize) -> Result<()> {
+    // SAFETY: the pointer is valid, and nothing writes to the simulation while it is borrowed.
+    let (buffer, stack) = unsafe { ((*simulation.as_ptr()).nbuffer, (*simulation.as_ptr()).nstack) };
+    let bytes = usize::try_from(buffer).ok().zip(usize::try_from(stack).ok()).and_then(|(buffer, stack)| {
+        let one = stack.checked_mul(size_of::<f64>())?.checked_add(buffer)?.checked_add(size_of::<Simulation>())?;
+        one.checked_mul(count)
+    });
+    let fits = bytes.is_some_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
+    if fits { Ok(()) } else { Err(no_room("simulations", count)) }
+}
