@@ -60,7 +60,8 @@
 //! | [`outputs`](crate::rollout::RolloutResult::outputs) | `(nroll, nstep, noutput)` | the closure after step `k` |
 //!
 //! The closure of [`outputs`](Rollout::outputs) runs after a step. The state that it reads is that of row `k + 1`; poses, contacts and forces are those
-//! of row `k`, because [a step does not update them](super::concepts#age-of-results). For positions of sites and bodies, define sensors in the model.
+//! of row `k`, because [a step does not update them](super::concepts#age-of-results). [`forward_after_step`](Rollout::forward_after_step) updates them
+//! before the closure runs, at the cost of one more evaluation of forward dynamics per step.
 //!
 //! ## Files
 //!
@@ -94,7 +95,8 @@
 //! ```
 //!
 //! The observations of a failed simulation are NaN, and [`failure`](Batch::failure) returns its error. The closure of
-//! [`observe`](Batch::observe) reads the simulation after a step, so the remark on the age of poses applies to it too.
+//! [`observe`](Batch::observe) reads the simulation after a step, so the remark on the age of poses applies to it too;
+//! [`Batch::forward_after_step`] updates them.
 //!
 //! # Threads and memory
 //!

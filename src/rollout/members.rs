@@ -1,6 +1,7 @@
 //! Simulations of a batch, and their division among threads.
 
 use super::Read;
+use super::forward::forward_between_steps;
 use super::parallel::{Split, split_rows};
 use super::result::no_room;
 use super::workers::restart;
@@ -15,11 +16,21 @@ pub(super) struct Simulation {
     pub(super) failure: Option<Error>,
     /// Number of resets.
     pub(super) episode: u64,
+    /// Memory of [`forward_between_steps`].
+    saved: Vec<f64>,
+}
+
+/// Reader of observations.
+#[derive(Clone, Copy)]
+pub(super) struct Observer<'o> {
+    pub(super) read: &'o Read<'o>,
+    /// `true` if forward dynamics is computed first.
+    pub(super) forward: bool,
 }
 
 impl Simulation {
     pub(super) fn new(data: Data) -> Self {
-        Self { data, failure: None, episode: 0 }
+        Self { data, failure: None, episode: 0, saved: Vec::new() }
     }
 
     /// Resets the simulation to the reference position, and starts the next episode.
@@ -30,12 +41,15 @@ impl Simulation {
     }
 
     /// Writes the observations, or NaN if the simulation has failed.
-    pub(super) fn observe(&mut self, observe: &Read<'_>, row: &mut [f64]) {
+    pub(super) fn observe(&mut self, observer: Observer<'_>, row: &mut [f64]) {
+        if observer.forward && self.failure.is_none() {
+            self.failure = forward_between_steps(&mut self.data, &mut self.saved).err();
+        }
         if self.failure.is_some() {
             row.fill(f64::NAN);
         } else {
             row.fill(0.0);
-            observe(&self.data, row);
+            (observer.read)(&self.data, row);
         }
     }
 }
@@ -45,7 +59,7 @@ pub(super) struct Member<'m> {
     pub(super) simulation: &'m mut Simulation,
     pub(super) controls: &'m [f64],
     pub(super) row: &'m mut [f64],
-    pub(super) observe: &'m Read<'m>,
+    pub(super) observer: Observer<'m>,
 }
 
 impl Member<'_> {
@@ -58,7 +72,7 @@ impl Member<'_> {
     }
 
     pub(super) fn observe(&mut self) {
-        self.simulation.observe(self.observe, self.row);
+        self.simulation.observe(self.observer, self.row);
     }
 }
 

@@ -7,10 +7,12 @@ use crate::matrix::MatrixView;
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum RolloutError {
-    /// A step, its controller, or the edit of the model before the first step failed. Other rollouts continue.
+    /// A step, its controller, the call of [`forward`](crate::Data::forward) after the previous step, or the edit of the model before
+    /// the first step failed. Other rollouts continue.
     #[error("step {step}: {error}")]
     Failed {
-        /// Index of the failed step, counted from 0. This is also the number of steps taken.
+        /// Index of the failed step, counted from 0. This is also the number of steps taken. `nstep` if `forward` failed after the
+        /// last step.
         step: usize,
         /// The error.
         #[source]

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use super::forward::forward_between_steps;
 use super::parallel::{Split, StopOnPanic, default_chunk, in_chunks, split_rows};
 use super::result::Sizes;
 use super::{Controls, Initial, Rollout, RolloutBuffers, RolloutError};
@@ -59,6 +60,13 @@ fn row<'p>(buffer: &'p mut Buffer<'_>, index: usize, width: usize) -> Buffer<'p>
     part(buffer, index, width)
 }
 
+/// Simulation that a thread runs its rollouts in.
+struct Worker {
+    data: Data,
+    /// Memory of [`forward_between_steps`].
+    saved: Vec<f64>,
+}
+
 /// State of a run, shared by its threads.
 struct Run<'r, 'a> {
     rollout: &'r Rollout<'a>,
@@ -85,8 +93,8 @@ impl Run<'_, '_> {
                 self.report();
             }
         }
-        if let Some(data) = worker {
-            self.rollout.workers.give_back(data);
+        if let Some(worker) = worker {
+            self.rollout.workers.give_back(worker.data);
         }
         guard.disarm();
     }
@@ -101,8 +109,8 @@ impl Run<'_, '_> {
     }
 
     /// Runs one rollout, and fills its remaining rows with NaN if it ends early.
-    fn one(&self, index: usize, worker: &mut Option<Data>, record: RolloutBuffers<'_>) -> Result<(), RolloutError> {
-        let mut recorder = Recorder { record, sizes: self.sizes, states: 0, steps: 0 };
+    fn one(&self, index: usize, worker: &mut Option<Worker>, record: RolloutBuffers<'_>) -> Result<(), RolloutError> {
+        let mut recorder = Recorder { record, sizes: self.sizes, states: 0, steps: 0, outputs: 0 };
         let result = self.simulate(index, worker, &mut recorder);
         let step = recorder.steps;
         let outcome = match result {
@@ -115,14 +123,14 @@ impl Run<'_, '_> {
     }
 
     /// Simulates until the end, an error, or a stop.
-    fn simulate(&self, index: usize, worker: &mut Option<Data>, recorder: &mut Recorder<'_>) -> Result<()> {
-        let Rollout { workers, initial, controls, edit, record, outputs, steps, .. } = self.rollout;
+    fn simulate(&self, index: usize, worker: &mut Option<Worker>, recorder: &mut Recorder<'_>) -> Result<()> {
+        let Rollout { workers, initial, controls, edit, record, outputs, forward, steps, .. } = self.rollout;
         if self.stop.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let data = match worker {
-            Some(data) => data,
-            None => worker.insert(workers.take()?),
+        let Worker { data, saved } = match worker {
+            Some(worker) => worker,
+            None => worker.insert(Worker { data: workers.take()?, saved: Vec::new() }),
         };
         workers.prepare(data, index, edit.as_deref())?;
         match *initial {
@@ -158,11 +166,15 @@ impl Run<'_, '_> {
             }
             data.step()?;
             recorder.sensordata(data)?;
-            if let Some((_, read)) = outputs {
+            let computed = if *forward { forward_between_steps(data, saved) } else { Ok(()) };
+            if let Some((_, read)) = outputs
+                && computed.is_ok()
+            {
                 recorder.outputs(data, read);
             }
             recorder.steps += 1;
             recorder.state(data, *record)?;
+            computed?;
         }
         Ok(())
     }
@@ -176,6 +188,8 @@ struct Recorder<'b> {
     states: usize,
     /// Number of recorded steps.
     steps: usize,
+    /// Number of recorded outputs, which is lower than that of the steps if the last outputs could not be computed.
+    outputs: usize,
 }
 
 impl Recorder<'_> {
@@ -198,19 +212,20 @@ impl Recorder<'_> {
     }
 
     fn outputs(&mut self, data: &Data, read: &super::Read<'_>) {
-        if let Some(row) = row(&mut self.record.outputs, self.steps, self.sizes.output) {
+        if let Some(row) = row(&mut self.record.outputs, self.outputs, self.sizes.output) {
             row.fill(0.0);
             read(data, row);
         }
+        self.outputs += 1;
     }
 
     /// Fills the remaining rows with NaN.
     fn fill_rest(&mut self) {
-        let Self { record, sizes, states, steps } = self;
+        let Self { record, sizes, states, steps, outputs } = self;
         for (buffer, written) in [
             (&mut record.states, *states * sizes.state),
             (&mut record.sensordata, *steps * sizes.sensordata),
-            (&mut record.outputs, *steps * sizes.output),
+            (&mut record.outputs, *outputs * sizes.output),
         ] {
             if let Some(buffer) = buffer {
                 buffer[written..].fill(f64::NAN);

@@ -394,6 +394,7 @@ fn allocations_of_rollouts(workers: &Workers, steps: usize) -> usize {
         Rollout::on(workers, 10, steps).shared_controls(&controls),
         Rollout::on(workers, 10, steps).controllers(|index| RandomController::new(index as u64)),
         Rollout::on(workers, 10, steps).edit_model(|_, model| model.set_total_mass(50.0)),
+        Rollout::on(workers, 10, steps).forward_after_step(),
     ];
     rollouts
         .into_iter()
@@ -419,9 +420,11 @@ fn steps_of_rollouts_do_not_allocate() {
 #[test]
 fn steps_of_a_batch_do_not_allocate() {
     let _lock = lock_process();
-    let mut batch = Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
-    allocates_nothing("Batch::step", || {
-        batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
-    });
-    allocates_nothing("Batch::reset_where", || batch.reset_where(|index| index > 0, |_, _, _| ()).unwrap());
+    let batch = || Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
+    for mut batch in [batch(), batch().forward_after_step()] {
+        allocates_nothing("Batch::step", || {
+            batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
+        });
+        allocates_nothing("Batch::reset_where", || batch.reset_where(|index| index > 0, |_, _, _| ()).unwrap());
+    }
 }

@@ -9,6 +9,7 @@ mod batch;
 mod controllers;
 mod edits;
 mod equality;
+mod forward;
 mod isolation;
 mod sizes;
 

@@ -76,6 +76,9 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             rollout = rollout.outputs(bytes.below(3), |data, row| row.fill(data.time()));
         }
         if bytes.once_in(4) {
+            rollout = rollout.forward_after_step();
+        }
+        if bytes.once_in(4) {
             rollout =
                 rollout.progress(|done| if done < last { ControlFlow::Continue(()) } else { ControlFlow::Break(()) });
         }
@@ -114,6 +117,9 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let mut batch = Batch::new(scene.data.model().clone(), count)?.substeps(bytes.below(4)).chunk(bytes.below(4));
         if bytes.once_in(2) {
             batch = batch.observe(nobs, |data, row| row.fill(data.qpos().first().copied().unwrap_or(0.0)));
+        }
+        if bytes.once_in(4) {
+            batch = batch.forward_after_step();
         }
         for _ in 0..=bytes.below(4) {
             let (number, which) = (bytes.number(), bytes.below(4));
