@@ -35,6 +35,30 @@ pub fn normalize4(quat: &mut [f64; 4]) -> f64 {
 /// let turned = math::rot_vec_quat(&[1.0, 0.0, 0.0], &quarter);
 /// assert!((turned[1] - 1.0).abs() < 1e-15); // x has become y
 /// ```
+///
+/// The orientation of a body or a site needs no conversion. The reading of a sensor is a slice, which `first_chunk` converts:
+///
+/// ```
+/// use mujoco_safe::{Data, Model, math};
+///
+/// let mut data = Data::new(Model::from_xml_str(
+///     r#"<mujoco>
+///          <worldbody>
+///            <body name="arm" euler="0 0 90"><geom size="0.1"/><site name="tool" euler="0 0 -90"/></body>
+///          </worldbody>
+///          <sensor><framequat name="attitude" objtype="xbody" objname="arm"/></sensor>
+///        </mujoco>"#,
+/// )?)?;
+/// data.forward()?;
+/// let forward = [1.0, 0.0, 0.0];
+/// let of_arm = math::rot_vec_quat(&forward, data.body("arm")?.xquat());
+/// let of_tool = math::rot_vec_mat(&forward, data.site("tool")?.xmat());
+/// let measured = data.sensor("attitude")?.data()?.first_chunk().expect("a quaternion");
+/// assert!((of_arm[1] - 1.0).abs() < 1e-15);
+/// assert!((of_tool[0] - 1.0).abs() < 1e-15);
+/// assert_eq!(math::rot_vec_quat(&forward, measured), of_arm);
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
 #[inline]
 pub fn rot_vec_quat(vec: &[f64; 3], quat: &[f64; 4]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
