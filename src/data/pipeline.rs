@@ -344,6 +344,30 @@ impl Data {
         }
     }
 
+    /// Returns the readings of all sensors, which belong to the state before the last step, if there was one since.
+    pub(crate) fn readings(&self, call: &'static str) -> Result<&[f64]> {
+        self.check_parts(call, PipelineFlags::SENSORS)?;
+        self.check_sensors_enabled()?;
+        Ok(self.sensordata())
+    }
+
+    /// Returns the readings of all sensors in the present state.
+    pub(crate) fn present_readings(&self, call: &'static str) -> Result<&[f64]> {
+        if self.computed.contains(PipelineFlags::CURRENT) {
+            self.readings(call)
+        } else {
+            Err(Error::NotComputed { call, missing: MissingResults::SENSORS })
+        }
+    }
+
+    /// Returns an error if the options of the model disable sensors.
+    pub(crate) fn check_sensors_enabled(&self) -> Result<()> {
+        if self.model().raw().opt.disableflags & sys::mjDSBL_SENSOR as i32 == 0 {
+            return Ok(());
+        }
+        Err(Error::Unsupported("readings of sensors, which the options of the model disable".to_owned()))
+    }
+
     /// Returns the valid results after a call that computes `results`.
     pub(super) fn after(&self, results: PipelineFlags) -> PipelineFlags {
         self.computed.after(results, self.model().has_adhesion())

@@ -7,7 +7,9 @@ use mujoco_sys as sys;
 use super::{Object, View, ViewMut, range};
 use crate::data::{Data, PipelineFlags, Stage};
 use crate::enums::{SensorDataType, SensorType};
-use crate::error::{Error, Result};
+#[cfg(doc)]
+use crate::error::Error;
+use crate::error::Result;
 use crate::ffi;
 use crate::kind;
 use crate::model::{Model, ModelMut};
@@ -100,9 +102,7 @@ fields!(Sensor on Data {
             _ => PipelineFlags::empty(),
         };
         data.check_parts("the reading of a sensor", needs)?;
-        if data.model().raw().opt.disableflags & sys::mjDSBL_SENSOR as i32 != 0 {
-            return Err(Error::Unsupported("readings of sensors, which the options of the model disable".to_owned()));
-        }
+        data.check_sensors_enabled()?;
         Ok(&data.sensordata()[sensor.in_model().data_range()])
     };
 });

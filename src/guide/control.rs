@@ -182,10 +182,11 @@
 //!
 //! # Recorded trajectories
 //!
-//! A [`Trajectory`](crate::Trajectory) holds times, states and controls. [`record`](crate::Trajectory::record) steps under a controller,
+//! A [`Trajectory`](crate::Trajectory) holds times, states and controls, and sensor readings if it was created by
+//! [`with_sensordata`](crate::Trajectory::with_sensordata). [`record`](crate::Trajectory::record) steps under a controller,
 //! [`push`](crate::Trajectory::push) appends the present state, and [`apply`](crate::Trajectory::apply) sets a simulation to a record. Files:
 //! [`save_csv`](crate::Trajectory::save_csv) writes lossless text, `save_npz` (feature `npz`) NumPy arrays. The viewer plays
-//! trajectories. Sensor readings are not part of a trajectory; [`Rollout`](crate::rollout::Rollout) records them.
+//! trajectories. [`Rollout`](crate::rollout::Rollout) always records sensor readings.
 
 #[cfg(doc)]
 use crate::{Controller, Data, Lineariser, Lqr, Model, control::TimeVaryingLqr};

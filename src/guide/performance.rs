@@ -26,7 +26,7 @@
 //! | [`Data::transition_fd`] | [`transition_fd_into`](Data::transition_fd_into), [`Lineariser::linear_system_into`](crate::Lineariser::linear_system_into) |
 //! | [`Riccati::solve`](crate::control::riccati::Riccati::solve) | [`solve_into`](crate::control::riccati::Riccati::solve_into) with a workspace |
 //! | [`Data::clone`] | [`copy_from`](Data::copy_from) into an existing simulation |
-//! | [`Trajectory::new`](crate::Trajectory::new) while it grows | [`Trajectory::with_capacity`](crate::Trajectory::with_capacity) |
+//! | [`Trajectory::new`](crate::Trajectory::new) while it grows | [`Trajectory::with_capacity`](crate::Trajectory::with_capacity), [`reserve`](crate::Trajectory::reserve) |
 //! | [`Rollout::new`](crate::rollout::Rollout::new) for each run | [`Rollout::on`](crate::rollout::Rollout::on) with [`Workers`](crate::rollout::Workers), [`run_into`](crate::rollout::Rollout::run_into) |
 //! | the first [`Data::edit_model`] of a shared model | later edits of the same simulation copy nothing |
 //!

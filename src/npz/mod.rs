@@ -62,24 +62,24 @@ const LONGEST_NAME: usize = 251;
 /// Characters that a file name must not contain, on some system.
 const RESERVED: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
 
-/// Array of an archive: a name, a shape, and values in row-major order. Borrows all three.
-#[derive(Clone, Copy)]
+/// Array of an archive: a name, a shape, and values in row-major order. Borrows the name and the values.
+#[derive(Clone)]
 pub struct Array<'a> {
     name: &'a str,
-    shape: &'a [usize],
+    shape: Vec<usize>,
     values: Values<'a>,
 }
 
 impl<'a> Array<'a> {
     /// Creates an array from its values in row-major order, of one of the types that implement [`Element`]. An empty shape is
     /// that of a single number. [`save`] checks the name and the shape.
-    pub fn new<T: Element>(name: &'a str, shape: &'a [usize], values: &'a [T]) -> Self {
-        Self { name, shape, values: T::values(values) }
+    pub fn new<T: Element>(name: &'a str, shape: &[usize], values: &'a [T]) -> Self {
+        Self { name, shape: shape.to_vec(), values: T::values(values) }
     }
 
     /// Returns the shape as a Python tuple.
     fn tuple(&self) -> String {
-        match self.shape {
+        match &self.shape[..] {
             [length] => format!("({length},)"),
             shape => format!("({})", shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
         }

@@ -44,6 +44,11 @@ impl Archive {
         Ok(Self { archive, allowed })
     }
 
+    /// Returns `true` if the archive has an array of this name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.archive.index_for_name(&format!("{name}.npy")).is_some()
+    }
+
     /// Reads an array. `length` returns the number of values for a shape, or the expected shape if the given one is wrong.
     pub(crate) fn array(
         &mut self,

@@ -1,4 +1,4 @@
-//! Trajectories as NumPy archives (`.npz`): the arrays `time`, `qpos`, `qvel`, `act` and `ctrl`.
+//! Trajectories as NumPy archives (`.npz`): the arrays `time`, `qpos`, `qvel`, `act`, `ctrl` and, if recorded, `sensordata`.
 
 use std::io;
 use std::path::Path;
@@ -11,8 +11,8 @@ use crate::npz::{self, Array};
 
 impl Trajectory {
     /// Writes the records as a NumPy archive (`.npz`), which Python reads with `numpy.load`. It contains the arrays `time` of
-    /// shape `(n)`, s, `qpos` `(n, nq)`, `qvel` `(n, nv)`, `act` `(n, na)` and `ctrl` `(n, nu)` for `n` records. Reading the file
-    /// restores every value bit for bit.
+    /// shape `(n)`, s, `qpos` `(n, nq)`, `qvel` `(n, nv)`, `act` `(n, na)`, `ctrl` `(n, nu)` and, if recorded, `sensordata`
+    /// `(n, nsensordata)` for `n` records. Reading the file restores every value bit for bit.
     ///
     /// Requires the feature `npz`.
     ///
@@ -41,20 +41,20 @@ impl Trajectory {
         };
         let (qpos, qvel, act) = (columns(0, nq), columns(nq, nv), columns(nq + nv, na));
         let records = self.len();
-        npz::save(
-            path,
-            &[
-                Array::new("time", &[records], &self.times),
-                Array::new("qpos", &[records, nq], &qpos),
-                Array::new("qvel", &[records, nv], &qvel),
-                Array::new("act", &[records, na], &act),
-                Array::new("ctrl", &[records, nu], &self.controls),
-            ],
-        )
+        let arrays = [
+            Array::new("time", &[records], &self.times),
+            Array::new("qpos", &[records, nq], &qpos),
+            Array::new("qvel", &[records, nv], &qvel),
+            Array::new("act", &[records, na], &act),
+            Array::new("ctrl", &[records, nu], &self.controls),
+            Array::new("sensordata", &[records, self.nsensordata], &self.sensordata),
+        ];
+        let recorded = if self.nsensordata > 0 { &arrays[..] } else { &arrays[..5] };
+        npz::save(path, recorded)
     }
 
     /// Reads a file written by [`save_npz`](Self::save_npz), or by `numpy.savez` or `numpy.savez_compressed` with these arrays,
-    /// for simulations of this model. Other arrays in the file are ignored. The arrays may unpack to 64 MiB, or to a hundred
+    /// of which `sensordata` may be missing, for simulations of this model. Other arrays in the file are ignored. The arrays may unpack to 64 MiB, or to a hundred
     /// times the size of the file if that is more, so that a small file cannot exhaust the memory.
     ///
     /// Requires the feature `npz`.
@@ -72,6 +72,7 @@ impl Trajectory {
     fn read_npz(model: &Model, path: &Path) -> io::Result<Self> {
         let mut archive = Archive::open(path)?;
         let sizes = Sizes::of(model);
+        let nsensordata = if archive.has("sensordata") { model.nsensordata() } else { 0 };
         let times = archive.array("time", |shape| match shape {
             &[records] => Ok(records),
             _ => Err("(n)".to_owned()),
@@ -89,12 +90,13 @@ impl Trajectory {
         let qvel = matrix("qvel", sizes.nv)?;
         let act = matrix("act", sizes.na)?;
         let controls = matrix("ctrl", sizes.nu)?;
+        let sensordata = if nsensordata > 0 { matrix("sensordata", nsensordata)? } else { Vec::new() };
         let mut states = Vec::with_capacity(qpos.len() + qvel.len() + act.len());
         for record in 0..records {
             for (values, width) in [(&qpos, sizes.nq), (&qvel, sizes.nv), (&act, sizes.na)] {
                 states.extend_from_slice(&values[record * width..][..width]);
             }
         }
-        Ok(Self { sizes, times, states, controls })
+        Ok(Self { sizes, times, states, controls, nsensordata, sensordata })
     }
 }

@@ -290,6 +290,16 @@ fn controllers_do_not_allocate() {
     });
 }
 
+/// Fills a trajectory with capacity for 100 records.
+fn record_without_allocation(data: &mut Data, mut trajectory: Trajectory) {
+    allocates_nothing("push", || trajectory.push(data).unwrap());
+    let mut random = RandomController::new(1);
+    let (number, result) = allocations(|| trajectory.record(data, &mut random, 94));
+    result.unwrap();
+    assert_eq!((number, trajectory.len()), (0, 100), "record within the capacity");
+    allocates_nothing("apply", || trajectory.apply(3, data).unwrap());
+}
+
 #[test]
 fn states_and_trajectories_do_not_allocate() {
     let _lock = lock_process();
@@ -299,13 +309,12 @@ fn states_and_trajectories_do_not_allocate() {
         data.state_into(StateSpec::INTEGRATION, &mut state).unwrap();
         data.set_state(StateSpec::INTEGRATION, &state).unwrap();
     });
-    let mut trajectory = Trajectory::with_capacity(data.model(), 100);
-    allocates_nothing("push", || trajectory.push(&data).unwrap());
-    let mut random = RandomController::new(1);
-    let (number, result) = allocations(|| trajectory.record(&mut data, &mut random, 94));
-    result.unwrap();
-    assert_eq!((number, trajectory.len()), (0, 100), "record within the capacity");
-    allocates_nothing("apply", || trajectory.apply(3, &mut data).unwrap());
+    record_without_allocation(&mut data, Trajectory::with_capacity(&sample::humanoid(), 100));
+    let mut cartpole = Data::new(sample::cartpole()).unwrap();
+    cartpole.forward().unwrap();
+    let mut trajectory = Trajectory::with_sensordata(cartpole.model());
+    trajectory.reserve(100);
+    record_without_allocation(&mut cartpole, trajectory);
 }
 
 #[test]

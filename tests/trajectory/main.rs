@@ -9,5 +9,6 @@ mod numpy;
 #[cfg(feature = "npz")]
 mod npz;
 mod recording;
+mod sensordata;
 #[cfg(feature = "serde")]
 mod serde;

@@ -44,6 +44,9 @@ fn a_trajectory_of_inconsistent_sizes_is_rejected() {
         ("times", json!([]), "of 0 records"),
         ("controls", json!([1.0, 2.0]), "has 2 values in 'controls'"),
         ("states", json!(null), "expected"),
+        ("nsensordata", json!(1), "has 0 values in 'sensordata'"),
+        ("nsensordata", json!(u64::MAX), "which no model has"),
+        ("sensordata", json!([1.0]), "has 1 values in 'sensordata'"),
         ("other", json!(1), "unknown field"),
     ] {
         let mut invalid = good.clone();

@@ -17,7 +17,12 @@ fn folder() -> tempfile::TempDir {
 }
 
 fn trajectory(scene: &mut Scene<'_>, bytes: &mut Bytes<'_>) -> Result<Trajectory> {
-    let mut trajectory = Trajectory::with_capacity(scene.data.model(), bytes.below(3));
+    let model = scene.data.model();
+    let mut trajectory = if bytes.once_in(2) {
+        Trajectory::with_sensordata(model)
+    } else {
+        Trajectory::with_capacity(model, bytes.below(3))
+    };
     trajectory.record(&mut scene.data, &mut RandomController::new(1), bytes.below(3))?;
     Ok(trajectory)
 }
