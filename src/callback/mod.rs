@@ -27,20 +27,26 @@
 //! # Safety and cost
 //!
 //! In the engine, each callback is one function pointer for the process. In this crate, a callback is a closure for one
-//! simulation in one scope ([`Data::with_callbacks`]): it is not called for other simulations, clones, or the compilation of
-//! models, in this thread or another. A closure reads the simulation during the step, so access to results that are not computed
-//! yet returns [`Error::NotComputed`](crate::Error::NotComputed). It can change only fields that the engine reads afterwards. If
-//! a closure panics, the call that ran it returns [`Error::Callback`](crate::Error::Callback), and the simulation must be reset.
+//! simulation, either within a scope ([`Data::with_callbacks`]) or until it is replaced ([`Data::set_callbacks`]). It is not
+//! called for other simulations, clones, or the compilation of models, in this thread or another. A closure reads the simulation
+//! during the step, so access to results that are not computed yet returns [`Error::NotComputed`](crate::Error::NotComputed). It
+//! can change only fields that the engine reads afterwards. If a closure panics, the call that ran it returns
+//! [`Error::Callback`](crate::Error::Callback), and the simulation must be reset.
 //!
 //! The function pointer of a kind of callback is installed at its first use in the process. Before that, a step has no additional
 //! cost. Afterwards, each step of a simulation without callbacks spends a few nanoseconds in a function that returns at once.
 
+mod install;
 mod moment;
 mod trampoline;
 
+use std::ffi::c_int;
 use std::fmt;
 
+use mujoco_sys::callback;
+
 pub use self::moment::{ControlMoment, PassiveMoment, SensorMoment};
+use self::trampoline::callback_name;
 use crate::data::Data;
 use crate::id::{ActuatorId, GeomId};
 
@@ -50,7 +56,8 @@ type Sensor<'c> = Box<dyn FnMut(&mut SensorMoment<'_>) + Send + 'c>;
 type ContactFilter<'c> = Box<dyn FnMut(&Data, [GeomId; 2], bool) -> bool + Send + 'c>;
 type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 
-/// Closures for [`Data::with_callbacks`]. They may borrow values that outlive that call.
+/// Closures for [`Data::with_callbacks`] and [`Data::set_callbacks`]. Closures for `with_callbacks` may borrow values that outlive
+/// that call.
 ///
 /// ```compile_fail,E0597
 /// # use mujoco_safe::callback::Callbacks;
@@ -71,7 +78,7 @@ type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 /// let callbacks = Callbacks::new().control(|_| calls.set(calls.get() + 1)); // `Rc` cannot be sent between threads
 /// ```
 #[derive(Default)]
-#[must_use = "they are called within Data::with_callbacks"]
+#[must_use = "closures are called after Data::set_callbacks or within Data::with_callbacks"]
 pub struct Callbacks<'c> {
     control: Option<Control<'c>>,
     passive: Option<Passive<'c>>,
@@ -178,62 +185,25 @@ impl<'c> Callbacks<'c> {
         self.actuator_bias = Some(Box::new(bias));
         self
     }
-}
 
-/// # Callbacks
-impl Data {
-    /// Runs `run` with these closures active. Within `run`, every call that computes results of this simulation, in any thread,
-    /// calls the closures at the points that [`callback`](crate::callback) lists. Clones of the simulation do not call them. A
-    /// nested scope uses only its own closures.
-    ///
-    /// ```
-    /// use mujoco_safe::callback::Callbacks;
-    /// use mujoco_safe::{Data, sample};
-    ///
-    /// let mut data = Data::new(sample::cartpole())?;
-    /// data.qpos_mut()[1] = 0.1;
-    /// let mut pushes = Vec::new();
-    /// let balance = Callbacks::new().control(|moment| {
-    ///     let push = 30.0 * moment.qpos()[1] + 5.0 * moment.qvel()[1];
-    ///     moment.ctrl_mut()[0] = push;
-    ///     pushes.push(push);
-    /// });
-    /// data.with_callbacks(balance, |data| (0..200).try_for_each(|_| data.step()))?;
-    /// assert_eq!(pushes.len(), 200);
-    /// assert!(data.qpos()[1].abs() < 0.1);
-    /// # Ok::<(), mujoco_safe::Error>(())
-    /// ```
-    ///
-    /// A closure cannot keep its argument:
-    ///
-    /// ```compile_fail,E0521
-    /// # use mujoco_safe::callback::Callbacks;
-    /// # use mujoco_safe::{Data, sample};
-    /// let mut data = Data::new(sample::cartpole()).unwrap();
-    /// let mut kept = None;
-    /// let callbacks = Callbacks::new().control(|moment| kept = Some(moment.ctrl_mut())); // borrowed data escapes
-    /// data.with_callbacks(callbacks, |data| data.step()).unwrap();
-    /// ```
-    #[doc(alias = "mjcb_control")]
-    #[doc(alias = "mjcb_passive")]
-    pub fn with_callbacks<R>(&mut self, callbacks: Callbacks<'_>, run: impl FnOnce(&mut Self) -> R) -> R {
-        trampoline::install(&callbacks);
-        self.scope_callbacks(Box::new(callbacks), run)
+    /// Returns the engine's numbers of the callbacks that are set.
+    fn present(&self) -> impl Iterator<Item = c_int> {
+        let callbacks = [
+            (callback::CONTROL, self.control.is_some()),
+            (callback::PASSIVE, self.passive.is_some()),
+            (callback::SENSOR, self.sensor.is_some()),
+            (callback::CONTACT_FILTER, self.contact_filter.is_some()),
+            (callback::ACTUATOR_DYNAMICS, self.actuator_dynamics.is_some()),
+            (callback::ACTUATOR_GAIN, self.actuator_gain.is_some()),
+            (callback::ACTUATOR_BIAS, self.actuator_bias.is_some()),
+        ];
+        callbacks.into_iter().filter(|(_, is_set)| *is_set).map(|(kind, _)| kind)
     }
 }
 
 impl fmt::Debug for Callbacks<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let set = [
-            ("control", self.control.is_some()),
-            ("passive", self.passive.is_some()),
-            ("sensor", self.sensor.is_some()),
-            ("contact_filter", self.contact_filter.is_some()),
-            ("actuator_dynamics", self.actuator_dynamics.is_some()),
-            ("actuator_gain", self.actuator_gain.is_some()),
-            ("actuator_bias", self.actuator_bias.is_some()),
-        ];
         f.write_str("Callbacks: ")?;
-        f.debug_set().entries(set.iter().filter(|(_, set)| *set).map(|(name, _)| *name)).finish()
+        f.debug_set().entries(self.present().map(callback_name)).finish()
     }
 }

@@ -57,19 +57,9 @@ impl EngineCallbacks for Callbacks<'_> {
 
 /// Installs the engine callbacks that these closures need.
 pub(super) fn install(callbacks: &Callbacks<'_>) {
-    for (kind, is_set) in [
-        (callback::CONTROL, callbacks.control.is_some()),
-        (callback::PASSIVE, callbacks.passive.is_some()),
-        (callback::SENSOR, callbacks.sensor.is_some()),
-        (callback::CONTACT_FILTER, callbacks.contact_filter.is_some()),
-        (callback::ACTUATOR_DYNAMICS, callbacks.actuator_dynamics.is_some()),
-        (callback::ACTUATOR_GAIN, callbacks.actuator_gain.is_some()),
-        (callback::ACTUATOR_BIAS, callbacks.actuator_bias.is_some()),
-    ] {
-        if is_set {
-            // SAFETY: the handler accesses only the simulation of its own thread, catches every panic, and raises no engine error.
-            unsafe { callback::install_callback(kind, handler) };
-        }
+    for kind in callbacks.present() {
+        // SAFETY: the handler accesses only the simulation of its own thread, catches every panic, and raises no engine error.
+        unsafe { callback::install_callback(kind, handler) };
     }
 }
 
@@ -106,7 +96,7 @@ unsafe extern "C" fn handler(
     let failure = match result {
         Ok(Ok(())) => return 0,
         Ok(Err(failure)) => failure,
-        Err(message) => Error::Callback { callback: request.name(), message },
+        Err(message) => Error::Callback { callback: callback_name(kind), message },
     };
     *active.failure.borrow_mut() = Some(failure);
     1
@@ -174,16 +164,17 @@ impl Request {
             _ => PipelineFlags::VELOCITY | PipelineFlags::SENSOR_POS | PipelineFlags::SENSOR_VEL,
         }
     }
+}
 
-    fn name(&self) -> &'static str {
-        match self.kind {
-            callback::CONTROL => "control",
-            callback::PASSIVE => "passive",
-            callback::SENSOR => "sensor",
-            callback::CONTACT_FILTER => "contact_filter",
-            callback::ACTUATOR_DYNAMICS => "actuator_dynamics",
-            callback::ACTUATOR_GAIN => "actuator_gain",
-            _ => "actuator_bias",
-        }
+/// Returns the name of the method of [`Callbacks`] that sets a callback.
+pub(super) fn callback_name(kind: c_int) -> &'static str {
+    match kind {
+        callback::CONTROL => "control",
+        callback::PASSIVE => "passive",
+        callback::SENSOR => "sensor",
+        callback::CONTACT_FILTER => "contact_filter",
+        callback::ACTUATOR_DYNAMICS => "actuator_dynamics",
+        callback::ACTUATOR_GAIN => "actuator_gain",
+        _ => "actuator_bias",
     }
 }

@@ -1,4 +1,4 @@
-//! Calls of the engine on a simulation: the effect of an engine error, and the scopes of callbacks.
+//! Calls of the engine on a simulation, and the effect of an engine error.
 //!
 //! Every call that can raise an engine error on a [`Data`] goes through one of three methods, which differ in the pointer that
 //! they pass:
@@ -15,8 +15,6 @@
 #![allow(clippy::disallowed_methods, reason = "the methods that the lint recommends")]
 
 use std::ffi::c_int;
-use std::ptr;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use mujoco_sys::{guard, mjData, mjModel};
 
@@ -61,7 +59,7 @@ impl Data {
         let counters = SavedCounters::replace(self.raw_mut());
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
         let adhesive = self.model().has_adhesion();
-        if adhesive || self.callbacks.is_some() {
+        if adhesive || self.has_callbacks() {
             return self.run_with_callbacks(function, computes, time, &counters, call);
         }
         let status = call(model, data);
@@ -89,15 +87,9 @@ impl Data {
             let call = call.take().expect("Bug: an engine call is made twice");
             if adhesive { warning::with_fatal_full_constraints(model, data, call) } else { call(model, data) }
         };
-        let (status, failure) = match self.callbacks.clone() {
-            None => (call(), None),
-            Some(slot) => {
-                // Calls that leave no valid results, such as finite differences, still run the whole pipeline.
-                let results = if computes.is_empty() { PipelineFlags::AFTER_FORWARD } else { computes };
-                // SAFETY: `self` is borrowed exclusively, and not used until `run` returns.
-                unsafe { slot.run(ptr::from_mut(self), data, results, &mut call) }
-            }
-        };
+        // Calls that leave no valid results, such as finite differences, still run the whole pipeline.
+        let results = if computes.is_empty() { PipelineFlags::AFTER_FORWARD } else { computes };
+        let (status, failure) = self.call_with_callbacks(results, &mut call);
         let change = counters.restore(self.raw_mut());
         if status == guard::OK && change == CounterChange::None {
             self.computed = computes;
@@ -141,107 +133,5 @@ impl Data {
         self.computed = PipelineFlags::empty();
         self.failure = Some(error.to_string().into());
         error
-    }
-
-    /// Runs `run` with these callbacks active for all engine calls on this simulation.
-    pub(crate) fn scope_callbacks<R>(
-        &mut self,
-        callbacks: Box<dyn EngineCallbacks + '_>,
-        run: impl FnOnce(&mut Self) -> R,
-    ) -> R {
-        /// Empties the slot at the end of the scope, also during unwinding.
-        struct ClearOnDrop(Arc<CallbackSlot>);
-
-        impl Drop for ClearOnDrop {
-            fn drop(&mut self) {
-                // Waits for a call in another thread that is using the callbacks.
-                let callbacks = self.0.lock().take();
-                drop(callbacks);
-            }
-        }
-
-        // SAFETY: only the lifetime changes. `clear` removes the callbacks from the slot before this function returns or unwinds,
-        // so before their borrows end, and they are called only through the slot, under its lock.
-        let callbacks = unsafe {
-            std::mem::transmute::<Box<dyn EngineCallbacks + '_>, Box<dyn EngineCallbacks + 'static>>(callbacks)
-        };
-        let outer = CallbackSlot::active(self.callbacks.take());
-        let slot = Arc::new(CallbackSlot { callbacks: Mutex::new(Some(callbacks)), outer });
-        let clear = ClearOnDrop(slot.clone());
-        self.callbacks = Some(slot.clone());
-        let result = run(self);
-        // `run` may have replaced this simulation by another one with other callbacks.
-        if self.callbacks.as_ref().is_some_and(|present| Arc::ptr_eq(present, &slot)) {
-            self.callbacks.clone_from(&slot.outer);
-        }
-        drop(clear);
-        result
-    }
-}
-
-/// Closures that the engine calls during a call on a simulation. Implemented by [`Callbacks`](crate::callback::Callbacks).
-pub(crate) trait EngineCallbacks: Send {
-    /// Makes an engine call with these closures registered for the current thread. `results` are the results that the call
-    /// computes. Returns the status of the call, and the error if a closure failed.
-    ///
-    /// # Safety
-    ///
-    /// `data` is derived from an exclusive borrow that the caller does not use until this returns, and `raw` is its pointer to
-    /// the engine's data.
-    unsafe fn run(
-        &mut self,
-        data: *mut Data,
-        raw: *const mjData,
-        results: PipelineFlags,
-        call: &mut dyn FnMut() -> c_int,
-    ) -> (c_int, Option<Error>);
-}
-
-/// Callbacks of one scope. Empty after the scope has ended.
-///
-/// A simulation holds a slot instead of the callbacks, because safe code may swap two simulations. A simulation that leaves the
-/// scope in this way finds the slot empty, and continues with the callbacks of the enclosing scope.
-pub(crate) struct CallbackSlot {
-    callbacks: Mutex<Option<Box<dyn EngineCallbacks>>>,
-    outer: Option<Arc<Self>>,
-}
-
-impl CallbackSlot {
-    fn lock(&self) -> MutexGuard<'_, Option<Box<dyn EngineCallbacks>>> {
-        self.callbacks.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Returns the innermost slot whose scope has not ended, from this one outwards.
-    fn active(mut slot: Option<Arc<Self>>) -> Option<Arc<Self>> {
-        while let Some(ended) = slot.take_if(|slot| slot.lock().is_none()) {
-            slot.clone_from(&ended.outer);
-        }
-        slot
-    }
-
-    /// Makes an engine call with the callbacks of the innermost scope that has not ended.
-    ///
-    /// # Safety
-    ///
-    /// As for [`EngineCallbacks::run`].
-    unsafe fn run(
-        &self,
-        data: *mut Data,
-        raw: *const mjData,
-        results: PipelineFlags,
-        call: &mut dyn FnMut() -> c_int,
-    ) -> (c_int, Option<Error>) {
-        let mut slot = self;
-        loop {
-            // The lock keeps the scope from ending during the call.
-            if let Some(callbacks) = slot.lock().as_mut() {
-                // SAFETY: the caller's guarantee.
-                return unsafe { callbacks.run(data, raw, results, call) };
-            }
-            match &slot.outer {
-                Some(outer) => slot = outer,
-                None => return (call(), None),
-            }
-        }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use mujoco_sys::{guard, mjData};
 
-use super::{Data, PipelineFlags, warning};
+use super::{ActiveCallbacks, Data, PipelineFlags, warning};
 use crate::error::{Error, Outcome, Result};
 use crate::ffi;
 use crate::model::{IntoModel, Model, ModelMut};
@@ -105,6 +105,7 @@ impl Data {
     }
 
     /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of poisoned data is poisoned.
+    /// The copy has no [callbacks](Self::set_callbacks).
     ///
     /// # Errors
     ///
@@ -125,7 +126,7 @@ impl Data {
     }
 
     /// Copies all fields from another simulation without allocation. The models must have the same structure; this
-    /// simulation keeps its own model. Afterwards it is poisoned if and only if the other one is.
+    /// simulation keeps its own model and its [callbacks](Self::set_callbacks). Afterwards it is poisoned if and only if the other one is.
     ///
     /// # Errors
     ///
@@ -162,7 +163,7 @@ impl Data {
     /// `raw` is NULL, or a data that the engine made for a model of the same structure as `model` and that has no other owner.
     unsafe fn from_raw(raw: *mut mjData, model: Arc<Model>) -> Result<Self> {
         let raw = NonNull::new(raw).ok_or(Error::OutOfMemory { function: "mj_makeData" })?;
-        Ok(Self { raw, model, computed: PipelineFlags::empty(), failure: None, callbacks: None })
+        Ok(Self { raw, model, computed: PipelineFlags::empty(), failure: None, callbacks: ActiveCallbacks::default() })
     }
 }
 
@@ -174,11 +175,13 @@ impl Clone for Data {
         self.try_clone().unwrap_or_else(|error| panic!("cannot clone the data: {error}"))
     }
 
-    /// Reuses the memory if the models have the same structure.
+    /// Reuses the memory if the models have the same structure. As after an assignment of a clone, this simulation has no
+    /// [callbacks](Self::set_callbacks).
     fn clone_from(&mut self, source: &Self) {
         if self.copy_from(source).is_ok() {
             self.model = source.model.clone();
             self.computed = source.computed;
+            self.callbacks = ActiveCallbacks::default();
         } else {
             *self = source.clone();
         }

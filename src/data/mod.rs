@@ -12,6 +12,7 @@ mod reset;
 mod results;
 mod state;
 
+mod active_callbacks;
 mod call;
 mod constraint;
 mod contact;
@@ -31,8 +32,8 @@ use std::sync::Arc;
 
 use mujoco_sys::{self as sys, mjData};
 
-use self::call::CallbackSlot;
-pub(crate) use self::call::EngineCallbacks;
+use self::active_callbacks::ActiveCallbacks;
+pub(crate) use self::active_callbacks::EngineCallbacks;
 pub use self::contact::ContactForce;
 pub use self::diagnostics::{SolverIteration, TimerCount};
 pub use self::distance::GeomDistance;
@@ -172,8 +173,7 @@ pub struct Data {
     computed: PipelineFlags,
     /// Text of the error that poisoned the data.
     failure: Option<Box<str>>,
-    /// Callbacks of the innermost [`with_callbacks`](Self::with_callbacks).
-    pub(crate) callbacks: Option<Arc<CallbackSlot>>,
+    callbacks: ActiveCallbacks,
 }
 
 // SAFETY: the engine's data has no thread affinity, and this is its only owner.

@@ -221,7 +221,7 @@ impl Lineariser {
     /// Selects the method, as far as it is known before the linearisation.
     fn method(&self, data: &Data) -> (TransitionMethod, Option<Fallback>) {
         let requested = self.options.method;
-        if data.callbacks.is_some() {
+        if data.has_callbacks() {
             return (TransitionMethod::Engine, (requested != TransitionMethod::Engine).then_some(Fallback::Callbacks));
         }
         let obstacle = match requested {

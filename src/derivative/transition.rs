@@ -89,7 +89,7 @@ impl Data {
     }
 
     /// Linearises a step as [`transition_fd`](Self::transition_fd) does, into the caller's matrices, any of which may be omitted.
-    /// Allocates nothing, except a copy of the controls within [`with_callbacks`](Self::with_callbacks).
+    /// Allocates nothing, except a copy of the controls if the simulation has [callbacks](crate::callback).
     ///
     /// # Errors
     ///
@@ -135,7 +135,7 @@ impl Data {
         let spills = self.last_control_is_stuck(eps);
         let time = self.time();
         // The engine restores the controls too, but not after its last calls of a closure that sets them.
-        let ctrl = self.callbacks.is_some().then(|| self.ctrl().to_vec());
+        let ctrl = self.has_callbacks().then(|| self.ctrl().to_vec());
         let restore_ctrl = |data: &mut Self| {
             if let Some(ctrl) = &ctrl {
                 data.ctrl_mut().copy_from_slice(ctrl);

@@ -97,7 +97,8 @@
 //! |---|---|
 //! | `m.body_mass[b] *= 2` on a running simulation | [`d.edit_model(…)?`](Data::edit_model), see [below](#editing-a-parameter-of-a-running-simulation) |
 //! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.edit_model(\|edit\| edit.equality_mut("grasp").map(\|mut e\| e.set_active(false)))?`](ModelMut::equality_mut) |
-//! | `mujoco.set_mjcb_control(f)`, … | [`d.with_callbacks(Callbacks::new().control(f), \|d\| …)`](Data::with_callbacks): one simulation, one scope |
+//! | `mujoco.set_mjcb_control(f)`, … | [`d.set_callbacks(Callbacks::new().control(f))`](Data::set_callbacks): one simulation; [`d.with_callbacks(callbacks, \|d\| …)`](Data::with_callbacks): one scope |
+//! | `mujoco.set_mjcb_control(None)` | `d.set_callbacks(Callbacks::new())` |
 //! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.initial_states(…).controls(…).run()?` |
 //! | `gymnasium.vector` environments | [`Batch`](crate::rollout::Batch) |
 //! | `ThreadPoolExecutor` with one `MjData` per thread | [`std::thread::scope`] with one [`Data`] per thread |

@@ -256,7 +256,8 @@ impl<'a> Batch<'a> {
     }
 
     /// Resets the simulations whose index satisfies `which`, calls `start` to set their initial states, and observes them. An edit
-    /// of the model by [`Data::edit_model`] in `start` affects that simulation only, and persists.
+    /// of the model by [`Data::edit_model`] in `start`, or a call of [`Data::set_callbacks`], affects that simulation only, and
+    /// persists.
     ///
     /// The arguments of `start` are the index, the number of the [`episode`](Self::episode) that starts, and the simulation. The first
     /// reset of a simulation starts its episode 1. Random numbers from a seed of both numbers depend neither on the threads nor on

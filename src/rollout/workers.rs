@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Edit;
+use crate::callback::Callbacks;
 use crate::data::{Data, PipelineFlags};
 use crate::error::Result;
 use crate::model::{IntoModel, Model, ModelMut};
@@ -72,6 +73,8 @@ impl Workers {
         if !fits {
             *data = Data::new(self.model.clone())?;
         }
+        // A controller of an earlier rollout may have set callbacks.
+        data.set_callbacks(Callbacks::new());
         if let Some(edit) = edit {
             data.edit_model(|model| {
                 restore(model, &self.model);

@@ -17,6 +17,7 @@ mod extreme_numbers;
 mod function_arguments;
 mod geometry;
 mod misuse;
+mod persistent_callbacks;
 mod pipeline;
 mod shared_model;
 mod soundness;

@@ -58,10 +58,15 @@ impl Closure {
             3 => {
                 let number = bytes.number();
                 let callbacks = Callbacks::new()
-                    .control(|moment| moment.ctrl_mut().fill(number))
-                    .actuator_gain(|_, _| number)
+                    .control(move |moment| moment.ctrl_mut().fill(number))
+                    .actuator_gain(move |_, _| number)
                     .contact_filter(|_, _, collides| !collides);
-                self.own.as_mut().map_or(Ok(()), |own| own.with_callbacks(callbacks, Data::step))
+                let Some(own) = &mut self.own else { return Ok(()) };
+                if bytes.once_in(2) {
+                    own.set_callbacks(callbacks);
+                    return own.step();
+                }
+                own.with_callbacks(callbacks, Data::step)
             }
             4 if bytes.once_in(16) => {
                 let text =
@@ -208,6 +213,23 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }));
         assert!(result.is_err_and(|payload: Box<dyn std::any::Any + Send>| payload.is::<&str>()), "no panic");
         scene.data.step()
+    }),
+    ("set_callbacks", |scene, bytes| {
+        let callbacks = callbacks(bytes, scene.other.as_ref());
+        scene.data.set_callbacks(callbacks);
+        scene.data.step()
+    }),
+    ("set_callbacks of another simulation", |scene, bytes| {
+        let callbacks = callbacks(bytes, None);
+        if let Some(other) = &mut scene.other {
+            other.set_callbacks(callbacks);
+            expected(&other.step());
+        }
+        Ok(())
+    }),
+    ("set_callbacks, of an empty set", |scene, _| {
+        scene.data.set_callbacks(Callbacks::new());
+        Ok(())
     }),
 ];
 
