@@ -132,7 +132,7 @@ fn swing(model: &Arc<Model>, velocity: f64) -> Result<Vec<(f64, f64)>> {
 /// Returns the largest deviation from the initial energy in 10 s, J.
 fn energy_drift(integrator: Integrator, timestep: f64) -> Result<f64> {
     let mut model = Model::from_xml_str(PENDULUM)?;
-    model.edit().options(|options| (options.integrator, options.timestep) = (integrator, timestep))?;
+    model.edit().edit_options(|options| (options.integrator, options.timestep) = (integrator, timestep))?;
     let mut data = lifted(&Arc::new(model), 0.0)?;
     data.forward()?;
     let total = |data: &Data| data.energy().iter().sum::<f64>();

@@ -51,7 +51,7 @@ impl Data {
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
-    /// data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic))?;
+    /// data.edit_model(|model| model.edit_options(|options| options.cone = Cone::Elliptic))?;
     /// assert_eq!(data.model().options().cone, Cone::Elliptic);
     ///
     /// let mass = data.edit_model(|model| {

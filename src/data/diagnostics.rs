@@ -167,7 +167,7 @@ impl Data {
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::humanoid())?;
-    /// data.edit_model(|model| model.options(|options| options.enable |= EnableFlags::FWDINV))?;
+    /// data.edit_model(|model| model.edit_options(|options| options.enable |= EnableFlags::FWDINV))?;
     /// data.reset_to_key("squat")?;
     /// data.step()?;
     /// assert!(data.solver_fwdinv().iter().all(|difference| *difference < 1e-3));

@@ -285,7 +285,7 @@ impl MuscleSimulation {
         }
         // Recompute the statistics: at this point the compiler has not yet replaced them by those of the user.
         model.edit().update_constants().map_err(|error| error.to_string())?;
-        // Bypass the check of `ModelMut::options`, because the other options of the text are irrelevant here.
+        // Bypass the check of `ModelMut::edit_options`, because the other options of the text are irrelevant here.
         let option = &mut model.raw_mut().opt;
         option.disableflags = (sys::mjDSBL_FRICTIONLOSS
             | sys::mjDSBL_CONTACT

@@ -48,7 +48,7 @@
 //! - [`Categories`](crate::scene::Categories): static geoms, moving geoms, decoration.
 //! - [`RenderFlags`](crate::scene::RenderFlags): shadows, reflections, fog, wireframe ([`Scene::set_render_flags`]).
 //! - [`NewGeom`](crate::scene::NewGeom): additional shapes, arrows and labels, which [`Scene::add_geom`] appends after each update.
-//! - [`Visual`](crate::model::Visual) of the model: light of the camera, image size, shadow resolution, colours. [`ModelMut::visual`](crate::ModelMut::visual) edits it
+//! - [`Visual`](crate::model::Visual) of the model: light of the camera, image size, shadow resolution, colours. [`ModelMut::edit_visual`](crate::ModelMut::edit_visual) edits it
 //!   before the renderer is created.
 //!
 //! ```

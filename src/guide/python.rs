@@ -18,11 +18,11 @@
 //! | `m.nq`, `m.nu`, `m.body_mass` | [`m.nq()`](Model::nq), [`m.nu()`](Model::nu), [`m.body_mass()`](Model::body_mass) |
 //! | `m.opt.timestep` | [`m.timestep()`](Model::timestep), [`m.options()`](Model::options) |
 //! | `m.opt.timestep = 0.001` | [`m.edit().set_timestep(0.001)?`](ModelMut::set_timestep) |
-//! | `m.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4` | [`m.edit().options(\|o\| o.integrator = Integrator::Rk4)?`](ModelMut::options) |
-//! | `m.opt.gravity[:] = 0` | [`m.edit().options(\|o\| o.gravity = [0.0; 3])?`](ModelMut::options) |
-//! | `m.opt.disableflags \|= mujoco.mjtDisableBit.mjDSBL_CONTACT` | [`m.edit().options(\|o\| o.disable \|= DisableFlags::CONTACT)?`](crate::model::DisableFlags) |
-//! | `m.opt.enableflags \|= mujoco.mjtEnableBit.mjENBL_ENERGY` | [`m.edit().options(\|o\| o.enable \|= EnableFlags::ENERGY)?`](crate::model::EnableFlags) |
-//! | `m.vis.global_.offwidth = 1280` | [`m.edit().visual(\|v\| v.global.offwidth = 1280)?`](ModelMut::visual) |
+//! | `m.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4` | [`m.edit().edit_options(\|o\| o.integrator = Integrator::Rk4)?`](ModelMut::edit_options) |
+//! | `m.opt.gravity[:] = 0` | [`m.edit().edit_options(\|o\| o.gravity = [0.0; 3])?`](ModelMut::edit_options) |
+//! | `m.opt.disableflags \|= mujoco.mjtDisableBit.mjDSBL_CONTACT` | [`m.edit().edit_options(\|o\| o.disable \|= DisableFlags::CONTACT)?`](crate::model::DisableFlags) |
+//! | `m.opt.enableflags \|= mujoco.mjtEnableBit.mjENBL_ENERGY` | [`m.edit().edit_options(\|o\| o.enable \|= EnableFlags::ENERGY)?`](crate::model::EnableFlags) |
+//! | `m.vis.global_.offwidth = 1280` | [`m.edit().edit_visual(\|v\| v.global.offwidth = 1280)?`](ModelMut::edit_visual) |
 //! | `mujoco.mj_setConst(m, d)` | [`edit.update_constants()?`](ModelMut::update_constants) |
 //! | `mujoco.mj_versionString()` | [`engine_version()`](crate::engine_version) |
 //!

@@ -69,12 +69,12 @@ impl<'m> ModelMut<'m> {
     /// use mujoco_safe::{Error, sample};
     ///
     /// let mut model = sample::cartpole();
-    /// let error = model.edit().options(|options| options.timestep = -1.0).unwrap_err();
+    /// let error = model.edit().edit_options(|options| options.timestep = -1.0).unwrap_err();
     /// assert!(matches!(error, Error::Invalid { .. }));
     /// assert_eq!(model.timestep(), 0.01);
     /// ```
     #[doc(alias = "mjOption")]
-    pub fn options(&mut self, change: impl FnOnce(&mut Options)) -> Result<()> {
+    pub fn edit_options(&mut self, change: impl FnOnce(&mut Options)) -> Result<()> {
         let mut options = self.model.options();
         change(&mut options);
         options.check()?;
@@ -88,7 +88,7 @@ impl<'m> ModelMut<'m> {
     ///
     /// [`Error::Invalid`](crate::Error::Invalid) unless it is positive and finite.
     pub fn set_timestep(&mut self, timestep: f64) -> Result<()> {
-        self.options(|options| options.timestep = timestep)
+        self.edit_options(|options| options.timestep = timestep)
     }
 
     /// Scales all masses and inertias so that the total mass has the given value, kg. Call
@@ -223,7 +223,7 @@ impl Model {
     /// use mujoco_safe::sample;
     ///
     /// let mut model = sample::cartpole();
-    /// model.edit().options(|options| {
+    /// model.edit().edit_options(|options| {
     ///     options.timestep = 0.002;
     ///     options.integrator = Integrator::Rk4;
     /// })?;

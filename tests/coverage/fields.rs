@@ -151,9 +151,9 @@ fn the_page_of_fields_is_up_to_date() {
         }
     }
     let smaller = [
-        ("Option", "Options", "ModelMut::options", Options::fields().collect::<Vec<_>>()),
-        ("Visual", "model::Visual", "ModelMut::visual", Visual::fields().collect()),
-        ("Statistic", "model::Statistics", "ModelMut::statistics", Statistics::fields().collect()),
+        ("Option", "Options", "ModelMut::edit_options", Options::fields().collect::<Vec<_>>()),
+        ("Visual", "model::Visual", "ModelMut::edit_visual", Visual::fields().collect()),
+        ("Statistic", "model::Statistics", "ModelMut::edit_statistics", Statistics::fields().collect()),
     ];
     for (engine, here, writer, fields) in smaller {
         let names: Vec<String> = fields.iter().map(|field| format!("`{}`", field.name)).collect();

@@ -79,7 +79,7 @@ fn every_accessor_reads_initialised_memory_at_every_stage() {
             let mut model = everything();
             model
                 .edit()
-                .options(|options| (options.jacobian, options.solver, options.cone) = (jacobian, solver, cone))
+                .edit_options(|options| (options.jacobian, options.solver, options.cone) = (jacobian, solver, cone))
                 .unwrap();
             assert!(touch_all::model(&model) > 0);
             assert!(touch_all::model_mut(&mut model.edit()) > 0);
@@ -162,8 +162,8 @@ fn editing_and_cloning_make_no_invalid_access() {
     let mut model = everything();
     model.edit().body_mut("arm").unwrap().set_mass(0.3);
     model.edit().update_constants().unwrap();
-    model.edit().visual(|visual| visual.global.offwidth += 1).unwrap();
-    model.edit().statistics(|statistics| statistics.center[0] += 1.0).unwrap();
+    model.edit().edit_visual(|visual| visual.global.offwidth += 1).unwrap();
+    model.edit().edit_statistics(|statistics| statistics.center[0] += 1.0).unwrap();
     let copy = model.clone();
     assert_eq!(touch_all::model(&copy), touch_all::model(&model));
     let mut data = Data::new(model).unwrap();
@@ -186,7 +186,7 @@ fn every_solver_makes_no_invalid_access() {
         for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
             for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
                 data.edit_model(|model| {
-                    model.options(|options| {
+                    model.edit_options(|options| {
                         (options.solver, options.integrator, options.jacobian) = (solver, integrator, jacobian);
                         options.noslip_iterations = 1;
                         options.enable =
@@ -230,7 +230,7 @@ fn engine_errors_and_instability_make_no_invalid_access() {
         model.body_inertia_mut().as_flattened_mut().fill(0.0);
         model.dof_armature_mut().fill(0.0);
         let _ = model.update_constants();
-        model.options(|options| options.integrator = Integrator::Implicit)
+        model.edit_options(|options| options.integrator = Integrator::Implicit)
     })
     .unwrap();
     let _ = data.step();

@@ -52,7 +52,7 @@ fn a_control_callback_equals_a_controller_bit_for_bit() {
 #[test]
 fn runge_kutta_calls_the_control_callback_four_times_per_step() {
     let mut data = Data::new(sample::cartpole()).unwrap();
-    data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.integrator = Integrator::Rk4)).unwrap();
     let mut calls = 0;
     data.with_callbacks(Callbacks::new().control(|_| calls += 1), |data| data.step()).unwrap();
     assert_eq!(calls, 4);

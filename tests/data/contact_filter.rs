@@ -40,7 +40,7 @@ fn a_filter_that_returns_its_argument_changes_nothing() {
     let mut cases: Vec<(Data, Contacts)> = Vec::new();
     for mut model in models() {
         for disable in [DisableFlags::empty(), DisableFlags::FILTERPARENT] {
-            model.edit().options(|options| options.disable = disable).unwrap();
+            model.edit().edit_options(|options| options.disable = disable).unwrap();
             let before = dense(&model);
             let mut data = before.clone();
             if data.forward().is_ok() {

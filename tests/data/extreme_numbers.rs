@@ -41,7 +41,7 @@ fn no_number_in_a_simulation_crashes_or_hangs_a_step() {
     for xml in [sample::HUMANOID_XML, COLLIDERS] {
         for solver in [Solver::Pgs, Solver::Newton] {
             let mut model = Model::from_xml_str(xml).unwrap();
-            model.edit().options(|options| options.solver = solver).unwrap();
+            model.edit().edit_options(|options| options.solver = solver).unwrap();
             let mut data = Data::new(model).unwrap();
             for target in targets {
                 for number in numbers {
@@ -108,7 +108,7 @@ fn no_number_in_a_model_crashes_or_hangs_a_step() {
                 for number in [f64::NAN, f64::INFINITY, -1e300, 1e9, -1.0, 0.0] {
                     let mut data = Data::new(shared.clone()).unwrap();
                     data.edit_model(|model| {
-                        model.options(|options| options.integrator = integrator).unwrap();
+                        model.edit_options(|options| options.integrator = integrator).unwrap();
                         target(model, number);
                     })
                     .unwrap();

@@ -63,7 +63,7 @@ fn a_clamped_control_does_not_corrupt_the_linearisation() {
 #[test]
 fn a_clamped_control_does_not_depend_on_the_requested_matrices() {
     let mut model = Model::from_xml_str(COLLIDERS).unwrap();
-    model.edit().options(|options| options.tolerance = 0.0).unwrap();
+    model.edit().edit_options(|options| options.tolerance = 0.0).unwrap();
     let mut data = Data::new(model).unwrap();
     data.ctrl_mut()[0] = 5.0;
     let system = data.transition_fd(1e-6, Differences::Forward).unwrap();
@@ -89,7 +89,7 @@ fn linearising_keeps_the_time() {
 fn step2_requires_its_own_step1() {
     for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
         let mut model = sample::humanoid();
-        model.edit().options(|options| options.solver = solver).unwrap();
+        model.edit().edit_options(|options| options.solver = solver).unwrap();
         let mut data = Data::new(model).unwrap();
         let assert_rejected = |data: &mut Data| {
             let error = data.step2().unwrap_err();
@@ -133,7 +133,7 @@ fn step2_is_rejected_after_a_change_of_options() {
     ];
     for change in changes {
         data.step1().unwrap();
-        data.edit_model(|model| model.options(change)).unwrap();
+        data.edit_model(|model| model.edit_options(change)).unwrap();
         assert!(matches!(data.step2(), Err(Error::NotComputed { .. })));
         assert!(matches!(data.jac_body(data.model().body("torso").unwrap().id()), Err(Error::NotComputed { .. })));
         for contact in data.contacts() {
@@ -153,7 +153,7 @@ fn every_combination_of_discrete_options_steps() {
                 for cone in [mujoco_safe::enums::Cone::Elliptic, mujoco_safe::enums::Cone::Pyramidal] {
                     for noslip in [0, 3] {
                         data.edit_model(|model| {
-                            model.options(|options| {
+                            model.edit_options(|options| {
                                 (options.solver, options.integrator, options.jacobian) = (solver, integrator, jacobian);
                                 (options.cone, options.noslip_iterations) = (cone, noslip);
                             })
@@ -272,7 +272,7 @@ fn copying_between_separately_loaded_models_is_an_error() {
 
     // A clone with other options: copying transfers the state, but no computed results.
     let mut edited = a.clone();
-    edited.edit_model(|model| model.options(|options| options.cone = mujoco_safe::enums::Cone::Elliptic)).unwrap();
+    edited.edit_model(|model| model.edit_options(|options| options.cone = mujoco_safe::enums::Cone::Elliptic)).unwrap();
     edited.step().unwrap();
     assert!(edited.contacts().len() > 0);
     a.copy_from(&edited).unwrap();
@@ -352,8 +352,9 @@ fn empty_models_and_models_without_joints_work_in_every_call() {
 #[test]
 fn unknown_flags_are_rejected() {
     let mut model = sample::cartpole();
-    let error =
-        model.edit().options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 20));
+    let error = model
+        .edit()
+        .edit_options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 20));
     assert!(error.unwrap_err().to_string().contains("unknown bits"));
     let spec = StateSpec::from_bits_retain(u32::MAX);
     let mut data = Data::new(model).unwrap();

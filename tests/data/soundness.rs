@@ -21,7 +21,7 @@ fn squatting() -> Data {
 }
 
 fn change(data: &mut Data, change: impl FnOnce(&mut mujoco_safe::Options)) {
-    data.edit_model(|model| model.options(change)).unwrap();
+    data.edit_model(|model| model.edit_options(change)).unwrap();
 }
 
 fn is_not_computed<T: std::fmt::Debug>(result: &Result<T, Error>) {
@@ -147,7 +147,7 @@ mod crashes {
     fn unknown_flags_are_rejected() {
         let mut data = squatting();
         let result = data.edit_model(|model| {
-            model.options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 30))
+            model.edit_options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 30))
         });
         assert!(matches!(result, Err(Error::Invalid { .. })));
     }

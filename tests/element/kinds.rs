@@ -288,7 +288,7 @@ fn a_tendons_jacobian_row_is_independent_of_the_layout() {
     for jacobian in [mujoco_safe::enums::JacobianStorage::Dense, mujoco_safe::enums::JacobianStorage::Sparse] {
         let mut data = Data::new(every_element()).unwrap();
         data.forward().unwrap();
-        data.edit_model(|model| model.options(|options| options.jacobian = jacobian)).unwrap();
+        data.edit_model(|model| model.edit_options(|options| options.jacobian = jacobian)).unwrap();
         let coupling = data.tendon("coupling").unwrap();
         assert!(coupling.J().is_none(), "computed with another layout");
         data.forward().unwrap();

@@ -178,7 +178,7 @@ fn a_model_with_everything_enabled_steps_or_returns_an_error() {
             (Cone::Pyramidal, JacobianStorage::Sparse, Solver::Cg),
         ] {
             let mut edit = model.edit();
-            edit.options(|options| (options.cone, options.jacobian, options.solver) = (cone, jacobian, solver))
+            edit.edit_options(|options| (options.cone, options.jacobian, options.solver) = (cone, jacobian, solver))
                 .unwrap();
             let mut data = Data::new(model.clone()).unwrap();
             for _ in 0..15 {

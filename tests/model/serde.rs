@@ -17,7 +17,7 @@ fn settings_round_trip_bit_for_bit() {
     let mut model = sample::humanoid();
     model
         .edit()
-        .options(|options| {
+        .edit_options(|options| {
             (options.timestep, options.gravity) = (1.0 / 3.0, [0.1, -0.2, -9.81]);
             (options.integrator, options.cone, options.solver) = (Integrator::Implicit, Cone::Elliptic, Solver::Cg);
             options.disable = DisableFlags::CONTACT | DisableFlags::REFSAFE;
@@ -25,7 +25,7 @@ fn settings_round_trip_bit_for_bit() {
             options.iterations = 7;
         })
         .unwrap();
-    model.edit().visual(|visual| (visual.map.haze, visual.headlight.active) = (0.1, false)).unwrap();
+    model.edit().edit_visual(|visual| (visual.map.haze, visual.headlight.active) = (0.1, false)).unwrap();
     assert_eq!(round_trip(&model.options()), model.options());
     assert_eq!(round_trip(&model.visual()), model.visual());
     assert_eq!(round_trip(&model.statistics()), model.statistics());
@@ -63,14 +63,14 @@ fn applying_settings_checks_their_values() {
     let before = model.options();
     for text in [r#"{"timestep": -1}"#, r#"{"iterations": 2000000000}"#, r#"{"disable": "0x80000000"}"#] {
         let options: Options = serde_json::from_str(text).unwrap();
-        let error = model.edit().options(|model| *model = options).unwrap_err();
+        let error = model.edit().edit_options(|model| *model = options).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{text}: {error}");
     }
     assert_eq!(model.options(), before);
     let visual: Visual = serde_json::from_str(r#"{"quality": {"numslices": 1000000}}"#).unwrap();
-    assert!(model.edit().visual(|model| *model = visual).is_err());
+    assert!(model.edit().edit_visual(|model| *model = visual).is_err());
     let statistics: Statistics = serde_json::from_str(r#"{"meaninertia": 0}"#).unwrap();
-    assert!(model.edit().statistics(|model| *model = statistics).is_err());
+    assert!(model.edit().edit_statistics(|model| *model = statistics).is_err());
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn untrusted_settings_are_errors_or_are_checked_when_applied() {
         let options: Options = serde_json::from_str(text).unwrap();
         let mut model = sample::cartpole();
         let before = model.options();
-        let result = model.edit().options(|own| *own = options);
+        let result = model.edit().edit_options(|own| *own = options);
         assert!(matches!(result, Err(Error::Invalid { .. })), "{text}");
         assert_eq!(model.options(), before, "{text}");
     }
@@ -120,7 +120,7 @@ fn untrusted_settings_are_errors_or_are_checked_when_applied() {
         r#"{"quality": {"shadowsize": 2147483648}}"#,
     ] {
         let visual: Visual = serde_json::from_str(text).unwrap();
-        let result = sample::cartpole().edit().visual(|own| *own = visual);
+        let result = sample::cartpole().edit().edit_visual(|own| *own = visual);
         assert!(matches!(result, Err(Error::Invalid { .. })), "{text}");
     }
 }

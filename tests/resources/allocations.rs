@@ -80,7 +80,7 @@ fn every_solver_and_integrator_does_not_allocate() {
                 [(JacobianStorage::Dense, Cone::Elliptic), (JacobianStorage::Sparse, Cone::Pyramidal)]
             {
                 data.edit_model(|model| {
-                    model.options(|options| {
+                    model.edit_options(|options| {
                         (options.solver, options.integrator) = (solver, integrator);
                         (options.jacobian, options.cone) = (jacobian, cone);
                     })
@@ -339,9 +339,9 @@ fn settings_and_statistics_do_not_allocate() {
     let _lock = lock_process();
     let mut model = sample::humanoid();
     allocates_nothing("settings", || {
-        model.edit().options(|options| options.gravity[0] += 0.1).unwrap();
-        model.edit().visual(|visual| visual.global.azimuth += 1.0).unwrap();
-        model.edit().statistics(|statistics| statistics.center[0] += 0.1).unwrap();
+        model.edit().edit_options(|options| options.gravity[0] += 0.1).unwrap();
+        model.edit().edit_visual(|visual| visual.global.azimuth += 1.0).unwrap();
+        model.edit().edit_statistics(|statistics| statistics.center[0] += 0.1).unwrap();
         std::hint::black_box((model.options(), model.visual(), model.statistics()));
     });
     let data = squatting();

@@ -177,7 +177,7 @@ fn everything_that_the_engine_would_print() {
         model.dof_armature_mut().fill(0.0);
         model.dof_damping_mut().fill(0.0);
         let _ = model.update_constants();
-        model.options(|options| options.integrator = mujoco_safe::enums::Integrator::Implicit).unwrap();
+        model.edit_options(|options| options.integrator = mujoco_safe::enums::Integrator::Implicit).unwrap();
     })
     .unwrap();
     data.reset().unwrap();

@@ -12,7 +12,7 @@ use super::{bits, pool};
 fn edit(index: usize, model: &mut ModelMut<'_>) -> Result<()> {
     match index % 4 {
         0 => Ok(()),
-        1 => model.options(|options| {
+        1 => model.edit_options(|options| {
             options.cone = Cone::Elliptic;
             options.gravity[0] = 1.0;
         }),
@@ -78,9 +78,9 @@ fn change_everything(model: &mut ModelMut<'_>) {
     for texture in 0..model.ntex() {
         model.texture_mut(texture).unwrap().rgb_mut().fill(1);
     }
-    model.options(|options| options.timestep *= 0.5).unwrap();
-    model.visual(|visual| visual.global.azimuth += 1.0).unwrap();
-    model.statistics(|statistics| statistics.center[0] += 1.0).unwrap();
+    model.edit_options(|options| options.timestep *= 0.5).unwrap();
+    model.edit_visual(|visual| visual.global.azimuth += 1.0).unwrap();
+    model.edit_statistics(|statistics| statistics.center[0] += 1.0).unwrap();
 }
 
 /// Writable arrays of any type and row length.

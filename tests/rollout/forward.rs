@@ -26,7 +26,7 @@ fn models() -> Vec<Arc<Model>> {
             (Solver::Pgs, Cone::Elliptic, 3),
         ] {
             let mut model = sample::humanoid();
-            let options = model.edit().options(|options| {
+            let options = model.edit().edit_options(|options| {
                 (options.integrator, options.solver, options.cone) = (integrator, solver, cone);
                 options.noslip_iterations = noslip;
                 // The solver stops early, so that its result depends on the initial guess.

@@ -90,13 +90,13 @@ fn edits() -> Vec<Edit> {
     let mut edits = model_writers! { arrays };
     edits.extend(others! {
         "opt.timestep", |model| model.edit().set_timestep(0.0123).unwrap(), |model| vec![model.timestep()];
-        "opt.gravity", |model| model.edit().options(|it| it.gravity[0] = 1.5).unwrap(), |model| model.options().gravity.to_vec();
-        "opt.iterations", |model| model.edit().options(|it| it.iterations = 7).unwrap(),
+        "opt.gravity", |model| model.edit().edit_options(|it| it.gravity[0] = 1.5).unwrap(), |model| model.options().gravity.to_vec();
+        "opt.iterations", |model| model.edit().edit_options(|it| it.iterations = 7).unwrap(),
             |model| vec![model.options().iterations as f64];
-        "stat.meansize", |model| model.edit().statistics(|it| it.meansize *= 3.0).unwrap(),
+        "stat.meansize", |model| model.edit().edit_statistics(|it| it.meansize *= 3.0).unwrap(),
             |model| vec![model.statistics().meansize];
-        "stat.extent", |model| model.edit().statistics(|it| it.extent *= 3.0).unwrap(), |model| vec![model.statistics().extent];
-        "vis.map.force", |model| model.edit().visual(|it| it.map.force = 0.3).unwrap(),
+        "stat.extent", |model| model.edit().edit_statistics(|it| it.extent *= 3.0).unwrap(), |model| vec![model.statistics().extent];
+        "vis.map.force", |model| model.edit().edit_visual(|it| it.map.force = 0.3).unwrap(),
             |model| vec![model.visual().map.force.into()];
         "geom_contype", |model| model.edit().geom_mut(0).unwrap().set_contype(6),
             |model| vec![model.geom_contype()[0].into()];

@@ -134,7 +134,7 @@ fn a_scene_needs_computed_results() {
     check(&mut data, [true, false, true], "with rows that have no forces yet");
     data.inverse().unwrap();
     check(&mut data, [true; 3], "after inverse dynamics");
-    data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic)).unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.cone = Cone::Elliptic)).unwrap();
     check(&mut data, [false; 3], "with contacts of another layout");
     data.forward().unwrap();
     check(&mut data, [true; 3], "after everything");

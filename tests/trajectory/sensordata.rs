@@ -23,7 +23,7 @@ fn recorded_readings_are_those_that_forward_computes_in_the_recorded_state() {
     for model in [CARTPOLE.as_ref().clone(), every_element()] {
         for integrator in [Integrator::Euler, Integrator::Rk4] {
             let mut model = model.clone();
-            model.edit().options(|options| options.integrator = integrator).unwrap();
+            model.edit().edit_options(|options| options.integrator = integrator).unwrap();
             let mut random = RandomController::new(2);
             let (mut states, mut readings) = (Vec::new(), Vec::new());
             let mut controller = |data: &mut Data| {
@@ -78,7 +78,7 @@ fn push_needs_the_readings_of_the_present_state() {
 #[test]
 fn disabled_sensors_and_other_models_are_errors() {
     let mut data = Data::new(CARTPOLE.clone()).unwrap();
-    data.edit_model(|model| model.options(|options| options.disable |= DisableFlags::SENSOR)).unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.disable |= DisableFlags::SENSOR)).unwrap();
     data.forward().unwrap();
     let mut trajectory = Trajectory::with_sensordata(data.model());
     assert!(matches!(trajectory.push(&data), Err(Error::Unsupported(_))));

@@ -19,7 +19,7 @@ use crate::field_docs::field_docs;
 
 /// Physics options of a model.
 ///
-/// The struct is a copy of the engine's values: [`Model::options`] reads them, [`ModelMut::options`](super::ModelMut::options)
+/// The struct is a copy of the engine's values: [`Model::options`] reads them, [`ModelMut::edit_options`](super::ModelMut::edit_options)
 /// changes them. The defaults are those of the engine, for a model whose XML has no `<option>`.
 ///
 /// ```

@@ -11,7 +11,7 @@ use crate::model::{Model, ModelMut};
 mirror! {
     /// Statistics of the model at `qpos0`, which define its scale.
     ///
-    /// The struct is a copy of the engine's values: [`Model::statistics`] reads them, [`ModelMut::statistics`] changes them. The
+    /// The struct is a copy of the engine's values: [`Model::statistics`] reads them, [`ModelMut::edit_statistics`] changes them. The
     /// compiler computes them, unless `<statistic>` in the XML overrides them.
     Statistics = mjStatistic {
         /// Mean of the diagonal of the inertia matrix. The constraint solver divides the improvement of the cost by it
@@ -74,15 +74,15 @@ impl ModelMut<'_> {
     /// use mujoco_safe::{Error, sample};
     ///
     /// let mut model = sample::cartpole();
-    /// model.edit().statistics(|statistics| statistics.extent = 3.0)?;
+    /// model.edit().edit_statistics(|statistics| statistics.extent = 3.0)?;
     /// assert_eq!(model.statistics().extent, 3.0);
     /// // The constraint solver would divide by zero, and never reach its tolerance.
-    /// assert!(model.edit().statistics(|statistics| statistics.meaninertia = 0.0).is_err());
+    /// assert!(model.edit().edit_statistics(|statistics| statistics.meaninertia = 0.0).is_err());
     /// # Ok::<(), Error>(())
     /// ```
     #[doc(alias = "mjStatistic")]
-    pub fn statistics(&mut self, change: impl FnOnce(&mut Statistics)) -> Result<()> {
-        let mut statistics = Model::statistics(self);
+    pub fn edit_statistics(&mut self, change: impl FnOnce(&mut Statistics)) -> Result<()> {
+        let mut statistics = self.statistics();
         change(&mut statistics);
         statistics.check()?;
         self.raw_mut().stat = statistics.write();

@@ -12,7 +12,7 @@ use crate::model::{Model, ModelMut};
 
 /// Visualiser settings of a model.
 ///
-/// The struct is a copy of the engine's values: [`Model::visual`] reads them, [`ModelMut::visual`] changes them. They do not
+/// The struct is a copy of the engine's values: [`Model::visual`] reads them, [`ModelMut::edit_visual`] changes them. They do not
 /// affect the simulation. The defaults are those of the engine, for a model whose XML has no `<visual>`.
 ///
 /// ```
@@ -245,7 +245,7 @@ mirror! {
 impl Model {
     /// Returns a copy of the visualiser settings.
     ///
-    /// The engine's compiler accepts any value in XML, so only settings from [`ModelMut::visual`] are certain to be in range. A
+    /// The engine's compiler accepts any value in XML, so only settings from [`ModelMut::edit_visual`] are certain to be in range. A
     /// negative count is read as 0.
     #[doc(alias = "vis")]
     pub fn visual(&self) -> Visual {
@@ -266,18 +266,18 @@ impl ModelMut<'_> {
     /// use mujoco_safe::{Error, sample};
     ///
     /// let mut model = sample::humanoid();
-    /// model.edit().visual(|visual| {
+    /// model.edit().edit_visual(|visual| {
     ///     (visual.global.offwidth, visual.global.offheight) = (1920, 1080);
     ///     visual.rgba.fog = [0.8, 0.8, 0.9, 1.0];
     /// })?;
     /// assert_eq!(model.visual().global.offheight, 1080);
-    /// let error = model.edit().visual(|visual| visual.map.znear = 0.0).unwrap_err();
+    /// let error = model.edit().edit_visual(|visual| visual.map.znear = 0.0).unwrap_err();
     /// assert_eq!(error.to_string(), "visual.map.znear is 0, but must be at least 1e-6 and less than zfar");
     /// # Ok::<(), Error>(())
     /// ```
     #[doc(alias = "mjVisual")]
-    pub fn visual(&mut self, change: impl FnOnce(&mut Visual)) -> Result<()> {
-        let mut visual = Model::visual(self);
+    pub fn edit_visual(&mut self, change: impl FnOnce(&mut Visual)) -> Result<()> {
+        let mut visual = self.visual();
         change(&mut visual);
         visual.check()?;
         self.raw_mut().vis = visual.write();

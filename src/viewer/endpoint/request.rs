@@ -70,7 +70,7 @@ impl SimulationEndpoint {
                 return Ok(true);
             }
             EndpointRequest::SetOptions(options) => {
-                data.edit_model(|model| model.options(|present| *present = *options))?;
+                data.edit_model(|model| model.edit_options(|present| *present = *options))?;
                 self.adopt(data);
                 return Ok(true);
             }

@@ -165,7 +165,7 @@ mod tests {
     fn curves_record_the_simulation() {
         let (mut window, physics) = link(|| ());
         let mut data = Data::new(sample::humanoid()).unwrap();
-        data.edit_model(|model| model.options(|options| options.enable |= EnableFlags::ENERGY)).unwrap();
+        data.edit_model(|model| model.edit_options(|options| options.enable |= EnableFlags::ENERGY)).unwrap();
         data.reset_to_key("stand").unwrap();
         let (mut handle, mut curves) = (ViewerHandle::new(physics), Curves::default());
         let mut watches: Vec<Watch> = vec!["qpos[2]".parse().unwrap(), "time".parse().unwrap()];

@@ -112,13 +112,13 @@ mod json {
                 options.iterations = options.iterations.min(MOST_ITERATIONS);
                 options.noslip_iterations = options.noslip_iterations.min(MOST_ITERATIONS);
                 options.mpr_iterations = options.mpr_iterations.min(MOST_ITERATIONS);
-                let _ = data.edit_model(|model| model.options(|own| *own = options));
+                let _ = data.edit_model(|model| model.edit_options(|own| *own = options));
             }),
             1 => loaded(&model.visual(), bytes, log).map(|visual: Visual| {
-                let _ = data.edit_model(|model| model.visual(|own| *own = visual));
+                let _ = data.edit_model(|model| model.edit_visual(|own| *own = visual));
             }),
             2 => loaded(&model.statistics(), bytes, log).map(|statistics: Statistics| {
-                let _ = data.edit_model(|model| model.statistics(|own| *own = statistics));
+                let _ = data.edit_model(|model| model.edit_statistics(|own| *own = statistics));
             }),
             3 | 4 => {
                 let trajectory = trajectory(&mut data, bytes);

@@ -46,7 +46,7 @@ fn an_option_out_of_range_is_an_error_that_changes_nothing() {
         (|options| options.mpr_iterations = 1 << 32, &["mpr_iterations is 4294967296"]),
     ];
     for (change, parts) in changes {
-        text_of(model.edit().options(change), parts);
+        text_of(model.edit().edit_options(change), parts);
         assert_eq!(model.options(), before);
     }
     text_of(model.edit().set_timestep(0.0), &["timestep is 0"]);
@@ -55,7 +55,7 @@ fn an_option_out_of_range_is_an_error_that_changes_nothing() {
 #[test]
 fn linearising_runge_kutta_is_an_error() {
     let mut model = sample::cartpole();
-    model.edit().options(|options| options.integrator = Integrator::Rk4).unwrap();
+    model.edit().edit_options(|options| options.integrator = Integrator::Rk4).unwrap();
     let mut data = Data::new(model).unwrap();
     text_of(data.transition_fd(1e-6, Differences::Central), &["transition_fd", "Euler", "Implicit", "Rk4"]);
     data.step().unwrap();

@@ -161,7 +161,7 @@ fn results_that_are_not_computed_are_errors() {
     }
     data.step2().unwrap();
     assert!(data.contacts().all(|contact| contact.force().is_ok()));
-    data.edit_model(|model| model.options(|options| options.cone = mujoco_safe::enums::Cone::Elliptic)).unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.cone = mujoco_safe::enums::Cone::Elliptic)).unwrap();
     assert!(data.contacts().all(|contact| contact.force().is_err()));
 }
 
@@ -172,7 +172,7 @@ fn concurrent_errors_keep_their_own_messages() {
     // Bodies without mass, whose inertia matrix the implicit integrator cannot factorise.
     let mut massless = sample::cartpole();
     let mut edit = massless.edit();
-    edit.options(|options| options.integrator = Integrator::Implicit).unwrap();
+    edit.edit_options(|options| options.integrator = Integrator::Implicit).unwrap();
     edit.body_mass_mut().fill(0.0);
     edit.body_inertia_mut().as_flattened_mut().fill(0.0);
     edit.dof_armature_mut().fill(0.0);

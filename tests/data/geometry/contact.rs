@@ -41,7 +41,7 @@ fn an_added_contact_carries_the_weight() {
             for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
                 let mut data = ball();
                 data.edit_model(|model| {
-                    model.options(|options| (options.cone, options.jacobian) = (cone, jacobian)).unwrap();
+                    model.edit_options(|options| (options.cone, options.jacobian) = (cone, jacobian)).unwrap();
                 })
                 .unwrap();
                 data.fwd_position().unwrap();
@@ -68,7 +68,7 @@ fn an_added_contact_carries_the_weight() {
 fn a_contact_of_static_geoms_has_no_effect() {
     for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
         let mut data = ball();
-        data.edit_model(|model| model.options(|options| options.jacobian = jacobian)).unwrap();
+        data.edit_model(|model| model.edit_options(|options| options.jacobian = jacobian)).unwrap();
         data.fwd_position().unwrap();
         let geoms = ["floor", "fixed"].map(|name| data.model().geom(name).unwrap().id());
         data.add_contact(&NewContact::new(geoms, -0.01, [0.0; 3], [0.0, 0.0, 1.0])).unwrap();
@@ -125,7 +125,7 @@ fn a_full_contact_buffer_is_an_error() {
 fn adding_a_contact_is_an_error_if_contacts_are_disabled() {
     for flag in [DisableFlags::CONTACT, DisableFlags::CONSTRAINT] {
         let mut data = ball();
-        data.edit_model(|model| model.options(|options| options.disable |= flag)).unwrap();
+        data.edit_model(|model| model.edit_options(|options| options.disable |= flag)).unwrap();
         data.fwd_position().unwrap();
         let new = contact(&data, "floor");
         assert!(matches!(data.add_contact(&new), Err(Error::Unsupported(_))), "{flag:?}");

@@ -111,7 +111,7 @@ fn computing_a_distance_changes_nothing() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     data.edit_model(|model| {
-        model.options(|options| options.enable |= mujoco_safe::model::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
+        model.edit_options(|options| options.enable |= mujoco_safe::model::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
     })
     .unwrap();
     data.forward().unwrap();

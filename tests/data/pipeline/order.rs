@@ -66,14 +66,14 @@ fn more() -> Vec<Part> {
         ("contact forces", |data| data.contacts().try_for_each(|contact| contact.force().map(drop))),
         ("another solver", |data| {
             data.edit_model(|model| {
-                model.options(|options| {
+                model.edit_options(|options| {
                     options.solver = if options.solver == Solver::Pgs { Solver::Newton } else { Solver::Pgs };
                 })
             })
         }),
         ("another storage", |data| {
             data.edit_model(|model| {
-                model.options(|options| {
+                model.edit_options(|options| {
                     options.jacobian = match options.jacobian {
                         JacobianStorage::Sparse => JacobianStorage::Dense,
                         _ => JacobianStorage::Sparse,
@@ -83,7 +83,7 @@ fn more() -> Vec<Part> {
         }),
         ("another cone", |data| {
             data.edit_model(|model| {
-                model.options(|options| {
+                model.edit_options(|options| {
                     options.cone = if options.cone == Cone::Elliptic { Cone::Pyramidal } else { Cone::Elliptic };
                 })
             })
@@ -109,7 +109,7 @@ fn subjects() -> impl Iterator<Item = (String, Data)> {
                         let mut model = model.clone();
                         model
                             .edit()
-                            .options(|options| {
+                            .edit_options(|options| {
                                 (options.solver, options.cone, options.jacobian) = (solver, cone, jacobian);
                                 options.noslip_iterations = noslip_iterations;
                                 options.enable |= EnableFlags::ENERGY;
@@ -228,7 +228,7 @@ fn stages_of_the_inverse_in_order_equal_inverse_dynamics() {
 #[test]
 fn a_runge_kutta_step_equals_forward_and_runge_kutta() {
     for (name, mut data) in subjects() {
-        data.edit_model(|model| model.options(|options| options.integrator = Integrator::Rk4)).unwrap();
+        data.edit_model(|model| model.edit_options(|options| options.integrator = Integrator::Rk4)).unwrap();
         let mut whole = data.clone();
         whole.step().unwrap();
         data.forward().unwrap();

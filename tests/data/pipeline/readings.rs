@@ -83,7 +83,7 @@ fn step2_does_not_validate_readings_that_step1_has_not_computed() {
 #[test]
 fn sensors_that_the_options_disable_have_no_reading() {
     let mut data = Data::new(model()).unwrap();
-    data.edit_model(|model| model.options(|options| options.disable |= DisableFlags::SENSOR)).unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.disable |= DisableFlags::SENSOR)).unwrap();
     data.forward().unwrap();
     let result = data.sensor("gyro").unwrap().data();
     assert!(matches!(result, Err(Error::Unsupported(_))), "{result:?}");
@@ -132,7 +132,7 @@ fn require_succeeds_exactly_for_computed_results() {
 fn a_controller_in_a_step_reads_the_sensors_of_the_stages_before_it() {
     for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
         let mut data = Data::new(model()).unwrap();
-        data.edit_model(|model| model.options(|options| options.integrator = integrator)).unwrap();
+        data.edit_model(|model| model.edit_options(|options| options.integrator = integrator)).unwrap();
         let mut calls = 0;
         let control = Callbacks::new().control(|moment| {
             assert_eq!(computed(moment), [true, true, false], "the acceleration is not computed yet");

@@ -302,7 +302,7 @@ fn every_field_of_model_and_data_has_an_accessor() {
 #[test]
 fn values_inside_the_data_struct_equal_c() {
     let mut data = Data::new(sample::humanoid()).unwrap();
-    data.edit_model(|model| model.options(|options| options.enable = EnableFlags::all())).unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.enable = EnableFlags::all())).unwrap();
     data.reset_to_key("squat").unwrap();
     (0..5).for_each(|_| data.step().unwrap());
     let raw = raw_data(&data);
@@ -336,7 +336,7 @@ fn timers_equal_the_engines_constants() {
 fn solver_statistics_are_limited_to_a_thousand_iterations() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.edit_model(|model| {
-        model.options(|options| {
+        model.edit_options(|options| {
             options.solver = Solver::Pgs;
             (options.iterations, options.tolerance) = (1500, 0.0);
         })

@@ -140,9 +140,9 @@ fn settings_of_every_model_equal_c_and_are_valid() {
     for (name, model) in &mut models {
         compare_all(name, model);
         let before = (model.options(), model.visual(), model.statistics());
-        model.edit().options(|_| ()).unwrap_or_else(|error| panic!("{name}: {error}"));
-        model.edit().visual(|_| ()).unwrap_or_else(|error| panic!("{name}: {error}"));
-        model.edit().statistics(|_| ()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        model.edit().edit_options(|_| ()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        model.edit().edit_visual(|_| ()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        model.edit().edit_statistics(|_| ()).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!((model.options(), model.visual(), model.statistics()), before, "{name}");
         compare_all(name, model);
     }
@@ -189,9 +189,9 @@ fn every_setting_is_written_to_the_engines_field() {
     option_fields! { change_options options, }
     visual_fields! { change_fields visual, }
     statistic_fields! { change_fields statistics, }
-    model.edit().options(|model| *model = options).unwrap();
-    model.edit().visual(|model| *model = visual).unwrap();
-    model.edit().statistics(|model| *model = statistics).unwrap();
+    model.edit().edit_options(|model| *model = options).unwrap();
+    model.edit().edit_visual(|model| *model = visual).unwrap();
+    model.edit().edit_statistics(|model| *model = statistics).unwrap();
 
     assert_eq!((model.options(), model.visual(), model.statistics()), (options, visual, statistics));
     compare_all("changed", &model);
@@ -203,19 +203,19 @@ fn every_setting_is_written_to_the_engines_field() {
 
 /// Makes one setting invalid, and expects an error that names it and leaves the model unchanged.
 macro_rules! assert_rejected {
-    ($model:ident.$function:ident, $what:literal: $($($field:ident).+ = $value:expr;)*) => {$(
-        let before = $model.$function();
-        let error = $model.edit().$function(|settings| settings.$($field).+ = $value).unwrap_err();
+    ($model:ident.$read:ident, $edit:ident, $what:literal: $($($field:ident).+ = $value:expr;)*) => {$(
+        let before = $model.$read();
+        let error = $model.edit().$edit(|settings| settings.$($field).+ = $value).unwrap_err();
         let Error::Invalid { what, .. } = &error else { panic!("{error}") };
         assert_eq!(*what, [$what, stringify!($($field).+)].concat(), "{}", stringify!($value));
-        assert_eq!($model.$function(), before);
+        assert_eq!($model.$read(), before);
     )*};
 }
 
 #[test]
 fn invalid_visual_settings_are_rejected() {
     let mut model = sample::cartpole();
-    assert_rejected! { model.visual, "visual.":
+    assert_rejected! { model.visual, edit_visual, "visual.":
         global.fovy = 0.0; global.fovy = 180.0; global.fovy = f32::NAN;
         global.ipd = f32::INFINITY;
         global.azimuth = f32::NAN;
@@ -250,14 +250,14 @@ fn invalid_visual_settings_are_rejected() {
         rgba.fog = [0.0, 0.0, 0.0, 1.1];
         rgba.crankbroken = [f32::NAN, 0.0, 0.0, 1.0];
     }
-    assert_rejected! { model.statistics, "the statistic ":
+    assert_rejected! { model.statistics, edit_statistics, "the statistic ":
         meaninertia = 0.0; meaninertia = -1.0; meaninertia = f64::NAN; meaninertia = f64::INFINITY;
         meanmass = -1.0; meanmass = f64::NAN;
         meansize = 0.0; meansize = f64::INFINITY;
         extent = 0.0; extent = 1e11; extent = f64::NAN;
         center = [0.0, f64::NAN, 0.0];
     }
-    assert_rejected! { model.options, "the option ":
+    assert_rejected! { model.options, edit_options, "the option ":
         apirate = -1.0; apirate = f64::NAN;
     }
 }
@@ -268,7 +268,7 @@ fn negative_counts_of_a_model_read_as_zero() {
     let mut model = Model::from_xml_str(xml).unwrap();
     assert_eq!((model.visual().quality.shadowsize, model.visual().global.offwidth), (0, 0));
     // The invalid width is rejected until it is corrected.
-    assert!(model.edit().visual(|visual| visual.map.zfar = 40.0).is_err());
-    model.edit().visual(|visual| (visual.map.zfar, visual.global.offwidth) = (40.0, 100)).unwrap();
+    assert!(model.edit().edit_visual(|visual| visual.map.zfar = 40.0).is_err());
+    model.edit().edit_visual(|visual| (visual.map.zfar, visual.global.offwidth) = (40.0, 100)).unwrap();
     assert_eq!(raw(&model).vis.quality.shadowsize, 0);
 }

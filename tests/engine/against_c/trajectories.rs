@@ -41,7 +41,7 @@ fn trajectories_with_every_integrator_solver_and_cone_equal_c() {
         for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
             for cone in [Cone::Pyramidal, Cone::Elliptic] {
                 let mut model = sample::humanoid();
-                let changed = model.edit().options(|options| {
+                let changed = model.edit().edit_options(|options| {
                     (options.integrator, options.solver, options.cone) = (integrator, solver, cone);
                 });
                 changed.unwrap();
@@ -78,7 +78,8 @@ fn a_step_writes_the_same_bytes_as_c() {
     for integrator in [Integrator::Euler, Integrator::Rk4, Integrator::Implicit] {
         for enable in [EnableFlags::empty(), EnableFlags::ENERGY | EnableFlags::FWDINV] {
             let mut model = sample::humanoid();
-            let changed = model.edit().options(|options| (options.integrator, options.enable) = (integrator, enable));
+            let changed =
+                model.edit().edit_options(|options| (options.integrator, options.enable) = (integrator, enable));
             changed.unwrap();
             let name = format!("humanoid with {integrator:?} and {enable:?}");
             let mut twins = Twins::new(&Subject { name: name.clone(), model: Arc::new(model) });

@@ -55,7 +55,7 @@ fn rows_equal_differences_of_the_engines_inverse_dynamics() {
 fn without_constraints_the_derivative_by_acceleration_is_the_inertia_matrix() {
     for mut data in subjects() {
         let disable = DisableFlags::CONSTRAINT;
-        data.edit_model(|model| model.options(|options| options.disable = disable)).unwrap();
+        data.edit_model(|model| model.edit_options(|options| options.disable = disable)).unwrap();
         let found = data.inverse_fd(1e-3, InverseForce::Total).unwrap().df_da;
         assert_near("DfDa", found.as_slice(), data.full_m().unwrap().as_slice(), 1e-7);
     }

@@ -44,7 +44,7 @@ fn zoo() -> Data {
 }
 
 fn with_options(mut data: Data, change: impl FnOnce(&mut Options)) -> Data {
-    data.edit_model(|model: &mut ModelMut<'_>| model.options(change)).unwrap();
+    data.edit_model(|model: &mut ModelMut<'_>| model.edit_options(change)).unwrap();
     data
 }
 

@@ -15,7 +15,7 @@ impl Oracle {
     fn new(data: &Data) -> Self {
         let mut data = data.clone();
         data.edit_model(|model| {
-            model.options(|options| {
+            model.edit_options(|options| {
                 options.tolerance = 0.0;
                 options.iterations = options.iterations.max(200);
             })

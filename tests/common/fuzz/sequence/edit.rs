@@ -10,7 +10,7 @@ use super::{Bytes, Call, touch_all};
 
 /// Changes options in one edit.
 fn options(data: &mut Data, change: impl FnOnce(&mut Options)) -> Result<()> {
-    data.edit_model(|model| model.options(change))
+    data.edit_model(|model| model.edit_options(change))
 }
 
 /// A field that can be set to a number.
@@ -172,11 +172,11 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("visual", |scene, bytes| {
         let (which, number) = (bytes.below(VISUAL), bytes.number());
-        scene.data.edit_model(|model| model.visual(|visual| put_visual(visual, which, number)))
+        scene.data.edit_model(|model| model.edit_visual(|visual| put_visual(visual, which, number)))
     }),
     ("statistics", |scene, bytes| {
         let (which, number) = (bytes.below(STATISTIC), bytes.number());
-        scene.data.edit_model(|model| model.statistics(|statistics| put_statistic(statistics, which, number)))
+        scene.data.edit_model(|model| model.edit_statistics(|statistics| put_statistic(statistics, which, number)))
     }),
     ("set_total_mass", |scene, bytes| {
         let mass = bytes.number();

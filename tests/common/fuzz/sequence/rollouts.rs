@@ -69,7 +69,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                     return model.update_constants();
                 }
                 model.geom_size_mut().as_flattened_mut().fill(edited);
-                model.options(|options| options.gravity = [number; 3])
+                model.edit_options(|options| options.gravity = [number; 3])
             });
         }
         if bytes.once_in(2) {
@@ -128,7 +128,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                 1 => batch.reset_where(
                     |index| index != which,
                     |index, _, data| -> Result<()> {
-                        data.edit_model(|model| model.options(|options| options.gravity[index % 3] = number))?;
+                        data.edit_model(|model| model.edit_options(|options| options.gravity[index % 3] = number))?;
                         data.step()
                     },
                 ),

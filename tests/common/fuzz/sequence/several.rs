@@ -31,7 +31,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let (solver, dense, elliptic) =
             ([Solver::Pgs, Solver::Newton][bytes.below(2)], bytes.once_in(2), bytes.once_in(2));
         copy.edit_model(|model| {
-            model.options(|options| {
+            model.edit_options(|options| {
                 options.solver = solver;
                 options.jacobian = if dense { JacobianStorage::Dense } else { JacobianStorage::Sparse };
                 options.cone = if elliptic { Cone::Elliptic } else { Cone::Pyramidal };
