@@ -174,7 +174,7 @@ impl PdController {
         Self { kp, kd, target: model.actuator_length0().to_vec(), lineage: model.lineage() }
     }
 
-    /// Sets the target length of an actuator.
+    /// Sets the target length of an actuator, given by its id or its view: [`Model::actuator`] looks up a name.
     ///
     /// # Panics
     ///

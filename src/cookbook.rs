@@ -137,7 +137,7 @@
 //! let mut data = Data::new(model)?;
 //! data.forward()?;
 //! let directions: Vec<[f64; 3]> = (-45..=45).map(|degrees| f64::from(degrees).to_radians()).map(|a| [a.cos(), a.sin(), 0.0]).collect();
-//! let options = RayOptions::default().with_bodyexclude(data.model().body("robot")?.id());
+//! let options = RayOptions::default().with_bodyexclude(data.model().body("robot")?);
 //! let mut hits = vec![None; directions.len()];
 //! let origin = *data.site("lidar")?.xpos();
 //! data.multi_ray_into(origin, &directions, 10.0, &options, &mut hits)?;

@@ -175,9 +175,9 @@ pub struct NewContact {
 
 impl NewContact {
     /// Creates a contact of dimension 3, with the default values of the engine's compiler for geoms.
-    pub fn new(geoms: [GeomId; 2], dist: f64, pos: [f64; 3], normal: [f64; 3]) -> Self {
+    pub fn new(geoms: [impl Into<GeomId>; 2], dist: f64, pos: [f64; 3], normal: [f64; 3]) -> Self {
         Self {
-            geoms,
+            geoms: geoms.map(Into::into),
             dist,
             pos,
             normal,

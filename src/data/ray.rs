@@ -41,7 +41,7 @@ impl Default for RayOptions {
 with_methods!(RayOptions {
     with_geomgroup(geomgroup: [bool; 6]) = Some(geomgroup),
     with_static_geoms(static_geoms: bool),
-    with_bodyexclude(bodyexclude: BodyId) = Some(bodyexclude),
+    with_bodyexclude(bodyexclude: impl Into<BodyId>) = Some(bodyexclude.into()),
 });
 
 /// Nearest intersection of a ray.

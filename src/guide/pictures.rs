@@ -38,8 +38,8 @@
 //! | camera | view |
 //! |---|---|
 //! | [`Camera::free(&model)`](Camera::free) | the complete model; `lookat`, `distance`, `azimuth` and `elevation` can be changed |
-//! | [`Camera::tracking(&model, body)`](Camera::tracking) | follows a body |
-//! | [`Camera::fixed(camera)`](Camera::fixed) | a camera that the model defines: `Camera::fixed(model.camera("eye")?.id())` |
+//! | [`Camera::tracking(&model, "torso")?`](Camera::tracking) | follows a body |
+//! | [`Camera::fixed(&model, "eye")?`](Camera::fixed) | a camera that the model defines |
 //! | [`Scene::set_viewpoints`] | any pose and frustum |
 //!
 //! # Contents of a scene

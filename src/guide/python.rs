@@ -112,7 +112,7 @@
 //! | `mujoco.Renderer(m, height, width)` | [`Renderer::new(&m, width, height)?`][renderer], feature `renderer` |
 //! | `renderer.update_scene(d, camera='eye')` | [`renderer.snapshot(&mut d, "eye")?`][snapshot] |
 //! | `mujoco.mjv_updateScene(…)` | [`scene.update(&mut d, &options, None, &mut camera, Categories::all())?`](crate::Scene::update) |
-//! | `camera='eye'` | [`Camera::fixed(m.camera("eye")?.id())`](crate::scene::Camera::fixed) |
+//! | `camera='eye'` | [`Camera::fixed(&m, "eye")?`](crate::scene::Camera::fixed) |
 //! | `mujoco.MjvCamera()`, `mujoco.MjvOption()` | [`Camera::free(&m)`](crate::scene::Camera), [`SceneOptions::default()`](crate::scene::SceneOptions) |
 //! | `renderer.render()` | [`snapshot.rgb()?`][rgb] |
 //! | `renderer.enable_depth_rendering()` | [`snapshot.depth()?`][depth], in metres |

@@ -9,7 +9,8 @@ use crate::data::{Data, Stage};
 use crate::enums::engine_enum;
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{BodyId, CameraId, Id};
+use crate::id::{BodyId, CameraId, Id, Key};
+use crate::kind;
 use crate::model::Model;
 
 /// Mode of a camera.
@@ -46,13 +47,17 @@ engine_enum! {
 /// Abstract camera. The numeric fields apply to the free and the tracking mode.
 ///
 /// ```
-/// use mujoco_safe::scene::{Camera, CameraView};
 /// use mujoco_safe::sample;
+/// use mujoco_safe::scene::{Camera, CameraView};
 ///
 /// let model = sample::humanoid();
-/// let mut camera = Camera::free(&model);
+/// let torso = model.body("torso")?.id();
+/// let mut camera = Camera::tracking(&model, "torso")?; // an unknown name is an error
+/// assert_eq!(camera, Camera::tracking(&model, torso)); // an id is always found
 /// camera.azimuth += 90.0;
-/// camera.view = CameraView::Tracking(model.body("torso")?.id());
+///
+/// let side = Camera::fixed(&model, "side")?;
+/// assert_eq!(side.view, CameraView::Fixed(model.camera("side")?.id()));
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,20 +93,26 @@ impl Camera {
         camera
     }
 
-    /// Creates a camera as [`free`](Self::free) does, and lets it follow a body.
+    /// Creates a camera as [`free`](Self::free) does, and lets it follow a body. An id or a view yields the camera itself; a name
+    /// or an index yields a [`Result`].
     ///
     /// # Panics
     ///
-    /// If the id belongs to another model.
+    /// If the id or the view belongs to another model.
     #[track_caller]
-    pub fn tracking(model: &Model, body: BodyId) -> Self {
-        model.check_id(body);
-        Self { view: CameraView::Tracking(body), ..Self::free(model) }
+    pub fn tracking<Q: Key<kind::Body>>(model: &Model, body: Q) -> Q::Found<Self> {
+        body.find(model, |body| Self { view: CameraView::Tracking(body), ..Self::free(model) })
     }
 
-    /// Creates a camera that reproduces a camera of the model.
-    pub fn fixed(camera: CameraId) -> Self {
-        Self { view: CameraView::Fixed(camera), ..Self::default() }
+    /// Creates a camera that reproduces a camera of the model. An id or a view yields the camera itself; a name or an index
+    /// yields a [`Result`].
+    ///
+    /// # Panics
+    ///
+    /// If the id or the view belongs to another model.
+    #[track_caller]
+    pub fn fixed<Q: Key<kind::Camera>>(model: &Model, camera: Q) -> Q::Found<Self> {
+        camera.find(model, |camera| Self { view: CameraView::Fixed(camera), ..Self::default() })
     }
 
     /// Switches to the free mode and centres the model, without a change of direction.
@@ -183,7 +194,7 @@ impl Camera {
 }
 
 #[track_caller]
-fn checked<K: crate::kind::ElementKind>(model: &Model, id: Id<K>) -> c_int {
+fn checked<K: kind::ElementKind>(model: &Model, id: Id<K>) -> c_int {
     model.check_id(id);
     id.index() as c_int
 }

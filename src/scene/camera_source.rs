@@ -23,7 +23,7 @@ use crate::model::Model;
 /// let by_name = renderer.snapshot(&mut data, "side")?.rgb()?;
 /// let by_id = renderer.snapshot(&mut data, model.camera("side")?.id())?.rgb()?;
 /// let free = renderer.snapshot(&mut data, &mut Camera::free(&model))?.rgb()?;
-/// let mut camera = Camera::tracking(&model, model.body("torso")?.id());
+/// let mut camera = Camera::tracking(&model, "torso")?;
 /// let tracking = renderer.snapshot(&mut data, &mut camera)?.rgb()?;
 /// # Ok::<(), mujoco_safe::render::RenderError>(())
 /// ```
@@ -36,7 +36,7 @@ pub trait CameraSource: Sealed {
 impl<K: Key<kind::Camera>> CameraSource for K {
     #[track_caller]
     fn with_camera<T>(self, model: &Model, call: impl FnOnce(&mut Camera) -> Result<T>) -> Result<T> {
-        call(&mut Camera::fixed(self.id(model)?))
+        call(&mut Camera::fixed(model, self.id(model)?))
     }
 }
 

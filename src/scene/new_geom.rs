@@ -132,18 +132,18 @@ impl NewGeom {
     }
 
     /// Creates an instance of a mesh of the model.
-    pub fn mesh(mesh: MeshId) -> Self {
-        Self::new(Shape::Mesh { mesh, hull: false })
+    pub fn mesh(mesh: impl Into<MeshId>) -> Self {
+        Self::new(Shape::Mesh { mesh: mesh.into(), hull: false })
     }
 
     /// Creates an instance of the convex hull of a mesh of the model, or of the mesh itself if the compiler built no hull.
-    pub fn convex_hull(mesh: MeshId) -> Self {
-        Self::new(Shape::Mesh { mesh, hull: true })
+    pub fn convex_hull(mesh: impl Into<MeshId>) -> Self {
+        Self::new(Shape::Mesh { mesh: mesh.into(), hull: true })
     }
 
     /// Creates an instance of a height field of the model.
-    pub fn height_field(field: HeightFieldId) -> Self {
-        Self::new(Shape::HeightField(field))
+    pub fn height_field(field: impl Into<HeightFieldId>) -> Self {
+        Self::new(Shape::HeightField(field.into()))
     }
 
     /// Creates a text label without a shape, for example to name a place.
@@ -187,8 +187,8 @@ impl NewGeom {
     }
 
     /// Sets a texture of the model and its repetitions.
-    pub fn texture(mut self, texture: TextureId, repeat: TextureRepeat) -> Self {
-        (self.texture, self.repeat) = (Some(texture), repeat);
+    pub fn texture(mut self, texture: impl Into<TextureId>, repeat: TextureRepeat) -> Self {
+        (self.texture, self.repeat) = (Some(texture.into()), repeat);
         self
     }
 

@@ -31,7 +31,8 @@ use crate::math;
 /// data.forward()?;
 /// let side = data.model().camera("side")?.id();
 /// let mut scene = Scene::new(data.model(), 1000)?;
-/// scene.update(&mut data, &SceneOptions::default(), None, &mut Camera::fixed(side), Categories::all())?;
+/// let mut view = Camera::fixed(data.model(), side);
+/// scene.update(&mut data, &SceneOptions::default(), None, &mut view, Categories::all())?;
 ///
 /// let camera = scene.pinhole_camera(640, 480)?;
 /// let fovy = data.model().cam_fovy()[side.index()].to_radians();

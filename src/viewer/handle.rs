@@ -231,25 +231,24 @@ impl ViewerHandle {
     ///
     /// ```no_run
     /// # fn show(handle: &mut mujoco_safe::viewer::ViewerHandle, data: &mut mujoco_safe::Data) -> mujoco_safe::Result<()> {
-    /// let ground = data.model().height_field("ground")?.id();
     /// data.edit_model(|model| model.hfield_data_mut()[0] += 0.1)?;
-    /// handle.update_height_field(ground);
+    /// handle.update_height_field(data.model().height_field("ground")?);
     /// handle.sync(data)?;
     /// # Ok(())
     /// # }
     /// ```
-    pub fn update_texture(&mut self, texture: TextureId) {
-        self.assets.push(Asset::Texture(texture));
+    pub fn update_texture(&mut self, texture: impl Into<TextureId>) {
+        self.assets.push(Asset::Texture(texture.into()));
     }
 
     /// Uploads a modified mesh of the model again, like [`update_texture`](Self::update_texture).
-    pub fn update_mesh(&mut self, mesh: MeshId) {
-        self.assets.push(Asset::Mesh(mesh));
+    pub fn update_mesh(&mut self, mesh: impl Into<MeshId>) {
+        self.assets.push(Asset::Mesh(mesh.into()));
     }
 
     /// Uploads a modified height field of the model again, like [`update_texture`](Self::update_texture).
-    pub fn update_height_field(&mut self, height_field: HeightFieldId) {
-        self.assets.push(Asset::HeightField(height_field));
+    pub fn update_height_field(&mut self, height_field: impl Into<HeightFieldId>) {
+        self.assets.push(Asset::HeightField(height_field.into()));
     }
 
     /// Returns the body that the user has selected.

@@ -91,17 +91,17 @@ fn edited_assets_are_visible_after_an_upload() {
         (
             "texture",
             |model| model.texture_mut("checks").unwrap().rgb_mut().fill(255),
-            |renderer, model| renderer.update_texture(model, model.texture("checks").unwrap().id()).unwrap(),
+            |renderer, model| renderer.update_texture(model, "checks").unwrap(),
         ),
         (
             "cube",
             |model| model.texture_mut("cube").unwrap().rgb_mut().fill(0),
-            |renderer, model| renderer.update_texture(model, model.texture("cube").unwrap().id()).unwrap(),
+            |renderer, model| renderer.update_texture(model, "cube").unwrap(),
         ),
         (
             "mesh",
             |model| model.mesh_mut("roof").unwrap().normal_mut().fill([0.0, 0.0, -1.0]),
-            |renderer, model| renderer.update_mesh(model, model.mesh("roof").unwrap().id()).unwrap(),
+            |renderer, model| renderer.update_mesh(model, "roof").unwrap(),
         ),
         (
             "height field",
@@ -110,7 +110,7 @@ fn edited_assets_are_visible_after_an_upload() {
                     *elevation = (index % 9) as f32 / 9.0;
                 }
             },
-            |renderer, model| renderer.update_height_field(model, model.height_field("hills").unwrap().id()).unwrap(),
+            |renderer, model| renderer.update_height_field(model, "hills").unwrap(),
         ),
     ];
     for (what, edit, upload) in edits {

@@ -248,6 +248,16 @@ fn an_id_of_another_model_panics() {
 }
 
 #[test]
+fn an_asset_that_the_model_lacks_is_an_error() {
+    let mut stage = Stage::new(WORLD, [16, 12]);
+    let model = stage.data.model().clone();
+    let result = stage.renderer.update_mesh(&model, "flat");
+    assert!(matches!(result, Err(RenderError::Engine(Error::NoSuchName { .. }))), "{result:?}");
+    let result = stage.renderer.update_texture(&model, model.ntex());
+    assert!(matches!(result, Err(RenderError::Engine(Error::NoSuchIndex { .. }))), "{result:?}");
+}
+
+#[test]
 fn an_invalid_image_size_is_an_error() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let too_large = |result: &Result<_, _>| matches!(result, Err(RenderError::TooLarge { size: 0x7FFF_FFFF, .. }));

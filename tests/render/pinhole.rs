@@ -98,7 +98,7 @@ fn points_of_a_depth_image_are_where_rays_hit() {
     let (mut data, mut renderer) = table();
     let free = free(data.model());
     let eyes = [Eye::of_model(&data, "tilted"), Eye::of_free(data.model(), &free)];
-    let fixed = Camera::fixed(data.model().camera("tilted").unwrap().id());
+    let fixed = Camera::fixed(data.model(), "tilted").unwrap();
     for (eye, mut camera) in eyes.iter().zip([fixed, free]) {
         let mut snapshot = renderer.snapshot(&mut data, &mut camera).unwrap();
         let depth = snapshot.depth().unwrap();

@@ -33,7 +33,7 @@ fn snapshot_shows_the_images_of_the_same_scene() {
     let mut data = humanoid();
     let mut renderer = renderer(data.model());
     let side = data.model().camera("side").unwrap().id();
-    for mut camera in [Camera::fixed(side), Camera::free(data.model())] {
+    for mut camera in [Camera::fixed(data.model(), side), Camera::free(data.model())] {
         let scene = scene(&mut data, camera);
         let colours = renderer.rgb(&scene).unwrap();
         let depth = renderer.depth(&scene).unwrap();
@@ -61,7 +61,7 @@ fn name_index_id_and_view_of_a_camera_give_the_same_image() {
     assert!(renderer.snapshot(&mut data, id.index()).unwrap().rgb().unwrap() == by_name);
     assert!(renderer.snapshot(&mut data, id).unwrap().rgb().unwrap() == by_name);
     assert!(renderer.snapshot(&mut data, model.camera(id)).unwrap().rgb().unwrap() == by_name);
-    assert!(renderer.snapshot(&mut data, &mut Camera::fixed(id)).unwrap().rgb().unwrap() == by_name);
+    assert!(renderer.snapshot(&mut data, &mut Camera::fixed(&model, id)).unwrap().rgb().unwrap() == by_name);
     assert!(renderer.snapshot(&mut data, &mut Camera::free(&model)).unwrap().rgb().unwrap() != by_name);
 }
 
@@ -70,7 +70,7 @@ fn mutable_tracking_camera_moves_with_its_body() {
     let mut data = humanoid();
     let model = data.model().clone();
     let mut renderer = renderer(&model);
-    let mut camera = Camera::tracking(&model, model.body("torso").unwrap().id());
+    let mut camera = Camera::tracking(&model, "torso").unwrap();
     camera.lookat[0] += 1.0;
     let (start, mut expected) = (camera, camera);
     Scene::new(&model, 1000).unwrap().update_camera(&data, &mut expected).unwrap();

@@ -1,10 +1,10 @@
 //! Cameras, viewpoints, and the transform of the model.
 
-use mujoco_safe::Data;
 use mujoco_safe::scene::{
     Camera, CameraView, Categories, MouseAction, Scene, SceneOptions, Transform, align_to_camera,
 };
 use mujoco_safe::sys::{mjvCamera, mjvScene};
+use mujoco_safe::{Data, Error, sample};
 
 use crate::raw::{RawScene, assert_same_scene, filled, scene_subjects};
 use crate::twins::{Twins, assert_same, c};
@@ -20,6 +20,29 @@ fn assert_same_camera(what: &str, ours: &Camera, theirs: &mjvCamera) {
         &numbers(ours.lookat, [ours.distance, ours.azimuth, ours.elevation]),
         &numbers(theirs.lookat, [theirs.distance, theirs.azimuth, theirs.elevation]),
     );
+}
+
+#[test]
+fn cameras_are_found_by_name_index_id_and_view() {
+    let model = sample::humanoid();
+    let (side, torso) = (model.camera("side").unwrap(), model.body("torso").unwrap());
+    let fixed = Camera { view: CameraView::Fixed(side.id()), ..Camera::default() };
+    assert_eq!(Camera::fixed(&model, "side").unwrap(), fixed);
+    assert_eq!(Camera::fixed(&model, side.id().index()).unwrap(), fixed);
+    assert_eq!([Camera::fixed(&model, side.id()), Camera::fixed(&model, side)], [fixed; 2]);
+    let tracking = Camera { view: CameraView::Tracking(torso.id()), ..Camera::free(&model) };
+    assert_eq!(Camera::tracking(&model, "torso").unwrap(), tracking);
+    assert_eq!(Camera::tracking(&model, torso.id().index()).unwrap(), tracking);
+    assert_eq!([Camera::tracking(&model, torso.id()), Camera::tracking(&model, torso)], [tracking; 2]);
+    assert!(matches!(Camera::fixed(&model, "torso"), Err(Error::NoSuchName { .. })));
+    assert!(matches!(Camera::tracking(&model, model.nbody()), Err(Error::NoSuchIndex { .. })));
+}
+
+#[test]
+#[should_panic(expected = "another model")]
+fn a_camera_of_another_model_panics() {
+    let other = sample::humanoid();
+    let _ = Camera::fixed(&sample::humanoid(), other.camera("side").unwrap());
 }
 
 #[test]

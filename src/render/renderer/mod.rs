@@ -15,7 +15,8 @@ use super::pass::{AuxTarget, COLOR_FORMAT, Labels, MainPass, Pipelines, ShadowMa
 use super::settings::VisualSettings;
 use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
 use crate::error::Error;
-use crate::id::{HeightFieldId, Lineage, MeshId, TextureId};
+use crate::id::{Key, Lineage};
+use crate::kind;
 use crate::model::Model;
 use crate::scene::Scene;
 
@@ -173,57 +174,64 @@ impl Renderer {
         Ok(())
     }
 
-    /// Uploads an edited mesh.
+    /// Uploads an edited mesh, which is selected by name, index, id or view.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a model of another lineage; [`RenderError::OutOfMemory`].
+    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for a name or an index
+    /// that the model lacks; [`RenderError::OutOfMemory`].
     ///
     /// # Panics
     ///
-    /// If the id belongs to another model.
+    /// If the id or the view belongs to another model.
     #[doc(alias = "mjr_uploadMesh")]
-    pub fn update_mesh(&mut self, model: &Model, id: MeshId) -> Result<(), RenderError> {
+    pub fn update_mesh(&mut self, model: &Model, mesh: impl Key<kind::Mesh>) -> Result<(), RenderError> {
         self.check_model(model)?;
-        model.check_id(id);
+        let id = mesh.id(model)?;
         let Self { gpu, shapes, bounds, .. } = self;
         gpu.guarded(|| shapes.update_mesh(gpu, model, id))?;
         *bounds = AssetBounds::new(model);
         Ok(())
     }
 
-    /// Uploads an edited height field.
+    /// Uploads an edited height field, which is selected by name, index, id or view.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a model of another lineage; [`RenderError::OutOfMemory`].
+    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for a name or an index
+    /// that the model lacks; [`RenderError::OutOfMemory`].
     ///
     /// # Panics
     ///
-    /// If the id belongs to another model.
+    /// If the id or the view belongs to another model.
     #[doc(alias = "mjr_uploadHField")]
-    pub fn update_height_field(&mut self, model: &Model, id: HeightFieldId) -> Result<(), RenderError> {
+    pub fn update_height_field(
+        &mut self,
+        model: &Model,
+        field: impl Key<kind::HeightField>,
+    ) -> Result<(), RenderError> {
         self.check_model(model)?;
-        model.check_id(id);
+        let id = field.id(model)?;
         let Self { gpu, shapes, bounds, .. } = self;
         gpu.guarded(|| shapes.update_height_field(gpu, model, id))?;
         bounds.update_height_field(model, id);
         Ok(())
     }
 
-    /// Uploads an edited texture.
+    /// Uploads an edited texture, which is selected by name, index, id or view.
     ///
     /// # Errors
     ///
-    /// [`Error::OtherModel`] for a model of another lineage; [`RenderError::OutOfMemory`].
+    /// [`Error::OtherModel`] for a model of another lineage, [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for a name or an index
+    /// that the model lacks; [`RenderError::OutOfMemory`].
     ///
     /// # Panics
     ///
-    /// If the id belongs to another model.
+    /// If the id or the view belongs to another model.
     #[doc(alias = "mjr_uploadTexture")]
-    pub fn update_texture(&mut self, model: &Model, id: TextureId) -> Result<(), RenderError> {
+    pub fn update_texture(&mut self, model: &Model, texture: impl Key<kind::Texture>) -> Result<(), RenderError> {
         self.check_model(model)?;
-        model.check_id(id);
+        let id = texture.id(model)?;
         let Self { gpu, textures, .. } = self;
         gpu.guarded(|| {
             textures.update(gpu, model, id);

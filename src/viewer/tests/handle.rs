@@ -217,7 +217,7 @@ fn camera_and_options_are_read_and_set() {
 fn camera_of_another_model_panics() {
     let (_window, mut handle, _data) = squatting();
     let other = sample::cartpole();
-    handle.set_camera(Camera::tracking(&other, other.body("cart").unwrap().id()));
+    handle.set_camera(Camera::tracking(&other, "cart").unwrap());
 }
 
 #[test]

@@ -195,7 +195,7 @@ fn model_is_replaced_and_ids_of_the_old_model_are_ignored() {
     let old = bench.snapshot().model.clone();
     bench.send(EndpointRequest::SelectBody(Some(old.body("ball").unwrap().id())));
     bench.send(SimulationRequest::Step(5));
-    bench.view.camera = crate::scene::Camera::tracking(&old, old.body("ball").unwrap().id());
+    bench.view.camera = crate::scene::Camera::tracking(&old, "ball").unwrap();
     bench.tick();
     bench.send(SimulationRequest::Reload(SharedModel(Arc::new(sample::humanoid()))));
     assert_eq!(bench.snapshot().model.nq(), 28);
