@@ -6,7 +6,7 @@
 //! # From a simulation to an image
 //!
 //! [`Data::forward`] computes the poses. A [`Renderer`][renderer] takes a snapshot of the simulation from a camera: a name, an index, an id, or a
-//! `&mut` [`Camera`]. One snapshot gives an [`RgbImage`][rgb], a [`DepthImage`][depth] and a [`SegmentationImage`][segmentation] of the same moment.
+//! `&mut` [`Camera`]. One snapshot gives an [`RgbImage`][rgb-image], a [`DepthImage`][depth-image] and a [`SegmentationImage`][segmentation-image] of the same moment.
 //!
 #![cfg_attr(feature = "renderer", doc = "```no_run")]
 #![cfg_attr(not(feature = "renderer"), doc = "```ignore")]
@@ -122,7 +122,7 @@
 //!
 //! | function | steps the simulation | shows the window |
 //! |---|---|---|
-//! | [`Viewer::run`][run-viewer] | the viewer, under a controller or by playing trajectories | the calling thread |
+//! | [`Viewer::run`][viewer] | the viewer, under a controller or by playing trajectories | the calling thread |
 //! | [`viewer::run`][run] | the program, in a new thread | the calling thread |
 //! | [`viewer::launch`][launch] | the program, in the calling thread | a background thread; not on macOS |
 //!
@@ -157,32 +157,8 @@
 //!
 //! The loop above runs as fast as it can. To follow real time, sleep until the wall clock reaches [`Data::time`].
 //!
-#![cfg_attr(
-    feature = "viewer",
-    doc = "
-[renderer]: crate::render::Renderer
-[rgb]: crate::render::RgbImage
-[depth]: crate::render::DepthImage
-[segmentation]: crate::render::SegmentationImage
-[recorder]: crate::record::Recorder
-[run-viewer]: crate::viewer::Viewer::run
-[run]: crate::viewer::run
-[launch]: crate::viewer
-"
-)]
-#![cfg_attr(
-    not(feature = "viewer"),
-    doc = "
-[renderer]: crate#features
-[rgb]: crate#features
-[depth]: crate#features
-[segmentation]: crate#features
-[recorder]: crate#features
-[run-viewer]: crate#features
-[run]: crate#features
-[launch]: crate#features
-"
-)]
+#![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]
+#![cfg_attr(not(feature = "viewer"), doc = include_str!("links/without_viewer.md"))]
 
 #[cfg(doc)]
 use crate::{

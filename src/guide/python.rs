@@ -218,36 +218,8 @@
 //! - **The engine is 2.2.2.** `MjSpec`, plugins, flexes, the implicit-fast integrator and the GPU backends of newer releases do not exist. Some
 //!   functions of newer releases exist here: `mj_getState`, `mj_multiRay`, `mj_geomDistance`, `mjd_inverseFD`.
 //!
-#![cfg_attr(
-    feature = "viewer",
-    doc = "
-[renderer]: crate::render::Renderer::new
-[snapshot]: crate::render::Renderer::snapshot
-[rgb]: crate::render::Snapshot::rgb
-[depth]: crate::render::Snapshot::depth
-[segmentation]: crate::render::Snapshot::segmentation
-[viewer]: crate::viewer::Viewer::run
-[launch]: crate::viewer
-[run]: crate::viewer::run
-[handle]: crate::viewer::ViewerHandle::sync
-[recorder]: crate::record::Recorder
-"
-)]
-#![cfg_attr(
-    not(feature = "viewer"),
-    doc = "
-[renderer]: crate#features
-[snapshot]: crate#features
-[rgb]: crate#features
-[depth]: crate#features
-[segmentation]: crate#features
-[viewer]: crate#features
-[launch]: crate#features
-[run]: crate#features
-[handle]: crate#features
-[recorder]: crate#features
-"
-)]
+#![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]
+#![cfg_attr(not(feature = "viewer"), doc = include_str!("links/without_viewer.md"))]
 
 #[cfg(doc)]
 use crate::{Data, Model, ModelMut, StateSpec};

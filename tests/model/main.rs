@@ -6,6 +6,8 @@ mod assets;
 mod mutate;
 #[path = "../common/print_all.rs"]
 mod print_all;
+#[path = "../common/scene_options.rs"]
+mod scene_options;
 
 mod edits;
 mod engine_limits;

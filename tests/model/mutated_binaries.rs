@@ -6,6 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::mutate::{DAMAGES, Damage, Map};
 use crate::print_all::print_all;
+use crate::scene_options::with_groups;
 use mujoco_safe::scene::{Camera, Categories, FrameMode, LabelMode, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::{Data, Error, Model, sample};
 
@@ -44,20 +45,10 @@ fn load_and_simulate(bytes: &[u8]) -> bool {
 fn show(data: &mut Data) {
     let model = data.model().clone();
     let mut scene = Scene::new(&model, 5000).unwrap();
-    let (all, mut camera) = ([true; 6], Camera::default());
+    let mut camera = Camera::default();
     for (label, frame) in [(LabelMode::Body, FrameMode::Geom), (LabelMode::ContactForce, FrameMode::Contact)] {
-        let (flags, geomgroup, sitegroup, jointgroup) = (VisualFlags::all(), all, all, all);
-        let (tendongroup, actuatorgroup, skingroup) = (all, all, all);
-        let options = SceneOptions::default()
-            .with_label(label)
-            .with_frame(frame)
-            .with_flags(flags)
-            .with_geomgroup(geomgroup)
-            .with_sitegroup(sitegroup)
-            .with_jointgroup(jointgroup)
-            .with_tendongroup(tendongroup)
-            .with_actuatorgroup(actuatorgroup)
-            .with_skingroup(skingroup);
+        let options = SceneOptions::default().with_label(label).with_frame(frame).with_flags(VisualFlags::all());
+        let options = with_groups(options, [true; 6]);
         match scene.update(data, &options, None, &mut camera, Categories::all()) {
             Ok(()) => assert!(scene.geoms().all(|geom| geom.label().len() < 100)),
             Err(Error::SceneFull { .. } | Error::NotComputed { .. } | Error::Poisoned { .. }) => (),

@@ -12,6 +12,8 @@ use mujoco_safe::scene::{
 };
 use mujoco_safe::{Data, Error, Model, sample};
 
+use crate::scene_options::with_groups;
+
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
 
 fn every_element() -> Model {
@@ -19,17 +21,8 @@ fn every_element() -> Model {
 }
 
 fn everything(label: LabelMode, frame: FrameMode) -> SceneOptions {
-    let all = [true; 6];
-    SceneOptions::default()
-        .with_label(label)
-        .with_frame(frame)
-        .with_geomgroup(all)
-        .with_sitegroup(all)
-        .with_jointgroup(all)
-        .with_tendongroup(all)
-        .with_actuatorgroup(all)
-        .with_skingroup(all)
-        .with_flags(VisualFlags::all())
+    let options = SceneOptions::default().with_label(label).with_frame(frame).with_flags(VisualFlags::all());
+    with_groups(options, [true; 6])
 }
 
 /// Branches on the value, because memcheck reports uninitialised values in branches.

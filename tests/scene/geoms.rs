@@ -9,6 +9,7 @@ use mujoco_safe::sys::{self, mjvCamera, mjvOption, mjvPerturb};
 use mujoco_safe::{Data, Error, Model, sample};
 
 use crate::raw::{RawScene, assert_same_scene, filled, raw_options, raw_perturbation, scene_subjects};
+use crate::scene_options::with_groups;
 use crate::twins::{Twins, c};
 
 const LABELS: [LabelMode; 14] = [
@@ -76,20 +77,7 @@ fn all_options(thorough: bool) -> Vec<SceneOptions> {
     for group in 0..6 {
         let mut some = [false; 6];
         some[group] = true;
-        let flags = VisualFlags::all();
-        let (geomgroup, sitegroup, jointgroup) = (some, some, some);
-        let (tendongroup, actuatorgroup, skingroup) = (some, some, some);
-        all.push(
-            default
-                .clone()
-                .with_flags(flags)
-                .with_geomgroup(geomgroup)
-                .with_sitegroup(sitegroup)
-                .with_jointgroup(jointgroup)
-                .with_tendongroup(tendongroup)
-                .with_actuatorgroup(actuatorgroup)
-                .with_skingroup(skingroup),
-        );
+        all.push(with_groups(default.clone().with_flags(VisualFlags::all()), some));
     }
     all
 }
