@@ -4,11 +4,8 @@
 //! cargo run --release --features renderer --example camera_sensor -- --out out
 //! ```
 //!
-//! Options:
-//!
-//! - `--seconds S`: simulated time (6)
-//! - `--size WxH`: image size in pixels (320x240)
-//! - `--out DIR`: folder for every tenth image; without it, no images are written
+//! The program prints the position of the ball in every tenth image if it writes images, and the final distance. `--help` lists the
+//! options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -16,51 +13,45 @@ mod common;
 use std::error::Error;
 use std::path::PathBuf;
 
+use clap::Parser;
 use common::command_line;
 use mujoco_safe::id::GeomId;
 use mujoco_safe::render::{DepthImage, Renderer, SegmentationImage};
 use mujoco_safe::scene::SceneObject;
 use mujoco_safe::{Data, Model};
 
-const HELP: &str = "camera_sensor [--seconds S] [--size WxH] [--out DIR]";
-
 /// Simulation time between two images, s.
 const IMAGE_INTERVAL: f64 = 0.1;
 /// Distance from the ball at which the rover stops, m.
 const STOP_DISTANCE: f64 = 0.5;
 
+/// Drives a rover to a ball with the depth and segmentation images of its camera.
+#[derive(Parser)]
 struct Arguments {
+    /// Simulated time, s
+    #[arg(long, value_name = "S", default_value_t = 6.0)]
     seconds: f64,
+    /// Image size in pixels
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = command_line::size)]
     size: [u32; 2],
+    /// Folder for every tenth image; without it, no images are written
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-fn arguments() -> Result<Arguments, String> {
-    let arguments = Arguments { seconds: 6.0, size: [320, 240], out: None };
-    command_line::read(HELP, arguments, |arguments, option| {
-        match option.name() {
-            "--seconds" => arguments.seconds = option.number()?,
-            "--size" => arguments.size = option.size()?,
-            "--out" => arguments.out = Some(option.path()?),
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })
-}
-
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(run())
+    command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let Arguments { seconds, size: [width, height], out } = arguments()?;
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let &Arguments { seconds, size: [width, height], ref out } = arguments;
     let mut data = Data::new(Model::from_xml_str(include_str!("../models/rover.xml"))?)?;
     let model = data.model().clone();
     let (ball, mast) = (model.geom("ball")?.id(), model.geom("head")?.id());
     let eye = model.camera("eye")?.id();
     let mut renderer = Renderer::new(&model, width, height)?;
     let (mut depth, mut segmentation) = (DepthImage::default(), SegmentationImage::default());
-    if let Some(out) = &out {
+    if let Some(out) = out {
         std::fs::create_dir_all(out)?;
     }
 
@@ -101,7 +92,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     let [from, to] = [mast, ball].map(|geom| *data.geom(geom).xpos());
     let gap = (from[0] - to[0]).hypot(from[1] - to[1]);
     println!("{images} images rendered; the ball is {gap:.2} m from the mast");
-    if let Some(out) = &out {
+    if let Some(out) = out {
         println!("wrote images to {}", out.display());
     }
     Ok(())

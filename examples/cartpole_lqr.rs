@@ -4,13 +4,8 @@
 //! cargo run --release --example cartpole_lqr -- --angle 0.3 --out out
 //! ```
 //!
-//! Options:
-//!
-//! - `--angle RAD`: initial angle of the pole (0.1)
-//! - `--seconds S`: simulated time (10)
-//! - `--out DIR`: folder for the plot; without it, no plot is written
-//! - `--view`: shows the result in a window (requires `--features viewer`)
-//! - `--json`: prints A, B, K and the outcome as one JSON object
+//! The program prints the linear system, the gain, the residual of the Riccati equation and the final state. `--help` lists the
+//! options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -18,41 +13,37 @@ mod common;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use clap::Parser;
 use common::chart::{self, Line, PALETTE, Panel};
 use common::command_line;
 use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Trajectory, sample};
 
+/// Balances a cart-pole with a linear-quadratic regulator.
+#[derive(Parser)]
+#[command(allow_negative_numbers = true)]
 struct Arguments {
+    /// Initial angle of the pole, rad
+    #[arg(long, value_name = "RAD", default_value_t = 0.1)]
     angle: f64,
+    /// Simulated time, s
+    #[arg(long, value_name = "S", default_value_t = 10.0)]
     seconds: f64,
+    /// Folder for the plot; without it, no plot is written
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Show the result in a window (requires `--features viewer`)
+    #[arg(long)]
     view: bool,
+    /// Print A, B, K and the outcome as one JSON object
+    #[arg(long)]
     json: bool,
 }
 
-const HELP: &str = "cartpole_lqr [--angle RAD] [--seconds S] [--out DIR] [--view] [--json]";
-
-fn arguments() -> Result<Arguments, String> {
-    let arguments = Arguments { angle: 0.1, seconds: 10.0, out: None, view: false, json: false };
-    command_line::read(HELP, arguments, |arguments, option| {
-        match option.name() {
-            "--angle" => arguments.angle = option.number()?,
-            "--seconds" => arguments.seconds = option.number()?,
-            "--out" => arguments.out = Some(option.path()?),
-            "--view" => arguments.view = true,
-            "--json" => arguments.json = true,
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })
-}
-
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(run())
+    command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn run() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments = arguments()?;
+fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let model = Arc::new(sample::cartpole());
     let mut data = Data::new(model.clone())?;
 

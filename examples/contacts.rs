@@ -7,15 +7,14 @@
 //! A spinning block falls onto the floor and comes to rest. The program prints the contacts at rest and compares the sum of their
 //! normal forces with the weight. It plots contacts, forces, velocity and penetration.
 //!
-//! Options:
-//!
-//! - `--out DIR`: folder for the plot; without it, no plot is written
+//! `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
 
 use std::path::PathBuf;
 
+use clap::Parser;
 use common::chart::{self, Line, PALETTE, Panel};
 use common::command_line;
 use mujoco_safe::{Data, Model};
@@ -33,19 +32,19 @@ const BLOCK: &str = r#"
   </worldbody>
 </mujoco>"#;
 
-fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(contacts())
+/// Prints the contacts of a tumbling block at rest, and plots their forces.
+#[derive(Parser)]
+struct Arguments {
+    /// Folder for the plot; without it, no plot is written
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
-fn contacts() -> Result<(), Box<dyn std::error::Error>> {
-    let out = command_line::read("contacts [--out DIR]", None::<PathBuf>, |out, option| {
-        match option.name() {
-            "--out" => *out = Some(option.path()?),
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })?;
+fn main() -> std::process::ExitCode {
+    command_line::exit_code(run(&Arguments::parse()))
+}
 
+fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let mut data = Data::new(Model::from_xml_str(BLOCK)?)?;
     data.qvel_mut().copy_from_slice(&[0.0, 0.0, 0.0, 8.0, 4.0, -6.0]);
     let (mut counts, mut forces, mut speeds, mut depths) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -77,8 +76,8 @@ fn contacts() -> Result<(), Box<dyn std::error::Error>> {
     let weight = data.model().body("block")?.mass() * -data.model().options().gravity[2];
     println!("sum of the normal forces {sum:.3} N, weight {weight:.3} N");
 
-    if let Some(out) = out {
-        std::fs::create_dir_all(&out)?;
+    if let Some(out) = &arguments.out {
+        std::fs::create_dir_all(out)?;
         let path = out.join("contacts.svg");
         let panel = |title, y, color, points: Vec<_>| Panel {
             title,

@@ -7,9 +7,7 @@
 //! The program simulates the pendulum several times from states that differ by 1e-9 m/s, and prints when their angles differ by
 //! more than 0.1 rad. Then it compares the drift of the total energy for several time steps and two integrators.
 //!
-//! Options:
-//!
-//! - `--out DIR`: folder for the plot; without it, no plot is written
+//! `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -17,6 +15,7 @@ mod common;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use clap::Parser;
 use common::chart::{self, Line, PALETTE, Panel};
 use common::command_line;
 use mujoco_safe::enums::Integrator;
@@ -43,18 +42,19 @@ const PENDULUM: &str = r#"
   </worldbody>
 </mujoco>"#;
 
-fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(pendulum_chaos())
+/// Measures the sensitivity of a triple pendulum, and the error of the integrators.
+#[derive(Parser)]
+struct Arguments {
+    /// Folder for the plot; without it, no plot is written
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
-fn pendulum_chaos() -> std::result::Result<(), Box<dyn std::error::Error>> {
-    let out = command_line::read("pendulum_chaos [--out DIR]", None::<PathBuf>, |out, option| {
-        match option.name() {
-            "--out" => *out = Some(option.path()?),
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })?;
+fn main() -> std::process::ExitCode {
+    command_line::exit_code(run(&Arguments::parse()))
+}
+
+fn run(arguments: &Arguments) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let model = Arc::new(Model::from_xml_str(PENDULUM)?);
 
     let runs = (0..4).map(|run| swing(&model, 1e-9 * f64::from(run))).collect::<Result<Vec<_>>>()?;
@@ -80,8 +80,8 @@ fn pendulum_chaos() -> std::result::Result<(), Box<dyn std::error::Error>> {
         drifts.push((name, line));
     }
 
-    if let Some(out) = out {
-        std::fs::create_dir_all(&out)?;
+    if let Some(out) = &arguments.out {
+        std::fs::create_dir_all(out)?;
         let path = out.join("pendulum_chaos.svg");
         let lines = |curves: Vec<(String, Vec<(f64, f64)>)>| {
             curves.into_iter().zip(PALETTE).map(|((label, points), color)| Line::new(&label, color, points)).collect()

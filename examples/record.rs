@@ -4,13 +4,7 @@
 //! cargo run --release --features renderer --example record -- --out humanoid.gif
 //! ```
 //!
-//! Options:
-//!
-//! - `--out PATH`: output file (humanoid.gif); .gif, .png, .mp4 (requires the program `ffmpeg`), or a folder for numbered images
-//! - `--seconds S`: simulated time (4)
-//! - `--slow N`: slow-motion factor (1)
-//! - `--fps N`: frames per second (25)
-//! - `--size WxH`: image size in pixels (480x360)
+//! The program prints the number of frames and the duration of the recording. `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -18,49 +12,44 @@ mod common;
 use std::error::Error;
 use std::path::PathBuf;
 
+use clap::Parser;
 use common::{balance, command_line};
 use mujoco_safe::Controller;
 use mujoco_safe::record::{Recorder, RecorderOptions};
 use mujoco_safe::render::{Renderer, RgbImage};
 use mujoco_safe::scene::{Camera, SceneOptions, VisualFlags};
 
-const HELP: &str = "record [--out PATH] [--seconds S] [--slow N] [--fps N] [--size WxH]";
-
 /// Horizontal force on the torso during the push, N. The push lasts 0.1 s.
 const PUSH: [f64; 2] = [40.0, 25.0];
 /// Start of the push, s.
 const PUSH_AT: f64 = 1.0;
 
+/// Records a humanoid that balances on one leg and recovers from a push.
+#[derive(Parser)]
 struct Arguments {
+    /// Output file: .gif, .png, .mp4 (requires the program ffmpeg), or a folder for numbered images
+    #[arg(long, value_name = "PATH", default_value = "humanoid.gif")]
     out: PathBuf,
+    /// Simulated time, s
+    #[arg(long, value_name = "S", default_value_t = 4.0)]
     seconds: f64,
+    /// Slow-motion factor
+    #[arg(long, value_name = "N", default_value_t = 1.0)]
     slow: f64,
+    /// Frames per second
+    #[arg(long = "fps", value_name = "N", default_value_t = 25.0)]
     frames_per_second: f64,
+    /// Image size in pixels
+    #[arg(long, value_name = "WxH", default_value = "480x360", value_parser = command_line::size)]
     size: [u32; 2],
 }
 
-fn arguments() -> Result<Arguments, String> {
-    let arguments =
-        Arguments { out: "humanoid.gif".into(), seconds: 4.0, slow: 1.0, frames_per_second: 25.0, size: [480, 360] };
-    command_line::read(HELP, arguments, |arguments, option| {
-        match option.name() {
-            "--out" => arguments.out = option.path()?,
-            "--seconds" => arguments.seconds = option.number()?,
-            "--slow" => arguments.slow = option.number()?,
-            "--fps" => arguments.frames_per_second = option.number()?,
-            "--size" => arguments.size = option.size()?,
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })
-}
-
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(run())
+    command_line::exit_code(run(Arguments::parse()))
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let Arguments { out, seconds, slow, frames_per_second, size: [width, height] } = arguments()?;
+fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
+    let Arguments { out, seconds, slow, frames_per_second, size: [width, height] } = arguments;
     let options = RecorderOptions::default().with_frames_per_second(frames_per_second).with_speed(1.0 / slow);
     let mut recorder = Recorder::create(&out, options)?;
     let (mut data, _, mut lqr) = balance::humanoid()?;

@@ -4,13 +4,8 @@
 //! cargo run --release --example rollouts -- --out out
 //! ```
 //!
-//! Options:
-//!
-//! - `--rollouts N`: number of pushes (256)
-//! - `--newtons F`: standard deviation of the pushes (6)
-//! - `--seconds S`: simulated time of each rollout (3)
-//! - `--seed N`: seed of the random pushes (1)
-//! - `--out DIR`: folder for the plot; without it, no plot is written
+//! The program prints the number of poles that remain upright, the strongest push among them, and the speed of the simulation.
+//! `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -21,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use clap::Parser;
 use common::chart::{self, INK, Line, PALETTE, Panel};
 use common::command_line;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -35,37 +31,31 @@ const PUSH_DURATION: f64 = 0.1;
 /// Angle beyond which the pole counts as fallen, rad.
 const FALLEN: f64 = 1.0;
 
+/// Simulates many random pushes of a balanced pole on all cores.
+#[derive(Parser)]
 struct Arguments {
+    /// Number of pushes
+    #[arg(long, value_name = "N", default_value_t = 256)]
     rollouts: usize,
+    /// Standard deviation of the pushes, N
+    #[arg(long, value_name = "F", default_value_t = 6.0)]
     newtons: f64,
+    /// Simulated time of each rollout, s
+    #[arg(long, value_name = "S", default_value_t = 3.0)]
     seconds: f64,
+    /// Seed of the random pushes
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Folder for the plot; without it, no plot is written
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-const HELP: &str = "rollouts [--rollouts N] [--newtons F] [--seconds S] [--seed N] [--out DIR]";
-
-fn arguments() -> Result<Arguments, String> {
-    let arguments = Arguments { rollouts: 256, newtons: 6.0, seconds: 3.0, seed: 1, out: None };
-    command_line::read(HELP, arguments, |arguments, option| {
-        match option.name() {
-            "--rollouts" => arguments.rollouts = option.number()?,
-            "--newtons" => arguments.newtons = option.number()?,
-            "--seconds" => arguments.seconds = option.number()?,
-            "--seed" => arguments.seed = option.number()?,
-            "--out" => arguments.out = Some(option.path()?),
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })
-}
-
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(run())
+    command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let arguments = arguments()?;
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let model = Arc::new(sample::cartpole());
     let pole = model.body("pole")?.id();
     let steps = (arguments.seconds / model.timestep()).round() as usize;

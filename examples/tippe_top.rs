@@ -7,16 +7,14 @@
 //! The top is a ball with a low centre of mass and a stem. A fast spin about the stem raises the centre of mass until the top spins
 //! on its stem. The program prints the time at which it turns over, and plots the height of the stem and the spin.
 //!
-//! Options:
-//!
-//! - `--spin R`: initial angular velocity, rad/s (200)
-//! - `--out DIR`: folder for the plot; without it, no plot is written
+//! `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
 
 use std::path::PathBuf;
 
+use clap::Parser;
 use common::chart::{self, Line, PALETTE, Panel};
 use common::command_line;
 use mujoco_safe::{Data, Model};
@@ -37,24 +35,26 @@ const TOP: &str = r#"
   </worldbody>
 </mujoco>"#;
 
-fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(tippe_top())
+/// Prints the time at which a spinning tippe top turns over.
+#[derive(Parser)]
+#[command(allow_negative_numbers = true)]
+struct Arguments {
+    /// Initial angular velocity, rad/s
+    #[arg(long, value_name = "R", default_value_t = 200.0)]
+    spin: f64,
+    /// Folder for the plot; without it, no plot is written
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
-fn tippe_top() -> Result<(), Box<dyn std::error::Error>> {
-    let help = "tippe_top [--spin R] [--out DIR]";
-    let (spin, out) = command_line::read(help, (200.0, None::<PathBuf>), |(spin, out), option| {
-        match option.name() {
-            "--spin" => *spin = option.number()?,
-            "--out" => *out = Some(option.path()?),
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })?;
+fn main() -> std::process::ExitCode {
+    command_line::exit_code(run(&Arguments::parse()))
+}
 
+fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let mut data = Data::new(Model::from_xml_str(TOP)?)?;
     // The velocity of a free joint is linear, then angular in the body's frame. A small tilt breaks the symmetry.
-    data.qvel_mut().copy_from_slice(&[0.0, 0.0, 0.0, 0.3, 0.0, spin]);
+    data.qvel_mut().copy_from_slice(&[0.0, 0.0, 0.0, 0.3, 0.0, arguments.spin]);
 
     let (mut stem, mut rate, mut turned) = (Vec::new(), Vec::new(), None);
     while data.time() < 8.0 {
@@ -72,8 +72,8 @@ fn tippe_top() -> Result<(), Box<dyn std::error::Error>> {
         None => println!("the top has not turned over in {:.0} s: spin it faster", data.time()),
     }
 
-    if let Some(out) = out {
-        std::fs::create_dir_all(&out)?;
+    if let Some(out) = &arguments.out {
+        std::fs::create_dir_all(out)?;
         let path = out.join("tippe_top.svg");
         let panel = |title, y, color, points: Vec<_>| {
             let every_tenth = points.into_iter().step_by(10);

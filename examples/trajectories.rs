@@ -4,12 +4,8 @@
 //! cargo run --release --features renderer --example trajectories -- --out trajectories.gif
 //! ```
 //!
-//! The simulations run first; the frames are rendered from the recorded trajectories. Options:
-//!
-//! - `--out PATH`: output file (trajectories.gif); for the formats see the example `record`
-//! - `--seconds S`: simulated time (2)
-//! - `--size WxH`: image size of each half in pixels (320x360)
-//! - `--view`: plays the trajectories in a window instead, forwards and backwards (requires `--features viewer`)
+//! The simulations run first; the frames are rendered from the recorded trajectories. The program prints the number of frames and
+//! the duration of the recording. `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -17,41 +13,35 @@ mod common;
 use std::error::Error;
 use std::path::PathBuf;
 
+use clap::Parser;
 use common::{balance, command_line, window};
 use mujoco_safe::record::{Recorder, RecorderOptions};
 use mujoco_safe::render::{Renderer, RgbImage};
 use mujoco_safe::scene::Camera;
 use mujoco_safe::{Controller, Data, Trajectory, ZeroController};
 
-const HELP: &str = "trajectories [--out PATH] [--seconds S] [--size WxH] [--view]";
-
+/// Renders two trajectories of a humanoid side by side: without control and under LQR.
+#[derive(Parser)]
 struct Arguments {
+    /// Output file; the example `record` lists the formats
+    #[arg(long, value_name = "PATH", default_value = "trajectories.gif")]
     out: PathBuf,
+    /// Simulated time, s
+    #[arg(long, value_name = "S", default_value_t = 2.0)]
     seconds: f64,
+    /// Image size of each half in pixels
+    #[arg(long, value_name = "WxH", default_value = "320x360", value_parser = command_line::size)]
     size: [u32; 2],
+    /// Play the trajectories in a window instead, forwards and backwards (requires `--features viewer`)
+    #[arg(long)]
     view: bool,
 }
 
-fn arguments() -> Result<Arguments, String> {
-    let arguments = Arguments { out: "trajectories.gif".into(), seconds: 2.0, size: [320, 360], view: false };
-    command_line::read(HELP, arguments, |arguments, option| {
-        match option.name() {
-            "--out" => arguments.out = option.path()?,
-            "--seconds" => arguments.seconds = option.number()?,
-            "--size" => arguments.size = option.size()?,
-            "--view" => arguments.view = true,
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })
-}
-
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(run())
+    command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let arguments = arguments()?;
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (mut data, set_point, mut lqr) = balance::humanoid()?;
     let steps = (arguments.seconds / data.model().timestep()).round() as usize;
 
@@ -69,7 +59,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     if arguments.view {
         return window::replay("Passive and LQR", data, trajectories);
     }
-    draw(&mut data, &trajectories, &arguments)
+    draw(&mut data, &trajectories, arguments)
 }
 
 /// Renders trajectories side by side.

@@ -5,50 +5,39 @@
 //! ```
 //!
 //! Without a path, the example shows the bundled humanoid. Drop the file of another model onto the window to load it. Press
-//! F1 for the keyboard and mouse controls. Options:
-//!
-//! - `--keyframe NAME`: initial keyframe
-//! - `--size WxH`: size of the window in pixels
-//! - `--trajectory FILE.csv`: plays a recorded trajectory of this model; can be repeated
+//! F1 for the keyboard and mouse controls. `--help` lists the options.
 
 #[path = "common/mod.rs"]
 mod common;
 
 use std::path::PathBuf;
 
+use clap::Parser;
 use common::command_line;
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
-#[derive(Default)]
+/// Shows a model in the viewer.
+#[derive(Parser)]
 struct Arguments {
+    /// Model file: MJCF, URDF or MJB; without it, the bundled humanoid
     model: Option<PathBuf>,
+    /// Initial keyframe
+    #[arg(long, value_name = "NAME")]
     keyframe: Option<String>,
+    /// Size of the window in pixels
+    #[arg(long, value_name = "WxH", value_parser = command_line::size)]
     size: Option<[u32; 2]>,
+    /// Play a recorded trajectory of this model; can be repeated
+    #[arg(long = "trajectory", value_name = "FILE.csv")]
     trajectories: Vec<PathBuf>,
 }
 
-const HELP: &str = "view [MODEL] [--keyframe NAME] [--size WxH] [--trajectory FILE.csv]...";
-
-fn arguments() -> Result<Arguments, String> {
-    command_line::read(HELP, Arguments::default(), |arguments, option| {
-        match option.name() {
-            "" if arguments.model.is_none() => arguments.model = Some(option.path()?),
-            "--keyframe" => arguments.keyframe = Some(option.text()?),
-            "--size" => arguments.size = Some(option.size()?),
-            "--trajectory" => arguments.trajectories.push(option.path()?),
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })
-}
-
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(view())
+    command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn view() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments = arguments()?;
+fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let mut options = ViewerOptions::default();
     let model = match &arguments.model {
         Some(path) => {

@@ -20,6 +20,7 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use clap::Parser;
 use library::{Library, RiccatiProblem};
 use models::Balance;
 use peer::Peer;
@@ -30,31 +31,27 @@ const SHORT_PAIRS_PER_LONG_PAIR: usize = 6;
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
+/// Compares the speed with other implementations.
+#[derive(Parser)]
 struct Arguments {
+    /// Program that measures the engine in C
+    #[arg(long, value_name = "PROGRAM", default_value = "target/perf/engine")]
     engine: PathBuf,
+    /// Python interpreter with the engine's bindings, SciPy and NumPy; without it, only C is compared
+    #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
+    /// Folder for the report
+    #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
+    /// Number of pairs of runs, at least 3
+    #[arg(long, value_name = "N", default_value_t = 301)]
     pairs: usize,
+    /// Number of threads of the parallel tasks, from 1 to 64
+    #[arg(long, value_name = "N", default_value_t = 2)]
     threads: usize,
-}
-
-fn arguments() -> Outcome<Arguments> {
-    use lexopt::prelude::*;
-    let mut arguments =
-        Arguments { engine: "target/perf/engine".into(), python: None, out: "out".into(), pairs: 301, threads: 2 };
-    let mut parser = lexopt::Parser::from_env();
-    while let Some(argument) = parser.next()? {
-        match argument {
-            Long("engine") => arguments.engine = parser.value()?.into(),
-            Long("python") => arguments.python = Some(parser.value()?.into()),
-            Long("out") => arguments.out = parser.value()?.into(),
-            Long("pairs") => arguments.pairs = parser.value()?.parse::<usize>()?.max(3),
-            Long("threads") => arguments.threads = parser.value()?.parse::<usize>()?.clamp(1, 64),
-            Long("bench") => (), // passed by cargo
-            _ => return Err(argument.unexpected().into()),
-        }
-    }
-    Ok(arguments)
+    /// Passed by cargo
+    #[arg(long, hide = true)]
+    bench: bool,
 }
 
 /// Model, initial keyframe, and amount of work per run. A run takes a few milliseconds, because the load of the machine varies
@@ -97,8 +94,8 @@ fn tasks() -> Vec<Task> {
 }
 
 fn main() -> Outcome<()> {
-    let arguments = arguments()?;
-    let (pairs, threads) = (arguments.pairs, arguments.threads);
+    let arguments = Arguments::parse();
+    let (pairs, threads) = (arguments.pairs.max(3), arguments.threads.clamp(1, 64));
     let (one, all) = (processor::pool(1)?, processor::pool(threads)?);
     let pools = if threads == 1 { vec![&one] } else { vec![&one, &all] };
     let mut report = Report::default();

@@ -5,11 +5,8 @@
 //! ```
 //!
 //! The plan is computed by the iterative linear-quadratic regulator with control limits ([`mujoco_safe::control::ilqr`]). Each
-//! simulation starts up to 0.1 rad away from the start of the plan, so that it fails without feedback. Options:
-//!
-//! - `--seeds N`: number of random initial states (5)
-//! - `--threads N`: number of threads (all cores)
-//! - `--out DIR`: folder for the plot; without it, no plot is written
+//! simulation starts up to 0.1 rad away from the start of the plan, so that it fails without feedback. The program
+//! prints the iterations and the cost of each plan, and the time from which the pole is upright. `--help` lists the options.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -20,38 +17,30 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use clap::Parser;
 use common::command_line;
 use mujoco_safe::sample;
 use swing_up::{SIMULATION_DURATION, attempt};
 
+/// Swings a pole up by trajectory optimisation, and balances it.
+#[derive(Parser)]
 struct Arguments {
+    /// Number of random initial states
+    #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
+    /// Number of threads
+    #[arg(long, value_name = "N", default_value_t = command_line::cores())]
     threads: usize,
+    /// Folder for the plot; without it, no plot is written
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-const HELP: &str = "cartpole_swing_up [--seeds N] [--threads N] [--out DIR]";
-
-fn arguments() -> Result<Arguments, String> {
-    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    let arguments = Arguments { seeds: 5, threads: cores, out: None };
-    command_line::read(HELP, arguments, |arguments, option| {
-        match option.name() {
-            "--seeds" => arguments.seeds = option.number()?,
-            "--threads" => arguments.threads = option.number()?,
-            "--out" => arguments.out = Some(option.path()?),
-            _ => return option.unknown(),
-        }
-        Ok(())
-    })
-}
-
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(run())
+    command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let arguments = arguments()?;
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let model = Arc::new(sample::cartpole());
     let mut attempts = Vec::new();
     for seed in 1..=arguments.seeds {

@@ -6,7 +6,7 @@
 //!
 //! The program finds a set-point near the keyframe at which the floor supports the weight ([`set_point`]), defines the cost of
 //! deviations ([`weights`]), linearises the simulation, solves the Riccati equation for the gain, and simulates ([`simulate`]).
-//! `--help` lists the options.
+//! It prints the result of each part. `--help` lists the options.
 //!
 //! The method follows the LQR tutorial of MuJoCo's Python bindings.
 
@@ -21,6 +21,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use arguments::Arguments;
+use clap::Parser;
 use common::balance::{set_point, weights};
 use mujoco_safe::{Data, Differences, Lqr, Matrix, Model, sample};
 use set_point::SetPoint;
@@ -28,11 +29,10 @@ use simulate::{Disturbance, simulate};
 use weights::{Dofs, weights};
 
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(balance())
+    common::command_line::exit_code(balance(&Arguments::parse()))
 }
 
-fn balance() -> Result<(), Box<dyn Error>> {
-    let arguments = Arguments::parse()?;
+fn balance(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     // With `--json`, standard output contains nothing but the JSON object.
     let report = |text: String| {
         if !arguments.json {

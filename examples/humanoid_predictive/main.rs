@@ -26,6 +26,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use attempt::{Attempt, attempt};
+use clap::Parser;
 use common::balance::{set_point, weights};
 use common::command_line;
 use mujoco_safe::Data;
@@ -33,48 +34,31 @@ use mujoco_safe::rayon::ThreadPoolBuilder;
 use planner::{HORIZON, SAMPLES, STEPS};
 use robot::{NEWTONS, PUSH_DURATION, Robot, push};
 
-const HELP: &str = "\
-A humanoid recovers from pushes that its linear-quadratic regulator alone cannot withstand, by predictive sampling.
-
-  --seeds N         number of pushes, each in another direction (5)
-  --newtons F       force of a push of 0.1 s (180)
-  --seconds S       simulated time; the push starts at 1 s (6)
-  --threads N       number of threads for planning (all cores)
-  --out DIR         folder for the plots and the first trajectory; without it, no files are written";
-
-#[derive(Clone, Debug)]
+/// A humanoid recovers from pushes that its linear-quadratic regulator alone cannot withstand, by predictive sampling.
+#[derive(Parser)]
 struct Arguments {
+    /// Number of pushes, each in another direction
+    #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
+    /// Force of a push of 0.1 s, N
+    #[arg(long, value_name = "F", default_value_t = NEWTONS)]
     newtons: f64,
+    /// Simulated time, s; the push starts at 1 s
+    #[arg(long, value_name = "S", default_value_t = 6.0)]
     seconds: f64,
+    /// Number of threads for planning
+    #[arg(long, value_name = "N", default_value_t = command_line::cores())]
     threads: usize,
+    /// Folder for the plots and the first trajectory; without it, no files are written
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-impl Arguments {
-    fn parse() -> Result<Self, String> {
-        let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-        let arguments = Self { seeds: 5, newtons: NEWTONS, seconds: 6.0, threads: cores, out: None };
-        command_line::read(HELP, arguments, |arguments, option| {
-            match option.name() {
-                "--seeds" => arguments.seeds = option.number()?,
-                "--newtons" => arguments.newtons = option.number()?,
-                "--seconds" => arguments.seconds = option.number()?,
-                "--threads" => arguments.threads = option.number()?,
-                "--out" => arguments.out = Some(option.path()?),
-                _ => return option.unknown(),
-            }
-            Ok(())
-        })
-    }
-}
-
 fn main() -> std::process::ExitCode {
-    common::command_line::exit_code(run())
+    command_line::exit_code(run(&Arguments::parse()))
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
-    let arguments = Arguments::parse()?;
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let pool = ThreadPoolBuilder::new().num_threads(arguments.threads).build()?;
     let robot = Robot::new()?;
     println!(

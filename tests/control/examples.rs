@@ -131,17 +131,28 @@ fn examples_write_their_plots_to_the_given_directory() {
 #[test]
 fn examples_report_invalid_arguments() {
     for (name, arguments, expected) in [
-        ("cartpole_swing_up", ["--seeds", "many"], "--seeds many"),
-        ("cartpole_swing_up", ["--speed", "1"], "--help lists the options"),
-        ("cartpole_lqr", ["--angle", "steep"], "--angle steep"),
-        ("rollouts", ["--seed", "-1"], "--seed -1"),
-        ("rollouts", ["many", "pushes"], "unexpected argument many"),
-        ("humanoid_predictive", ["--newtons", "hard"], "--newtons hard"),
-        ("humanoid_predictive", ["--threads", "-1"], "--threads -1"),
+        ("cartpole_swing_up", ["--seeds", "many"], "'many' for '--seeds"),
+        ("cartpole_swing_up", ["--speed", "1"], "unexpected argument '--speed'"),
+        ("cartpole_lqr", ["--angle", "steep"], "'steep' for '--angle"),
+        ("rollouts", ["--seed", "-1"], "unexpected argument '-1'"),
+        ("rollouts", ["many", "pushes"], "unexpected argument 'many'"),
+        ("humanoid_lqr", ["--seconds", "-1"], "'-1' for '--seconds"),
+        ("humanoid_lqr", ["--push", "-20,north"], "'-20,north' for '--push"),
+        ("humanoid_predictive", ["--newtons", "hard"], "'hard' for '--newtons"),
+        ("humanoid_predictive", ["--threads", "-1"], "unexpected argument '-1'"),
     ] {
         let output = program(name, &arguments);
         let message = text(&output.stderr);
-        assert!(!output.status.success(), "{name} {arguments:?} was accepted");
+        assert_eq!(output.status.code(), Some(2), "{name} {arguments:?}: {message}");
         assert!(message.contains(expected), "{name} {arguments:?}: {message}");
+    }
+}
+
+#[test]
+fn examples_list_their_options() {
+    for name in ["contacts", "humanoid_lqr"] {
+        let output = program(name, &["--help"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(text(&output.stdout).contains("--out <DIR>"), "{}", text(&output.stdout));
     }
 }
