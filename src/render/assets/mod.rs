@@ -4,6 +4,7 @@
 mod glyph_atlas;
 mod level_of_detail;
 mod mipmap;
+mod plane;
 mod shapes;
 mod textures;
 

@@ -5,26 +5,13 @@ use std::ops::Range;
 use wgpu::util::DeviceExt;
 
 use super::level_of_detail::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel, RoundShape};
+use super::plane::{Axis, Plane};
 use crate::id::{HeightFieldId, MeshId};
 use crate::model::Model;
 use crate::render::settings::{VisualSettings, is_drawable};
 use crate::render::shape::{self, SkinTopology, Tessellation, Triangles, Vertex};
 use crate::render::{Gpu, Lighting, RenderError};
 use crate::scene::Scene;
-
-/// Maximum number of cells of a plane in each direction; infinite planes have this many. Equal to the engine's limit.
-const MAX_CELLS: u32 = 200;
-
-/// Maximum number of cells with per-pixel lighting, sufficient for the precision of depth.
-const PER_PIXEL_CELLS: u32 = 64;
-
-/// Plane of the model.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Plane {
-    pub(crate) shape: u32,
-    /// Half-lengths in x and y, m; of an infinite plane those that are rendered.
-    pub(crate) half: [f32; 2],
-}
 
 /// GPU buffers of all shapes. A shape is identified by its index.
 #[derive(Debug)]
@@ -62,7 +49,7 @@ impl Shapes {
         let mut shapes = Self {
             buffers: Vec::new(),
             planes: Vec::new(),
-            infinite_plane: Plane { shape: 0, half: [0.0; 2] },
+            infinite_plane: Plane::default(),
             depth_levels: None,
             square: 0,
             cuboid: 0,
@@ -131,37 +118,31 @@ impl Shapes {
         settings: &VisualSettings,
         lighting: Lighting,
     ) -> Result<(), RenderError> {
-        let limited = |cells: u32| if lighting == Lighting::PerVertex { cells } else { cells.min(PER_PIXEL_CELLS) };
-        // Planes with the same number of cells share their buffers.
-        let mut created: Vec<(u32, u32)> = Vec::new();
-        let mut shape = |shapes: &mut Self, cells: u32| {
-            if let Some(&(_, shape)) = created.iter().find(|(existing, _)| *existing == cells) {
-                return Ok(shape);
-            }
-            shapes.buffers.push(ShapeBuffers::tiled(gpu, cells)?);
-            let shape = shapes.buffers.len() as u32 - 1;
-            created.push((cells, shape));
-            Ok::<u32, RenderError>(shape)
+        // Planes with the same grid share their buffers.
+        let mut created: Vec<([Vec<f32>; 2], u32)> = Vec::new();
+        let mut plane = |shapes: &mut Self, axes: [Axis; 2]| {
+            let half = [axes[0].half, axes[1].half];
+            let lines = axes.map(|axis| axis.limited(lighting).lines);
+            let existing = created.iter().find(|(existing, _)| *existing == lines).map(|(_, shape)| *shape);
+            let shape = if let Some(shape) = existing {
+                shape
+            } else {
+                shapes.buffers.push(ShapeBuffers::tiled(gpu, [&lines[0], &lines[1]])?);
+                let shape = shapes.buffers.len() as u32 - 1;
+                created.push((lines, shape));
+                shape
+            };
+            Ok::<Plane, RenderError>(Plane { shape, half })
         };
-        self.infinite_plane =
-            Plane { shape: shape(self, limited(MAX_CELLS))?, half: [infinite_half_length(settings, 0.0); 2] };
+        self.infinite_plane = plane(self, [0, 1].map(|_| Axis::infinite(settings, 0.0)))?;
         for geom in model.geoms().filter(|geom| geom.geom_type() == crate::enums::GeomType::Plane) {
-            let [x, y, spacing] = geom.size().map(|length| length as f32);
+            let [x, y, spacing] = *geom.size();
             let repeat = geom.material().map_or([0.0; 2], |material| *model.material(material).texrepeat());
-            let lengths = [x, y];
-            let mut cells = 1;
-            let half = [0, 1].map(|axis| {
-                if lengths[axis] > 0.0 {
-                    let spacing = spacing.max(lengths[axis] / (MAX_CELLS as f32 - 2.0));
-                    cells = cells.max(((lengths[axis] / spacing) as u32).saturating_add(2).min(MAX_CELLS));
-                    lengths[axis]
-                } else {
-                    cells = MAX_CELLS;
-                    infinite_half_length(settings, repeat[axis])
-                }
-            });
-            let shape = shape(self, limited(cells))?;
-            self.planes.push(Plane { shape, half });
+            let axis = |half: f64, repeat: f32| {
+                if half > 0.0 { Axis::finite(half, spacing) } else { Axis::infinite(settings, repeat) }
+            };
+            let plane = plane(self, [axis(x, repeat[0]), axis(y, repeat[1])])?;
+            self.planes.push(plane);
         }
         Ok(())
     }
@@ -307,41 +288,33 @@ impl ShapeBuffers {
         })
     }
 
-    /// Creates the square from -1 to 1, divided into tiles if it has many cells.
-    fn tiled(gpu: &Gpu, cells: u32) -> Result<Self, RenderError> {
+    /// Creates the square from -1 to 1 with these grid lines in x and y, divided into tiles if it has many cells.
+    fn tiled(gpu: &Gpu, lines: [&[f32]; 2]) -> Result<Self, RenderError> {
         /// Cells along each edge of a tile.
-        const TILE_CELLS: u32 = 20;
-        let mut square = shape::plane(cells);
+        const TILE_CELLS: usize = 20;
+        let mut square = shape::plane_with_lines(lines);
         let mut tiles = Vec::new();
-        if cells > TILE_CELLS {
+        let cells = lines.map(|lines| lines.len() - 1);
+        if cells.iter().any(|&cells| cells > TILE_CELLS) {
             let rows = std::mem::take(&mut square.indices);
-            let coordinate = |cell: u32| 2.0 * cell as f32 / cells as f32 - 1.0;
-            let ranges =
-                || (0..cells).step_by(TILE_CELLS as usize).map(|first| (first, (first + TILE_CELLS).min(cells)));
-            for (bottom, top) in ranges() {
-                for (left, right) in ranges() {
+            let ranges = |cells: usize| {
+                (0..cells).step_by(TILE_CELLS).map(move |first| (first, (first + TILE_CELLS).min(cells)))
+            };
+            for (bottom, top) in ranges(cells[1]) {
+                for (left, right) in ranges(cells[0]) {
                     let first = square.indices.len() as u32;
                     for row in bottom..top {
                         // Six indices per cell, row by row.
-                        let range = [left, right].map(|column| 6 * (row * cells + column) as usize);
+                        let range = [left, right].map(|column| 6 * (row * cells[0] + column));
                         square.indices.extend_from_slice(&rows[range[0]..range[1]]);
                     }
-                    let bounds = [[coordinate(left), coordinate(bottom)], [coordinate(right), coordinate(top)]];
+                    let bounds = [[lines[0][left], lines[1][bottom]], [lines[0][right], lines[1][top]]];
                     tiles.push(Tile { indices: first..square.indices.len() as u32, bounds });
                 }
             }
         }
         Ok(Self { tiles, ..Self::new(gpu, &square)? })
     }
-}
-
-/// Returns the half-length of an infinite plane: beyond the skybox by two texture periods.
-fn infinite_half_length(settings: &VisualSettings, repeat: f32) -> f32 {
-    let sky = 2.1 * settings.far;
-    let period =
-        if repeat > 0.0 && repeat.is_finite() { 2.0 / f64::from(repeat) } else { sky / (f64::from(MAX_CELLS) - 2.0) };
-    let half = 0.5 * (sky + 2.0 * period);
-    if is_drawable(half as f32) { half as f32 } else { 0.0 }
 }
 
 /// Generates the rectangle of a line. x is the position along the line, y the position across it.

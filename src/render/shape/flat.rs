@@ -4,15 +4,26 @@ use super::{Tessellation, Triangles};
 
 /// Generates the square from -1 to 1 in x and y with normal +z, subdivided into `cells` by `cells` cells.
 pub(crate) fn plane(cells: u32) -> Triangles {
-    let cells = cells.clamp(1, Tessellation::MAX);
+    let lines = uniform_lines(cells.clamp(1, Tessellation::MAX));
+    plane_with_lines([&lines, &lines])
+}
+
+/// Generates the square from -1 to 1 with grid lines at these x and y, each in ascending order.
+pub(crate) fn plane_with_lines(lines: [&[f32]; 2]) -> Triangles {
     let mut triangles = Triangles::default();
-    grid(&mut triangles, cells, |u, v| [u, v, 0.0], [0.0, 0.0, 1.0]);
+    grid(&mut triangles, lines, |u, v| [u, v, 0.0], [0.0, 0.0, 1.0]);
     triangles
+}
+
+/// Returns the lines from -1 to 1 that bound `cells` equal cells.
+pub(crate) fn uniform_lines(cells: u32) -> Vec<f32> {
+    // Exact at both ends and in the middle, so that adjacent grids have no gap.
+    (0..=cells).map(|index| (2.0 * f64::from(index) / f64::from(cells) - 1.0) as f32).collect()
 }
 
 /// Generates the cube from -1 to 1, with each face subdivided into `cells` by `cells` cells. The +z face is the first.
 pub(crate) fn cuboid(cells: u32) -> Triangles {
-    let cells = cells.clamp(1, Tessellation::MAX);
+    let lines = uniform_lines(cells.clamp(1, Tessellation::MAX));
     let mut triangles = Triangles::default();
     let faces: [fn(f32, f32) -> [f32; 3]; 6] = [
         |u, v| [u, v, 1.0],
@@ -23,7 +34,7 @@ pub(crate) fn cuboid(cells: u32) -> Triangles {
         |u, v| [u, -1.0, v],
     ];
     for face in faces {
-        grid(&mut triangles, cells, face, face(0.0, 0.0));
+        grid(&mut triangles, [&lines, &lines], face, face(0.0, 0.0));
     }
     // Convert negative zero to zero.
     for vertex in &mut triangles.vertices {
@@ -32,21 +43,19 @@ pub(crate) fn cuboid(cells: u32) -> Triangles {
     triangles
 }
 
-/// Appends a subdivided square. `at` maps (u, v) from -1 to 1 to a position; seen from the front, u increases to the
-/// right and v upwards.
-fn grid(triangles: &mut Triangles, cells: u32, at: impl Fn(f32, f32) -> [f32; 3], normal: [f32; 3]) {
+/// Appends a subdivided square with grid lines at these u and v. `at` maps (u, v) from -1 to 1 to a position; seen from the front, u
+/// increases to the right and v upwards.
+fn grid(triangles: &mut Triangles, lines: [&[f32]; 2], at: impl Fn(f32, f32) -> [f32; 3], normal: [f32; 3]) {
     let first = triangles.vertices.len() as u32;
-    // Exact at both ends and in the middle, so that adjacent grids have no gap.
-    let coordinate = |index: u32| (2.0 * f64::from(index) / f64::from(cells) - 1.0) as f32;
-    for row in 0..=cells {
-        for column in 0..=cells {
-            triangles.vertex(at(coordinate(column), coordinate(row)), normal);
+    for &v in lines[1] {
+        for &u in lines[0] {
+            triangles.vertex(at(u, v), normal);
         }
     }
-    let width = cells + 1;
-    for row in 0..cells {
-        for column in 0..cells {
-            let corner = first + row * width + column;
+    let width = lines[0].len() as u32;
+    for row in 1..lines[1].len() as u32 {
+        for column in 1..width {
+            let corner = first + (row - 1) * width + column - 1;
             triangles.quad([corner, corner + 1, corner + width + 1, corner + width]);
         }
     }

@@ -11,7 +11,7 @@ mod revolution;
 #[cfg(test)]
 mod test_support;
 
-pub(crate) use self::flat::{cuboid, plane};
+pub(crate) use self::flat::{cuboid, plane, plane_with_lines, uniform_lines};
 pub(crate) use self::height_field::height_field;
 pub(crate) use self::mesh::{SkinTopology, hull, mesh, skin};
 pub(crate) use self::revolution::{cone, cylinder, disk, hemisphere, sphere};

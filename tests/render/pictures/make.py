@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the scenes of scenes.json with the engine's own renderer, for comparison with ours.
+"""Draws the scenes of scenes.json, whose models are in models/ or Debian's samples, with the engine's own renderer, for comparison with ours.
 
     MUJOCO_GL=osmesa python make.py [NAME ...]
 
@@ -21,13 +21,14 @@ import numpy as np
 from PIL import Image
 
 HERE = Path(__file__).parent
-MODELS = Path("/usr/share/mujoco/model")
+MODELS = [HERE / "models", Path("/usr/share/mujoco/model")]
 WIDTH, HEIGHT = 640, 480
 ONLY_FOR_SPEED = {"crowd", "hundred"}
 
 
 def state_of(scene):
-    model = mujoco.MjModel.from_xml_path(str(MODELS / scene["model"]))
+    path = next(folder / scene["model"] for folder in MODELS if (folder / scene["model"]).exists())
+    model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     for _ in range(scene["steps"]):
         mujoco.mj_step(model, data)

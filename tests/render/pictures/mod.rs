@@ -5,8 +5,8 @@
 //! - the mean of the absolute differences over all channels and pixels is at most 1.5 of 255;
 //! - at most 0.7 % of the pixels have a channel with a difference above 8 of 255.
 //!
-//! With lighting per pixel the limit is 2.5 %: the edge of a spot light is sharp then, while the engine interpolates it over a
-//! cell of its floor.
+//! With lighting per pixel the limit is 2.5 %, and 6 % in the scenes of `spots.xml`: the edge of a spot light is sharp then, while the
+//! engine interpolates it over a cell of its floor.
 //!
 //! [`mujoco_safe::render`] explains the remaining differences. For each scene the test saves the engine's image, ours, and
 //! their difference scaled by eight, side by side, in the folder `pictures` of cargo's folder for tests
@@ -31,9 +31,17 @@ const HEIGHT: usize = 480;
 const MEAN: f64 = 1.5;
 /// Difference of a channel, of 255, above which a pixel is an outlier.
 const OUTLIER: u8 = 8;
-/// Largest share of outliers, per lighting mode.
-const OUTLIERS: [(&str, Lighting, f64); 2] =
-    [("", Lighting::PerVertex, 0.007), ("_per_pixel", Lighting::PerPixel, 0.025)];
+/// Lighting modes, with the ending of the names of their images.
+const MODES: [(&str, Lighting); 2] = [("", Lighting::PerVertex), ("_per_pixel", Lighting::PerPixel)];
+
+/// Returns the largest share of outliers.
+fn largest_share(name: &str, lighting: Lighting) -> f64 {
+    match lighting {
+        Lighting::PerPixel if name.starts_with("spots") => 0.06,
+        Lighting::PerPixel => 0.025,
+        _ => 0.007,
+    }
+}
 
 /// The difference between two images.
 #[derive(Debug)]
@@ -105,17 +113,14 @@ fn side_by_side(engine: &RgbImage, ours: &RgbImage) -> RgbImage {
 fn compare(name: &str) {
     let setting = scenes::named(name);
     let engine = engines(&setting);
-    assert_eq!(OUTLIERS[0].1, RendererOptions::default().lighting);
-    let differences = OUTLIERS.map(|(label, lighting, outliers)| {
+    assert_eq!(MODES[0].1, RendererOptions::default().lighting);
+    let differences = MODES.map(|(label, lighting)| {
         let ours = ours(&setting, &RendererOptions::default().with_lighting(lighting));
         side_by_side(&engine, &ours).save_png(out().join(format!("{name}{label}.png"))).unwrap();
-        (Difference::of(&engine, &ours), outliers)
+        (Difference::of(&engine, &ours), largest_share(name, lighting))
     });
     println!("{name}: {differences:.4?}");
-    assert!(
-        differences.iter().all(|(difference, outliers)| difference.is_small(*outliers)),
-        "{name}: {differences:.4?}"
-    );
+    assert!(differences.iter().all(|(difference, share)| difference.is_small(*share)), "{name}: {differences:.4?}");
 }
 
 /// Generates one test per scene.
@@ -151,6 +156,9 @@ compare! {
     mug
     slider_crank
     softbox
+    spots
+    spots_above
+    spots_low
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Scenes for comparing images and for benchmarks: models of the engine's package, and cameras.
+//! Scenes for comparing images and for benchmarks: models of `models/` and of the engine's package, and cameras.
 
 #![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
 
@@ -46,7 +46,11 @@ impl Setting {
         let text = |key: &str| row[key].as_str().unwrap_or_else(|| panic!("{key} must be a string")).to_owned();
         Self {
             name: text("name"),
-            model: PathBuf::from(sample::SYSTEM_MODELS).join(text("model")),
+            model: [folder().join("models"), PathBuf::from(sample::SYSTEM_MODELS)]
+                .map(|folder| folder.join(text("model")))
+                .into_iter()
+                .find(|path| path.exists())
+                .unwrap_or_else(|| panic!("no model {}", text("model"))),
             steps: number(&row["steps"]) as usize,
             lookat: numbers(&row["lookat"]).try_into().unwrap(),
             distance: number(&row["distance"]),
