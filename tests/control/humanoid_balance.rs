@@ -224,9 +224,9 @@ fn the_example_reports_invalid_arguments() {
         (&["--foot", "foot_lft"][..], "did you mean 'foot_left'"),
         (&["--keyframe", "crane"], "known names: squat, stand_on_left_leg, stand"),
         (&["--model", "no/such/model.xml"], "no/such/model.xml: No such file"),
-        (&["--seconds", "long"], "--seconds long"),
-        (&["--push", "1"], "--push 20,0"),
-        (&["--speed"], "--help lists the options"),
+        (&["--seconds", "long"], "invalid value 'long' for '--seconds <S>'"),
+        (&["--push", "1"], "expected FX,FY or FX,FY,SECONDS, such as 20,0"),
+        (&["--speed"], "unexpected argument '--speed' found"),
     ] {
         let output = program("humanoid_lqr", arguments);
         let message = text(&output.stderr);
