@@ -188,6 +188,86 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
+//! # Domain randomisation
+//!
+//! Each rollout edits its own copy of the model. The random numbers are drawn beforehand, so that the results do not depend on the threads.
+//! [`forward_after_step`](crate::Rollout::forward_after_step) updates the poses that the outputs read. With the feature `npz`,
+//! `result.save_npz(path)?` writes all arrays for NumPy.
+//!
+//! ```
+//! use mujoco_safe::{Rollout, sample};
+//! use rand::{RngExt, SeedableRng};
+//! use rand_xoshiro::Xoshiro256PlusPlus;
+//!
+//! let (nroll, nstep) = (16, 50);
+//! let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+//! let scales: Vec<f64> = (0..nroll).map(|_| random.random_range(0.8..1.2)).collect();
+//! let model = sample::cartpole();
+//! let (pole, hinge) = (model.body("pole")?.id(), model.joint("hinge")?.id());
+//! let result = Rollout::new(model, nroll, nstep)
+//!     .edit_model(|roll, edit| {
+//!         edit.body_mut(pole).scale_mass(scales[roll])?;
+//!         edit.joint_mut(hinge).damping_mut()[0] *= scales[roll];
+//!         edit.update_constants()
+//!     })
+//!     .shared_controls(&vec![0.1; nstep]) // (nstep, nu)
+//!     .outputs(1, |data, row| row[0] = data.body(pole).xpos()[0])
+//!     .forward_after_step()
+//!     .run()?;
+//! assert!(result.outcomes().iter().all(Result::is_ok));
+//! assert_eq!(result.outputs().len(), nroll * nstep);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Identification of parameters
+//!
+//! The Gauss–Newton method fits the damping and the relative mass of a pendulum to readings of its sensor. One rollout has the nominal
+//! parameters, and one more per parameter gives the differences. Row k of `sensordata` is the reading in the state before step k + 1,
+//! which `d.sensordata` holds after that step.
+//!
+//! ```
+//! use mujoco_safe::{Model, Result, Rollout, nalgebra::{DMatrix, DVector}};
+//!
+//! let model = std::sync::Arc::new(Model::from_xml_str(
+//!     r#"<mujoco>
+//!          <worldbody><body name="arm">
+//!            <joint name="hinge" axis="0 1 0" damping="0.1"/><geom type="capsule" fromto="0 0 0 0 0 -.5" size=".02" mass="1"/>
+//!          </body></worldbody>
+//!          <actuator><motor joint="hinge"/></actuator>
+//!          <sensor><jointpos joint="hinge"/></sensor>
+//!        </mujoco>"#,
+//! )?);
+//! let (arm, hinge) = (model.body("arm")?.id(), model.joint("hinge")?.id());
+//! let controls: Vec<f64> = (0..400).map(|step| 0.5 * (0.03 * f64::from(step)).sin()).collect();
+//! // Readings for each column [damping, relative mass], one column of readings each.
+//! let simulate = |parameters: &DMatrix<f64>| -> Result<DMatrix<f64>> {
+//!     let result = Rollout::new(&model, parameters.ncols(), controls.len())
+//!         .edit_model(|roll, edit| {
+//!             edit.joint_mut(hinge).damping_mut()[0] = parameters[(0, roll)];
+//!             edit.body_mut(arm).scale_mass(parameters[(1, roll)])?;
+//!             edit.update_constants()
+//!         })
+//!         .shared_controls(&controls)
+//!         .run()?;
+//!     Ok(DMatrix::from_column_slice(controls.len(), parameters.ncols(), result.sensordata()))
+//! };
+//! let measured: DVector<f64> = simulate(&DMatrix::from_column_slice(2, 1, &[0.25, 1.3]))?.column(0).into();
+//!
+//! let mut estimate = DVector::from_column_slice(&[0.1, 1.0]);
+//! for _ in 0..10 {
+//!     let eps = 1e-6;
+//!     let mut parameters = DMatrix::from_columns(&[estimate.clone(), estimate.clone(), estimate.clone()]);
+//!     (0..2).for_each(|i| parameters[(i, i + 1)] += eps);
+//!     let readings = simulate(&parameters)?;
+//!     let nominal: DVector<f64> = readings.column(0).into();
+//!     let jacobian = DMatrix::from_fn(controls.len(), 2, |row, i| (readings[(row, i + 1)] - nominal[row]) / eps);
+//!     let normal = jacobian.tr_mul(&jacobian);
+//!     estimate += normal.cholesky().expect("identifiable parameters").solve(&jacobian.tr_mul(&(&measured - nominal)));
+//! }
+//! assert!((&estimate - DVector::from_column_slice(&[0.25, 1.3])).norm() < 1e-6, "{estimate}");
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
 //! # Saving and restoring a state, bit for bit
 //!
 //! ```

@@ -114,6 +114,7 @@ impl Data {
     #[doc(alias = "mjcb_control")]
     #[doc(alias = "mjcb_passive")]
     #[doc(alias = "mj_resetCallbacks")]
+    #[doc(alias = "set_mjcb_control")]
     #[doc(alias = "clear_callbacks")]
     pub fn set_callbacks(&mut self, callbacks: Callbacks<'static>) {
         trampoline::install(&callbacks);

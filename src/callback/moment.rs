@@ -80,6 +80,29 @@ moment! {
     }
 }
 
+impl ControlMoment<'_> {
+    /// Sets the control of an actuator. An id returns nothing; a name or an index returns a [`Result`](crate::Result).
+    ///
+    /// # Panics
+    ///
+    /// If the id belongs to another model.
+    ///
+    /// ```
+    /// use mujoco_safe::callback::Callbacks;
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::cartpole())?;
+    /// data.set_callbacks(Callbacks::new().control(|moment| moment.set_ctrl("slide", 0.5).expect("a known name")));
+    /// data.step()?;
+    /// assert_eq!(data.ctrl(), [0.5]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn set_ctrl<Q: Key<kind::Actuator>>(&mut self, actuator: Q, ctrl: f64) -> Q::Found<()> {
+        let id = actuator.id(self.data.model().as_ref());
+        Q::found(id, |id| self.ctrl_mut()[id.index()] = ctrl)
+    }
+}
+
 impl SensorMoment<'_> {
     /// Returns the stage whose sensors were evaluated. Readings of later stages are not valid yet.
     pub fn stage(&self) -> Stage {

@@ -1,19 +1,23 @@
 //! Jacobians of frames, points and centres of mass, and the matrix of the angular momentum of a subtree.
 //!
 //! Each function has two forms: one returns new matrices; the other, whose name ends in `_into`, writes to existing matrices and
-//! does not allocate. All need the results of [`Stage::Position`].
+//! does not allocate. All need the results of [`Data::com_pos`], which [`Data::fwd_position`], [`Data::forward`] and [`Data::step`] compute
+//! too.
 
 use std::ffi::c_int;
 use std::ptr;
 
 use mujoco_sys::{self as sys, guard};
 
-use super::{Data, Stage};
+use super::{Data, PipelineFlags};
 use crate::error::{Error, Result};
 use crate::id::Key;
 use crate::kind::{self, ElementKind};
 use crate::math::cross;
 use crate::matrix::Matrix;
+
+/// Results that Jacobians are computed from.
+const INPUTS: PipelineFlags = PipelineFlags::KINEMATICS.union(PipelineFlags::COM_POS);
 
 /// Jacobians of a frame, each `(3, nv)`, world frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +26,26 @@ pub struct Jacobian {
     pub linear: Matrix,
     /// Derivative of the angular velocity, rad/s, with respect to `qvel`.
     pub angular: Matrix,
+}
+
+impl Jacobian {
+    /// Returns the matrix `(6, nv)` with the linear part above the angular part, which maps `qvel` to the velocity of the frame.
+    ///
+    /// ```
+    /// use mujoco_safe::{Data, sample};
+    ///
+    /// let mut data = Data::new(sample::humanoid())?;
+    /// data.forward()?;
+    /// let jacobian = data.jac_body("hand_left")?;
+    /// let stacked = jacobian.stacked();
+    /// assert_eq!(stacked.row(2), jacobian.linear.row(2));
+    /// assert_eq!(stacked.row(3), jacobian.angular.row(0));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn stacked(&self) -> Matrix {
+        let values = [self.linear.as_slice(), self.angular.as_slice()].concat();
+        Matrix::from_row_major(6, self.linear.ncols(), values)
+    }
 }
 
 /// Returns the pointer to an output of shape `(3, nv)`, or NULL if the caller does not need the output.
@@ -43,8 +67,8 @@ macro_rules! jacobian_of {
         ///
         /// # Errors
         ///
-        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed.
+        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos).
         ///
         /// # Panics
         ///
@@ -60,8 +84,8 @@ macro_rules! jacobian_of {
         ///
         /// # Errors
         ///
-        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed, [`Error::Shape`] for a wrong shape.
+        /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape.
         ///
         /// # Panics
         ///
@@ -115,8 +139,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos).
     ///
     /// # Panics
     ///
@@ -132,8 +156,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed, [`Error::Shape`] for a wrong shape.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape.
     ///
     /// # Panics
     ///
@@ -157,8 +181,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed, [`Error::Engine`] if the engine's stack is too small.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos), [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -174,8 +198,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed, [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
     /// engine's stack is too small.
     ///
     /// # Panics
@@ -196,8 +220,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed, [`Error::Engine`] if the engine's stack is too small.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos), [`Error::Engine`] if the engine's stack is too small.
     ///
     /// # Panics
     ///
@@ -233,8 +257,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed, [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape, [`Error::Engine`] if the
     /// engine's stack is too small.
     ///
     /// # Panics
@@ -265,8 +289,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos).
     ///
     /// # Panics
     ///
@@ -298,8 +322,8 @@ impl Data {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before positions
-    /// were computed, [`Error::Shape`] for a wrong shape.
+    /// [`Error::NoSuchName`] or [`Error::NoSuchIndex`] for an unknown key, [`Error::NotComputed`] before
+    /// [`com_pos`](Self::com_pos), [`Error::Shape`] for a wrong shape.
     ///
     /// # Panics
     ///
@@ -308,7 +332,7 @@ impl Data {
     pub fn angmom_mat_into(&self, body: impl Key<kind::Body>, matrix: &mut Matrix) -> Result<()> {
         let model = self.model();
         let root = body.id(&**model)?;
-        self.check_computed("angmom_mat", Stage::Position)?;
+        self.check_parts("angmom_mat", INPUTS)?;
         Error::check_shape("the matrix of angmom_mat", matrix.shape(), (3, model.nv()))?;
         matrix.as_mut_slice().fill(0.0);
         let (root, parents) = (root.index(), model.body_parentid());
@@ -360,7 +384,7 @@ impl Data {
     #[inline]
     fn index_for<K: ElementKind>(&self, call: &'static str, key: impl Key<K>) -> Result<c_int> {
         let id = key.id(&**self.model())?;
-        self.check_computed(call, Stage::Position)?;
+        self.check_parts(call, INPUTS)?;
         Ok(id.index() as c_int)
     }
 

@@ -31,6 +31,8 @@
 //! | [`fwd_constraint`](Data::fwd_constraint) | `mj_fwdConstraint` | constraint forces, `qacc` | `project_constraint`, `reference_constraint`, `fwd_acceleration` |
 //! | [`sensor_pos`](Data::sensor_pos), [`sensor_vel`](Data::sensor_vel), [`sensor_acc`](Data::sensor_acc) | `mj_sensorPos`, … | readings of the sensors of a stage | all parts of the stage |
 //!
+//! Jacobians such as [`jac_site`](Data::jac_site) need `com_pos`, the inertia matrix [`full_m`](Data::full_m) the whole position stage.
+//!
 //! Not part of `forward`:
 //!
 //! | part | engine | computes | inputs |

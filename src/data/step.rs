@@ -31,6 +31,16 @@ impl Data {
         })
     }
 
+    /// Advances the simulation by `n` steps with the same inputs, as [`step`](Self::step) does. Stops at the first error.
+    ///
+    /// # Errors
+    ///
+    /// As for [`step`](Self::step). Steps before the error are kept.
+    #[doc(alias = "nstep")]
+    pub fn step_n(&mut self, n: usize) -> Result<()> {
+        (0..n).try_for_each(|_| self.step())
+    }
+
     /// Computes the first half of a step: all quantities that depend on positions and velocities. Set controls and forces based
     /// on them, then call [`step2`](Self::step2).
     ///

@@ -20,7 +20,7 @@
 //!     }
 //!     Err(error) => return Err(error),
 //! }
-//! let text = data.jac_body("torso").unwrap_err().to_string();
+//! let text = data.full_m().unwrap_err().to_string();
 //! assert!(text.ends_with("call forward or step first"), "{text}");
 //! # Ok::<(), Error>(())
 //! ```

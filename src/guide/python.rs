@@ -33,7 +33,7 @@
 //! | `mujoco.MjData(m)` | [`Data::new(m)?`](Data::new), with a [`Model`], an `Arc<Model>` or an `&Arc<Model>` |
 //! | `copy.copy(d)` | `d.clone()`; [`target.copy_from(&d)?`](Data::copy_from) into an existing simulation |
 //! | `mujoco.mj_step(m, d)` | [`d.step()?`](Data::step) |
-//! | `mujoco.mj_step(m, d, nstep=10)` | `for _ in 0..10 { d.step()?; }` |
+//! | `mujoco.mj_step(m, d, nstep=10)` | [`d.step_n(10)?`](Data::step_n) |
 //! | `mujoco.mj_step1(m, d)`, `mujoco.mj_step2(m, d)` | [`d.step1()?`](Data::step1), [`d.step2()?`](Data::step2) |
 //! | `mujoco.mj_forward(m, d)` | [`d.forward()?`](Data::forward) |
 //! | `mujoco.mj_inverse(m, d)`, `d.qfrc_inverse` | [`d.inverse()?`](Data::inverse), [`d.qfrc_inverse()`](Data::qfrc_inverse) |
@@ -76,10 +76,13 @@
 //! | Python | here |
 //! |---|---|
 //! | `d.ncon`, `d.contact[i]`, `d.contact[i].geom1` | [`d.ncon()`](Data::ncon), [`d.contacts()`](Data::contacts), [`contact.geoms()[0]`](crate::data::Contact::geoms) |
-//! | `mujoco.mj_contactForce(m, d, i, f)` | [`contact.force()?`](crate::data::Contact::force), [`contact.force_in_world()?`](crate::data::Contact::force_in_world) |
+//! | `d.contact[i].pos`, `d.contact[i].dist` | [`contact.pos()`](crate::data::Contact::pos), [`contact.dist()`](crate::data::Contact::dist) |
+//! | `mujoco.mj_contactForce(m, d, i, f)`, `f[0]` | [`contact.force()?.force[0]`](crate::data::Contact::force), the normal force; [`contact.force_in_world()?`](crate::data::Contact::force_in_world) |
 //! | `mujoco.mj_ray(m, d, …)` | [`d.ray(origin, direction, &RayOptions::default())?`](Data::ray) |
 //! | `mujoco.mj_multiRay(m, d, …)` | [`d.multi_ray_into(origin, &directions, cutoff, &options, &mut hits)?`](Data::multi_ray_into) |
 //! | `mujoco.mj_jacBodyCom(m, d, jp, jr, b)` | [`d.jac_body_com("torso")?`](Data::jac_body_com): `linear` and `angular`; [`jac_body_com_into`](Data::jac_body_com_into) |
+//! | `mujoco.mj_kinematics(m, d)`, `mujoco.mj_comPos(m, d)` before a Jacobian | [`d.kinematics()?`](Data::kinematics), [`d.com_pos()?`](Data::com_pos); or [`d.fwd_position()?`](Data::fwd_position) |
+//! | `J = np.vstack([jp, jr])` | [`d.jac_site("tip")?.stacked()`](crate::data::Jacobian::stacked) |
 //! | `mujoco.mj_jacSite`, `mujoco.mj_jac`, `mujoco.mj_jacSubtreeCom` | [`jac_site`](Data::jac_site), [`jac`](Data::jac), [`jac_subtree_com`](Data::jac_subtree_com) |
 //! | `mujoco.mj_fullM(m, M, d.qM)` | [`d.full_m()?`](Data::full_m) |
 //! | `mujoco.mj_mulM`, `mujoco.mj_solveM` | [`mul_m_into`](Data::mul_m_into), [`solve_m_into`](Data::solve_m_into) |
@@ -89,19 +92,23 @@
 //! | `mujoco.mj_rnePostConstraint(m, d)`, `d.cfrc_ext` | [`d.rne_post_constraint()?`](Data::rne_post_constraint), [`d.body("torso")?.cfrc_ext()?`](Data::body) |
 //! | `mujoco.mjd_transitionFD(m, d, eps, True, A, B, C, D)` | [`d.transition_fd(eps, Differences::Central)?`](Data::transition_fd), or a [`Lineariser`](crate::Lineariser) |
 //! | `mujoco.mju_mulQuat(r, a, b)` | [`math::mul_quat(&a, &b)`](crate::math::mul_quat), with results instead of output arguments |
+//! | `scipy.linalg.solve_discrete_are(A, B, Q, R)` | [`Lqr::solve(…)?`](crate::Lqr::solve): `p` and the gain `k`; [`Riccati`](crate::control::riccati) |
+//! | `mujoco.mju_mat2Quat`, `mujoco.mju_negQuat`, `mujoco.mju_quat2Vel` | [`math::mat2quat`](crate::math::mat2quat), [`math::neg_quat`](crate::math::neg_quat), [`math::quat2vel`](crate::math::quat2vel) |
 //! | `mujoco.mju_rotVecQuat`, `mujoco.mju_quat2Mat`, `mujoco.mju_axisAngle2Quat` | [`math::rot_vec_quat`](crate::math::rot_vec_quat), [`math::quat2mat`](crate::math::quat2mat), [`math::axis_angle2quat`](crate::math::axis_angle2quat) |
 //!
 //! # Edits, callbacks and many simulations
 //!
 //! | Python | here |
 //! |---|---|
+//! | `m.body('torso').mass *= s`, and its inertia, before a simulation exists | [`m.edit().body_mut("torso")?.scale_mass(s)?`](ModelMut::body_mut), then [`update_constants`](ModelMut::update_constants) |
+//! | `m.geom('floor').friction[0] = f`, `m.dof_damping[3:] *= s` | `m.edit().geom_mut("floor")?.friction_mut()[0] = f`, [`m.edit().dof_damping_mut()[3..]`](ModelMut::dof_damping_mut) |
 //! | `m.body_mass[b] *= 2` on a running simulation | [`d.edit_model(…)?`](Data::edit_model), see [below](#editing-a-parameter-of-a-running-simulation) |
 //! | `d.eq_active[i] = 0` (`m.eq_active` in 2.2.2) | [`d.edit_model(\|edit\| edit.equality_mut("grasp").map(\|mut e\| e.set_active(false)))?`](ModelMut::equality_mut) |
-//! | `mujoco.set_mjcb_control(f)`, … | [`d.set_callbacks(Callbacks::new().control(f))`](Data::set_callbacks): one simulation; [`d.with_callbacks(callbacks, \|d\| …)`](Data::with_callbacks): one scope |
+//! | `mujoco.set_mjcb_control(f)`, … | [`d.set_callbacks(Callbacks::new().control(f))`](Data::set_callbacks): one simulation, see the [example with a struct](Data::set_callbacks); often unnecessary: set the controls before `d.step()?`; [`d.with_callbacks(callbacks, \|d\| …)`](Data::with_callbacks): one scope |
 //! | `mujoco.set_mjcb_control(None)` | `d.set_callbacks(Callbacks::new())` |
 //! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.initial_states(…).controls(…).run()?` |
 //! | `gymnasium.vector` environments | [`Batch`](crate::rollout::Batch) |
-//! | `ThreadPoolExecutor` with one `MjData` per thread | [`std::thread::scope`] with one [`Data`] per thread |
+//! | `ThreadPoolExecutor` with one `MjData` per thread | `(0..n).into_par_iter().map(episode).collect::<Result<Vec<_>, _>>()?` of [`rayon`], or [`std::thread::scope`], with one [`Data`] per task |
 //! | `np.savez(path, qpos=…)` | `npz::save(path, &[Array::new("qpos", &[n, nq], &qpos)])?`, feature `npz` |
 //! | the same for results | [`trajectory.save_npz(path)?`](crate::Trajectory), [`rollouts.save_npz(path)?`](crate::rollout::RolloutResult); [`save_csv`](crate::Trajectory::save_csv) |
 //!
@@ -117,6 +124,9 @@
 //! | `renderer.render()` | [`snapshot.rgb()?`][rgb] |
 //! | `renderer.enable_depth_rendering()` | [`snapshot.depth()?`][depth], in metres |
 //! | `renderer.enable_segmentation_rendering()` | [`snapshot.segmentation()?`][segmentation] |
+//! | `mujoco.mjr_render(…)`, `mujoco.mjr_readPixels(rgb, depth, …)` | `snapshot.rgb()?`, `snapshot.depth()?`: the first row is the top, depth in metres without conversion |
+//! | `mjRND_SEGMENT` and `mjRND_IDCOLOR` | `snapshot.segmentation()?.pixel(x, y)`; its `object` is `Some(SceneObject::Geom(id))` for a geom |
+//! | depth to points | `depth.points(&snapshot.pinhole_camera()?)`, see [points from a depth image](super::pictures#points-from-a-depth-image) |
 //! | `mujoco.mjv_initGeom(scn.geoms[scn.ngeom], …)` | [`scene.add_geom(&NewGeom::sphere(0.1).pos(p))?`](crate::Scene::add_geom) |
 //! | `mujoco.viewer.launch(m, d)` | [`Viewer::new().run(d)?`][viewer], feature `viewer` |
 //! | `mujoco.viewer.launch_passive(m, d)` | [`viewer::launch(options)?`][launch], or [`viewer::run`][run] on macOS |

@@ -87,8 +87,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! **`the trait bound Arc<Model>: From<&Model> is not satisfied`.** [`Data::new`] takes a [`Model`] or an `Arc<Model>`. Write `Data::new(model.clone())` with an
-//! `Arc`, which shares the model; with a [`Model`] it copies the model.
+//! **`&Model is not a model that a simulation can share`.** [`Data::new`] takes a [`Model`], an `Arc<Model>` or an `&Arc<Model>`. Put the model in an
+//! `Arc` once: `let model = Arc::new(model);`, then `Data::new(&model)` shares it.
 //!
 //! **`type annotations needed`, or a closure is not a [`Controller`](crate::Controller).** Name the type of the argument:
 //!

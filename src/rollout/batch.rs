@@ -58,7 +58,7 @@ pub struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     /// Creates `count` simulations in the reference position. By default the observation is the physics state
-    /// `[qpos; qvel; act]`; see [`observe`](Self::observe). Takes a [`Model`] or an `Arc<Model>`, which all simulations share.
+    /// `[qpos; qvel; act]`; see [`observe`](Self::observe). Takes a [`Model`], an `Arc<Model>` or an `&Arc<Model>`, which all simulations share.
     ///
     /// # Errors
     ///

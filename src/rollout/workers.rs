@@ -40,7 +40,7 @@ pub struct Workers {
 }
 
 impl Workers {
-    /// Creates an empty pool for rollouts of this model. Takes a [`Model`] or an `Arc<Model>`.
+    /// Creates an empty pool for rollouts of this model. Takes a [`Model`], an `Arc<Model>` or an `&Arc<Model>`.
     pub fn new(model: impl IntoModel) -> Self {
         Self { model: model.into_model(), idle: Arc::default() }
     }

@@ -77,7 +77,8 @@ impl CostExpansion {
 }
 
 /// Quadratic cost of the deviation from a target state and from reference controls: `dxᵀQdx + duᵀRdu + 2dxᵀSdu` in each step,
-/// and `dxᵀPdx` at the end.
+/// and `dxᵀPdx` at the end. There is no factor ½: the value is twice the cost of texts that minimise `½dxᵀQdx + …`. The cost-to-go
+/// matrix of [`Lqr`](crate::Lqr) for the same weights is consistent with it as the terminal weights `P`.
 ///
 /// The difference of states is that of [`Lqr`](crate::Lqr), which treats quaternions as rotations. The second derivatives omit
 /// those of the difference itself (the Gauss–Newton approximation), which are zero for models without quaternions.

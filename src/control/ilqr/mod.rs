@@ -114,6 +114,13 @@ pub struct IlqrSolution {
 }
 
 impl IlqrSolution {
+    /// Returns the number of iterations that lowered the cost.
+    pub fn iterations(&self) -> usize {
+        self.costs.len() - 1
+    }
+}
+
+impl IlqrSolution {
     /// Returns the cost of the trajectory.
     pub fn cost(&self) -> f64 {
         self.costs[self.costs.len() - 1]

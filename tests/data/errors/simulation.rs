@@ -143,9 +143,10 @@ fn results_that_are_not_computed_are_errors() {
     data.reset_to_key("squat").unwrap();
     let body = data.model().body("torso").unwrap().id();
     let needs = ["position-dependent quantities", "call forward or step first"];
-    text_of(data.jac_body(body), &["jac_body needs", needs[0], needs[1]]);
-    text_of(data.jac_subtree_com(body), &["jac_subtree_com needs", needs[0]]);
-    text_of(data.full_m(), &["full_m needs", needs[0]]);
+    let parts = ["the results of kinematics, com_pos", "call these first, in this order, or forward"];
+    text_of(data.jac_body(body), &["jac_body needs", parts[0], parts[1]]);
+    text_of(data.jac_subtree_com(body), &["jac_subtree_com needs", parts[0]]);
+    text_of(data.full_m(), &["full_m needs", needs[0], needs[1]]);
     let nv = data.model().nv();
     text_of(data.mul_m_into(&vec![0.0; nv], &mut vec![0.0; nv]), &["mul_m_into needs", needs[0]]);
     text_of(data.solve_m_into(&vec![0.0; nv], &mut vec![0.0; nv]), &["solve_m_into needs", needs[0]]);

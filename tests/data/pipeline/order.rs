@@ -321,3 +321,25 @@ fn the_error_names_the_missing_calls_in_order() {
     let error = data.euler().unwrap_err().to_string();
     assert!(error.contains("euler needs the results of kinematics"), "{error}");
 }
+
+/// As in Python programs that call `mj_kinematics` and `mj_comPos` before a Jacobian.
+#[test]
+fn jacobians_after_kinematics_and_com_pos_equal_those_after_forward() {
+    for (name, mut data) in subjects().step_by(24) {
+        let error = data.jac_body(1).unwrap_err().to_string();
+        assert!(error.contains("jac_body needs the results of kinematics, com_pos"), "{error}");
+        data.kinematics().unwrap();
+        data.com_pos().unwrap();
+        let jacobians = |data: &mut Data| {
+            let mut all: Vec<_> =
+                (0..data.model().nbody()).map(|body| data.jac_body_com(body).unwrap().stacked()).collect();
+            all.extend((0..data.model().nsite()).map(|site| data.jac_site(site).unwrap().stacked()));
+            all.push(data.jac_subtree_com(1).unwrap());
+            all.push(data.angmom_mat(1).unwrap());
+            all
+        };
+        let early = jacobians(&mut data);
+        data.forward().unwrap();
+        assert_eq!(early, jacobians(&mut data), "{name}");
+    }
+}
