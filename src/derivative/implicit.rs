@@ -28,7 +28,7 @@
 //! applied to simulations with contacts in J. Carpentier and N. Mansard, "Analytical derivatives of rigid body dynamics
 //! algorithms", RSS 2018, and in S. Le Lidec et al., "Differentiable simulation for physical system identification", RA-L 2021.)
 
-use mujoco_sys::{mjJNT_BALL, mjJNT_FREE, mjMAXVAL, mjSTAGE_ACC};
+use mujoco_sys::mjSTAGE_ACC;
 
 use super::actuation::Actuation;
 use super::linear_algebra::{add, add_product, invert, quotient};
@@ -36,11 +36,11 @@ use super::method::Fallback;
 use super::newton::Newton;
 use super::perturbation::{Input, PerturbedData, Settings, sides};
 use super::residual::{Residual, multiply_inertia};
+use super::rotation::{self, Rotation};
 use super::sizes;
-use crate::data::{Data, SensorUpdate, Stage};
+use crate::data::{Data, SensorUpdate};
 use crate::enums::Integrator;
 use crate::error::Result;
-use crate::ffi;
 use crate::math;
 use crate::matrix::Matrix;
 use crate::model::Model;
@@ -52,14 +52,6 @@ const ACCELERATION_EPS_FACTOR: f64 = 1e3;
 const BASE: usize = 0;
 const RIGHT: usize = 1;
 const LEFT: usize = 2;
-
-/// Derivatives of the integration of a quaternion. `dof` is the first of its three degrees of freedom.
-#[derive(Clone, Debug)]
-struct Rotation {
-    dof: usize,
-    by_position: [f64; 9],
-    by_velocity: [f64; 9],
-}
 
 /// Quantities at the base point that all columns need, and the buffers of a column.
 #[derive(Debug)]
@@ -130,14 +122,9 @@ impl Linearisation {
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<bool> {
         let Settings { model, wanted, .. } = settings;
         let data = &mut point.data;
-        data.forward_skip(Stage::Nothing, SensorUpdate::needed(wanted.sensors))?;
-        if !data.qacc().iter().all(|value| value.abs() <= mjMAXVAL) {
-            return Ok(false);
-        }
-        self.residual.has_external_forces = data.xfrc_applied().as_flattened().iter().any(|&value| value != 0.0);
-        if !self.newton.refine(data, self.residual, &mut self.residuals[BASE])? {
-            return Ok(false);
-        }
+        let sensors = SensorUpdate::needed(wanted.sensors);
+        let Some(residual) = self.newton.solve(data, sensors, &mut self.residuals[BASE])? else { return Ok(false) };
+        self.residual = residual;
         self.qacc.copy_from_slice(data.qacc());
         if wanted.sensors {
             data.sensor_acc()?;
@@ -148,21 +135,8 @@ impl Linearisation {
 
         let h = model.raw().opt.timestep;
         let Self { rotations, spread, qacc, .. } = self;
-        rotations.clear();
-        for (joint, &kind) in model.jnt_type().iter().enumerate() {
-            let dof = ffi::size(model.jnt_dofadr()[joint]);
-            let dof = if kind == mjJNT_FREE as i32 {
-                dof + 3
-            } else if kind == mjJNT_BALL as i32 {
-                dof
-            } else {
-                continue;
-            };
-            let next = [0, 1, 2].map(|axis| dof + axis);
-            let next = next.map(|dof| point.data.qvel()[dof] + h * (qacc[dof] - spread[dof]));
-            let derivative = math::quat_integrate_derivative(&next, h);
-            rotations.push(Rotation { dof, by_position: derivative.dquat, by_velocity: derivative.dvel });
-        }
+        let qvel = point.data.qvel();
+        rotation::differentiate(model, |dof| qvel[dof] + h * (qacc[dof] - spread[dof]), rotations);
         self.multiply_inertia(&point.data, BASE);
         Ok(true)
     }

@@ -48,3 +48,81 @@ pub(super) fn invert(factor: &Matrix, lower: &mut Matrix, inverse: &mut Matrix) 
         }
     }
 }
+
+/// Computes `(L Lᵀ)⁻¹ X` in place, with a Cholesky factor L in the lower triangle of `factor`.
+///
+/// Uses operations on the rows of X, four at a time, so that its columns are processed together.
+pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
+    let (n, width) = matrix.shape();
+    let values = matrix.as_mut_slice();
+    for row in 0..n {
+        let (above, rest) = values.split_at_mut(row * width);
+        let current = &mut rest[..width];
+        subtract_rows(current, above, |other| factor[(row, other)]);
+        let inverse = 1.0 / factor[(row, row)];
+        current.iter_mut().for_each(|value| *value *= inverse);
+    }
+    for row in (0..n).rev() {
+        let (rest, below) = values.split_at_mut((row + 1) * width);
+        let current = &mut rest[row * width..];
+        subtract_rows(current, below, |other| factor[(row + 1 + other, row)]);
+        let inverse = 1.0 / factor[(row, row)];
+        current.iter_mut().for_each(|value| *value *= inverse);
+    }
+}
+
+/// Subtracts a multiple of each row of `rows` from `result`.
+fn subtract_rows(result: &mut [f64], rows: &[f64], factor: impl Fn(usize) -> f64) {
+    let width = result.len();
+    if width == 0 {
+        return;
+    }
+    let mut blocks = rows.chunks_exact(4 * width);
+    let mut index = 0;
+    for block in blocks.by_ref() {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|row| factor(index + row));
+        let (first, rest) = block.split_at(width);
+        let (second, rest) = rest.split_at(width);
+        let (third, fourth) = rest.split_at(width);
+        let rows = first.iter().zip(second).zip(third).zip(fourth);
+        for (result, (((first, second), third), fourth)) in result.iter_mut().zip(rows) {
+            *result -= (a * first + b * second) + (c * third + d * fourth);
+        }
+        index += 4;
+    }
+    for row in blocks.remainder().chunks_exact(width) {
+        add(result, row, -factor(index));
+        index += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::solve_cholesky;
+    use crate::math;
+    use crate::matrix::Matrix;
+
+    #[test]
+    fn cholesky_solves_agree_with_the_engine() {
+        const N: usize = 11;
+        let root = Matrix::from_row_major(N, N, (0..N * N).map(|i| (1.7 * i as f64).sin()).collect());
+        let mut factor = Matrix::zeros(N, N);
+        math::mul_mat_mat_t(&mut factor, &root, &root).unwrap();
+        // The product is singular.
+        (0..N).for_each(|row| factor[(row, row)] += 1.0);
+        math::chol_factor(&mut factor, 0.0).unwrap();
+        for width in [0, 1, 3, 9] {
+            let mut ours = Matrix::from_row_major(N, width, (0..N * width).map(|i| (0.9 * i as f64).cos()).collect());
+            let right = ours.clone();
+            solve_cholesky(&factor, &mut ours);
+            for column in 0..width {
+                let mut theirs: Vec<f64> = (0..N).map(|row| right[(row, column)]).collect();
+                math::chol_solve_in_place(&factor, &mut theirs).unwrap();
+                for (row, value) in theirs.into_iter().enumerate() {
+                    let tolerance = 1e-9 * (1.0 + value.abs());
+                    assert!((ours[(row, column)] - value).abs() < tolerance, "row {row} of {width} columns");
+                }
+            }
+        }
+    }
+}

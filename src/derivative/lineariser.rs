@@ -2,12 +2,12 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::implicit::obstacle;
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Wanted, inputs};
 use super::work_queue::{WorkQueue, for_each_worker};
 use super::worker::{Worker, linearise};
 use super::{StateSpace, TransitionOutputs, check_eps};
+use super::{analytic, implicit};
 use crate::data::{Data, StateSpec};
 use crate::enums::Integrator;
 use crate::error::{Error, Result};
@@ -110,7 +110,7 @@ impl Lineariser {
             let result = data.transition_fd_into(step.eps, step.differences, outputs);
             // The engine does not restore inputs that a closure sets.
             data.set_state(StateSpec::INTEGRATION, &self.base)?;
-            return result.map(|()| LinearisationReport { method, fallback });
+            return result.map(|()| LinearisationReport::new(method, fallback));
         }
         let columns = inputs(data.model(), Wanted::by(&outputs)).count();
         let workers = if columns < MIN_COLUMNS_TO_SHARE { &mut self.workers[..1] } else { &mut self.workers[..] };
@@ -148,7 +148,7 @@ impl Lineariser {
         states: &Matrix,
         controls: &Matrix,
     ) -> Result<Vec<(StateSpace, LinearisationReport)>> {
-        let report = LinearisationReport { method: self.options.method, fallback: None };
+        let report = LinearisationReport::new(self.options.method, None);
         let mut systems = vec![(StateSpace::zeros(data.model()), report); states.nrows()];
         self.along_into(data, states, controls, &mut systems)?;
         Ok(systems)
@@ -224,13 +224,21 @@ impl Lineariser {
         if data.has_callbacks() {
             return (TransitionMethod::Engine, (requested != TransitionMethod::Engine).then_some(Fallback::Callbacks));
         }
+        let model = data.model();
         let obstacle = match requested {
-            TransitionMethod::Implicit => obstacle(data.model()),
-            TransitionMethod::Engine if data.model().options().integrator == Integrator::Rk4 => {
-                Some(Fallback::RungeKutta)
-            }
+            TransitionMethod::Implicit | TransitionMethod::Analytic => implicit::obstacle(model),
+            TransitionMethod::Engine if model.options().integrator == Integrator::Rk4 => Some(Fallback::RungeKutta),
             _ => None,
         };
-        (if obstacle.is_some() { TransitionMethod::Columns } else { requested }, obstacle)
+        if obstacle.is_some() {
+            return (TransitionMethod::Columns, obstacle);
+        }
+        match requested {
+            TransitionMethod::Analytic => match analytic::obstacle(model) {
+                Some(obstacle) => (TransitionMethod::Implicit, Some(obstacle)),
+                None => (requested, None),
+            },
+            _ => (requested, None),
+        }
     }
 }

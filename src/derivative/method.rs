@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use bitflags::bitflags;
+
 use super::Differences;
 use crate::with_methods::with_methods;
 
@@ -17,6 +19,11 @@ pub enum TransitionMethod {
     /// than differences of a step, and at least as accurate. The threads share the columns. If the method does not apply, the
     /// lineariser uses [`Columns`](Self::Columns) and gives the reason in the [`LinearisationReport`].
     Implicit,
+    /// Derivatives of the equations of motion in closed form: the fastest and most accurate method. Differences remain for some
+    /// terms, which the [`LinearisationReport`] names: [`differenced`](LinearisationReport::differenced). If the method does not
+    /// apply to a model or a state, the lineariser uses [`Implicit`](Self::Implicit) or [`Columns`](Self::Columns), and gives the
+    /// reason. One thread computes a system; several threads share those along a trajectory.
+    Analytic,
 }
 
 /// Options of a [`Lineariser`](super::Lineariser).
@@ -54,7 +61,10 @@ with_methods!(TransitionOptions {
 impl TransitionOptions {
     /// Returns the scheme and the step of the differences of a method.
     pub(super) fn step(&self, method: TransitionMethod) -> Step {
-        let suitable = if method == TransitionMethod::Implicit { 1e-7 } else { 1e-6 };
+        let suitable = match method {
+            TransitionMethod::Implicit | TransitionMethod::Analytic => 1e-7,
+            TransitionMethod::Engine | TransitionMethod::Columns => 1e-6,
+        };
         Step { differences: self.differences, eps: self.eps.unwrap_or(suitable) }
     }
 }
@@ -85,6 +95,18 @@ pub enum Fallback {
     /// The constraint solver stopped too far from the accelerations that satisfy the equations of motion, because of its iteration
     /// limit or its tolerance. The method is [`Columns`](TransitionMethod::Columns).
     NotConverged,
+    /// A medium exerts forces on bodies, for which the analytic method has no formula. The method is
+    /// [`Implicit`](TransitionMethod::Implicit).
+    Fluid,
+    /// The model has spatial tendons, for which the analytic method has no formula. The method is
+    /// [`Implicit`](TransitionMethod::Implicit).
+    SpatialTendon,
+    /// The analytic method has no formula for an actuator: it covers motors, servos and other affine gains and biases on hinges,
+    /// slides and fixed tendons, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
+    Actuator,
+    /// The analytic method has no formula for a constraint that exerts a force. The method is
+    /// [`Implicit`](TransitionMethod::Implicit).
+    Constraint,
 }
 
 impl fmt::Display for Fallback {
@@ -95,15 +117,38 @@ impl fmt::Display for Fallback {
             Self::ImplicitIntegrator => "the integrator is Implicit",
             Self::NoSlip => "the no-slip solver is on",
             Self::NotConverged => "the constraint solver has not converged",
+            Self::Fluid => "a medium exerts forces",
+            Self::SpatialTendon => "the model has spatial tendons",
+            Self::Actuator => "an actuator has no closed form",
+            Self::Constraint => "a constraint has no closed form",
         })
+    }
+}
+
+bitflags! {
+    /// Terms that the [analytic](TransitionMethod::Analytic) method computes by differences.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+    pub struct DifferencedTerms: u32 {
+        /// Sensors, C and D: by differences of inverse dynamics.
+        const SENSORS = 1;
     }
 }
 
 /// Report of the method by which a step was linearised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct LinearisationReport {
     /// Method that was used.
     pub method: TransitionMethod,
     /// Reason why it is not the requested one; `None` if it is.
     pub fallback: Option<Fallback>,
+    /// Terms that the analytic method computed by differences. Empty for the other methods, which are differences throughout.
+    pub differenced: DifferencedTerms,
+}
+
+impl LinearisationReport {
+    /// Creates the report of a method without differenced terms.
+    pub(crate) fn new(method: TransitionMethod, fallback: Option<Fallback>) -> Self {
+        Self { method, fallback, differenced: DifferencedTerms::empty() }
+    }
 }

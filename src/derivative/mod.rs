@@ -1,5 +1,5 @@
-//! Derivatives by finite differences, of a step of the simulation ([`Data::transition_fd`](crate::Data::transition_fd)) and of
-//! inverse dynamics ([`Data::inverse_fd`](crate::Data::inverse_fd)).
+//! Derivatives of a step of the simulation ([`Data::transition_fd`](crate::Data::transition_fd)) and of inverse
+//! dynamics ([`Data::inverse_fd`](crate::Data::inverse_fd)).
 //!
 //! With the state difference `dx = [dq; dv; da]` of length `2 nv + na`, where `dq` is in the tangent space of positions
 //! ([`Model::differentiate_pos_into`](crate::Model::differentiate_pos_into)), a step of the simulation is to first order
@@ -10,11 +10,12 @@
 //!
 //! and [`Data::transition_fd`](crate::Data::transition_fd) computes A, B, C and D at the present state and controls. A
 //! [`Lineariser`] computes them faster, repeatedly, in several threads, and along trajectories. It either differences steps, as
-//! the engine does, or differentiates the equations of motion implicitly, from differences of inverse dynamics.
+//! the engine does, or differentiates the equations of motion implicitly: from differences of inverse dynamics, or in closed form.
 //!
 //! The derivatives of differences and sums of quaternions are in [`math`](crate::math::sub_quat_derivative).
 
 mod actuation;
+mod analytic;
 mod columns;
 mod implicit;
 mod inverse;
@@ -24,13 +25,14 @@ mod method;
 mod newton;
 mod perturbation;
 mod residual;
+mod rotation;
 mod transition;
 mod work_queue;
 mod worker;
 
 pub use self::inverse::{InverseJacobians, InverseOutputs};
 pub use self::lineariser::Lineariser;
-pub use self::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
+pub use self::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
 use crate::error::{Error, Result};

@@ -11,10 +11,10 @@
 //! "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014). g is the gradient of a convex
 //! function, piecewise quadratic except for the cones, so Newton's method converges in one or two steps from the solver's result.
 
-use mujoco_sys::{mjCNSTRSTATE_CONE, mjCNSTRSTATE_QUADRATIC, mjContact};
+use mujoco_sys::{mjCNSTRSTATE_CONE, mjCNSTRSTATE_QUADRATIC, mjContact, mjMAXVAL};
 
 use super::residual::Residual;
-use crate::data::{ConeHessian, Data};
+use crate::data::{ConeHessian, Data, SensorUpdate, Stage};
 use crate::error::Result;
 use crate::ffi;
 use crate::math;
@@ -32,7 +32,7 @@ const MIN_PIVOT: f64 = 1e-15;
 /// Newton's method, with its buffers.
 #[derive(Debug)]
 pub(super) struct Newton {
-    /// H, and then its Cholesky factor, in the lower triangle. The caller may reuse the matrix after [`refine`](Self::refine).
+    /// H, and then its Cholesky factor, in the lower triangle. The caller may reuse the matrix after [`solve`](Self::solve).
     pub(super) factor: Matrix,
     /// `J a − aref`.
     jar: Vec<f64>,
@@ -90,11 +90,29 @@ impl Newton {
         Ok(())
     }
 
+    /// Computes the accelerations of the present state to the accuracy of the arithmetic, the constraint forces, and the sensors as
+    /// requested. Leaves the residual, `(nv)`, in `value`, and returns the way to evaluate it; `None` if the constraint solver has
+    /// not converged.
+    pub(super) fn solve(
+        &mut self,
+        data: &mut Data,
+        sensors: SensorUpdate,
+        value: &mut [f64],
+    ) -> Result<Option<Residual>> {
+        data.forward_skip(Stage::Nothing, sensors)?;
+        if !data.qacc().iter().all(|value| value.abs() <= mjMAXVAL) {
+            return Ok(None);
+        }
+        let has_external_forces = data.xfrc_applied().as_flattened().iter().any(|&value| value != 0.0);
+        let residual = Residual { has_external_forces };
+        Ok(self.refine(data, residual, value)?.then_some(residual))
+    }
+
     /// Refines `qacc`, the result of the constraint solver, to the accuracy of the arithmetic.
     ///
     /// Updates the constraint forces and leaves the Cholesky factor of H in [`factor`](Self::factor). Returns false if the
     /// solver's result was too far from the solution.
-    pub(super) fn refine(&mut self, data: &mut Data, residual: Residual, value: &mut [f64]) -> Result<bool> {
+    fn refine(&mut self, data: &mut Data, residual: Residual, value: &mut [f64]) -> Result<bool> {
         self.update(data, residual, value)?;
         for step in 0..MAX_STEPS {
             self.assemble(data)?;

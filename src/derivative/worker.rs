@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::analytic::Analytic;
 use super::columns::StepDifferences;
 use super::implicit::Linearisation;
-use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
+use super::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Input, PerturbedData, Settings, Wanted, inputs};
 use super::work_queue::{WorkQueue, for_each_worker};
 use super::{TransitionOutputs, sizes};
@@ -18,6 +19,7 @@ pub(super) struct Worker {
     pub(super) point: PerturbedData,
     differences: StepDifferences,
     implicit: Linearisation,
+    analytic: Analytic,
     /// Result of the preparation of `implicit` at the base point: false if the solver has not converged, `None` before it.
     prepared: Option<bool>,
     /// Result of this worker's share of the columns.
@@ -71,6 +73,7 @@ impl Worker {
             point: PerturbedData::new(model)?,
             differences: StepDifferences::new(model),
             implicit: Linearisation::new(model),
+            analytic: Analytic::new(model),
             prepared: None,
             outcome: Ok(()),
             columns: Columns::new(model),
@@ -98,17 +101,28 @@ pub(super) fn linearise(
     (method, fallback): (TransitionMethod, Option<Fallback>),
     mut outputs: TransitionOutputs<'_>,
 ) -> Result<LinearisationReport> {
-    let report = LinearisationReport { method, fallback };
-    let step = options.step(method);
+    let report = LinearisationReport::new(method, fallback);
     if method == TransitionMethod::Engine {
-        let point = &mut workers[0].point;
+        let (point, step) = (&mut workers[0].point, options.step(method));
         point.set_base(base)?;
         point.data.transition_fd_into(step.eps, step.differences, outputs)?;
         return Ok(report);
     }
+    if method == TransitionMethod::Analytic {
+        let worker = &mut workers[0];
+        worker.point.set_base(base)?;
+        return match worker.analytic.linearise(&mut worker.point.data, &mut outputs)? {
+            None => difference_sensors(workers, base, options, outputs),
+            Some(Fallback::NotConverged) => {
+                let method = (TransitionMethod::Columns, Some(Fallback::NotConverged));
+                linearise(workers, base, options, method, outputs)
+            }
+            reason => linearise(workers, base, options, (TransitionMethod::Implicit, reason), outputs),
+        };
+    }
     let model = workers[0].point.data.model().clone();
     let wanted = Wanted::by(&outputs);
-    let settings = Settings { model: &model, wanted, step };
+    let settings = Settings { model: &model, wanted, step: options.step(method) };
     // The workers are borrowed while they write to the columns.
     let mut columns = std::mem::take(&mut workers[0].columns);
     let result = match method {
@@ -118,7 +132,7 @@ pub(super) fn linearise(
                 let method = TransitionMethod::Columns;
                 let settings = Settings { step: options.step(method), ..settings };
                 difference_steps(workers, &mut columns, base, settings)
-                    .map(|()| LinearisationReport { method, fallback: Some(Fallback::NotConverged) })
+                    .map(|()| LinearisationReport::new(method, Some(Fallback::NotConverged)))
             }
             Err(error) => Err(error),
         },
@@ -129,6 +143,22 @@ pub(super) fn linearise(
     }
     workers[0].columns = columns;
     result
+}
+
+/// Computes C and D by differences of inverse dynamics, if they are wanted.
+fn difference_sensors(
+    workers: &mut [Worker],
+    base: BasePoint<'_>,
+    options: &TransitionOptions,
+    outputs: TransitionOutputs<'_>,
+) -> Result<LinearisationReport> {
+    let mut report = LinearisationReport::new(TransitionMethod::Analytic, None);
+    let outputs = TransitionOutputs { a: None, b: None, ..outputs };
+    if Wanted::by(&outputs).sensors && workers[0].point.data.model().nsensordata() > 0 {
+        linearise(workers, base, options, (TransitionMethod::Implicit, None), outputs)?;
+        report.differenced = DifferencedTerms::SENSORS;
+    }
+    Ok(report)
 }
 
 /// Computes all columns by differences of a step.

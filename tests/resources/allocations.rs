@@ -256,7 +256,9 @@ fn linearising_in_a_workspace_does_not_allocate() {
     let _lock = lock_process();
     let mut data = squatting();
     let mut system = StateSpace::zeros(data.model());
-    for method in [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit] {
+    for method in
+        [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic]
+    {
         let options = TransitionOptions::default().with_method(method);
         let mut transition = Lineariser::new(data.model().clone(), options).unwrap();
         allocates_nothing(&format!("a workspace by {method:?}"), || {

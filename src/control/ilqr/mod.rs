@@ -219,7 +219,7 @@ impl Ilqr {
             backward: Backward::new(model, steps),
             policy: AffinePolicy::zeros(model, steps),
             starts: Matrix::zeros(steps, model.state_size(StateSpec::PHYSICS)),
-            systems: vec![(StateSpace::zeros(model), LinearisationReport { method, fallback: None }); steps],
+            systems: vec![(StateSpace::zeros(model), LinearisationReport::new(method, None)); steps],
             regularisation: Regularisation::default(),
         };
         let mut status = IlqrStatus::IterationLimit;

@@ -12,8 +12,8 @@ use mujoco_safe::{
 
 use super::{assert_near, deviation, oracle, standing};
 
-const METHODS: [TransitionMethod; 3] =
-    [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit];
+const METHODS: [TransitionMethod; 4] =
+    [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic];
 
 fn workspace(data: &Data, options: TransitionOptions) -> Lineariser {
     Lineariser::new(data.model().clone(), options).unwrap()

@@ -1,6 +1,7 @@
 //! Linear systems of steps by every method: against extrapolated differences of the engine's `mj_step`, against its
 //! `mjd_transitionFD`, and against each other. The simulation is restored.
 
+mod analytic;
 mod contract;
 mod features;
 mod oracle;

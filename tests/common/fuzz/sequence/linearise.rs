@@ -12,8 +12,8 @@ use mujoco_safe::{Controller, Data, Differences, Lineariser, LqrWeights, Matrix,
 
 use super::{Bytes, Call, Scene};
 
-const METHODS: [TransitionMethod; 3] =
-    [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit];
+const METHODS: [TransitionMethod; 4] =
+    [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic];
 
 /// Makes a call with a workspace, often the workspace of an earlier call, with the same model or another.
 fn with_transition(
@@ -26,7 +26,7 @@ fn with_transition(
     }
     if scene.transition.is_none() || bytes.once_in(4) {
         let mut options = TransitionOptions::default()
-            .with_method(METHODS[bytes.below(3)])
+            .with_method(METHODS[bytes.below(METHODS.len())])
             .with_differences([Differences::Forward, Differences::Central][bytes.below(2)])
             .with_threads([1, 1, 2, 3, 0][bytes.below(5)]);
         options.eps = bytes.once_in(3).then(|| bytes.number());

@@ -1,0 +1,70 @@
+//! The matrix `W = M + h D` of the Euler integrator with implicit damping D.
+//!
+//! D is diagonal, so W has the sparsity of M: an entry is zero unless one degree of freedom is above the other in the tree. The
+//! factorisation `W = Lᵀ Δ L`, Δ diagonal, keeps this sparsity (R. Featherstone, "Efficient factorization of the joint-space
+//! inertia matrix for branched kinematic trees", IJRR 2005). Values are stored as in the engine's `qM`: for each degree of
+//! freedom, those of its chain to the root.
+
+use super::tree::Tree;
+use crate::data::Data;
+use crate::derivative::linear_algebra::add;
+use crate::ffi;
+use crate::matrix::Matrix;
+
+/// Sparse factor of `M + h D`.
+#[derive(Debug, Default)]
+pub(super) struct DampedInertia {
+    /// `(nM)`: W, and then Δ on the diagonal and L below it.
+    values: Vec<f64>,
+    /// `(nv)`: address of the diagonal entry of each degree of freedom.
+    start: Vec<usize>,
+}
+
+impl DampedInertia {
+    /// Factors `M + h D` at the present position.
+    pub(super) fn factor(&mut self, data: &Data, tree: &Tree) {
+        let model = data.model();
+        self.values.clear();
+        self.values.extend_from_slice(data.qM());
+        self.start.clear();
+        self.start.extend(model.dof_Madr().iter().map(|&address| ffi::size(address)));
+        let Self { values, start } = self;
+        for (&start, &damping) in start.iter().zip(model.dof_damping()) {
+            values[start] += model.raw().opt.timestep * damping;
+        }
+        for dof in (0..start.len()).rev() {
+            let pivot = values[start[dof]];
+            let length = tree.chain(tree.parent[dof]).count();
+            for (offset, above) in tree.chain(tree.parent[dof]).enumerate() {
+                let at = start[dof] + 1 + offset;
+                let factor = values[at] / pivot;
+                // The row of `above` is the rest of this chain. Its entries are before those of `dof`.
+                for rest in 0..length - offset {
+                    values[start[above] + rest] -= factor * values[at + rest];
+                }
+            }
+            values[start[dof] + 1..=start[dof] + length].iter_mut().for_each(|value| *value /= pivot);
+        }
+    }
+
+    /// Computes `W⁻¹ X` in place. Row k of X, of any width, is that of degree of freedom k.
+    pub(super) fn solve(&self, tree: &Tree, matrix: &mut Matrix) {
+        let width = matrix.ncols();
+        let values = matrix.as_mut_slice();
+        for (dof, &start) in self.start.iter().enumerate().rev() {
+            let (above, row) = values.split_at_mut(dof * width);
+            let row = &mut row[..width];
+            for (ancestor, &factor) in tree.chain(tree.parent[dof]).zip(&self.values[start + 1..]) {
+                add(&mut above[ancestor * width..(ancestor + 1) * width], row, -factor);
+            }
+            let inverse = 1.0 / self.values[start];
+            row.iter_mut().for_each(|value| *value *= inverse);
+        }
+        for (dof, &start) in self.start.iter().enumerate() {
+            let (above, row) = values.split_at_mut(dof * width);
+            for (ancestor, &factor) in tree.chain(tree.parent[dof]).zip(&self.values[start + 1..]) {
+                add(&mut row[..width], &above[ancestor * width..(ancestor + 1) * width], -factor);
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Linear system of a step in closed form.
+//!
+//! As in `implicit.rs`, the accelerations a of a state solve g(q, v, a, u) = 0, and ∂a = −H⁻¹ ∂g. Here ∂g is not differenced, but
+//! assembled from the derivatives of its terms,
+//!
+//! ```text
+//! g = M a + c − passive − actuator − applied − Jᵀ f(J a − aref),
+//! ```
+//!
+//! | term | derivative |
+//! |---|---|
+//! | `M a + c`: inertia, Coriolis and centrifugal forces, gravity | `rigid_body.rs`, along the tree (`tree.rs`) |
+//! | springs and dampers of joints and fixed tendons | `passive.rs` |
+//! | actuators | `actuators.rs` |
+//! | forces on bodies | `applied.rs` |
+//! | step of the integrator | `euler.rs`, `damped_inertia.rs` |
+//!
+//! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j displaces all bodies that it moves
+//! by the twist `cdof[j]`. This holds for all joints: for a free joint `cdof` has the world's axes for translations and the axes of
+//! the body for rotations.
+//!
+//! Sources: J. Carpentier and N. Mansard, "Analytical derivatives of rigid body dynamics algorithms", RSS 2018; R. Featherstone,
+//! "Rigid Body Dynamics Algorithms", Springer 2008; E. Todorov, "Convex and analytically-invertible dynamics with contacts and
+//! constraints", ICRA 2014.
+
+mod actuators;
+mod applied;
+mod damped_inertia;
+mod euler;
+mod passive;
+mod rigid_body;
+mod spatial;
+mod tree;
+
+use mujoco_sys::mjCNSTRSTATE_SATISFIED;
+
+use self::actuators::NextActivation;
+use self::euler::Euler;
+use self::rigid_body::RigidBodies;
+use self::tree::Tree;
+use super::method::Fallback;
+use super::newton::Newton;
+use super::{TransitionOutputs, sizes};
+use crate::data::{Data, SensorUpdate};
+use crate::error::Result;
+use crate::matrix::Matrix;
+use crate::model::{DisableFlags, Model};
+
+/// Linearisation in closed form, with its buffers.
+#[derive(Debug)]
+pub(super) struct Analytic {
+    tree: Tree,
+    bodies: RigidBodies,
+    newton: Newton,
+    euler: Euler,
+    /// `(nv)`: g, and then a row of a Jacobian.
+    row: Vec<f64>,
+    /// `(nv, nx + nu)`: derivatives of g, and then of the next velocities, by positions, velocities, activations and controls.
+    derivative: Matrix,
+    /// `(na)`
+    next_activation: Vec<NextActivation>,
+}
+
+/// Returns the reason why a step of this model has no closed form here, if there is one.
+pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
+    passive::obstacle(model).or_else(|| actuators::obstacle(model))
+}
+
+impl Analytic {
+    pub(super) fn new(model: &Model) -> Self {
+        let tree = Tree::new(model);
+        let (nx, nu, _) = sizes(model);
+        Self {
+            bodies: RigidBodies::new(model, &tree),
+            tree,
+            newton: Newton::new(model),
+            euler: Euler::new(model, nx + nu),
+            row: vec![0.0; model.nv()],
+            derivative: Matrix::zeros(model.nv(), nx + nu),
+            next_activation: vec![NextActivation::default(); model.na()],
+        }
+    }
+
+    /// Writes A and B of the present state, if they are wanted. Returns the reason why there is no closed form, if so.
+    pub(super) fn linearise(
+        &mut self,
+        data: &mut Data,
+        outputs: &mut TransitionOutputs<'_>,
+    ) -> Result<Option<Fallback>> {
+        if self.newton.solve(data, SensorUpdate::Skip, &mut self.row)?.is_none() {
+            return Ok(Some(Fallback::NotConverged));
+        }
+        let data = &*data;
+        if data.efc_state().iter().any(|&state| state as u32 != mjCNSTRSTATE_SATISFIED) {
+            return Ok(Some(Fallback::Constraint));
+        }
+        let model = data.model();
+        let Self { tree, bodies, newton, euler, row, derivative, next_activation } = self;
+        derivative.as_mut_slice().fill(0.0);
+        next_activation.fill(NextActivation::default());
+        let has_gravity = model.raw().opt.disableflags as u32 & DisableFlags::GRAVITY.bits() == 0;
+        let gravity = if has_gravity { model.raw().opt.gravity } else { [0.0; 3] };
+        bodies.differentiate(data, tree, gravity, data.qacc(), derivative);
+        applied::differentiate(data, tree, derivative);
+        passive::differentiate(data, row, derivative);
+        actuators::differentiate(data, derivative, next_activation);
+        euler.differentiate(data, tree, bodies, &newton.factor, derivative);
+        self.write(model, outputs);
+        Ok(None)
+    }
+
+    /// Writes A and B from the derivatives of the next velocities and activations.
+    fn write(&self, model: &Model, outputs: &mut TransitionOutputs<'_>) {
+        let (nx, nu, _) = sizes(model);
+        let (nv, na, h) = (model.nv(), model.na(), model.raw().opt.timestep);
+        if let Some(a) = &mut outputs.a {
+            self.euler.write(h, &self.derivative, 0..nx, a);
+            for (activation, next) in self.next_activation.iter().enumerate() {
+                let row = a.row_mut(2 * nv + activation);
+                row.fill(0.0);
+                row[2 * nv + activation] = next.by_activation;
+            }
+        }
+        if let Some(b) = &mut outputs.b {
+            self.euler.write(h, &self.derivative, nx..nx + nu, b);
+            for (activation, next) in self.next_activation.iter().enumerate() {
+                let row = b.row_mut(2 * nv + activation);
+                row.fill(0.0);
+                row[nu - na + activation] = next.by_control;
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Derivatives of the passive forces: springs and dampers of joints and fixed tendons.
+
+use super::super::linear_algebra::add;
+use super::super::method::Fallback;
+use crate::data::Data;
+use crate::enums::{JointType, WrapType};
+use crate::ffi;
+use crate::math;
+use crate::matrix::Matrix;
+use crate::model::{DisableFlags, Model};
+
+/// Returns the reason why passive forces have no closed form here, if there is one.
+pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
+    let options = model.raw().opt;
+    if options.density > 0.0 || options.viscosity > 0.0 {
+        return Some(Fallback::Fluid);
+    }
+    (0..model.ntendon()).any(|tendon| !is_fixed(model, tendon)).then_some(Fallback::SpatialTendon)
+}
+
+/// Returns true if the length of a tendon is a linear function of joint positions.
+fn is_fixed(model: &Model, tendon: usize) -> bool {
+    let first = ffi::size(model.tendon_adr()[tendon]);
+    WrapType::from_raw(model.wrap_type()[first]) == Some(WrapType::Joint)
+}
+
+/// Subtracts the derivatives of the passive forces from those of the residual.
+pub(super) fn differentiate(data: &Data, row: &mut [f64], residual: &mut Matrix) {
+    let model = data.model();
+    let nv = model.nv();
+    if model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() != 0 {
+        return;
+    }
+    for (dof, &damping) in model.dof_damping().iter().enumerate() {
+        residual[(dof, nv + dof)] += damping;
+    }
+    for (joint, &stiffness) in model.jnt_stiffness().iter().enumerate() {
+        if stiffness != 0.0 {
+            add_spring(data, joint, stiffness, residual);
+        }
+    }
+    for tendon in 0..model.ntendon() {
+        let (stiffness, damping) = (model.tendon_stiffness()[tendon], model.tendon_damping()[tendon]);
+        if stiffness != 0.0 || damping != 0.0 {
+            tendon_row(data, tendon, row);
+            for (dof, &moment) in row.iter().enumerate() {
+                if moment != 0.0 {
+                    let (by_position, by_velocity) = residual.row_mut(dof)[..2 * nv].split_at_mut(nv);
+                    add(by_position, row, stiffness * moment);
+                    add(by_velocity, row, damping * moment);
+                }
+            }
+        }
+    }
+}
+
+/// Adds the derivative of the force that a joint's spring needs.
+fn add_spring(data: &Data, joint: usize, stiffness: f64, residual: &mut Matrix) {
+    let model = data.model();
+    let (mut dof, mut at) = (ffi::size(model.jnt_dofadr()[joint]), ffi::size(model.jnt_qposadr()[joint]));
+    let kind = JointType::of_field(model.jnt_type()[joint]);
+    if kind == JointType::Free {
+        (dof..dof + 3).for_each(|dof| residual[(dof, dof)] += stiffness);
+        (dof, at) = (dof + 3, at + 3);
+    }
+    if matches!(kind, JointType::Free | JointType::Ball) {
+        let quat = |values: &[f64]| *values[at..].first_chunk::<4>().expect("Bug: the quaternion is in qpos");
+        let mut present = quat(data.qpos());
+        math::normalize4(&mut present);
+        let derivative = math::sub_quat_derivative(&present, &quat(model.qpos_spring())).da;
+        for (index, value) in derivative.into_iter().enumerate() {
+            residual[(dof + index / 3, dof + index % 3)] += stiffness * value;
+        }
+    } else {
+        residual[(dof, dof)] += stiffness;
+    }
+}
+
+/// Writes the Jacobian of a tendon to a dense row.
+pub(super) fn tendon_row(data: &Data, tendon: usize, row: &mut [f64]) {
+    let jacobian = data.ten_J();
+    if data.model().is_sparse() {
+        row.fill(0.0);
+        let start = ffi::size(data.ten_J_rowadr()[tendon]);
+        let range = start..start + ffi::size(data.ten_J_rownnz()[tendon]);
+        for (&dof, &value) in data.ten_J_colind()[range.clone()].iter().zip(&jacobian.as_slice()[range]) {
+            row[ffi::size(dof)] = value;
+        }
+    } else {
+        row.copy_from_slice(jacobian.row(tendon));
+    }
+}

@@ -1,0 +1,213 @@
+//! The analytic method, one term at a time: A and B against extrapolated differences of the engine's `mj_step`.
+
+use mujoco_safe::derivative::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
+use mujoco_safe::{Data, Lineariser, Model, StateSpace, sample};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::features::{chain, moving};
+use super::{deviation, oracle};
+
+/// Largest deviation of A and B, relative to their largest entries. The differences are good to a tenth of it.
+const TOLERANCE: f64 = 1e-7;
+
+fn analytic(data: &mut Data) -> (StateSpace, LinearisationReport) {
+    let options = TransitionOptions::default().with_method(TransitionMethod::Analytic);
+    Lineariser::new(data.model().clone(), options).unwrap().linear_system(data).unwrap()
+}
+
+/// Compares A and B with the differences, and checks that the method did not fall back to another.
+#[track_caller]
+fn check(what: &str, data: &mut Data) {
+    let (system, report) = analytic(data);
+    assert_eq!((report.method, report.fallback), (TransitionMethod::Analytic, None), "{what}");
+    let truth = oracle::linear_system(data);
+    for (name, ours, theirs) in [("A", &system.a, &truth.a), ("B", &system.b, &truth.b)] {
+        let deviation = deviation(ours, theirs);
+        assert!(deviation <= TOLERANCE, "{what}: {name} deviates by {deviation:e} of its largest number");
+    }
+}
+
+fn model(xml: &str) -> Data {
+    Data::new(Model::from_xml_str(xml).unwrap_or_else(|error| panic!("{error}: {xml}"))).unwrap()
+}
+
+/// Moves to a random state, with random controls and activations.
+fn randomise(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
+    let mut value = || random.random_range(-1.0..1.0);
+    data.reset().unwrap();
+    let model = data.model().clone();
+    let shift: Vec<f64> = (0..model.nv()).map(|_| value()).collect();
+    model.integrate_pos(data.qpos_mut(), &shift, 1.0).unwrap();
+    data.qvel_mut().iter_mut().for_each(|qvel| *qvel = 3.0 * value());
+    data.ctrl_mut().iter_mut().for_each(|ctrl| *ctrl = value());
+    data.act_mut().iter_mut().for_each(|act| *act = value());
+}
+
+/// Free, ball, slide and hinge joints in one tree, two of them in one body, and a second tree.
+const JOINTS: &str = r#"<mujoco>
+    <option timestep="0.004" gravity="1 -2 -9"/>
+    <worldbody>
+      <body pos="0 0 3">
+        <freejoint/><geom type="capsule" size="0.1" fromto="-0.15 0 0 0.2 0.05 0.03"/>
+        <body pos="0.25 0 0.05">
+          <joint type="ball" pos="-0.03 0.02 0.01"/><geom type="capsule" size="0.05" fromto="0 0 0 0.3 0.02 -0.05"/>
+          <body pos="0.32 0 -0.05">
+            <joint type="slide" axis="1 0.2 -0.1"/><joint name="h" axis="0 1 0.3" pos="0.01 0 0.02" armature="0.03"/>
+            <geom type="box" size="0.08 0.05 0.03" pos="0.05 0 0.01"/>
+            <body pos="0 0.1 0"><geom size="0.05"/></body>
+          </body>
+          <body pos="0.1 0.1 0"><joint name="i" axis="0.2 0 1"/><geom size="0.04" pos="0.1 0 0"/></body>
+        </body>
+      </body>
+      <body pos="2 0 0"><body pos="0 0 0.3"><joint type="ball"/><geom size="0.1" pos="0.2 0.1 0"/></body></body>
+    </worldbody>
+    REST
+  </mujoco>"#;
+
+fn joints(rest: &str) -> String {
+    JOINTS
+        .replace("REST", rest)
+        .replace("<worldbody>", r#"<default><geom contype="0" conaffinity="0"/></default><worldbody>"#)
+}
+
+#[test]
+fn inertia_velocity_and_gravity_terms_agree_with_differences_for_every_joint() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut data = model(&joints(""));
+    for state in 0..20 {
+        randomise(&mut data, &mut random);
+        check(&format!("state {state}"), &mut data);
+    }
+    let mut weightless =
+        model(&joints("").replace("<worldbody>", r#"<option><flag gravity="disable"/></option><worldbody>"#));
+    randomise(&mut weightless, &mut random);
+    check("without gravity", &mut weightless);
+}
+
+#[test]
+fn implicit_damping_of_the_integrator_agrees_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
+    for damping in [r#"damping="0.3""#, r#"damping="20" stiffness="2""#] {
+        let joint = format!(r#"<default><joint {damping}/></default><worldbody>"#);
+        let mut data = model(&joints("").replace("<worldbody>", &joint));
+        for state in 0..10 {
+            randomise(&mut data, &mut random);
+            check(&format!("{damping}, state {state}"), &mut data);
+        }
+    }
+    // A free joint with damping and a spring.
+    let xml = joints("").replace("<freejoint/>", r#"<joint type="free" damping="0.5" stiffness="3"/>"#);
+    let mut data = model(&xml);
+    randomise(&mut data, &mut random);
+    check("a free joint", &mut data);
+}
+
+#[test]
+fn passive_forces_agree_with_differences() {
+    let tendon = r#"<tendon><fixed name="t" stiffness="3" damping="0.2"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed></tendon>"#;
+    for (what, option, links) in [
+        ("springs", "", r#"stiffness="4" springref="20""#),
+        ("a fixed tendon", "", ""),
+        ("a sparse tendon", r#"jacobian="sparse""#, r#"damping="0.1""#),
+    ] {
+        check(what, &mut moving(&chain(option, "", links, tendon), 7));
+    }
+    let without = chain("", "", r#"stiffness="4" damping="0.3""#, tendon)
+        .replace("<option ", r#"<option><flag passive="disable"/></option><option "#);
+    check("no passive forces", &mut moving(&without, 7));
+}
+
+#[test]
+fn affine_actuators_agree_with_differences() {
+    let tendon =
+        r#"<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed></tendon>"#;
+    for actuator in [
+        r#"<motor joint="a" gear="2"/><motor joint="c"/>"#,
+        r#"<position joint="a" kp="20"/><velocity joint="b" kv="3"/>"#,
+        r#"<position tendon="t" kp="20" gear="3"/>"#,
+        r#"<position joint="a" kp="20" forcelimited="true" forcerange="-0.1 0.1"/>"#,
+        r#"<motor joint="a" ctrllimited="true" ctrlrange="-1 0.1"/><motor joint="b" ctrllimited="true" ctrlrange="-1 0.5"/>"#,
+        r#"<general joint="a" gaintype="affine" gainprm="2 0.5 0.3" biastype="affine" biasprm="0.1 -3 -0.4"/>"#,
+        r#"<general joint="a" gaintype="affine" gainprm="2 0.5 0.3" ctrllimited="true" ctrlrange="-1 0.1"/>"#,
+        r#"<general joint="c" dyntype="integrator" gainprm="4" biastype="affine" biasprm="0 -4 -0.3"/>"#,
+        r#"<general joint="c" dyntype="integrator" gainprm="4" actlimited="true" actrange="0 0.4"/>"#,
+        r#"<motor joint="a"/><general joint="c" dyntype="filter" dynprm="0.05" gainprm="3"/>"#,
+    ] {
+        let rest = format!("{tendon}<actuator>{actuator}</actuator>");
+        check(actuator, &mut moving(&chain("", "", r#"damping="0.2""#, &rest), 5));
+    }
+    for flag in [r#"clampctrl="disable""#, r#"actuation="disable""#] {
+        let limited = r#"<actuator><motor joint="a" ctrllimited="true" ctrlrange="-1 0.1"/></actuator>"#;
+        let xml = chain("", "", "", limited).replace("<option ", &format!("<option><flag {flag}/></option><option "));
+        check(flag, &mut moving(&xml, 5));
+    }
+    // Motors on a free and a ball joint have constant moment arms.
+    let xml = joints(
+        r#"<actuator><motor joint="free" gear="1 2 3 0.1 0.2 0.3"/><motor joint="ball" gear="1 2 3"/></actuator>"#,
+    )
+    .replace("<freejoint/>", r#"<freejoint name="free"/>"#)
+    .replacen(r#"type="ball""#, r#"type="ball" name="ball""#, 1);
+    let mut data = model(&xml);
+    randomise(&mut data, &mut Xoshiro256PlusPlus::seed_from_u64(3));
+    check("motors on a free and a ball joint", &mut data);
+}
+
+#[test]
+fn forces_on_bodies_agree_with_differences() {
+    let mut data = model(&joints(""));
+    randomise(&mut data, &mut Xoshiro256PlusPlus::seed_from_u64(4));
+    for body in 1..data.model().nbody() {
+        data.xfrc_applied_mut()[body] = [3.0, -2.0, body as f64, 0.3, 0.2, -0.5];
+    }
+    data.qfrc_applied_mut().fill(0.4);
+    check("forces on bodies and joints", &mut data);
+}
+
+#[test]
+fn the_cartpole_agrees_with_differences_in_random_states() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    for state in 0..20 {
+        randomise(&mut data, &mut random);
+        check(&format!("state {state}"), &mut data);
+    }
+}
+
+#[test]
+fn terms_without_a_formula_fall_back_with_the_reason() {
+    let spatial =
+        r#"<tendon><spatial name="s" stiffness="8"><site site="anchor"/><site site="tip"/></spatial></tendon>"#;
+    for (fallback, xml) in [
+        (Fallback::Fluid, chain(r#"density="900""#, "", "", "")),
+        (Fallback::SpatialTendon, chain("", "", "", spatial)),
+        (Fallback::Actuator, chain("", "", "", r#"<actuator><motor site="tip"/></actuator>"#)),
+        (
+            Fallback::Actuator,
+            joints(r#"<actuator><position joint="h" kp="1"/><position joint="ball" kp="1"/></actuator>"#).replacen(
+                r#"type="ball""#,
+                r#"type="ball" name="ball""#,
+                1,
+            ),
+        ),
+    ] {
+        let mut data = moving(&xml, 3);
+        let (system, report) = analytic(&mut data);
+        assert_eq!((report.method, report.fallback), (TransitionMethod::Implicit, Some(fallback)));
+        let implicit = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
+        assert_eq!(system, { implicit }.linear_system(&mut data).unwrap().0);
+    }
+}
+
+#[test]
+fn sensors_are_those_of_the_implicit_method() {
+    let xml = chain("", "", r#"damping="0.1""#, r#"<sensor><jointpos joint="a"/><accelerometer site="tip"/></sensor>"#);
+    let mut data = moving(&xml, 5);
+    let (system, report) = analytic(&mut data);
+    assert_eq!(report.differenced, DifferencedTerms::SENSORS);
+    let mut implicit = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
+    let (other, report) = implicit.linear_system(&mut data).unwrap();
+    assert!(report.differenced.is_empty());
+    assert_eq!((&system.c, &system.d), (&other.c, &other.d));
+    assert!(deviation(&system.a, &other.a) < 1e-6 && system.a != other.a);
+}
