@@ -21,13 +21,13 @@ pub struct GeomDistance {
     pub fromto: [[f64; 3]; 2],
 }
 
-/// Contact with the smallest distance.
+/// Contact that a collision function has found.
 #[derive(Clone, Copy)]
-struct Nearest {
-    distance: f64,
-    midpoint: [f64; 3],
-    /// Points from the geom with the smaller type number to the other.
-    normal: [f64; 3],
+pub(crate) struct FoundContact {
+    pub(crate) distance: f64,
+    pub(crate) midpoint: [f64; 3],
+    /// Points from the geom with the smaller type number to the other. Almost a unit vector.
+    pub(crate) normal: [f64; 3],
 }
 
 /// Width, m, to which the bracket of a positive distance is reduced.
@@ -97,7 +97,7 @@ impl Data {
         } else {
             self.nearest_by_bisection(pair, distmax)?
         };
-        Ok(nearest.filter(|nearest| nearest.distance <= distmax).map(|Nearest { distance, midpoint, normal }| {
+        Ok(nearest.filter(|nearest| nearest.distance <= distmax).map(|FoundContact { distance, midpoint, normal }| {
             let at = |side: f64| std::array::from_fn(|i| midpoint[i] + side * distance * normal[i]);
             let fromto = if swapped { [at(0.5), at(-0.5)] } else { [at(-0.5), at(0.5)] };
             GeomDistance { distance, fromto }
@@ -112,7 +112,7 @@ impl Data {
     }
 
     /// Returns the nearest contact of a pair without a closed-form solution.
-    fn nearest_by_bisection(&mut self, pair: [usize; 2], distmax: f64) -> Result<Option<Nearest>> {
+    fn nearest_by_bisection(&mut self, pair: [usize; 2], distmax: f64) -> Result<Option<FoundContact>> {
         let types = pair.map(|geom| self.model().geom_type()[geom] as u32);
         // The special functions for boxes compute contacts only, and no distances.
         let function = if types == [mjGEOM_BOX; 2] || types == [mjGEOM_CAPSULE, mjGEOM_BOX] {
@@ -143,16 +143,29 @@ impl Data {
                 None => lower = middle,
             }
         }
-        Ok(Some(Nearest { distance: upper, ..nearest }))
+        Ok(Some(FoundContact { distance: upper, ..nearest }))
     }
 
     /// Returns the nearest of the contacts that a collision function finds within a margin.
-    fn nearest(
+    fn nearest(&mut self, pair: [usize; 2], function: CollisionFunction, margin: f64) -> Result<Option<FoundContact>> {
+        let mut nearest: Option<FoundContact> = None;
+        self.collide(pair, function, margin, |found| {
+            let is_nearer = nearest.is_none_or(|nearest| found.distance.total_cmp(&nearest.distance).is_lt());
+            if is_nearer && !found.distance.is_nan() {
+                nearest = Some(found);
+            }
+        })?;
+        Ok(nearest)
+    }
+
+    /// Calls `found` for each contact that a collision function finds within a margin, for a pair that is sorted by type.
+    pub(crate) fn collide(
         &mut self,
         [first, second]: [usize; 2],
         function: CollisionFunction,
         margin: f64,
-    ) -> Result<Option<Nearest>> {
+        found: impl FnMut(FoundContact),
+    ) -> Result<()> {
         #[allow(
             clippy::large_stack_arrays,
             reason = "26 kB, as large as the array on the stack of the engine's caller of this function"
@@ -163,32 +176,33 @@ impl Data {
             CollisionFunction::Convex => [mjGEOM_ELLIPSOID as i32; 2],
         };
         let mut count = 0;
-        let (found, place) = (contacts.as_mut_ptr().cast(), &raw mut count);
+        let (array, place) = (contacts.as_mut_ptr().cast(), &raw mut count);
         self.call_mut("mjCOLLISIONFUNC", |m, d| {
             // SAFETY: two geoms of this model, whose poses were computed, and the function for their types or the one for any two
             // convex shapes; an array for the largest number of contacts that a function may find. The function moves the geoms and
             // restores them, for which `call_mut` borrows the data exclusively.
-            unsafe { guard::collide(m, d, found, types[0], types[1], first as i32, second as i32, margin, place) }
+            unsafe { guard::collide(m, d, array, types[0], types[1], first as i32, second as i32, margin, place) }
         })?;
         let Ok(count) = usize::try_from(count) else {
             return Err(Error::Unsupported(format!(
                 "the distance of geoms {first} and {second}: the engine has no collision function for their types"
             )));
         };
-        let nearest = contacts[..count].iter().map(|contact| {
+        let contacts = contacts[..count].iter().map(|contact| {
             // The collision functions leave some fields uninitialised, so a reference to the whole struct would be invalid.
             let contact = contact.as_ptr();
             // SAFETY: every collision function sets these fields of each contact that it counts.
             let (distance, midpoint, frame) = unsafe { ((*contact).dist, (*contact).pos, (*contact).frame) };
-            Nearest { distance, midpoint, normal: [frame[0], frame[1], frame[2]] }
+            FoundContact { distance, midpoint, normal: [frame[0], frame[1], frame[2]] }
         });
-        Ok(nearest.filter(|nearest| !nearest.distance.is_nan()).min_by(|a, b| a.distance.total_cmp(&b.distance)))
+        contacts.for_each(found);
+        Ok(())
     }
 }
 
 /// Selection of the collision function.
 #[derive(Clone, Copy)]
-enum CollisionFunction {
+pub(crate) enum CollisionFunction {
     /// Function of the engine's table for the types of the pair.
     Table,
     /// Function for any two convex shapes.

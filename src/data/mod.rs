@@ -37,6 +37,7 @@ pub(crate) use self::active_callbacks::EngineCallbacks;
 pub use self::contact::ContactForce;
 pub use self::diagnostics::{SolverIteration, TimerCount};
 pub use self::distance::GeomDistance;
+pub(crate) use self::distance::{CollisionFunction, FoundContact};
 pub use self::frame::SpatialVector;
 pub use self::jacobian::Jacobian;
 pub use self::ray::{RayHit, RayOptions};

@@ -104,8 +104,8 @@ pub enum Fallback {
     /// The analytic method has no formula for an actuator: it covers motors, servos and other affine gains and biases on hinges,
     /// slides and fixed tendons, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
     Actuator,
-    /// The analytic method has no formula for a constraint that exerts a force. The method is
-    /// [`Implicit`](TransitionMethod::Implicit).
+    /// The analytic method has no formula for a constraint that exerts a force, for example a contact of convex meshes, whose
+    /// collision function iterates. The method is [`Implicit`](TransitionMethod::Implicit).
     Constraint,
 }
 
@@ -131,6 +131,9 @@ bitflags! {
     pub struct DifferencedTerms: u32 {
         /// Sensors, C and D: by differences of inverse dynamics.
         const SENSORS = 1;
+        /// Geometry of contacts between shapes without a formula, such as boxes with boxes: by differences of their collision
+        /// function.
+        const CONTACTS = 1 << 1;
     }
 }
 

@@ -155,13 +155,14 @@ impl Newton {
     }
 }
 
-fn contacts(data: &Data) -> &[mjContact] {
+/// Returns the contacts, as the engine stores them.
+pub(super) fn contacts(data: &Data) -> &[mjContact] {
     // SAFETY: the engine's array holds `ncon` contacts, and nothing writes to them while the data is borrowed.
     unsafe { ffi::array(data.raw().contact, data.ncon()) }
 }
 
 /// Adds a multiple of a row of J, dense or sparse.
-fn add_row(data: &Data, row: usize, factor: f64, to: &mut [f64]) {
+pub(super) fn add_row(data: &Data, row: usize, factor: f64, to: &mut [f64]) {
     let nv = to.len();
     if data.model().is_sparse() {
         let start = data.efc_J_rowadr()[row] as usize;

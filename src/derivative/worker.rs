@@ -112,12 +112,14 @@ pub(super) fn linearise(
         let worker = &mut workers[0];
         worker.point.set_base(base)?;
         return match worker.analytic.linearise(&mut worker.point.data, &mut outputs)? {
-            None => difference_sensors(workers, base, options, outputs),
-            Some(Fallback::NotConverged) => {
-                let method = (TransitionMethod::Columns, Some(Fallback::NotConverged));
-                linearise(workers, base, options, method, outputs)
+            Ok(differenced) => difference_sensors(workers, base, options, outputs, differenced),
+            Err(reason) => {
+                let method = match reason {
+                    Fallback::NotConverged => TransitionMethod::Columns,
+                    _ => TransitionMethod::Implicit,
+                };
+                linearise(workers, base, options, (method, Some(reason)), outputs)
             }
-            reason => linearise(workers, base, options, (TransitionMethod::Implicit, reason), outputs),
         };
     }
     let model = workers[0].point.data.model().clone();
@@ -145,20 +147,20 @@ pub(super) fn linearise(
     result
 }
 
-/// Computes C and D by differences of inverse dynamics, if they are wanted.
+/// Computes C and D by differences of inverse dynamics, if they are wanted, after A and B in closed form.
 fn difference_sensors(
     workers: &mut [Worker],
     base: BasePoint<'_>,
     options: &TransitionOptions,
     outputs: TransitionOutputs<'_>,
+    mut differenced: DifferencedTerms,
 ) -> Result<LinearisationReport> {
-    let mut report = LinearisationReport::new(TransitionMethod::Analytic, None);
     let outputs = TransitionOutputs { a: None, b: None, ..outputs };
     if Wanted::by(&outputs).sensors && workers[0].point.data.model().nsensordata() > 0 {
         linearise(workers, base, options, (TransitionMethod::Implicit, None), outputs)?;
-        report.differenced = DifferencedTerms::SENSORS;
+        differenced |= DifferencedTerms::SENSORS;
     }
-    Ok(report)
+    Ok(LinearisationReport { differenced, ..LinearisationReport::new(TransitionMethod::Analytic, None) })
 }
 
 /// Computes all columns by differences of a step.

@@ -13,6 +13,7 @@
 //! | springs and dampers of joints and fixed tendons | `passive.rs` |
 //! | actuators | `actuators.rs` |
 //! | forces on bodies | `applied.rs` |
+//! | constraint forces `Jᵀ f` | `constraint/` |
 //! | step of the integrator | `euler.rs`, `damped_inertia.rs` |
 //!
 //! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j displaces all bodies that it moves
@@ -25,6 +26,7 @@
 
 mod actuators;
 mod applied;
+mod constraint;
 mod damped_inertia;
 mod euler;
 mod passive;
@@ -32,13 +34,12 @@ mod rigid_body;
 mod spatial;
 mod tree;
 
-use mujoco_sys::mjCNSTRSTATE_SATISFIED;
-
 use self::actuators::NextActivation;
+use self::constraint::Constraints;
 use self::euler::Euler;
 use self::rigid_body::RigidBodies;
 use self::tree::Tree;
-use super::method::Fallback;
+use super::method::{DifferencedTerms, Fallback};
 use super::newton::Newton;
 use super::{TransitionOutputs, sizes};
 use crate::data::{Data, SensorUpdate};
@@ -46,11 +47,15 @@ use crate::error::Result;
 use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
 
+/// Terms that were differenced, or the reason why there is no closed form.
+pub(super) type Outcome = std::result::Result<DifferencedTerms, Fallback>;
+
 /// Linearisation in closed form, with its buffers.
 #[derive(Debug)]
 pub(super) struct Analytic {
     tree: Tree,
     bodies: RigidBodies,
+    constraints: Constraints,
     newton: Newton,
     euler: Euler,
     /// `(nv)`: g, and then a row of a Jacobian.
@@ -73,6 +78,7 @@ impl Analytic {
         Self {
             bodies: RigidBodies::new(model, &tree),
             tree,
+            constraints: Constraints::new(model),
             newton: Newton::new(model),
             euler: Euler::new(model, nx + nu),
             row: vec![0.0; model.nv()],
@@ -81,32 +87,27 @@ impl Analytic {
         }
     }
 
-    /// Writes A and B of the present state, if they are wanted. Returns the reason why there is no closed form, if so.
-    pub(super) fn linearise(
-        &mut self,
-        data: &mut Data,
-        outputs: &mut TransitionOutputs<'_>,
-    ) -> Result<Option<Fallback>> {
+    /// Writes A and B of the present state, if they are wanted.
+    pub(super) fn linearise(&mut self, data: &mut Data, outputs: &mut TransitionOutputs<'_>) -> Result<Outcome> {
         if self.newton.solve(data, SensorUpdate::Skip, &mut self.row)?.is_none() {
-            return Ok(Some(Fallback::NotConverged));
+            return Ok(Err(Fallback::NotConverged));
         }
-        let data = &*data;
-        if data.efc_state().iter().any(|&state| state as u32 != mjCNSTRSTATE_SATISFIED) {
-            return Ok(Some(Fallback::Constraint));
-        }
-        let model = data.model();
-        let Self { tree, bodies, newton, euler, row, derivative, next_activation } = self;
+        let options = data.model().raw().opt;
+        let Self { tree, bodies, constraints, newton, euler, row, derivative, next_activation } = self;
         derivative.as_mut_slice().fill(0.0);
         next_activation.fill(NextActivation::default());
-        let has_gravity = model.raw().opt.disableflags as u32 & DisableFlags::GRAVITY.bits() == 0;
-        let gravity = if has_gravity { model.raw().opt.gravity } else { [0.0; 3] };
+        let has_gravity = options.disableflags as u32 & DisableFlags::GRAVITY.bits() == 0;
+        let gravity = if has_gravity { options.gravity } else { [0.0; 3] };
         bodies.differentiate(data, tree, gravity, data.qacc(), derivative);
         applied::differentiate(data, tree, derivative);
         passive::differentiate(data, row, derivative);
         actuators::differentiate(data, derivative, next_activation);
+        let Some(differenced) = constraints.differentiate(data, tree, derivative)? else {
+            return Ok(Err(Fallback::Constraint));
+        };
         euler.differentiate(data, tree, bodies, &newton.factor, derivative);
-        self.write(model, outputs);
-        Ok(None)
+        self.write(data.model(), outputs);
+        Ok(Ok(differenced))
     }
 
     /// Writes A and B from the derivatives of the next velocities and activations.

@@ -3,16 +3,17 @@
 
 use mujoco_safe::{Data, StateSpace, StateSpec, sys};
 
-/// The largest step of the differences. Two halvings leave an error of its sixth power.
+/// Default of the largest step of the differences. Two halvings leave an error of its sixth power.
 const WIDTH: f64 = 2e-5;
 
 struct Oracle {
     data: Data,
     inputs: Vec<f64>,
+    width: f64,
 }
 
 impl Oracle {
-    fn new(data: &Data) -> Self {
+    fn new(data: &Data, width: f64) -> Self {
         let mut data = data.clone();
         data.edit_model(|model| {
             model.edit_options(|options| {
@@ -21,7 +22,7 @@ impl Oracle {
             })
         })
         .unwrap();
-        Self { inputs: data.state(StateSpec::INTEGRATION), data }
+        Self { inputs: data.state(StateSpec::INTEGRATION), data, width }
     }
 
     /// Returns next state and sensors after a step from a perturbed state.
@@ -46,7 +47,7 @@ impl Oracle {
     }
 
     fn column(&mut self, perturb: &dyn Fn(&mut Data, f64)) -> Vec<f64> {
-        let [coarse, middle, fine] = [1.0, 0.5, 0.25].map(|part| self.central(perturb, part * WIDTH));
+        let [coarse, middle, fine] = [1.0, 0.5, 0.25].map(|part| self.central(perturb, part * self.width));
         (0..coarse.len())
             .map(|i| {
                 let (first, second) = ((4.0 * middle[i] - coarse[i]) / 3.0, (4.0 * fine[i] - middle[i]) / 3.0);
@@ -57,7 +58,12 @@ impl Oracle {
 }
 
 pub(crate) fn linear_system(data: &Data) -> StateSpace {
-    let mut oracle = Oracle::new(data);
+    linear_system_by(data, WIDTH)
+}
+
+/// Returns the linear system by differences whose largest step is `width`.
+pub(crate) fn linear_system_by(data: &Data, width: f64) -> StateSpace {
+    let mut oracle = Oracle::new(data, width);
     let mut system = StateSpace::zeros(data.model());
     let model = data.model().clone();
     let (nv, na, nx) = (model.nv(), model.na(), 2 * model.nv() + model.na());

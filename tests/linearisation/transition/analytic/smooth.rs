@@ -1,48 +1,13 @@
-//! The analytic method, one term at a time: A and B against extrapolated differences of the engine's `mj_step`.
+//! Terms without constraints, and fallbacks.
 
-use mujoco_safe::derivative::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
-use mujoco_safe::{Data, Lineariser, Model, StateSpace, sample};
-use rand::{RngExt, SeedableRng};
+use mujoco_safe::derivative::{DifferencedTerms, Fallback, TransitionMethod, TransitionOptions};
+use mujoco_safe::{Data, Lineariser, sample};
+use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::features::{chain, moving};
-use super::{deviation, oracle};
-
-/// Largest deviation of A and B, relative to their largest entries. The differences are good to a tenth of it.
-const TOLERANCE: f64 = 1e-7;
-
-fn analytic(data: &mut Data) -> (StateSpace, LinearisationReport) {
-    let options = TransitionOptions::default().with_method(TransitionMethod::Analytic);
-    Lineariser::new(data.model().clone(), options).unwrap().linear_system(data).unwrap()
-}
-
-/// Compares A and B with the differences, and checks that the method did not fall back to another.
-#[track_caller]
-fn check(what: &str, data: &mut Data) {
-    let (system, report) = analytic(data);
-    assert_eq!((report.method, report.fallback), (TransitionMethod::Analytic, None), "{what}");
-    let truth = oracle::linear_system(data);
-    for (name, ours, theirs) in [("A", &system.a, &truth.a), ("B", &system.b, &truth.b)] {
-        let deviation = deviation(ours, theirs);
-        assert!(deviation <= TOLERANCE, "{what}: {name} deviates by {deviation:e} of its largest number");
-    }
-}
-
-fn model(xml: &str) -> Data {
-    Data::new(Model::from_xml_str(xml).unwrap_or_else(|error| panic!("{error}: {xml}"))).unwrap()
-}
-
-/// Moves to a random state, with random controls and activations.
-fn randomise(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
-    let mut value = || random.random_range(-1.0..1.0);
-    data.reset().unwrap();
-    let model = data.model().clone();
-    let shift: Vec<f64> = (0..model.nv()).map(|_| value()).collect();
-    model.integrate_pos(data.qpos_mut(), &shift, 1.0).unwrap();
-    data.qvel_mut().iter_mut().for_each(|qvel| *qvel = 3.0 * value());
-    data.ctrl_mut().iter_mut().for_each(|ctrl| *ctrl = value());
-    data.act_mut().iter_mut().for_each(|act| *act = value());
-}
+use super::{analytic, check, model, randomise};
+use crate::transition::deviation;
+use crate::transition::features::{chain, moving};
 
 /// Free, ball, slide and hinge joints in one tree, two of them in one body, and a second tree.
 const JOINTS: &str = r#"<mujoco>

@@ -1,0 +1,102 @@
+//! Differences of a collision function, for pairs of geoms without a formula.
+//!
+//! Only the collision function of the pair is called, with a perturbed pose of its second geom. The functions for boxes, and those of
+//! a plane with any shape, are exact, so their central differences are good to ten digits. Functions that iterate to a tolerance
+//! are not differenced: their error would be divided by the step.
+
+use mujoco_sys::mjContact;
+
+use super::contact_geometry::{ContactGeometry, world_axis};
+use crate::data::{CollisionFunction, Data, FoundContact};
+use crate::derivative::analytic::spatial::{Vec3, add, dot, scale, sub};
+use crate::enums::GeomType;
+use crate::error::Result;
+use crate::ffi;
+use crate::math;
+
+/// Step of the differences, m and rad.
+const STEP: f64 = 1e-6;
+/// Excess of the margin over that of the contact, so that a shallow contact does not vanish, m.
+const MARGIN: f64 = 1e-3;
+/// Largest shift of a contact by a perturbation, m. A larger one shows that the function has found other contacts.
+const MAX_SHIFT: f64 = 1e-4;
+
+/// Returns the derivatives of a contact by a twist of its second geom, or `None` if they cannot be differenced.
+pub(super) fn differentiate(data: &mut Data, contact: &mjContact) -> Result<Option<ContactGeometry>> {
+    let geoms = [contact.geom1, contact.geom2].map(ffi::size);
+    let types = geoms.map(|geom| GeomType::of_field(data.model().geom_type()[geom]));
+    let is_exact =
+        matches!(types, [GeomType::Plane, _] | [GeomType::Sphere | GeomType::Capsule | GeomType::Box, GeomType::Box]);
+    if !is_exact {
+        return Ok(None);
+    }
+    let pose = (data.geom_xpos()[geoms[1]], data.geom_xmat()[geoms[1]]);
+    let result = difference(data, contact, geoms, &pose);
+    move_geom(data, geoms[1], &pose);
+    result
+}
+
+/// A position in the world, and a row-major rotation matrix.
+type Pose = (Vec3, [f64; 9]);
+
+fn move_geom(data: &mut Data, geom: usize, (position, rotation): &Pose) {
+    data.geom_xpos_mut()[geom] = *position;
+    data.geom_xmat_mut()[geom] = *rotation;
+}
+
+/// Differences the contact, and leaves the second geom moved.
+fn difference(data: &mut Data, contact: &mjContact, geoms: [usize; 2], pose: &Pose) -> Result<Option<ContactGeometry>> {
+    let frame_normal = [contact.frame[0], contact.frame[1], contact.frame[2]];
+    let mut geometry = ContactGeometry {
+        position: [[0.0; 6]; 3],
+        normal: [[0.0; 6]; 3],
+        distance: [0.0; 6],
+        hint: world_axis(&frame_normal),
+        hint_by_twist: None,
+    };
+    for column in 0..6 {
+        let mut sides = [None; 2];
+        for (side, by) in sides.iter_mut().zip([STEP, -STEP]) {
+            move_geom(data, geoms[1], &perturbed(pose, &contact.pos, column, by));
+            *side = nearest(data, contact, geoms)?;
+        }
+        let [Some(right), Some(left)] = sides else { return Ok(None) };
+        let quotient = |right: &Vec3, left: &Vec3| scale(&sub(right, left), 0.5 / STEP);
+        let (position, normal) = (quotient(&right.midpoint, &left.midpoint), quotient(&right.normal, &left.normal));
+        for axis in 0..3 {
+            geometry.position[axis][column] = position[axis];
+            geometry.normal[axis][column] = normal[axis];
+        }
+        geometry.distance[column] = (right.distance - left.distance) * (0.5 / STEP);
+    }
+    Ok(Some(geometry))
+}
+
+/// Returns a pose after a turn about an axis of the world through a point, or after a shift.
+fn perturbed((position, rotation): &Pose, about: &Vec3, column: usize, by: f64) -> Pose {
+    let mut axis = [0.0; 3];
+    axis[column % 3] = 1.0;
+    if column >= 3 {
+        return (add(position, &scale(&axis, by)), *rotation);
+    }
+    let turn = math::quat2mat(&math::axis_angle2quat(&axis, by));
+    let arm = math::rot_vec_mat(&sub(position, about), &turn);
+    let turned = std::array::from_fn(|at| (0..3).map(|i| turn[at / 3 * 3 + i] * rotation[3 * i + at % 3]).sum());
+    (add(about, &arm), turned)
+}
+
+/// Returns the contact nearest to the one at the base point, with a unit normal, or `None` if it is too far away.
+fn nearest(data: &mut Data, contact: &mjContact, geoms: [usize; 2]) -> Result<Option<FoundContact>> {
+    let mut nearest: Option<(f64, FoundContact)> = None;
+    data.collide(geoms, CollisionFunction::Table, contact.includemargin + MARGIN, |found| {
+        let shift = sub(&found.midpoint, &contact.pos);
+        let square = dot(&shift, &shift);
+        if square <= nearest.map_or(MAX_SHIFT * MAX_SHIFT, |(least, _)| least) {
+            nearest = Some((square, found));
+        }
+    })?;
+    Ok(nearest.map(|(_, found)| {
+        let length = dot(&found.normal, &found.normal).sqrt();
+        FoundContact { normal: scale(&found.normal, 1.0 / length), ..found }
+    }))
+}

@@ -1,0 +1,108 @@
+//! Derivatives of the constraint forces `Jᵀ f`, one constraint after another.
+//!
+//! Each kind of constraint contributes the derivatives of its Jacobian and its position (`contact.rs`, `limit.rs`, `equality.rs`);
+//! `rows.rs` turns them into those of the forces. Kinks, for example a contact about to be made, count as their present side.
+
+mod chains;
+mod contact;
+mod contact_differences;
+mod contact_geometry;
+mod equality;
+mod limit;
+mod rows;
+
+use mujoco_sys::{
+    mjCNSTR_CONTACT_ELLIPTIC, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTR_EQUALITY, mjCNSTR_FRICTION_DOF,
+    mjCNSTR_FRICTION_TENDON, mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON, mjCNSTRSTATE_SATISFIED, mjMINVAL,
+};
+
+use self::chains::Chains;
+use self::contact_geometry::ContactGeometry;
+use self::rows::Rows;
+use super::tree::Tree;
+use crate::data::Data;
+use crate::derivative::method::DifferencedTerms;
+use crate::derivative::newton::contacts;
+use crate::error::Result;
+use crate::ffi;
+use crate::matrix::Matrix;
+use crate::model::Model;
+
+/// Derivatives of constraint forces, with their buffers.
+#[derive(Debug)]
+pub(super) struct Constraints {
+    chains: Chains,
+    rows: Rows,
+    /// `(nv)`: Jacobian of the second object of an equality constraint.
+    row: Vec<f64>,
+}
+
+impl Constraints {
+    pub(super) fn new(model: &Model) -> Self {
+        let nv = model.nv();
+        Self { chains: Chains::new(nv), rows: Rows::new(nv), row: vec![0.0; nv] }
+    }
+
+    /// Subtracts the derivatives of the constraint forces from those of the residual, by positions and velocities. Returns the
+    /// terms that were differenced, or `None` if an active constraint has no formula.
+    pub(super) fn differentiate(
+        &mut self,
+        data: &mut Data,
+        tree: &Tree,
+        residual: &mut Matrix,
+    ) -> Result<Option<DifferencedTerms>> {
+        let mut differenced = DifferencedTerms::empty();
+        let mut row = 0;
+        while row < data.nefc() {
+            let count = row_count(data, row);
+            if is_active(data, row, count) {
+                // A row of this inertia is at the engine's limit, where D does not depend on the position.
+                if data.efc_D()[row] * mjMINVAL >= 1.0 {
+                    return Ok(None);
+                }
+                let constraint = data.efc_type()[row] as u32;
+                #[expect(non_upper_case_globals, reason = "the engine's constants")]
+                let is_covered = match constraint {
+                    mjCNSTR_EQUALITY => equality::differentiate(self, data, tree, row, residual),
+                    mjCNSTR_FRICTION_DOF | mjCNSTR_FRICTION_TENDON => {
+                        self.rows.load(data, row, count, None);
+                        true
+                    }
+                    mjCNSTR_LIMIT_JOINT | mjCNSTR_LIMIT_TENDON => {
+                        limit::differentiate(&mut self.rows, data, row, residual);
+                        true
+                    }
+                    _ => {
+                        let contact = contacts(data)[ffi::size(data.efc_id()[row])];
+                        let Some((geometry, terms)) = ContactGeometry::new(data, &contact)? else { return Ok(None) };
+                        differenced |= terms;
+                        contact::differentiate(self, data, tree, row, count, &geometry, residual)
+                    }
+                };
+                if !is_covered {
+                    return Ok(None);
+                }
+                self.rows.subtract_from(data, residual);
+            }
+            row += count;
+        }
+        Ok(Some(differenced))
+    }
+}
+
+/// Returns the number of rows of the constraint that starts at a row.
+fn row_count(data: &Data, row: usize) -> usize {
+    let id = ffi::size(data.efc_id()[row]);
+    #[expect(non_upper_case_globals, reason = "the engine's constants")]
+    match data.efc_type()[row] as u32 {
+        mjCNSTR_EQUALITY => equality::row_count(data.model(), id),
+        mjCNSTR_CONTACT_ELLIPTIC => contact::dimension(data, id),
+        mjCNSTR_CONTACT_PYRAMIDAL => 2 * (contact::dimension(data, id) - 1),
+        _ => 1,
+    }
+}
+
+/// Returns true if a row has a force, or if it would change at once.
+fn is_active(data: &Data, row: usize, count: usize) -> bool {
+    data.efc_state()[row..row + count].iter().any(|&state| state as u32 != mjCNSTRSTATE_SATISFIED)
+}

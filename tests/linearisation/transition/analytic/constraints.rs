@@ -1,0 +1,282 @@
+//! Constraint forces: limits, friction loss, equalities and contacts, for both cones and both formats of the Jacobian.
+
+use mujoco_safe::derivative::DifferencedTerms;
+use mujoco_safe::{Data, Model, sample};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::{check, model, randomise};
+use crate::transition::standing;
+
+/// Three free bodies and all joints, with contacts, limits and friction loss.
+const MIXED: &str = r#"<mujoco>
+  <compiler angle="radian"/>
+  <option timestep="0.004" CONE/>
+  <default><geom friction="0.7 0.02 0.003" solimp="0.85 0.97 0.01 0.4 3" solref="0.02 0.9"/></default>
+  <worldbody>
+    <geom name="floor" type="plane" size="0 0 0.05" pos="0 0 0.02" euler="0.05 -0.03 0.2" condim="3"/>
+    <geom name="post" type="capsule" size="0.06" fromto="0.55 -0.5 0.12 0.5 0.5 0.17" condim="4"/>
+    <body name="base" pos="0 0 0.3">
+      <freejoint/>
+      <geom type="capsule" size="0.1" fromto="-0.15 0 0 0.2 0.05 0.03" condim="6" mass="2"/>
+      <body name="arm" pos="0.25 0 0.05">
+        <joint name="ball" type="ball" pos="-0.03 0.02 0.01" limited="true" range="0 0.35" damping="0.2" stiffness="3"
+               solimplimit="0.8 0.99 0.2 0.5 2"/>
+        <geom type="capsule" size="0.05" fromto="0 0 0 0.3 0.02 -0.05" mass="0.7" condim="3"/>
+        <body name="rod" pos="0.32 0 -0.05">
+          <joint name="slide" type="slide" axis="1 0.2 -0.1" limited="true" range="-0.02 0.05" damping="1" stiffness="20"
+                 solimplimit="0.8 0.99 0.05 0.5 2" frictionloss="0.5"/>
+          <joint name="hinge1" axis="0 1 0.3" pos="0.01 0 0.02" damping="0.1" frictionloss="0.05"/>
+          <joint name="hinge2" axis="0.2 0 1" pos="0 0.03 0" damping="0.1" stiffness="1" springref="0.2"/>
+          <geom type="sphere" size="0.08" mass="0.5" condim="4"/>
+          <geom type="capsule" size="0.03" fromto="0 0 0 0.1 0.1 0" mass="0.3"/>
+        </body>
+      </body>
+    </body>
+    <body name="pebble" pos="0.1 0.02 0.5">
+      <freejoint/>
+      <geom type="sphere" size="0.07" mass="0.6" condim="6" margin="0.01" gap="0.002"/>
+    </body>
+    <body name="chest" pos="-0.3 0.4 0.12">
+      <freejoint/>
+      <geom type="box" size="0.1 0.08 0.06" mass="1" condim="3"/>
+    </body>
+  </worldbody>
+  ROWS
+  <actuator>
+    <motor joint="slide" gear="3"/>
+    <position joint="hinge1" kp="4" gear="1.5"/>
+    <velocity joint="hinge2" kv="0.3"/>
+  </actuator>
+</mujoco>"#;
+
+const ROWS: &str = r#"<equality>
+    <connect body1="chest" anchor="0.1 0.05 0.02" solimp="0.8 0.97 0.1 0.4 2"/>
+    <weld body1="pebble" body2="rod" solref="0.1 1" solimp="0.7 0.97 0.8 0.5 3" torquescale="0.6"/>
+    <joint joint1="hinge1" joint2="hinge2" polycoef="0.1 0.5 0.3 -0.2 0.1" solimp="0.8 0.97 0.5 0.5 2"/>
+    <tendon tendon1="mix" tendon2="other" polycoef="0 0.5 0.3 0 0.1" solimp="0.8 0.97 0.5 0.5 2"/>
+  </equality>
+  <tendon>
+    <fixed name="mix" limited="true" range="-0.02 0.02" stiffness="3" damping="0.3" frictionloss="0.1" solimplimit="0.7 0.95 0.5">
+      <joint joint="hinge1" coef="1"/><joint joint="slide" coef="-2"/>
+    </fixed>
+    <fixed name="other" stiffness="1"><joint joint="hinge2" coef="0.7"/><joint joint="slide" coef="1"/></fixed>
+  </tendon>"#;
+
+/// Options: cones, and formats of the Jacobian.
+const OPTIONS: [&str; 4] =
+    ["", r#"jacobian="sparse""#, r#"cone="elliptic" impratio="3""#, r#"cone="elliptic" jacobian="sparse""#];
+
+/// Simulates with random controls until the model has contacts.
+fn collide(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
+    data.reset().unwrap();
+    data.qvel_mut().iter_mut().for_each(|qvel| *qvel = random.random_range(-0.5..0.5));
+    for _ in 0..random.random_range(50..300) {
+        for ctrl in data.ctrl_mut() {
+            *ctrl = 0.7 * *ctrl + random.random_range(-0.3..0.3);
+        }
+        data.step().unwrap();
+    }
+}
+
+#[test]
+fn limits_and_friction_loss_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(10);
+    for option in OPTIONS {
+        // Without contacts.
+        let xml = MIXED
+            .replace("CONE", option)
+            .replace("ROWS", "")
+            .replace("<geom friction", r#"<geom contype="0" conaffinity="0" friction"#);
+        let mut data = model(&xml);
+        for state in 0..5 {
+            randomise(&mut data, &mut random);
+            data.forward().unwrap();
+            assert!(data.nefc() > 2, "the ball and the slide are at their limits");
+            check(&format!("{option}, state {state}"), &mut data);
+        }
+    }
+}
+
+#[test]
+fn equality_constraints_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
+    for option in OPTIONS {
+        let xml = MIXED
+            .replace("CONE", option)
+            .replace("ROWS", ROWS)
+            .replace("<geom friction", r#"<geom contype="0" conaffinity="0" friction"#);
+        let mut data = model(&xml);
+        for state in 0..3 {
+            collide(&mut data, &mut random);
+            assert!(data.ne() >= 11, "all equality constraints have rows");
+            check(&format!("{option}, state {state}"), &mut data);
+        }
+    }
+}
+
+#[test]
+fn bodies_welded_or_connected_to_each_other_or_a_mocap_body_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(12);
+    for equality in [
+        r#"<connect body1="a" body2="b" anchor="0.1 0.05 0.02"/>"#,
+        r#"<connect body1="a" body2="hand" anchor="0.1 0.05 0.02"/>"#,
+        r#"<weld body1="a" body2="b" torquescale="0.3"/>"#,
+        r#"<weld body1="hand" body2="b"/>"#,
+        r#"<weld body1="c" body2="a" relpose="0.1 0.1 0.1 1 0.3 0.2 0.1"/>"#,
+    ] {
+        let mut data = model(&format!(
+            r#"<mujoco><option timestep="0.003"/><worldbody>
+                 <body name="hand" mocap="true" pos="0.5 0.2 0.3"/>
+                 <body name="a" pos="0 0 1"><freejoint/><geom type="capsule" size="0.05 0.1"/>
+                   <body name="c" pos="0 0 0.3"><joint type="ball" damping="0.1"/><geom type="box" size="0.05 0.1 0.02"/></body>
+                 </body>
+                 <body name="b" pos="0.3 0 1"><joint type="slide" axis="1 0 0"/><joint axis="0 1 0.2"/><geom size="0.07" pos="0.2 0 0"/></body>
+               </worldbody><equality>{equality}</equality></mujoco>"#
+        ));
+        for state in 0..3 {
+            randomise(&mut data, &mut random);
+            check(&format!("{equality}, state {state}"), &mut data);
+        }
+    }
+}
+
+/// Two free bodies in contact.
+fn pair(option: &str, dim: usize, geoms: [&str; 2]) -> Model {
+    let [first, second] = geoms;
+    Model::from_xml_str(&format!(
+        r#"<mujoco><option timestep="0.003" {option}/>
+             <default><geom condim="{dim}" friction="0.8 0.02 0.01" solref="0.03 0.8" solimp="0.8 0.95 0.05 0.5 3"/></default>
+             <worldbody>
+               <body><freejoint/><geom type="{first}"/></body>
+               <body pos="0 0 0.12"><joint type="slide" axis="0 0 1"/><joint type="slide" axis="1 0 0"/><joint type="ball"/><geom type="{second}"/></body>
+             </worldbody></mujoco>"#
+    ))
+    .unwrap()
+}
+
+#[test]
+fn contacts_of_spheres_and_capsules_agree_with_differences_for_each_cone_and_dimension() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(13);
+    let (sphere, capsule) = (r#"sphere" size="0.1"#, r#"capsule" size="0.08 0.15"#);
+    for option in OPTIONS {
+        for dim in [1, 3, 4, 6] {
+            for geoms in [[sphere, sphere], [sphere, capsule], [capsule, capsule]] {
+                let mut data = Data::new(pair(option, dim, geoms)).unwrap();
+                let mut states = 0;
+                while states < 2 {
+                    // Parallel capsules, and contacts with several points, are not what this test is about.
+                    if !overlap(&mut data, &mut random) || data.ncon() != 1 {
+                        continue;
+                    }
+                    states += 1;
+                    let differenced = check(&format!("{option}, {dim}, {geoms:?}, state {states}"), &mut data);
+                    assert!(differenced.is_empty());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn contacts_with_a_plane_agree_with_differences_for_each_cone_and_dimension() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(14);
+    for option in OPTIONS {
+        for dim in [1, 3, 4, 6] {
+            for geom in [
+                r#"type="sphere" size="0.1""#,
+                r#"type="capsule" size="0.05 0.1""#,
+                r#"type="box" size="0.05 0.06 0.07""#,
+            ] {
+                let mut data = model(&format!(
+                    r#"<mujoco><option timestep="0.003" {option}/>
+                         <default><geom condim="{dim}" friction="0.8 0.02 0.01"/></default>
+                         <worldbody>
+                           <geom type="plane" size="1 1 1" euler="20 -30 10"/>
+                           <body><joint type="slide" axis="0 0 1" damping="1"/><joint type="slide" axis="0 1 0"/><joint type="ball"/><geom {geom}/></body>
+                         </worldbody></mujoco>"#
+                ));
+                for state in 0..2 {
+                    loop {
+                        randomise(&mut data, &mut random);
+                        data.qpos_mut()[..2].copy_from_slice(&[0.05, 0.01]);
+                        data.forward().unwrap();
+                        if data.nefc() > 0 {
+                            break;
+                        }
+                    }
+                    let differenced = check(&format!("{option}, {dim}, {geom}, state {state}"), &mut data);
+                    assert!(differenced.is_empty());
+                }
+            }
+        }
+    }
+}
+
+/// Moves two bodies of [`pair`] until they overlap, and returns whether they have a contact.
+fn overlap(data: &mut Data, random: &mut Xoshiro256PlusPlus) -> bool {
+    data.reset().unwrap();
+    let model = data.model().clone();
+    let mut shift = vec![0.0; model.nv()];
+    for (dof, shift) in shift.iter_mut().enumerate() {
+        let is_rotation = [3, 4, 5].contains(&dof) || dof > 7;
+        *shift = random.random_range(-1.0..1.0) * if is_rotation { 2.0 } else { 0.03 };
+    }
+    model.integrate_pos(data.qpos_mut(), &shift, 1.0).unwrap();
+    data.qvel_mut().iter_mut().for_each(|qvel| *qvel = random.random_range(-0.3..0.3));
+    data.forward().unwrap();
+    data.contacts().any(|contact| contact.dist() < -0.001)
+}
+
+#[test]
+fn contacts_by_differences_of_their_collision_function_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(17);
+    let (sphere, capsule, cuboid) =
+        (r#"sphere" size="0.1"#, r#"capsule" size="0.04 0.1"#, r#"box" size="0.08 0.07 0.06"#);
+    for option in [OPTIONS[0], OPTIONS[2]] {
+        for geoms in [[sphere, cuboid], [capsule, cuboid], [cuboid, cuboid]] {
+            let mut data = Data::new(pair(option, 3, geoms)).unwrap();
+            for state in 0..4 {
+                while !overlap(&mut data, &mut random) {}
+                let differenced = check(&format!("{option}, {geoms:?}, state {state}"), &mut data);
+                assert_eq!(differenced, DifferencedTerms::CONTACTS);
+            }
+        }
+    }
+}
+
+#[test]
+fn all_constraints_together_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(15);
+    for option in OPTIONS {
+        for rows in ["", ROWS] {
+            let mut data = model(&MIXED.replace("CONE", option).replace("ROWS", rows));
+            for state in 0..3 {
+                collide(&mut data, &mut random);
+                assert!(data.ncon() > 0);
+                check(&format!("{option}, {} equalities, state {state}", data.ne()), &mut data);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_humanoid_agrees_with_differences_while_it_stands_falls_and_lies() {
+    check("standing", &mut standing());
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(16);
+    for option in ["pyramidal", "elliptic"] {
+        let mut data = Data::new(sample::humanoid()).unwrap();
+        data.edit_model(|model| {
+            model.options(|options| {
+                if option == "elliptic" {
+                    options.cone = mujoco_safe::enums::Cone::Elliptic;
+                }
+            })
+        })
+        .unwrap();
+        for state in 0..6 {
+            collide(&mut data, &mut random);
+            check(&format!("{option}, state {state}, {} contacts", data.ncon()), &mut data);
+        }
+    }
+}
