@@ -1,12 +1,16 @@
 //! Linearisation of the humanoid on its left leg and of the cart-pole, against `mjd_transitionFD`: central differences with
 //! [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates its result and includes the sensors; the same
-//! differences in two threads; and the method through inverse dynamics, in one thread and in two.
+//! differences in two threads; the method through inverse dynamics, in one thread and in two; and the analytic method. First prints
+//! the accuracy of each method: the largest error of A and of B, relative to their largest numbers, against extrapolated differences
+//! of steps whose solver has converged.
 //!
 //! ```text
 //! cargo bench --bench transition_fd
 //! ```
 
 mod common;
+#[path = "../tests/linearisation/transition/oracle.rs"]
+mod oracle;
 
 use std::hint::black_box;
 use std::ptr::null_mut;
@@ -20,6 +24,7 @@ struct Linearisation {
     data: Data,
     a: Matrix,
     b: Matrix,
+    analytic: Lineariser,
     inverse: Lineariser,
     inverse_in_two: Lineariser,
     columns_in_two: Lineariser,
@@ -39,7 +44,31 @@ fn through(
     }
 }
 
-fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
+/// Prints the errors of A and B by each method.
+fn print_accuracy(name: &str, data: &mut Data) {
+    let truth = oracle::linear_system(data);
+    for method in
+        [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic]
+    {
+        let options = TransitionOptions::default().with_method(method);
+        let mut lineariser = Lineariser::new(data.model().clone(), options).expect("there is memory");
+        let (system, used) = lineariser.linear_system(data).expect("the state is stable");
+        assert_eq!(used.fallback, None);
+        let error = |ours: &Matrix, theirs: &Matrix| {
+            let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
+            let differences = ours.as_slice().iter().zip(theirs.as_slice()).map(|(a, b)| a - b);
+            largest(&mut { differences }) / largest(&mut theirs.as_slice().iter().copied())
+        };
+        println!(
+            "{name}: {method:?} errs by {:.1e} in A, {:.1e} in B",
+            error(&system.a, &truth.a),
+            error(&system.b, &truth.b)
+        );
+    }
+}
+
+fn compare(criterion: &mut Criterion, name: &str, mut data: Data, calls: u32) {
+    print_accuracy(name, &mut data);
     let (nx, nu) = (2 * data.model().nv() + data.model().na(), data.model().nu());
     let transition = |method, threads| {
         let options = TransitionOptions::default().with_method(method).with_threads(threads);
@@ -48,12 +77,17 @@ fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
     let mut state = Linearisation {
         a: Matrix::zeros(nx, nx),
         b: Matrix::zeros(nx, nu),
+        analytic: transition(TransitionMethod::Analytic, 1),
         inverse: transition(TransitionMethod::Implicit, 1),
         inverse_in_two: transition(TransitionMethod::Implicit, 2),
         columns_in_two: transition(TransitionMethod::Columns, 2),
         data,
     };
 
+    let analytic = through(calls, |state| {
+        let outputs = TransitionOutputs { a: Some(&mut state.a), b: Some(&mut state.b), ..Default::default() };
+        (&mut state.analytic, &mut state.data, outputs)
+    });
     let inverse = through(calls, |state| {
         let outputs = TransitionOutputs { a: Some(&mut state.a), b: Some(&mut state.b), ..Default::default() };
         (&mut state.inverse, &mut state.data, outputs)
@@ -91,6 +125,7 @@ fn compare(criterion: &mut Criterion, name: &str, data: Data, calls: u32) {
         &mut state,
         calls,
         &[
+            ("analytic", &analytic),
             ("inverse", &inverse),
             ("inverse in two threads", &inverse_in_two),
             ("columns in two threads", &columns_in_two),

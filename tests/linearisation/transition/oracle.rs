@@ -58,11 +58,11 @@ impl Oracle {
 }
 
 pub(crate) fn linear_system(data: &Data) -> StateSpace {
-    linear_system_by(data, WIDTH)
+    linear_system_by(data, WIDTH, WIDTH)
 }
 
-/// Returns the linear system by differences whose largest step is `width`.
-pub(crate) fn linear_system_by(data: &Data, width: f64) -> StateSpace {
+/// Returns the linear system by differences whose largest step is `width`, and `control_width` for controls.
+pub(crate) fn linear_system_by(data: &Data, width: f64, control_width: f64) -> StateSpace {
     let mut oracle = Oracle::new(data, width);
     let mut system = StateSpace::zeros(data.model());
     let model = data.model().clone();
@@ -81,6 +81,7 @@ pub(crate) fn linear_system_by(data: &Data, width: f64) -> StateSpace {
                 data.ctrl_mut()[index - nx] += by;
             }
         };
+        oracle.width = if index < nx { width } else { control_width };
         let column = oracle.column(&perturb);
         let (a, c, column_index) =
             if index < nx { (&mut system.a, &mut system.c, index) } else { (&mut system.b, &mut system.d, index - nx) };
