@@ -1,4 +1,4 @@
-//! Linearisation of the humanoid on its left leg and of the cart-pole, against `mjd_transitionFD`: central differences with
+//! Linearisation of the humanoid on its left leg, also with elliptic cones and equality constraints, and of the cart-pole, against `mjd_transitionFD`: central differences with
 //! [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates its result and includes the sensors; the same
 //! differences in two threads; the method through inverse dynamics, in one thread and in two; and the analytic method. First prints
 //! the accuracy of each method: the largest error of A and of B, relative to their largest numbers, against extrapolated differences
@@ -18,7 +18,8 @@ use std::ptr::null_mut;
 use common::models::Balance;
 use criterion::Criterion;
 use mujoco_safe::derivative::{TransitionMethod, TransitionOptions, TransitionOutputs};
-use mujoco_safe::{Data, Differences, Lineariser, Lqr, Matrix, Result, sys};
+use mujoco_safe::enums::Cone;
+use mujoco_safe::{Data, Differences, Lineariser, Lqr, Matrix, Model, Result, sys};
 
 struct Linearisation {
     data: Data,
@@ -136,9 +137,23 @@ fn compare(criterion: &mut Criterion, name: &str, mut data: Data, calls: u32) {
     );
 }
 
+/// Creates a humanoid on its left leg with elliptic cones, a hand welded to its torso, and two joints that are coupled.
+fn constrained_humanoid() -> Result<Data> {
+    let equality = r#"<equality>
+        <weld body1="hand_left" body2="torso"/><joint joint1="knee_right" joint2="hip_y_right"/>
+    </equality><actuator>"#;
+    let xml = include_str!("../models/humanoid.xml").replace("<actuator>", equality);
+    let mut data = Data::new(Model::from_xml_str(&xml)?)?;
+    data.edit_model(|model| model.options(|options| options.cone = Cone::Elliptic))?;
+    data.reset_to_key("stand_on_left_leg")?;
+    (0..5).try_for_each(|_| data.step())?;
+    Ok(data)
+}
+
 fn main() -> Result<()> {
     let mut criterion = common::criterion();
     compare(&mut criterion, "transition_fd/humanoid", Balance::humanoid()?.data, 1);
+    compare(&mut criterion, "transition_fd/humanoid with equalities, elliptic", constrained_humanoid()?, 1);
     compare(&mut criterion, "transition_fd/cartpole", Balance::cartpole()?.data, 100);
     criterion.final_summary();
     Ok(())

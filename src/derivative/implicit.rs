@@ -83,12 +83,11 @@ pub(super) struct Linearisation {
 
 /// Returns the reason why a step of this model cannot be differentiated implicitly, if there is one.
 pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
-    let options = model.options();
-    match options.integrator {
+    let options = &model.raw().opt;
+    match Integrator::of_field(options.integrator) {
         Integrator::Rk4 => Some(Fallback::RungeKutta),
         Integrator::Implicit => Some(Fallback::ImplicitIntegrator),
-        _ if options.noslip_iterations > 0 => Some(Fallback::NoSlip),
-        _ => None,
+        Integrator::Euler => (options.noslip_iterations > 0).then_some(Fallback::NoSlip),
     }
 }
 

@@ -32,7 +32,7 @@ const MAX_THREADS: usize = 1024;
 /// let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default())?;
 /// let mut system = StateSpace::zeros(data.model());
 /// let report = lineariser.linear_system_into(&mut data, &mut system)?;
-/// assert_eq!(report.method, TransitionMethod::Implicit);
+/// assert_eq!(report.method, TransitionMethod::Analytic);
 /// assert_eq!(report.fallback, None);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```

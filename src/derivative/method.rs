@@ -30,7 +30,7 @@ pub enum TransitionMethod {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TransitionOptions {
-    /// Method of linearisation; [`Implicit`](TransitionMethod::Implicit) by default.
+    /// Method of linearisation; [`Analytic`](TransitionMethod::Analytic) by default.
     pub method: TransitionMethod,
     /// Scheme of differences; [`Central`](Differences::Central) by default.
     pub differences: Differences,
@@ -45,9 +45,10 @@ pub struct TransitionOptions {
 }
 
 impl Default for TransitionOptions {
-    /// Returns options for implicit differentiation in one thread, by central differences with the default step.
+    /// Returns options for derivatives in closed form in one thread, where possible, and for central differences with the default
+    /// step otherwise.
     fn default() -> Self {
-        Self { method: TransitionMethod::Implicit, differences: Differences::Central, eps: None, threads: 1 }
+        Self { method: TransitionMethod::Analytic, differences: Differences::Central, eps: None, threads: 1 }
     }
 }
 

@@ -119,6 +119,10 @@ impl Newton {
             if math::chol_factor(&mut self.factor, MIN_PIVOT)? < data.model().nv() {
                 return Ok(false);
             }
+            if data.nefc() == 0 {
+                // The engine has solved a linear system.
+                return Ok(true);
+            }
             self.states.clear();
             self.states.extend_from_slice(data.efc_state());
             self.step.copy_from_slice(value);

@@ -62,10 +62,11 @@
 //! | call | method |
 //! |---|---|
 //! | [`Data::transition_fd`] | differences of steps, by the engine |
-//! | [`Lineariser::linear_system_into`] | by default implicit differentiation: faster, in several threads if requested, without allocation |
+//! | [`Lineariser::linear_system_into`] | by default derivatives in closed form, which are faster and more accurate; without allocation |
 //! | [`Lineariser::along`] | the systems of all steps of a trajectory |
 //!
-//! All return or fill a [`StateSpace`](crate::StateSpace). The [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was used.
+//! All return or fill a [`StateSpace`](crate::StateSpace). The [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was used: models with
+//! features that have no formula, such as spatial tendons or a medium, fall back to implicit differentiation or to differences of steps.
 //!
 //! # LQR
 //!

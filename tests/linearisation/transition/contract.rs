@@ -107,7 +107,8 @@ fn the_implicit_method_is_more_accurate_than_the_engine() {
 fn forward_differences_are_close_to_central_differences() {
     let mut data = standing();
     let central = by(&mut data, TransitionMethod::Implicit, 1);
-    let options = TransitionOptions::default().with_differences(Differences::Forward);
+    let options =
+        TransitionOptions::default().with_method(TransitionMethod::Implicit).with_differences(Differences::Forward);
     let (forward, _) = workspace(&data, options).linear_system(&mut data).unwrap();
     assert!(forward != central);
     assert_near("forward", &forward, &central, 1e-3);
@@ -217,22 +218,26 @@ fn unsupported_models_fall_back_to_differences_with_a_report() {
     ] {
         let mut data = data;
         let truth = oracle::linear_system(&data);
-        for threads in [1, 2] {
-            let options = TransitionOptions::default().with_threads(threads);
-            let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
-            assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(fallback)));
-            assert_near(&fallback.to_string(), &system, &truth, 1e-4);
+        for method in [TransitionMethod::Implicit, TransitionMethod::Analytic] {
+            for threads in [1, 2] {
+                let options = TransitionOptions::default().with_method(method).with_threads(threads);
+                let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
+                assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(fallback)));
+                assert_near(&fallback.to_string(), &system, &truth, 1e-4);
+            }
         }
     }
     let mut data = with_options(standing(), |options| {
         options.iterations = 1;
         options.solver = mujoco_safe::enums::Solver::Pgs;
     });
-    for threads in [1, 2] {
-        let options = TransitionOptions::default().with_threads(threads);
-        let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
-        assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(Fallback::NotConverged)));
-        assert_eq!(system, data.clone().transition_fd(1e-6, Differences::Central).unwrap());
+    for method in [TransitionMethod::Implicit, TransitionMethod::Analytic] {
+        for threads in [1, 2] {
+            let options = TransitionOptions::default().with_method(method).with_threads(threads);
+            let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();
+            assert_eq!((used.method, used.fallback), (TransitionMethod::Columns, Some(Fallback::NotConverged)));
+            assert_eq!(system, data.clone().transition_fd(1e-6, Differences::Central).unwrap());
+        }
     }
 }
 

@@ -60,7 +60,8 @@ pub(super) fn moving(xml: &str, steps: usize) -> Data {
 }
 
 fn inverse(data: &mut Data) -> StateSpace {
-    let mut transition = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
+    let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);
+    let mut transition = Lineariser::new(data.model().clone(), options).unwrap();
     let (system, used) = transition.linear_system(data).unwrap();
     assert_eq!((used.method, used.fallback), (TransitionMethod::Implicit, None));
     system

@@ -159,8 +159,9 @@ fn terms_without_a_formula_fall_back_with_the_reason() {
         let mut data = moving(&xml, 3);
         let (system, report) = analytic(&mut data);
         assert_eq!((report.method, report.fallback), (TransitionMethod::Implicit, Some(fallback)));
-        let implicit = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
-        assert_eq!(system, { implicit }.linear_system(&mut data).unwrap().0);
+        let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);
+        let mut implicit = Lineariser::new(data.model().clone(), options).unwrap();
+        assert_eq!(system, implicit.linear_system(&mut data).unwrap().0);
     }
 }
 
@@ -170,7 +171,8 @@ fn sensors_are_those_of_the_implicit_method() {
     let mut data = moving(&xml, 5);
     let (system, report) = analytic(&mut data);
     assert_eq!(report.differenced, DifferencedTerms::SENSORS);
-    let mut implicit = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
+    let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);
+    let mut implicit = Lineariser::new(data.model().clone(), options).unwrap();
     let (other, report) = implicit.linear_system(&mut data).unwrap();
     assert!(report.differenced.is_empty());
     assert_eq!((&system.c, &system.d), (&other.c, &other.d));
