@@ -140,7 +140,7 @@ fn compare(criterion: &mut Criterion, name: &str, mut data: Data, calls: u32) {
 /// Creates a humanoid on its left leg with elliptic cones, a hand welded to its torso, and two joints that are coupled.
 fn constrained_humanoid() -> Result<Data> {
     let equality = r#"<equality>
-        <weld body1="hand_left" body2="torso"/><joint joint1="knee_right" joint2="hip_y_right"/>
+        <weld body1="hand_left" body2="torso"/><joint joint1="right_knee" joint2="right_hip_y"/>
     </equality><actuator>"#;
     let xml = include_str!("../models/humanoid.xml").replace("<actuator>", equality);
     let mut data = Data::new(Model::from_xml_str(&xml)?)?;
