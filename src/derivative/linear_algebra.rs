@@ -60,14 +60,18 @@ pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
         let current = &mut rest[..width];
         subtract_rows(current, above, |other| factor[(row, other)]);
         let inverse = 1.0 / factor[(row, row)];
-        current.iter_mut().for_each(|value| *value *= inverse);
+        for value in current {
+            *value *= inverse;
+        }
     }
     for row in (0..n).rev() {
         let (rest, below) = values.split_at_mut((row + 1) * width);
         let current = &mut rest[row * width..];
         subtract_rows(current, below, |other| factor[(row + 1 + other, row)]);
         let inverse = 1.0 / factor[(row, row)];
-        current.iter_mut().for_each(|value| *value *= inverse);
+        for value in current {
+            *value *= inverse;
+        }
     }
 }
 

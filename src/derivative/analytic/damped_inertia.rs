@@ -58,7 +58,9 @@ impl DampedInertia {
                 add(&mut above[ancestor * width..(ancestor + 1) * width], row, -factor);
             }
             let inverse = 1.0 / self.values[start];
-            row.iter_mut().for_each(|value| *value *= inverse);
+            for value in row {
+                *value *= inverse;
+            }
         }
         for (dof, &start) in self.start.iter().enumerate() {
             let (above, row) = values.split_at_mut(dof * width);

@@ -105,10 +105,10 @@ impl RigidBodies {
             let by_position = add(&momentum(&subtree.inertia, &change.chi), &bias(&change.psi));
             let by_velocity = add(&momentum(&subtree.inertia, &change.sigma), &bias(axis));
             let group = tree.groups[tree.group[j]];
-            for k in group.first..group.first + group.len {
+            for (k, axis) in group.dofs().zip(&axes[group.dofs()]) {
                 let row = result.row_mut(k);
-                row[j] = dot(&axes[k], &by_position);
-                row[nv + j] = dot(&axes[k], &by_velocity);
+                row[j] = dot(axis, &by_position);
+                row[nv + j] = dot(axis, &by_velocity);
             }
             let with_force = add(&by_position, &cross_force(axis, &subtree.force));
             // Derivatives of τ_j by the degrees of freedom above: I and B act on them through their products with S_j.
@@ -143,8 +143,8 @@ impl RigidBodies {
             let subtree = &subtrees[ffi::size(model.dof_bodyid()[j])];
             let by_position = momentum(&subtree.inertia, &change.chi);
             let group = tree.groups[tree.group[j]];
-            for k in group.first..group.first + group.len {
-                result[(k, j)] = dot(&axes[k], &by_position);
+            for (k, axis) in group.dofs().zip(&axes[group.dofs()]) {
+                result[(k, j)] = dot(axis, &by_position);
             }
             let with_force = add(&by_position, &cross_force(axis, &subtree.force));
             let axis_inertia = momentum(&subtree.inertia, axis);
@@ -163,7 +163,7 @@ impl RigidBodies {
                 None => world(gravity),
             };
             let mut after = before;
-            for dof in group.first..group.first + group.len {
+            for dof in group.dofs() {
                 add_scaled(&mut after.acceleration, &axes[dof], qacc[dof]);
                 if let Some(qvel) = qvel {
                     add_scaled(&mut after.velocity, &axes[dof], qvel[dof]);
@@ -180,22 +180,21 @@ impl RigidBodies {
     /// Sums inertia, force, and with `BIAS` also B over subtrees.
     fn sum_subtrees<const BIAS: bool>(&mut self, data: &Data, tree: &Tree, gravity: [f64; 3]) {
         let (model, inertias) = (data.model(), data.cinert());
-        for body in 1..model.nbody() {
+        for (body, inertia) in inertias.iter().enumerate().skip(1) {
             let motion = tree.last[body].map_or_else(|| world(gravity), |dof| self.after[tree.group[dof]]);
-            let inertia = inertias[body];
             let subtree = &mut self.subtrees[body];
-            subtree.inertia = inertia;
-            subtree.force = momentum(&inertia, &motion.acceleration);
+            subtree.inertia = *inertia;
+            subtree.force = momentum(inertia, &motion.acceleration);
             if BIAS {
                 let velocity = &motion.velocity;
-                let momentum_of_body = momentum(&inertia, velocity);
+                let momentum_of_body = momentum(inertia, velocity);
                 add_scaled(&mut subtree.force, &cross_force(velocity, &momentum_of_body), 1.0);
                 for column in 0..6 {
                     let mut unit = [0.0; 6];
                     unit[column] = 1.0;
                     let turned =
-                        add(&cross_force(velocity, &momentum(&inertia, &unit)), &cross_force(&unit, &momentum_of_body));
-                    let values = sub(&turned, &momentum(&inertia, &cross_motion(velocity, &unit)));
+                        add(&cross_force(velocity, &momentum(inertia, &unit)), &cross_force(&unit, &momentum_of_body));
+                    let values = sub(&turned, &momentum(inertia, &cross_motion(velocity, &unit)));
                     for (row, value) in subtree.bias.iter_mut().zip(values) {
                         row[column] = value;
                     }

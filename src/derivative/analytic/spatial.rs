@@ -119,23 +119,23 @@ mod tests {
 
     #[test]
     fn momentum_is_the_derivative_of_kinetic_energy() {
-        // A point mass m at p: the energy is m |v + ω × p|² / 2.
-        let (m, p) = (1.7, [0.4, -0.2, 0.9]);
-        let [x, y, z] = p;
+        // The energy of a point mass is m |v + ω × p|² / 2.
+        let (mass, point) = (1.7, [0.4, -0.2, 0.9]);
+        let [x, y, z] = point;
         let inertia = [
-            m * (y * y + z * z),
-            m * (x * x + z * z),
-            m * (x * x + y * y),
-            -m * x * y,
-            -m * x * z,
-            -m * y * z,
-            m * x,
-            m * y,
-            m * z,
-            m,
+            mass * (y * y + z * z),
+            mass * (x * x + z * z),
+            mass * (x * x + y * y),
+            -mass * x * y,
+            -mass * x * z,
+            -mass * y * z,
+            mass * x,
+            mass * y,
+            mass * z,
+            mass,
         ];
-        let velocity = super::velocity_at(&V, &p);
-        let energy = 0.5 * m * dot(&velocity, &velocity);
+        let velocity = super::velocity_at(&V, &point);
+        let energy = 0.5 * mass * dot(&velocity, &velocity);
         assert!((0.5 * dot(&V, &momentum(&inertia, &V)) - energy).abs() < 1e-13);
     }
 }

@@ -5,6 +5,7 @@
 //! Within a group all pairs count: the axes of a ball are those of its body, and turn with it.
 
 use std::iter;
+use std::ops::Range;
 
 use crate::enums::JointType;
 use crate::ffi;
@@ -18,6 +19,14 @@ pub(super) struct Group {
     pub(super) len: usize,
     /// Next group towards the root.
     pub(super) parent: Option<usize>,
+}
+
+impl Group {
+    /// Returns its degrees of freedom.
+    #[inline]
+    pub(super) fn dofs(self) -> Range<usize> {
+        self.first..self.first + self.len
+    }
 }
 
 /// Kinematic tree, as degrees of freedom.

@@ -188,8 +188,7 @@ impl Cone<'_> {
                 base[friction + 1] += self.friction[friction] * (edges[0] - edges[1]);
             }
         }
-        let [a, b, c, d, e, f] = base;
-        [[a, b, c], [d, e, f]]
+        [0, 3].map(|start| std::array::from_fn(|i| base[start + i]))
     }
 
     /// Writes a column of the derivatives of the rows' residuals from those of the base rows and of the reference.

@@ -209,7 +209,7 @@ impl Rotation {
 
     /// Returns the rows of τ Q.
     fn rows(&self) -> [Vec3; 3] {
-        self.from_columns(|unit| {
+        self.matrix(|unit| {
             let product = math::mul_quat(&math::mul_quat(&self.left, unit), &self.right);
             product.map(|value| 0.5 * value)
         })
@@ -218,7 +218,7 @@ impl Rotation {
     /// Returns the derivative of the rows if the bodies turn: `∂Q y = Im(q̄₂ y ω₁ q₁ ρ − q̄₂ ω₂ y q₁ ρ)/4`.
     fn derivative(&self, turns: &[Vec3; 2]) -> [Vec3; 3] {
         let [first, second] = turns.map(|[x, y, z]| [0.0, x, y, z]);
-        self.from_columns(|unit| {
+        self.matrix(|unit| {
             let turned = sub(&math::mul_quat(unit, &first), &math::mul_quat(&second, unit));
             let product = math::mul_quat(&math::mul_quat(&self.left, &turned), &self.right);
             product.map(|value| 0.25 * value)
@@ -226,7 +226,7 @@ impl Rotation {
     }
 
     /// Returns the scaled rows of the matrix whose columns are the imaginary parts of a function of unit quaternions.
-    fn from_columns(&self, column: impl Fn(&[f64; 4]) -> [f64; 4]) -> [Vec3; 3] {
+    fn matrix(&self, column: impl Fn(&[f64; 4]) -> [f64; 4]) -> [Vec3; 3] {
         let mut rows = [[0.0; 3]; 3];
         for axis in 0..3 {
             let mut unit = [0.0; 4];

@@ -119,10 +119,11 @@ impl Generator {
         }
         if self.bodies > 1 && self.random.random_bool(0.4) {
             let (body, anchor) = (self.random.random_range(2..=self.bodies), self.vector(0.1));
-            equalities += &match self.one_of(&["connect", "weld"]) {
+            let equality = match self.one_of(&["connect", "weld"]) {
                 "connect" => format!(r#"<connect body1="b1" body2="b{body}" anchor="{anchor}"/>"#),
                 _ => format!(r#"<weld body1="b{body}" body2="b1" torquescale="0.5"/>"#),
             };
+            equalities += &equality;
         }
         let option = self.one_of(&[
             "",

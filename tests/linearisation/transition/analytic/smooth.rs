@@ -54,7 +54,7 @@ fn inertia_velocity_and_gravity_terms_agree_with_differences_for_every_joint() {
 fn implicit_damping_of_the_integrator_agrees_with_differences() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
     for damping in [r#"damping="0.3""#, r#"damping="20" stiffness="2""#] {
-        let joint = format!(r#"<default><joint {damping}/></default><worldbody>"#);
+        let joint = format!("<default><joint {damping}/></default><worldbody>");
         let mut data = model(&joints("").replace("<worldbody>", &joint));
         for state in 0..10 {
             randomise(&mut data, &mut random);
