@@ -9,7 +9,7 @@ use super::feedback::{Feedback, clamp};
 use super::riccati::{RiccatiError, RiccatiRecursion};
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
-use crate::derivative::{self, Lineariser, StateSpace};
+use crate::derivative::{self, LinearisationReport, Lineariser, StateSpace};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 
@@ -90,7 +90,10 @@ impl TimeVaryingLqr {
         check_trajectory(data, &states, &controls)?;
         let (steps, width) = (controls.nrows(), states.ncols());
         let starts = Matrix::from_row_major(steps, width, states.as_slice()[..steps * width].to_vec());
-        let systems = lineariser.along(data, &starts, &controls)?;
+        // The regulator does not use the sensors.
+        let report = LinearisationReport::new(lineariser.options().method, None);
+        let mut systems = vec![(StateSpace::zeros(data.model()), report); steps];
+        lineariser.along_without_sensors_into(data, &starts, &controls, &mut systems)?;
         let gains = Self::solve(systems.iter().map(|(system, _)| system), weights, terminal)?;
         Self::with_gains(data, states, controls, gains)
     }

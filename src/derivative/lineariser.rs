@@ -167,6 +167,33 @@ impl Lineariser {
         controls: &Matrix,
         systems: &mut [(StateSpace, LinearisationReport)],
     ) -> Result<()> {
+        self.along_with(data, states, controls, systems, |system| system.into())
+    }
+
+    /// Computes A and B of the systems along a trajectory as [`along_into`](Self::along_into) does, and leaves C and D unchanged.
+    pub(crate) fn along_without_sensors_into(
+        &mut self,
+        data: &Data,
+        states: &Matrix,
+        controls: &Matrix,
+        systems: &mut [(StateSpace, LinearisationReport)],
+    ) -> Result<()> {
+        self.along_with(data, states, controls, systems, |StateSpace { a, b, .. }| TransitionOutputs {
+            a: Some(a),
+            b: Some(b),
+            ..Default::default()
+        })
+    }
+
+    /// Computes those parts of the systems along a trajectory that `outputs` selects.
+    fn along_with(
+        &mut self,
+        data: &Data,
+        states: &Matrix,
+        controls: &Matrix,
+        systems: &mut [(StateSpace, LinearisationReport)],
+        outputs: fn(&mut StateSpace) -> TransitionOutputs<'_>,
+    ) -> Result<()> {
         let model = data.model();
         let knots = states.nrows();
         Error::check_shape("states of along", states.shape(), (knots, model.state_size(StateSpec::PHYSICS)))?;
@@ -188,7 +215,7 @@ impl Lineariser {
             while let Some((knot, (system, report))) = queue.take() {
                 let base = BasePoint { integration, knot: Some((states.row(knot), controls.row(knot))) };
                 let workers = std::slice::from_mut(worker);
-                match linearise(workers, base, options, (method, fallback), TransitionOutputs::from(system)) {
+                match linearise(workers, base, options, (method, fallback), outputs(system)) {
                     Ok(used) => *report = used,
                     // The queue hands out rows in order, so the first row that fails is among those that threads have taken.
                     Err(error) => {

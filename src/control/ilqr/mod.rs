@@ -255,7 +255,9 @@ impl Search<'_> {
     fn expand(&mut self, lineariser: &mut Lineariser) -> Result<()> {
         let values = self.starts.as_mut_slice();
         values.copy_from_slice(&self.nominal.states.as_slice()[..values.len()]);
-        lineariser.along_into(self.data, &self.starts, &self.nominal.controls, &mut self.systems)?;
+        // The cost does not depend on the sensors.
+        let (starts, controls) = (&self.starts, &self.nominal.controls);
+        lineariser.along_without_sensors_into(self.data, starts, controls, &mut self.systems)?;
         self.backward.expand(&self.nominal, self.cost)
     }
 

@@ -21,7 +21,7 @@ pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
 /// Returns true if the length of a tendon is a linear function of joint positions.
 fn is_fixed(model: &Model, tendon: usize) -> bool {
     let first = ffi::size(model.tendon_adr()[tendon]);
-    WrapType::from_raw(model.wrap_type()[first]) == Some(WrapType::Joint)
+    model.wrap_type().get(first).copied().and_then(WrapType::from_raw) == Some(WrapType::Joint)
 }
 
 /// Subtracts the derivatives of the passive forces from those of the residual.

@@ -361,6 +361,7 @@ fn models_without_joints_or_actuators_have_empty_systems() {
         for threads in [1, 2] {
             assert_eq!(by(&mut data, TransitionMethod::Columns, threads), engine);
             assert_near(xml, &by(&mut data, TransitionMethod::Implicit, threads), &engine, 1e-7);
+            assert_near(xml, &by(&mut data, TransitionMethod::Analytic, threads), &engine, 1e-7);
         }
     }
 }
