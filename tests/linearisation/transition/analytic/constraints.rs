@@ -1,11 +1,10 @@
-//! Constraint forces: limits, friction loss, equalities and contacts, for both cones and both formats of the Jacobian.
+//! Limits, friction loss, equalities, and all constraints together, for both cones and both formats of the Jacobian.
 
-use mujoco_safe::derivative::DifferencedTerms;
-use mujoco_safe::{Data, Model, sample};
+use mujoco_safe::{Data, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{check, model, randomise};
+use super::{OPTIONS, check, model, randomise};
 use crate::transition::standing;
 
 /// Three free bodies and all joints, with contacts, limits and friction loss.
@@ -62,10 +61,6 @@ const ROWS: &str = r#"<equality>
     </fixed>
     <fixed name="other" stiffness="1"><joint joint="hinge2" coef="0.7"/><joint joint="slide" coef="1"/></fixed>
   </tendon>"#;
-
-/// Options: cones, and formats of the Jacobian.
-const OPTIONS: [&str; 4] =
-    ["", r#"jacobian="sparse""#, r#"cone="elliptic" impratio="3""#, r#"cone="elliptic" jacobian="sparse""#];
 
 /// Simulates with random controls until the model has contacts.
 fn collide(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
@@ -137,110 +132,6 @@ fn bodies_welded_or_connected_to_each_other_or_a_mocap_body_agree_with_differenc
         for state in 0..3 {
             randomise(&mut data, &mut random);
             check(&format!("{equality}, state {state}"), &mut data);
-        }
-    }
-}
-
-/// Two free bodies in contact.
-fn pair(option: &str, dim: usize, geoms: [&str; 2]) -> Model {
-    let [first, second] = geoms;
-    Model::from_xml_str(&format!(
-        r#"<mujoco><option timestep="0.003" {option}/>
-             <default><geom condim="{dim}" friction="0.8 0.02 0.01" solref="0.03 0.8" solimp="0.8 0.95 0.05 0.5 3"/></default>
-             <worldbody>
-               <body><freejoint/><geom type="{first}"/></body>
-               <body pos="0 0 0.12"><joint type="slide" axis="0 0 1"/><joint type="slide" axis="1 0 0"/><joint type="ball"/><geom type="{second}"/></body>
-             </worldbody></mujoco>"#
-    ))
-    .unwrap()
-}
-
-#[test]
-fn contacts_of_spheres_and_capsules_agree_with_differences_for_each_cone_and_dimension() {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(13);
-    let (sphere, capsule) = (r#"sphere" size="0.1"#, r#"capsule" size="0.08 0.15"#);
-    for option in OPTIONS {
-        for dim in [1, 3, 4, 6] {
-            for geoms in [[sphere, sphere], [sphere, capsule], [capsule, capsule]] {
-                let mut data = Data::new(pair(option, dim, geoms)).unwrap();
-                let mut states = 0;
-                while states < 2 {
-                    // Parallel capsules, and contacts with several points, are not what this test is about.
-                    if !overlap(&mut data, &mut random) || data.ncon() != 1 {
-                        continue;
-                    }
-                    states += 1;
-                    let differenced = check(&format!("{option}, {dim}, {geoms:?}, state {states}"), &mut data);
-                    assert!(differenced.is_empty());
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn contacts_with_a_plane_agree_with_differences_for_each_cone_and_dimension() {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(14);
-    for option in OPTIONS {
-        for dim in [1, 3, 4, 6] {
-            for geom in [
-                r#"type="sphere" size="0.1""#,
-                r#"type="capsule" size="0.05 0.1""#,
-                r#"type="box" size="0.05 0.06 0.07""#,
-            ] {
-                let mut data = model(&format!(
-                    r#"<mujoco><option timestep="0.003" {option}/>
-                         <default><geom condim="{dim}" friction="0.8 0.02 0.01"/></default>
-                         <worldbody>
-                           <geom type="plane" size="1 1 1" euler="20 -30 10"/>
-                           <body><joint type="slide" axis="0 0 1" damping="1"/><joint type="slide" axis="0 1 0"/><joint type="ball"/><geom {geom}/></body>
-                         </worldbody></mujoco>"#
-                ));
-                for state in 0..2 {
-                    loop {
-                        randomise(&mut data, &mut random);
-                        data.qpos_mut()[..2].copy_from_slice(&[0.05, 0.01]);
-                        data.forward().unwrap();
-                        if data.nefc() > 0 {
-                            break;
-                        }
-                    }
-                    let differenced = check(&format!("{option}, {dim}, {geom}, state {state}"), &mut data);
-                    assert!(differenced.is_empty());
-                }
-            }
-        }
-    }
-}
-
-/// Moves two bodies of [`pair`] until they overlap, and returns whether they have a contact.
-fn overlap(data: &mut Data, random: &mut Xoshiro256PlusPlus) -> bool {
-    data.reset().unwrap();
-    let model = data.model().clone();
-    let mut shift = vec![0.0; model.nv()];
-    for (dof, shift) in shift.iter_mut().enumerate() {
-        let is_rotation = [3, 4, 5].contains(&dof) || dof > 7;
-        *shift = random.random_range(-1.0..1.0) * if is_rotation { 2.0 } else { 0.03 };
-    }
-    model.integrate_pos(data.qpos_mut(), &shift, 1.0).unwrap();
-    data.qvel_mut().iter_mut().for_each(|qvel| *qvel = random.random_range(-0.3..0.3));
-    data.forward().unwrap();
-    data.contacts().any(|contact| contact.dist() < -0.001)
-}
-
-#[test]
-fn contacts_by_differences_of_their_collision_function_agree_with_differences() {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(17);
-    let (sphere, capsule, cuboid) =
-        (r#"sphere" size="0.1"#, r#"capsule" size="0.04 0.1"#, r#"box" size="0.08 0.07 0.06"#);
-    for option in [OPTIONS[0], OPTIONS[2]] {
-        for geoms in [[sphere, cuboid], [capsule, cuboid], [cuboid, cuboid]] {
-            let mut data = Data::new(pair(option, 3, geoms)).unwrap();
-            for state in 0..4 {
-                while !overlap(&mut data, &mut random) {}
-                let differenced = check(&format!("{option}, {geoms:?}, state {state}"), &mut data);
-                assert_eq!(differenced, DifferencedTerms::CONTACTS);
-            }
         }
     }
 }

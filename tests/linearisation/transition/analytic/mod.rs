@@ -1,6 +1,7 @@
 //! The analytic method, one term at a time: A and B against extrapolated differences of the engine's `mj_step`.
 
 mod constraints;
+mod contacts;
 mod random_models;
 mod smooth;
 
@@ -23,6 +24,10 @@ const TOLERANCE: f64 = 1e-7;
 
 /// Largest deviation that the noise of the differences excuses.
 const MAX_NOISE: f64 = 1e-5;
+
+/// Options: cones, and formats of the Jacobian.
+const OPTIONS: [&str; 4] =
+    ["", r#"jacobian="sparse""#, r#"cone="elliptic" impratio="3""#, r#"cone="elliptic" jacobian="sparse""#];
 
 fn analytic(data: &mut Data) -> (StateSpace, LinearisationReport) {
     let options = TransitionOptions::default().with_method(TransitionMethod::Analytic);

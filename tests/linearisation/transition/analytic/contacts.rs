@@ -1,0 +1,150 @@
+//! Contacts of each pair of shapes, for both cones, each dimension and both formats of the Jacobian.
+
+use mujoco_safe::derivative::{DifferencedTerms, Fallback, TransitionMethod, TransitionOptions};
+use mujoco_safe::{Data, Lineariser, Model};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::{OPTIONS, analytic, check, model, randomise};
+
+/// Two free bodies in contact.
+fn pair(option: &str, dim: usize, geoms: [&str; 2]) -> Model {
+    let [first, second] = geoms;
+    Model::from_xml_str(&format!(
+        r#"<mujoco><option timestep="0.003" {option}/>
+             <default><geom condim="{dim}" friction="0.8 0.02 0.01" solref="0.03 0.8" solimp="0.8 0.95 0.05 0.5 3"/></default>
+             <worldbody>
+               <body><freejoint/><geom type="{first}"/></body>
+               <body pos="0 0 0.12"><joint type="slide" axis="0 0 1"/><joint type="slide" axis="1 0 0"/><joint type="ball"/><geom type="{second}"/></body>
+             </worldbody></mujoco>"#
+    ))
+    .unwrap()
+}
+
+#[test]
+fn contacts_of_spheres_and_capsules_agree_with_differences_for_each_cone_and_dimension() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(13);
+    let (sphere, capsule) = (r#"sphere" size="0.1"#, r#"capsule" size="0.08 0.15"#);
+    for option in OPTIONS {
+        for dim in [1, 3, 4, 6] {
+            for geoms in [[sphere, sphere], [sphere, capsule], [capsule, capsule]] {
+                let mut data = Data::new(pair(option, dim, geoms)).unwrap();
+                let mut states = 0;
+                while states < 2 {
+                    // Parallel capsules, and contacts with several points, are not what this test is about.
+                    if !overlap(&mut data, &mut random) || data.ncon() != 1 {
+                        continue;
+                    }
+                    states += 1;
+                    let differenced = check(&format!("{option}, {dim}, {geoms:?}, state {states}"), &mut data);
+                    assert!(differenced.is_empty());
+                }
+            }
+        }
+    }
+}
+
+/// Returns a body that slides and turns above an inclined plane.
+fn above_plane(option: &str, dim: usize, geom: &str) -> Data {
+    model(&format!(
+        r#"<mujoco><option timestep="0.003" {option}/>
+             <asset><mesh name="m" vertex="0.1 0 0  -0.1 0.05 0  -0.1 -0.05 0  0 0 0.1  0 0.02 -0.06"/></asset>
+             <default><geom condim="{dim}" friction="0.8 0.02 0.01"/></default>
+             <worldbody>
+               <geom type="plane" size="1 1 1" euler="20 -30 10"/>
+               <body>
+                 <joint type="slide" axis="0 0 1" damping="1"/><joint type="slide" axis="0 1 0"/><joint type="ball"/>
+                 <geom {geom}/>
+               </body>
+             </worldbody></mujoco>"#
+    ))
+}
+
+/// Moves the body of [`above_plane`] to a random state in contact.
+fn touch(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
+    loop {
+        randomise(data, random);
+        data.qpos_mut()[..2].copy_from_slice(&[0.05, 0.01]);
+        data.forward().unwrap();
+        if data.nefc() > 0 {
+            return;
+        }
+    }
+}
+
+#[test]
+fn contacts_with_a_plane_agree_with_differences_for_each_cone_and_dimension() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(14);
+    let (sphere, capsule, cuboid) =
+        (r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.05 0.1""#, r#"type="box" size="0.05 0.06 0.07""#);
+    for option in OPTIONS {
+        for dim in [1, 3, 4, 6] {
+            for geom in [sphere, capsule, cuboid] {
+                let mut data = above_plane(option, dim, geom);
+                for state in 0..2 {
+                    touch(&mut data, &mut random);
+                    let differenced = check(&format!("{option}, {dim}, {geom}, state {state}"), &mut data);
+                    assert!(differenced.is_empty());
+                }
+            }
+        }
+    }
+    for geom in
+        [r#"type="cylinder" size="0.06 0.1""#, r#"type="ellipsoid" size="0.06 0.1 0.08""#, r#"type="mesh" mesh="m""#]
+    {
+        let mut data = above_plane("", 3, geom);
+        for state in 0..4 {
+            touch(&mut data, &mut random);
+            let differenced = check(&format!("{geom}, state {state}"), &mut data);
+            assert_eq!(differenced, DifferencedTerms::CONTACTS);
+        }
+    }
+}
+
+#[test]
+fn contacts_by_iteration_and_parallel_capsules_fall_back_to_the_implicit_method() {
+    let capsule = r#"capsule" size="0.08 0.15"#;
+    for geoms in
+        [[r#"ellipsoid" size="0.1 0.2 0.15"#; 2], [r#"sphere" size="0.1"#, r#"cylinder" size="0.1 0.1"#], [capsule; 2]]
+    {
+        let mut data = Data::new(pair("", 3, geoms)).unwrap();
+        data.forward().unwrap();
+        assert!(data.nefc() > 0);
+        let (system, report) = analytic(&mut data);
+        assert_eq!((report.method, report.fallback), (TransitionMethod::Implicit, Some(Fallback::Constraint)));
+        let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);
+        assert_eq!(system, Lineariser::new(data.model().clone(), options).unwrap().linear_system(&mut data).unwrap().0);
+    }
+}
+
+/// Moves two bodies of [`pair`] until they overlap, and returns whether they have a contact.
+fn overlap(data: &mut Data, random: &mut Xoshiro256PlusPlus) -> bool {
+    data.reset().unwrap();
+    let model = data.model().clone();
+    let mut shift = vec![0.0; model.nv()];
+    for (dof, shift) in shift.iter_mut().enumerate() {
+        let is_rotation = [3, 4, 5].contains(&dof) || dof > 7;
+        *shift = random.random_range(-1.0..1.0) * if is_rotation { 2.0 } else { 0.03 };
+    }
+    model.integrate_pos(data.qpos_mut(), &shift, 1.0).unwrap();
+    data.qvel_mut().iter_mut().for_each(|qvel| *qvel = random.random_range(-0.3..0.3));
+    data.forward().unwrap();
+    data.contacts().any(|contact| contact.dist() < -0.001)
+}
+
+#[test]
+fn contacts_by_differences_of_their_collision_function_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(17);
+    let (sphere, capsule, cuboid) =
+        (r#"sphere" size="0.1"#, r#"capsule" size="0.04 0.1"#, r#"box" size="0.08 0.07 0.06"#);
+    for option in [OPTIONS[0], OPTIONS[2]] {
+        for geoms in [[sphere, cuboid], [capsule, cuboid], [cuboid, cuboid]] {
+            let mut data = Data::new(pair(option, 3, geoms)).unwrap();
+            for state in 0..4 {
+                while !overlap(&mut data, &mut random) {}
+                let differenced = check(&format!("{option}, {geoms:?}, state {state}"), &mut data);
+                assert_eq!(differenced, DifferencedTerms::CONTACTS);
+            }
+        }
+    }
+}
