@@ -37,8 +37,8 @@ const MAX_THREADS: usize = 1024;
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 ///
-/// The threads of the current rayon pool share the columns; `ThreadPool::install` selects another pool than the global one. The
-/// caller's thread takes part. The result does not depend on the number of threads. With one thread, or for a model of a few
+/// The analytic method computes a system in the caller's thread. For the other methods, the threads of the current rayon pool share
+/// the columns; `ThreadPool::install` selects another pool than the global one. The caller's thread takes part. The result does not depend on the number of threads. With one thread, or for a model of a few
 /// degrees of freedom, the caller's thread does all the work.
 #[derive(Debug)]
 pub struct Lineariser {

@@ -130,7 +130,8 @@ bitflags! {
     /// Terms that the [analytic](TransitionMethod::Analytic) method computes by differences.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     pub struct DifferencedTerms: u32 {
-        /// Sensors, C and D: by differences of inverse dynamics.
+        /// C and D: by differences of inverse dynamics, unless all sensors are positions and velocities of joints, fixed tendons
+        /// and actuators, or clocks, without a cutoff.
         const SENSORS = 1;
         /// Geometry of contacts between shapes without a formula, such as boxes with boxes: by differences of their collision
         /// function.

@@ -147,7 +147,7 @@ pub(super) fn linearise(
     result
 }
 
-/// Computes C and D by differences of inverse dynamics, if they are wanted, after A and B in closed form.
+/// Computes C and D by differences of inverse dynamics, if they are still wanted, after the outputs in closed form.
 fn difference_sensors(
     workers: &mut [Worker],
     base: BasePoint<'_>,

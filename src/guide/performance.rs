@@ -54,7 +54,7 @@
 //! # Threads
 //!
 //! Simulations in different threads do not share locks, so throughput grows with the number of cores until the memory bandwidth limits it. See
-//! [`parallel`](super::parallel). Linearisations use several threads on request:
+//! [`parallel`](super::parallel). Linearisations along trajectories, and those by differences, use several threads on request:
 //! [`TransitionOptions::with_threads`](crate::derivative::TransitionOptions::with_threads).
 //!
 //! # Build profiles
@@ -91,7 +91,10 @@
 //! | [`Data::step`], cart-pole | 1.7 µs | 0.993 [0.992, 0.994] | |
 //! | [`Data::step`], 22 humanoids | 0.8 ms | 0.999 [0.994, 1.004] | |
 //! | [`Data::transition_fd_into`], humanoid, A and B | 2.3 ms | 1.000 [0.999, 1.002] | `cargo bench --bench transition_fd` |
-//! | the same by implicit differentiation | | 0.421 [0.420, 0.421] | |
+//! | the same in closed form, by a [`Lineariser`](crate::Lineariser) | 70 µs | 0.032 [0.031, 0.033] | |
+//! | the same with elliptic cones and equality constraints | | 0.026 [0.025, 0.027] | |
+//! | the same of the cart-pole | | 0.327 [0.326, 0.327] | |
+//! | humanoid, by implicit differentiation | | 0.421 [0.420, 0.421] | |
 //! | the same in two threads | | 0.26 to 0.34 in three runs, as other programs used the host | |
 //! | [`Data::jac_body_com_into`] | 93 ns | 1.006 [1.005, 1.006] | `cargo bench --bench jacobian` |
 //!

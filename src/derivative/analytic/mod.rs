@@ -14,6 +14,7 @@
 //! | actuators | `actuators.rs` |
 //! | forces on bodies | `applied.rs` |
 //! | constraint forces `Jᵀ f` | `constraint/` |
+//! | sensors of joints, tendons and actuators | `sensors.rs` |
 //! | step of the integrator | `euler.rs`, `damped_inertia.rs` |
 //!
 //! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j displaces all bodies that it moves
@@ -31,6 +32,7 @@ mod damped_inertia;
 mod euler;
 mod passive;
 mod rigid_body;
+mod sensors;
 mod spatial;
 mod tree;
 
@@ -87,7 +89,8 @@ impl Analytic {
         }
     }
 
-    /// Writes A and B of the present state, if they are wanted.
+    /// Writes A and B of the present state, if they are wanted. Also writes C and D, and takes them from the outputs, if all sensors
+    /// have a formula.
     pub(super) fn linearise(&mut self, data: &mut Data, outputs: &mut TransitionOutputs<'_>) -> Result<Outcome> {
         if self.newton.solve(data, SensorUpdate::Skip, &mut self.row)?.is_none() {
             return Ok(Err(Fallback::NotConverged));
@@ -107,6 +110,9 @@ impl Analytic {
         };
         euler.differentiate(data, tree, bodies, &newton.factor, derivative);
         self.write(data.model(), outputs);
+        if sensors::are_covered(data.model()) {
+            sensors::write(data, outputs);
+        }
         Ok(Ok(differenced))
     }
 

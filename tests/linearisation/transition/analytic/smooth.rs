@@ -6,8 +6,8 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{analytic, check, model, randomise};
-use crate::transition::deviation;
 use crate::transition::features::{chain, moving};
+use crate::transition::{deviation, oracle};
 
 /// Free, ball, slide and hinge joints in one tree, two of them in one body, and a second tree.
 const JOINTS: &str = r#"<mujoco>
@@ -166,7 +166,36 @@ fn terms_without_a_formula_fall_back_with_the_reason() {
 }
 
 #[test]
-fn sensors_are_those_of_the_implicit_method() {
+fn linear_sensors_agree_with_differences() {
+    let rest = r#"<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed></tendon>
+        <actuator><motor name="m" joint="b" gear="3"/><position name="p" tendon="t" gear="2"/></actuator>
+        <sensor>
+          <jointpos joint="b"/><jointvel joint="c"/><tendonpos tendon="t"/><tendonvel tendon="t"/><clock/>
+          <actuatorpos actuator="m"/><actuatorvel actuator="m"/><actuatorpos actuator="p"/><actuatorvel actuator="p"/>
+        </sensor>"#;
+    for option in ["", r#"jacobian="sparse""#] {
+        let mut data = moving(&chain(option, "", r#"damping="0.1""#, rest), 5);
+        let (system, report) = analytic(&mut data);
+        assert!(report.differenced.is_empty());
+        let truth = oracle::linear_system(&data);
+        assert!(deviation(&system.c, &truth.c) < 1e-7);
+        // A control changes no position or velocity before the step.
+        assert!(system.d.as_slice().iter().all(|&value| value == 0.0));
+        assert!(truth.d.as_slice().iter().all(|&value| value.abs() < 1e-9));
+    }
+}
+
+#[test]
+fn a_sensor_with_a_cutoff_is_differenced() {
+    let xml = chain("", "", "", r#"<sensor><jointvel joint="b" cutoff="0.001"/></sensor>"#);
+    let mut data = moving(&xml, 5);
+    let (system, report) = analytic(&mut data);
+    assert_eq!(report.differenced, DifferencedTerms::SENSORS);
+    assert!(system.c.as_slice().iter().all(|&value| value == 0.0), "the velocity is beyond the cutoff");
+}
+
+#[test]
+fn other_sensors_are_those_of_the_implicit_method() {
     let xml = chain("", "", r#"damping="0.1""#, r#"<sensor><jointpos joint="a"/><accelerometer site="tip"/></sensor>"#);
     let mut data = moving(&xml, 5);
     let (system, report) = analytic(&mut data);
