@@ -108,6 +108,9 @@ pub enum Fallback {
     /// The analytic method has no formula for a constraint that exerts a force, for example a contact of convex meshes, whose
     /// collision function iterates. The method is [`Implicit`](TransitionMethod::Implicit).
     Constraint,
+    /// A derivative in closed form is not finite, for example that of the limit of a ball joint at its zero rotation. The method is
+    /// [`Implicit`](TransitionMethod::Implicit).
+    Singular,
 }
 
 impl fmt::Display for Fallback {
@@ -122,6 +125,7 @@ impl fmt::Display for Fallback {
             Self::SpatialTendon => "the model has spatial tendons",
             Self::Actuator => "an actuator has no closed form",
             Self::Constraint => "a constraint has no closed form",
+            Self::Singular => "a derivative is not finite",
         })
     }
 }

@@ -109,6 +109,9 @@ impl Analytic {
             return Ok(Err(Fallback::Constraint));
         };
         euler.differentiate(data, tree, bodies, &newton.factor, derivative);
+        if !derivative.as_slice().iter().all(|value| value.is_finite()) {
+            return Ok(Err(Fallback::Singular));
+        }
         self.write(data.model(), outputs);
         if sensors::are_covered(data.model()) {
             sensors::write(data, outputs);

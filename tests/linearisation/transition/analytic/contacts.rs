@@ -102,19 +102,35 @@ fn contacts_with_a_plane_agree_with_differences_for_each_cone_and_dimension() {
 }
 
 #[test]
-fn contacts_by_iteration_and_parallel_capsules_fall_back_to_the_implicit_method() {
+fn contacts_by_iteration_and_of_singular_capsules_fall_back_to_the_implicit_method() {
     let capsule = r#"capsule" size="0.08 0.15"#;
     for geoms in
         [[r#"ellipsoid" size="0.1 0.2 0.15"#; 2], [r#"sphere" size="0.1"#, r#"cylinder" size="0.1 0.1"#], [capsule; 2]]
     {
         let mut data = Data::new(pair("", 3, geoms)).unwrap();
-        data.forward().unwrap();
-        assert!(data.nefc() > 0);
-        let (system, report) = analytic(&mut data);
-        assert_eq!((report.method, report.fallback), (TransitionMethod::Implicit, Some(Fallback::Constraint)));
-        let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);
-        assert_eq!(system, Lineariser::new(data.model().clone(), options).unwrap().linear_system(&mut data).unwrap().0);
+        assert_falls_back(&mut data, Fallback::Constraint);
     }
+    // The first tangent is the projection of the capsule's axis to the plane, which vanishes.
+    let upright = r#"<mujoco><worldbody>
+        <geom type="plane" size="1 1 1"/><body pos="0 0 0.14"><freejoint/><geom type="capsule" size="0.05 0.1"/></body>
+      </worldbody></mujoco>"#;
+    assert_falls_back(&mut model(upright), Fallback::Constraint);
+}
+
+#[test]
+fn the_limit_of_a_ball_at_its_zero_rotation_falls_back_to_the_implicit_method() {
+    let xml = r#"<mujoco><worldbody>
+        <body><joint type="ball" limited="true" range="0 1" margin="0.1"/><geom size="0.1" pos="0.2 0 0"/></body>
+      </worldbody></mujoco>"#;
+    assert_falls_back(&mut model(xml), Fallback::Singular);
+}
+
+#[track_caller]
+fn assert_falls_back(data: &mut Data, reason: Fallback) {
+    let (system, report) = analytic(data);
+    assert_eq!((report.method, report.fallback), (TransitionMethod::Implicit, Some(reason)));
+    let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);
+    assert_eq!(system, Lineariser::new(data.model().clone(), options).unwrap().linear_system(data).unwrap().0);
 }
 
 /// Moves two bodies of [`pair`] until they overlap, and returns whether they have a contact.
