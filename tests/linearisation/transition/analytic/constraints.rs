@@ -158,7 +158,7 @@ fn the_humanoid_agrees_with_differences_while_it_stands_falls_and_lies() {
     for option in ["pyramidal", "elliptic"] {
         let mut data = Data::new(sample::humanoid()).unwrap();
         data.edit_model(|model| {
-            model.options(|options| {
+            model.edit_options(|options| {
                 if option == "elliptic" {
                     options.cone = mujoco_safe::enums::Cone::Elliptic;
                 }
