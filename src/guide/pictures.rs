@@ -126,7 +126,8 @@
 //! | [`viewer::run`][run] | the program, in a new thread | the calling thread |
 //! | [`viewer::launch`][launch] | the program, in the calling thread | a background thread; not on macOS |
 //!
-//! F1 lists all keys and mouse gestures. A double-click selects a body, and Ctrl with the right button pulls it.
+//! F1 lists all keys and mouse gestures. They are those of the engine's `simulate`. A double-click selects a body, Ctrl with the right
+//! button pulls it, Tab and Shift+Tab open the side panels, and Ctrl+Q closes the window.
 //!
 #![cfg_attr(feature = "viewer", doc = "```no_run")]
 #![cfg_attr(not(feature = "viewer"), doc = "```ignore")]

@@ -88,6 +88,8 @@ impl View {
             ViewAction::Plot(PlotKind::Profile) => toggle(&mut self.profile),
             ViewAction::Plot(PlotKind::Sensors) => toggle(&mut self.sensors),
             ViewAction::Align => self.camera.align(model),
+            // The free camera continues at the point that the tracking camera looks at.
+            ViewAction::FreeCamera => self.camera.view = CameraView::Free,
             ViewAction::Camera(step) => self.cycle_camera(model, step),
             ViewAction::Label(step) => {
                 let label = (self.options.label.raw() + step).rem_euclid(mjNLABEL as i32);

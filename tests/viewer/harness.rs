@@ -62,7 +62,7 @@ pub fn exit_on_panic<R>(act: impl FnOnce() -> R) -> R {
     catch_unwind(AssertUnwindSafe(act)).unwrap_or_else(|_| std::process::exit(101))
 }
 
-/// Shows a viewer on this thread while a closure performs input on another thread. The closure must leave the window open; Esc closes
+/// Shows a viewer on this thread while a closure performs input on another thread. The closure must leave the window open; Ctrl+Q closes
 /// it afterwards.
 pub fn show(data: Data, act: impl FnOnce(&Input) + Send) -> Data {
     show_with(ViewerOptions::default(), Viewer::new(), data, act)
@@ -79,7 +79,7 @@ pub fn show_with(options: ViewerOptions, viewer: Viewer, data: Data, act: impl F
                 wait_until("the window is drawn", || test_hooks::latest().is_some());
                 let input = Input::at(&title);
                 act(&input);
-                input.key("Escape");
+                input.key("ctrl+q");
             });
         });
         viewer.options(options.with_title(&*title).with_size(SIZE)).run(data).expect("the window opens")

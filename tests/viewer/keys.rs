@@ -4,7 +4,7 @@ use mujoco_safe::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFl
 use mujoco_safe::viewer::{Viewer, ViewerOptions};
 use mujoco_safe::{Data, Model, PdController, sample};
 
-use crate::harness::{press, show, show_with, state};
+use crate::harness::{press, settle, show, show_with, state};
 use crate::input::wait_until;
 
 fn humanoid() -> Data {
@@ -41,6 +41,8 @@ pub fn simulation() {
         press(input, "shift+Down", "the speed factor is halved", |state| state.target_speed < 1.0);
         let slow = state().target_speed;
         press(input, "shift+Up", "the speed factor is doubled", |state| state.target_speed == 2.0 * slow);
+        press(input, "minus", "the speed factor is halved", |state| state.target_speed == slow);
+        press(input, "equal", "the speed factor is doubled", |state| state.target_speed == 2.0 * slow);
         press(input, "Return", "real time is selected", |state| state.target_speed == 1.0);
         press(input, "Return", "the speed factor applies again", |state| state.target_speed == 2.0 * slow);
         press(input, "Return", "real time is selected", |state| state.target_speed == 1.0);
@@ -78,7 +80,9 @@ pub fn visualisation() {
     data.forward().unwrap();
     let model = data.model().clone();
     show(data, |input| {
-        for (keys, part) in [("F1", 0), ("F2", 1), ("ctrl+1", 2), ("ctrl+2", 3), ("F3", 4), ("F4", 5)] {
+        for (keys, part) in
+            [("F1", 0), ("F2", 1), ("ctrl+1", 2), ("ctrl+2", 3), ("Tab", 2), ("shift+Tab", 3), ("F3", 4), ("F4", 5)]
+        {
             let before = state().panels;
             press(input, keys, "a panel is toggled", |state| state.panels[part] != before[part]);
             press(input, keys, "the panel is restored", |state| state.panels == before);
@@ -129,7 +133,7 @@ pub fn visualisation() {
             press(input, key, "the rendering effect is restored", |state| state.render == expected ^ flag);
         }
         for group in 0..6 {
-            let key = (group + 1).to_string();
+            let key = group.to_string();
             let expected = !state().options.geomgroup[group];
             press(input, &key, "a group of geoms is toggled", |state| state.options.geomgroup[group] == expected);
             press(input, &key, "the group of geoms is restored", |state| state.options.geomgroup[group] != expected);
@@ -142,18 +146,31 @@ pub fn visualisation() {
         let before = state().ngeom;
         press(input, "j", "joints are in the scene", |state| state.ngeom > before);
 
-        press(input, "equal", "the next kind of label", |state| state.options.label == LabelMode::Body);
-        press(input, "minus", "the previous kind of label", |state| state.options.label == LabelMode::None);
-        press(input, "minus", "the kinds of labels are cyclic", |state| state.options.label == LabelMode::ContactForce);
+        press(input, "F7", "the next kind of label", |state| state.options.label == LabelMode::Body);
+        press(input, "shift+F7", "the previous kind of label", |state| state.options.label == LabelMode::None);
+        press(input, "shift+F7", "the kinds of labels are cyclic", |state| {
+            state.options.label == LabelMode::ContactForce
+        });
         press(input, "F7", "the kinds of labels are cyclic", |state| state.options.label == LabelMode::None);
-        press(input, "bracketright", "the next kind of frame", |state| state.options.frame == FrameMode::Body);
-        press(input, "bracketleft", "the previous kind of frame", |state| state.options.frame == FrameMode::None);
-        press(input, "bracketleft", "the kinds of frames are cyclic", |state| state.options.frame == FrameMode::World);
+        press(input, "F6", "the next kind of frame", |state| state.options.frame == FrameMode::Body);
+        press(input, "shift+F6", "the previous kind of frame", |state| state.options.frame == FrameMode::None);
+        press(input, "shift+F6", "the kinds of frames are cyclic", |state| state.options.frame == FrameMode::World);
         press(input, "F6", "the kinds of frames are cyclic", |state| state.options.frame == FrameMode::None);
 
-        press(input, "Tab", "a camera of the model", |state| matches!(state.camera.view, CameraView::Fixed(_)));
-        press(input, "shift+Tab", "the free camera", |state| state.camera.view == CameraView::Free);
-        press(input, "shift+Tab", "the cameras are cyclic", |state| matches!(state.camera.view, CameraView::Fixed(_)));
+        press(input, "bracketright", "a camera of the model", |state| {
+            matches!(state.camera.view, CameraView::Fixed(_))
+        });
+        press(input, "bracketleft", "the free camera", |state| state.camera.view == CameraView::Free);
+        press(input, "bracketright", "a camera of the model", |state| {
+            matches!(state.camera.view, CameraView::Fixed(_))
+        });
+        press(input, "Escape", "the free camera", |state| state.camera.view == CameraView::Free);
+        // Esc never closes the window.
+        input.keys(&["Escape", "Escape"]);
+        settle(input);
+        press(input, "bracketleft", "the cameras are cyclic", |state| {
+            matches!(state.camera.view, CameraView::Fixed(_))
+        });
         press(input, "ctrl+a", "the free camera shows the whole model", |state| state.camera.view == CameraView::Free);
         assert_eq!(state().camera.distance, 1.5 * model.statistics().extent);
     });

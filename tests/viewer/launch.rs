@@ -51,7 +51,7 @@ pub fn consecutive() {
                 wait_until("the simulation runs", || state().time > RUN_TIME);
                 press(&input, "space", "the program is paused", |state| state.status == "Paused");
                 press(&input, "BackSpace", "the start state is restored", |state| state.time < RUN_TIME);
-                input.key("Escape");
+                input.key("ctrl+q");
             });
         });
         viewer::run(window_options, |handle| run_steps(handle, &mut data)).unwrap()
@@ -111,7 +111,7 @@ pub fn launched() {
     first.sync(&mut data).unwrap();
     second.sync(&mut data).unwrap();
     let input = Input::at(&title);
-    input.key("Escape");
+    input.key("ctrl+q");
     wait_until("the second window is closed", || !second.is_running());
     assert!(first.is_running());
     drop(first);

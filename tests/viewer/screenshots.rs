@@ -66,7 +66,7 @@ pub fn draw(directory: &Path) {
                 input.double_click([640, 380], 1);
                 press(&input, "ctrl+p", "the screenshot is saved", |state| !state.messages.is_empty());
                 save("trajectory");
-                input.key("Escape");
+                input.key("ctrl+q");
             });
         });
         let options = ViewerOptions::default().with_screenshots(directory.join("screenshot.png"));

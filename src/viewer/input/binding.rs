@@ -1,8 +1,8 @@
 //! Table of the key bindings, the single source for key presses, the help on the screen and on the terminal, and the tests.
 //!
-//! The bindings follow MuJoCo.jl's viewer if common programs disagree. Keys of the engine's `simulate` are added if they
-//! are free: `-` and `=` select labels, not the speed; `[` and `]` select frames, not cameras; Esc quits. The engine's own table
-//! assigns the comma twice; here it toggles activations, and segmentation with Shift.
+//! The bindings follow the engine's `simulate`. Keys of MuJoCo.jl's viewer are added if `simulate` does not use them: arrows and Enter
+//! for steps and speed, F8 to F11 for the size, and the keys of trajectories. The engine's own table assigns the comma twice; here it
+//! toggles activations, and segmentation with Shift.
 
 use super::{Key, KeyPress, Modifiers};
 use crate::scene::{RenderFlags, VisualFlags};
@@ -32,6 +32,8 @@ pub(crate) enum ViewAction {
     Plot(PlotKind),
     /// Centres the free camera on the model.
     Align,
+    /// Switches from a tracking or fixed camera to the free camera.
+    FreeCamera,
     /// Advances by this number of cameras: the free camera, then the cameras of the model.
     Camera(i32),
     /// Advances by this number of kinds of labels.
@@ -206,6 +208,10 @@ const fn trajectory(key: Key, request: PlaybackRequest, help: &'static str) -> B
 }
 
 const FULL_SCREEN: &str = "Full screen on or off";
+const FASTER: &str = "Double the speed factor";
+const SLOWER: &str = "Halve the speed factor";
+const LEFT_PANEL: &str = "Left panel";
+const RIGHT_PANEL: &str = "Right panel";
 const STEP_50: &str = "While paused: 50 steps forward";
 const BACK_50: &str = "While paused: 50 steps back";
 
@@ -217,8 +223,10 @@ pub(crate) static BINDINGS: &[Binding] = &[
     simulation(Key::Left, SimulationRequest::Step(-1), "While paused: one step back"),
     simulation(Key::Left, SimulationRequest::Step(-50), BACK_50).with(SHIFT),
     simulation(Key::Enter, SimulationRequest::ToggleSpeed, "Real time or the speed factor"),
-    simulation(Key::Up, SimulationRequest::Faster, "Double the speed factor").with(SHIFT),
-    simulation(Key::Down, SimulationRequest::Slower, "Halve the speed factor").with(SHIFT),
+    simulation(Key::Character('='), SimulationRequest::Faster, FASTER),
+    simulation(Key::Up, SimulationRequest::Faster, FASTER).with(SHIFT),
+    simulation(Key::Character('-'), SimulationRequest::Slower, SLOWER),
+    simulation(Key::Down, SimulationRequest::Slower, SLOWER).with(SHIFT),
     simulation(Key::Right, SimulationRequest::CycleMode(1), "Next mode").with(COMMAND),
     simulation(Key::Left, SimulationRequest::CycleMode(-1), "Previous mode").with(COMMAND),
     endpoint(Key::PageUp, EndpointRequest::SelectParent, "Select the parent of the selected body"),
@@ -237,14 +245,15 @@ pub(crate) static BINDINGS: &[Binding] = &[
     )
     .with(COMMAND.and(SHIFT))
     .once(),
-    window(Key::Escape, WindowAction::Quit, "Quit"),
     window(Key::Character('q'), WindowAction::Quit, "Quit").with(COMMAND),
     panel(Key::Function(1), ViewAction::Help, "Help, here and on the terminal"),
     panel(Key::Function(2), ViewAction::Info, "Info panel"),
     panel(Key::Function(3), ViewAction::Plot(PlotKind::Profile), "Plots of the solver and of computing times"),
     panel(Key::Function(4), ViewAction::Plot(PlotKind::Sensors), "Plot of the sensors"),
-    panel(Key::Character('1'), ViewAction::Panel(Panel::Left), "Left panel").with(COMMAND),
-    panel(Key::Character('2'), ViewAction::Panel(Panel::Right), "Right panel").with(COMMAND),
+    panel(Key::Tab, ViewAction::Panel(Panel::Left), LEFT_PANEL).once(),
+    panel(Key::Character('1'), ViewAction::Panel(Panel::Left), LEFT_PANEL).with(COMMAND).once(),
+    panel(Key::Tab, ViewAction::Panel(Panel::Right), RIGHT_PANEL).with(SHIFT).once(),
+    panel(Key::Character('2'), ViewAction::Panel(Panel::Right), RIGHT_PANEL).with(COMMAND).once(),
     window(Key::Function(8), WindowAction::Resize([1024, 768]), "1024 x 768 (XGA)").once(),
     window(Key::Function(8), WindowAction::Resize([1280, 1024]), "1280 x 1024 (SXGA)").with(SHIFT).once(),
     window(Key::Function(9), WindowAction::Resize([1280, 720]), "1280 x 720 (HD)").once(),
@@ -256,26 +265,25 @@ pub(crate) static BINDINGS: &[Binding] = &[
     window(Key::Character('p'), WindowAction::Screenshot, "Save a screenshot").with(COMMAND).once(),
     window(Key::Character('l'), WindowAction::Reload, "Reload the model's file").with(COMMAND).once(),
     camera(Key::Character('a'), ViewAction::Align, "Free camera, centred on the model").with(COMMAND),
-    camera(Key::Tab, ViewAction::Camera(1), "Next camera").once(),
-    camera(Key::Tab, ViewAction::Camera(-1), "Previous camera").with(SHIFT).once(),
-    shown(Key::Character('-'), ViewAction::Label(-1), "Labels: previous kind"),
-    shown(Key::Character('='), ViewAction::Label(1), "Labels: next kind"),
-    shown(Key::Function(7), ViewAction::Label(1), "Labels: next kind"),
-    shown(Key::Character('['), ViewAction::Frame(-1), "Frames: previous kind"),
-    shown(Key::Character(']'), ViewAction::Frame(1), "Frames: next kind"),
+    camera(Key::Escape, ViewAction::FreeCamera, "Free camera"),
+    camera(Key::Character(']'), ViewAction::Camera(1), "Next camera"),
+    camera(Key::Character('['), ViewAction::Camera(-1), "Previous camera"),
     shown(Key::Function(6), ViewAction::Frame(1), "Frames: next kind"),
-    geoms('1', 0),
-    geoms('2', 1),
-    geoms('3', 2),
-    geoms('4', 3),
-    geoms('5', 4),
-    geoms('6', 5),
-    sites('1', 0),
-    sites('2', 1),
-    sites('3', 2),
-    sites('4', 3),
-    sites('5', 4),
-    sites('6', 5),
+    shown(Key::Function(6), ViewAction::Frame(-1), "Frames: previous kind").with(SHIFT),
+    shown(Key::Function(7), ViewAction::Label(1), "Labels: next kind"),
+    shown(Key::Function(7), ViewAction::Label(-1), "Labels: previous kind").with(SHIFT),
+    geoms('0', 0),
+    geoms('1', 1),
+    geoms('2', 2),
+    geoms('3', 3),
+    geoms('4', 4),
+    geoms('5', 5),
+    sites('0', 0),
+    sites('1', 1),
+    sites('2', 2),
+    sites('3', 3),
+    sites('4', 4),
+    sites('5', 5),
     visual('h', VisualFlags::CONVEXHULL, "Convex hulls"),
     visual('x', VisualFlags::TEXTURE, "Textures"),
     visual('j', VisualFlags::JOINT, "Joints"),

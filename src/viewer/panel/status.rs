@@ -44,8 +44,8 @@ pub(super) fn show_info(ui: &mut Ui, cx: &PanelContext<'_>) {
             show_line(ui, info.name, &info.value);
         }
     });
-    let command = Modifiers::COMMAND;
-    ui.label(RichText::new(format!("F1 help   {command}1 {command}2 panels")).small().color(layout::FAINT));
+    let text = format!("F1 help   Tab {}Tab panels   {}Q quit", Modifiers::SHIFT, Modifiers::COMMAND);
+    ui.label(RichText::new(text).small().color(layout::FAINT));
 }
 
 fn show_line(ui: &mut Ui, name: &str, value: &str) {

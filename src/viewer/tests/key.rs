@@ -1,7 +1,7 @@
 //! Key bindings and their effects.
 
 use super::{Bench, Pressed, trajectories};
-use crate::scene::{CameraView, FrameMode, LabelMode, RenderFlags, VisualFlags};
+use crate::scene::{Camera, CameraView, FrameMode, LabelMode, RenderFlags, VisualFlags};
 use crate::viewer::input::{
     Action, BINDINGS, Key, KeyPress, Modifiers, Section, ViewAction, WindowAction, find_action, help_sections,
     help_text,
@@ -51,7 +51,7 @@ fn only_repeating_bindings_react_to_held_keys() {
         let held = find_action(KeyPress { repeat: true, ..binding.press() }, mode);
         assert_eq!(held.is_some(), binding.repeats, "{}", binding.press());
     }
-    for press in ["F8", "Shift+F8", "F9", "Shift+F9", "F10", "F11", "Tab"] {
+    for press in ["F8", "Shift+F8", "F9", "Shift+F9", "F10", "F11", "Tab", "Shift+Tab"] {
         assert!(once.contains(&press.to_owned()), "{press}");
     }
 }
@@ -132,7 +132,7 @@ fn view_reaches_the_scene() {
 fn digits_toggle_groups_of_geoms_and_with_shift_of_sites() {
     let mut bench = Bench::humanoid();
     for group in 0..6 {
-        let key = character(char::from(b'1' + group as u8));
+        let key = character(char::from(b'0' + group as u8));
         let before = bench.view.options.clone();
         bench.press(key, NONE);
         assert_eq!(bench.view.options.geomgroup[group], !before.geomgroup[group]);
@@ -145,18 +145,18 @@ fn digits_toggle_groups_of_geoms_and_with_shift_of_sites() {
 #[test]
 fn labels_and_frames_are_cyclic() {
     let mut bench = Bench::humanoid();
-    bench.press(character('-'), NONE);
+    bench.press(Key::Function(7), SHIFT);
     assert_eq!(bench.view.options.label, LabelMode::ContactForce);
     for _ in 0..14 {
-        bench.press(character('='), NONE);
+        bench.press(Key::Function(7), NONE);
     }
     assert_eq!(bench.view.options.label, LabelMode::ContactForce);
     bench.press(Key::Function(7), NONE);
     assert_eq!(bench.view.options.label, LabelMode::None);
-    bench.press(character('['), NONE);
+    bench.press(Key::Function(6), SHIFT);
     assert_eq!(bench.view.options.frame, FrameMode::World);
     for _ in 0..8 {
-        bench.press(character(']'), NONE);
+        bench.press(Key::Function(6), NONE);
     }
     assert_eq!(bench.view.options.frame, FrameMode::World);
     bench.press(Key::Function(6), NONE);
@@ -164,13 +164,13 @@ fn labels_and_frames_are_cyclic() {
 }
 
 #[test]
-fn tab_cycles_through_the_cameras() {
+fn brackets_cycle_through_the_cameras() {
     let text = r#"<mujoco><worldbody>
         <camera name="a" pos="0 -2 1"/><camera name="b" pos="0 -3 1"/><geom size="0.1"/>
       </worldbody></mujoco>"#;
     let mut bench = Bench::new(Data::new(Model::from_xml_str(text).unwrap()).unwrap());
-    let index = |bench: &mut Bench, modifiers| {
-        bench.press(Key::Tab, modifiers);
+    let index = |bench: &mut Bench, key| {
+        bench.press(character(key), NONE);
         let seen_from = bench.snapshot().camera.view;
         assert_eq!(seen_from, bench.view.camera.view);
         match bench.view.camera.view {
@@ -178,10 +178,24 @@ fn tab_cycles_through_the_cameras() {
             _ => None,
         }
     };
-    assert_eq!([NONE; 4].map(|none| index(&mut bench, none)), [Some(0), Some(1), None, Some(0)]);
-    assert_eq!([SHIFT; 3].map(|shift| index(&mut bench, shift)), [None, Some(1), Some(0)]);
+    assert_eq!([']'; 4].map(|key| index(&mut bench, key)), [Some(0), Some(1), None, Some(0)]);
+    assert_eq!(['['; 3].map(|key| index(&mut bench, key)), [None, Some(1), Some(0)]);
     bench.press(character('a'), COMMAND);
     assert_eq!(bench.view.camera.view, CameraView::Free);
+}
+
+#[test]
+fn escape_selects_the_free_camera_at_the_present_point() {
+    let mut bench = Bench::humanoid();
+    let model = bench.snapshot().model.clone();
+    bench.view.camera.view = CameraView::Tracking(model.body("torso").unwrap().id());
+    bench.tick();
+    let (snapshot, _) = bench.window.latest().unwrap();
+    bench.view.update_snapshot(snapshot).unwrap();
+    let tracking = bench.view.camera;
+    assert_ne!(tracking.lookat, Camera::free(&model).lookat);
+    assert_eq!(bench.press(Key::Escape, NONE), Pressed::Done);
+    assert_eq!(bench.view.camera, Camera { view: CameraView::Free, ..tracking });
 }
 
 #[test]
@@ -197,10 +211,12 @@ fn align_shows_the_whole_model() {
 fn panels_and_plots_are_toggled() {
     type Shown = fn(&Bench) -> bool;
     let mut bench = Bench::humanoid();
-    let panels: [(Key, Modifiers, Shown); 5] = [
+    let panels: [(Key, Modifiers, Shown); 7] = [
         (Key::Function(2), NONE, |bench| bench.view.info),
         (Key::Function(3), NONE, |bench| bench.view.profile),
         (Key::Function(4), NONE, |bench| bench.view.sensors),
+        (Key::Tab, NONE, |bench| bench.view.left_panel),
+        (Key::Tab, SHIFT, |bench| bench.view.right_panel),
         (character('1'), COMMAND, |bench| bench.view.left_panel),
         (character('2'), COMMAND, |bench| bench.view.right_panel),
     ];
@@ -226,7 +242,6 @@ fn help_is_shown_on_the_screen_and_on_the_terminal() {
 fn window_actions_are_passed_to_the_window() {
     let mut bench = Bench::humanoid();
     for (key, modifiers, window) in [
-        (Key::Escape, NONE, WindowAction::Quit),
         (character('q'), COMMAND, WindowAction::Quit),
         (Key::Function(8), NONE, WindowAction::Resize([1024, 768])),
         (Key::Function(8), SHIFT, WindowAction::Resize([1280, 1024])),
@@ -297,6 +312,10 @@ fn speed_factor_is_toggled_doubled_and_halved() {
     bench.press(Key::Up, SHIFT);
     assert_eq!(speed(&mut bench), (0.2, "5x (slower)".to_owned()));
     bench.press(Key::Down, SHIFT);
+    assert_eq!(speed(&mut bench).0, 0.1);
+    bench.press(character('='), NONE);
+    assert_eq!(speed(&mut bench).0, 0.2);
+    bench.press(character('-'), NONE);
     assert_eq!(speed(&mut bench).0, 0.1);
     for _ in 0..5 {
         bench.press(Key::Up, SHIFT);
