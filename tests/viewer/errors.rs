@@ -9,7 +9,14 @@ use mujoco_safe::{Controller, Data, Result, sample};
 use crate::harness::{press, show, show_with, state};
 use crate::input::wait_until;
 
-pub fn interrupt() {
+pub fn signals() {
+    for signal in ["INT", "TERM", "HUP"] {
+        record_until(signal);
+    }
+}
+
+/// Checks that a signal closes the window and finishes its recording.
+fn record_until(signal: &str) {
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("recording.gif");
     let options = ViewerOptions::default()
@@ -22,7 +29,8 @@ pub fn interrupt() {
         });
         assert!(!recording.exists(), "the file appears only when it is complete");
         // `kill` is a shell builtin; not every system has a `kill` program.
-        let status = Command::new("sh").arg("-c").arg(format!("kill -INT {}", std::process::id())).status().unwrap();
+        let status =
+            Command::new("sh").arg("-c").arg(format!("kill -{signal} {}", std::process::id())).status().unwrap();
         assert!(status.success());
         wait_until("the recording is finished", || recording.exists());
     });

@@ -44,7 +44,7 @@ const CASES: &[Case] = &[
     ("consecutive_windows_on_one_thread", launch::consecutive),
     ("windows_on_the_background_thread", launch::launched),
     ("second_thread_cannot_show_windows", launch::two_threads),
-    ("interrupt_finishes_the_recording", errors::interrupt),
+    ("signals_finish_the_recording", errors::signals),
     ("controller_failure_is_shown", errors::controller_failure),
     ("lost_surface_is_recreated", errors::lost_surface),
     ("idle_window_uses_no_processor_time", errors::idle),
@@ -70,13 +70,7 @@ fn main() -> ExitCode {
             screenshots::draw(Path::new(directory));
             ExitCode::SUCCESS
         }
-        ["screenshots", directory] => {
-            let display = Display::start();
-            let framebuffer = display.framebuffer();
-            let status =
-                child(&["draw", directory]).env("DISPLAY", display.name()).env("FRAMEBUFFER", framebuffer).status();
-            ExitCode::from(u8::from(!status.is_ok_and(|status| status.success())))
-        }
+        ["screenshots", directory] => run_on_display(&["draw", directory]),
         _ if words.contains(&"--list") => {
             CASES.iter().chain(WITHOUT_DISPLAY).for_each(|(name, _)| println!("{name}: test"));
             ExitCode::SUCCESS
@@ -85,11 +79,19 @@ fn main() -> ExitCode {
     }
 }
 
+/// Runs this program with other arguments on a virtual display.
+fn run_on_display(arguments: &[&str]) -> ExitCode {
+    let display = Display::start();
+    let mut command = child(arguments);
+    let status = command.env("DISPLAY", display.name()).env("FRAMEBUFFER", display.framebuffer()).status();
+    ExitCode::from(u8::from(!status.is_ok_and(|status| status.success())))
+}
+
 /// Returns a command that runs this program with other arguments.
 fn child(arguments: &[&str]) -> Command {
-    // Background jobs of a shell ignore SIGINT, and their children inherit this disposition. One case tests Ctrl-C.
+    // Background jobs of a shell ignore SIGINT, jobs under `nohup` SIGHUP, and their children inherit this. One case tests the signals.
     let mut command = Command::new("env");
-    command.arg("--default-signal=INT").arg(std::env::current_exe().expect("the path of the test"));
+    command.arg("--default-signal=INT,TERM,HUP").arg(std::env::current_exe().expect("the path of the test"));
     command.args(arguments).env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
     command.env("RUST_BACKTRACE", "0");
     // Without this variable Mesa prints a warning.

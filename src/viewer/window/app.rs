@@ -1,4 +1,4 @@
-//! Event handler of the event loop: open windows, and their closing by Ctrl-C.
+//! Event handler of the event loop: open windows, and their closing by signals.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -109,7 +109,8 @@ impl ApplicationHandler<Wake> for App {
     }
 }
 
-/// Exit status of a program that Ctrl-C has ended, by the convention of shells.
+/// Exit status of a program that a signal has ended. The number is that of SIGINT by the convention of shells, because the handler does
+/// not receive the signal.
 const INTERRUPTED: i32 = 130;
 
 /// Number of open windows.
@@ -117,8 +118,8 @@ static WINDOWS: AtomicUsize = AtomicUsize::new(0);
 static PROXY: Mutex<Option<EventLoopProxy<Wake>>> = Mutex::new(None);
 static ONCE: Once = Once::new();
 
-/// Guard of an open window. While a guard exists, Ctrl-C closes the windows, so that a running recording is finished and the program
-/// continues. Without windows, Ctrl-C ends the program as usual.
+/// Guard of an open window. While a guard exists, Ctrl-C, SIGTERM and SIGHUP close the windows, so that a running recording is finished
+/// and the program continues. Without windows, these signals end the program.
 pub(super) struct InterruptGuard(());
 
 impl InterruptGuard {
@@ -127,8 +128,8 @@ impl InterruptGuard {
         WINDOWS.fetch_add(1, Ordering::AcqRel);
         ONCE.call_once(|| {
             if let Err(error) = ctrlc::try_set_handler(handle_interrupt) {
-                // The program has installed a handler itself.
-                log::debug!("the viewer does not handle Ctrl-C: {error}");
+                // The program handles one of the signals itself, or ignores it as under `nohup`.
+                log::debug!("the viewer does not handle Ctrl-C, SIGTERM and SIGHUP: {error}");
             }
         });
         Self(())
