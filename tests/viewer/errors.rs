@@ -98,7 +98,7 @@ pub fn idle() {
 }
 
 /// Returns the processor time of this process, s.
-fn processor_time() -> f64 {
+pub fn processor_time() -> f64 {
     // Fields 14 and 15 are the user and system time, in hundredths of a second. Field 2, the name, may contain spaces.
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
     let fields = stat.rsplit(')').next().unwrap().split_whitespace();

@@ -100,6 +100,16 @@ impl Input {
         }
     }
 
+    /// Moves the pointer along points with this delay, in s.
+    pub fn move_along(&self, points: impl IntoIterator<Item = [i32; 2]>, delay: f64) {
+        let mut arguments = Vec::new();
+        for [x, y] in points {
+            arguments.extend(["mousemove", "--window", &self.window].map(str::to_owned));
+            arguments.extend([x.to_string(), y.to_string(), "sleep".to_owned(), delay.to_string()]);
+        }
+        run_xdotool(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    }
+
     pub fn release(&self, button: u8, modifiers: &[&str]) {
         run_xdotool(&["mouseup", &button.to_string()]);
         self.release_modifiers(modifiers);

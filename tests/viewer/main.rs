@@ -5,6 +5,7 @@
 //! cargo test --features viewer --test viewer              all cases
 //! cargo test --features viewer --test viewer -- mouse     cases whose names contain this text
 //! cargo test --features viewer --test viewer -- screenshots DIRECTORY     screenshots of the panels, for visual inspection
+//! cargo test --features viewer --test viewer -- processor                 processor time while paused, with a moving pointer, and running
 //! ```
 
 #![forbid(unsafe_code)]
@@ -18,6 +19,7 @@ mod launch;
 mod leaks;
 mod mouse;
 mod panels;
+mod processor;
 mod queued_events;
 mod screenshots;
 mod trajectories;
@@ -70,7 +72,12 @@ fn main() -> ExitCode {
             screenshots::draw(Path::new(directory));
             ExitCode::SUCCESS
         }
+        ["measure"] => {
+            processor::measure();
+            ExitCode::SUCCESS
+        }
         ["screenshots", directory] => run_on_display(&["draw", directory]),
+        ["processor"] => run_on_display(&["measure"]),
         _ if words.contains(&"--list") => {
             CASES.iter().chain(WITHOUT_DISPLAY).for_each(|(name, _)| println!("{name}: test"));
             ExitCode::SUCCESS
