@@ -1,6 +1,8 @@
 //! Layout and style of the panels. All panels lie over the scene, in layers above the background layer, so that the overlay can
 //! always determine if the pointer is over a panel.
 
+use std::borrow::Cow;
+
 use egui::{
     Align2, Area, CollapsingHeader, Color32, Context, CornerRadius, FontFamily, FontId, Frame, Id, Margin, Order,
     RichText, ScrollArea, Shadow, Stroke, TextStyle, TextWrapMode, Theme, Ui, Vec2,
@@ -76,18 +78,51 @@ pub(super) fn two_columns<T>(ui: &mut Ui, items: impl IntoIterator<Item = T>, mu
     });
 }
 
-/// Shows content beside a label of a fixed width, which is truncated if it is longer.
+/// Shows content beside a label of a fixed width. A longer name is elided and shown by a tooltip.
 pub(super) fn labelled<R>(ui: &mut Ui, name: &str, width: f32, content: impl FnOnce(&mut Ui) -> R) -> R {
     ui.horizontal(|ui| {
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.set_min_width(width);
             ui.set_max_width(width);
-            ui.add(egui::Label::new(name).truncate().selectable(false));
+            let shown = fit(ui, name, width);
+            let label = ui.add(egui::Label::new(&*shown).truncate().selectable(false));
+            if shown != name {
+                label.on_hover_text(name);
+            }
         });
         content(ui)
     })
     .inner
+}
+
+/// Returns a text of this width in the body font at most. A longer text is elided in the middle, because the ends of the names of similar
+/// elements differ.
+pub(super) fn fit<'a>(ui: &Ui, text: &'a str, width: f32) -> Cow<'a, str> {
+    let font = TextStyle::Body.resolve(ui.style());
+    ui.fonts_mut(|fonts| elide(text, width, |character| fonts.glyph_width(&font, character)))
+}
+
+/// Replaces the middle of a text by an ellipsis if the text is wider than `width`.
+fn elide(text: &str, width: f32, mut glyph_width: impl FnMut(char) -> f32) -> Cow<'_, str> {
+    let widths: Vec<f32> = text.chars().map(&mut glyph_width).collect();
+    if widths.iter().sum::<f32>() <= width {
+        return text.into();
+    }
+    let (mut head, mut tail) = (0, widths.len());
+    let mut room = width - glyph_width('…');
+    while head < tail {
+        // Characters are taken from the end and from the start in turns.
+        let from_end = widths.len() - tail <= head;
+        room -= if from_end { widths[tail - 1] } else { widths[head] };
+        if room < 0.0 {
+            break;
+        }
+        if from_end { tail -= 1 } else { head += 1 }
+    }
+    let start: String = text.chars().take(head).collect();
+    let end: String = text.chars().skip(tail).collect();
+    format!("{start}…{end}").into()
 }
 
 /// Colour of headings and active elements.
@@ -163,4 +198,20 @@ pub fn apply_style(context: &Context) {
         visuals.collapsing_header_frame = false;
         visuals.indent_has_left_vline = false;
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::elide;
+
+    #[test]
+    fn long_names_are_elided_in_the_middle() {
+        let elided = |text, width| elide(text, width, |_| 1.0).into_owned();
+        assert_eq!(elided("right_shoulder1", 15.0), "right_shoulder1");
+        assert_eq!(elided("right_shoulder1", 9.0), "righ…der1");
+        assert_eq!(elided("right_shoulder2", 8.0), "rig…der2");
+        assert_eq!(elided("right_shoulder2", 2.0), "…2");
+        assert_eq!(elided("right_shoulder2", 0.0), "…");
+        assert_eq!(elided("größenänderung", 7.0), "grö…ung");
+    }
 }

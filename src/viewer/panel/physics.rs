@@ -3,8 +3,11 @@
 use egui::{DragValue, Ui};
 
 use super::{PanelContext, display_name, layout, visual};
+use crate::element::{EqualityObjects, View};
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
-use crate::model::{DisableFlags, EnableFlags};
+use crate::id::{BodyId, JointId, TendonId};
+use crate::kind;
+use crate::model::{DisableFlags, EnableFlags, Model};
 use crate::viewer::link::EndpointRequest;
 
 /// Width of the labels, points.
@@ -100,9 +103,58 @@ pub(super) fn show_equalities(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let model = cx.snapshot.model.clone();
     for equality in model.equalities() {
         let mut active = equality.active();
-        let text = format!("{} ({:?})", display_name(equality.name(), equality.index()), equality.equality_type());
-        if ui.checkbox(&mut active, text).changed() {
+        let text = format!("{} ({:?})", equality_name(&model, &equality), equality.equality_type());
+        // The box of the checkbox and its margins are as wide as a row is high.
+        let shown = layout::fit(ui, &text, ui.available_width() - 1.5 * ui.spacing().interact_size.y).into_owned();
+        let mut checkbox = ui.checkbox(&mut active, &shown);
+        if shown != text {
+            checkbox = checkbox.on_hover_text(text);
+        }
+        if checkbox.changed() {
             cx.send(EndpointRequest::SetEquality(equality.id(), active));
         }
+    }
+}
+
+/// Returns the name of a constraint, or the names of the elements that it couples.
+fn equality_name(model: &Model, equality: &View<'_, Model, kind::Equality>) -> String {
+    if let Some(name) = equality.name() {
+        return name.to_owned();
+    }
+    let joint = |id: JointId| display_name(model.joint(id).name(), id.index());
+    let tendon = |id: TendonId| display_name(model.tendon(id).name(), id.index());
+    let body = |id: BodyId| display_name(model.body(id).name(), id.index());
+    let (one, other) = match equality.objects() {
+        EqualityObjects::Bodies(one, other) => (body(one), Some(body(other))),
+        EqualityObjects::Joints(one, other) => (joint(one), other.map(joint)),
+        EqualityObjects::Tendons(one, other) => (tendon(one), other.map(tendon)),
+    };
+    other.map_or(one.clone(), |other| format!("{one}, {other}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::equality_name;
+    use crate::Model;
+
+    #[test]
+    fn equality_constraints_have_the_names_of_their_elements() {
+        let text = r#"<mujoco>
+            <worldbody>
+              <body name="arm"><joint name="elbow"/><geom size="0.1"/></body>
+              <body name="cup"><joint name="lid"/><geom size="0.1"/></body>
+              <body><joint/><geom size="0.1"/></body>
+            </worldbody>
+            <equality>
+              <weld body1="arm" body2="cup"/>
+              <connect body1="cup" anchor="0 0 0"/>
+              <joint joint1="elbow" joint2="lid"/>
+              <joint joint1="lid"/>
+              <weld name="grasp" body1="arm" body2="cup"/>
+            </equality>
+          </mujoco>"#;
+        let model = Model::from_xml_str(text).unwrap();
+        let names: Vec<String> = model.equalities().map(|equality| equality_name(&model, &equality)).collect();
+        assert_eq!(names, ["arm, cup", "cup, world", "elbow, lid", "lid", "grasp"]);
     }
 }
