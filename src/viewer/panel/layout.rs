@@ -2,10 +2,11 @@
 //! always determine if the pointer is over a panel.
 
 use std::borrow::Cow;
+use std::ops::RangeInclusive;
 
 use egui::{
     Align2, Area, CollapsingHeader, Color32, Context, CornerRadius, FontFamily, FontId, Frame, Id, Margin, Order,
-    RichText, ScrollArea, Shadow, Stroke, TextStyle, TextWrapMode, Theme, Ui, Vec2,
+    RichText, ScrollArea, Shadow, Slider, SliderClamping, Stroke, TextStyle, TextWrapMode, Theme, Ui, Vec2,
 };
 
 /// Width of the side panels, points.
@@ -123,6 +124,12 @@ fn elide(text: &str, width: f32, mut glyph_width: impl FnMut(char) -> f32) -> Co
     let start: String = text.chars().take(head).collect();
     let end: String = text.chars().skip(tail).collect();
     format!("{start}…{end}").into()
+}
+
+/// Shows a slider over a range. Only the user's edits are limited to the range and rounded: a slider that does so with the values that it
+/// shows would edit them.
+pub(super) fn slider<N: egui::emath::Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
+    Slider::new(value, range).clamping(SliderClamping::Edits)
 }
 
 /// Colour of headings and active elements.

@@ -1,6 +1,6 @@
 //! Panels of the simulation and of the playback of trajectories.
 
-use egui::{Button, RichText, Slider, Ui};
+use egui::{Button, RichText, Ui};
 
 use super::{PanelContext, layout};
 use crate::viewer::input::{Action, WindowAction};
@@ -78,8 +78,9 @@ fn speed(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let speed = cx.snapshot.speed;
     layout::labelled(ui, "speed", LABEL_WIDTH, |ui| {
         let mut factor = speed.target();
-        let slider =
-            Slider::new(&mut factor, 0.01..=10.0).logarithmic(true).custom_formatter(|value, _| format!("{value:.2}x"));
+        let slider = layout::slider(&mut factor, 0.01..=10.0)
+            .logarithmic(true)
+            .custom_formatter(|value, _| format!("{value:.2}x"));
         if ui.add(slider).changed() {
             cx.send(SimulationRequest::SetSpeed(factor));
         }
@@ -103,7 +104,7 @@ fn history(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let (count, position) = (cx.snapshot.history_len, cx.snapshot.history_position);
     layout::labelled(ui, "history", LABEL_WIDTH, |ui| {
         let mut index = position.min(count);
-        let slider = Slider::new(&mut index, 0..=count).show_value(false);
+        let slider = layout::slider(&mut index, 0..=count).show_value(false);
         if ui.add_enabled(count > 0, slider).on_hover_text("previous states").changed() {
             cx.send(SimulationRequest::Scrub(index));
         }
@@ -118,7 +119,7 @@ pub(super) fn show_playback(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let Some(playback) = cx.snapshot.playback else { return };
     layout::labelled(ui, "trajectory", PLAYBACK_LABEL_WIDTH, |ui| {
         let mut number = playback.trajectory + 1;
-        let slider = Slider::new(&mut number, 1..=playback.trajectories)
+        let slider = layout::slider(&mut number, 1..=playback.trajectories)
             .custom_formatter(|value, _| format!("{value} / {}", playback.trajectories));
         if ui.add_enabled(playback.trajectories > 1, slider).changed() {
             cx.send(PlaybackRequest::SetTrajectory(number - 1));
@@ -126,7 +127,7 @@ pub(super) fn show_playback(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     });
     layout::labelled(ui, "record", PLAYBACK_LABEL_WIDTH, |ui| {
         let mut record = playback.frame + 1;
-        let slider = Slider::new(&mut record, 1..=playback.frames)
+        let slider = layout::slider(&mut record, 1..=playback.frames)
             .custom_formatter(|value, _| format!("{value} / {}", playback.frames));
         if ui.add(slider).changed() {
             cx.send(PlaybackRequest::SetFrame(record - 1));
@@ -148,7 +149,7 @@ pub(super) fn show_playback(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let mut notches = |ui: &mut Ui, name: &str, value: f64, request: fn(f64) -> PlaybackRequest| {
         layout::labelled(ui, name, PLAYBACK_LABEL_WIDTH, |ui| {
             let mut wanted = value;
-            let slider = Slider::new(&mut wanted, 1.0..=40.0).step_by(1.0);
+            let slider = layout::slider(&mut wanted, 1.0..=40.0).step_by(1.0);
             if ui.add_enabled(burst.on, slider).changed() {
                 cx.send(request(wanted - value));
             }

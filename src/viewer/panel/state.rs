@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use egui::{DragValue, Grid, RichText, Slider, Ui};
+use egui::{DragValue, Grid, RichText, Ui};
 
 use super::{PanelContext, display_name, layout};
 use crate::enums::JointType;
@@ -55,7 +55,7 @@ pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         layout::labelled(ui, &display_name(actuator.name(), actuator.index()), LABEL_WIDTH, |ui| {
             let mut value = ctrl;
             let range = low.min(ctrl)..=high.max(ctrl);
-            let slider = ui.add(Slider::new(&mut value, range).fixed_decimals(2));
+            let slider = ui.add(layout::slider(&mut value, range).fixed_decimals(2));
             #[cfg(feature = "test-hooks")]
             {
                 // The rail is at the left, the number at the right.
@@ -90,7 +90,7 @@ pub(super) fn show_joints(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         layout::labelled(ui, &name, LABEL_WIDTH, |ui| {
             let mut value = qpos[0];
             let range = low.min(value)..=high.max(value);
-            if ui.add_enabled(editable, Slider::new(&mut value, range).fixed_decimals(3)).changed() {
+            if ui.add_enabled(editable, layout::slider(&mut value, range).fixed_decimals(3)).changed() {
                 cx.send(EndpointRequest::SetPosition(joint.id(), 0, value));
             }
         });
