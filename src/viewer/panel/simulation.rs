@@ -90,7 +90,8 @@ fn speed(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     });
     layout::labelled(ui, "actual", LABEL_WIDTH, |ui| {
         if cx.snapshot.status == Status::Paused || speed.measured <= 0.0 {
-            ui.label(RichText::new("idle").color(layout::FAINT));
+            let text = if cx.snapshot.status == Status::Paused { "paused" } else { "measuring" };
+            ui.label(RichText::new(text).color(layout::FAINT));
             return;
         }
         let text = RichText::new(format!("{:.2}x real time", speed.measured)).monospace();

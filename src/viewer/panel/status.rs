@@ -18,7 +18,13 @@ pub(super) fn show_info(ui: &mut Ui, cx: &PanelContext<'_>) {
         // One more frame after the last change updates the rate.
         ui.ctx().request_repaint_after(IDLE_TIME);
     }
-    let rate = status.rate.map_or_else(|| "idle".to_owned(), |rate| format!("{rate:.0} Hz"));
+    let rate = match (status.rate, snapshot.status) {
+        (Some(rate), _) if rate >= 9.5 => format!("{rate:.0} Hz"),
+        (Some(rate), _) => format!("{rate:.1} Hz"),
+        // The state changes less often than the window counts as idle.
+        (None, Status::Running | Status::Reversed) => "below 2 Hz".to_owned(),
+        (None, Status::Paused | Status::Program) => "idle".to_owned(),
+    };
     let [width, height] = status.size;
     let mut lines = vec![
         ("Mode", snapshot.mode.to_string()),

@@ -20,8 +20,7 @@ const RECOVERY_DELAY: Duration = Duration::from_secs(1);
 impl Session {
     /// Draws a frame if the window is visible.
     pub(super) fn draw(&mut self) -> Result<(), RenderError> {
-        let now = Instant::now();
-        self.scheduler.frame_started(now);
+        self.scheduler.frame_started(Instant::now());
         self.frame_start = Some(self.now());
         // Updates from here on wake the window again.
         self.waker.acknowledge();
@@ -44,13 +43,15 @@ impl Session {
                 return Ok(());
             }
             SurfaceFrame::NotReady => {
-                self.scheduler.request_after(now, RETRY_DELAY);
+                self.scheduler.request_after(Instant::now(), RETRY_DELAY);
                 return Ok(());
             }
         };
         self.mouse.resize(self.surface.size().map(f64::from));
         let repaint_delay = self.render(Some(&texture))?;
         self.surface.present(texture);
+        let now = Instant::now();
+        self.scheduler.frame_finished(now);
         self.scheduler.request_after(now, repaint_delay);
         Ok(())
     }

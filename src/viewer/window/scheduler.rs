@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 /// Refresh rate of a screen that does not report it, Hz.
 const DEFAULT_RATE: f64 = 60.0;
 
-/// Time without a frame after which the window counts as idle, s.
-const IDLE_TIME: f64 = 0.5;
+/// Time without a frame after which the window counts as idle.
+const IDLE_TIME: Duration = Duration::from_millis(500);
 
 /// Scheduler of the frames of a window.
 #[derive(Debug)]
@@ -14,6 +14,8 @@ pub(super) struct FrameScheduler {
     /// Minimum time between two frames.
     interval: Duration,
     last: Option<Instant>,
+    /// End of the last frame.
+    finished: Option<Instant>,
     /// Time of the next frame, if one was requested.
     due: Option<Instant>,
     /// Moving average of the time between frames, s.
@@ -24,7 +26,7 @@ impl FrameScheduler {
     /// Creates a scheduler for a screen with this refresh rate, in Hz.
     pub fn new(rate: Option<f64>) -> Self {
         let rate = rate.filter(|rate| (1.0..=1000.0).contains(rate)).unwrap_or(DEFAULT_RATE);
-        Self { interval: Duration::from_secs_f64(1.0 / rate), last: None, due: None, average: None }
+        Self { interval: Duration::from_secs_f64(1.0 / rate), last: None, finished: None, due: None, average: None }
     }
 
     /// Requests a frame as soon as possible.
@@ -49,8 +51,9 @@ impl FrameScheduler {
     pub fn frame_started(&mut self, now: Instant) {
         if let Some(last) = self.last {
             let passed = now.saturating_duration_since(last).as_secs_f64();
-            // An idle period does not lower the rate.
-            if passed < IDLE_TIME {
+            // An idle period does not lower the rate. A frame that takes long is none.
+            let waited = now.saturating_duration_since(self.finished.unwrap_or(last));
+            if waited < IDLE_TIME {
                 self.average = Some(self.average.map_or(passed, |average| 0.9 * average + 0.1 * passed));
             } else {
                 self.average = None;
@@ -58,6 +61,11 @@ impl FrameScheduler {
         }
         self.last = Some(now);
         self.due = None;
+    }
+
+    /// Records the end of a frame.
+    pub fn frame_finished(&mut self, now: Instant) {
+        self.finished = Some(now);
     }
 
     /// Returns the mean frame rate, in Hz, unless the window was idle before the last frame.
@@ -102,5 +110,17 @@ mod tests {
         assert!((scheduler.rate().unwrap() - 40.0).abs() < 1e-6);
         scheduler.frame_started(start + Duration::from_secs(60));
         assert_eq!(scheduler.rate(), None, "the rate is unknown after an idle period");
+    }
+
+    #[test]
+    fn slow_frames_have_a_rate() {
+        let mut scheduler = FrameScheduler::new(None);
+        let start = Instant::now();
+        for frame in 0..10 {
+            let started = start + Duration::from_secs(2) * frame;
+            scheduler.frame_started(started);
+            scheduler.frame_finished(started + Duration::from_millis(1900));
+        }
+        assert!((scheduler.rate().unwrap() - 0.5).abs() < 1e-6);
     }
 }
