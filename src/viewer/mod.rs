@@ -17,7 +17,7 @@
 //! [`Viewer::run`] starts paused; Space resumes. **F1 lists all keys and mouse gestures**, on the screen and on the terminal. A
 //! double-click selects a body; Ctrl and the right button pull it. Tab and Shift+Tab open the side panels: simulation,
 //! trajectories, keyframes, visualisation, physics options and watched values on the left; controls, joints and the selected body on
-//! the right. F3 and F4 open plots. A model file that is dropped onto the window is loaded.
+//! the right. F3 and F4 open plots there. A model file that is dropped onto the window is loaded.
 //!
 //! Keys have the meaning of the engine's `simulate`: digits toggle the geom group of the same number, `-` and `=` change the speed,
 //! `[` and `]` the camera, and Esc selects the free camera. Only Ctrl+Q, the window's close button and the signals of Ctrl+C in
@@ -36,7 +36,8 @@
 //!
 //! Physics and window run on two threads that share only a link: requests flow to the physics, snapshots and events flow to the
 //! window. The simulation data is never copied completely. The physics follows real time and drops time that it cannot catch
-//! up. The window is drawn when something has changed, and sleeps otherwise. The first window installs the engine's clock, as
+//! up. The window is drawn when something has changed, and sleeps otherwise. While only the panels change, the last image of
+//! the scene is drawn again. The first window installs the engine's clock, as
 //! [`enable_timers`](crate::data::enable_timers) does, for the plot of computing times.
 
 #![forbid(unsafe_code)]

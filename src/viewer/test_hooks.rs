@@ -14,6 +14,7 @@ static SURFACE_LOSS_REQUESTED: AtomicBool = AtomicBool::new(false);
 static HOLD_REQUESTED: AtomicBool = AtomicBool::new(false);
 static HELD: AtomicBool = AtomicBool::new(false);
 static MARKERS: AtomicU64 = AtomicU64::new(0);
+static SCENES: AtomicU64 = AtomicU64::new(0);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<WindowState>> = Mutex::new(None);
 
@@ -26,6 +27,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub struct WindowState {
     /// Number of frames since [`start`].
     pub frame: u64,
+    /// Number of times that the scene was rendered in this process. Other frames draw only the panels.
+    pub scenes: u64,
     /// The simulation has executed all requests of the window.
     pub answered: bool,
     /// Number of times that the model was replaced.
@@ -40,6 +43,10 @@ pub struct WindowState {
     pub panels: [bool; 6],
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// Upper left corner and size of the area that shows the scene, pixels.
+    pub picture: [[u32; 2]; 2],
+    /// Upper left and lower right corner of the visible panels, pixels.
+    pub panel_rects: Vec<(&'static str, [[f32; 2]; 2])>,
     /// Name of the mode.
     pub mode: String,
     /// Status as in the info panel.
@@ -127,6 +134,11 @@ pub(super) fn take_surface_loss() -> bool {
     SURFACE_LOSS_REQUESTED.swap(false, Ordering::Relaxed)
 }
 
+/// Counts the images of the scene.
+pub(super) fn count_scene() {
+    SCENES.fetch_add(1, Ordering::Relaxed);
+}
+
 /// Counts presses of F12.
 pub(super) fn count_marker(key: Key) {
     if key == Key::Function(12) {
@@ -149,16 +161,19 @@ pub(super) struct Frame<'a> {
     pub full_screen: bool,
     pub editing: bool,
     pub messages: Vec<String>,
+    pub picture: [[u32; 2]; 2],
+    pub panel_rects: Vec<(&'static str, [[f32; 2]; 2])>,
 }
 
 /// Records the state of a window after a frame.
 pub(super) fn record(frame: Frame<'_>) {
-    let Frame { snapshot, view, status, queued, full_screen, editing, messages } = frame;
+    let Frame { snapshot, view, status, queued, full_screen, editing, messages, picture, panel_rects } = frame;
     let sliders = std::mem::take(&mut *lock(&SLIDERS));
     let mut latest = lock(&LATEST);
     let playback = snapshot.playback;
     *latest = Some(WindowState {
         frame: latest.as_ref().map_or(0, |state| state.frame) + 1,
+        scenes: SCENES.load(Ordering::Relaxed),
         answered: snapshot.executed >= queued,
         generation: snapshot.generation,
         camera: view.camera,
@@ -166,6 +181,8 @@ pub(super) fn record(frame: Frame<'_>) {
         render: view.render,
         panels: [view.help, view.info, view.left_panel, view.right_panel, view.profile, view.sensors],
         size: status.size,
+        picture,
+        panel_rects,
         mode: snapshot.mode.to_string(),
         status: snapshot.status.text().to_owned(),
         time: snapshot.time,

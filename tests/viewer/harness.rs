@@ -68,8 +68,23 @@ pub fn show(data: Data, act: impl FnOnce(&Input) + Send) -> Data {
     show_with(ViewerOptions::default(), Viewer::new(), data, act)
 }
 
+/// As [`show`], in a window of this size.
+pub fn show_sized(size: [u32; 2], data: Data, act: impl FnOnce(&Input) + Send) -> Data {
+    show_window(size, ViewerOptions::default(), Viewer::new(), data, act)
+}
+
 /// As [`show`], with options, and with a viewer whose options are replaced.
 pub fn show_with(options: ViewerOptions, viewer: Viewer, data: Data, act: impl FnOnce(&Input) + Send) -> Data {
+    show_window(SIZE, options, viewer, data, act)
+}
+
+fn show_window(
+    size: [u32; 2],
+    options: ViewerOptions,
+    viewer: Viewer,
+    data: Data,
+    act: impl FnOnce(&Input) + Send,
+) -> Data {
     test_hooks::start();
     let title = unique_title();
     thread::scope(|scope| {
@@ -82,7 +97,7 @@ pub fn show_with(options: ViewerOptions, viewer: Viewer, data: Data, act: impl F
                 input.key("ctrl+q");
             });
         });
-        viewer.options(options.with_title(&*title).with_size(SIZE)).run(data).expect("the window opens")
+        viewer.options(options.with_title(&*title).with_size(size)).run(data).expect("the window opens")
     })
 }
 

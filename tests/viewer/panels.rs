@@ -5,12 +5,15 @@ use std::path::PathBuf;
 use mujoco_safe::{Data, sample};
 
 use crate::display::Screen;
-use crate::harness::{SIZE, press, settle, show, state};
-use crate::input::wait_until;
+use crate::harness::{press, settle, show_sized, state};
+use crate::input::{Input, wait_until};
+
+/// Size of a window that shows a panel in its full width.
+pub const SIZE: [u32; 2] = [640, 400];
 
 pub fn panels() {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
-    show(Data::new(sample::cartpole()).unwrap(), |input| {
+    show_sized(SIZE, Data::new(sample::cartpole()).unwrap(), |input| {
         let [width, height] = SIZE.map(|pixels| pixels as i32);
         // The panel covers the scene.
         let right = [width as usize - 4, height as usize / 2];
@@ -49,5 +52,113 @@ pub fn panels() {
         settle(input);
         assert_eq!(state().ctrl[0], 0.25);
         press(input, "ctrl+2", "the right panel is closed", |state| !state.panels[3]);
+    });
+}
+
+fn humanoid() -> Data {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    data
+}
+
+/// Opens the side panels and the plots.
+fn open_all(input: &Input) {
+    for (key, part) in [("Tab", 2), ("shift+Tab", 3), ("F3", 4), ("F4", 5)] {
+        press(input, key, "a panel is open", |state| state.panels[part]);
+    }
+}
+
+pub fn layout() {
+    for [width, height] in [[640, 480], [1066, 666]] {
+        show_sized([width, height], humanoid(), |input| {
+            assert_eq!(state().picture, [[0, 0], [width, height]]);
+            open_all(input);
+            settle(input);
+            let now = state();
+            let [[left, top], [pictured, full]] = now.picture;
+            assert_eq!((top, full), (0, height));
+            assert!(pictured >= 264, "{pictured} pixels for the picture");
+            let rect = |name: &str| {
+                let found = now.panel_rects.iter().find(|(known, _)| *known == name);
+                found.unwrap_or_else(|| panic!("no panel {name}")).1
+            };
+            let right = left + pictured;
+            assert_eq!(rect("left"), [[0.0, 0.0], [left as f32, height as f32]]);
+            assert_eq!(rect("right"), [[right as f32, 0.0], [width as f32, height as f32]]);
+            let [[info_left, info_top], [info_right, info_bottom]] = rect("info");
+            assert!(left as f32 <= info_left && info_right <= right as f32, "the info panel is in the picture");
+            assert!(0.0 <= info_top && info_bottom <= height as f32, "the info panel is in the window");
+
+            // A window that is narrower than the panels.
+            input.resize([120, 90]);
+            wait_until("the frame has the size of the window", || state().size == [120, 90]);
+            input.resize([60, 90]);
+            wait_until("the picture has a pixel", || state().picture == [[59, 0], [1, 90]]);
+            input.resize([width, height]);
+            wait_until("the initial size is restored", || state().size == [width, height]);
+
+            // The mouse refers to the picture: its centre shows the humanoid.
+            input.double_click([(left + pictured / 2) as i32, height as i32 / 2], 1);
+            wait_until("a body is selected", || state().selected.is_some_and(|(body, _)| body > 0));
+        });
+    }
+}
+
+pub fn no_edits() {
+    let data = humanoid();
+    let [qpos, ctrl] = [data.qpos().to_vec(), data.ctrl().to_vec()];
+    assert!(qpos.iter().any(|qpos| (1e3 * qpos).fract() != 0.0), "some positions have more than three decimals");
+    show_sized([1066, 666], data, |input| {
+        open_all(input);
+        settle(input);
+        // A speed beyond the range of its slider.
+        for _ in 0..8 {
+            press(input, "equal", "the speed factor is doubled", |_| true);
+        }
+        settle(input);
+        let frame = state().frame;
+        input.move_along((0..40).map(|step| [100 + step, 100 + 5 * step]), 0.02);
+        wait_until("the panels are drawn again", || state().frame > frame);
+        settle(input);
+        let now = state();
+        assert_eq!((now.qpos, now.ctrl), (qpos.clone(), ctrl.clone()));
+        assert_eq!(now.target_speed, 25.6);
+    });
+}
+
+pub fn redraws() {
+    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
+    show_sized(SIZE, humanoid(), |input| {
+        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
+        settle(input);
+        let picture = || {
+            let [[left, _], [width, height]] = state().picture.map(|part| part.map(|pixels| pixels as usize));
+            let screen = Screen::read(&framebuffer);
+            // The right half, beside the info panel.
+            let columns = left + width / 2..left + width;
+            (0..height)
+                .flat_map(|y| columns.clone().map(move |x| [x, y]))
+                .map(|at| screen.pixel(at))
+                .collect::<Vec<_>>()
+        };
+        let mut before = picture();
+        wait_until("the frame is on the screen", || std::mem::replace(&mut before, picture()) == before);
+        assert!(before.iter().any(|pixel| *pixel != before[0]), "the picture shows the humanoid");
+
+        let first = state();
+        input.move_along((0..80).map(|step| [100, 20 + 4 * step]), 0.02);
+        wait_until("the panels are drawn again", || state().frame > first.frame + 3);
+        assert_eq!(state().scenes, first.scenes, "the scene is not rendered again");
+        assert!(picture() == before, "the picture is the same");
+
+        // Changes of the camera, of an effect and of the state change the scene.
+        input.drag([500, 100], [40, 0], 1, &[]);
+        wait_until("the scene follows the camera", || state().scenes > first.scenes && picture() != before);
+        for key in ["w", "Right"] {
+            settle(input);
+            let scenes = state().scenes;
+            input.key(key);
+            wait_until("the scene is rendered again", || state().scenes > scenes);
+        }
     });
 }

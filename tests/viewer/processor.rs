@@ -40,6 +40,7 @@ pub fn measure() {
                 report("paused, pointer over the scene", over_scene);
                 press(&input, "ctrl+1", "the left panel is open", |state| state.panels[2]);
                 press(&input, "ctrl+2", "the right panel is open", |state| state.panels[3]);
+                report("paused, panels", wait);
                 report("paused, panels, pointer over the scene", over_scene);
                 report("paused, panels, pointer over a panel", over_panel);
                 press(&input, "space", "the simulation runs", |state| state.time > 0.0);

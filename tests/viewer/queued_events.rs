@@ -6,9 +6,10 @@ use std::time::Duration;
 use mujoco_safe::viewer::test_hooks;
 use mujoco_safe::{Data, Model, sample};
 
-use crate::harness::{press, press_marker, settle, show, state};
+use crate::harness::{press, press_marker, settle, show, show_sized, state};
 use crate::input::{Input, wait_until};
 use crate::mouse::{FLOATING, MIDDLE};
+use crate::panels;
 
 /// Performs input during a frame that takes longer than a double-click.
 pub fn during_a_frame(input: &Input, act: impl FnOnce()) {
@@ -59,7 +60,7 @@ fn scene() {
 }
 
 fn panels() {
-    show(Data::new(sample::cartpole()).unwrap(), |input| {
+    show_sized(panels::SIZE, Data::new(sample::cartpole()).unwrap(), |input| {
         press(input, "ctrl+2", "the right panel is open", |state| state.panels[3]);
         let mut before = Vec::new();
         wait_until("the panel has its final size", || {

@@ -28,11 +28,11 @@ pub fn draw(directory: &Path) {
                 let input = Input::at(&title);
                 let save = |name: &str| {
                     let frame = state().frame;
-                    input.move_to([640, 20]);
+                    input.move_to([state().size[0] as i32 / 2, 20]);
                     input.keys(&["F24"]);
                     wait_until("another frame is drawn", || state().frame > frame);
                     std::thread::sleep(std::time::Duration::from_millis(300));
-                    Screen::read(&framebuffer).save(&directory.join(format!("{name}.png")), SIZE);
+                    Screen::read(&framebuffer).save(&directory.join(format!("{name}.png")), state().size);
                 };
                 save("start");
                 press(&input, "F1", "the help is open", |state| state.panels[0]);
@@ -66,6 +66,13 @@ pub fn draw(directory: &Path) {
                 input.double_click([640, 380], 1);
                 press(&input, "ctrl+p", "the screenshot is saved", |state| !state.messages.is_empty());
                 save("trajectory");
+                press(&input, "F3", "the profile is open", |state| state.panels[4]);
+                press(&input, "F4", "the sensor plot is open", |state| state.panels[5]);
+                for (name, size) in [("small", [640, 480]), ("default", [1066, 666])] {
+                    input.resize(size);
+                    wait_until("the frame has the size of the window", || state().size == size);
+                    save(name);
+                }
                 input.key("ctrl+q");
             });
         });

@@ -12,7 +12,7 @@ const DOUBLE_CLICK: Duration = Duration::from_millis(250);
 /// Motion of the pointer, in pixels, beyond which a click becomes a drag.
 const JITTER: f64 = 5.0;
 
-/// Zoom by a notch of the wheel, in units of the window's height. As in the engine's programs, turning the wheel away from the user
+/// Zoom by a notch of the wheel, in units of the picture's height. As in the engine's programs, turning the wheel away from the user
 /// moves the camera away from the scene.
 const NOTCH: f64 = -0.05;
 
@@ -20,7 +20,7 @@ const NOTCH: f64 = -0.05;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Gesture {
     None,
-    /// Moves the camera, in units of the window's height.
+    /// Moves the camera, in units of the picture's height.
     Camera(MouseAction, [f64; 2]),
     /// Sends a request to the physics.
     Send(Request),
@@ -56,6 +56,9 @@ impl From<Duration> for EventTime {
 #[derive(Debug)]
 pub(crate) struct Mouse {
     position: [f64; 2],
+    /// Upper left corner of the picture.
+    origin: [f64; 2],
+    /// Size of the picture.
     size: [f64; 2],
     /// Held button, and `true` if it perturbs a body.
     held: Option<(MouseButton, bool)>,
@@ -67,19 +70,28 @@ pub(crate) struct Mouse {
 
 impl Default for Mouse {
     fn default() -> Self {
-        Self { position: [0.0; 2], size: [1.0; 2], held: None, last_press: None, pressed_at: [0.0; 2] }
+        Self {
+            position: [0.0; 2],
+            origin: [0.0; 2],
+            size: [1.0; 2],
+            held: None,
+            last_press: None,
+            pressed_at: [0.0; 2],
+        }
     }
 }
 
 impl Mouse {
-    /// Sets the size of the window, pixels.
-    pub fn resize(&mut self, size: [f64; 2]) {
+    /// Sets the area of the window that shows the scene: the upper left corner and the size, pixels.
+    pub fn set_area(&mut self, origin: [f64; 2], size: [f64; 2]) {
+        self.origin = origin;
         self.size = size.map(|pixels| pixels.max(1.0));
     }
 
-    /// Returns the position of the pointer in the window.
+    /// Returns the position of the pointer in the picture.
     fn point(&self) -> ViewportPoint {
-        let ([x, y], [width, height]) = (self.position, self.size);
+        let [x, y] = [0, 1].map(|axis| self.position[axis] - self.origin[axis]);
+        let [width, height] = self.size;
         ViewportPoint { aspectratio: width / height, position: [x / width, 1.0 - y / height] }
     }
 

@@ -81,7 +81,7 @@ pub(crate) enum EndpointRequest {
     Track(ViewportPoint),
     /// Starts to pull or rotate the selected body.
     StartPerturbation(PerturbationFlags),
-    /// Moves the target of the perturbation, in units of the window's height.
+    /// Moves the target of the perturbation, in units of the picture's height.
     MovePerturbation(MouseAction, [f64; 2]),
     StopPerturbation,
     SetControl(ActuatorId, f64),
@@ -121,10 +121,10 @@ impl PartialEq for SharedModel {
     }
 }
 
-/// Point of the window: from 0 to 1, from the left and from the bottom.
+/// Point of the picture: from 0 to 1, from the left and from the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ViewportPoint {
-    /// Width of the window divided by its height.
+    /// Width of the picture divided by its height.
     pub aspectratio: f64,
     pub position: [f64; 2],
 }

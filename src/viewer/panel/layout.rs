@@ -1,5 +1,5 @@
-//! Layout and style of the panels. All panels lie over the scene, in layers above the background layer, so that the overlay can
-//! always determine if the pointer is over a panel.
+//! Layout and style of the panels. The side panels lie beside the picture of the scene, the others over it. All are in layers above the
+//! background layer, so that the overlay can always determine if the pointer is over a panel.
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -9,23 +9,39 @@ use egui::{
     RichText, ScrollArea, Shadow, Slider, SliderClamping, Stroke, TextStyle, TextWrapMode, Theme, Ui, Vec2,
 };
 
-/// Width of the side panels, points.
-pub(super) const SIDE_WIDTH: f32 = 286.0;
+use crate::viewer::view::View;
+
+/// Width of the side panels and of their content, points. A narrow window has narrower panels, whose content scrolls.
+const SIDE_WIDTH: f32 = 286.0;
+/// Minimum width of a side panel, points.
+const MIN_SIDE_WIDTH: f32 = 100.0;
+/// Minimum width of the picture between the side panels, points. The info panel fits into it.
+const MIN_PICTURE_WIDTH: f32 = 264.0;
 /// Gap around the panels, points.
 pub(super) const GAP: f32 = 8.0;
 
-fn side(context: &Context, id: &'static str, anchor: Align2, content: impl FnOnce(&mut Ui)) {
+/// Returns the widths of the left and right side panels in a window of this width, in points. A closed panel has the width zero. The
+/// plots are in the right panel.
+pub fn side_widths(view: &View, window: f32) -> [f32; 2] {
+    let open = [view.left_panel, view.right_panel || view.profile || view.sensors];
+    let number = open.iter().filter(|open| **open).count().max(1);
+    let width = ((window - MIN_PICTURE_WIDTH) / number as f32).floor().clamp(MIN_SIDE_WIDTH, SIDE_WIDTH);
+    open.map(|open| if open { width } else { 0.0 })
+}
+
+fn side(context: &Context, id: &'static str, anchor: Align2, width: f32, content: impl FnOnce(&mut Ui)) {
     let height = context.content_rect().height();
     Area::new(Id::unique(id)).anchor(anchor, Vec2::ZERO).order(Order::Middle).show(context, |ui| {
         let frame = side_frame();
         let margin = frame.total_margin().sum();
         frame.show(ui, |ui| {
-            let width = SIDE_WIDTH - margin.x;
-            ui.set_width(width);
+            ui.set_width(width - margin.x);
             ui.set_height(height - margin.y);
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ScrollArea::both().auto_shrink(false).show(ui, |ui| {
                 // Leaves space for the scroll bar, which is visible only if needed.
-                ui.set_width(width - ui.spacing().scroll.bar_width - ui.spacing().scroll.bar_inner_margin);
+                ui.set_width(
+                    SIDE_WIDTH - margin.x - ui.spacing().scroll.bar_width - ui.spacing().scroll.bar_inner_margin,
+                );
                 ui.style_mut().wrap_mode = Some(TextWrapMode::Truncate);
                 content(ui);
             });
@@ -33,21 +49,20 @@ fn side(context: &Context, id: &'static str, anchor: Align2, content: impl FnOnc
     });
 }
 
-/// Shows a panel at the left side of the window.
-pub(super) fn left(context: &Context, content: impl FnOnce(&mut Ui)) {
-    side(context, "left", Align2::LEFT_TOP, content);
+/// Shows a panel of this width at the left side of the window.
+pub(super) fn left(context: &Context, width: f32, content: impl FnOnce(&mut Ui)) {
+    side(context, "left", Align2::LEFT_TOP, width, content);
 }
 
-/// Shows a panel at the right side of the window.
-pub(super) fn right(context: &Context, content: impl FnOnce(&mut Ui)) {
-    side(context, "right", Align2::RIGHT_TOP, content);
+/// Shows a panel of this width at the right side of the window.
+pub(super) fn right(context: &Context, width: f32, content: impl FnOnce(&mut Ui)) {
+    side(context, "right", Align2::RIGHT_TOP, width, content);
 }
 
-/// Shows a panel in the lower left corner, beside the left panel if it is open.
-pub(super) fn lower_left(context: &Context, beside: bool, content: impl FnOnce(&mut Ui)) {
-    let left = GAP + if beside { SIDE_WIDTH } else { 0.0 };
-    Area::new(Id::unique("lower left"))
-        .anchor(Align2::LEFT_BOTTOM, [left, -GAP])
+/// Shows a panel in the lower left corner of the picture, whose left edge is at this position.
+pub(super) fn lower_left(context: &Context, left: f32, content: impl FnOnce(&mut Ui)) {
+    Area::new(Id::unique("info"))
+        .anchor(Align2::LEFT_BOTTOM, [left + GAP, -GAP])
         .order(Order::Middle)
         .interactable(false)
         .show(context, |ui| frame().show(ui, content));
@@ -209,7 +224,8 @@ pub fn apply_style(context: &Context) {
 
 #[cfg(test)]
 mod tests {
-    use super::elide;
+    use super::*;
+    use crate::sample;
 
     #[test]
     fn long_names_are_elided_in_the_middle() {
@@ -220,5 +236,19 @@ mod tests {
         assert_eq!(elided("right_shoulder2", 2.0), "…2");
         assert_eq!(elided("right_shoulder2", 0.0), "…");
         assert_eq!(elided("größenänderung", 7.0), "grö…ung");
+    }
+
+    #[test]
+    fn side_panels_leave_space_for_the_picture() {
+        let mut view = View::new(&sample::cartpole());
+        assert_eq!(side_widths(&view, 640.0), [0.0; 2]);
+        view.profile = true;
+        assert_eq!(side_widths(&view, 640.0), [0.0, SIDE_WIDTH]);
+        view.left_panel = true;
+        assert_eq!(side_widths(&view, 1066.0), [SIDE_WIDTH; 2]);
+        for window in [560.0, 640.0, 700.0, 1066.0, 1920.0] {
+            let [left, right] = side_widths(&view, window);
+            assert!(window - left - right >= MIN_PICTURE_WIDTH, "{window}: {left}, {right}");
+        }
     }
 }

@@ -11,7 +11,7 @@ mod visual;
 
 use egui::Ui;
 
-pub(super) use self::layout::apply_style;
+pub(super) use self::layout::{apply_style, side_widths};
 use super::input::Action;
 use super::link::{Request, Snapshot, Status};
 use super::view::View;
@@ -95,17 +95,22 @@ impl Panels {
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
         let context = ui.ctx().clone();
         self.plots.update(cx.snapshot, self.watch.watched());
-        if cx.view.left_panel {
-            layout::left(&context, |ui| self.show_left(ui, cx));
+        let [left, right] = side_widths(cx.view, context.content_rect().width());
+        if left > 0.0 {
+            layout::left(&context, left, |ui| self.show_left(ui, cx));
         }
-        if cx.view.right_panel {
-            layout::right(&context, |ui| Self::show_right(ui, cx));
+        if right > 0.0 {
+            layout::right(&context, right, |ui| {
+                self.plots.show(ui, cx);
+                if cx.view.right_panel {
+                    Self::show_right(ui, cx);
+                }
+            });
         }
         if cx.view.info {
-            layout::lower_left(&context, cx.view.left_panel, |ui| status::show_info(ui, cx));
+            layout::lower_left(&context, left, |ui| status::show_info(ui, cx));
         }
-        self.plots.show(&context, cx);
-        self.messages.show(&context, cx);
+        self.messages.show(&context, cx, [left, right]);
         if cx.view.help {
             status::show_help(&context, cx);
         }

@@ -1,17 +1,16 @@
 //! Plots of values over time, and the panel of watched values.
 
-use egui::{Align2, Area, Color32, Context, Id, Order, RichText, TextEdit, Ui};
+use egui::{Color32, RichText, TextEdit, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
 
 use super::curves::{Curve, Curves};
-use super::layout::{GAP, SIDE_WIDTH};
 use super::{PanelContext, layout};
 use crate::model::EnableFlags;
 use crate::viewer::endpoint::Watch;
 use crate::viewer::link::{EndpointRequest, Snapshot};
 
-/// Width of the plots, points.
-const WIDTH: f32 = 330.0;
+/// Minimum height of a plot, points.
+const MIN_HEIGHT: f32 = 70.0;
 /// Maximum height of a plot, points.
 const MAX_HEIGHT: f32 = 120.0;
 /// Height of the title and the legend of a plot, points.
@@ -19,7 +18,7 @@ const TITLE_HEIGHT: f32 = 40.0;
 /// Maximum number of curves in a plot. More curves could not be distinguished.
 const MAX_CURVES: usize = 16;
 
-/// Plots at the lower right of the window.
+/// Plots at the top of the right panel.
 #[derive(Default)]
 pub(super) struct PlotPanel {
     curves: Curves,
@@ -42,7 +41,7 @@ impl PlotPanel {
         &self.curves.watched
     }
 
-    pub fn show(&self, context: &Context, cx: &PanelContext<'_>) {
+    pub fn show(&self, ui: &mut Ui, cx: &PanelContext<'_>) {
         let view = &*cx.view;
         let mut plots: Vec<(&str, &str, &[Curve])> = Vec::new();
         if view.sensors {
@@ -62,20 +61,13 @@ impl PlotPanel {
         if plots.is_empty() {
             return;
         }
-        // The plots are stacked and share the height of the window.
-        let room = context.content_rect().height() - 4.0 * GAP;
+        // The plots share the height of the window. If that is too low, the panel scrolls.
         let legend = if view.sensors { 2.0 * TITLE_HEIGHT } else { 0.0 };
-        let height = ((room - legend) / plots.len() as f32 - TITLE_HEIGHT).clamp(40.0, MAX_HEIGHT);
-        let right = GAP + if view.right_panel { SIDE_WIDTH } else { 0.0 };
-        let area = Area::new(Id::unique("plots")).anchor(Align2::RIGHT_BOTTOM, [-right, -GAP]);
-        area.order(Order::Middle).show(context, |ui| {
-            layout::frame().show(ui, |ui| {
-                ui.set_width(WIDTH);
-                for (title, unit, curves) in plots {
-                    show_plot(ui, title, unit, curves, height);
-                }
-            });
-        });
+        let room = ui.ctx().content_rect().height() - legend;
+        let height = (room / plots.len() as f32 - TITLE_HEIGHT).clamp(MIN_HEIGHT, MAX_HEIGHT);
+        for (title, unit, curves) in plots {
+            show_plot(ui, title, unit, curves, height);
+        }
     }
 }
 

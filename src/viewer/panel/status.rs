@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use egui::{Align2, Area, Context, Grid, Id, Order, RichText, ScrollArea, Ui};
 
-use super::layout::{GAP, SIDE_WIDTH};
+use super::layout::GAP;
 use super::{PanelContext, layout};
 use crate::viewer::input::{HelpSection, Modifiers, help_sections};
 use crate::viewer::link::Status;
@@ -105,7 +105,8 @@ impl Messages {
         self.messages.push(Message { text, is_problem, until: Instant::now() + time });
     }
 
-    pub fn show(&mut self, context: &Context, cx: &PanelContext<'_>) {
+    /// Shows the messages in the picture between side panels of these widths.
+    pub fn show(&mut self, context: &Context, cx: &PanelContext<'_>, [left, right]: [f32; 2]) {
         let now = Instant::now();
         self.messages.retain(|message| message.until > now);
         if let Some(next) = self.messages.iter().map(|message| message.until - now).min() {
@@ -116,11 +117,8 @@ impl Messages {
         if self.messages.is_empty() && problem.is_empty() && recording.is_none() {
             return;
         }
-        // Centred between the side panels.
-        let sides = SIDE_WIDTH * (f32::from(u8::from(cx.view.left_panel)) + f32::from(u8::from(cx.view.right_panel)));
-        let shift =
-            SIDE_WIDTH / 2.0 * (f32::from(u8::from(cx.view.left_panel)) - f32::from(u8::from(cx.view.right_panel)));
-        let width = (context.content_rect().width() - sides - 4.0 * GAP).clamp(120.0, 560.0);
+        let shift = (left - right) / 2.0;
+        let width = (context.content_rect().width() - left - right - 4.0 * GAP).clamp(120.0, 560.0);
         Area::new(Id::unique("messages"))
             .anchor(Align2::CENTER_TOP, [shift, GAP])
             .order(Order::Foreground)

@@ -16,7 +16,7 @@ const START: Duration = Duration::from_secs(10);
 
 fn mouse() -> Mouse {
     let mut mouse = Mouse::default();
-    mouse.resize([800.0, 400.0]);
+    mouse.set_area([0.0; 2], [800.0, 400.0]);
     mouse.moved([400.0, 200.0], NONE);
     mouse
 }

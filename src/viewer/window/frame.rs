@@ -3,17 +3,20 @@
 use std::time::{Duration, Instant};
 
 use super::overlay::{Overlay, PanelOutput};
+use super::scene_image::{self, PictureArea};
 use super::session::Session;
-use super::surface::{SceneRenderer, SurfaceFrame, WindowSurface};
+use super::surface::{SurfaceFrame, WindowSurface};
 use crate::render::{Gpu, RenderError};
 use crate::viewer::link::Event;
-use crate::viewer::panel::{PanelContext, Panels, WindowStatus};
+use crate::viewer::panel::{PanelContext, Panels, WindowStatus, side_widths};
 #[cfg(feature = "test-hooks")]
 use crate::viewer::test_hooks;
 use crate::viewer::view::View;
 
 /// Delay before the next attempt to acquire a surface that is not ready.
 const RETRY_DELAY: Duration = Duration::from_millis(30);
+/// Minimum delay before a frame that the panels request. They request one after each pass with input, even if nothing changes.
+const MIN_REPAINT_DELAY: Duration = Duration::from_millis(50);
 /// Delay before the next frame after an error.
 const RECOVERY_DELAY: Duration = Duration::from_secs(1);
 
@@ -47,12 +50,11 @@ impl Session {
                 return Ok(());
             }
         };
-        self.mouse.resize(self.surface.size().map(f64::from));
         let repaint_delay = self.render(Some(&texture))?;
         self.surface.present(texture);
         let now = Instant::now();
         self.scheduler.frame_finished(now);
-        self.scheduler.request_after(now, repaint_delay);
+        self.scheduler.request_after(now, repaint_delay.max(MIN_REPAINT_DELAY));
         Ok(())
     }
 
@@ -100,12 +102,14 @@ impl Session {
     fn render(&mut self, texture: Option<&wgpu::SurfaceTexture>) -> Result<Duration, RenderError> {
         let gpu = self.surface.gpu().clone();
         let size = self.surface.size();
+        let area = self.picture_area();
+        self.mouse.set_area(area.origin.map(f64::from), area.size.map(f64::from));
         let target = texture.map(|texture| texture.texture.create_view(&wgpu::TextureViewDescriptor::default()));
         // Another snapshot may have arrived since `handle_physics_events`.
         self.update_model();
         let (Some(snapshot), Some(view)) = (self.link.current_mut(), &mut self.view) else {
             if let Some(target) = &target {
-                SceneRenderer::draw_empty(&gpu, target);
+                scene_image::clear(&gpu, target);
                 let panels = self.overlay.run(&self.window, Panels::show_waiting);
                 self.overlay.paint(&gpu, target, size, &panels);
             }
@@ -113,11 +117,11 @@ impl Session {
         };
         view.update_snapshot(snapshot)?;
 
-        let report = self.output.save_frame(&mut self.renderer, &gpu, snapshot, size);
+        let report = self.output.save_frame(&mut self.renderer, &gpu, snapshot, area.size);
         report.notice.into_iter().for_each(|notice| self.panels.notice(notice));
         report.problem.into_iter().for_each(|problem| self.panels.warn(problem));
         let Some(target) = target else { return Ok(Duration::MAX) };
-        self.renderer.draw(&gpu, snapshot, &target, size)?;
+        self.renderer.draw(&gpu, snapshot, &view.camera, &target, area)?;
 
         let Some(panels) = self.run_panels() else { return Ok(Duration::MAX) };
         self.overlay.paint(&gpu, &target, size, &panels);
@@ -131,6 +135,8 @@ impl Session {
                 full_screen: self.window.fullscreen().is_some(),
                 editing: self.overlay.is_editing(),
                 messages: self.panels.messages(),
+                picture: [area.origin, area.size],
+                panel_rects: self.overlay.panel_rects(&["left", "right", "info"]),
             });
         }
         Ok(panels.repaint_delay)
@@ -155,6 +161,17 @@ impl Session {
             self.scheduler.request(Instant::now());
         }
         Some(panels)
+    }
+
+    /// Returns the area of the window between the side panels.
+    pub(super) fn picture_area(&self) -> PictureArea {
+        let [width, height] = self.surface.size();
+        let scale = self.overlay.pixels_per_point();
+        let sides = self.view.as_ref().map_or([0.0; 2], |view| side_widths(view, width as f32 / scale));
+        let [left, right] = sides.map(|points| (points * scale).round() as u32);
+        // In a window that is narrower than its panels, the area lies inside the window all the same.
+        let left = left.min(width.saturating_sub(1));
+        PictureArea { origin: [left, 0], size: [width.saturating_sub(left + right).max(1), height] }
     }
 
     fn status<'a>(&self, gpu: &'a Gpu) -> WindowStatus<'a> {

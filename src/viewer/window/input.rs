@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, KeyEvent, MouseButton as WinitButton, MouseScrollDelta, WindowEvent};
@@ -21,6 +21,10 @@ use crate::viewer::link::{EndpointRequest, Mode, Request, SharedModel, Simulatio
 const DEFAULT_COLUMNS: usize = 80;
 /// Pixels that a touchpad scrolls for one notch of a wheel.
 const PIXELS_PER_NOTCH: f64 = 50.0;
+/// Minimum time between frames that only change the highlighted widget.
+const HIGHLIGHT_SPACING: Duration = Duration::from_millis(80);
+/// Minimum time between frames for motions over one widget, such as a plot that labels the point under the pointer.
+const HOVER_SPACING: Duration = Duration::from_millis(200);
 
 impl Session {
     /// Dispatches an input event to the panels and to the scene.
@@ -154,7 +158,6 @@ impl Session {
         // `Some` means that the size has changed immediately, without an event.
         if self.window.request_inner_size(PhysicalSize::new(width, height)).is_some() {
             self.surface.resize();
-            self.mouse.resize(self.surface.size().map(f64::from));
         }
     }
 
@@ -194,14 +197,24 @@ impl Session {
         self.perform(gesture);
     }
 
-    /// Handles a motion of the pointer. Returns `true` if the scene or a panel may have changed.
+    /// Handles a motion of the pointer. Returns `true` if the scene or a panel changes. A motion over a panel changes highlights,
+    /// for which a lower frame rate suffices.
     fn move_pointer(&mut self, position: [f64; 2]) -> bool {
-        let was_over = self.overlay.is_over(self.pointer);
         self.pointer = position;
         let gesture = self.mouse.moved(position, modifiers(self.modifiers));
         let moves = gesture != Gesture::None;
         self.perform(gesture);
-        moves || was_over || (!self.scene_pressed && self.overlay.is_over(position))
+        if moves || self.overlay.is_dragging() {
+            return true;
+        }
+        let hovered = if self.scene_pressed { None } else { self.overlay.widget_at(position) };
+        let spacing = match (hovered, std::mem::replace(&mut self.hovered, hovered)) {
+            (None, None) => return false,
+            (hovered, last) if hovered == last => HOVER_SPACING,
+            _ => HIGHLIGHT_SPACING,
+        };
+        self.scheduler.request_spaced(Instant::now(), spacing);
+        false
     }
 
     /// Releases the held button after the window has lost the focus, because the release event will not arrive.

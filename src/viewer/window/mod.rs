@@ -6,6 +6,8 @@ mod frame;
 mod input;
 mod output;
 mod overlay;
+mod scene_image;
+mod scene_renderer;
 mod scheduler;
 mod session;
 mod surface;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::scene_renderer::SceneRenderer;
 use super::session::Session;
-use super::surface::SceneRenderer;
 use crate::error::{Error, Result};
 use crate::record::{Recorder, RecorderOptions, Summary};
 use crate::render::{Gpu, RenderError, RgbImage};
@@ -130,7 +130,7 @@ impl Session {
             self.window.set_resizable(true);
             self.report(finished.map(Option::unwrap_or_default));
         } else {
-            let size = self.surface.size();
+            let size = self.picture_area().size;
             let started = self.output.start(size);
             self.window.set_resizable(started.is_err());
             self.report(started.map(|path| format!("recording to {}", path.display())));

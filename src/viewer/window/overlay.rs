@@ -87,6 +87,42 @@ impl Overlay {
         self.context.egui_is_using_pointer() || layer.is_some_and(|layer| layer.order != Order::Background)
     }
 
+    /// Returns `true` while the pointer drags a widget.
+    pub fn is_dragging(&self) -> bool {
+        self.context.egui_is_using_pointer()
+    }
+
+    /// Returns the widget of the last pass at a position, in pixels, for example to determine if its highlight changes.
+    pub fn widget_at(&self, position: [f64; 2]) -> Option<egui::Id> {
+        let scale = self.context.pixels_per_point();
+        let position = egui::pos2(position[0] as f32 / scale, position[1] as f32 / scale);
+        let layer = self.context.layer_id_at(position).filter(|layer| layer.order != Order::Background)?;
+        // The widgets are in painting order. `prev_pass` contains the last complete pass.
+        self.context.viewport(|viewport| {
+            let widgets = viewport.prev_pass.widgets.get_layer(layer);
+            widgets.filter(|widget| widget.interact_rect.contains(position)).last().map(|widget| widget.id)
+        })
+    }
+
+    /// Returns the number of pixels per point.
+    pub fn pixels_per_point(&self) -> f32 {
+        self.context.pixels_per_point()
+    }
+
+    /// Returns the rectangles of the panels with these names, from the upper left to the lower right corner, in pixels.
+    #[cfg(feature = "test-hooks")]
+    pub fn panel_rects(&self, names: &[&'static str]) -> Vec<(&'static str, [[f32; 2]; 2])> {
+        let scale = self.context.pixels_per_point();
+        let rect = |name: &&'static str| {
+            let id = egui::Id::unique(*name);
+            let is_visible =
+                self.context.memory(|memory| memory.areas().is_visible(&egui::LayerId::new(Order::Middle, id)));
+            let rect = self.context.memory(|memory| memory.area_rect(id)).filter(|_| is_visible)?;
+            Some((*name, [rect.min, rect.max].map(|corner| [corner.x * scale, corner.y * scale])))
+        };
+        names.iter().filter_map(rect).collect()
+    }
+
     /// Returns `true` if the panels need a pass before the next event. A pass uses only the last position of the pointer and the last
     /// state of a button. With a press and a motion in one pass, a drag on a panel would be lost, and a drag from the scene to a
     /// slider would start on the slider. A pass also determines if a click has started to edit a text, which receives the next key.

@@ -34,6 +34,12 @@ impl FrameScheduler {
         self.request_after(now, Duration::ZERO);
     }
 
+    /// Requests a frame that starts at least this time after the last frame.
+    pub fn request_spaced(&mut self, now: Instant, spacing: Duration) {
+        let earliest = self.last.map_or(now, |last| last + spacing);
+        self.request_after(now, earliest.saturating_duration_since(now));
+    }
+
     /// Requests a frame after a delay.
     pub fn request_after(&mut self, now: Instant, delay: Duration) {
         // Delays of an hour or more mean never.
@@ -122,5 +128,23 @@ mod tests {
             scheduler.frame_finished(started + Duration::from_millis(1900));
         }
         assert!((scheduler.rate().unwrap() - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn spaced_frames_follow_the_last_frame_after_the_spacing() {
+        let mut scheduler = FrameScheduler::new(Some(50.0));
+        let start = Instant::now();
+        let spacing = Duration::from_millis(100);
+        scheduler.request_spaced(start, spacing);
+        assert_eq!(scheduler.due(), Some(start), "the first frame is due at once");
+        scheduler.frame_started(start);
+        for milliseconds in [10, 30, 90] {
+            scheduler.request_spaced(start + Duration::from_millis(milliseconds), spacing);
+            assert_eq!(scheduler.due(), Some(start + spacing));
+        }
+        scheduler.frame_started(start + spacing);
+        let later = start + 5 * spacing;
+        scheduler.request_spaced(later, spacing);
+        assert_eq!(scheduler.due(), Some(later));
     }
 }

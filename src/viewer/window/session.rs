@@ -14,8 +14,9 @@ use super::app::InterruptGuard;
 use super::event_loop::{Waker, WindowToken, message_of};
 use super::output::Output;
 use super::overlay::Overlay;
+use super::scene_renderer::SceneRenderer;
 use super::scheduler::FrameScheduler;
-use super::surface::{SceneRenderer, WindowSurface};
+use super::surface::WindowSurface;
 use crate::viewer::error::ViewerError;
 use crate::viewer::input::{EventTime, Mouse};
 use crate::viewer::launch::ViewerOptions;
@@ -47,6 +48,8 @@ pub(super) struct Session {
     pub modifiers: ModifiersState,
     /// Position of the pointer, in pixels from the upper left corner.
     pub pointer: [f64; 2],
+    /// Widget of the panels under the pointer.
+    pub hovered: Option<egui::Id>,
     /// A button was pressed over the scene. Until its release, the panels ignore the pointer.
     pub scene_pressed: bool,
     pub predicted: PredictedState,
@@ -89,8 +92,6 @@ impl Session {
         let window = Arc::new(window);
         let surface = WindowSurface::new(window.clone(), options.vsync)?;
         let overlay = Overlay::new(&window, surface.gpu().device(), surface.format());
-        let mut mouse = Mouse::default();
-        mouse.resize(surface.size().map(f64::from));
         let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
         scheduler.request(now);
@@ -107,9 +108,10 @@ impl Session {
             view: None,
             generation: 0,
             panels: Panels::default(),
-            mouse,
+            mouse: Mouse::default(),
             modifiers: ModifiersState::empty(),
             pointer: [0.0; 2],
+            hovered: None,
             scene_pressed: false,
             predicted: PredictedState::default(),
             opened: now,
@@ -179,7 +181,6 @@ impl Session {
             }
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
                 self.surface.resize();
-                self.mouse.resize(self.surface.size().map(f64::from));
                 self.overlay.handle_event(&self.window, event, self.modifiers);
                 self.scheduler.request(Instant::now());
             }

@@ -1,15 +1,11 @@
-//! Surface of a window, and the renderer of its scene.
+//! Surface of a window.
 
 use std::sync::Arc;
 
 use wgpu::CurrentSurfaceTexture as Acquired;
 use winit::window::Window;
 
-use crate::render::{Gpu, GpuOptions, RenderError, Renderer, RendererOptions, RgbImage};
-use crate::viewer::link::{Asset, Snapshot};
-
-/// Clear colour before the first snapshot.
-const EMPTY: wgpu::Color = wgpu::Color { r: 0.1, g: 0.11, b: 0.13, a: 1.0 };
+use crate::render::{Gpu, GpuOptions, RenderError};
 
 /// Surface of a window and its GPU. The surface is recreated after it is lost, and unused while the window has no size.
 pub(super) struct WindowSurface {
@@ -128,87 +124,4 @@ impl WindowSurface {
 
 fn present_mode(vsync: bool) -> wgpu::PresentMode {
     if vsync { wgpu::PresentMode::AutoVsync } else { wgpu::PresentMode::AutoNoVsync }
-}
-
-/// Renderer of the current model.
-#[derive(Default)]
-pub(super) struct SceneRenderer {
-    /// Generation of the model, and its renderer.
-    renderer: Option<(u64, Renderer)>,
-    picture: RgbImage,
-}
-
-impl SceneRenderer {
-    /// Drops the GPU resources.
-    pub fn drop_renderer(&mut self) {
-        self.renderer = None;
-    }
-
-    fn renderer(
-        &mut self,
-        gpu: &Gpu,
-        snapshot: &Snapshot,
-        [width, height]: [u32; 2],
-    ) -> Result<&mut Renderer, RenderError> {
-        let kept = self.renderer.take().filter(|(generation, _)| *generation == snapshot.generation);
-        let renderer = match kept {
-            Some((_, renderer)) => renderer,
-            None => Renderer::on(gpu, &snapshot.model, width, height, &RendererOptions::default())?,
-        };
-        Ok(&mut self.renderer.insert((snapshot.generation, renderer)).1)
-    }
-
-    /// Uploads a modified asset. A renderer that is created later contains it anyway.
-    pub fn update(&mut self, snapshot: &Snapshot, asset: Asset) -> Result<(), RenderError> {
-        let Some((generation, renderer)) = &mut self.renderer else { return Ok(()) };
-        if *generation != snapshot.generation {
-            return Ok(());
-        }
-        match asset {
-            Asset::Texture(id) => renderer.update_texture(&snapshot.model, id),
-            Asset::Mesh(id) => renderer.update_mesh(&snapshot.model, id),
-            Asset::HeightField(id) => renderer.update_height_field(&snapshot.model, id),
-        }
-    }
-
-    /// Draws a snapshot to the window.
-    pub fn draw(
-        &mut self,
-        gpu: &Gpu,
-        snapshot: &Snapshot,
-        target: &wgpu::TextureView,
-        size: [u32; 2],
-    ) -> Result<(), RenderError> {
-        self.renderer(gpu, snapshot, size)?.draw_to(&snapshot.scene, target, size)
-    }
-
-    /// Clears the window before the first snapshot.
-    pub fn draw_empty(gpu: &Gpu, target: &wgpu::TextureView) {
-        let mut encoder =
-            gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("empty window") });
-        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("empty window"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(EMPTY), store: wgpu::StoreOp::Store },
-            })],
-            ..wgpu::RenderPassDescriptor::default()
-        }));
-        gpu.queue().submit([encoder.finish()]);
-    }
-
-    /// Renders a snapshot without the panels to an image.
-    pub fn picture(&mut self, gpu: &Gpu, snapshot: &Snapshot, size: [u32; 2]) -> Result<&RgbImage, RenderError> {
-        // Reuses the memory of the last image.
-        let mut picture = std::mem::take(&mut self.picture);
-        let renderer = self.renderer(gpu, snapshot, size)?;
-        if renderer.size() != size {
-            renderer.resize(size[0], size[1])?;
-        }
-        let drawn = renderer.rgb_into(&snapshot.scene, &mut picture);
-        self.picture = picture;
-        drawn.map(|()| &self.picture)
-    }
 }
