@@ -12,6 +12,7 @@ use crate::scene::{Camera, RenderFlags, SceneOptions};
 
 static SURFACE_LOSS_REQUESTED: AtomicBool = AtomicBool::new(false);
 static HOLD_REQUESTED: AtomicBool = AtomicBool::new(false);
+static LOADING_HELD: AtomicBool = AtomicBool::new(false);
 static HELD: AtomicBool = AtomicBool::new(false);
 static MARKERS: AtomicU64 = AtomicU64::new(0);
 static SCENES: AtomicU64 = AtomicU64::new(0);
@@ -75,6 +76,8 @@ pub struct WindowState {
     pub captured: usize,
     /// Number of frames of the running recording.
     pub recording: Option<u64>,
+    /// Path of the model file that is being loaded.
+    pub loading: Option<String>,
     /// Geoms in the scene.
     pub ngeom: usize,
     /// Bodies of the model.
@@ -119,6 +122,17 @@ pub fn is_held() -> bool {
 /// Resumes the window thread after [`hold`].
 pub fn release() {
     HOLD_REQUESTED.store(false, Ordering::Release);
+}
+
+/// Blocks the loading of models (`true`) or continues it (`false`).
+pub fn hold_loading(hold: bool) {
+    LOADING_HELD.store(hold, Ordering::Release);
+}
+
+pub(super) fn wait_while_loading_is_held() {
+    while LOADING_HELD.load(Ordering::Acquire) {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
 }
 
 pub(super) fn wait_while_held() {
@@ -198,6 +212,7 @@ pub(super) fn record(frame: Frame<'_>) {
         burst: playback.map_or([0.0; 2], |playback| [playback.burst.factor, playback.burst.gamma]),
         captured: snapshot.captured.len(),
         recording: status.recording,
+        loading: status.loading.clone(),
         ngeom: snapshot.scene.ngeom(),
         nbody: snapshot.model.nbody(),
         editing,

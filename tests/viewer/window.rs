@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use mujoco_safe::record::RecorderOptions;
-use mujoco_safe::viewer::{Viewer, ViewerOptions};
+use mujoco_safe::viewer::{Viewer, ViewerOptions, test_hooks};
 use mujoco_safe::{Data, sample};
 
 use crate::harness::{SIZE, press, settle, show, show_with, state};
@@ -92,7 +92,13 @@ pub fn outputs() {
         let two = "<mujoco><worldbody><body><geom size='.1'/></body><body pos='1 0 0'><geom size='.1'/></body></worldbody></mujoco>";
         fs::write(&model, two).unwrap();
         press(input, "space", "the simulation is paused", |state| state.status == "Paused");
-        press(input, "ctrl+l", "the model is reloaded", |state| state.nbody == 3);
+        // Keys work while the model is being loaded.
+        test_hooks::hold_loading(true);
+        press(input, "ctrl+l", "the model is being loaded", |state| state.loading.is_some());
+        press(input, "Right", "the previous model takes a step", |state| state.nbody == 2 && state.time > 0.0);
+        assert!(state().loading.is_some());
+        test_hooks::hold_loading(false);
+        wait_until("the model is reloaded", || state().nbody == 3 && state().loading.is_none());
         assert_eq!(state().time, 0.0);
         fs::write(&model, "<mujoco><nonsense/></mujoco>").unwrap();
         input.key("ctrl+l");

@@ -26,6 +26,8 @@ pub(super) struct WindowStatus<'a> {
     pub rate: Option<f64>,
     /// Number of frames of the running recording.
     pub recording: Option<u64>,
+    /// Path of the model file that is being loaded.
+    pub loading: Option<String>,
     pub vsync: bool,
     /// Name of the GPU.
     pub gpu: &'a str,

@@ -114,7 +114,8 @@ impl Messages {
         }
         let problem = cx.snapshot.problem.as_str();
         let recording = cx.status.recording;
-        if self.messages.is_empty() && problem.is_empty() && recording.is_none() {
+        let loading = cx.status.loading.as_deref();
+        if self.messages.is_empty() && problem.is_empty() && recording.is_none() && loading.is_none() {
             return;
         }
         let shift = (left - right) / 2.0;
@@ -128,6 +129,9 @@ impl Messages {
                     ui.set_max_width(width);
                     if let Some(frames) = recording {
                         ui.label(RichText::new(format!("● recording, {frames} frames")).color(layout::FAILURE));
+                    }
+                    if let Some(path) = loading {
+                        ui.label(RichText::new(format!("loading {path}…")).color(layout::ACCENT));
                     }
                     if !problem.is_empty() {
                         ui.label(RichText::new(problem).color(layout::FAILURE));

@@ -81,6 +81,7 @@ impl Session {
             }
         }
         self.update_model();
+        self.finish_loading();
         if self.link.is_closing() {
             self.close();
         }
@@ -179,6 +180,7 @@ impl Session {
             size: self.surface.size(),
             rate: self.scheduler.rate(),
             recording: self.output.frames(),
+            loading: self.loader.as_ref().map(|loader| loader.path().display().to_string()),
             vsync: self.surface.has_vsync(),
             gpu: gpu.name(),
         }

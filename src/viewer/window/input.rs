@@ -10,8 +10,8 @@ use winit::keyboard::{Key as WinitKey, ModifiersState, NamedKey};
 use winit::platform::modifier_supplement::KeyEventExtModifierSupplement;
 use winit::window::Fullscreen;
 
+use super::model_loader::ModelLoader;
 use super::session::Session;
-use crate::model::Model;
 use crate::viewer::input::{
     Action, Gesture, Key, KeyPress, Modifiers, MouseButton, WindowAction, find_action, help_text,
 };
@@ -166,17 +166,25 @@ impl Session {
         println!("{}", help_text(self.mode(), columns));
     }
 
-    /// Replaces the model by the model of a file.
+    /// Starts to load a model file. The result of a previous load that has not ended is discarded.
     fn load(&mut self, path: &Path) {
-        let is_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mjb"));
-        let model = if is_binary { Model::from_binary_path(path) } else { Model::from_xml_path(path) };
-        match model {
-            Ok(model) => {
-                self.options.file = Some(path.to_owned());
+        match ModelLoader::start(path, self.waker.clone()) {
+            Ok(loader) => self.loader = Some(loader),
+            Err(error) => self.panels.warn(format!("cannot load {}: {error}", path.display())),
+        }
+    }
+
+    /// Replaces the model after its file was loaded, or shows the error.
+    pub(super) fn finish_loading(&mut self) {
+        let Some(loader) = self.loader.take() else { return };
+        match loader.take_result() {
+            None => self.loader = Some(loader),
+            Some(Ok(model)) => {
+                self.options.file = Some(loader.path().to_owned());
                 self.send(SimulationRequest::Reload(SharedModel(Arc::new(model))).into());
-                self.panels.notice(format!("loaded {}", path.display()));
+                self.panels.notice(format!("loaded {}", loader.path().display()));
             }
-            Err(error) => self.panels.warn(error.to_string()),
+            Some(Err(error)) => self.panels.warn(error.to_string()),
         }
     }
 

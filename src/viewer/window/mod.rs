@@ -4,6 +4,7 @@ mod app;
 mod event_loop;
 mod frame;
 mod input;
+mod model_loader;
 mod output;
 mod overlay;
 mod scene_image;

@@ -12,6 +12,7 @@ use winit::window::{Window, WindowId};
 use super::Opening;
 use super::app::InterruptGuard;
 use super::event_loop::{Waker, WindowToken, message_of};
+use super::model_loader::ModelLoader;
 use super::output::Output;
 use super::overlay::Overlay;
 use super::scene_renderer::SceneRenderer;
@@ -44,6 +45,8 @@ pub(super) struct Session {
     /// Generation of the model to which the view belongs.
     pub generation: u64,
     pub panels: Panels,
+    /// Model file that will replace the model.
+    pub loader: Option<ModelLoader>,
     pub mouse: Mouse,
     pub modifiers: ModifiersState,
     /// Position of the pointer, in pixels from the upper left corner.
@@ -108,6 +111,7 @@ impl Session {
             view: None,
             generation: 0,
             panels: Panels::default(),
+            loader: None,
             mouse: Mouse::default(),
             modifiers: ModifiersState::empty(),
             pointer: [0.0; 2],
