@@ -16,7 +16,10 @@ pub(crate) fn bindings(include: &Path) -> Result<String, String> {
         .default_enum_style(bindgen::EnumVariation::Consts)
         .prepend_enum_name(false)
         .use_core()
+        .blocklist_type("mjtBool")
         .generate()
         .map(|bindings| bindings.to_string())
+        // A file or a program may store any byte in a flag, but a Rust `bool` is 0 or 1.
+        .map(|text| if text.contains("mjtBool") { text + "pub type mjtBool = u8;\n" } else { text })
         .map_err(|error| format!("bindgen could not read the engine's headers: {error}"))
 }

@@ -1,33 +1,53 @@
 //! Chooses the bindings: the committed ones, or those generated from the installed headers.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::find::Engine;
 
-/// The engine whose bindings are committed.
-pub(crate) const COMMITTED: u32 = 222;
+/// The engines whose bindings and field tables are committed: `mjVERSION_HEADER`, and the name of the files.
+const COMMITTED: [(u32, &str); 4] =
+    [(DEFAULT, "v2_2_2"), (3_005_000, "v3_5_0"), (3_017_000, "v3_17_0"), (4_000_000, "v4_0_0")];
+
+/// The engine that a search prefers, and whose bindings documentation builds use.
+pub(crate) const DEFAULT: u32 = 222;
+
+/// Returns the name of the committed files of an engine, without directory and extension.
+pub(crate) fn committed(version: u32) -> Option<&'static str> {
+    COMMITTED.iter().find(|(number, _)| *number == version).map(|(_, name)| *name)
+}
+
+/// Returns the field table of the default engine.
+pub(crate) fn default_fields() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fields/v2_2_2.tsv")
+}
 
 /// Writes `bindings.rs` and the field table, `fields.tsv`, into `out`: copies of the committed files, or files generated from the headers.
 pub(crate) fn choose(engine: &Engine, out: &Path) {
     if cfg!(feature = "bindgen") {
         generate(engine, out);
-    } else if engine.version == COMMITTED {
-        choose_committed(out);
+    } else if committed(engine.version).is_some() {
+        choose_committed(engine.version, out);
     } else {
+        let known = COMMITTED.map(|(_, name)| name.trim_start_matches('v').replace('_', ".")).join(", ");
         crate::help::end(&[
             format!("The engine in {} has mjVERSION_HEADER {}.", engine.include.display(), engine.version),
-            format!("This crate comes with bindings for {COMMITTED} (2.2.2) only."),
+            format!("This crate comes with bindings for {known}."),
             "Enable the feature `bindgen` of mujoco-safe-sys to generate bindings for this engine (it needs libclang:"
                 .to_owned(),
-            "apt-get install libclang-dev), or set MUJOCO_DIR to the directory of an engine 2.2.2.".to_owned(),
+            "apt-get install libclang-dev), or set MUJOCO_DIR to the directory of an engine with bindings.".to_owned(),
         ]);
     }
 }
 
-/// Copies the committed bindings and field table.
-pub(crate) fn choose_committed(out: &Path) {
+/// Copies the committed bindings and field table of a version.
+pub(crate) fn choose_committed(version: u32, out: &Path) {
     let crate_root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for (committed, name) in [("src/bindings/v2_2_2.rs", "bindings.rs"), ("fields/v2_2_2.tsv", "fields.tsv")] {
+    let name = committed(version).expect("the caller has checked that the version is in the list");
+    let files = [
+        (PathBuf::from("src/bindings").join(name).with_extension("rs"), "bindings.rs"),
+        (PathBuf::from("fields").join(name).with_extension("tsv"), "fields.tsv"),
+    ];
+    for (committed, name) in files {
         let committed = crate_root.join(committed);
         println!("cargo::rerun-if-changed={}", committed.display());
         std::fs::copy(&committed, out.join(name)).expect("OUT_DIR is writable");

@@ -2,9 +2,10 @@
 //! tests and by `xtask`.
 //!
 //! The engine describes most of its structs in `mjxmacro.h` (type, name, rows, columns), which the C preprocessor expands
-//! through `fields.h`; the comment behind a field's declaration describes its meaning. `mjVisual` and `mjStatistic` are missing from `mjxmacro.h` and
-//! are read from their declarations. A line of the table is `struct, kind, type, name, rows, columns, comment`, separated by tabs, in the order of
-//! the engine's buffers. The kind is `size`, `scalar` or `vector` for values inside the struct, and `array` for values behind a pointer.
+//! through `fields.h`; the comment behind a field's declaration describes its meaning. `mjVisual` and `mjStatistic` are missing from `mjxmacro.h` of
+//! older engines and are read from their declarations. A line of the table is `struct, kind, type, name, rows, columns, comment`, separated by tabs,
+//! in the order of the engine's buffers. The kind is `size`, `scalar` or `vector` for values inside the struct, `array` for values behind a pointer,
+//! and `arena` for arrays in the arena of the data, which each call of the pipeline allocates again.
 
 use std::path::Path;
 use std::process::Command;
@@ -42,6 +43,7 @@ pub(crate) fn table(include: &Path, fields_h: &Path, mut compiler: Command) -> R
         let Some(member) = members.iter().find(|member| member.name == name) else {
             return Err(format!("{owner}.{name} has no comment in the headers"));
         };
+        let ctype = if ctype == "-" { &member.ctype } else { ctype };
         line([owner, kind, ctype, name, rows, columns, &member.comment]);
     }
     for owner in ["Visual", "Statistic"] {
@@ -71,31 +73,30 @@ struct Member {
 
 /// Returns the members of a struct with their comments. A comment may continue on the following lines.
 fn members(header: &str, name: &str) -> Vec<Member> {
-    let start = format!("struct {name} {{");
+    let starts = [format!("struct {name} {{"), format!("typedef struct {name} {{")];
     let mut members: Vec<Member> = Vec::new();
     // First member of the current unnamed struct, whose name follows its closing brace.
     let mut group = 0;
     let mut continues = false;
-    for line in
-        header.lines().skip_while(|line| !line.starts_with(&start)).skip(1).take_while(|line| !line.starts_with('}'))
-    {
+    let lines = header.lines().skip_while(|line| !starts.iter().any(|start| line.starts_with(start)));
+    for line in lines.skip(1).take_while(|line| !line.starts_with('}')) {
         let (code, comment) = line.split_once("//").unwrap_or((line, ""));
         let comment = comment.split_whitespace().collect::<Vec<_>>().join(" ");
         if code.trim_end().ends_with('{') {
             group = members.len();
             continues = false;
         } else if let Some(declared) = code.trim().strip_suffix(';') {
-            let (ctype, declared) = declared.rsplit_once([' ', '*']).unwrap_or_default();
+            let (declared, length) = match declared.split_once('[') {
+                Some((declared, length)) => (declared, Some(length.trim_end_matches(']').to_owned())),
+                None => (declared, None),
+            };
+            let (ctype, name) = declared.rsplit_once([' ', '*']).unwrap_or_default();
             if ctype.trim() == "}" {
                 for member in &mut members[group..] {
-                    member.name = format!("{declared}.{}", member.name);
+                    member.name = format!("{name}.{}", member.name);
                 }
                 continue;
             }
-            let (name, length) = match declared.split_once('[') {
-                Some((name, length)) => (name, Some(length.trim_end_matches(']').to_owned())),
-                None => (declared, None),
-            };
             members.push(Member { ctype: ctype.trim().to_owned(), name: name.to_owned(), length, comment });
             continues = true;
         } else if continues && code.len() > 20 && code.trim().is_empty() && !comment.is_empty() {

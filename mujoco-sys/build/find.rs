@@ -28,21 +28,22 @@ pub(crate) struct Missing {
     pub(crate) tried: Vec<String>,
 }
 
-/// Returns the engine in `MUJOCO_DIR` if it is set. Otherwise returns the first engine whose bindings are committed, or else the first of another
-/// version.
+/// Returns the engine in `MUJOCO_DIR` if it is set. Otherwise returns the first engine of the default version, else the first whose bindings are
+/// committed, else the first of another version. With the feature `bindgen` returns the first engine.
 pub(crate) fn engine() -> Result<Engine, Missing> {
     for variable in [MUJOCO_DIR].iter().chain(&ENVIRONMENTS) {
         println!("cargo::rerun-if-env-changed={variable}");
     }
-    let (mut other, mut tried) = (None, Vec::new());
+    let (mut committed, mut other, mut tried) = (None, None, Vec::new());
     for root in headers::roots() {
         match probe(&root) {
-            Ok(engine) if engine.version == bindings::COMMITTED || cfg!(feature = "bindgen") => return Ok(engine),
+            Ok(engine) if engine.version == bindings::DEFAULT || cfg!(feature = "bindgen") => return Ok(engine),
+            Ok(engine) if bindings::committed(engine.version).is_some() => committed = committed.or(Some(engine)),
             Ok(engine) => other = other.or(Some(engine)),
             Err(why) => tried.push(why),
         }
     }
-    other.ok_or_else(|| Missing { requested: headers::requested(), tried })
+    committed.or(other).ok_or_else(|| Missing { requested: headers::requested(), tried })
 }
 
 fn probe(root: &Path) -> Result<Engine, String> {

@@ -26,7 +26,7 @@ fn main() {
             link::announce(&engine, &out);
         }
         // A documentation build links nothing, so the committed bindings suffice.
-        Err(_) if std::env::var_os("DOCS_RS").is_some() => bindings::choose_committed(&out),
+        Err(_) if std::env::var_os("DOCS_RS").is_some() => bindings::choose_committed(bindings::DEFAULT, &out),
         Err(missing) => help::fail(&missing),
     }
 }

@@ -1,5 +1,7 @@
 #include "collision.h"
 
+#include "compat.h"
+
 #include <math.h>
 
 static mjfCollision original[mjNGEOMTYPES][mjNGEOMTYPES];
@@ -15,7 +17,7 @@ static void check_box(const mjModel* m, int box) {
   for (int i = 0; i < 3; i++) {
     const mjtNum size = m->geom_size[3 * box + i];
     if (!(size >= mjMINVAL && isfinite(size))) {
-      mju_error_i("the size of geom %d, a box, is not positive and finite", box);
+      compat_error_i("the size of geom %d, a box, is not positive and finite", box);
     }
   }
 }
@@ -41,17 +43,17 @@ static void check_pose(const mjModel* m, const mjData* d, int geom) {
     good &= fabs(length - 1) < 1e-2 && fabs(d->geom_xpos[3 * geom + i]) <= mjMAXVAL;
   }
   if (!good) {
-    mju_error_i("the pose of geom %d is not a rotation and a finite position", geom);
+    compat_error_i("the pose of geom %d is not a rotation and a finite position", geom);
   }
   for (int i = 0; i < 3; i++) {
     if (!(fabs(m->geom_size[3 * geom + i]) <= largest_size)) {
-      mju_error_i("the size of geom %d is not finite or exceeds 1e6 m", geom);
+      compat_error_i("the size of geom %d is not finite or exceeds 1e6 m", geom);
     }
   }
 }
 
-int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int type1, int type2, int g1, int g2,
-                          mjtNum margin) {
+int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_contact* con, int type1, int type2, int g1,
+                          int g2, mjtNum margin) {
   const mjfCollision function = original[type1][type2];
   if (!function) {
     return -1;
@@ -63,7 +65,7 @@ int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int
     check_pose(m, d, g1);
     check_pose(m, d, g2);
     if (!(fabs(margin) <= largest_size)) {
-      mju_error_i("the contact margin of geom %d is not finite or exceeds 1e6 m", g1);
+      compat_error_i("the contact margin of geom %d is not finite or exceeds 1e6 m", g1);
     }
   }
   return function(m, d, con, g1, g2, margin);
@@ -79,8 +81,8 @@ static int overflows_row(const mjModel* m, int g1, int g2) {
 // True for the geom types whose collision function needs no check.
 static unsigned char unchecked_types[mjNGEOMTYPES][mjNGEOMTYPES];
 
-static __attribute__((noinline)) int check_and_collide(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2,
-                                                       mjtNum margin) {
+static __attribute__((noinline)) int check_and_collide(const mjModel* m, compat_collision_data* d, compat_contact* con,
+                                                       int g1, int g2, mjtNum margin) {
   if (overflows_row(m, g1, g2)) {
     return 0;
   }
@@ -88,7 +90,7 @@ static __attribute__((noinline)) int check_and_collide(const mjModel* m, const m
 }
 
 // Called for each pair of geoms that passes the broad phase, so the common case is a few instructions and a tail call.
-static int collide(const mjModel* m, const mjData* d, mjContact* con, int g1, int g2, mjtNum margin) {
+static int collide(const mjModel* m, compat_collision_data* d, compat_contact* con, int g1, int g2, mjtNum margin) {
   const int type1 = m->geom_type[g1];
   const int type2 = m->geom_type[g2];
   if (unchecked_types[type1][type2] && m->geom_bodyid[g1] != m->geom_bodyid[g2]) {

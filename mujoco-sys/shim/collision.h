@@ -2,13 +2,13 @@
 #ifndef MUJOCO_SYS_COLLISION_H_
 #define MUJOCO_SYS_COLLISION_H_
 
-#include <mujoco/mujoco.h>
+#include "compat.h"
 
 // Replaces each of the engine's collision functions by a checked one, for the whole process. No other thread may use the engine meanwhile.
 void mujoco_sys_check_collisions(void);
 
 // Calls the engine's collision function of two geom types for two geoms, after the checks. Returns -1 if the engine has no such function.
-int mujoco_sys_collide_as(const mjModel* m, const mjData* d, mjContact* con, int type1, int type2, int g1, int g2,
-                          mjtNum margin);
+int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_contact* con, int type1, int type2, int g1,
+                          int g2, mjtNum margin);
 
 #endif

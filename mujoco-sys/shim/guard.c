@@ -1,11 +1,14 @@
 #include "guard.h"
 
 #include "collision.h"
+#include "compat.h"
 #include "step.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <mujoco/mjxmacro.h>
 
 static _Thread_local struct mujoco_sys_guard* innermost;
 static _Thread_local char message[1024];
@@ -33,7 +36,11 @@ static void on_error(const char* text) {
 
 static void on_warning(const char* text) {
   // The handler receives only the text, so the warning is recognised by its beginning.
+#if mjVERSION_HEADER >= 230
+  static const char full[] = "Insufficient arena memory for the number of constraints";
+#else
   static const char full[] = "Pre-allocated constraint buffer is full";
+#endif
   if (full_constraints_are_fatal && innermost && strncmp(text, full, sizeof(full) - 1) == 0) {
     on_error(text);
   }
@@ -75,16 +82,41 @@ static struct stack_mark mark(const mjData* d) {
   return at;
 }
 
+static void restore_stack(mjData* d, struct stack_mark at) {
+#if mjVERSION_HEADER >= 300
+  d->pstack = at.top;
+  d->pbase = at.base;
+#else
+  d->pstack = (int)at.top;
+#endif
+}
+
+// Removes the contacts and constraints of a failed call: the error may have occurred after the engine had changed their counts, and before it
+// had allocated their arrays.
+static void clear_arena(mjData* d) {
+#if mjVERSION_HEADER >= 230
+#define X(type, name, rows, columns) d->name = NULL;
+  MJDATA_ARENA_POINTERS
+#undef X
+  d->ncon = d->ne = d->nf = d->nefc = 0;
+#if mjVERSION_HEADER >= 300
+  d->nl = d->nisland = 0;
+#endif
+#else
+  (void)d;
+#endif
+}
+
 static void restore(mjData* d, struct stack_mark at) {
   if (d) {
-#if mjVERSION_HEADER >= 300
-    d->pstack = at.top;
-    d->pbase = at.base;
-#else
-    d->pstack = (int)at.top;
-#endif
+    restore_stack(d, at);
+    clear_arena(d);
   }
 }
+
+void mujoco_sys_stack_mark(const mjData* d, struct stack_mark* at) { *at = mark(d); }
+
+void mujoco_sys_stack_restore(mjData* d, const struct stack_mark* at) { restore_stack(d, *at); }
 
 // `guard` and `at` do not change between setjmp and longjmp.
 #define GUARDED_RUN(data, statement)                        \
@@ -107,6 +139,12 @@ static void restore(mjData* d, struct stack_mark at) {
 #define GUARDED_RESULT(function, data, parameters, arguments) \
   int mujoco_sys_##function parameters { GUARDED_RUN(data, *result = function arguments) }
 
+// The same for functions whose parameters differ between versions, which compat.h adapts.
+#define ADAPTED(prefix, function, data, parameters, arguments) \
+  int mujoco_sys_##prefix##_##function parameters { GUARDED_RUN(data, compat_##function arguments) }
+#define ADAPTED_RESULT(prefix, function, data, parameters, arguments) \
+  int mujoco_sys_##prefix##_##function parameters { GUARDED_RUN(data, *result = compat_##function arguments) }
+
 #define NO_DATA ((mjData*)NULL)
 
 // The cheapest engine function, for the benchmark of the guard's cost.
@@ -114,8 +152,8 @@ GUARDED_RESULT(mj_version, NO_DATA, (int* result), ())
 
 // Construction, copying and reset of models and data.
 GUARDED_RESULT(mj_copyModel, NO_DATA, (mjModel * dest, const mjModel* m, mjModel** result), (dest, m))
-GUARDED_RESULT(mj_makeEmptyFileVFS, NO_DATA, (mjVFS * vfs, const char* filename, int filesize, int* result),
-               (vfs, filename, filesize))
+ADAPTED_RESULT(mj, addBufferVFS, NO_DATA, (mjVFS * vfs, const char* name, const void* buffer, int size, int* result),
+               (vfs, name, buffer, size))
 GUARDED_RESULT(mj_loadModel, NO_DATA, (const char* filename, const mjVFS* vfs, mjModel** result), (filename, vfs))
 GUARDED(mj_saveModel, NO_DATA, (const mjModel* m, const char* filename, void* buffer, int size),
         (m, filename, buffer, size))
@@ -179,9 +217,9 @@ GUARDED(mj_rne, d, (const mjModel* m, mjData* d, int with_acceleration, mjtNum* 
         (m, d, with_acceleration, result))
 GUARDED(mj_rnePostConstraint, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_subtreeVel, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED_RESULT(mj_stackAlloc, d, (mjData * d, int size, mjtNum** result), (d, size))
+ADAPTED_RESULT(mj, stackAlloc, d, (mjData * d, int size, mjtNum** result), (d, size))
 
-GUARDED(mj_solveM2, d, (const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y, int n), (m, d, x, y, n))
+ADAPTED(mj, solveM2, d, (const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y, int n), (m, d, x, y, n))
 GUARDED(mj_addM, d, (const mjModel* m, mjData* d, mjtNum* dst, int* rownnz, int* rowadr, int* colind),
         (m, d, dst, rownnz, rowadr, colind))
 GUARDED(mj_applyFT, d,
@@ -198,15 +236,32 @@ GUARDED(mj_constraintUpdate, d,
         (const mjModel* m, mjData* d, const mjtNum* jar, mjtNum* cost, int flg_coneHessian),
         (m, d, jar, cost, flg_coneHessian))
 GUARDED_RESULT(mj_addContact, d, (const mjModel* m, mjData* d, const mjContact* con, int* result), (m, d, con))
-GUARDED_RESULT(mj_ray, NO_DATA,
+ADAPTED_RESULT(mj, ray, NO_DATA,
                (const mjModel* m, const mjData* d, const mjtNum* pnt, const mjtNum* vec, const mjtByte* geomgroup,
                 mjtByte flg_static, int bodyexclude, int* geomid, mjtNum* result),
                (m, d, pnt, vec, geomgroup, flg_static, bodyexclude, geomid))
 GUARDED(mj_printData, d, (const mjModel* m, mjData* d, const char* filename), (m, d, filename))
 
+// Calls a collision function and converts its contacts.
+static int collide(const mjModel* m, mjData* d, mjContact* con, int type1, int type2, int g1, int g2, mjtNum margin) {
+#if mjVERSION_HEADER >= 3009000
+  mjPreContact found[mjMAXCONPAIR];
+  const int count = mujoco_sys_collide_as(m, d, found, type1, type2, g1, g2, margin);
+  for (int i = 0; i < count; i++) {
+    con[i].dist = found[i].dist;
+    mju_copy3(con[i].pos, found[i].pos);
+    mju_copy3(con[i].frame, found[i].normal);
+    mju_copy3(con[i].frame + 3, found[i].tangent);
+  }
+  return count;
+#else
+  return mujoco_sys_collide_as(m, d, con, type1, type2, g1, g2, margin);
+#endif
+}
+
 int mujoco_sys_collide(const mjModel* m, mjData* d, mjContact* con, int type1, int type2, int g1, int g2, mjtNum margin,
                        int* result) {
-  GUARDED_RUN(d, *result = mujoco_sys_collide_as(m, d, con, type1, type2, g1, g2, margin))
+  GUARDED_RUN(d, *result = collide(m, d, con, type1, type2, g1, g2, margin))
 }
 
 GUARDED(mjd_transitionFD, d,
@@ -223,7 +278,7 @@ GUARDED(mjv_addGeoms, NO_DATA,
         (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, int catmask, mjvScene* scn),
         (m, d, opt, pert, catmask, scn))
 GUARDED(mjv_updateCamera, NO_DATA, (const mjModel* m, mjData* d, mjvCamera* cam, mjvScene* scn), (m, d, cam, scn))
-GUARDED(mjv_makeConnector, NO_DATA,
+ADAPTED(mjv, makeConnector, NO_DATA,
         (mjvGeom * geom, int type, mjtNum width, mjtNum a0, mjtNum a1, mjtNum a2, mjtNum b0, mjtNum b1, mjtNum b2),
         (geom, type, width, a0, a1, a2, b0, b1, b2))
 GUARDED(mjv_cameraInModel, NO_DATA, (mjtNum * headpos, mjtNum* forward, mjtNum* up, const mjvScene* scn),
@@ -237,7 +292,7 @@ GUARDED(mjv_model2room, NO_DATA,
         (mjtNum * roompos, mjtNum* roomquat, const mjtNum* modelpos, const mjtNum* modelquat, const mjvScene* scn),
         (roompos, roomquat, modelpos, modelquat, scn))
 GUARDED_RESULT(mjv_frustumHeight, NO_DATA, (const mjvScene* scn, mjtNum* result), (scn))
-GUARDED(mjv_moveCamera, NO_DATA,
+ADAPTED(mjv, moveCamera, NO_DATA,
         (const mjModel* m, int action, mjtNum reldx, mjtNum reldy, const mjvScene* scn, mjvCamera* cam),
         (m, action, reldx, reldy, scn, cam))
 GUARDED(mjv_moveModel, NO_DATA,
@@ -247,12 +302,21 @@ GUARDED(mjv_movePerturb, NO_DATA,
         (const mjModel* m, const mjData* d, int action, mjtNum reldx, mjtNum reldy, const mjvScene* scn,
          mjvPerturb* pert),
         (m, d, action, reldx, reldy, scn, pert))
-GUARDED(mjv_initPerturb, NO_DATA, (const mjModel* m, const mjData* d, const mjvScene* scn, mjvPerturb* pert),
-        (m, d, scn, pert))
+static int init_perturb(const mjModel* m, mjData* d, const mjvScene* scn, mjvPerturb* pert) {
+  GUARDED_RUN(NO_DATA, mjv_initPerturb(m, d, scn, pert))
+}
+
+// Uses only the stack of the data, so an error leaves the contacts and constraints as they are.
+int mujoco_sys_mjv_initPerturb(const mjModel* m, mjData* d, const mjvScene* scn, mjvPerturb* pert) {
+  const struct stack_mark before = mark(d);
+  const int status = init_perturb(m, d, scn, pert);
+  if (status != MUJOCO_SYS_OK) restore_stack(d, before);
+  return status;
+}
 GUARDED(mjv_applyPerturbPose, NO_DATA, (const mjModel* m, mjData* d, const mjvPerturb* pert, int flg_paused),
         (m, d, pert, flg_paused))
 GUARDED(mjv_applyPerturbForce, NO_DATA, (const mjModel* m, mjData* d, const mjvPerturb* pert), (m, d, pert))
-GUARDED_RESULT(mjv_select, NO_DATA,
+ADAPTED_RESULT(mjv, select, NO_DATA,
                (const mjModel* m, const mjData* d, const mjvOption* vopt, mjtNum aspectratio, mjtNum relx, mjtNum rely,
                 const mjvScene* scn, mjtNum* selpnt, int* geomid, int* skinid, int* result),
                (m, d, vopt, aspectratio, relx, rely, scn, selpnt, geomid, skinid))

@@ -2,8 +2,10 @@
 //! code instead of ending the process.
 //!
 //! A guarded function returns [`OK`] or an error code. After an error, [`message`] returns this thread's error text. An error
-//! restores the stack top inside the given `mjData`; other changes made by the failed call remain. Guards nest, and each thread has its
-//! own chain.
+//! restores the stack top inside the given `mjData`, and since 2.3 removes the contacts and constraints, whose arrays may not exist yet; other
+//! changes made by the failed call remain. Guards nest, and each thread has its own chain.
+//!
+//! The functions have the parameters of 2.2.2 with every version of the engine; `shim/compat.h` adapts them.
 //!
 //! # Safety of all functions in this module
 //!
@@ -36,6 +38,14 @@ macro_rules! guarded {
     };
 }
 
+/// Position of the top of the stack inside an `mjData`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StackMark {
+    top: usize,
+    base: usize,
+}
+
 /// A part of the engine's pipeline.
 pub type Part = unsafe extern "C" fn(m: *const mjModel, d: *mut mjData);
 
@@ -48,6 +58,14 @@ unsafe extern "C" {
     /// number is within `mjMAXVAL`. The results are those of `mj_step`, bit for bit.
     #[link_name = "mujoco_sys_step_prechecked"]
     pub fn step_prechecked(m: *const mjModel, d: *mut mjData) -> c_int;
+
+    /// Writes the top of the stack inside `d` to `at`. Not an engine function.
+    #[link_name = "mujoco_sys_stack_mark"]
+    pub fn stack_mark(d: *const mjData, at: *mut StackMark);
+
+    /// Releases everything that was allocated on the stack inside `d` since `at` was written.
+    #[link_name = "mujoco_sys_stack_restore"]
+    pub fn stack_restore(d: *mut mjData, at: *const StackMark);
 
     /// Installs the guards' handlers as `mju_user_error` and `mju_user_warning`, for the whole process. Warnings go to `warn`, or to
     /// standard error without it. Also replaces the engine's collision functions by checked ones, which raise an engine error for
@@ -85,8 +103,10 @@ guarded! {
         filename: *const c_char, buffer: *mut c_char, buffer_size: c_int, html: c_int, pad: c_int, result: *mut c_int,
     );
     mujoco_sys_mj_copyModel = mj_copy_model(dest: *mut mjModel, m: *const mjModel, result: *mut *mut mjModel);
-    mujoco_sys_mj_makeEmptyFileVFS = mj_make_empty_file_vfs(
-        vfs: *mut mjVFS, filename: *const c_char, filesize: c_int, result: *mut c_int,
+    /// Adds a copy of a buffer to a virtual file system (before 3.1.3 with `mj_makeEmptyFileVFS`). Writes 0 to `*result`, or 1 if the file system is
+    /// full, 2 if it has a file of this name, and 3 for any other failure.
+    mujoco_sys_mj_addBufferVFS = mj_add_buffer_vfs(
+        vfs: *mut mjVFS, name: *const c_char, buffer: *const c_void, size: c_int, result: *mut c_int,
     );
     mujoco_sys_mj_loadModel = mj_load_model(filename: *const c_char, vfs: *const mjVFS, result: *mut *mut mjModel);
     mujoco_sys_mj_saveModel = mj_save_model(m: *const mjModel, filename: *const c_char, buffer: *mut c_void, size: c_int);
@@ -145,6 +165,7 @@ guarded! {
     mujoco_sys_mj_rne = mj_rne(m: *const mjModel, d: *mut mjData, with_acceleration: c_int, result: *mut mjtNum);
     mujoco_sys_mj_rnePostConstraint = mj_rne_post_constraint(m: *const mjModel, d: *mut mjData);
     mujoco_sys_mj_subtreeVel = mj_subtree_vel(m: *const mjModel, d: *mut mjData);
+    /// Allocates numbers on the engine's stack. [`stack_restore`] releases them.
     mujoco_sys_mj_stackAlloc = mj_stack_alloc(d: *mut mjData, size: c_int, result: *mut *mut mjtNum);
 
     mujoco_sys_mj_solveM2 = mj_solve_m2(m: *const mjModel, d: *mut mjData, x: *mut mjtNum, y: *const mjtNum, n: c_int);
@@ -225,7 +246,7 @@ guarded! {
         pert: *mut mjvPerturb,
     );
     mujoco_sys_mjv_initPerturb = mjv_init_perturb(
-        m: *const mjModel, d: *const mjData, scn: *const mjvScene, pert: *mut mjvPerturb,
+        m: *const mjModel, d: *mut mjData, scn: *const mjvScene, pert: *mut mjvPerturb,
     );
     mujoco_sys_mjv_applyPerturbPose = mjv_apply_perturb_pose(
         m: *const mjModel, d: *mut mjData, pert: *const mjvPerturb, flg_paused: c_int,

@@ -2,13 +2,16 @@
 //! codes ([`guard`]) and lets its callbacks fail ([`callback`]).
 //!
 //! Everything except [`stderr`] is `unsafe` or a plain C type; the safe crate is `mujoco-safe`. bindgen generates the bindings. Those of
-//! MuJoCo 2.2.2 (Debian's `libmujoco-dev`) are committed, and this crate's tests compare them with the installed headers. The
-//! feature `bindgen` generates bindings for the installed headers (in `MUJOCO_DIR`, else in the system directories).
+//! MuJoCo 2.2.2 (Debian's `libmujoco-dev`), 3.5.0, 3.17.0 and 4.0.0 are committed, the build uses those of the installed headers, and this
+//! crate's tests compare them with the headers. The feature `bindgen` generates bindings for other versions.
+//!
+//! The build uses the engine in `MUJOCO_DIR`; without it, an engine 2.2.2 in the system directories or in the active Python, conda or ROS
+//! environment, or else the first engine there whose bindings are committed.
 //!
 //! # Build script metadata
 //!
-//! The build script of a crate that depends directly on this one receives `DEP_MUJOCO_VERSION` (222 for 2.2.2),
-//! `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and, for an engine outside the loader's search path, `DEP_MUJOCO_RPATH`.
+//! The build script of a crate that depends directly on this one receives `DEP_MUJOCO_VERSION` (222 for 2.2.2,
+//! 4000000 for 4.0.0), `DEP_MUJOCO_FIELDS` (the file of [`FIELDS`]), `DEP_MUJOCO_DEFAULT_FIELDS` (that of 2.2.2), `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and, for an engine outside the loader's search path, `DEP_MUJOCO_RPATH`.
 
 pub mod callback;
 pub mod guard;
@@ -34,5 +37,5 @@ pub use bindings::*;
 
 /// Table of the fields of `mjModel`, `mjData`, `mjOption`, `mjVisual` and `mjStatistic`, from the headers. Each line after the headings has
 /// the struct (without `mj`), kind, C type, name, rows, columns and comment, separated by tabs. The kind is
-/// `size`, `scalar`, `vector` (an array within the struct) or `array` (behind a pointer). Names in `Visual` are dotted.
+/// `size`, `scalar`, `vector` (an array within the struct), `array` (behind a pointer) or `arena` (an array in the data's arena). Names in `Visual` are dotted.
 pub const FIELDS: &str = include_str!(concat!(env!("OUT_DIR"), "/fields.tsv"));

@@ -27,6 +27,9 @@ const MODEL: &str = r#"
   <actuator><motor joint="hinge"/></actuator>
 </mujoco>"#;
 
+/// True for the engines whose bindings are committed beside those of 2.2.2.
+const NEWER: bool = mujoco_sys::mjVERSION_HEADER > 222;
+
 /// An invalid value of every enum of the engine.
 const UNKNOWN: c_int = 99;
 
@@ -136,8 +139,10 @@ fn message() -> String {
     unsafe { CStr::from_ptr(guard::message()) }.to_string_lossy().into_owned()
 }
 
-fn error(text: &str) -> Result<(), String> {
-    Err(text.to_owned())
+/// Asserts that a call failed with an error that contains `text`. Newer engines name the function first, and use small letters.
+#[track_caller]
+fn assert_error(outcome: &Result<(), String>, text: &str) {
+    assert!(outcome.as_ref().is_err_and(|error| error.to_lowercase().contains(text)), "{text}: {outcome:?}");
 }
 
 thread_local! {
@@ -189,7 +194,7 @@ fn the_loaded_engine_has_the_version_of_the_headers() {
 fn an_engine_error_is_returned_with_its_text() {
     let simulation = Simulation::new();
     simulation.set_integrator(UNKNOWN);
-    assert_eq!(simulation.step(), error("Invalid integrator"));
+    assert_error(&simulation.step(), "invalid integrator");
 }
 
 #[test]
@@ -212,15 +217,20 @@ fn an_invalid_model_is_a_loader_message_and_not_an_engine_error() {
 fn an_engine_error_inside_the_loader_leaves_the_thread_able_to_load_and_to_step() {
     install();
     // The stack is too small for the forward computation during compilation.
-    let message = load(&MODEL.replace("5000", "1")).expect_err("the stack is too small");
-    assert!(message.contains("Stack overflow"), "{message}");
+    let (stack, small) = (r#"nstack="5000""#, if NEWER { r#"memory="1""# } else { r#"nstack="1""# });
+    let loaded = load(&MODEL.replace(stack, small)).map(drop);
+    assert_error(&loaded, "stack overflow");
     let simulation = Simulation::new();
     simulation.set_integrator(UNKNOWN);
-    assert_eq!(simulation.step(), error("Invalid integrator"));
+    assert_error(&simulation.step(), "invalid integrator");
 }
 
 #[test]
 fn out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_to_step() {
+    if NEWER {
+        // The C++ runtime inside the official libraries ends the process instead of throwing std::bad_alloc.
+        return;
+    }
     const LIMITED: &str = "MUJOCO_SYS_TEST_LIMITED";
     if std::env::var_os(LIMITED).is_none() {
         // Runs this test again in a child process with a memory limit; without one, the test would exhaust the machine's memory.
@@ -240,7 +250,7 @@ fn out_of_memory_in_the_loader_is_a_code_and_leaves_the_thread_able_to_load_and_
     assert_eq!(outcome, Err("code 2: out of memory".to_owned()));
     let simulation = Simulation::new();
     simulation.set_integrator(UNKNOWN);
-    assert_eq!(simulation.step(), error("Invalid integrator"));
+    assert_error(&simulation.step(), "invalid integrator");
 }
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -282,10 +292,10 @@ fn a_capture_stores_the_output_of_its_thread_and_forwards_that_of_others() {
                 while loads < 20 || lines.load(Ordering::Relaxed) < LINES as u32 {
                     let (message, printed) =
                         stderr::captured(|| load(FLAT).expect_err("a flat mesh has no convex hull"));
-                    assert!(
-                        message.contains("qhull error") && printed.contains("Initial simplex is flat"),
-                        "{message} {printed}"
-                    );
+                    // Newer engines find the flat mesh before they call the library.
+                    let is_from_library =
+                        message.contains("qhull error") && printed.contains("Initial simplex is flat");
+                    assert!(is_from_library || message.contains("coplanar"), "{message} {printed}");
                     assert!(!printed.contains("printed"));
                     loads += 1;
                 }
@@ -303,13 +313,29 @@ fn an_error_restores_the_stack_top() {
     assert_eq!(simulation.stack_top(), before);
 }
 
+#[test]
+fn after_an_error_no_count_exceeds_its_array() {
+    let simulation = Simulation::new();
+    assert_eq!(simulation.step(), Ok(()));
+    // SAFETY: the data lives as long as `simulation`, and no other thread uses it.
+    let data = unsafe { &mut *simulation.data };
+    assert!(data.ncon > 0 && data.nefc > 0, "the sphere touches the plane");
+    simulation.set_transmission(UNKNOWN);
+    assert!(simulation.step().is_err());
+    assert!(data.ncon == 0 || !data.contact.is_null());
+    assert!(data.nefc == 0 || !(data.efc_J.is_null() || data.efc_force.is_null()));
+    simulation.set_transmission(mujoco_sys::mjTRN_JOINT as c_int);
+    assert_eq!(simulation.step(), Ok(()));
+    assert!(data.ncon > 0 && data.nefc > 0 && !data.contact.is_null() && !data.efc_J.is_null());
+}
+
 /// Each of these errors is raised while the engine's stack is in use. Without the restoration the stack would overflow.
 #[test]
 fn ten_thousand_errors_do_not_fill_the_engines_stack() {
     let simulation = Simulation::new();
     simulation.set_transmission(UNKNOWN);
     let first = simulation.step();
-    assert!(first.as_ref().is_err_and(|text| text.contains("Unknown transmission type")), "{first:?}");
+    assert_error(&first, "unknown transmission type");
     for count in 1..10_000 {
         assert_eq!(simulation.step(), first, "error {count}");
     }
@@ -324,12 +350,12 @@ fn each_thread_keeps_its_own_error_text() {
         invalidate(&simulation);
         start.wait();
         for count in 0..1000 {
-            assert_eq!(simulation.step(), error(expected), "error {count}");
+            assert_error(&simulation.step(), expected);
         }
     };
     thread::scope(|scope| {
-        scope.spawn(|| fail("Invalid integrator", |simulation| simulation.set_integrator(UNKNOWN)));
-        scope.spawn(|| fail("Unknown solver type 99", |simulation| simulation.set_solver(UNKNOWN)));
+        scope.spawn(|| fail("invalid integrator", |simulation| simulation.set_integrator(UNKNOWN)));
+        scope.spawn(|| fail("unknown solver type 99", |simulation| simulation.set_solver(UNKNOWN)));
     });
 }
 
@@ -340,10 +366,10 @@ fn an_error_inside_a_callback_ends_the_inner_call_and_not_the_outer_one() {
     CALLBACK.set(Callback::Step(inner.model, inner.data));
     assert_eq!(outer.step(), Ok(()));
     assert!(matches!(CALLBACK.get(), Callback::Done { code: ERROR, .. }), "{:?}", CALLBACK.get());
-    assert_eq!(message(), "Invalid integrator");
+    assert_error(&Err(message()), "invalid integrator");
     // The outer guard has left the chain: the next error returns from its own call.
     outer.set_integrator(UNKNOWN);
-    assert_eq!(outer.step(), error("Invalid integrator"));
+    assert_error(&outer.step(), "invalid integrator");
 }
 
 #[test]
@@ -359,7 +385,7 @@ fn an_error_inside_a_callback_restores_the_stack_top_at_its_own_entry() {
     let Callback::Done { code, before, after } = CALLBACK.get() else { panic!("the callback was not called") };
     assert!(before > 0);
     assert_eq!((code, after), (ERROR, before));
-    assert!(message().contains("Unknown transmission type"), "{}", message());
+    assert_error(&Err(message()), "unknown transmission type");
 }
 
 #[test]
@@ -369,6 +395,6 @@ fn after_an_inner_error_an_error_of_the_outer_call_reaches_the_outer_guard() {
     // The callback runs before the solver.
     outer.set_solver(UNKNOWN);
     CALLBACK.set(Callback::Step(inner.model, inner.data));
-    assert_eq!(outer.step(), error("Unknown solver type 99"));
+    assert_error(&outer.step(), "unknown solver type 99");
     assert!(matches!(CALLBACK.get(), Callback::Done { code: ERROR, .. }), "{:?}", CALLBACK.get());
 }

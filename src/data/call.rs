@@ -1,12 +1,13 @@
 //! Calls of the engine on a simulation, and the effect of an engine error.
 //!
-//! Every call that can raise an engine error on a [`Data`] goes through one of three methods, which differ in the pointer that
+//! Every call that can raise an engine error on a [`Data`] goes through one of four methods, which differ in the pointer that
 //! they pass:
 //!
 //! | method | passes | for | after an engine error |
 //! |---|---|---|---|
 //! | [`Data::run`] | `*mut mjData` | parts of the pipeline, which may warn, reset the data and call closures | poisoned |
 //! | [`Data::call_mut`] | `*mut mjData` | every other function that writes to the data or to its stack | poisoned |
+//! | [`Data::call_on_stack`] | `*mut mjData` | functions that use its stack only | unchanged |
 //! | [`Data::call`] | `*const mjData` | functions that only read | unchanged |
 //!
 //! Calls without a simulation go through [`ffi::check_without_data`]. The lint `disallowed_methods` (`clippy.toml`) forbids
@@ -44,6 +45,17 @@ impl Data {
     ) -> Result<()> {
         let status = call(self.model().as_ptr(), self.as_mut_ptr());
         ffi::check(function, status).map_err(|error| self.poison(error))
+    }
+
+    /// Makes a guarded call that uses only the stack of the data. An engine error leaves the data usable, because the shim releases
+    /// the stack.
+    #[inline]
+    pub(crate) fn call_on_stack(
+        &mut self,
+        function: &'static str,
+        call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
+    ) -> Result<()> {
+        ffi::check(function, call(self.model().as_ptr(), self.as_mut_ptr()))
     }
 
     /// Makes a guarded call of a part of the pipeline, which may warn, reset the data and call closures, and records `computes` as

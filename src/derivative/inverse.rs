@@ -205,8 +205,8 @@ struct InversePerturbation<'a> {
     force: InverseForce,
     /// Memory on the engine's stack: the saved values, and a direction in the tangent space of positions.
     saved: &'a mut [f64],
-    /// Stack pointer to restore.
-    stack_pointer: c_int,
+    /// Top of the stack to restore.
+    stack: guard::StackMark,
 }
 
 /// Layout of the saved values.
@@ -238,13 +238,15 @@ impl<'a> InversePerturbation<'a> {
         let length = layout.direction.end;
         let size = c_int::try_from(length)
             .map_err(|_| Error::Unsupported(format!("inverse_fd of {} degrees of freedom", data.model().nv())))?;
-        let (stack_pointer, mut start) = (data.raw().pstack, ptr::null_mut());
+        let (mut stack, mut start) = (guard::StackMark::default(), ptr::null_mut());
+        // SAFETY: a valid data, and a valid pointer for the result.
+        unsafe { guard::stack_mark(data.as_ptr(), &raw mut stack) };
         data.call_mut("mj_stackAlloc", |_, d| {
             // SAFETY: a valid data, and a valid pointer for the result.
             unsafe { guard::mj_stack_alloc(d, size, &raw mut start) }
         })?;
         // SAFETY: the engine has reserved `length` numbers (NULL for none). It uses only the stack above them until `drop` restores
-        // the stack pointer.
+        // the stack.
         let saved = unsafe {
             if length > 0 {
                 start.write_bytes(0, length);
@@ -255,7 +257,7 @@ impl<'a> InversePerturbation<'a> {
         saved[layout.mocap_quat].copy_from_slice(data.mocap_quat().as_flattened());
         saved[layout.qvel].copy_from_slice(data.qvel());
         saved[layout.qacc].copy_from_slice(data.qacc());
-        Ok(Self { data, eps, force, saved, stack_pointer })
+        Ok(Self { data, eps, force, saved, stack })
     }
 
     /// Restores the positions, and the mocap orientations, which the engine normalises.
@@ -355,7 +357,8 @@ impl Drop for InversePerturbation<'_> {
         self.restore_positions();
         self.data.qvel_mut().copy_from_slice(&self.saved[qvel]);
         self.data.qacc_mut().copy_from_slice(&self.saved[qacc]);
-        self.data.raw_mut().pstack = self.stack_pointer;
+        // SAFETY: the mark of this data, whose memory above the mark is not used after this.
+        unsafe { guard::stack_restore(self.data.as_mut_ptr(), &raw const self.stack) };
     }
 }
 

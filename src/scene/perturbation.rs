@@ -156,13 +156,14 @@ impl Perturbation {
     ///
     /// If the selected body or skin belongs to another model than the data.
     #[doc(alias = "mjv_initPerturb")]
-    pub fn start(&mut self, data: &Data, scene: &Scene) -> Result<()> {
+    pub fn start(&mut self, data: &mut Data, scene: &Scene) -> Result<()> {
         let model = data.model();
         scene.check_model(model, "the scene of a perturbation")?;
         let mut raw = self.raw(model)?;
         data.check_computed("Perturbation::start", Stage::Position)?;
-        data.call("mjv_initPerturb", |m, d| {
-            // SAFETY: the model, the data and the scene belong together, the positions were computed, and the body is valid.
+        data.call_on_stack("mjv_initPerturb", |m, d| {
+            // SAFETY: the model, the data and the scene belong together, the positions were computed, and the body is valid. Newer
+            // engines use the stack of the data, which is borrowed exclusively.
             unsafe { guard::mjv_init_perturb(m, d, scene.as_ptr(), &raw mut raw) }
         })?;
         self.take(&raw)

@@ -213,7 +213,7 @@ fn scenes_do_not_allocate() {
         scene.add_geoms(&mut data, &options, None, Categories::DYNAMIC).unwrap();
         scene.add_geom(&NewGeom::text("here").unwrap()).unwrap();
         camera.move_by(&model, &scene, MouseAction::RotateV, [0.1, 0.0]).unwrap();
-        perturbation.start(&data, &scene).unwrap();
+        perturbation.start(&mut data, &scene).unwrap();
         perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1, 0.0]).unwrap();
         scene.select(&data, &options, 1.0, [0.5; 2]).unwrap();
         assert!(scene.geoms().filter(|geom| geom.object().is_some()).count() > 10);

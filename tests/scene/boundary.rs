@@ -154,7 +154,7 @@ fn a_scene_without_an_update_has_no_view() {
         scene.camera_in_room().unwrap_err(),
         scene.move_model(&model, MouseAction::RotateV, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
         camera.move_by(&model, &scene, MouseAction::MoveH, [0.1; 2]).unwrap_err(),
-        perturbation.start(&data, &scene).unwrap_err(),
+        perturbation.start(&mut data, &scene).unwrap_err(),
         perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
     ] {
         assert!(matches!(&error, Error::Engine { message, .. } if message.contains("frustum_near")), "{error}");
@@ -186,7 +186,7 @@ fn objects_of_another_model_are_rejected() {
         scene.select(&other, &options, 1.0, [0.5; 2]).unwrap_err(),
         scene.move_model(&model, MouseAction::Zoom, [0.1; 2], [0.0, 0.0, 1.0]).unwrap_err(),
         camera.move_by(&model, &scene, MouseAction::Zoom, [0.1; 2]).unwrap_err(),
-        perturbation.start(&other, &scene).unwrap_err(),
+        perturbation.start(&mut other, &scene).unwrap_err(),
         perturbation.move_by(&other, &scene, MouseAction::MoveV, [0.1; 2]).unwrap_err(),
     ] {
         assert!(matches!(error, Error::OtherModel { .. }), "{error}");

@@ -49,7 +49,7 @@ fn cameras_mice_and_geoms_of_any_numbers_are_errors_or_scenes() {
             }
         }
         let mut perturbation = Perturbation::default();
-        let _ = perturbation.start(&data, &scene);
+        let _ = perturbation.start(&mut data, &scene);
         let _ = perturbation.move_by(&data, &scene, MouseAction::MoveV, [number, number]);
         let _ = perturbation.apply_pose(&mut data, MovableBodies::MocapAndFree);
         data.reset().unwrap();

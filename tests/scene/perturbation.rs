@@ -39,7 +39,7 @@ fn perturbations_equal_c() {
             let mut ours = Perturbation::default();
             ours.select = Some(body.id());
             let mut raw = raw_perturbation(&ours);
-            ours.start(&twins.ours, &scene).unwrap();
+            ours.start(&mut twins.ours, &scene).unwrap();
             c!(mjv_initPerturb(model.as_ptr(), twins.raw.d, &raw const *theirs.0, &raw mut raw));
             assert_same_perturbation(&what, &ours, &raw);
             for (number, action) in [MouseAction::RotateV, MouseAction::RotateH, MouseAction::MoveV, MouseAction::MoveH]

@@ -89,7 +89,10 @@ impl<'a> Names<'a> {
         let mut names = Names { tags: HashMap::new(), unnamed: Vec::new(), merged: HashMap::new() };
         for item in items {
             match item {
-                Item::Alias { name, of: Type::Named(of) } if name.ends_with('_') && is_int(of) => {
+                // The tag of an enum is `mjtJoint_` in older headers, and `mjtJoint` like its type in newer ones.
+                Item::Alias { name, of: Type::Named(of) }
+                    if (name.ends_with('_') || name.starts_with("mjt")) && is_int(of) =>
+                {
                     names.tags.insert(name, "enum");
                 }
                 Item::Record { union, name, fields } => {
@@ -139,6 +142,8 @@ impl<'a> Names<'a> {
             "u32" => "uint32_t",
             "i64" => "int64_t",
             "u64" => "uint64_t",
+            // Rust's `bool` is restricted to two bit patterns, so the bindings have a byte.
+            "mjtBool" => "mjtBool",
             tag => return self.tags.get(tag).map_or_else(|| tag.to_owned(), |kind| format!("{kind} {tag}")),
         };
         c.to_owned()
@@ -173,6 +178,9 @@ impl<'a> Names<'a> {
     }
 
     fn alias(&self, name: &str, of: &Type) -> String {
+        if name == "mjtBool" {
+            return claim("sizeof(mjtBool) == 1", "size of mjtBool");
+        }
         let int = matches!(of, Type::Named(of) if is_int(of));
         if int && self.tags.contains_key(name) {
             // The compiler chooses the integer type of an enum: its signedness and size must match bindgen's.
@@ -191,7 +199,9 @@ impl<'a> Names<'a> {
         let owner = self.c(self.merged.get(owner).map_or(owner, |(outer, _)| outer));
         let field = c_field(field);
         let pointer = self.declare(&Type::Pointer { constant: false, to: Box::new(of.clone()) }, "", false);
-        let condition = format!("_Generic(&(({owner}*)0)->{field}, {pointer}: 1, default: 0)");
+        // Rust has no volatile types.
+        let volatile = if matches!(of, Type::Named(_)) { format!("volatile {pointer}: 1, ") } else { String::new() };
+        let condition = format!("_Generic(&(({owner}*)0)->{field}, {pointer}: 1, {volatile}default: 0)");
         claim(&condition, &format!("type of {owner}.{field}"))
     }
 
@@ -226,7 +236,11 @@ fn is_int(name: &str) -> bool {
 
 /// Removes the underscore that bindgen appends to a field whose name is a Rust keyword.
 fn c_field(field: &str) -> &str {
-    if field == "type_" { "type" } else { field }
+    match field {
+        "type_" => "type",
+        "ref_" => "ref",
+        field => field,
+    }
 }
 
 fn first_field<'a>(items: &'a [Item], of: &str) -> &'a str {

@@ -45,6 +45,9 @@ impl XmlState {
     }
 }
 
+/// Limit of the length of a file name in the engine's table, in bytes with the final NUL (`mjMAXVFSNAME`, which newer engines do not have).
+const MAX_NAME: usize = 1000;
+
 /// Files in memory, which the engine finds by the last part of their path. The structure has 2 MB of tables, so it is on the heap.
 pub(in crate::model) struct VirtualFiles {
     raw: Box<mjVFS>,
@@ -69,7 +72,7 @@ impl VirtualFiles {
             expected: expected.to_owned(),
         };
         let base = name.rsplit(['/', '\\']).next().unwrap_or_default();
-        if base.is_empty() || base.len() >= sys::mjMAXVFSNAME as usize {
+        if base.is_empty() || base.len() >= MAX_NAME {
             return Err(invalid(
                 format!("named with {} bytes", base.len()),
                 "named with 1 to 999 bytes after the last slash",
@@ -82,22 +85,17 @@ impl VirtualFiles {
             .map_err(|_| invalid(format!("{} bytes long", content.len()), "smaller than 2 GiB"))?;
         let name_c: CString = ffi::c_string("the name of an in-memory file", name)?;
         let mut outcome = 0;
-        // SAFETY: a valid table, a valid string, a positive size, and a pointer for the result. If the engine runs out of memory, it
-        // leaves at most a name after the last file.
-        let status =
-            unsafe { guard::mj_make_empty_file_vfs(&raw mut *self.raw, name_c.as_ptr(), size, &raw mut outcome) };
-        ffi::check_without_data("mj_makeEmptyFileVFS", status)?;
+        let (vfs, buffer) = (&raw mut *self.raw, content.as_ptr().cast());
+        // SAFETY: a valid table, a valid string, `size` bytes, and a pointer for the result. If the engine runs out of memory, it leaves
+        // at most a name after the last file.
+        let status = unsafe { guard::mj_add_buffer_vfs(vfs, name_c.as_ptr(), buffer, size, &raw mut outcome) };
+        ffi::check_without_data("mj_addBufferVFS", status)?;
         match outcome {
-            0 => {}
-            1 => return Err(invalid("beyond the limit".to_owned(), "one of at most 1998")),
-            _ => return Err(invalid("given twice".to_owned(), "unique: the engine compares names without their path")),
+            0 => Ok(()),
+            1 => Err(invalid("beyond the limit".to_owned(), "one of at most 1998")),
+            2 => Err(invalid("given twice".to_owned(), "unique: the engine compares names without their path")),
+            _ => Err(invalid("rejected by the engine".to_owned(), "a name and a content that the engine can store")),
         }
-        // SAFETY: as above, and the file exists.
-        let index = unsafe { sys::mj_findFileVFS(&raw const *self.raw, name_c.as_ptr()) };
-        let index = usize::try_from(index).expect("Bug: the engine does not find a file that was just added");
-        // SAFETY: the engine allocated `size` bytes there, and nothing else refers to them.
-        unsafe { ptr::copy_nonoverlapping(content.as_ptr(), self.raw.filedata[index].cast::<u8>(), content.len()) };
-        Ok(())
     }
 
     pub(super) fn as_ptr(&self) -> *const mjVFS {

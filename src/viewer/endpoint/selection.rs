@@ -136,7 +136,7 @@ impl SimulationEndpoint {
     }
 
     /// Calls a closure with a scene of the current state and view.
-    fn with_scene<R>(&mut self, data: &mut Data, with: impl FnOnce(&Scene, &Data) -> Result<R>) -> Result<R> {
+    fn with_scene<R>(&mut self, data: &mut Data, with: impl FnOnce(&Scene, &mut Data) -> Result<R>) -> Result<R> {
         self.refresh_if_needed(data)?;
         let mut snapshot = self.take_spare()?;
         // `update` moves a tracking camera, which only a published frame may do.

@@ -146,14 +146,14 @@ fn a_distance_that_the_engine_cannot_compute_poisons_the_data() {
 
 #[test]
 fn an_engine_error_in_a_call_that_only_reads_leaves_the_data_usable_and_unchanged() {
-    let data = squatting();
+    let mut data = squatting();
     let before = readings(&data);
     // The engine rejects a scene that was never updated.
     let scene = Scene::new(data.model(), 100).unwrap();
     let mut perturbation = Perturbation::default();
     perturbation.select = Some(body(&data));
     let failed = [
-        perturbation.start(&data, &scene),
+        perturbation.start(&mut data, &scene),
         perturbation.move_by(&data, &scene, MouseAction::MoveV, [0.1, 0.1]),
         scene.select(&data, &SceneOptions::default(), 1.0, [0.5, 0.5]).map(drop),
     ];
