@@ -1,19 +1,68 @@
-//! Reads what `mujoco-sys` found (`DEP_MUJOCO_*`).
+//! Reads what `mujoco-sys` found (`DEP_MUJOCO_*`): sets `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and
+//! generates the accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`.
+
+#[path = "build/accessors.rs"]
+mod accessors;
+#[path = "build/computed_by.rs"]
+mod computed_by;
+
+use std::path::{Path, PathBuf};
+
+/// The versions since which the source differs.
+const THRESHOLDS: [&str; 2] = ["2.3.0", "3.0.0"];
+
+/// Supported engines: `mjVERSION_HEADER`.
+const SUPPORTED: [u32; 1] = [222];
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=build");
 
     // Absent in a documentation build without an engine, which uses the bindings of 2.2.2.
-    let version = std::env::var("DEP_MUJOCO_VERSION").unwrap_or_else(|_| "222".to_owned());
-    if version != "222" {
+    let version: u32 =
+        variable("DEP_MUJOCO_VERSION").map_or(222, |text| text.parse().expect("the header has a number"));
+    if !SUPPORTED.contains(&version) {
         println!(
-            "cargo::error=The engine that was found is version {version}; this release of mujoco-safe supports 222 (2.2.2)."
+            "cargo::error=The engine that was found has mjVERSION_HEADER {version}, which this release of mujoco-safe does not support."
         );
-        println!("cargo::error=Install Debian's libmujoco-dev, or point MUJOCO_DIR at an engine 2.2.2.");
+        println!("cargo::error=Install Debian's libmujoco-dev (2.2.2), or point MUJOCO_DIR at an engine 2.2.2.");
+    }
+    let thresholds = THRESHOLDS.map(|threshold| format!("\"{threshold}\"")).join(", ");
+    println!("cargo::rustc-check-cfg=cfg(engine_since, values({thresholds}))");
+    for threshold in THRESHOLDS.into_iter().filter(|threshold| number(threshold) <= version) {
+        println!("cargo::rustc-cfg=engine_since=\"{threshold}\"");
+    }
+    if version > 222 {
+        generate(Path::new(&variable("DEP_MUJOCO_FIELDS").expect("mujoco-sys hands on its field table")));
     }
     // An engine that the loader does not find by itself: for our own tests, examples and benches. Cargo does not hand a link
     // argument on to dependants, who need LD_LIBRARY_PATH or an rpath of their own for an installed program.
-    if let Ok(rpath) = std::env::var("DEP_MUJOCO_RPATH") {
+    if let Some(rpath) = variable("DEP_MUJOCO_RPATH") {
         println!("cargo::rustc-link-arg=-Wl,-rpath,{rpath}");
+    }
+}
+
+fn variable(name: &str) -> Option<String> {
+    std::env::var(name).ok()
+}
+
+/// Returns the `mjVERSION_HEADER` of a version: one digit for each part up to 3.4.0, three for minor and patch version from 3.5.0.
+fn number(version: &str) -> u32 {
+    let parts: Vec<u32> = version.split('.').map(|part| part.parse().expect("a version has three numbers")).collect();
+    let base = if (parts[0], parts[1]) >= (3, 5) { 1000 } else { 10 };
+    (parts[0] * base + parts[1]) * base + parts[2]
+}
+
+/// Writes the accessors of a field table and the tests' lists into `OUT_DIR`, for `include!`.
+fn generate(table: &Path) {
+    let read = |path: &Path| std::fs::read_to_string(path).expect("mujoco-sys has written the field table");
+    let default = PathBuf::from(variable("DEP_MUJOCO_DEFAULT_FIELDS").expect("mujoco-sys hands on the table of 2.2.2"));
+    let out = PathBuf::from(variable("OUT_DIR").expect("Cargo sets OUT_DIR"));
+    for (path, text) in accessors::generate(&read(table), &read(&default)) {
+        // An included file has no inner attributes and documentation.
+        let lines = text.lines().filter(|line| !line.starts_with("//!") && !line.starts_with("#!["));
+        let text: String = lines.flat_map(|line| [line, "\n"]).collect();
+        let name = Path::new(path).file_name().expect("the path of a file");
+        std::fs::write(out.join(name), text).expect("OUT_DIR is writable");
     }
 }

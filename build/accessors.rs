@@ -1,5 +1,7 @@
 //! Generates the accessors in `src/generated/` from the engine's field table, and the lists with which the tests call every accessor.
+//! Used by `xtask` for the committed files, which are those of 2.2.2, and by the build script for other versions of the engine.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use crate::computed_by;
@@ -14,11 +16,38 @@ struct Field<'t> {
     rows: &'t str,
     columns: &'t str,
     comment: &'t str,
+    table: &'t Table<'t>,
 }
 
-/// Arrays with a hand-written accessor: `Model::name`, `Model::text_data`, `Data::contacts`,
+impl Field<'_> {
+    /// Returns `true` for an array behind a pointer.
+    fn is_array(self) -> bool {
+        matches!(self.kind, "array" | "arena")
+    }
+
+    /// Returns `true` if 2.2.2 has this array with the same type and shape. Only these arrays are writable, because the use that the
+    /// engine makes of the values was examined for these.
+    fn is_in_default(self) -> bool {
+        self.table.default.contains(&[self.owner, self.ctype, self.name])
+    }
+}
+
+/// Facts about a field table.
+struct Table<'t> {
+    /// Owners, types and names of the fields of 2.2.2.
+    default: HashSet<[&'t str; 3]>,
+    /// `true` for the table of 2.2.2.
+    is_default: bool,
+    /// Counts in `mjData`, which change with each state.
+    counts: HashSet<&'t str>,
+}
+
+/// Fields with a hand-written accessor: `Model::name`, `Model::text_data`, `Data::contacts`,
 /// `Data::warning`, `Data::timer`, `Data::solver`, `Data::solver_fwdinv`, `Data::energy`.
 const BY_HAND: [&str; 8] = ["names", "text_data", "contact", "warning", "timer", "solver", "solver_fwdinv", "energy"];
+
+/// C types without an accessor: addresses for the engine's own use, and text.
+const WITHOUT_ACCESSOR: [&str; 2] = ["uintptr_t", "char"];
 
 /// Floating-point arrays that determine the engine's memory accesses or termination. `wrap_prm` contains the id of a site as a
 /// double. `hfield_size` divides positions to give rows and columns. The convex hull of a mesh was computed from its vertices, and
@@ -92,17 +121,28 @@ const NOTES: [(&str, &str); 22] = [
     ("body_inertia", "In kg·m², about the centre of mass, along the axes of the inertial frame."),
 ];
 
-/// Returns the paths of the generated files in the repository, and their contents.
-pub(crate) fn generate(table: &str) -> [(&'static str, String); 5] {
-    let fields: Vec<Field<'_>> = table.lines().skip(1).map(parse).collect();
-    let of = |owner: &'static str| {
-        fields.iter().copied().filter(move |field| field.owner == owner && !BY_HAND.contains(&field.name))
+/// Returns the paths of the generated files in the repository, and their contents. `default` is the table of 2.2.2.
+pub(crate) fn generate(table: &str, default: &str) -> [(&'static str, String); 5] {
+    let facts = Table {
+        default: cells(default).map(|[owner, _, ctype, name, ..]| [owner, ctype, name]).collect(),
+        is_default: table == default,
+        counts: cells(table).filter(|line| line[..2] == ["Data", "scalar"]).map(|line| line[3]).collect(),
     };
-    let is_written = |field: &Field<'_>| match field.owner {
-        "Model" => {
-            field.kind == "array" && matches!(field.ctype, "mjtNum" | "float") && !READ_ONLY.contains(&field.name)
-        }
-        _ => field.kind == "array" && field.ctype == "mjtNum",
+    let fields: Vec<Field<'_>> = cells(table).map(|line| field(line, &facts)).collect();
+    let of = |owner: &'static str| {
+        fields.iter().copied().filter(move |field| {
+            let is_vector = owner == "Data" && field.kind == "vector";
+            let is_by_hand = BY_HAND.contains(&field.name) || WITHOUT_ACCESSOR.contains(&field.ctype);
+            field.owner == owner && !is_vector && !is_by_hand
+        })
+    };
+    let is_written = |field: &Field<'_>| {
+        field.is_array()
+            && field.is_in_default()
+            && match field.owner {
+                "Model" => matches!(field.ctype, "mjtNum" | "float") && !READ_ONLY.contains(&field.name),
+                _ => field.ctype == "mjtNum",
+            }
     };
 
     let mut model = head(
@@ -224,13 +264,16 @@ fn list(text: &mut String, name: &str, entries: impl Iterator<Item = String>) {
     let _ = writeln!(text, "{line}\n    }} }};\n}}");
 }
 
-/// Parses a line of the field table.
-fn parse(line: &str) -> Field<'_> {
-    let cells: Vec<&str> = line.split('\t').collect();
-    let [owner, kind, ctype, name, rows, columns, comment] = cells[..] else {
-        panic!("not a line of the table: {line}")
-    };
-    Field { owner, kind, ctype, name, rows, columns, comment }
+/// Splits the lines of a field table.
+fn cells(table: &str) -> impl Iterator<Item = [&str; 7]> {
+    table.lines().skip(1).map(|line| {
+        let cells: Vec<&str> = line.split('\t').collect();
+        cells.try_into().unwrap_or_else(|_| panic!("not a line of the table: {line}"))
+    })
+}
+
+fn field<'t>([owner, kind, ctype, name, rows, columns, comment]: [&'t str; 7], table: &'t Table<'t>) -> Field<'t> {
+    Field { owner, kind, ctype, name, rows, columns, comment, table }
 }
 
 /// Returns the start of a generated file: imports, and the start of an `impl` block with a title in the documentation.
@@ -245,8 +288,8 @@ fn head(imports: &str, title: &str, owner: &str) -> String {
 enum Form {
     /// One value per row.
     Slice,
-    /// Fixed number of columns.
-    Rows(usize),
+    /// Fixed number of columns, as a Rust expression.
+    Rows(String),
     /// Number of columns determined by the model.
     Matrix,
     /// Flat array whose layout depends on the storage of the constraint Jacobian, dense or sparse.
@@ -256,15 +299,18 @@ enum Form {
 /// Returns the Rust type of an array.
 fn form(field: Field<'_>) -> Form {
     let fixed = match field.columns {
-        "mjNREF" => Some(2),
-        "mjNIMP" => Some(5),
-        "mjNEQDATA" => Some(11),
-        "mjNDYN" | "mjNGAIN" | "mjNBIAS" => Some(10),
-        "mjNFLUID" => Some(12),
-        columns => columns.parse().ok(),
+        constant if constant.starts_with("mjN") && !field.table.is_default => {
+            Some(format!("{{ mujoco_sys::{constant} as usize }}"))
+        }
+        "mjNREF" => Some("2".to_owned()),
+        "mjNIMP" => Some("5".to_owned()),
+        "mjNEQDATA" => Some("11".to_owned()),
+        "mjNDYN" | "mjNGAIN" | "mjNBIAS" => Some("10".to_owned()),
+        "mjNFLUID" => Some("12".to_owned()),
+        columns => columns.parse().ok().map(|columns: usize| columns.to_string()),
     };
     match fixed {
-        Some(1) => Form::Slice,
+        Some(columns) if columns == "1" => Form::Slice,
         Some(columns) => Form::Rows(columns),
         None if field.name.starts_with("efc_") || field.ctype != "mjtNum" => Form::Packed,
         None => Form::Matrix,
@@ -279,6 +325,8 @@ fn size(field: Field<'_>, expression: &str) -> String {
         .split('*')
         .map(|factor| match factor.trim() {
             "njmax" if field.owner == "Data" => "self.nefc()".to_owned(),
+            count if field.owner == "Data" && field.table.counts.contains(count) => format!("self.{count}()"),
+            constant if constant.starts_with("mjN") => format!("mujoco_sys::{constant} as usize"),
             number if number.parse::<usize>().is_ok() => number.to_owned(),
             name => format!("{model}.{name}()"),
         })
@@ -300,7 +348,9 @@ fn documentation(text: &mut String, field: Field<'_>) {
         let _ = write!(text, " `({})`", shape.replace(" x ", ", "));
     }
     text.push('\n');
-    if let Some((_, note)) = NOTES.iter().find(|(name, _)| *name == field.name) {
+    // The assignment of activations to actuators differs between versions.
+    let is_noted = field.table.is_default || field.name != "act";
+    if let Some((_, note)) = NOTES.iter().find(|(name, _)| is_noted && *name == field.name) {
         let _ = writeln!(text, "    ///\n    /// {note}");
     }
     if matches!(form(field), Form::Packed) {
@@ -310,7 +360,7 @@ fn documentation(text: &mut String, field: Field<'_>) {
         );
     }
     if field.owner == "Data" {
-        text.push_str(&computed_by::guarantee(field.name, field.kind));
+        text.push_str(&computed_by::guarantee(field.name, field.kind, field.is_in_default()));
     }
     let _ = writeln!(text, "    ///\n    /// Engine field `mj{}.{}`.", field.owner, field.name);
     if let Some((_, alias)) = ENUMS.iter().find(|(name, _)| *name == field.name) {
@@ -324,7 +374,8 @@ fn element(field: Field<'_>) -> &'static str {
         "mjtNum" => "f64",
         "float" => "f32",
         "int" => "i32",
-        "mjtByte" => "u8",
+        "mjtByte" | "mjtBool" => "u8",
+        "mjtSize" => "i64",
         other => panic!("no Rust type for {other}"),
     }
 }
@@ -333,9 +384,10 @@ fn element(field: Field<'_>) -> &'static str {
 fn reader(text: &mut String, field: Field<'_>) {
     documentation(text, field);
     let name = field.name;
-    if field.kind != "array" {
+    if !field.is_array() {
         let (rust, value) = match field.ctype {
             "mjtNum" => ("f64", format!("self.raw().{name}")),
+            "mjtBool" => ("bool", format!("self.raw().{name} != 0")),
             _ => ("usize", format!("ffi::size(self.raw().{name})")),
         };
         let _ = writeln!(text, "    #[inline]\n    pub fn {name}(&self) -> {rust} {{\n        {value}\n    }}\n");
@@ -364,7 +416,7 @@ fn restorer(text: &mut String, field: Field<'_>) {
     let mut length = size(field, field.rows);
     if field.columns != "1" {
         let columns = match form(field) {
-            Form::Rows(columns) => columns.to_string(),
+            Form::Rows(columns) => columns,
             _ => size(field, field.columns),
         };
         let _ = write!(length, " * {columns}");

@@ -1,8 +1,8 @@
 //! Table of the calls that compute the fields of `mjData`, for the documentation of their getters.
 
 /// Returns the documentation of the guarantee of a plain getter of `Data`: the call that computes the values, and the absence of a
-/// check. Empty for arrays that programs set.
-pub(super) fn guarantee(name: &str, kind: &str) -> String {
+/// check. Empty for arrays that programs set, and for arrays that 2.2.2 does not have.
+pub(super) fn guarantee(name: &str, kind: &str, is_in_default: bool) -> String {
     let fits = |fields: &[&str]| {
         fields.iter().any(|field| match field.strip_suffix('*') {
             Some(beginning) => name.starts_with(beginning),
@@ -31,7 +31,7 @@ pub(super) fn guarantee(name: &str, kind: &str) -> String {
     } else if let Some((integrator, _)) = INTEGRATED.iter().find(|(_, fields)| fits(fields)) {
         (format!("{step} with {integrator}"), String::new())
     } else {
-        let is_computed = kind == "array" && !SET_BY_PROGRAMS.contains(&name);
+        let is_computed = is_in_default && kind == "array" && !SET_BY_PROGRAMS.contains(&name);
         assert!(!is_computed, "the table has no call that computes {name}");
         return String::new();
     };

@@ -9,10 +9,27 @@ use mujoco_sys::guard;
 
 use crate::error::{Error, Result};
 
+/// Integer type of a size in some version of the engine.
+pub(crate) trait Size {
+    fn to_usize(self) -> usize;
+}
+
+macro_rules! sizes {
+    ($($integer:ty)*) => { $(
+        impl Size for $integer {
+            #[inline]
+            fn to_usize(self) -> usize {
+                self as usize
+            }
+        }
+    )* };
+}
+sizes! { c_int i64 u64 usize }
+
 /// Converts a C size. The engine has no negative sizes.
 #[inline]
-pub(crate) fn size(size: c_int) -> usize {
-    size as usize
+pub(crate) fn size(size: impl Size) -> usize {
+    size.to_usize()
 }
 
 /// Returns the array at `array` as a slice, which is empty for NULL. The engine stores NULL for empty arrays.

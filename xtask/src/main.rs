@@ -11,7 +11,9 @@
 
 #![forbid(unsafe_code)]
 
+#[path = "../../build/accessors.rs"]
 mod accessors;
+#[path = "../../build/computed_by.rs"]
 mod computed_by;
 #[cfg(feature = "bindgen")]
 mod headers;
@@ -26,7 +28,7 @@ struct Generated {
     text: String,
 }
 
-/// The field table that the accessors are generated from.
+/// The field table that the committed accessors are generated from. The build script generates those of other versions.
 const FIELD_TABLE: &str = "mujoco-sys/fields/v2_2_2.tsv";
 
 fn main() -> ExitCode {
@@ -69,7 +71,7 @@ fn accessors() -> Result<Vec<Generated>, String> {
     let path = root().join(FIELD_TABLE);
     let table = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
     let format = |(path, source): (&str, String)| Ok(Generated { path: path.to_owned(), text: formatted(&source)? });
-    accessors::generate(&table).into_iter().map(format).collect()
+    accessors::generate(&table, &table).into_iter().map(format).collect()
 }
 
 /// Writes the files, or returns an error that names those that differ from the committed ones.
