@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const THRESHOLDS: [&str; 2] = ["2.3.0", "3.0.0"];
 
 /// Supported engines: `mjVERSION_HEADER`.
-const SUPPORTED: [u32; 1] = [222];
+const SUPPORTED: [u32; 4] = [222, 3_005_000, 3_017_000, 4_000_000];
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -25,7 +25,9 @@ fn main() {
         println!(
             "cargo::error=The engine that was found has mjVERSION_HEADER {version}, which this release of mujoco-safe does not support."
         );
-        println!("cargo::error=Install Debian's libmujoco-dev (2.2.2), or point MUJOCO_DIR at an engine 2.2.2.");
+        println!(
+            "cargo::error=Install Debian's libmujoco-dev (2.2.2), or point MUJOCO_DIR at an engine 2.2.2, 3.5.0, 3.17.0 or 4.0.0."
+        );
     }
     let thresholds = THRESHOLDS.map(|threshold| format!("\"{threshold}\"")).join(", ");
     println!("cargo::rustc-check-cfg=cfg(engine_since, values({thresholds}))");

@@ -53,6 +53,8 @@ engine_enum! {
         Rk4 = mjINT_RK4,
         /// Implicit in velocity.
         Implicit = mjINT_IMPLICIT,
+        /// Implicit in velocity, without Coriolis and centrifugal forces. With engines from 2.3.
+        ImplicitFast = mjINT_IMPLICITFAST,
     }
 }
 engine_enum! {
@@ -214,6 +216,8 @@ engine_enum! {
         Muscle = mjDYN_MUSCLE,
         /// User-defined by a callback.
         User = mjDYN_USER,
+        /// First-order filter, integrated exactly. With engines from 2.3.3.
+        FilterExact = mjDYN_FILTEREXACT,
     }
 }
 engine_enum! {

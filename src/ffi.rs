@@ -24,7 +24,15 @@ macro_rules! sizes {
         }
     )* };
 }
-sizes! { c_int i64 u64 usize }
+sizes! { u8 c_int u64 usize }
+
+impl Size for i64 {
+    /// Since 2.3 the limits of contacts and constraints are -1 if there is none.
+    #[inline]
+    fn to_usize(self) -> usize {
+        usize::try_from(self).unwrap_or(0)
+    }
+}
 
 /// Converts a C size. The engine has no negative sizes.
 #[inline]
@@ -92,6 +100,19 @@ pub(crate) unsafe fn rows<'a, T, const N: usize>(values: *const T, rows: usize) 
 pub(crate) unsafe fn rows_mut<'a, T, const N: usize>(values: *mut T, rows: usize) -> &'a mut [[T; N]] {
     // SAFETY: as in `rows`.
     unsafe { array_mut(values.cast::<[T; N]>(), rows) }
+}
+
+/// Returns a structure that `make` initialises.
+///
+/// # Safety
+///
+/// `make` writes a valid structure.
+#[inline]
+pub(crate) unsafe fn made_by<T>(make: impl FnOnce(*mut T)) -> T {
+    let mut made = std::mem::MaybeUninit::uninit();
+    make(made.as_mut_ptr());
+    // SAFETY: the caller's promise.
+    unsafe { made.assume_init() }
 }
 
 /// Copies a C string. Bytes that are not UTF-8 become replacement characters; NULL becomes an empty string.

@@ -98,6 +98,7 @@ mod file;
 pub mod guide;
 pub mod id;
 pub mod kind;
+mod layout;
 pub mod math;
 pub mod matrix;
 #[cfg(feature = "npz")]

@@ -1,6 +1,7 @@
 //! Finds the engine, chooses its bindings, compiles the C shim and links the library. On failure it prints the places that it searched,
 //! the package to install and the variable to set.
 
+mod absent;
 #[cfg(feature = "bindgen")]
 mod bindgen;
 mod bindings;
@@ -12,21 +13,26 @@ mod help;
 mod link;
 mod shim;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 fn main() {
     println!("cargo::rerun-if-changed=build");
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("Cargo sets OUT_DIR"));
+    build(&out);
+    let bindings = std::fs::read_to_string(out.join("bindings.rs")).expect("the bindings were written above");
+    std::fs::write(out.join("absent.rs"), absent::definitions(&bindings)).expect("OUT_DIR is writable");
+}
 
+fn build(out: &Path) {
     match find::engine() {
         Ok(engine) => {
             println!("cargo::rerun-if-changed={}", engine.include.join("mujoco").display());
-            bindings::choose(&engine, &out);
+            bindings::choose(&engine, out);
             shim::compile(&engine);
-            link::announce(&engine, &out);
+            link::announce(&engine, out);
         }
         // A documentation build links nothing, so the committed bindings suffice.
-        Err(_) if std::env::var_os("DOCS_RS").is_some() => bindings::choose_committed(bindings::DEFAULT, &out),
+        Err(_) if std::env::var_os("DOCS_RS").is_some() => bindings::choose_committed(bindings::DEFAULT, out),
         Err(missing) => help::fail(&missing),
     }
 }

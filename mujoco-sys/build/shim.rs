@@ -6,7 +6,7 @@ use crate::find::Engine;
 pub(crate) fn compile(engine: &Engine) {
     println!("cargo::rerun-if-changed=shim");
     let mut c = cc::Build::new();
-    c.files(["shim/guard.c", "shim/callbacks.c", "shim/collision.c", "shim/stderr.c"])
+    c.files(["shim/guard.c", "shim/callbacks.c", "shim/collision.c", "shim/stderr.c", "shim/adapted.c"])
         .include(&engine.include)
         .warnings(true)
         .extra_warnings(true)

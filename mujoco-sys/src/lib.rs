@@ -1,5 +1,5 @@
 //! Raw bindings to the [MuJoCo](https://mujoco.org) physics engine, and a C shim that returns the engine's fatal errors as
-//! codes ([`guard`]) and lets its callbacks fail ([`callback`]).
+//! codes ([`guard`]), lets its callbacks fail ([`callback`]) and hides differences between versions ([`adapted`], [`absent`]).
 //!
 //! Everything except [`stderr`] is `unsafe` or a plain C type; the safe crate is `mujoco-safe`. bindgen generates the bindings. Those of
 //! MuJoCo 2.2.2 (Debian's `libmujoco-dev`), 3.5.0, 3.17.0 and 4.0.0 are committed, the build uses those of the installed headers, and this
@@ -13,6 +13,7 @@
 //! The build script of a crate that depends directly on this one receives `DEP_MUJOCO_VERSION` (222 for 2.2.2,
 //! 4000000 for 4.0.0), `DEP_MUJOCO_FIELDS` (the file of [`FIELDS`]), `DEP_MUJOCO_DEFAULT_FIELDS` (that of 2.2.2), `DEP_MUJOCO_INCLUDE`, `DEP_MUJOCO_LIBDIR` and, for an engine outside the loader's search path, `DEP_MUJOCO_RPATH`.
 
+pub mod adapted;
 pub mod callback;
 pub mod guard;
 pub mod stderr;
@@ -34,6 +35,15 @@ mod bindings {
 }
 
 pub use bindings::*;
+
+/// Constants of other versions that this engine does not have, so that a program compiles with every version. Their values do not occur in this
+/// engine.
+#[allow(missing_docs, non_upper_case_globals, clippy::pedantic, reason = "generated, with the names of the engine")]
+pub mod absent {
+    include!(concat!(env!("OUT_DIR"), "/absent.rs"));
+}
+
+pub use absent::*;
 
 /// Table of the fields of `mjModel`, `mjData`, `mjOption`, `mjVisual` and `mjStatistic`, from the headers. Each line after the headings has
 /// the struct (without `mj`), kind, C type, name, rows, columns and comment, separated by tabs. The kind is

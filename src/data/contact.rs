@@ -281,36 +281,28 @@ impl Data {
         if model.options().disable.intersects(DisableFlags::CONTACT | DisableFlags::CONSTRAINT) {
             return Err(Error::Unsupported("add_contact to a model whose contacts are disabled".to_owned()));
         }
-        if self.ncon() >= model.nconmax() {
+        if model.nconmax() > 0 && self.ncon() >= model.nconmax() {
             return Err(Error::Unsupported(format!(
                 "more than the {} contacts that nconmax allows; increase it",
                 model.nconmax()
             )));
         }
         let [geom1, geom2] = contact.geoms.map(|geom| geom.index() as c_int);
-        let raw = mjContact {
-            dist: contact.dist,
-            pos: contact.pos,
-            frame: contact.frame(),
-            includemargin: contact.includemargin,
-            friction: contact.friction.map(|value| value.max(mjMINMU)),
-            solref: contact.solref,
-            solimp: contact.solimp,
-            mu: 0.0,
-            H: [0.0; 36],
-            dim: contact.dim as c_int,
-            geom1,
-            geom2,
-            exclude: 0,
-            efc_address: -1,
-        };
+        // SAFETY: all-zero bytes are a valid structure of numbers.
+        let mut raw: mjContact = unsafe { std::mem::zeroed() };
+        (raw.dist, raw.pos, raw.frame) = (contact.dist, contact.pos, contact.frame());
+        (raw.includemargin, raw.friction) = (contact.includemargin, contact.friction.map(|value| value.max(mjMINMU)));
+        (raw.solref, raw.solimp) = (contact.solref, contact.solimp);
+        (raw.dim, raw.geom1, raw.geom2, raw.efc_address) = (contact.dim as c_int, geom1, geom2, -1);
+        // SAFETY: a valid contact between two geoms.
+        unsafe { sys::adapted::complete_contact(&raw mut raw) };
         let mut full = 0;
         self.run("mj_addContact", self.after(PipelineFlags::COLLISION), |m, d| {
             // SAFETY: geoms of this model, a valid dimension, no rows yet, a valid pointer for the result.
             unsafe { guard::mj_add_contact(m, d, &raw const raw, &raw mut full) }
         })?;
-        debug_assert_eq!(full, 0, "the number of contacts was checked");
-        Ok(())
+        // Newer engines have a limit of memory instead of a number.
+        if full == 0 { Ok(()) } else { Err(Error::Unsupported("more contacts than fit in the arena".to_owned())) }
     }
 }
 

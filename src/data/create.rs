@@ -155,7 +155,14 @@ impl Data {
         if self.raw().pstack == 0 {
             return copy(self.as_ptr());
         }
-        copy(&raw const *Box::new(mjData { pstack: 0, ..*self.raw() }))
+        // SAFETY: a bitwise copy of the structure, whose pointers nothing uses after this call.
+        let mut shallow = unsafe { Box::new(std::ptr::read(self.as_ptr())) };
+        shallow.pstack = 0;
+        #[cfg(engine_since = "3.0.0")]
+        {
+            shallow.pbase = 0;
+        }
+        copy(&raw const *shallow)
     }
 
     /// # Safety

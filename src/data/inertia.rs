@@ -42,8 +42,8 @@ impl Data {
         self.check_computed("full_m", Stage::Position)?;
         let nv = self.model().nv();
         Error::check_shape("the output of full_m", full.shape(), (nv, nv))?;
-        // SAFETY: the output has nv × nv elements, and `qM` is an array of this data.
-        unsafe { sys::mj_fullM(self.model().as_ptr(), full.as_mut_ptr(), self.raw().qM) };
+        // SAFETY: the output has nv × nv elements, and the inertia matrix was computed for this model.
+        unsafe { sys::adapted::full_m(self.model().as_ptr(), self.as_ptr(), full.as_mut_ptr()) };
         Ok(())
     }
 
@@ -125,6 +125,11 @@ impl Data {
         for (dof, result) in result.iter_mut().enumerate() {
             let mut sum = vector[dof];
             // L has ones on its diagonal, and off-diagonal elements for the ancestors of a degree of freedom.
+            if let Some(row) = self.factor_row(dof) {
+                row.iter().for_each(|(ancestor, value)| sum += value * vector[ancestor]);
+                *result = sum / self.qLDiagInv()[dof].sqrt();
+                continue;
+            }
             let mut address = model.dof_Madr()[dof] as usize;
             let mut ancestor = model.dof_parentid()[dof];
             while model.dof_simplenum()[dof] == 0 && ancestor >= 0 {
@@ -132,7 +137,7 @@ impl Data {
                 sum += self.qLD()[address] * vector[ancestor as usize];
                 ancestor = model.dof_parentid()[ancestor as usize];
             }
-            *result = sum / self.qLDiagSqrtInv()[dof];
+            *result = sum / self.qLDiagInv()[dof].sqrt();
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::Key;
 use crate::kind;
-use crate::model::{Model, ModelMut};
+use crate::model::{DisableFlags, Model, ModelMut};
 use crate::with_methods::with_methods;
 
 /// Actuators that [`ModelMut::set_length_range`] processes.
@@ -240,7 +240,7 @@ fn drive(data: &mut Data, index: usize, sign: f64, options: &LengthRangeOptions)
         data.qvel_mut().iter_mut().for_each(|velocity| *velocity *= decay);
         data.step1()?;
         // Compute the force that results in the acceleration `accel`.
-        moment.copy_from_slice(data.actuator_moment().row(index));
+        data.moment_row(index).write_into(&mut moment);
         data.solve_m_into(&moment, &mut unit)?;
         let scale = sign * options.accel / norm(&unit);
         let force = data.qfrc_applied_mut();
@@ -289,7 +289,7 @@ impl MuscleSimulation {
         let option = &mut model.raw_mut().opt;
         option.disableflags = (sys::mjDSBL_FRICTIONLOSS
             | sys::mjDSBL_CONTACT
-            | sys::mjDSBL_PASSIVE
+            | DisableFlags::PASSIVE.bits()
             | sys::mjDSBL_GRAVITY
             | sys::mjDSBL_ACTUATION) as i32;
         if *timestep > 0.0 {

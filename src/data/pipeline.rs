@@ -201,20 +201,13 @@ impl Data {
         self.check_parts("compute_ten_velocity", C::TENDON | C::CURRENT)?;
         self.check_inputs()?;
         let nv = self.model().nv();
-        let sparse = self.model().is_sparse();
         for tendon in 0..self.model().ntendon() {
-            let velocity = if sparse {
-                let start = self.ten_J_rowadr()[tendon] as usize;
-                let row = start..start + self.ten_J_rownnz()[tendon] as usize;
-                let dofs = &self.ten_J_colind()[row.clone()];
-                let products = self.ten_J().as_slice()[row]
-                    .iter()
-                    .zip(dofs)
-                    .map(|(value, &dof)| value * self.qvel()[dof as usize]);
-                products.fold(0.0, |sum, product| sum + product)
+            let row = self.tendon_row(tendon);
+            let velocity = if row.columns.is_some() {
+                row.iter().fold(0.0, |sum, (dof, value)| sum + value * self.qvel()[dof])
             } else {
-                // SAFETY: the row and the velocity have nv elements each.
-                unsafe { sys::mju_dot(self.ten_J().row(tendon).as_ptr(), self.qvel().as_ptr(), nv as c_int) }
+                // SAFETY: the dense row and the velocity have nv elements each.
+                unsafe { sys::mju_dot(row.values.as_ptr(), self.qvel().as_ptr(), nv as c_int) }
             };
             self.ten_velocity_mut()[tendon] = velocity;
         }
@@ -231,10 +224,8 @@ impl Data {
     pub fn compute_actuator_velocity(&mut self) -> Result<()> {
         self.check_parts("compute_actuator_velocity", C::TRANSMISSION | C::CURRENT)?;
         self.check_inputs()?;
-        let (nu, nv) = (self.model().nu() as c_int, self.model().nv() as c_int);
-        let raw = self.raw();
-        // SAFETY: arrays of this data with nu, nu × nv and nv elements.
-        unsafe { sys::mju_mulMatVec(raw.actuator_velocity, raw.actuator_moment, raw.qvel, nu, nv) };
+        // SAFETY: the model of this data, whose transmission was computed.
+        unsafe { sys::adapted::actuator_velocity(self.model().as_ptr(), self.as_mut_ptr()) };
         self.computed = self.after(C::ACTUATOR_VELOCITY);
         Ok(())
     }

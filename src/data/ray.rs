@@ -151,7 +151,13 @@ impl Data {
         check_ray(&point, &direction)?;
         // SAFETY: a geom of this model that is a mesh, whose pose was computed, and two vectors of three elements.
         let distance = unsafe {
-            sys::mj_rayMesh(self.model().as_ptr(), self.as_ptr(), index as c_int, point.as_ptr(), direction.as_ptr())
+            sys::adapted::ray_mesh(
+                self.model().as_ptr(),
+                self.as_ptr(),
+                index as c_int,
+                point.as_ptr(),
+                direction.as_ptr(),
+            )
         };
         Ok(hit_distance(distance))
     }
@@ -177,7 +183,13 @@ impl Data {
         // SAFETY: a geom of this model that is a height field which the engine reads within bounds, whose pose was computed, and two
         // vectors of three elements.
         let distance = unsafe {
-            sys::mj_rayHfield(self.model().as_ptr(), self.as_ptr(), index as c_int, point.as_ptr(), direction.as_ptr())
+            sys::adapted::ray_hfield(
+                self.model().as_ptr(),
+                self.as_ptr(),
+                index as c_int,
+                point.as_ptr(),
+                direction.as_ptr(),
+            )
         };
         Ok(hit_distance(distance))
     }

@@ -2,7 +2,7 @@
 
 use std::ffi::c_int;
 
-use mujoco_sys::{mjDSBL_CLAMPCTRL, mjSENS_ACTUATORFRC};
+use mujoco_sys::{mjDSBL_CLAMPCTRL, mjDYN_FILTEREXACT, mjMINVAL, mjSENS_ACTUATORFRC};
 
 use super::linear_algebra::add;
 use super::method::Step;
@@ -81,9 +81,10 @@ impl Actuation {
                 }
                 add(&mut derivatives.force, point.data.actuator_force(), sign);
                 add(&mut derivatives.sensors, point.data.sensordata(), sign);
-                for activation in 0..model.na() {
-                    let next = next_activation(model, &point.data, activation);
-                    derivatives.activation[activation + model.nu() - model.na()] += sign * next;
+                for actuator in 0..model.nu() {
+                    let Some(activation) = model.activation_of(actuator) else { continue };
+                    derivatives.activation[actuator] +=
+                        sign * next_activation(model, &point.data, actuator, activation);
                 }
                 point.restore()?;
             }
@@ -122,10 +123,11 @@ impl Actuation {
         let (nv, nx) = (model.nv(), sizes(model).0);
         row.fill(0.0);
         let slope = derivatives.force[actuator];
-        for (residual, moment) in residual.iter_mut().zip(data.actuator_moment().row(actuator)) {
-            *residual = -slope * moment;
+        data.moment_row(actuator).write_into(residual);
+        for residual in residual.iter_mut() {
+            *residual *= -slope;
         }
-        if let Some(activation) = (actuator + model.na()).checked_sub(model.nu()) {
+        if let Some(activation) = model.activation_of(actuator) {
             row[2 * nv + activation] = derivatives.activation[actuator];
         }
         for sensor in force_sensors(model, actuator) {
@@ -135,9 +137,13 @@ impl Actuation {
 }
 
 /// Returns an activation after the step.
-fn next_activation(model: &Model, data: &Data, activation: usize) -> f64 {
-    let actuator = activation + model.nu() - model.na();
-    let next = data.act()[activation] + model.raw().opt.timestep * data.act_dot()[activation];
+fn next_activation(model: &Model, data: &Data, actuator: usize, activation: usize) -> f64 {
+    let mut duration = model.raw().opt.timestep;
+    if model.actuator_dyntype()[actuator] == mjDYN_FILTEREXACT as c_int {
+        let constant = model.actuator_dynprm()[actuator][0].max(mjMINVAL);
+        duration = constant * (1.0 - (-duration / constant).exp());
+    }
+    let next = data.act()[activation] + duration * data.act_dot()[activation];
     let [low, high] = model.actuator_actrange()[actuator];
     if model.actuator_actlimited()[actuator] == 0 { next } else { next.max(low).min(high) }
 }

@@ -86,8 +86,9 @@ pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
     let options = &model.raw().opt;
     match Integrator::of_field(options.integrator) {
         Integrator::Rk4 => Some(Fallback::RungeKutta),
-        Integrator::Implicit => Some(Fallback::ImplicitIntegrator),
-        Integrator::Euler => (options.noslip_iterations > 0).then_some(Fallback::NoSlip),
+        Integrator::Implicit | Integrator::ImplicitFast => Some(Fallback::ImplicitIntegrator),
+        _ if options.noslip_iterations > 0 => Some(Fallback::NoSlip),
+        _ => None,
     }
 }
 
@@ -222,7 +223,7 @@ impl Linearisation {
                 None
             }
             Input::Activation(activation) => {
-                let actuator = activation + model.nu() - model.na();
+                let actuator = model.actuator_of_activation(activation);
                 self.actuation.column(&point.data, model, input, actuator, &mut self.column, row);
                 None
             }

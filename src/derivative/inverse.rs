@@ -56,7 +56,7 @@ impl InverseJacobians {
             ds_dq: sensor.clone(),
             ds_dv: sensor.clone(),
             ds_da: sensor,
-            dm_dq: Matrix::zeros(nv, model.nM()),
+            dm_dq: Matrix::zeros(nv, model.inertia_len()),
         }
     }
 }
@@ -96,7 +96,7 @@ impl<'a> From<&'a mut InverseJacobians> for InverseOutputs<'a> {
 
 impl InverseOutputs<'_> {
     fn check(&self, model: &Model) -> Result<()> {
-        let (nv, ns, nm) = (model.nv(), model.nsensordata(), model.nM());
+        let (nv, ns, nm) = (model.nv(), model.nsensordata(), model.inertia_len());
         for (what, output, columns) in [
             ("DfDq of inverse_fd", &self.df_dq, nv),
             ("DfDv of inverse_fd", &self.df_dv, nv),
@@ -308,7 +308,7 @@ impl<'a> InversePerturbation<'a> {
                 self.evaluate(Stage::Nothing, SensorUpdate::needed(ds_dq.is_some()))?;
                 self.record(dof, df_dq, ds_dq);
                 if let Some(dm_dq) = dm_dq {
-                    dm_dq.row_mut(dof).copy_from_slice(self.data.qM());
+                    dm_dq.row_mut(dof).copy_from_slice(self.data.inertia_elements());
                 }
                 self.restore_positions();
             }
@@ -324,7 +324,7 @@ impl<'a> InversePerturbation<'a> {
             (0..nv).for_each(|dof| difference(ds.row_mut(dof), data.sensordata().iter().copied(), *eps));
         }
         if let Some(dm_dq) = dm_dq {
-            (0..nv).for_each(|dof| difference(dm_dq.row_mut(dof), data.qM().iter().copied(), *eps));
+            (0..nv).for_each(|dof| difference(dm_dq.row_mut(dof), data.inertia_elements().iter().copied(), *eps));
         }
         Ok(())
     }

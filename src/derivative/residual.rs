@@ -46,8 +46,8 @@ impl Residual {
         }
         // Skips the stages whose results are not read here: cameras, the factor of the inertia matrix, and the bias force.
         data.run("mj_inverse", PipelineFlags::empty(), |model, data| {
-            // SAFETY: `run` passes a valid model and the data that belongs to it.
-            let (tendons, nu, nv) = unsafe { ((*model).ntendon, (*model).nu, (*model).nv) };
+            // SAFETY: `run` passes a valid model.
+            let tendons = unsafe { (*model).ntendon };
             let position_stages: &[guard::Part] = if positions_changed { &POSITION_STAGES } else { &[] };
             let velocity_stages: &[guard::Part] = if tendons > 0 { &[sys::mj_fwdVelocity] } else { &VELOCITY_STAGES };
             let run_all = |stages: &[guard::Part]| {
@@ -59,8 +59,8 @@ impl Residual {
             if status != guard::OK {
                 return status;
             }
-            // SAFETY: arrays of the engine with nu, nu × nv and nv entries.
-            unsafe { sys::mju_mulMatVec((*data).actuator_velocity, (*data).actuator_moment, (*data).qvel, nu, nv) };
+            // SAFETY: a valid model, and the data that belongs to it, whose transmission was computed.
+            unsafe { sys::adapted::actuator_velocity(model, data) };
             match run_all(velocity_stages) {
                 guard::OK => run_all(&FORCE_STAGES),
                 status => status,

@@ -1,5 +1,6 @@
 //! Actuators.
 
+use super::tendon::JacobianRow;
 use super::{View, ViewMut};
 use crate::data::Data;
 use crate::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, TransmissionType};
@@ -53,8 +54,9 @@ fields!(Actuator on Model {
     forcelimited: bool = actuator_forcelimited, set_forcelimited;
     /// Returns `true` if the activation is clamped to [`actrange`](Self::actrange).
     actlimited: bool = actuator_actlimited, set_actlimited;
-    /// Index of the activation in `act`; `None` without activation. The last `na` actuators have one.
-    activation: {Option<usize>} = |actuator| actuator.index().checked_sub(actuator.owner.nu() - actuator.owner.na());
+    /// Index of the activation in `act`; `None` without activation.
+    #[doc(alias = "actadr")]
+    activation: {Option<usize>} = |actuator| actuator.owner.activation_of(actuator.index());
     /// Parameters of the activation dynamics.
     dynprm: [f64; 10] = actuator_dynprm, dynprm_mut in actuator_dynprm_mut;
     /// Parameters of the gain.
@@ -91,7 +93,10 @@ fields!(Actuator on Data {
     /// Force in actuator space, N or N·m.
     force: f64 = actuator_force;
     /// Moment arms: derivative of the length with respect to each degree of freedom.
-    moment: [f64] = actuator_moment;
+    #[doc(alias = "actuator_moment")]
+    moment: {JacobianRow<'a>} = |actuator| {
+        JacobianRow::new(actuator.owner.moment_row(actuator.index()), actuator.owner.model().nv())
+    };
     /// Activation, a part of the state. `None` without activation.
     act: {Option<f64>} = |actuator| Some(actuator.owner.act()[actuator.in_model().activation()?]);
     /// Time derivative of the activation. `None` without activation.

@@ -183,19 +183,12 @@ fields!(HeightField on Model {
     data: [f32] = hfield_data at data_range, data_mut in hfield_data_mut;
 });
 
-/// Bytes per pixel of a texture: red, green and blue.
-const PIXEL: usize = 3;
-
 /// # Methods of [`TextureMut`](super::TextureMut)
 impl ViewMut<'_, ModelMut<'_>, kind::Texture> {
     /// Returns a mutable reference to `rgb`.
     pub fn rgb_mut(&mut self) -> &mut [u8] {
         let range = self.view().in_model().rgb_range();
-        let length = self.owner.tex_rgb().len();
-        let array = self.owner.raw_mut().tex_rgb;
-        // SAFETY: the engine allocated the array with this length, the model is borrowed exclusively, and any byte is a colour.
-        let bytes = unsafe { ffi::array_mut(array, length) };
-        &mut bytes[range]
+        &mut self.owner.texture_bytes_mut()[range]
     }
 }
 
@@ -206,20 +199,28 @@ fields!(Texture on Model {
     height: {usize} = |texture| ffi::size(texture.owner.tex_height()[texture.index()]);
     /// Width in pixels.
     width: {usize} = |texture| ffi::size(texture.owner.tex_width()[texture.index()]);
-    /// Range of its bytes in `tex_rgb`.
+    /// Number of bytes of a pixel: 3 for red, green and blue. Engines from 3.2.1 also have textures with 1 byte, for grey, and with 4.
+    #[doc(alias = "nchannel")]
+    channels: {usize} = |texture| texture.owner.texture_channels(texture.index());
+    /// Range of its bytes in the pixels of all textures.
     #[doc(alias = "adr")]
     rgb_range: {Range<usize>} = |texture| {
         let start = ffi::size(texture.owner.tex_adr()[texture.index()]);
-        start..start + PIXEL * texture.height() * texture.width()
+        start..start + texture.channels() * texture.height() * texture.width()
     };
-    /// Pixels, row-major: red, green and blue of each. `(height · width · 3)`
-    rgb: [u8] = tex_rgb at rgb_range;
+    /// Pixels, row-major: red, green and blue of each. `(height · width · channels)`
+    #[doc(alias = "tex_rgb")]
+    #[doc(alias = "tex_data")]
+    rgb: {&'a [u8]} = |texture| &texture.owner.texture_bytes()[texture.rgb_range()];
 });
 
 fields!(Material on Model {
     /// Texture, if any.
     #[doc(alias = "texid")]
-    texture: {Option<TextureId>} = |material| material.optional_id_in(material.owner.mat_texid());
+    texture: {Option<TextureId>} = |material| {
+        let texture = material.owner.material_texture(material.index())?;
+        Some(Id::new(texture, material.owner.lineage()))
+    };
     /// Returns `true` if the texture has a uniform scale in space. Otherwise it is stretched over each object.
     texuniform: bool = mat_texuniform, set_texuniform;
     /// Number of texture repetitions along each axis: per object, or per metre for a uniform texture.

@@ -1,5 +1,7 @@
 //! Elements attached to the frame of a body: geoms, sites, cameras and lights.
 
+use mujoco_sys as sys;
+
 use super::{View, ViewMut};
 use crate::data::Data;
 use crate::enums::{CameraMode, GeomType};
@@ -118,17 +120,28 @@ pub enum SameFrame {
     Body,
     /// Coincides with the inertial frame of the body.
     Inertia,
+    /// Has the orientation of the body frame, with engines from 3.2.7.
+    BodyRotation,
+    /// Has the orientation of the inertial frame of the body, with engines from 3.2.7.
+    InertiaRotation,
 }
 
 impl SameFrame {
-    /// Converts a byte that the loader has validated.
-    fn of_field(raw: u8) -> Self {
-        match raw {
+    /// Converts a flag of the engine. Returns `None` for an unknown value.
+    pub(crate) fn from_raw(raw: u8) -> Option<Self> {
+        Some(match u32::from(raw) {
             0 => Self::Neither,
             1 => Self::Body,
             2 => Self::Inertia,
-            other => panic!("Bug: a model with sameframe {other}"),
-        }
+            sys::mjSAMEFRAME_BODYROT => Self::BodyRotation,
+            sys::mjSAMEFRAME_INERTIAROT => Self::InertiaRotation,
+            _ => return None,
+        })
+    }
+
+    /// Converts a byte that the loader has validated.
+    fn of_field(raw: u8) -> Self {
+        Self::from_raw(raw).unwrap_or_else(|| panic!("Bug: a model with sameframe {raw}"))
     }
 }
 
@@ -174,7 +187,7 @@ fields!(Light on Model {
     #[doc(alias = "targetbodyid")]
     target: {Option<BodyId>} = |light| light.optional_id_in(light.owner.light_targetbodyid());
     /// Returns `true` for a directional light, whose rays are parallel.
-    directional: bool = light_directional, set_directional;
+    directional: {bool} = |light| light.owner.is_directional(light.index());
     /// Returns `true` if the light casts shadows.
     castshadow: bool = light_castshadow, set_castshadow;
     /// Returns `true` if the light is on.
@@ -202,6 +215,15 @@ fields!(Light on Model {
     /// Specular colour: red, green and blue.
     specular: [f32; 3] = light_specular, specular_mut in light_specular_mut;
 });
+
+/// # Methods of [`LightMut`](super::LightMut)
+impl ViewMut<'_, ModelMut<'_>, kind::Light> {
+    /// Sets `directional`.
+    pub fn set_directional(&mut self, value: bool) {
+        let index = self.id.index();
+        self.owner.set_is_directional(index, value);
+    }
+}
 
 fields!(Light on Data {
     /// Position, m, world frame.

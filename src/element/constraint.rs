@@ -2,9 +2,12 @@
 
 use super::{View, ViewMut};
 use crate::enums::EqualityType;
-use crate::id::{BodyId, GeomId, Id, JointId, TendonId};
+use crate::id::{BodyId, GeomId, Id, JointId, SiteId, TendonId};
 use crate::kind;
 use crate::model::{Model, ModelMut};
+
+/// Number of parameters: 11 in 2.2.2.
+const DATA: usize = mujoco_sys::mjNEQDATA as usize;
 
 fields!(Equality on Model {
     /// Type of the constraint.
@@ -15,6 +18,9 @@ fields!(Equality on Model {
     objects: {EqualityObjects} = |equality| {
         let (one, other) = (equality.owner.eq_obj1id(), equality.owner.eq_obj2id());
         match equality.equality_type() {
+            EqualityType::Connect | EqualityType::Weld if equality.owner.couples_sites(equality.index()) => {
+                EqualityObjects::Sites(equality.id_in(one), equality.id_in(other))
+            }
             EqualityType::Connect | EqualityType::Weld => {
                 EqualityObjects::Bodies(equality.id_in(one), equality.id_in(other))
             }
@@ -22,9 +28,10 @@ fields!(Equality on Model {
             EqualityType::Tendon => EqualityObjects::Tendons(equality.id_in(one), equality.optional_id_in(other)),
         }
     };
-    /// Returns `true` if the constraint is enforced.
+    /// Returns `true` if the constraint is enforced; with engines from 3.0, in the initial state of a simulation.
+    #[doc(alias = "eq_active")]
     #[doc(alias = "active0")]
-    active: bool = eq_active, set_active;
+    active: {bool} = |equality| equality.owner.equality_active()[equality.index()] != 0;
     /// Solver reference parameters: time constant and damping ratio.
     solref: [f64; 2] = eq_solref, solref_mut in eq_solref_mut;
     /// Solver impedance parameters.
@@ -32,8 +39,23 @@ fields!(Equality on Model {
     /// Parameters, which depend on the type. Connect: the anchor in the frame of the first body, then in that of the second, m.
     /// Weld: the anchor in the frame of the second body, then in that of the first, the relative orientation as a unit quaternion
     /// `[w, x, y, z]`, and the scale of torques. Joint and tendon: the five coefficients of the polynomial.
-    data: [f64; 11] = eq_data, data_mut in eq_data_mut;
+    data: {&'a [f64; DATA]} = |equality| &equality.owner.eq_data()[equality.index()];
 });
+
+/// # Methods of [`EqualityMut`](super::EqualityMut)
+impl ViewMut<'_, ModelMut<'_>, kind::Equality> {
+    /// Sets `active`.
+    pub fn set_active(&mut self, value: bool) {
+        let index = self.id.index();
+        self.owner.set_equality_active(index, value);
+    }
+
+    /// Returns a mutable reference to `data`.
+    pub fn data_mut(&mut self) -> &mut [f64; DATA] {
+        let index = self.id.index();
+        &mut self.owner.eq_data_mut()[index]
+    }
+}
 
 /// Elements that an equality constraint couples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -41,6 +63,8 @@ fields!(Equality on Model {
 pub enum EqualityObjects {
     /// Two bodies; the second may be the world.
     Bodies(BodyId, BodyId),
+    /// Two sites, with engines from 3.2.3.
+    Sites(SiteId, SiteId),
     /// A joint and a second joint, or a constant if `None`.
     Joints(JointId, Option<JointId>),
     /// A tendon and a second tendon, or a constant if `None`.

@@ -328,14 +328,8 @@ fields!(Joint on Data {
     cdof_dot: [[f64; 6]] = cdof_dot at dofs;
     /// Inverse diagonal of the factorised inertia matrix.
     qLDiagInv: [f64] = qLDiagInv at dofs;
-    /// Square root of `qLDiagInv`.
-    qLDiagSqrtInv: [f64] = qLDiagSqrtInv at dofs;
     /// Inverse diagonal of the damped inertia matrix that the integrator `Euler` factorises.
     qHDiagInv: [f64] = qHDiagInv at dofs;
-    /// Number of elements in the rows of its degrees of freedom in the sparse derivative `qDeriv`.
-    D_rownnz: [i32] = D_rownnz at dofs;
-    /// Offsets of those rows.
-    D_rowadr: [i32] = D_rowadr at dofs;
     /// Anchor, m, world frame.
     xanchor: [f64; 3] = xanchor;
     /// Axis, world frame.

@@ -5,14 +5,13 @@
 use std::fmt;
 use std::ops::Range;
 
-use mujoco_sys as sys;
-
 use super::{View, ViewMut, WrapPoints, Wraps, range};
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::MaterialId;
 use crate::kind;
+use crate::layout::Row;
 use crate::model::{Model, ModelMut};
 
 /// # Methods of [`TendonData`](super::TendonData)
@@ -22,14 +21,7 @@ impl<'a> View<'a, Data, kind::Tendon> {
         if self.owner.stage() == Stage::Nothing {
             return None;
         }
-        let (data, index, dofs) = (self.owner, self.index(), self.owner.model().nv());
-        // SAFETY: the model is valid; the engine reads its options and sizes.
-        if unsafe { sys::mj_isSparse(data.model().as_ptr()) } == 0 {
-            return Some(JacobianRow { values: data.ten_J().row(index), columns: None, dofs });
-        }
-        let row = range(data.ten_J_rowadr(), data.ten_J_rownnz(), index);
-        let values = &data.ten_J().as_slice()[row.clone()];
-        Some(JacobianRow { values, columns: Some(&data.ten_J_colind()[row]), dofs })
+        Some(JacobianRow::new(self.owner.tendon_row(self.index()), self.owner.model().nv()))
     }
 }
 
@@ -60,8 +52,8 @@ fields!(Tendon on Model {
     damping: f64 = tendon_damping, set_damping in tendon_damping_mut;
     /// Dry friction, N.
     frictionloss: f64 = tendon_frictionloss, set_frictionloss in tendon_frictionloss_mut;
-    /// Rest length of the spring, m.
-    lengthspring: f64 = tendon_lengthspring, set_lengthspring in tendon_lengthspring_mut;
+    /// Rest length of the spring, m. Since 2.3 the spring can have a range of rest lengths, of which this is the lower end.
+    lengthspring: {f64} = |tendon| tendon.owner.tendon_rest_length(tendon.index())[0];
     /// Length in the reference configuration, m.
     length0: f64 = tendon_length0;
     /// Inverse inertia in the reference configuration.
@@ -79,6 +71,15 @@ fields!(Tendon on Model {
     /// User data.
     user: [f64] = tendon_user, user_mut in tendon_user_mut;
 });
+
+/// # Methods of [`TendonMut`](super::TendonMut)
+impl ViewMut<'_, ModelMut<'_>, kind::Tendon> {
+    /// Sets `lengthspring`, both ends of the range if it is one.
+    pub fn set_lengthspring(&mut self, value: f64) {
+        let index = self.id.index();
+        self.owner.set_tendon_rest_length(index, [value; 2]);
+    }
+}
 
 fields!(Tendon on Data {
     /// Length, m.
@@ -111,6 +112,10 @@ pub struct JacobianRow<'a> {
 }
 
 impl<'a> JacobianRow<'a> {
+    pub(super) fn new(row: Row<'a>, dofs: usize) -> Self {
+        Self { values: row.values, columns: row.columns, dofs }
+    }
+
     /// Returns an iterator over the stored elements, each with its degree of freedom.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (usize, f64)> + 'a {
         let Self { values, columns, .. } = *self;

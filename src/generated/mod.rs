@@ -37,9 +37,12 @@ mod restore;
 #[cfg(engine_since = "2.3.0")]
 macro_rules! generated {
     ($($name:ident in $file:literal;)*) => {
-        $(mod $name {
+        $(
+        #[allow(unused_imports, unused_braces, reason = "the table of some engines does not need them")]
+        mod $name {
             include!(concat!(env!("OUT_DIR"), "/", $file));
-        })*
+        }
+        )*
     };
 }
 

@@ -55,7 +55,7 @@ pub fn ray_geom(
     };
     // SAFETY: the arrays have the lengths that the engine reads, and it accepts all of these types.
     let distance = unsafe {
-        sys::mju_rayGeom(pos.as_ptr(), mat.as_ptr(), size.as_ptr(), pnt.as_ptr(), vec.as_ptr(), number as c_int)
+        sys::adapted::ray_geom(pos.as_ptr(), mat.as_ptr(), size.as_ptr(), pnt.as_ptr(), vec.as_ptr(), number as c_int)
     };
     Ok((distance >= 0.0).then_some(distance))
 }

@@ -23,14 +23,14 @@ pub fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
 #[inline]
 pub fn rot_vec_mat(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
-    array(|res| unsafe { sys::mju_rotVecMat(res, vec.as_ptr(), mat.as_ptr()) })
+    array(|res| unsafe { sys::adapted::rot_vec_mat(res, vec.as_ptr(), mat.as_ptr()) })
 }
 
 /// Returns `matᵀ vec`: the inverse rotation, for instance from the world to a body.
 #[inline]
 pub fn rot_vec_mat_t(vec: &[f64; 3], mat: &[f64; 9]) -> [f64; 3] {
     // SAFETY: the arrays have the lengths that the engine reads and writes.
-    array(|res| unsafe { sys::mju_rotVecMatT(res, vec.as_ptr(), mat.as_ptr()) })
+    array(|res| unsafe { sys::adapted::rot_vec_mat_t(res, vec.as_ptr(), mat.as_ptr()) })
 }
 
 /// Quantity that [`transform_spatial`] transforms.

@@ -49,14 +49,22 @@ impl ModelMut<'_> {
         self.clear_simple_body_flags();
     }
 
-    /// Clears the flags that depend on the inertia matrix.
+    /// Clears the flags that depend on the inertia matrix. In newer engines the sparsity of the matrix depends on them, so they stay, and
+    /// an edit of a body that moves independently takes effect with [`update_constants`](Self::update_constants).
     pub(crate) fn clear_simple_body_flags(&mut self) {
+        if cfg!(engine_since = "2.3.0") {
+            return;
+        }
         flags!(self.body_simple).fill(0);
         flags!(self.dof_simplenum).fill(0);
     }
 
     /// Computes all flags by the compiler's rules. The caller must then update `dof_M0`, the inertias of simple bodies.
     pub(super) fn compute_flags(&mut self) {
+        // Newer engines compute the flags of frames themselves, and the others determine the sparsity of matrices.
+        if cfg!(engine_since = "2.3.0") {
+            return;
+        }
         for body in 0..self.nbody() {
             let same = is_identity(&self.body_ipos()[body], &self.body_iquat()[body]);
             flags!(self.body_sameframe)[body] = same.into();
@@ -85,6 +93,10 @@ impl ModelMut<'_> {
 
     /// Corrects an error of the compiler, which marks a body with two slides along one axis as simple.
     pub(super) fn clear_wrong_simple_bodies(&mut self) {
+        // Newer compilers do not have the error.
+        if cfg!(engine_since = "2.3.0") {
+            return;
+        }
         let wrong = |&body: &usize| self.body_simple()[body] != 0 && !self.is_simple(body);
         let wrong: Vec<usize> = (0..self.nbody()).filter(wrong).collect();
         if !wrong.is_empty() {

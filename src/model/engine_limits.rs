@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use mujoco_sys::{mjGEOM_HFIELD, mjSENS_RANGEFINDER, mjTRN_BODY};
 
-use super::{Model, mjb};
+use super::Model;
 use crate::ffi;
 
 /// Sizes of a height field whose sums, squares and quotients are finite.
@@ -32,13 +32,6 @@ impl Model {
 
     pub(super) fn find_adhesion(&self) -> bool {
         self.actuator_trntype().contains(&(mjTRN_BODY as i32))
-    }
-
-    /// Applies the rules for binary models to a model that the engine compiled. Every model that loads from XML can therefore
-    /// be saved and loaded as a binary model too. Returns the reason for a rejection.
-    pub(super) fn validate(&self) -> Result<(), String> {
-        let bytes = self.to_binary().map_err(|error| error.to_string())?;
-        mjb::check(&bytes).map_err(|error| error.to_string())
     }
 
     /// Returns `true` if this geom is a height field on which the engine's ray functions may read out of bounds. They read beyond

@@ -14,7 +14,10 @@ mod edit;
 mod options;
 
 mod cached_flags;
+#[cfg(engine_since = "2.3.0")]
+mod engine_features;
 mod engine_limits;
+#[cfg(not(engine_since = "2.3.0"))]
 mod mjb;
 mod position;
 mod save;

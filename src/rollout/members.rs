@@ -103,9 +103,10 @@ impl Split for Members<'_> {
 /// Checks that there is enough memory for all simulations, before they are allocated.
 pub(super) fn check_memory(simulation: &Data, count: usize) -> Result<()> {
     // SAFETY: the pointer is valid, and nothing writes to the simulation while it is borrowed.
-    let (buffer, stack) = unsafe { ((*simulation.as_ptr()).nbuffer, (*simulation.as_ptr()).nstack) };
-    let bytes = usize::try_from(buffer).ok().zip(usize::try_from(stack).ok()).and_then(|(buffer, stack)| {
-        let one = stack.checked_mul(size_of::<f64>())?.checked_add(buffer)?.checked_add(size_of::<Simulation>())?;
+    let (buffer, stack) =
+        unsafe { ((*simulation.as_ptr()).nbuffer, mujoco_sys::adapted::arena_bytes(simulation.as_ptr())) };
+    let bytes = usize::try_from(buffer).ok().and_then(|buffer| {
+        let one = stack.checked_add(buffer)?.checked_add(size_of::<Simulation>())?;
         one.checked_mul(count)
     });
     let fits = bytes.is_some_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());

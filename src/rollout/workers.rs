@@ -109,7 +109,8 @@ fn restore(model: &mut ModelMut<'_>, pristine: &Model) {
 /// constraints and contacts. No code reads a row of these arrays that has not been written since: the accessors end at the rows
 /// in use, and a step that read more rows would depend on the previous step.
 pub(super) fn restart(data: &mut Data) -> Result<()> {
-    if data.check_usable().is_err() {
+    // The data of newer engines are small, and hold more state than the arrays that are cleared here.
+    if cfg!(engine_since = "2.3.0") || data.check_usable().is_err() {
         return data.reset();
     }
     data.clear_arrays();
@@ -119,7 +120,11 @@ pub(super) fn restart(data: &mut Data) -> Result<()> {
     // SAFETY: counters, times and costs are plain numbers, for which zero bytes are a valid value.
     (raw.warning, raw.timer, raw.solver) = unsafe { std::mem::zeroed() };
     (raw.pstack, raw.maxuse_stack, raw.maxuse_con, raw.maxuse_efc) = (0, 0, 0, 0);
-    (raw.solver_iter, raw.solver_nnz, raw.solver_fwdinv) = (0, 0, [0.0; 2]);
+    #[cfg(not(engine_since = "2.3.0"))]
+    {
+        (raw.solver_iter, raw.solver_nnz) = (0, 0);
+    }
+    raw.solver_fwdinv = [0.0; 2];
     (raw.ne, raw.nf, raw.nefc, raw.ncon) = (0, 0, 0, 0);
     (raw.time, raw.energy) = (0.0, [0.0; 2]);
 

@@ -174,7 +174,11 @@ impl Camera {
         };
         self.check()?;
         let &Self { lookat, distance, azimuth, elevation, .. } = self;
-        Ok(mjvCamera { type_: view as c_int, fixedcamid, trackbodyid, lookat, distance, azimuth, elevation })
+        // SAFETY: the function sets all fields of the structure, including those that only newer engines have.
+        let mut raw: mjvCamera = unsafe { ffi::made_by(|raw| sys::mjv_defaultCamera(raw)) };
+        (raw.type_, raw.fixedcamid, raw.trackbodyid) = (view as c_int, fixedcamid, trackbodyid);
+        (raw.lookat, raw.distance, raw.azimuth, raw.elevation) = (lookat, distance, azimuth, elevation);
+        Ok(raw)
     }
 
     /// Copies the fields that the engine changes.

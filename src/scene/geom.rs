@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use mujoco_sys::{self as sys, mjOBJ_UNKNOWN, mjvGeom};
+use mujoco_sys::{self as sys, adapted, mjOBJ_UNKNOWN, mjvGeom};
 
 use super::{Categories, Scene};
 use crate::enums::engine_enum;
@@ -13,6 +13,7 @@ use crate::id::{
     SkinId, TendonId, TextureId,
 };
 use crate::kind::Kind;
+use crate::model::Model;
 
 engine_enum! {
     /// Shape of a geom in a scene: the shapes of a model, and shapes for decoration only.
@@ -92,11 +93,47 @@ impl SceneObject {
 pub struct SceneGeom<'s> {
     raw: &'s mjvGeom,
     lineage: Lineage,
+    /// Textures of the materials, for engines whose geoms refer to a material.
+    materials: &'s [MaterialTexture],
+}
+
+/// Texture of a material.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MaterialTexture {
+    texture: Option<usize>,
+    repeat: [f32; 2],
+    is_uniform: bool,
+}
+
+impl Scene {
+    /// Updates the textures of the materials.
+    pub(super) fn read_materials(&mut self, model: &Model) {
+        for (index, material) in self.materials.iter_mut().enumerate() {
+            *material = MaterialTexture {
+                texture: model.material_texture(index),
+                repeat: model.mat_texrepeat()[index],
+                is_uniform: model.mat_texuniform()[index] != 0,
+            };
+        }
+    }
 }
 
 impl<'s> SceneGeom<'s> {
-    pub(super) fn new(raw: &'s mjvGeom, lineage: Lineage) -> Self {
-        Self { raw, lineage }
+    pub(super) fn new(raw: &'s mjvGeom, lineage: Lineage, materials: &'s [MaterialTexture]) -> Self {
+        Self { raw, lineage, materials }
+    }
+
+    fn material_texture(self) -> MaterialTexture {
+        // SAFETY: a valid geom, of which the function reads numbers.
+        let found = unsafe { adapted::scene_geom_texture(self.raw) };
+        match usize::try_from(found.material) {
+            Ok(material) => self.materials.get(material).copied().unwrap_or_default(),
+            Err(_) => MaterialTexture {
+                texture: usize::try_from(found.texture).ok(),
+                repeat: found.repeat,
+                is_uniform: found.uniform != 0,
+            },
+        }
     }
 
     /// Returns the shape.
@@ -169,17 +206,17 @@ impl<'s> SceneGeom<'s> {
     /// Returns the texture.
     #[doc(alias = "texid")]
     pub fn texture(self) -> Option<TextureId> {
-        usize::try_from(self.raw.texid).ok().map(|texture| Id::new(texture, self.lineage))
+        self.material_texture().texture.map(|texture| Id::new(texture, self.lineage))
     }
 
     /// Returns the number of repetitions of a two-dimensional texture along x and y; 0 without a material.
     pub fn texrepeat(self) -> [f32; 2] {
-        self.raw.texrepeat
+        self.material_texture().repeat
     }
 
     /// Returns `true` if `texrepeat` counts repetitions per unit of length instead of per geom.
     pub fn texuniform(self) -> bool {
-        self.raw.texuniform != 0
+        self.material_texture().is_uniform
     }
 
     /// Returns `true` if the mesh or skin has texture coordinates.
@@ -262,12 +299,13 @@ impl fmt::Debug for SceneGeom<'_> {
 pub struct SceneGeomMut<'s> {
     raw: &'s mut mjvGeom,
     lineage: Lineage,
+    materials: &'s [MaterialTexture],
 }
 
 impl SceneGeomMut<'_> {
     /// Returns a read-only view.
     pub fn view(&self) -> SceneGeom<'_> {
-        SceneGeom::new(self.raw, self.lineage)
+        SceneGeom::new(self.raw, self.lineage, self.materials)
     }
 
     /// Sets red, green, blue and opacity.
@@ -321,7 +359,7 @@ impl Scene {
 
     /// Iterates over the geoms in the order in which they were added.
     pub fn geoms(&self) -> impl ExactSizeIterator<Item = SceneGeom<'_>> + DoubleEndedIterator + Clone + '_ {
-        self.raw_geoms().iter().map(|raw| SceneGeom::new(raw, self.lineage))
+        self.raw_geoms().iter().map(|raw| SceneGeom::new(raw, self.lineage, &self.materials))
     }
 
     /// Returns a geom by its index.
@@ -331,15 +369,15 @@ impl Scene {
     /// If the index is out of range.
     #[track_caller]
     pub fn geom(&self, index: usize) -> SceneGeom<'_> {
-        SceneGeom::new(&self.raw_geoms()[index], self.lineage)
+        SceneGeom::new(&self.raw_geoms()[index], self.lineage, &self.materials)
     }
 
     /// Iterates over the geoms with mutable access to their appearance, for example to fade a trail of poses.
     pub fn geoms_mut(&mut self) -> impl ExactSizeIterator<Item = SceneGeomMut<'_>> + '_ {
-        let lineage = self.lineage;
+        let (lineage, materials) = (self.lineage, &*self.materials);
         let (geoms, count) = (self.raw().geoms, self.ngeom());
         // SAFETY: as in `raw_geoms`, and `self` is borrowed exclusively.
-        unsafe { ffi::array_mut(geoms, count) }.iter_mut().map(move |raw| SceneGeomMut { raw, lineage })
+        unsafe { ffi::array_mut(geoms, count) }.iter_mut().map(move |raw| SceneGeomMut { raw, lineage, materials })
     }
 
     fn raw_geoms(&self) -> &[mjvGeom] {

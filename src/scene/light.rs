@@ -47,7 +47,8 @@ impl SceneLight {
             diffuse,
             specular,
             headlight: raw.headlight != 0,
-            directional: raw.directional != 0,
+            // SAFETY: a valid light, of which the function reads a number.
+            directional: unsafe { mujoco_sys::adapted::scene_light_directional(raw) != 0 },
             castshadow: raw.castshadow != 0,
         }
     }

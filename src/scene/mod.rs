@@ -59,6 +59,7 @@ use mujoco_sys::{self as sys, guard, mjvGeom, mjvScene};
 
 #[cfg(feature = "renderer")]
 pub use self::camera_source::CameraSource;
+use self::geom::MaterialTexture;
 pub use self::geom::{SceneGeomMut, SceneObject, SceneSkin};
 pub use self::new_geom::{Connector, TextureRepeat};
 pub use self::selection::Selection;
@@ -112,6 +113,8 @@ pub struct Scene {
     skin_vertices: usize,
     /// One entry per mesh: `true` if the compiler built its convex hull.
     has_convex_hull: Box<[bool]>,
+    /// Textures of the model's materials at the last update.
+    materials: Box<[MaterialTexture]>,
 }
 
 // SAFETY: the engine's structure is plain memory without thread affinity, and the scene owns all of it.
@@ -162,7 +165,8 @@ impl Scene {
         // SAFETY: initialised above; all-zero bytes are valid numbers and null pointers.
         let raw = unsafe { Box::from_raw(Box::into_raw(raw).cast::<mjvScene>()) };
         let has_convex_hull = model.mesh_graphadr().iter().map(|&address| address >= 0).collect();
-        let mut scene = Self { raw, lineage: model.lineage(), buffers, skin_vertices, has_convex_hull };
+        let materials = vec![MaterialTexture::default(); model.nmat()].into();
+        let mut scene = Self { raw, lineage: model.lineage(), buffers, skin_vertices, has_convex_hull, materials };
         // SAFETY: a valid model and an empty scene. If the engine raises an error, dropping the scene frees what it allocated.
         let status = unsafe { guard::mjv_make_scene(model.as_ptr(), &raw mut *scene.raw, 0) };
         ffi::check_without_data("mjv_makeScene", status)?;

@@ -3,6 +3,7 @@
 use std::ffi::{c_char, c_int};
 use std::ptr;
 
+use mujoco_sys::adapted::{self, SceneTexture};
 use mujoco_sys::{self as sys, guard, mjOBJ_UNKNOWN, mjvGeom};
 
 use super::{Categories, Scene, SceneGeomType};
@@ -275,11 +276,16 @@ impl NewGeom {
         (geom.objtype, geom.objid) = (mjOBJ_UNKNOWN as c_int, -1);
         geom.category = self.category.bits() as c_int;
         geom.segid = segid as c_int;
-        geom.texid = self.texture.map_or(-1, |texture| texture.index() as c_int);
-        (geom.texrepeat, geom.texuniform) = match self.repeat {
+        let texture = self.texture.map_or(-1, |texture| texture.index() as c_int);
+        let (repeat, uniform) = match self.repeat {
             TextureRepeat::PerGeom(repeat) => (repeat, 0),
             TextureRepeat::PerLength(repeat) => (repeat, 1),
         };
+        let texture = SceneTexture { material: -1, texture, repeat, uniform };
+        // SAFETY: two valid structures.
+        if unsafe { adapted::set_scene_geom_texture(&raw mut geom, &raw const texture) } == 0 {
+            return Err(Error::Unsupported("a texture of a geom without a material, with engines from 3.2".to_owned()));
+        }
         (geom.emission, geom.specular) = (self.emission, self.specular);
         (geom.shininess, geom.reflectance) = (self.shininess, self.reflectance);
         geom.label = self.label;

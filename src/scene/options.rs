@@ -4,6 +4,7 @@ use bitflags::bitflags;
 use mujoco_sys::{self as sys, mjvOption};
 
 use crate::enums::engine_enum;
+use crate::ffi;
 use crate::with_methods::with_methods;
 
 engine_enum! {
@@ -174,6 +175,10 @@ bitflags! {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
+#[allow(
+    clippy::unsafe_derive_deserialize,
+    reason = "the unsafe calls copy plain numbers, which any value of the struct has"
+)]
 pub struct SceneOptions {
     /// Labelled kind of element.
     pub label: LabelMode,
@@ -234,18 +239,21 @@ with_methods!(SceneOptions {
 
 impl SceneOptions {
     pub(super) fn raw(&self) -> mjvOption {
-        let group = |group: [bool; 6]| group.map(u8::from);
-        mjvOption {
-            label: self.label.raw(),
-            frame: self.frame.raw(),
-            geomgroup: group(self.geomgroup),
-            sitegroup: group(self.sitegroup),
-            jointgroup: group(self.jointgroup),
-            tendongroup: group(self.tendongroup),
-            actuatorgroup: group(self.actuatorgroup),
-            skingroup: group(self.skingroup),
-            flags: bytes(self.flags.bits()),
+        // SAFETY: the function sets all fields of the structure, including those that only newer engines have.
+        let mut raw: mjvOption = unsafe { ffi::made_by(|raw| sys::mjv_defaultOption(raw)) };
+        (raw.label, raw.frame) = (self.label.raw(), self.frame.raw());
+        for (to, from) in [
+            (&mut raw.geomgroup, self.geomgroup),
+            (&mut raw.sitegroup, self.sitegroup),
+            (&mut raw.jointgroup, self.jointgroup),
+            (&mut raw.tendongroup, self.tendongroup),
+            (&mut raw.actuatorgroup, self.actuatorgroup),
+            (&mut raw.skingroup, self.skingroup),
+        ] {
+            *to = from.map(u8::from);
         }
+        raw.flags = bytes(self.flags.bits());
+        raw
     }
 
     /// Returns `true` if the options show contacts or constraints, for which the engine reads their forces.

@@ -9,6 +9,7 @@ use super::camera::check_motion;
 use super::{MouseAction, Scene, Selection};
 use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
+use crate::ffi;
 use crate::id::{BodyId, SkinId};
 use crate::math::rot_vec_mat_t;
 use crate::model::Model;
@@ -296,7 +297,11 @@ impl Perturbation {
         self.check()?;
         let &Self { active, active2, refpos, refquat, localpos, scale, .. } = self;
         let (active, active2) = (active.bits() as c_int, active2.bits() as c_int);
-        Ok(mjvPerturb { select, skinselect, active, active2, refpos, refquat, localpos, scale })
+        // SAFETY: the function sets all fields of the structure, including those that only newer engines have.
+        let mut raw: mjvPerturb = unsafe { ffi::made_by(|raw| sys::mjv_defaultPerturb(raw)) };
+        (raw.select, raw.skinselect, raw.active, raw.active2) = (select, skinselect, active, active2);
+        (raw.refpos, raw.refquat, raw.localpos, raw.scale) = (refpos, refquat, localpos, scale);
+        Ok(raw)
     }
 
     /// Copies the fields that the engine changed, if they are finite.

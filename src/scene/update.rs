@@ -4,7 +4,7 @@ use std::ffi::c_int;
 use std::ops::Range;
 use std::ptr;
 
-use mujoco_sys::{guard, mjMAXLIGHT};
+use mujoco_sys::{adapted, guard, mjMAXLIGHT};
 
 use super::{Camera, Categories, Perturbation, Scene, SceneOptions};
 use crate::data::{Data, Stage, Warning};
@@ -52,7 +52,8 @@ impl Scene {
             unsafe { guard::mjv_update_scene(m, d, &raw const opt, pert, &raw mut raw_camera, catmask, scene) }
         })?;
         camera.take(&raw_camera);
-        if is_full {
+        self.read_materials(data.model());
+        if is_full || self.is_full() {
             return Err(self.geoms_full());
         }
         let lights = usize::from(data.model().raw().vis.headlight.active != 0)
@@ -73,12 +74,11 @@ impl Scene {
         let start = *camera;
         self.check_data("Renderer::snapshot", data, options)?;
         self.update_camera(data, &mut camera.clone())?;
-        let warning = Warning::VisualGeomFull as usize;
-        let before = data.raw_mut().warning[warning];
+        let before = data.raw().warning;
         loop {
             let result = self.update(data, options, None, camera, Categories::all());
             let Err(Error::SceneFull { what: "geoms", capacity }) = result else { return result };
-            data.raw_mut().warning[warning] = before;
+            data.raw_mut().warning = before;
             let mut larger = Self::new(data.model(), 2 * capacity.max(1))?;
             larger.raw_mut().flags = self.raw().flags;
             larger.raw_mut().camera = self.raw().camera;
@@ -137,7 +137,8 @@ impl Scene {
             // SAFETY: as in `update`.
             unsafe { guard::mjv_add_geoms(m, d, &raw const opt, pert, catmask, scene) }
         })?;
-        if is_full { Err(self.geoms_full()) } else { Ok(start..self.ngeom()) }
+        self.read_materials(data.model());
+        if is_full || self.is_full() { Err(self.geoms_full()) } else { Ok(start..self.ngeom()) }
     }
 
     /// Returns an error unless the data belongs to the model and contains every result that the engine reads.
@@ -146,6 +147,12 @@ impl Scene {
         self.check_model(model, "the data to show")?;
         // The engine does not clamp the groups of skins. Loading a model rejects groups out of range.
         data.check_computed(call, if options.shows_contacts() { Stage::Acceleration } else { Stage::Position })
+    }
+
+    /// Returns `true` if the engine reports a full scene in the scene itself, as newer engines do.
+    fn is_full(&self) -> bool {
+        // SAFETY: a valid scene, of which the function reads a number.
+        unsafe { adapted::scene_is_full(self.as_ptr()) != 0 }
     }
 
     #[cold]

@@ -39,7 +39,12 @@ impl Viewpoint {
     fn raw(&self) -> mjvGLCamera {
         let &Self { pos, forward, up, .. } = self;
         let &Self { frustum_center, frustum_bottom, frustum_top, frustum_near, frustum_far, .. } = self;
-        mjvGLCamera { pos, forward, up, frustum_center, frustum_bottom, frustum_top, frustum_near, frustum_far }
+        // SAFETY: all-zero bytes are a valid structure of numbers.
+        let mut raw: mjvGLCamera = unsafe { std::mem::zeroed() };
+        (raw.pos, raw.forward, raw.up) = (pos, forward, up);
+        (raw.frustum_center, raw.frustum_bottom, raw.frustum_top) = (frustum_center, frustum_bottom, frustum_top);
+        (raw.frustum_near, raw.frustum_far) = (frustum_near, frustum_far);
+        raw
     }
 
     pub(super) fn is_finite(&self) -> bool {

@@ -34,7 +34,10 @@ fn accessors(file: &str) -> Vec<String> {
 
 /// Returns the checked setters of single elements by the array that they write: `jnt_limited` → `JointMut::set_limited`.
 fn setters() -> BTreeMap<String, String> {
-    let mut setters = BTreeMap::new();
+    // Arrays whose place differs between versions have setters without a declaration.
+    let elsewhere = [("light_directional", "LightMut::set_directional"), ("eq_active", "EqualityMut::set_active")];
+    let mut setters: BTreeMap<String, String> =
+        elsewhere.map(|(array, setter)| (array.to_owned(), setter.to_owned())).into();
     for (_, text) in sources("src/element") {
         for block in text.split("\nfields!(").skip(1) {
             let kind = block.split(" on ").next().unwrap();

@@ -14,8 +14,8 @@ use self::compiler::VirtualFiles;
 pub(super) use self::compiler::{XmlState, path_c_string};
 pub use self::options::LoadOptions;
 use self::package::Resolved;
+use super::Model;
 use super::xml_guard::{self, Files};
-use super::{Model, mjb};
 use crate::data::length_range::MuscleSimulation;
 use crate::engine::{self, collecting_warnings};
 use crate::error::{Error, Result};
@@ -264,7 +264,7 @@ impl Model {
     fn from_binary_named(bytes: &[u8], source_name: &str) -> Result<Self> {
         engine::ready()?;
         let invalid = |reason: String| Error::InvalidBinary { source_name: source_name.to_owned(), reason };
-        mjb::check(bytes).map_err(|error| invalid(error.to_string()))?;
+        check_binary(bytes, invalid)?;
         let name = "model.mjb";
         let mut files = VirtualFiles::new();
         files.add(name, bytes)?;
@@ -280,6 +280,19 @@ impl Model {
         // SAFETY: the engine allocated the model, nothing else owns it, and its contents were validated.
         Ok(unsafe { Self::from_raw(raw, Lineage::new(), warnings) })
     }
+}
+
+/// Validates a binary model.
+#[cfg(not(engine_since = "2.3.0"))]
+fn check_binary(bytes: &[u8], invalid: impl Fn(String) -> Error) -> Result<()> {
+    super::mjb::check(bytes).map_err(|error| invalid(error.to_string()))
+}
+
+/// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 only.
+#[cfg(engine_since = "2.3.0")]
+fn check_binary(_: &[u8], _: impl Fn(String) -> Error) -> Result<()> {
+    let version = crate::built_against();
+    Err(Error::Unsupported(format!("binary models with MuJoCo {version}; load the XML, or use MuJoCo 2.2.2")))
 }
 
 /// Returns the message for a text that is the path of a model file.

@@ -31,8 +31,8 @@ mod tree;
 mod view;
 
 pub(crate) use rule::Invalid;
-pub(crate) use view::length;
 
+use super::Model;
 use view::View;
 
 /// Checks that a binary model from any source is safe to load, to simulate and to read.
@@ -58,3 +58,12 @@ pub(crate) fn check(bytes: &[u8]) -> Result<(), Invalid> {
 
 #[cfg(test)]
 mod tests;
+
+impl Model {
+    /// Applies the rules for binary models to a model that the engine compiled. Every model that loads from XML can therefore
+    /// be saved and loaded as a binary model too. Returns the reason for a rejection.
+    pub(super) fn validate(&self) -> Result<(), String> {
+        let bytes = self.to_binary().map_err(|error| error.to_string())?;
+        check(&bytes).map_err(|error| error.to_string())
+    }
+}

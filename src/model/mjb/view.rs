@@ -83,12 +83,6 @@ impl<'a> View<'a> {
     }
 }
 
-/// Returns the length in bytes of the model at the start of `bytes`, computed from its sizes.
-pub(crate) fn length(bytes: &[u8]) -> Result<usize, Invalid> {
-    let (_, end) = layout(&read_sizes(bytes)?);
-    usize::try_from(end).map_err(|_| Invalid::file(format!("its sizes require {end} bytes")))
-}
-
 /// Reads the sizes, after checking that the header is that of this engine version.
 fn read_sizes(bytes: &[u8]) -> Result<[usize; SIZES], Invalid> {
     if bytes.len() < ARRAYS_AT {

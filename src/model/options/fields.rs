@@ -5,9 +5,14 @@ use std::fmt::{Debug, Display};
 use crate::error::{Error, Result};
 
 /// Conversion between a Rust type and the engine's representation `Raw`.
-pub(super) trait Mirror<Raw> {
+pub(super) trait Mirror<Raw>: Sized {
     fn read(raw: Raw) -> Self;
     fn write(self) -> Raw;
+
+    /// Writes the value, and keeps fields of the engine's structure that the Rust type does not have.
+    fn write_into(self, raw: &mut Raw) {
+        *raw = self.write();
+    }
 }
 
 /// Implements [`Mirror`] for types with the same representation on both sides.
@@ -84,7 +89,14 @@ macro_rules! mirror {
             }
 
             fn write(self) -> $raw {
-                $raw { $($field: $crate::model::options::fields::Mirror::write(self.$field),)* }
+                // SAFETY: all-zero bytes are a valid structure of numbers. Newer engines have fields that `write_into` keeps.
+                let mut raw: $raw = unsafe { std::mem::zeroed() };
+                self.write_into(&mut raw);
+                raw
+            }
+
+            fn write_into(self, raw: &mut $raw) {
+                $($crate::model::options::fields::Mirror::write_into(self.$field, &mut raw.$field);)*
             }
         }
     };

@@ -7,6 +7,7 @@ mod visual;
 mod visual_ranges;
 
 use bitflags::bitflags;
+use mujoco_sys::adapted::{self, AdaptedOptions};
 use mujoco_sys::{self as sys, mjOption};
 
 use self::fields::{Checks, Mirror};
@@ -14,7 +15,7 @@ pub use self::statistics::Statistics;
 pub use self::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
 use super::Model;
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::field_docs::field_docs;
 
 /// Physics options of a model.
@@ -35,6 +36,10 @@ use crate::field_docs::field_docs;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[non_exhaustive]
+#[allow(
+    clippy::unsafe_derive_deserialize,
+    reason = "the unsafe calls copy plain numbers, which any value of the struct has"
+)]
 pub struct Options {
     /// Duration of a step, s. Positive.
     pub timestep: f64,
@@ -136,7 +141,7 @@ bitflags! {
         /// Contacts.
         const CONTACT = sys::mjDSBL_CONTACT;
         /// Springs, dampers and fluid forces.
-        const PASSIVE = sys::mjDSBL_PASSIVE;
+        const PASSIVE = PASSIVE;
         /// Gravity.
         const GRAVITY = sys::mjDSBL_GRAVITY;
         /// Clamping of controls to their ranges.
@@ -172,18 +177,43 @@ bitflags! {
     }
 }
 
+/// The flag, or in newer engines the two flags, that disable springs and dampers.
+const PASSIVE: u32 =
+    if sys::mjDSBL_PASSIVE == ABSENT_PASSIVE { sys::mjDSBL_SPRING | sys::mjDSBL_DAMPER } else { sys::mjDSBL_PASSIVE };
+const ABSENT_PASSIVE: u32 = 1 << 28;
+
 impl Options {
+    /// Rejects options that only other versions of the engine have.
+    fn check_supported(&self) -> Result<()> {
+        let is_absent = |value: u32, constant: u32, first: u32| constant >= first && value & constant == constant;
+        let absent = [
+            (self.integrator == Integrator::ImplicitFast && self.integrator.raw() < 0, "the integrator ImplicitFast"),
+            (self.collision != Collision::All && self.collision.raw() < 0, "a selection of collisions"),
+            (is_absent(self.enable.bits(), sys::mjENBL_SENSORNOISE, 1 << 29), "sensor noise"),
+            (is_absent(self.enable.bits(), sys::mjENBL_MULTICCD, 1 << 29), "the flag MULTICCD"),
+        ];
+        match absent.into_iter().find(|(is_absent, _)| *is_absent) {
+            Some((_, what)) => {
+                Err(Error::Unsupported(format!("MuJoCo {} does not have {what}", crate::built_against())))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Limit on the iterations of each solver.
     const MOST_ITERATIONS: usize = 1_000_000;
 
     fn read(raw: &mjOption) -> Self {
+        let mut adapted = AdaptedOptions::default();
+        // SAFETY: valid structures, of which the function copies numbers.
+        unsafe { adapted::get_options(raw, &raw mut adapted) };
         Self {
             timestep: raw.timestep,
-            apirate: raw.apirate,
+            apirate: adapted.apirate,
             impratio: raw.impratio,
             tolerance: raw.tolerance,
             noslip_tolerance: raw.noslip_tolerance,
-            mpr_tolerance: raw.mpr_tolerance,
+            mpr_tolerance: adapted.ccd_tolerance,
             gravity: raw.gravity,
             wind: raw.wind,
             magnetic: raw.magnetic,
@@ -193,13 +223,13 @@ impl Options {
             o_solref: raw.o_solref,
             o_solimp: raw.o_solimp,
             integrator: Integrator::of_field(raw.integrator),
-            collision: Collision::of_field(raw.collision),
+            collision: Collision::of_field(adapted.collision),
             cone: Cone::of_field(raw.cone),
             jacobian: JacobianStorage::of_field(raw.jacobian),
             solver: Solver::of_field(raw.solver),
             iterations: Mirror::read(raw.iterations),
             noslip_iterations: Mirror::read(raw.noslip_iterations),
-            mpr_iterations: Mirror::read(raw.mpr_iterations),
+            mpr_iterations: Mirror::read(adapted.ccd_iterations),
             disable: DisableFlags::from_bits_truncate(raw.disableflags as u32),
             enable: EnableFlags::from_bits_truncate(raw.enableflags as u32),
         }
@@ -207,13 +237,15 @@ impl Options {
 
     /// Writes options that have passed [`check`](Self::check).
     pub(super) fn write(&self, raw: &mut mjOption) {
+        let kept = [
+            raw.disableflags as u32 & !DisableFlags::all().bits(),
+            raw.enableflags as u32 & !EnableFlags::all().bits(),
+        ];
         *raw = mjOption {
             timestep: self.timestep,
-            apirate: self.apirate,
             impratio: self.impratio,
             tolerance: self.tolerance,
             noslip_tolerance: self.noslip_tolerance,
-            mpr_tolerance: self.mpr_tolerance,
             gravity: self.gravity,
             wind: self.wind,
             magnetic: self.magnetic,
@@ -223,16 +255,24 @@ impl Options {
             o_solref: self.o_solref,
             o_solimp: self.o_solimp,
             integrator: self.integrator.raw(),
-            collision: self.collision.raw(),
             cone: self.cone.raw(),
             jacobian: self.jacobian.raw(),
             solver: self.solver.raw(),
             iterations: self.iterations.write(),
             noslip_iterations: self.noslip_iterations.write(),
-            mpr_iterations: self.mpr_iterations.write(),
-            disableflags: self.disable.bits() as i32,
-            enableflags: self.enable.bits() as i32,
+            disableflags: (self.disable.bits() | kept[0]) as i32,
+            enableflags: (self.enable.bits() | kept[1]) as i32,
+            // Fields of other versions: four are written below, and the others keep their values.
+            ..*raw
         };
+        let adapted = AdaptedOptions {
+            apirate: self.apirate,
+            ccd_tolerance: self.mpr_tolerance,
+            ccd_iterations: self.mpr_iterations.write(),
+            collision: self.collision.raw(),
+        };
+        // SAFETY: valid structures, between which the function copies numbers.
+        unsafe { adapted::set_options(raw, &raw const adapted) };
     }
 
     /// Rejects values for which the engine would raise a fatal error, compute meaningless results, or not return.
@@ -267,6 +307,7 @@ impl Options {
         ] {
             option.require(value <= Self::MOST_ITERATIONS, name, value, "at most a million")?;
         }
+        self.check_supported()?;
         // `from_bits_retain` can create flags that the engine does not have.
         let unknown =
             (self.disable.bits() & !DisableFlags::all().bits(), self.enable.bits() & !EnableFlags::all().bits());

@@ -85,7 +85,7 @@ impl ModelMut<'_> {
         let mut statistics = self.statistics();
         change(&mut statistics);
         statistics.check()?;
-        self.raw_mut().stat = statistics.write();
+        statistics.write_into(&mut self.raw_mut().stat);
         Ok(())
     }
 }

@@ -56,14 +56,19 @@ impl Mirror<mjVisual> for Visual {
     }
 
     fn write(self) -> mjVisual {
-        mjVisual {
-            global: self.global.write(),
-            quality: self.quality.write(),
-            headlight: self.headlight.write(),
-            map: self.map.write(),
-            scale: self.scale.write(),
-            rgba: self.rgba.write(),
-        }
+        // SAFETY: all-zero bytes are a valid structure of numbers.
+        let mut raw: mjVisual = unsafe { std::mem::zeroed() };
+        self.write_into(&mut raw);
+        raw
+    }
+
+    fn write_into(self, raw: &mut mjVisual) {
+        self.global.write_into(&mut raw.global);
+        self.quality.write_into(&mut raw.quality);
+        self.headlight.write_into(&mut raw.headlight);
+        self.map.write_into(&mut raw.map);
+        self.scale.write_into(&mut raw.scale);
+        self.rgba.write_into(&mut raw.rgba);
     }
 }
 
@@ -280,7 +285,7 @@ impl ModelMut<'_> {
         let mut visual = self.visual();
         change(&mut visual);
         visual.check()?;
-        self.raw_mut().vis = visual.write();
+        visual.write_into(&mut self.raw_mut().vis);
         Ok(())
     }
 }

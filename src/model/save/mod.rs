@@ -5,6 +5,10 @@
 //! inertia comes from its geoms has no separate mass. [`Model::save_xml`] therefore loads the text before it writes the
 //! file, and compares the two models.
 
+#[cfg(not(engine_since = "2.3.0"))]
+mod compare;
+#[cfg(engine_since = "2.3.0")]
+#[path = "unverified.rs"]
 mod compare;
 mod xml_text;
 
@@ -13,7 +17,7 @@ use std::path::Path;
 
 use mujoco_sys::{self as sys, guard};
 
-use super::{Model, mjb};
+use super::Model;
 use crate::error::{Error, Result, UnsavedField};
 use crate::{ffi, file};
 
@@ -89,14 +93,20 @@ impl Model {
         let bound = unsafe { sys::mj_sizeModel(self.as_ptr()) };
         let size =
             usize::try_from(bound).map_err(|_| Error::Unsupported("a binary model of more than 2 GiB".to_owned()))?;
-        let mut bytes = vec![0; size];
-        // SAFETY: the buffer has the size that is passed, which is the size that the engine requires.
-        let status = unsafe { guard::mj_save_model(self.as_ptr(), std::ptr::null(), bytes.as_mut_ptr().cast(), bound) };
-        ffi::check_without_data("mj_saveModel", status)?;
+        #[allow(clippy::useless_conversion, reason = "a 64-bit integer in newer engines")]
+        let bound =
+            i32::try_from(bound).map_err(|_| Error::Unsupported("a binary model of more than 2 GiB".to_owned()))?;
+        let write = |filler: u8| {
+            let mut bytes = vec![filler; size];
+            let buffer = bytes.as_mut_ptr().cast();
+            // SAFETY: the buffer has the size that is passed, which is the size that the engine requires.
+            let status = unsafe { guard::mj_save_model(self.as_ptr(), std::ptr::null(), buffer, bound) };
+            ffi::check_without_data("mj_saveModel", status).map(|()| bytes)
+        };
         // The size includes the padding between the arrays, which the engine does not write.
-        let length = mjb::length(&bytes)
-            .map_err(|error| Error::Unsupported(format!("Bug: the engine wrote an invalid binary model: {error}")))?;
-        bytes.truncate(length);
+        let (mut bytes, other) = (write(0)?, write(u8::MAX)?);
+        let length = bytes.iter().zip(&other).position(|(one, other)| one != other);
+        bytes.truncate(length.unwrap_or(size));
         Ok(bytes)
     }
 

@@ -1,5 +1,7 @@
 //! Mip chains of the model's textures, as four bytes per pixel.
 
+use std::borrow::Cow;
+
 use crate::enums::TextureType;
 use crate::id::TextureId;
 use crate::model::Model;
@@ -51,7 +53,8 @@ impl MipChain {
     /// Computes the mip chain of a texture. Levels with a width or height above `limit` are omitted.
     pub(crate) fn new(model: &Model, id: TextureId, limit: u32) -> Self {
         let texture = model.texture(id);
-        let (width, height, rgb) = (texture.width(), texture.height(), texture.rgb());
+        let (width, height) = (texture.width(), texture.height());
+        let rgb = &*three_channels(texture.rgb(), texture.channels());
         let faces = if texture.texture_type() == TextureType::Flat { Faces::D2 } else { Faces::Cube };
         let first = match faces {
             Faces::D2 => MipLevel::new(width, height, &[rgb]),
@@ -72,6 +75,15 @@ impl MipChain {
         }
         Self { faces, levels }
     }
+}
+
+/// Converts pixels with any number of channels to red, green and blue.
+fn three_channels(pixels: &[u8], channels: usize) -> Cow<'_, [u8]> {
+    if channels == 3 {
+        return Cow::Borrowed(pixels);
+    }
+    let rgb = |pixel: &[u8]| if let [red, green, blue, ..] = *pixel { [red, green, blue] } else { [pixel[0]; 3] };
+    Cow::Owned(pixels.chunks_exact(channels.max(1)).flat_map(rgb).collect())
 }
 
 impl MipLevel {

@@ -101,20 +101,27 @@ impl Elements for f64 {
 type Read = fn(&Data, usize) -> Option<f64>;
 
 macro_rules! fields {
-    ($($name:ident)*) => {
-        &[$((stringify!($name), |data, index| data.$name().element(index))),*]
+    ($($(#[$condition:meta])? $name:ident)*) => {
+        &[$($(#[$condition])? (stringify!($name), |data, index| data.$name().element(index))),*]
     };
 }
 
-/// Real-valued fields, in the engine's order.
+/// Real-valued fields, in the order of 2.2.2, which alone has some of them.
 #[rustfmt::skip]
 static FIELDS: &[(&str, Read)] = fields! {
     time energy solver_fwdinv
     qpos qvel act qacc_warmstart ctrl qfrc_applied xfrc_applied mocap_pos mocap_quat qacc act_dot userdata
     sensordata xpos xquat xmat xipos ximat xanchor xaxis geom_xpos geom_xmat site_xpos site_xmat cam_xpos
     cam_xmat light_xpos light_xdir subtree_com cdof cinert ten_length ten_J wrap_xpos actuator_length
-    actuator_moment crb qM qLD qLDiagInv qLDiagSqrtInv efc_J efc_JT efc_pos efc_margin efc_frictionloss
-    efc_diagApprox efc_KBIP efc_D efc_R efc_AR ten_velocity actuator_velocity cvel cdof_dot qfrc_bias
+    actuator_moment crb
+    #[cfg(not(engine_since = "2.3.0"))] qM
+    qLD qLDiagInv
+    #[cfg(not(engine_since = "2.3.0"))] qLDiagSqrtInv
+    efc_J
+    #[cfg(not(engine_since = "2.3.0"))] efc_JT
+    efc_pos efc_margin efc_frictionloss
+    #[cfg(not(engine_since = "2.3.0"))] efc_diagApprox
+    efc_KBIP efc_D efc_R efc_AR ten_velocity actuator_velocity cvel cdof_dot qfrc_bias
     qfrc_passive efc_vel efc_aref subtree_linvel subtree_angmom qH qHDiagInv qDeriv qLU actuator_force
     qfrc_actuator qfrc_smooth qacc_smooth efc_b efc_force qfrc_constraint qfrc_inverse cacc cfrc_int cfrc_ext
 };

@@ -87,6 +87,7 @@ fn fields_of_height_fields_textures_and_materials_equal_c() {
         check_fields!(name, model.textures(), |texture, i| {
             rgb: m.tex_rgb, [int(m.tex_adr, i); 3 * int(m.tex_height, i) * int(m.tex_width, i)];
             => texture_type: texture.texture_type() as i32, raw(m.tex_type, i);
+            => channels: texture.channels(), 3;
             => height: texture.height(), int(m.tex_height, i);
             => width: texture.width(), int(m.tex_width, i);
             => rgb_range: (texture.rgb_range().start, texture.rgb_range().len()),

@@ -100,10 +100,7 @@ fn fields_of_elements_in_a_simulation_equal_c() {
             cdof: d.cdof, [6 * v(i); 6 * joint_sizes(m, i).1];
             cdof_dot: d.cdof_dot, [6 * v(i); 6 * joint_sizes(m, i).1];
             qLDiagInv: d.qLDiagInv, [v(i); joint_sizes(m, i).1];
-            qLDiagSqrtInv: d.qLDiagSqrtInv, [v(i); joint_sizes(m, i).1];
             qHDiagInv: d.qHDiagInv, [v(i); joint_sizes(m, i).1];
-            D_rownnz: d.D_rownnz, [v(i); joint_sizes(m, i).1];
-            D_rowadr: d.D_rowadr, [v(i); joint_sizes(m, i).1];
             xanchor: d.xanchor, [3 * i; 3];
             xaxis: d.xaxis, [3 * i; 3];
         });
@@ -136,7 +133,7 @@ fn fields_of_elements_in_a_simulation_equal_c() {
             length: d.actuator_length, [i; 1];
             velocity: d.actuator_velocity, [i; 1];
             force: d.actuator_force, [i; 1];
-            moment: d.actuator_moment, [nv * i; nv];
+            => moment: actuator.moment().to_vec().bits(), at(d.actuator_moment, nv * i, nv);
             => act: actuator.act().map(|act| act.bits()), activation(m, i).map(|act| at(d.act, act, 1));
             => act_dot: actuator.act_dot().map(|act| act.bits()), activation(m, i).map(|act| at(d.act_dot, act, 1));
         });

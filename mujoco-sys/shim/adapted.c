@@ -1,0 +1,305 @@
+// Engine functions that raise no error, with the parameters of 2.2.2 for every version of the header.
+#include "adapted.h"
+
+#include "compat.h"
+
+void mujoco_sys_fullM(const mjModel* m, const mjData* d, mjtNum* dst) {
+#if mjVERSION_HEADER >= 3010000
+  mj_fullM(m, d, dst);
+#else
+  mj_fullM(m, dst, d->qM);
+#endif
+}
+
+mjtNum mujoco_sys_rayMesh(const mjModel* m, const mjData* d, int geomid, const mjtNum pnt[3], const mjtNum vec[3]) {
+#if mjVERSION_HEADER >= 3005000
+  return mj_rayMesh(m, d, geomid, pnt, vec, NULL);
+#else
+  return mj_rayMesh(m, d, geomid, pnt, vec);
+#endif
+}
+
+mjtNum mujoco_sys_rayHfield(const mjModel* m, const mjData* d, int geomid, const mjtNum pnt[3], const mjtNum vec[3]) {
+#if mjVERSION_HEADER >= 3005000
+  return mj_rayHfield(m, d, geomid, pnt, vec, NULL);
+#else
+  return mj_rayHfield(m, d, geomid, pnt, vec);
+#endif
+}
+
+mjtNum mujoco_sys_rayGeom(const mjtNum pos[3], const mjtNum mat[9], const mjtNum size[3], const mjtNum pnt[3],
+                          const mjtNum vec[3], int geomtype) {
+#if mjVERSION_HEADER >= 3005000
+  return mju_rayGeom(pos, mat, size, pnt, vec, geomtype, NULL);
+#else
+  return mju_rayGeom(pos, mat, size, pnt, vec, geomtype);
+#endif
+}
+
+// The engine renamed these two functions in 3.2.5.
+void mujoco_sys_rotVecMat(mjtNum res[3], const mjtNum vec[3], const mjtNum mat[9]) {
+#if mjVERSION_HEADER >= 325
+  mju_mulMatVec3(res, mat, vec);
+#else
+  mju_rotVecMat(res, vec, mat);
+#endif
+}
+
+void mujoco_sys_rotVecMatT(mjtNum res[3], const mjtNum vec[3], const mjtNum mat[9]) {
+#if mjVERSION_HEADER >= 325
+  mju_mulMatTVec3(res, mat, vec);
+#else
+  mju_rotVecMatT(res, vec, mat);
+#endif
+}
+
+// The engine computes the same numbers as a part of mj_fwdVelocity: dense rows before 3.2.5, sparse rows since.
+void mujoco_sys_actuatorVelocity(const mjModel* m, mjData* d) {
+#if mjVERSION_HEADER >= 325
+  struct mujoco_sys_row row;
+  for (int i = 0; i < m->nu; i++) {
+    mujoco_sys_momentRow(m, d, i, &row);
+    d->actuator_velocity[i] = 0;
+    for (int j = 0; j < row.count; j++) {
+      d->actuator_velocity[i] += row.values[j] * d->qvel[row.columns[j]];
+    }
+  }
+#else
+  mju_mulMatVec(d->actuator_velocity, d->actuator_moment, d->qvel, m->nu, m->nv);
+#endif
+}
+
+void mujoco_sys_momentRow(const mjModel* m, const mjData* d, int actuator, struct mujoco_sys_row* row) {
+#if mjVERSION_HEADER >= 325
+  (void)m;
+  const int start = d->moment_rowadr[actuator];
+  *row = (struct mujoco_sys_row){d->actuator_moment + start, d->moment_colind + start, d->moment_rownnz[actuator]};
+#else
+  *row = (struct mujoco_sys_row){d->actuator_moment + actuator * m->nv, NULL, m->nv};
+#endif
+}
+
+void mujoco_sys_tendonRow(const mjModel* m, const mjData* d, int tendon, struct mujoco_sys_row* row) {
+#if mjVERSION_HEADER >= 3006000
+  const int start = m->ten_J_rowadr[tendon];
+  *row = (struct mujoco_sys_row){d->ten_J + start, m->ten_J_colind + start, m->ten_J_rownnz[tendon]};
+#else
+  if (mj_isSparse(m)) {
+    const int start = d->ten_J_rowadr[tendon];
+    *row = (struct mujoco_sys_row){d->ten_J + start, d->ten_J_colind + start, d->ten_J_rownnz[tendon]};
+  } else {
+    *row = (struct mujoco_sys_row){d->ten_J + (size_t)tendon * (size_t)m->nv, NULL, (int)m->nv};
+  }
+#endif
+}
+
+void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row) {
+#if mjVERSION_HEADER >= 333
+  const int start = m->M_rowadr[dof];
+  *row = (struct mujoco_sys_row){d->qLD + start, m->M_colind + start, m->M_rownnz[dof] - 1};
+#else
+  (void)m;
+  (void)d;
+  (void)dof;
+  *row = (struct mujoco_sys_row){NULL, NULL, -1};
+#endif
+}
+
+const mjtNum* mujoco_sys_inertia(const mjData* d) {
+#if mjVERSION_HEADER >= 3010000
+  return d->M;
+#else
+  return d->qM;
+#endif
+}
+
+int mujoco_sys_inertiaLength(const mjModel* m) {
+#if mjVERSION_HEADER >= 3010000
+  return (int)m->nC;
+#else
+  return (int)m->nM;
+#endif
+}
+
+mjtByte* mujoco_sys_equalityActive(const mjModel* m) {
+#if mjVERSION_HEADER >= 300
+  return (mjtByte*)m->eq_active0;
+#else
+  return m->eq_active;
+#endif
+}
+
+int mujoco_sys_equalityCouplesSites(const mjModel* m, int equality) {
+#if mjVERSION_HEADER >= 323
+  return m->eq_objtype[equality] == mjOBJ_SITE;
+#else
+  (void)m;
+  (void)equality;
+  return 0;
+#endif
+}
+
+int mujoco_sys_activation(const mjModel* m, int actuator) {
+#if mjVERSION_HEADER >= 237
+  return m->actuator_actadr[actuator];
+#else
+  const int activation = actuator - (m->nu - m->na);
+  return activation >= 0 ? activation : -1;
+#endif
+}
+
+mjtByte* mujoco_sys_textureBytes(const mjModel* m) {
+#if mjVERSION_HEADER >= 321
+  return m->tex_data;
+#else
+  return m->tex_rgb;
+#endif
+}
+
+int mujoco_sys_textureChannels(const mjModel* m, int texture) {
+#if mjVERSION_HEADER >= 321
+  return m->tex_nchannel[texture];
+#else
+  (void)m;
+  (void)texture;
+  return 3;
+#endif
+}
+
+int mujoco_sys_materialTexture(const mjModel* m, int material) {
+#if mjVERSION_HEADER >= 320
+  const int* textures = m->mat_texid + material * mjNTEXROLE;
+  return textures[mjTEXROLE_RGB] >= 0 ? textures[mjTEXROLE_RGB] : textures[mjTEXROLE_RGBA];
+#else
+  return m->mat_texid[material];
+#endif
+}
+
+int mujoco_sys_lightDirectional(const mjModel* m, int light) {
+#if mjVERSION_HEADER >= 333
+  return m->light_type[light] == mjLIGHT_DIRECTIONAL;
+#else
+  return m->light_directional[light];
+#endif
+}
+
+void mujoco_sys_setLightDirectional(mjModel* m, int light, int directional) {
+#if mjVERSION_HEADER >= 333
+  m->light_type[light] = directional ? mjLIGHT_DIRECTIONAL : mjLIGHT_SPOT;
+#else
+  m->light_directional[light] = directional != 0;
+#endif
+}
+
+mjtNum* mujoco_sys_tendonRestLength(const mjModel* m, int tendon, int* count) {
+#if mjVERSION_HEADER >= 230
+  *count = 2;
+#else
+  *count = 1;
+#endif
+  return m->tendon_lengthspring + *count * tendon;
+}
+
+int mujoco_sys_solverIterations(const mjData* d, const mjSolverStat** statistics) {
+#if mjVERSION_HEADER >= 300
+  *statistics = d->solver;
+  return d->solver_niter[0] < mjNSOLVER ? d->solver_niter[0] : mjNSOLVER;
+#else
+  *statistics = d->solver;
+  return d->solver_iter < mjNSOLVER ? d->solver_iter : mjNSOLVER;
+#endif
+}
+
+struct mujoco_sys_texture mujoco_sys_sceneGeomTexture(const mjvGeom* geom) {
+#if mjVERSION_HEADER >= 320
+  return (struct mujoco_sys_texture){geom->matid, -1, {0, 0}, 0};
+#else
+  return (struct mujoco_sys_texture){-1, geom->texid, {geom->texrepeat[0], geom->texrepeat[1]}, geom->texuniform};
+#endif
+}
+
+int mujoco_sys_setSceneGeomTexture(mjvGeom* geom, const struct mujoco_sys_texture* texture) {
+#if mjVERSION_HEADER >= 320
+  geom->matid = -1;
+  return texture->texture < 0;
+#else
+  geom->texid = texture->texture;
+  geom->texrepeat[0] = texture->repeat[0];
+  geom->texrepeat[1] = texture->repeat[1];
+  geom->texuniform = (mjtByte)(texture->uniform != 0);
+  return 1;
+#endif
+}
+
+int mujoco_sys_sceneLightDirectional(const mjvLight* light) {
+#if mjVERSION_HEADER >= 333
+  return light->type == mjLIGHT_DIRECTIONAL;
+#else
+  return light->directional;
+#endif
+}
+
+int mujoco_sys_sceneIsFull(const mjvScene* scn) {
+#if mjVERSION_HEADER >= 3007000
+  return scn->status != 0;
+#else
+  (void)scn;
+  return 0;
+#endif
+}
+
+void mujoco_sys_completeContact(mjContact* contact) {
+#if mjVERSION_HEADER >= 300
+  const int geoms[2] = {contact->geom1, contact->geom2};
+  for (int i = 0; i < 2; i++) {
+    contact->geom[i] = geoms[i];
+    contact->flex[i] = contact->elem[i] = contact->vert[i] = -1;
+  }
+#else
+  (void)contact;
+#endif
+}
+
+void mujoco_sys_getOptions(const mjOption* opt, struct mujoco_sys_options* options) {
+#if mjVERSION_HEADER >= 337
+  options->apirate = 100;
+#else
+  options->apirate = opt->apirate;
+#endif
+#if mjVERSION_HEADER >= 323
+  options->ccd_tolerance = opt->ccd_tolerance;
+  options->ccd_iterations = opt->ccd_iterations;
+#else
+  options->ccd_tolerance = opt->mpr_tolerance;
+  options->ccd_iterations = opt->mpr_iterations;
+#endif
+#if mjVERSION_HEADER >= 300
+  options->collision = -1;  // the value of Rust's mjCOL_ALL for engines without the constant
+#else
+  options->collision = opt->collision;
+#endif
+}
+
+void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* options) {
+#if mjVERSION_HEADER < 337
+  opt->apirate = options->apirate;
+#endif
+#if mjVERSION_HEADER >= 323
+  opt->ccd_tolerance = options->ccd_tolerance;
+  opt->ccd_iterations = options->ccd_iterations;
+#else
+  opt->mpr_tolerance = options->ccd_tolerance;
+  opt->mpr_iterations = options->ccd_iterations;
+#endif
+#if mjVERSION_HEADER < 300
+  opt->collision = options->collision;
+#endif
+}
+
+size_t mujoco_sys_arenaBytes(const mjData* d) {
+#if mjVERSION_HEADER >= 300
+  return d->narena;
+#else
+  return (size_t)d->nstack * sizeof(mjtNum);
+#endif
+}

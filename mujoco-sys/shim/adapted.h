@@ -1,0 +1,97 @@
+// Functions whose parameters, and values whose place in the engine's structs, differ between versions. They raise no error.
+#ifndef MUJOCO_SYS_ADAPTED_H_
+#define MUJOCO_SYS_ADAPTED_H_
+
+#include <stddef.h>
+
+#include <mujoco/mujoco.h>
+
+// Row of a matrix: `count` values at `values`, in the columns `columns`, or in all columns if that is NULL.
+struct mujoco_sys_row {
+  const mjtNum* values;
+  const int* columns;
+  int count;
+};
+
+void mujoco_sys_fullM(const mjModel* m, const mjData* d, mjtNum* dst);
+mjtNum mujoco_sys_rayMesh(const mjModel* m, const mjData* d, int geomid, const mjtNum pnt[3], const mjtNum vec[3]);
+mjtNum mujoco_sys_rayHfield(const mjModel* m, const mjData* d, int geomid, const mjtNum pnt[3], const mjtNum vec[3]);
+mjtNum mujoco_sys_rayGeom(const mjtNum pos[3], const mjtNum mat[9], const mjtNum size[3], const mjtNum pnt[3],
+                          const mjtNum vec[3], int geomtype);
+void mujoco_sys_rotVecMat(mjtNum res[3], const mjtNum vec[3], const mjtNum mat[9]);
+void mujoco_sys_rotVecMatT(mjtNum res[3], const mjtNum vec[3], const mjtNum mat[9]);
+
+// Rows of the actuators' moments and of the tendons' Jacobian.
+void mujoco_sys_momentRow(const mjModel* m, const mjData* d, int actuator, struct mujoco_sys_row* row);
+void mujoco_sys_tendonRow(const mjModel* m, const mjData* d, int tendon, struct mujoco_sys_row* row);
+
+// Computes actuator_velocity from the moments. The model has one control and one force for each actuator.
+void mujoco_sys_actuatorVelocity(const mjModel* m, mjData* d);
+
+// Row of the factor L of the inertia matrix without its diagonal of ones. The count is -1 for engines before 3.3.3, which store L with
+// `dof_Madr` and `dof_parentid`.
+void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row);
+
+// Stored elements of the inertia matrix, and their number.
+const mjtNum* mujoco_sys_inertia(const mjData* d);
+int mujoco_sys_inertiaLength(const mjModel* m);
+
+// Flags of the equality constraints that are enforced, or enforced initially; neq.
+mjtByte* mujoco_sys_equalityActive(const mjModel* m);
+
+// True if an equality constraint couples sites instead of bodies.
+int mujoco_sys_equalityCouplesSites(const mjModel* m, int equality);
+
+// Address of an actuator's activation, or -1.
+int mujoco_sys_activation(const mjModel* m, int actuator);
+
+// Pixels of all textures; ntexdata.
+mjtByte* mujoco_sys_textureBytes(const mjModel* m);
+int mujoco_sys_textureChannels(const mjModel* m, int texture);
+
+// Texture for the colour of a material, or -1.
+int mujoco_sys_materialTexture(const mjModel* m, int material);
+
+int mujoco_sys_lightDirectional(const mjModel* m, int light);
+void mujoco_sys_setLightDirectional(mjModel* m, int light, int directional);
+
+// Rest length of a tendon: one number, or since 2.3 the two ends of a range.
+mjtNum* mujoco_sys_tendonRestLength(const mjModel* m, int tendon, int* count);
+
+// Number of the solver's recorded iterations, and their statistics. With islands, those of the first island.
+int mujoco_sys_solverIterations(const mjData* d, const mjSolverStat** statistics);
+
+// Texture of a geom of a scene. Since 3.2 only the material is known (`material` >= 0), whose texture is that of the model.
+struct mujoco_sys_texture {
+  int material;
+  int texture;
+  float repeat[2];
+  int uniform;
+};
+struct mujoco_sys_texture mujoco_sys_sceneGeomTexture(const mjvGeom* geom);
+
+// Sets the texture. Returns 0 if a geom without a material cannot have a texture.
+int mujoco_sys_setSceneGeomTexture(mjvGeom* geom, const struct mujoco_sys_texture* texture);
+
+int mujoco_sys_sceneLightDirectional(const mjvLight* light);
+
+// True if the last update had too many geoms, for engines without the warning `mjWARN_VGEOMFULL`.
+int mujoco_sys_sceneIsFull(const mjvScene* scn);
+
+// Sets the fields of a contact between geom1 and geom2 that 2.2.2 does not have.
+void mujoco_sys_completeContact(mjContact* contact);
+
+// Options that only some versions have, or whose names differ.
+struct mujoco_sys_options {
+  mjtNum apirate;
+  mjtNum ccd_tolerance;
+  int ccd_iterations;
+  int collision;
+};
+void mujoco_sys_getOptions(const mjOption* opt, struct mujoco_sys_options* options);
+void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* options);
+
+// Bytes of the stack, or since 2.3 of the arena that contains the stack.
+size_t mujoco_sys_arenaBytes(const mjData* d);
+
+#endif

@@ -1,0 +1,134 @@
+//! Functions whose parameters, and values whose place in the engine's structs, differ between versions of the engine. They have one
+//! signature for all versions, and raise no error.
+//!
+//! # Safety of all functions in this module
+//!
+//! Pointers and indices are valid as for the C function or field that the documentation names.
+
+use std::os::raw::c_int;
+
+use crate::{mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvGeom, mjvLight, mjvScene};
+
+/// Row of a matrix: `count` values at `values`, in the columns `columns`, or in all columns if that is null.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Values.
+    pub values: *const mjtNum,
+    /// Columns of the values, or null for a dense row.
+    pub columns: *const c_int,
+    /// Number of values.
+    pub count: c_int,
+}
+
+/// Texture of a geom of a scene. Since 3.2 only the material is known, whose texture is that of the model.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SceneTexture {
+    /// Material, or -1.
+    pub material: c_int,
+    /// Texture, or -1.
+    pub texture: c_int,
+    /// `texrepeat`.
+    pub repeat: [f32; 2],
+    /// `texuniform`.
+    pub uniform: c_int,
+}
+
+/// Options that only some versions have, or whose names differ.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AdaptedOptions {
+    /// `apirate`; 100 since 3.3.7.
+    pub apirate: mjtNum,
+    /// `mpr_tolerance`, `ccd_tolerance` since 3.2.
+    pub ccd_tolerance: mjtNum,
+    /// `mpr_iterations`, `ccd_iterations` since 3.2.
+    pub ccd_iterations: c_int,
+    /// `collision`; since 3.0 `mjCOL_ALL`.
+    pub collision: c_int,
+}
+
+macro_rules! adapted {
+    ($($(#[$doc:meta])* $shim:ident = $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?;)*) => {
+        unsafe extern "C" {
+            $(
+                $(#[$doc])*
+                #[link_name = stringify!($shim)]
+                pub fn $name($($argument: $type),*) $(-> $result)?;
+            )*
+        }
+    };
+}
+
+adapted! {
+    /// Calls `mj_fullM`.
+    mujoco_sys_fullM = full_m(m: *const mjModel, d: *const mjData, dst: *mut mjtNum);
+    /// Calls `mj_rayMesh`.
+    mujoco_sys_rayMesh = ray_mesh(
+        m: *const mjModel, d: *const mjData, geom: c_int, point: *const mjtNum, vector: *const mjtNum,
+    ) -> mjtNum;
+    /// Calls `mj_rayHfield`.
+    mujoco_sys_rayHfield = ray_hfield(
+        m: *const mjModel, d: *const mjData, geom: c_int, point: *const mjtNum, vector: *const mjtNum,
+    ) -> mjtNum;
+    /// Calls `mju_rayGeom`.
+    mujoco_sys_rayGeom = ray_geom(
+        pos: *const mjtNum, mat: *const mjtNum, size: *const mjtNum, point: *const mjtNum, vector: *const mjtNum,
+        geomtype: c_int,
+    ) -> mjtNum;
+    /// Calls `mju_rotVecMat` (`mju_mulMatVec3` since 3.2.5).
+    mujoco_sys_rotVecMat = rot_vec_mat(res: *mut mjtNum, vec: *const mjtNum, mat: *const mjtNum);
+    /// Calls `mju_rotVecMatT` (`mju_mulMatTVec3` since 3.2.5).
+    mujoco_sys_rotVecMatT = rot_vec_mat_t(res: *mut mjtNum, vec: *const mjtNum, mat: *const mjtNum);
+    /// Writes the row of `actuator_moment` for an actuator.
+    mujoco_sys_momentRow = moment_row(m: *const mjModel, d: *const mjData, actuator: c_int, row: *mut Row);
+    /// Writes the row of `ten_J` for a tendon, in the layout of the present options.
+    mujoco_sys_tendonRow = tendon_row(m: *const mjModel, d: *const mjData, tendon: c_int, row: *mut Row);
+    /// Computes `actuator_velocity` from the moments. The model has one control and one force for each actuator.
+    mujoco_sys_actuatorVelocity = actuator_velocity(m: *const mjModel, d: *mut mjData);
+    /// Writes the row of the factor L in `qLD` without its diagonal of ones. The count is -1 for engines before 3.3.3, which store L with
+    /// `dof_Madr` and `dof_parentid`.
+    mujoco_sys_factorRow = factor_row(m: *const mjModel, d: *const mjData, dof: c_int, row: *mut Row);
+    /// Returns the stored elements of the inertia matrix, `qM` (`M` since 3.10).
+    mujoco_sys_inertia = inertia(d: *const mjData) -> *const mjtNum;
+    /// Returns the number of the stored elements of the inertia matrix, `nM` (`nC` since 3.10).
+    mujoco_sys_inertiaLength = inertia_len(m: *const mjModel) -> c_int;
+    /// Returns the flags of the equality constraints that are enforced, `eq_active`, or since 3.0 enforced initially, `eq_active0`; neq.
+    mujoco_sys_equalityActive = equality_active(m: *const mjModel) -> *mut mjtByte;
+    /// Returns 1 if an equality constraint couples sites instead of bodies (`eq_objtype`, since 3.2.3), else 0.
+    mujoco_sys_equalityCouplesSites = equality_couples_sites(m: *const mjModel, equality: c_int) -> c_int;
+    /// Returns the address of an actuator's activation (`actuator_actadr` since 2.3.7), or -1.
+    mujoco_sys_activation = activation(m: *const mjModel, actuator: c_int) -> c_int;
+    /// Returns the pixels of all textures, `tex_rgb` (`tex_data` since 3.2.1); ntexdata.
+    mujoco_sys_textureBytes = texture_bytes(m: *const mjModel) -> *mut mjtByte;
+    /// Returns the number of bytes of a texture's pixels (`tex_nchannel`): 3 before 3.2.1.
+    mujoco_sys_textureChannels = texture_channels(m: *const mjModel, texture: c_int) -> c_int;
+    /// Returns the texture for the colour of a material, or -1 (`mat_texid`).
+    mujoco_sys_materialTexture = material_texture(m: *const mjModel, material: c_int) -> c_int;
+    /// Returns 1 if a light is directional (`light_directional`, `light_type` since 3.3.3), else 0.
+    mujoco_sys_lightDirectional = light_directional(m: *const mjModel, light: c_int) -> c_int;
+    /// Makes a light directional, or else a spotlight.
+    mujoco_sys_setLightDirectional = set_light_directional(m: *mut mjModel, light: c_int, directional: c_int);
+    /// Returns the rest length of a tendon's spring (`tendon_lengthspring`): one number, or since 2.3 the two ends of a range.
+    mujoco_sys_tendonRestLength = tendon_rest_length(m: *const mjModel, tendon: c_int, count: *mut c_int) -> *mut mjtNum;
+    /// Returns the number of the solver's recorded iterations, and writes the place of their statistics (`solver`). With islands, those of
+    /// the first island.
+    mujoco_sys_solverIterations = solver_iterations(d: *const mjData, statistics: *mut *const mjSolverStat) -> c_int;
+    /// Returns the texture of a geom of a scene (`texid`, `texrepeat`, `texuniform`; `matid` since 3.2).
+    mujoco_sys_sceneGeomTexture = scene_geom_texture(geom: *const mjvGeom) -> SceneTexture;
+    /// Sets the texture of a geom of a scene. Returns 0 if a geom without a material cannot have a texture, which is so since 3.2.
+    mujoco_sys_setSceneGeomTexture = set_scene_geom_texture(geom: *mut mjvGeom, texture: *const SceneTexture) -> c_int;
+    /// Returns 1 if a light of a scene is directional (`directional`, `type` since 3.3.3), else 0.
+    mujoco_sys_sceneLightDirectional = scene_light_directional(light: *const mjvLight) -> c_int;
+    /// Returns 1 if the last update of a scene had too many geoms, for engines without the warning `mjWARN_VGEOMFULL` (since 3.7).
+    mujoco_sys_sceneIsFull = scene_is_full(scn: *const mjvScene) -> c_int;
+    /// Sets the fields of a contact between `geom1` and `geom2` that 2.2.2 does not have.
+    mujoco_sys_completeContact = complete_contact(contact: *mut mjContact);
+    /// Reads the options that only some versions have.
+    mujoco_sys_getOptions = get_options(opt: *const mjOption, options: *mut AdaptedOptions);
+    /// Writes those of the options that the engine has.
+    mujoco_sys_setOptions = set_options(opt: *mut mjOption, options: *const AdaptedOptions);
+    /// Returns the bytes of the stack, or since 2.3 of the arena that contains the stack.
+    mujoco_sys_arenaBytes = arena_bytes(d: *const mjData) -> usize;
+}

@@ -1,0 +1,212 @@
+//! Values whose place in the engine's structs differs between versions, as slices and rows.
+
+use std::ffi::c_int;
+use std::mem::MaybeUninit;
+use std::ptr;
+
+use mujoco_sys::adapted;
+
+use crate::data::Data;
+use crate::ffi;
+use crate::model::{Model, ModelMut};
+
+/// Row of a matrix of the engine.
+#[derive(Clone, Copy)]
+pub(crate) struct Row<'a> {
+    pub(crate) values: &'a [f64],
+    /// Columns of the values, or `None` for a dense row.
+    pub(crate) columns: Option<&'a [i32]>,
+}
+
+impl<'a> Row<'a> {
+    /// Converts a row that `read` writes.
+    ///
+    /// # Safety
+    ///
+    /// `read` writes a row of initialised values, and of columns if it has some, which nothing changes during `'a`.
+    unsafe fn read(read: impl FnOnce(*mut adapted::Row)) -> Self {
+        let mut row = MaybeUninit::uninit();
+        read(row.as_mut_ptr());
+        // SAFETY: `read` has written the row.
+        let adapted::Row { values, columns, count } = unsafe { row.assume_init() };
+        let count = usize::try_from(count).unwrap_or(0);
+        // SAFETY: the caller's promise.
+        unsafe {
+            let columns = (!columns.is_null()).then(|| ffi::array(columns, count));
+            Self { values: ffi::array(values, count), columns }
+        }
+    }
+
+    /// Returns the stored elements with their columns.
+    pub(crate) fn iter(self) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let column = move |at: usize| self.columns.map_or(at, |columns| ffi::size(columns[at]));
+        self.values.iter().enumerate().map(move |(at, &value)| (column(at), value))
+    }
+
+    /// Writes the dense row.
+    pub(crate) fn write_into(self, row: &mut [f64]) {
+        if self.columns.is_none() {
+            row.copy_from_slice(self.values);
+        } else {
+            row.fill(0.0);
+            self.iter().for_each(|(column, value)| row[column] = value);
+        }
+    }
+}
+
+impl Data {
+    /// Returns the derivative of an actuator's length with respect to each degree of freedom, from `actuator_moment`.
+    pub(crate) fn moment_row(&self, actuator: usize) -> Row<'_> {
+        assert!(actuator < self.model().nu(), "Bug: actuator {actuator} of {}", self.model().nu());
+        // SAFETY: an actuator of the model. Zeroed arrays of a new data are rows without elements.
+        unsafe { Row::read(|row| adapted::moment_row(self.model().as_ptr(), self.as_ptr(), actuator as c_int, row)) }
+    }
+
+    /// Returns the derivative of a tendon's length with respect to each degree of freedom, in the layout of the present options.
+    pub(crate) fn tendon_row(&self, tendon: usize) -> Row<'_> {
+        assert!(tendon < self.model().ntendon(), "Bug: tendon {tendon} of {}", self.model().ntendon());
+        // SAFETY: a tendon of the model, whose arrays have the layout of its options.
+        unsafe { Row::read(|row| adapted::tendon_row(self.model().as_ptr(), self.as_ptr(), tendon as c_int, row)) }
+    }
+
+    /// Returns the row of the factor L of the inertia matrix, without its diagonal of ones; `None` for engines that store it with
+    /// `dof_Madr`.
+    pub(crate) fn factor_row(&self, dof: usize) -> Option<Row<'_>> {
+        assert!(dof < self.model().nv(), "Bug: degree of freedom {dof} of {}", self.model().nv());
+        let mut is_known = false;
+        // SAFETY: a degree of freedom of the model, whose sparse rows the compiler has made.
+        let row = unsafe {
+            Row::read(|row| {
+                adapted::factor_row(self.model().as_ptr(), self.as_ptr(), dof as c_int, row);
+                is_known = (*row).count >= 0;
+            })
+        };
+        is_known.then_some(row)
+    }
+
+    /// Returns the stored elements of the inertia matrix.
+    pub(crate) fn inertia_elements(&self) -> &[f64] {
+        // SAFETY: the engine allocated the array with this length.
+        unsafe { ffi::array(adapted::inertia(self.as_ptr()), self.model().inertia_len()) }
+    }
+
+    /// Returns the statistics of the solver's recorded iterations.
+    pub(crate) fn solver_statistics(&self) -> &[mujoco_sys::mjSolverStat] {
+        let mut statistics = ptr::null();
+        // SAFETY: the count is at most the length of the array in the struct.
+        unsafe {
+            let count = adapted::solver_iterations(self.as_ptr(), &raw mut statistics);
+            ffi::array(statistics, usize::try_from(count).unwrap_or(0))
+        }
+    }
+}
+
+impl Model {
+    /// Returns the number of stored elements of the inertia matrix.
+    pub(crate) fn inertia_len(&self) -> usize {
+        // SAFETY: a valid model, of which the function reads a size.
+        ffi::size(unsafe { adapted::inertia_len(self.as_ptr()) })
+    }
+
+    /// Returns the flags of the equality constraints that are enforced, or enforced initially.
+    pub(crate) fn equality_active(&self) -> &[u8] {
+        // SAFETY: the engine allocated the array with this length.
+        unsafe { ffi::array(adapted::equality_active(self.as_ptr()), self.neq()) }
+    }
+
+    /// Returns `true` if an equality constraint couples sites instead of bodies.
+    pub(crate) fn couples_sites(&self, equality: usize) -> bool {
+        assert!(equality < self.neq(), "Bug: equality constraint {equality} of {}", self.neq());
+        // SAFETY: a constraint of the model.
+        unsafe { adapted::equality_couples_sites(self.as_ptr(), equality as c_int) != 0 }
+    }
+
+    /// Returns the address of an actuator's activation.
+    pub(crate) fn activation_of(&self, actuator: usize) -> Option<usize> {
+        assert!(actuator < self.nu(), "Bug: actuator {actuator} of {}", self.nu());
+        // SAFETY: an actuator of the model.
+        usize::try_from(unsafe { adapted::activation(self.as_ptr(), actuator as c_int) }).ok()
+    }
+
+    /// Returns the actuator that has an activation.
+    pub(crate) fn actuator_of_activation(&self, activation: usize) -> usize {
+        let has = |&actuator: &usize| self.activation_of(actuator) == Some(activation);
+        (0..self.nu()).find(has).expect("Bug: an activation without an actuator")
+    }
+
+    /// Returns the pixels of all textures.
+    pub(crate) fn texture_bytes(&self) -> &[u8] {
+        // SAFETY: the engine allocated the array with this length.
+        unsafe { ffi::array(adapted::texture_bytes(self.as_ptr()), self.ntexdata()) }
+    }
+
+    /// Returns the number of bytes of a texture's pixels.
+    pub(crate) fn texture_channels(&self, texture: usize) -> usize {
+        assert!(texture < self.ntex(), "Bug: texture {texture} of {}", self.ntex());
+        // SAFETY: a texture of the model.
+        ffi::size(unsafe { adapted::texture_channels(self.as_ptr(), texture as c_int) })
+    }
+
+    /// Returns the texture for the colour of a material.
+    pub(crate) fn material_texture(&self, material: usize) -> Option<usize> {
+        assert!(material < self.nmat(), "Bug: material {material} of {}", self.nmat());
+        // SAFETY: a material of the model.
+        usize::try_from(unsafe { adapted::material_texture(self.as_ptr(), material as c_int) }).ok()
+    }
+
+    /// Returns `true` for a directional light.
+    pub(crate) fn is_directional(&self, light: usize) -> bool {
+        assert!(light < self.nlight(), "Bug: light {light} of {}", self.nlight());
+        // SAFETY: a light of the model.
+        unsafe { adapted::light_directional(self.as_ptr(), light as c_int) != 0 }
+    }
+
+    /// Returns the two ends of the rest length of a tendon's spring.
+    pub(crate) fn tendon_rest_length(&self, tendon: usize) -> [f64; 2] {
+        assert!(tendon < self.ntendon(), "Bug: tendon {tendon} of {}", self.ntendon());
+        let mut count = 0;
+        // SAFETY: a tendon of the model, which has one or two numbers.
+        let lengths = unsafe {
+            let lengths = adapted::tendon_rest_length(self.as_ptr(), tendon as c_int, &raw mut count);
+            ffi::array(lengths.cast_const(), ffi::size(count))
+        };
+        [lengths[0], lengths[lengths.len() - 1]]
+    }
+}
+
+impl ModelMut<'_> {
+    /// Sets whether an equality constraint is enforced, or enforced initially.
+    pub(crate) fn set_equality_active(&mut self, equality: usize, active: bool) {
+        let length = self.neq();
+        // SAFETY: the engine allocated the array with this length, and the model is borrowed exclusively.
+        let flags = unsafe { ffi::array_mut(adapted::equality_active(self.as_ptr()), length) };
+        flags[equality] = active.into();
+    }
+
+    /// Returns the pixels of all textures for writing.
+    pub(crate) fn texture_bytes_mut(&mut self) -> &mut [u8] {
+        let length = self.ntexdata();
+        // SAFETY: the engine allocated the array with this length, the model is borrowed exclusively, and any byte is a colour.
+        unsafe { ffi::array_mut(adapted::texture_bytes(self.as_ptr()), length) }
+    }
+
+    /// Makes a light directional, or else a spotlight.
+    pub(crate) fn set_is_directional(&mut self, light: usize, directional: bool) {
+        assert!(light < self.nlight(), "Bug: light {light} of {}", self.nlight());
+        // SAFETY: a light of the model, which is borrowed exclusively.
+        unsafe { adapted::set_light_directional(self.raw_mut(), light as c_int, directional.into()) };
+    }
+
+    /// Sets both ends of the rest length of a tendon's spring.
+    pub(crate) fn set_tendon_rest_length(&mut self, tendon: usize, [low, high]: [f64; 2]) {
+        assert!(tendon < self.ntendon(), "Bug: tendon {tendon} of {}", self.ntendon());
+        let mut count = 0;
+        // SAFETY: a tendon of the model, which has one or two numbers, and the model is borrowed exclusively.
+        let lengths = unsafe {
+            let lengths = adapted::tendon_rest_length(self.as_ptr(), tendon as c_int, &raw mut count);
+            ffi::array_mut(lengths, ffi::size(count))
+        };
+        lengths[0] = low;
+        *lengths.last_mut().expect("Bug: a tendon without a rest length") = high;
+    }
+}

@@ -1,0 +1,112 @@
+//! Features of newer engines that this crate does not support yet. A model that uses one is rejected when it is loaded.
+
+use mujoco_sys::{mjENBL_SLEEP, mjWRAP_JOINT};
+
+use super::Model;
+use crate::element::SameFrame;
+use crate::enums::{
+    ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, Cone, EqualityType, GeomType, Integrator,
+    JacobianStorage, JointType, SensorDataType, SensorType, Solver, TextureType, TransmissionType, WrapType,
+};
+use crate::ffi;
+
+/// Limit on the iterations of each solver, so that a step terminates.
+const MOST_ITERATIONS: i32 = 1_000_000;
+
+impl Model {
+    /// Returns the reason why a compiled model is not supported. The types of all elements are known afterwards, actuators have one control,
+    /// one force and at most one activation, and every contact is between two geoms.
+    pub(super) fn validate(&self) -> Result<(), String> {
+        let version = crate::built_against();
+        let unsupported =
+            |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
+        let counts = [
+            (self.nflex(), "flexible objects (<flex>, <flexcomp>)"),
+            (self.nplugin(), "engine plugins"),
+            (self.nhistory(), "delays of actuators or sensors"),
+        ];
+        if let Some((_, what)) = counts.into_iter().find(|(count, _)| *count > 0) {
+            return unsupported(format!("the model has {what}"));
+        }
+        if self.raw().opt.enableflags as u32 & mjENBL_SLEEP != 0 {
+            return unsupported("the option sleep is enabled".to_owned());
+        }
+        let controls = self.actuator_trntype().len();
+        if controls != self.nu() || self.actuator_length0().len() != self.nu() {
+            return unsupported(format!("the model has {controls} actuators with {} controls", self.nu()));
+        }
+        if let Some(actuator) = self.actuator_actnum().iter().position(|&count| count > 1) {
+            return unsupported(format!("actuator {actuator} has several activations"));
+        }
+        self.unknown_type().map_or(Ok(()), unsupported)?;
+        self.check_limits()
+    }
+
+    /// Checks the rules for 2.2.2 that do not depend on the layout of a binary model: a step terminates, and stays within its arrays.
+    fn check_limits(&self) -> Result<(), String> {
+        let opt = &self.raw().opt;
+        if !(opt.timestep.is_finite() && opt.timestep > 0.0) {
+            return Err(format!("the time step is {}; it must be finite and positive", opt.timestep));
+        }
+        let iterations =
+            [opt.iterations, opt.ls_iterations, opt.noslip_iterations, opt.ccd_iterations, opt.sdf_iterations];
+        if let Some(count) = iterations.into_iter().find(|&count| count > MOST_ITERATIONS) {
+            return Err(format!("a solver has {count} iterations; at most {MOST_ITERATIONS} are allowed"));
+        }
+        for tendon in 0..self.ntendon() {
+            let start = ffi::size(self.tendon_adr()[tendon]);
+            let path = start..start + ffi::size(self.tendon_num()[tendon]);
+            let mut joints: Vec<i32> = path
+                .filter(|&at| self.wrap_type()[at] == mjWRAP_JOINT as i32)
+                .map(|at| self.wrap_objid()[at])
+                .collect();
+            let count = joints.len();
+            joints.sort_unstable();
+            joints.dedup();
+            if joints.len() < count {
+                return Err(format!(
+                    "fixed tendon {tendon} has a joint twice, on which some engines write out of bounds"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns a description of the first element whose type the enums do not have.
+    fn unknown_type(&self) -> Option<String> {
+        let opt = &self.raw().opt;
+        let first = |what: &str, types: &[i32], is_known: &dyn Fn(i32) -> bool| {
+            let index = types.iter().position(|&raw| !is_known(raw))?;
+            Some(format!("{what} {index} has the type {}", types[index]))
+        };
+        let frames = |what: &str, frames: &[u8]| {
+            let index = frames.iter().position(|&raw| SameFrame::from_raw(raw).is_none())?;
+            Some(format!("{what} {index} has the flag sameframe {}", frames[index]))
+        };
+        macro_rules! known {
+            ($what:literal, $types:expr, $enum:ident) => {
+                first($what, $types, &|raw| $enum::from_raw(raw).is_some())
+            };
+        }
+        known!("option integrator", &[opt.integrator], Integrator)
+            .or_else(|| known!("option cone", &[opt.cone], Cone))
+            .or_else(|| known!("option jacobian", &[opt.jacobian], JacobianStorage))
+            .or_else(|| known!("option solver", &[opt.solver], Solver))
+            .or_else(|| known!("joint", self.jnt_type(), JointType))
+            .or_else(|| known!("geom", self.geom_type(), GeomType))
+            .or_else(|| known!("site", self.site_type(), GeomType))
+            .or_else(|| known!("camera", self.cam_mode(), CameraMode))
+            .or_else(|| known!("light", self.light_mode(), CameraMode))
+            .or_else(|| known!("texture", self.tex_type(), TextureType))
+            .or_else(|| known!("tendon path element", self.wrap_type(), WrapType))
+            .or_else(|| known!("transmission of actuator", self.actuator_trntype(), TransmissionType))
+            .or_else(|| known!("dynamics of actuator", self.actuator_dyntype(), ActuatorDynamics))
+            .or_else(|| known!("gain of actuator", self.actuator_gaintype(), ActuatorGain))
+            .or_else(|| known!("bias of actuator", self.actuator_biastype(), ActuatorBias))
+            .or_else(|| known!("equality constraint", self.eq_type(), EqualityType))
+            .or_else(|| known!("sensor", self.sensor_type(), SensorType))
+            .or_else(|| known!("data of sensor", self.sensor_datatype(), SensorDataType))
+            .or_else(|| frames("geom", self.geom_sameframe()))
+            .or_else(|| frames("site", self.site_sameframe()))
+    }
+}
