@@ -29,6 +29,11 @@ fn main() {
             "cargo::error=Install Debian's libmujoco-dev (2.2.2), or point MUJOCO_DIR at an engine 2.2.2, 3.5.0, 3.17.0 or 4.0.0."
         );
     }
+    if version > 222 {
+        println!(
+            "cargo::warning=building against a MuJoCo other than 2.2.2, for which the promises of mujoco-safe do not hold yet"
+        );
+    }
     let thresholds = THRESHOLDS.map(|threshold| format!("\"{threshold}\"")).join(", ");
     println!("cargo::rustc-check-cfg=cfg(engine_since, values({thresholds}))");
     for threshold in THRESHOLDS.into_iter().filter(|threshold| number(threshold) <= version) {

@@ -1,7 +1,7 @@
 //! Engines and set-up: installation of MuJoCo 2.2.2, and the search paths at build time and at run time.
 //!
-//! This crate supports MuJoCo **2.2.2** only: the layout of the engine's structs changes with each release. It links the engine as a
-//! shared library, compiles a small shim with a C and a C++ compiler, and contains bindings, so it needs neither libclang nor Python.
+//! This crate supports MuJoCo **2.2.2**. The layout of the engine's structs changes with each release; the crate also compiles with 3.5.0,
+//! 3.17.0 and 4.0.0, for trials, and [`promises`](crate::promises) lists what does not hold there. It links the engine as a shared library, compiles a small shim with a C and a C++ compiler, and contains bindings, so it needs neither libclang nor Python.
 //!
 //! # Debian 12
 //!
@@ -48,10 +48,10 @@
 //! 5. `/usr`, `/usr/local` and `/opt/mujoco`.
 //!
 //! The headers are in `include/mujoco` of the directory. The library `libmujoco.so`, `libmujoco.so.*` or `libmujoco.dylib` is in
-//! `lib/<architecture>-linux-gnu`, `lib64`, `lib`, or the directory itself. The script skips engines of other versions if one of these places has 2.2.2.
+//! `lib/<architecture>-linux-gnu`, `lib64`, `lib`, or the directory itself. The script skips engines of other versions if one of these places has 2.2.2, so `MUJOCO_DIR` selects another version.
 //! A build of this repository prints a warning with the library's directory if the engine is in one of the first four places.
 //!
-//! A failure prints the searched places and the reason for each. An engine of another version is an error of the build. On
+//! A failure prints the searched places and the reason for each. An engine of a version without bindings is an error of the build. On
 //! docs.rs (`DOCS_RS` is set) a missing engine is not an error, because documentation links nothing.
 //!
 //! # Search at run time
@@ -115,5 +115,21 @@
 //! # Raw bindings
 //!
 //! [`sys`](crate::sys) has the raw bindings for calls that this crate does not wrap; their use is `unsafe`. The feature `bindgen` of `mujoco-safe-sys`
-//! generates them from the installed headers instead of using the committed ones, and needs libclang. Other versions than 2.2.2 do not
-//! work yet: CONTRIBUTING describes how to port the crate.
+//! generates them from the installed headers instead of using the committed ones, and needs libclang. CONTRIBUTING describes how to port
+//! the crate to another version.
+//!
+//! # Access that differs between versions
+//!
+//! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not `Data::qM`, and the page of the accessors that a
+//! build has is that of `cargo doc` with this engine. The hand-written interface is the same with every engine. What an engine lacks is
+//! [`Error::Unsupported`](crate::Error::Unsupported). Use these methods instead of arrays whose layout differs:
+//!
+//! | array | method |
+//! |---|---|
+//! | `actuator_moment` | [`ActuatorData::moment`](crate::element::ActuatorData) |
+//! | `ten_J` | [`TendonData::J`](crate::element::TendonData) |
+//! | `qM`, `M` | [`Data::full_m`](crate::Data::full_m), [`Data::mul_m_into`](crate::Data::mul_m_into) |
+//! | `eq_active`, `eq_active0` | [`EqualityMut::set_active`](crate::element::EqualityMut) |
+//! | `tex_rgb`, `tex_data` | [`Texture::rgb`](crate::element::Texture) |
+//! | `light_directional`, `light_type` | [`Light::directional`](crate::element::Light) |
+//! | `solver`, `solver_iter` | [`Data::solver`](crate::Data::solver) |
