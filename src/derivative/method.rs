@@ -111,6 +111,9 @@ pub enum Fallback {
     /// A derivative in closed form is not finite, for example that of the limit of a ball joint at its zero rotation. The method is
     /// [`Implicit`](TransitionMethod::Implicit).
     Singular,
+    /// The formulas of the analytic method have been verified for MuJoCo 2.2.2 only. The method is
+    /// [`Implicit`](TransitionMethod::Implicit).
+    EngineVersion,
 }
 
 impl fmt::Display for Fallback {
@@ -126,6 +129,7 @@ impl fmt::Display for Fallback {
             Self::Actuator => "an actuator has no closed form",
             Self::Constraint => "a constraint has no closed form",
             Self::Singular => "a derivative is not finite",
+            Self::EngineVersion => "the formulas are those of MuJoCo 2.2.2",
         })
     }
 }

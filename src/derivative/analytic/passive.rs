@@ -42,7 +42,7 @@ pub(super) fn differentiate(data: &Data, row: &mut [f64], residual: &mut Matrix)
     for tendon in 0..model.ntendon() {
         let (stiffness, damping) = (model.tendon_stiffness()[tendon], model.tendon_damping()[tendon]);
         if stiffness != 0.0 || damping != 0.0 {
-            tendon_row(data, tendon, row);
+            data.tendon_row(tendon).write_into(row);
             for (dof, &moment) in row.iter().enumerate() {
                 if moment != 0.0 {
                     let (by_position, by_velocity) = residual.row_mut(dof)[..2 * nv].split_at_mut(nv);
@@ -73,20 +73,5 @@ fn add_spring(data: &Data, joint: usize, stiffness: f64, residual: &mut Matrix) 
         }
     } else {
         residual[(dof, dof)] += stiffness;
-    }
-}
-
-/// Writes the Jacobian of a tendon to a dense row.
-pub(super) fn tendon_row(data: &Data, tendon: usize, row: &mut [f64]) {
-    let jacobian = data.ten_J();
-    if data.model().is_sparse() {
-        row.fill(0.0);
-        let start = ffi::size(data.ten_J_rowadr()[tendon]);
-        let range = start..start + ffi::size(data.ten_J_rownnz()[tendon]);
-        for (&dof, &value) in data.ten_J_colind()[range.clone()].iter().zip(&jacobian.as_slice()[range]) {
-            row[ffi::size(dof)] = value;
-        }
-    } else {
-        row.copy_from_slice(jacobian.row(tendon));
     }
 }

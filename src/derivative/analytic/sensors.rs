@@ -1,7 +1,6 @@
 //! Derivatives of sensors that are linear functions of the state: joints, fixed tendons, lengths and velocities of actuators, and
 //! clocks.
 
-use super::passive::tendon_row;
 use crate::data::Data;
 use crate::derivative::TransitionOutputs;
 use crate::enums::{JointType, SensorType, TransmissionType};
@@ -53,10 +52,10 @@ pub(super) fn write(data: &Data, outputs: &mut TransitionOutputs<'_>) {
         match SensorType::from_raw(model.sensor_type()[sensor]) {
             Some(SensorType::JointPosition) => positions[ffi::size(model.jnt_dofadr()[object])] = 1.0,
             Some(SensorType::JointVelocity) => velocities[ffi::size(model.jnt_dofadr()[object])] = 1.0,
-            Some(SensorType::TendonPosition) => tendon_row(data, object, positions),
-            Some(SensorType::TendonVelocity) => tendon_row(data, object, velocities),
-            Some(SensorType::ActuatorPosition) => positions.copy_from_slice(data.actuator_moment().row(object)),
-            Some(SensorType::ActuatorVelocity) => velocities.copy_from_slice(data.actuator_moment().row(object)),
+            Some(SensorType::TendonPosition) => data.tendon_row(object).write_into(positions),
+            Some(SensorType::TendonVelocity) => data.tendon_row(object).write_into(velocities),
+            Some(SensorType::ActuatorPosition) => data.moment_row(object).write_into(positions),
+            Some(SensorType::ActuatorVelocity) => data.moment_row(object).write_into(velocities),
             // The time is not a part of the linear system's state.
             _ => {}
         }

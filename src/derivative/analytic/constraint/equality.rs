@@ -14,7 +14,6 @@ use super::Constraints;
 use super::chains::{multiply, multiply_transposed};
 use super::rows::Rows;
 use crate::data::Data;
-use crate::derivative::analytic::passive::tendon_row;
 use crate::derivative::analytic::spatial::{Vec3, add, add_scaled, angular, cross, sub, velocity_at, wrench};
 use crate::derivative::analytic::tree::Tree;
 use crate::derivative::linear_algebra::add as add_to;
@@ -75,7 +74,7 @@ fn differentiate_polynomial(
         second[ffi::size(model.jnt_dofadr()[object])] = 1.0;
         data.qpos()[at] - model.qpos0()[at]
     } else {
-        tendon_row(data, object, second);
+        data.tendon_row(object).write_into(second);
         data.ten_length()[object] - model.tendon_length0()[object]
     };
     let [_, _, c2, c3, c4, ..] = model.eq_data()[equality];
