@@ -5,7 +5,7 @@ use egui::{DragValue, Ui};
 use super::{PanelContext, display_name, layout, visual};
 use crate::element::{EqualityObjects, View};
 use crate::enums::{Collision, Cone, Integrator, JacobianStorage, Solver};
-use crate::id::{BodyId, JointId, TendonId};
+use crate::id::{BodyId, JointId, SiteId, TendonId};
 use crate::kind;
 use crate::model::{DisableFlags, EnableFlags, Model};
 use crate::viewer::link::EndpointRequest;
@@ -124,8 +124,10 @@ fn equality_name(model: &Model, equality: &View<'_, Model, kind::Equality>) -> S
     let joint = |id: JointId| display_name(model.joint(id).name(), id.index());
     let tendon = |id: TendonId| display_name(model.tendon(id).name(), id.index());
     let body = |id: BodyId| display_name(model.body(id).name(), id.index());
+    let site = |id: SiteId| display_name(model.site(id).name(), id.index());
     let (one, other) = match equality.objects() {
         EqualityObjects::Bodies(one, other) => (body(one), Some(body(other))),
+        EqualityObjects::Sites(one, other) => (site(one), Some(site(other))),
         EqualityObjects::Joints(one, other) => (joint(one), other.map(joint)),
         EqualityObjects::Tendons(one, other) => (tendon(one), other.map(tendon)),
     };
