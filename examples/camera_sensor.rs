@@ -27,6 +27,7 @@ const STOP_DISTANCE: f64 = 0.5;
 
 /// Drives a rover to a ball with the depth and segmentation images of its camera.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Simulated time, s
     #[arg(long, value_name = "S", default_value_t = 6.0)]

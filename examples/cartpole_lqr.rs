@@ -20,7 +20,7 @@ use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Trajectory, sample
 
 /// Balances a cart-pole with a linear-quadratic regulator.
 #[derive(Parser)]
-#[command(allow_negative_numbers = true)]
+#[command(allow_negative_numbers = true, args_override_self = true)]
 struct Arguments {
     /// Initial angle of the pole, rad
     #[arg(long, value_name = "RAD", default_value_t = 0.1)]

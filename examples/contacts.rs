@@ -34,6 +34,7 @@ const BLOCK: &str = r#"
 
 /// Prints the contacts of a tumbling block at rest, and plots their forces.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Folder for the plot; without it, no plot is written
     #[arg(long, value_name = "DIR")]

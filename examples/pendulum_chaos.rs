@@ -44,6 +44,7 @@ const PENDULUM: &str = r#"
 
 /// Measures the sensitivity of a triple pendulum, and the error of the integrators.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Folder for the plot; without it, no plot is written
     #[arg(long, value_name = "DIR")]

@@ -26,6 +26,7 @@ const PUSH_AT: f64 = 1.0;
 
 /// Records a humanoid that balances on one leg and recovers from a push.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Output file: .gif, .png, .mp4 (requires the program ffmpeg), or a folder for numbered images
     #[arg(long, value_name = "PATH", default_value = "humanoid.gif")]

@@ -33,6 +33,7 @@ const FALLEN: f64 = 1.0;
 
 /// Simulates many random pushes of a balanced pole on all cores.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Number of pushes
     #[arg(long, value_name = "N", default_value_t = 256)]

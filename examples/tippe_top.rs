@@ -37,7 +37,7 @@ const TOP: &str = r#"
 
 /// Prints the time at which a spinning tippe top turns over.
 #[derive(Parser)]
-#[command(allow_negative_numbers = true)]
+#[command(allow_negative_numbers = true, args_override_self = true)]
 struct Arguments {
     /// Initial angular velocity, rad/s
     #[arg(long, value_name = "R", default_value_t = 200.0)]

@@ -22,6 +22,7 @@ use mujoco_safe::{Controller, Data, Trajectory, ZeroController};
 
 /// Renders two trajectories of a humanoid side by side: without control and under LQR.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Output file; the example `record` lists the formats
     #[arg(long, value_name = "PATH", default_value = "trajectories.gif")]

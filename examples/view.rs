@@ -19,6 +19,7 @@ use mujoco_safe::{Data, Model, Trajectory, sample};
 
 /// Shows a model in the viewer.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Model file: MJCF, URDF or MJB; without it, the bundled humanoid
     model: Option<PathBuf>,

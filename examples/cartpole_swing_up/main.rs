@@ -24,6 +24,7 @@ use swing_up::{SIMULATION_DURATION, attempt};
 
 /// Swings a pole up by trajectory optimisation, and balances it.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Number of random initial states
     #[arg(long, value_name = "N", default_value_t = 5)]

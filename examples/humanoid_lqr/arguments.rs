@@ -9,7 +9,7 @@ use crate::simulate::Push;
 
 /// A humanoid balances on one leg under a linear-quadratic regulator.
 #[derive(Parser)]
-#[command(allow_negative_numbers = true)]
+#[command(allow_negative_numbers = true, args_override_self = true)]
 pub struct Arguments {
     /// Model file; without it, the bundled humanoid
     #[arg(long, value_name = "PATH")]

@@ -36,6 +36,7 @@ use robot::{NEWTONS, PUSH_DURATION, Robot, push};
 
 /// A humanoid recovers from pushes that its linear-quadratic regulator alone cannot withstand, by predictive sampling.
 #[derive(Parser)]
+#[command(args_override_self = true)]
 struct Arguments {
     /// Number of pushes, each in another direction
     #[arg(long, value_name = "N", default_value_t = 5)]
