@@ -73,9 +73,9 @@ fn width(model: &Model) -> usize {
 struct Expected {
     states: Vec<f64>,
     sensordata: Vec<f64>,
-    /// What a closure reads from a copy of the simulation after `forward`.
+    /// Values that a closure reads from a copy of the simulation after `forward`.
     current: Vec<f64>,
-    /// What it reads from the simulation after a step.
+    /// Values that it reads from the simulation after a step.
     lagging: Vec<f64>,
 }
 
