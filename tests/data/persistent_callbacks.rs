@@ -11,6 +11,8 @@ use mujoco_safe::derivative::{Fallback, TransitionMethod, TransitionOptions};
 use mujoco_safe::rollout::{Rollout, Workers};
 use mujoco_safe::{Batch, Data, Differences, Error, Lineariser, Matrix, sample};
 
+use crate::callbacks::assert_equals_controller;
+
 /// Counter that closures share with a test.
 #[derive(Clone, Default)]
 struct Calls(Arc<AtomicUsize>);
@@ -46,19 +48,10 @@ fn counting() -> (Data, Calls) {
 
 #[test]
 fn a_control_callback_equals_a_controller_bit_for_bit() {
-    let push = |data: &Data| 30.0 * data.qpos()[1] + 5.0 * data.qvel()[1];
-    let mut with_callback = cartpole();
-    with_callback.qpos_mut()[1] = 0.2;
-    let mut by_hand = with_callback.clone();
-    with_callback.set_callbacks(Callbacks::new().control(move |moment| moment.ctrl_mut()[0] = push(moment)));
-    for _ in 0..300 {
-        with_callback.step().unwrap();
-        by_hand.step1().unwrap();
-        by_hand.ctrl_mut()[0] = push(&by_hand);
-        by_hand.step2().unwrap();
-    }
-    assert_eq!(with_callback.physics_state(), by_hand.physics_state());
-    assert!(with_callback.ctrl()[0] != 0.0);
+    assert_equals_controller(|data, callbacks, steps| {
+        data.set_callbacks(callbacks);
+        data.step_n(steps).unwrap();
+    });
 }
 
 #[test]
