@@ -146,7 +146,7 @@ fn constrained_humanoid() -> Result<Data> {
     let mut data = Data::new(Model::from_xml_str(&xml)?)?;
     data.edit_model(|model| model.edit_options(|options| options.cone = Cone::Elliptic))?;
     data.reset_to_key("stand_on_left_leg")?;
-    (0..5).try_for_each(|_| data.step())?;
+    data.step_n(5)?;
     Ok(data)
 }
 

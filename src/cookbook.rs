@@ -181,7 +181,7 @@
 //!     edit.update_constants()?;
 //!     let mut data = Data::new(variation)?;
 //!     data.joint_mut(hinge).qpos_mut()[0] = 0.1;
-//!     (0..20).try_for_each(|_| data.step())?;
+//!     data.step_n(20)?;
 //!     angles.push(data.joint(hinge).qpos()[0]);
 //! }
 //! assert!(angles.iter().all(|angle| *angle > 0.1));
@@ -275,10 +275,10 @@
 //!
 //! let mut data = Data::new(sample::humanoid())?;
 //! let mut saved = data.state(StateSpec::INTEGRATION); // all inputs of the next step
-//! (0..10).try_for_each(|_| data.step())?;
+//! data.step_n(10)?;
 //! let first = data.qpos().to_vec();
 //! data.set_state(StateSpec::INTEGRATION, &saved)?;
-//! (0..10).try_for_each(|_| data.step())?;
+//! data.step_n(10)?;
 //! assert_eq!(data.qpos(), first);
 //! data.state_into(StateSpec::INTEGRATION, &mut saved)?; // reuses the vector
 //! # Ok::<(), mujoco_safe::Error>(())
@@ -300,7 +300,7 @@
 //!             scope.spawn(move || -> mujoco_safe::Result<f64> {
 //!                 let mut data = Data::new(model)?;
 //!                 data.ctrl_mut()[0] = 0.1 * f64::from(thread);
-//!                 (0..20).try_for_each(|_| data.step())?;
+//!                 data.step_n(20)?;
 //!                 Ok(data.qpos()[1])
 //!             })
 //!         })

@@ -21,7 +21,7 @@ impl Data {
     ///     moment.ctrl_mut()[0] = push;
     ///     pushes.push(push);
     /// });
-    /// data.with_callbacks(balance, |data| (0..200).try_for_each(|_| data.step()))?;
+    /// data.with_callbacks(balance, |data| data.step_n(200))?;
     /// assert_eq!(pushes.len(), 200);
     /// assert!(data.qpos()[1].abs() < 0.1);
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -85,7 +85,7 @@ impl Data {
     ///
     /// let mut balancer = Balancer::new()?;
     /// *balancer.target.lock().unwrap() = 0.3;
-    /// (0..1000).try_for_each(|_| balancer.data.step())?;
+    /// balancer.data.step_n(1000)?;
     /// assert!((balancer.data.qpos()[0] - 0.3).abs() < 0.01);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```

@@ -61,7 +61,7 @@
 //! let mut data = Data::new(sample::humanoid())?;
 //! assert_eq!((data.model().nq(), data.model().nv()), (28, 27)); // a quaternion has four numbers and three degrees of freedom
 //! let saved = data.state(StateSpec::INTEGRATION);
-//! (0..10).try_for_each(|_| data.step())?;
+//! data.step_n(10)?;
 //! data.set_state(StateSpec::INTEGRATION, &saved)?;
 //! assert_eq!(data.time(), 0.0);
 //! # Ok::<(), mujoco_safe::Error>(())

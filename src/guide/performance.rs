@@ -126,7 +126,7 @@
 //!
 //! enable_timers(); // before the first step; without a clock, the timers only count
 //! let mut data = Data::new(sample::humanoid())?;
-//! (0..100).try_for_each(|_| data.step())?;
+//! data.step_n(100)?;
 //! for timer in Timer::ALL {
 //!     let total = data.timer(timer);
 //!     println!("{timer:?}: {} calls, {:.1} µs each", total.number, 1e6 * total.duration / total.number.max(1) as f64);

@@ -199,7 +199,7 @@
 //! use mujoco_safe::{Data, sample};
 //!
 //! let mut data = Data::new(sample::cartpole())?;
-//! (0..10).try_for_each(|_| data.step())?;
+//! data.step_n(10)?;
 //! data.edit_model(|edit| {
 //!     edit.body_mut("pole")?.scale_mass(2.0)?; // mass and inertia
 //!     edit.update_constants()                  // quantities that the compiler derived from them

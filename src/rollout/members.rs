@@ -67,7 +67,7 @@ impl Member<'_> {
     pub(super) fn advance(&mut self, substeps: usize) {
         let data = &mut self.simulation.data;
         let set = data.set_state(StateSpec::CTRL, self.controls);
-        let result = set.and_then(|()| (0..substeps).try_for_each(|_| data.step()));
+        let result = set.and_then(|()| data.step_n(substeps));
         self.simulation.failure = result.err();
     }
 

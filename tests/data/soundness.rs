@@ -134,7 +134,7 @@ mod memory {
             bytes[position] ^= 0x5a;
             if let Ok(model) = Model::from_binary(&bytes) {
                 let mut data = Data::new(model).unwrap();
-                let _ = (0..3).try_for_each(|_| data.step());
+                let _ = data.step_n(3);
             }
         }
     }
