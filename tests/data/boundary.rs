@@ -1,4 +1,4 @@
-//! Every kind of call across the boundary to C, a few times each: small enough for valgrind's memcheck (`scripts/memcheck`),
+//! Every kind of call across the boundary to C, a few times each: small enough for valgrind's memcheck (`scripts/valgrind memcheck`),
 //! which detects invalid accesses, uses of uninitialised memory and leaks.
 
 #![forbid(unsafe_code)]
