@@ -86,6 +86,20 @@ pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     if content.len() as u64 > MOST_BYTES { Err(too_large()) } else { Ok(content) }
 }
 
+/// Returns the path itself or, if it exists, the first free path of `name-2.png`, `name-3.png`, ….
+#[cfg(feature = "viewer")]
+pub(crate) fn free_path(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map(|extension| format!(".{}", extension.to_string_lossy())).unwrap_or_default();
+    let mut free = path.to_owned();
+    let mut number = 2_u64;
+    while free.exists() {
+        free = path.with_file_name(format!("{stem}-{number}{extension}"));
+        number += 1;
+    }
+    free
+}
+
 /// Creates a file with private permissions for data that will later be written to `path`. The file is in the directory for
 /// temporary files or, if that fails, in the directory of `path`.
 pub(crate) fn temporary(path: &Path) -> io::Result<NamedTempFile> {
@@ -249,5 +263,21 @@ mod tests {
         replace(&circle, |_| Ok(())).unwrap_err();
         replace("/dev/null".as_ref(), |out| out.write_all(b"new")).unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[cfg(feature = "viewer")]
+    #[test]
+    fn existing_files_are_not_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("view.of.it.png");
+        assert_eq!(super::free_path(&path), path);
+        fs::write(&path, "").unwrap();
+        let second = folder.path().join("view.of.it-2.png");
+        assert_eq!(super::free_path(&path), second);
+        fs::write(&second, "").unwrap();
+        assert_eq!(super::free_path(&path), folder.path().join("view.of.it-3.png"));
+        let folder_name = folder.path().join("frames");
+        fs::create_dir(&folder_name).unwrap();
+        assert_eq!(super::free_path(&folder_name), folder.path().join("frames-2"));
     }
 }

@@ -32,6 +32,8 @@ use mujoco_sys::{self as sys, guard, mjModel};
 
 pub use self::edit::ModelMut;
 pub use self::load::LoadOptions;
+#[cfg(feature = "viewer")]
+pub(crate) use self::options::SettingMut;
 pub use self::options::{VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};
 pub use self::save::{SaveXmlOptions, XmlCheck};
 pub use self::shared::IntoModel;
@@ -84,7 +86,6 @@ with_aliases! {
 #[doc(alias = "mjModel")]
 #[doc(alias = "mj_copyModel")]
 #[doc(alias = "mj_deleteModel")]
-#[doc(alias = "mj_printModel")]
 pub struct Model {
     raw: NonNull<mjModel>,
     lineage: Lineage,

@@ -37,6 +37,9 @@ pub struct ViewerOptions {
     /// selects the format: see [`Recorder::create`](crate::record::Recorder::create). `None` for `recording.mp4`, or
     /// `recording.gif` without `ffmpeg`.
     pub recordings: Option<PathBuf>,
+    /// Directory of the model and of the listings that the panel "Simulation" saves: `model.xml`, `model.mjb`, `model.txt` and `data.txt`. An
+    /// existing file is not overwritten: a number is appended to the name. By default the working directory.
+    pub directory: PathBuf,
     /// Options of the recordings.
     pub recording: RecorderOptions,
 }
@@ -50,6 +53,7 @@ impl Default for ViewerOptions {
             file: None,
             screenshots: "screenshot.png".into(),
             recordings: None,
+            directory: ".".into(),
             recording: RecorderOptions::default(),
         }
     }
@@ -62,6 +66,7 @@ with_methods!(ViewerOptions {
     with_file(file: impl Into<PathBuf>) = Some(file.into()),
     with_screenshots(screenshots: impl Into<PathBuf>) = screenshots.into(),
     with_recordings(recordings: impl Into<PathBuf>) = Some(recordings.into()),
+    with_directory(directory: impl Into<PathBuf>) = directory.into(),
     with_recording(recording: RecorderOptions),
 });
 

@@ -16,8 +16,9 @@
 //!
 //! [`Viewer::run`] starts paused; Space resumes. **F1 lists all keys and mouse gestures**, on the screen and on the terminal. A
 //! double-click selects a body; Ctrl and the right button pull it. Tab and Shift+Tab open the side panels: simulation,
-//! trajectories, keyframes, visualisation, physics options and watched values on the left; controls, joints and the selected body on
-//! the right. F3 and F4 open plots there. A model file that is dropped onto the window is loaded.
+//! trajectories, keyframes, visualisation, appearance, physics options and watched values on the left; search, controls, joints and the
+//! selected body on the right. The panel of the simulation also adds noise to the controls, and saves the model and the engine's
+//! listings. F3 and F4 open plots there. A model file that is dropped onto the window is loaded.
 //!
 //! Keys have the meaning of the engine's `simulate`: digits toggle the geom group of the same number, `-` and `=` change the speed,
 //! `[` and `]` the camera, and Esc selects the free camera. Only Ctrl+Q, the window's close button and the signals of Ctrl+C in

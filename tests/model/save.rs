@@ -154,6 +154,19 @@ fn a_failed_save_leaves_the_existing_file_unchanged() {
 }
 
 #[test]
+fn print_to_writes_every_array() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.txt");
+    let model = sample::humanoid();
+    model.print_to(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(model.bodies().all(|body| text.contains(body.name().unwrap())));
+    assert!(["gravity", "qpos0", "key_qpos"].iter().all(|name| text.to_lowercase().contains(name)), "{text}");
+    assert!(matches!(model.print_to(folder.path().join("missing/model.txt")), Err(Error::File { .. })));
+    assert!(matches!(model.print_to("a\0b"), Err(Error::Invalid { .. })));
+}
+
+#[test]
 fn the_schema_has_every_element_of_the_official_bindings() {
     let (text, html) = (mujoco_safe::model::schema().unwrap(), mujoco_safe::model::schema_html().unwrap());
     let elements: Vec<&str> =

@@ -48,7 +48,7 @@ pub fn draw(directory: &Path) {
                 save("plots");
                 press(&input, "space", "the simulation is paused", |state| state.status == "Paused");
                 // Opens the sections from the bottom up, so that the upper headings keep their positions.
-                for section in [617, 594, 571, 548, 207, 184] {
+                for section in [686, 663, 640, 617, 594, 253, 230] {
                     input.click([40, section], 1, 1);
                     settle(&input);
                     settle(&input);

@@ -83,6 +83,14 @@ macro_rules! mirror {
             }
         }
 
+        #[cfg(feature = "viewer")]
+        impl $name {
+            /// Returns the name and the value of each setting.
+            pub(crate) fn settings(&mut self) -> impl Iterator<Item = (&'static str, $crate::model::options::SettingMut<'_>)> {
+                [$((stringify!($field), (&mut self.$field).into()),)*].into_iter()
+            }
+        }
+
         impl $crate::model::options::fields::Mirror<$raw> for $name {
             fn read(raw: $raw) -> Self {
                 Self { $($field: $crate::model::options::fields::Mirror::read(raw.$field),)* }
@@ -102,6 +110,32 @@ macro_rules! mirror {
     };
 }
 pub(super) use mirror;
+
+/// Value of a setting, for the viewer's panels.
+#[cfg(feature = "viewer")]
+#[derive(Debug)]
+pub(crate) enum SettingMut<'a> {
+    Count(&'a mut usize),
+    Number(&'a mut f32),
+    Double(&'a mut f64),
+    Switch(&'a mut bool),
+    Rgb(&'a mut [f32; 3]),
+    Rgba(&'a mut [f32; 4]),
+    Vector(&'a mut [f64; 3]),
+}
+
+#[cfg(feature = "viewer")]
+macro_rules! setting {
+    ($($variant:ident($type:ty)),*) => {$(
+        impl<'a> From<&'a mut $type> for SettingMut<'a> {
+            fn from(value: &'a mut $type) -> Self {
+                Self::$variant(value)
+            }
+        }
+    )*};
+}
+#[cfg(feature = "viewer")]
+setting!(Count(usize), Number(f32), Double(f64), Switch(bool), Rgb([f32; 3]), Rgba([f32; 4]), Vector([f64; 3]));
 
 /// Range checks for the fields of one struct. Contains the prefix of field names in errors.
 pub(super) struct Checks(pub(super) &'static str);

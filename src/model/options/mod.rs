@@ -10,6 +10,8 @@ use bitflags::bitflags;
 use mujoco_sys::adapted::{self, AdaptedOptions};
 use mujoco_sys::{self as sys, mjOption};
 
+#[cfg(feature = "viewer")]
+pub(crate) use self::fields::SettingMut;
 use self::fields::{Checks, Mirror};
 pub use self::statistics::Statistics;
 pub use self::visual::{Visual, VisualGlobal, VisualHeadlight, VisualMap, VisualQuality, VisualRgba, VisualScale};

@@ -12,6 +12,7 @@ mod compare;
 mod compare;
 mod xml_text;
 
+use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -70,6 +71,27 @@ impl SaveXmlOptions {
 
 /// # Saving
 impl Model {
+    /// Writes the sizes, the options and every array of the model to a text file, in the engine's format, which is meant for human readers.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if the file cannot be written, [`Error::Invalid`] for a path with a NUL byte.
+    ///
+    /// ```no_run
+    /// mujoco_safe::sample::humanoid().print_to("humanoid.txt")?;
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[doc(alias = "mj_printModel")]
+    pub fn print_to(&self, path: impl AsRef<Path>) -> Result<()> {
+        let path = path.as_ref();
+        let name = ffi::c_string("the path of print_to", path.as_os_str().as_encoded_bytes())?;
+        // The engine only raises a warning if it cannot open the file.
+        File::create(path).map_err(Error::file(path))?;
+        // SAFETY: a model that was compiled or validated, and a NUL-terminated path. The function raises no error.
+        unsafe { sys::mj_printModel(self.as_ptr(), name.as_ptr()) };
+        Ok(())
+    }
+
     /// Writes the model in the engine's binary form (MJB), which loads faster than XML and is specific to this engine version.
     ///
     /// # Errors

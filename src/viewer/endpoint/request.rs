@@ -1,5 +1,6 @@
 //! Execution of the requests that any simulation supports.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::SimulationEndpoint;
@@ -7,10 +8,11 @@ use super::keyframe::{CapturedKey, key_xml};
 use crate::data::Data;
 use crate::enums::JointType;
 use crate::error::{Error, Result};
+use crate::file::free_path;
 use crate::id::{Id, JointId};
 use crate::kind::ElementKind;
 use crate::math::normalize4;
-use crate::viewer::link::{EndpointRequest, Event};
+use crate::viewer::link::{EndpointRequest, Event, SavedFile};
 
 /// Capacity of the queue of key presses, for a program that never reads them.
 const MAX_KEYS: usize = 256;
@@ -74,6 +76,15 @@ impl SimulationEndpoint {
                 self.adopt(data);
                 return Ok(true);
             }
+            EndpointRequest::SetAppearance(appearance) => {
+                data.edit_model(|model| {
+                    model.edit_visual(|visual| *visual = appearance.visual)?;
+                    model.edit_statistics(|statistics| *statistics = appearance.statistics)
+                })?;
+                self.adopt(data);
+                return Ok(true);
+            }
+            EndpointRequest::Save(file, directory) => self.save(file, &directory, data)?,
             EndpointRequest::Watch(watches) => self.watches = watches,
             EndpointRequest::ForwardKey(press) => {
                 if self.keys.len() < MAX_KEYS {
@@ -92,6 +103,21 @@ impl SimulationEndpoint {
     /// Returns `true` if an id belongs to a model that was replaced since the window has seen it.
     pub(super) fn is_stale<K: ElementKind>(&self, id: Id<K>) -> bool {
         id.lineage() != self.model.lineage()
+    }
+
+    fn save(&mut self, file: SavedFile, directory: &Path, data: &mut Data) -> Result<()> {
+        let path = free_path(&directory.join(file.name()));
+        match file {
+            SavedFile::Xml => data.model().save_xml(&path)?,
+            SavedFile::Binary => data.model().save_binary(&path)?,
+            SavedFile::ModelText => data.model().print_to(&path)?,
+            SavedFile::DataText => {
+                self.refresh_if_needed(data)?;
+                data.print_to(&path)?;
+            }
+        }
+        self.link.send(Event::Notice(format!("saved {}", path.display())));
+        Ok(())
     }
 
     fn save_key(&mut self, name: Option<String>, data: &Data) {

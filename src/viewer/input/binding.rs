@@ -6,7 +6,7 @@
 
 use super::{Key, KeyPress, Modifiers};
 use crate::scene::{RenderFlags, VisualFlags};
-use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SimulationRequest};
+use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SavedFile, SimulationRequest};
 
 /// Effect of a key or a button of a panel.
 #[derive(Clone, Debug)]
@@ -65,6 +65,8 @@ pub(crate) enum WindowAction {
     Record,
     /// Saves a screenshot.
     Screenshot,
+    /// Saves a file about the model.
+    Save(SavedFile),
     /// Reloads the model's file.
     Reload,
     /// Prints the help to the terminal.

@@ -1,8 +1,9 @@
 //! Requests of the window to the physics, nested by receiver, and events of the physics for the window.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{Mode, SceneView};
+use super::{Appearance, ControlNoise, Mode, SceneView};
 use crate::id::{ActuatorId, BodyId, EqualityId, HeightFieldId, JointId, KeyframeId, MeshId, TextureId};
 use crate::model::{Model, Options};
 use crate::scene::{MouseAction, PerturbationFlags};
@@ -42,6 +43,8 @@ pub(crate) enum SimulationRequest {
     CycleMode(i32),
     /// Switches to a mode. Ignored if the mode is not available.
     SetMode(Mode),
+    /// Sets the noise on the controls.
+    SetNoise(ControlNoise),
     /// Pauses, and restores a state of the history: 0 is the oldest.
     Scrub(usize),
     /// Replaces the model.
@@ -105,10 +108,39 @@ pub(crate) enum EndpointRequest {
     SetEquality(EqualityId, bool),
     /// Sets the physics options.
     SetOptions(Box<Options>),
+    /// Sets the appearance of the model.
+    SetAppearance(Box<Appearance>),
+    /// Writes a file about the model into a directory. Answered with a notice of the path.
+    Save(SavedFile, PathBuf),
     /// Sets the watched values that the snapshots contain.
     Watch(Vec<Watch>),
     /// Forwards a key without a binding to the program.
     ForwardKey(KeyPress),
+}
+
+/// File that the user saves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SavedFile {
+    /// The model as XML.
+    Xml,
+    /// The model in the engine's binary form.
+    Binary,
+    /// The engine's listing of the model.
+    ModelText,
+    /// The engine's listing of the simulation.
+    DataText,
+}
+
+impl SavedFile {
+    /// Returns the name of the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Xml => "model.xml",
+            Self::Binary => "model.mjb",
+            Self::ModelText => "model.txt",
+            Self::DataText => "data.txt",
+        }
+    }
 }
 
 /// Model that is compared by identity.

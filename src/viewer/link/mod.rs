@@ -14,10 +14,12 @@ use std::time::{Duration, Instant};
 use std::{fmt, mem};
 
 pub(crate) use self::message::{
-    Asset, EndpointRequest, Event, PlaybackRequest, Request, SharedModel, SimulationRequest, ViewportPoint,
+    Asset, EndpointRequest, Event, PlaybackRequest, Request, SavedFile, SharedModel, SimulationRequest, ViewportPoint,
 };
 pub(crate) use self::prediction::PredictedState;
-pub(crate) use self::snapshot::{InfoLine, InfoLines, Mode, SelectedBody, SimulationSpeed, Snapshot, Status};
+pub(crate) use self::snapshot::{
+    Appearance, ControlNoise, InfoLine, InfoLines, Mode, SelectedBody, SimulationSpeed, Snapshot, Status,
+};
 use crate::scene::{Camera, CameraView, SceneOptions};
 
 /// Capacity of the request queue. Requests beyond it are dropped with a warning: the program has not called `sync` for a long time.

@@ -1,6 +1,6 @@
 //! Prediction of the state after the pending requests.
 
-use super::{EndpointRequest, Mode, Request, SimulationRequest, Snapshot};
+use super::{Appearance, EndpointRequest, Mode, Request, SimulationRequest, Snapshot};
 use crate::model::Options;
 
 /// Predicted state after the pending requests. The window interprets keys, buttons and edits by it, because the newest snapshot may
@@ -13,6 +13,7 @@ pub(crate) struct PredictedState {
     selection: u64,
     mode: Option<(u64, Mode)>,
     options: Option<(u64, Options)>,
+    appearance: Option<(u64, Appearance)>,
 }
 
 impl PredictedState {
@@ -24,6 +25,9 @@ impl PredictedState {
             }
             Request::Endpoint(EndpointRequest::SelectBody(None)) => self.selection = 0,
             Request::Endpoint(EndpointRequest::SetOptions(options)) => self.options = Some((number, **options)),
+            Request::Endpoint(EndpointRequest::SetAppearance(appearance)) => {
+                self.appearance = Some((number, **appearance));
+            }
             Request::Simulation(SimulationRequest::SetMode(mode)) if snapshot.modes.contains(mode) => {
                 self.mode = Some((number, *mode));
             }
@@ -54,6 +58,12 @@ impl PredictedState {
     pub fn options(&self, snapshot: &Snapshot) -> Options {
         let pending = self.options.filter(|(number, _)| *number > snapshot.executed);
         pending.map_or_else(|| snapshot.model.options(), |(_, options)| options)
+    }
+
+    /// Returns the appearance on which the next edit is based.
+    pub fn appearance(&self, snapshot: &Snapshot) -> Appearance {
+        let pending = self.appearance.filter(|(number, _)| *number > snapshot.executed);
+        pending.map_or_else(|| Appearance::of(&snapshot.model), |(_, appearance)| appearance)
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::data::{Data, SolverIteration, Timer, TimerCount};
 use crate::error::Result;
 use crate::id::{BodyId, GeomId};
-use crate::model::Model;
+use crate::model::{Model, Statistics, Visual};
 use crate::scene::{Camera, Scene};
 use crate::viewer::endpoint::CapturedKey;
 use crate::viewer::simulation::PlaybackState;
@@ -48,6 +48,7 @@ pub(crate) struct Snapshot {
     /// Message of the last error, until the simulation resumes. Empty without an error.
     pub problem: String,
     pub speed: SimulationSpeed,
+    pub noise: ControlNoise,
     /// Available modes.
     pub modes: Vec<Mode>,
     pub mode: Mode,
@@ -105,6 +106,34 @@ impl Status {
             Self::Reversed => "Reverse Simulation",
             Self::Program => "Program",
         }
+    }
+}
+
+/// Settings of a model that determine its appearance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Appearance {
+    pub visual: Visual,
+    pub statistics: Statistics,
+}
+
+impl Appearance {
+    pub fn of(model: &Model) -> Self {
+        Self { visual: model.visual(), statistics: model.statistics() }
+    }
+}
+
+/// Noise on the controls: an Ornstein–Uhlenbeck process on each control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ControlNoise {
+    /// Standard deviation in half ranges of the control, or in its unit if it has no limits. 0 for no noise.
+    pub deviation: f64,
+    /// Time in which the correlation falls to 1/e, s.
+    pub correlation_time: f64,
+}
+
+impl Default for ControlNoise {
+    fn default() -> Self {
+        Self { deviation: 0.0, correlation_time: 0.1 }
     }
 }
 
@@ -218,6 +247,7 @@ impl Snapshot {
             status: Status::Paused,
             problem: String::new(),
             speed: SimulationSpeed { factor: 1.0, by_factor: false, measured: 0.0, dropped: 0.0 },
+            noise: ControlNoise::default(),
             modes: Vec::new(),
             mode: Mode::Passive,
             info: Vec::new(),

@@ -1,6 +1,8 @@
 //! Panels over the scene. They display a snapshot and the view, and turn the user's input into actions.
 
+mod appearance;
 mod curves;
+mod find;
 mod layout;
 mod physics;
 mod plots;
@@ -13,7 +15,7 @@ use egui::Ui;
 
 pub(super) use self::layout::{apply_style, side_widths};
 use super::input::Action;
-use super::link::{Request, Snapshot, Status};
+use super::link::{Appearance, Request, Snapshot, Status};
 use super::view::View;
 use crate::model::Options;
 
@@ -39,6 +41,8 @@ pub(super) struct PanelContext<'a> {
     pub view: &'a mut View,
     /// Physics options on which an edit is based.
     pub options: Options,
+    /// Appearance on which an edit is based.
+    pub appearance: Appearance,
     pub status: &'a WindowStatus<'a>,
     /// Actions of the user.
     pub actions: &'a mut Vec<Action>,
@@ -62,6 +66,7 @@ pub(super) struct Panels {
     plots: plots::PlotPanel,
     watch: plots::WatchPanel,
     keyframes: state::KeyframesPanel,
+    find: find::FindPanel,
 }
 
 impl Panels {
@@ -105,7 +110,7 @@ impl Panels {
             layout::right(&context, right, |ui| {
                 self.plots.show(ui, cx);
                 if cx.view.right_panel {
-                    Self::show_right(ui, cx);
+                    self.show_right(ui, cx);
                 }
             });
         }
@@ -127,6 +132,7 @@ impl Panels {
         layout::section(ui, "Visualisation", true, |ui| visual::show(ui, cx));
         layout::section(ui, "Groups", false, |ui| visual::show_groups(ui, cx));
         layout::section(ui, "Rendering", false, |ui| visual::show_rendering(ui, cx));
+        layout::section(ui, "Appearance", false, |ui| appearance::show(ui, cx));
         layout::section(ui, "Physics", false, |ui| physics::show(ui, cx));
         if cx.snapshot.model.neq() > 0 {
             layout::section(ui, "Equality constraints", false, |ui| physics::show_equalities(ui, cx));
@@ -134,7 +140,8 @@ impl Panels {
         layout::section(ui, "Watch", false, |ui| self.watch.show(ui, cx, self.plots.watched()));
     }
 
-    fn show_right(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    fn show_right(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
+        layout::section(ui, "Find", true, |ui| self.find.show(ui, cx));
         layout::section(ui, "Selection", true, |ui| state::show_selection(ui, cx));
         if cx.snapshot.model.nu() > 0 {
             layout::section(ui, "Controls", true, |ui| state::show_controls(ui, cx));

@@ -1,10 +1,10 @@
 //! Panels of the simulation and of the playback of trajectories.
 
-use egui::{Button, RichText, Ui};
+use egui::{Button, DragValue, RichText, Ui};
 
 use super::{PanelContext, layout};
 use crate::viewer::input::{Action, WindowAction};
-use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SimulationRequest, Status};
+use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SavedFile, SimulationRequest, Status};
 
 /// Width of the labels, points.
 const LABEL_WIDTH: f32 = 56.0;
@@ -23,6 +23,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         modes(ui, cx);
         speed(ui, cx);
         history(ui, cx);
+        noise(ui, cx);
     }
     files(ui, cx);
 }
@@ -58,6 +59,18 @@ fn files(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         let recording = cx.status.recording.is_some();
         if ui.selectable_label(recording, if recording { "Stop" } else { "Record" }).clicked() {
             cx.actions.push(Action::Window(WindowAction::Record));
+        }
+    });
+    layout::labelled(ui, "save", LABEL_WIDTH, |ui| {
+        for (text, file, tooltip) in [
+            ("XML", SavedFile::Xml, "the model as XML"),
+            ("MJB", SavedFile::Binary, "the model in the engine's binary form"),
+            ("Model", SavedFile::ModelText, "the engine's listing of the model"),
+            ("Data", SavedFile::DataText, "the engine's listing of the simulation"),
+        ] {
+            if ui.button(text).on_hover_text(format!("{tooltip}, to {}", file.name())).clicked() {
+                cx.actions.push(Action::Window(WindowAction::Save(file)));
+            }
         }
     });
 }
@@ -110,6 +123,26 @@ fn history(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             cx.send(SimulationRequest::Scrub(index));
         }
         ui.label(RichText::new(format!("{}", index as i64 - count as i64)).monospace().color(layout::FAINT));
+    });
+}
+
+fn noise(ui: &mut Ui, cx: &mut PanelContext<'_>) {
+    if cx.snapshot.model.nu() == 0 {
+        return;
+    }
+    layout::labelled(ui, "noise", LABEL_WIDTH, |ui| {
+        let mut noise = cx.snapshot.noise;
+        let deviation = DragValue::new(&mut noise.deviation).speed(0.002).range(0.0..=2.0).max_decimals(3);
+        let changed = ui
+            .add(deviation)
+            .on_hover_text("standard deviation of the noise on the controls, in half ranges; 0 for none")
+            .changed();
+        let time =
+            DragValue::new(&mut noise.correlation_time).speed(0.01).range(0.0..=10.0).max_decimals(3).suffix(" s");
+        let changed = ui.add(time).on_hover_text("correlation time of the noise").changed() || changed;
+        if changed {
+            cx.send(SimulationRequest::SetNoise(noise));
+        }
     });
 }
 

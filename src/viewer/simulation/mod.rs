@@ -2,6 +2,7 @@
 
 mod clock;
 mod history;
+mod noise;
 mod playback;
 mod request;
 mod step;
@@ -15,6 +16,7 @@ use std::time::Duration;
 use self::clock::RealTimeClock;
 pub(super) use self::clock::SpeedMeter;
 use self::history::History;
+use self::noise::NoiseSource;
 use self::playback::Player;
 pub(crate) use self::playback::{Burst, PlaybackState};
 use self::step::StepTiming;
@@ -49,6 +51,7 @@ pub(crate) struct Simulation {
     by_factor: bool,
     clock: RealTimeClock,
     history: History,
+    noise: NoiseSource,
     timing: StepTiming,
     /// Message of the last error, until the simulation resumes.
     problem: String,
@@ -90,6 +93,7 @@ impl Simulation {
             by_factor: false,
             clock: RealTimeClock::default(),
             history,
+            noise: NoiseSource::default(),
             timing: StepTiming::default(),
             problem: String::new(),
             lines: Vec::new(),
@@ -169,6 +173,7 @@ impl Simulation {
         self.data = Data::new(model)?;
         self.endpoint.adopt(&self.data);
         self.history = History::new(self.data.model());
+        self.noise.reset();
         if self.player.as_ref().is_some_and(|player| !player.fits(self.data.model())) {
             self.player = None;
             self.update_modes();

@@ -48,6 +48,10 @@ impl Simulation {
                     self.set_mode(mode);
                 }
             }
+            SimulationRequest::SetNoise(noise) => {
+                self.noise.settings = noise;
+                self.noise.reset();
+            }
             SimulationRequest::Scrub(index) => self.scrub(index),
             SimulationRequest::Reload(model) => {
                 let reloaded = self.reload(model.0);
@@ -130,6 +134,7 @@ impl Simulation {
             self.with_player(|player| player.go_to(0));
             return;
         }
+        self.noise.reset();
         let reset = self.endpoint.reset(&mut self.data);
         self.stale = false;
         self.check(reset);

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{History, Simulation};
+use super::{History, NoiseSource, Simulation};
 use crate::controller::Controller;
 use crate::data::Data;
 use crate::error::{Result, catch_panic};
@@ -62,7 +62,7 @@ impl Simulation {
         }
         self.history.record(&self.data);
         let controller = self.controller.as_deref_mut().filter(|_| self.mode == Mode::Controller);
-        match Self::take_step(&mut self.data, &mut self.endpoint, controller, &mut self.timing) {
+        match Self::take_step(&mut self.data, &mut self.endpoint, controller, &mut self.noise, &mut self.timing) {
             Ok(()) => {
                 if !self.endpoint.is_for(&self.data) {
                     // The controller may replace the data by data of another model.
@@ -116,6 +116,7 @@ impl Simulation {
         data: &mut Data,
         endpoint: &mut SimulationEndpoint,
         controller: Option<&mut (dyn Controller + Send + 'static)>,
+        noise: &mut NoiseSource,
         timing: &mut StepTiming,
     ) -> Result<(), String> {
         let start = Instant::now();
@@ -126,8 +127,10 @@ impl Simulation {
         let stepped = catch("the step", || {
             // After the controller, because it may overwrite all applied forces.
             endpoint.apply_perturbation(data)?;
+            noise.apply(data);
             data.step()
         });
+        noise.remove(data);
         endpoint.remove_perturbation(data);
         stepped?;
         timing.record(controlled - start, controlled.elapsed());

@@ -102,7 +102,7 @@ impl Simulation {
     }
 
     fn publish(&mut self, now: Duration) {
-        let (status, speed, mode) = (self.status(), self.speed(), self.mode);
+        let (status, speed, mode, noise) = (self.status(), self.speed(), self.mode, self.noise.settings);
         let Self { data, endpoint, player, modes, history, timing, problem, lines, paused, .. } = self;
         let moves = !*paused && mode != Mode::Trajectory;
         if moves {
@@ -122,7 +122,7 @@ impl Simulation {
             _ => Ok(()),
         };
         let published = endpoint.publish(data, add, |snapshot: &mut Snapshot| {
-            (snapshot.status, snapshot.speed, snapshot.mode) = (status, speed, mode);
+            (snapshot.status, snapshot.speed, snapshot.mode, snapshot.noise) = (status, speed, mode, noise);
             snapshot.problem.clone_from(problem);
             snapshot.modes.clone_from(modes);
             snapshot.playback = playback;

@@ -7,6 +7,7 @@ mod key;
 mod mode;
 mod mouse;
 mod request;
+mod save;
 mod thread;
 
 use std::cell::Cell;

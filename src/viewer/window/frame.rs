@@ -148,11 +148,11 @@ impl Session {
         let gpu = self.surface.gpu().clone();
         let status = self.status(&gpu);
         let (Some(snapshot), Some(view)) = (self.link.current(), &mut self.view) else { return None };
-        let options = self.predicted.options(snapshot);
+        let (options, appearance) = (self.predicted.options(snapshot), self.predicted.appearance(snapshot));
         let mut actions = Vec::new();
         let panels = self.overlay.run(&self.window, |ui| {
             actions.clear();
-            let mut cx = PanelContext { snapshot, view, options, status: &status, actions: &mut actions };
+            let mut cx = PanelContext { snapshot, view, options, appearance, status: &status, actions: &mut actions };
             self.panels.show(ui, &mut cx);
         });
         let view = view.scene_view();

@@ -143,6 +143,7 @@ impl Session {
             }
             WindowAction::Record => self.toggle_recording(),
             WindowAction::Screenshot => self.request_screenshot(),
+            WindowAction::Save(file) => self.send(EndpointRequest::Save(file, self.options.directory.clone()).into()),
             WindowAction::Reload => match self.options.file.clone() {
                 Some(file) => self.load(&file),
                 None => self.panels.notice("this model has no file; drop a file onto the window".to_owned()),

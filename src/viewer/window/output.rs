@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::scene_renderer::SceneRenderer;
 use super::session::Session;
 use crate::error::{Error, Result};
+use crate::file::free_path;
 use crate::record::{Recorder, RecorderOptions, Summary};
 use crate::render::{Gpu, RenderError, RgbImage};
 use crate::viewer::error::ViewerError;
@@ -216,25 +217,12 @@ impl Recording {
     }
 }
 
-/// Returns the path itself or, if it exists, the first free path of `name-2.png`, `name-3.png`, ….
-fn free_path(path: &Path) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extension = path.extension().map(|extension| format!(".{}", extension.to_string_lossy())).unwrap_or_default();
-    let mut free = path.to_owned();
-    let mut number = 2_u64;
-    while free.exists() {
-        free = path.with_file_name(format!("{stem}-{number}{extension}"));
-        number += 1;
-    }
-    free
-}
-
 #[cfg(test)]
 mod tests {
     use std::fs::File;
     use std::path::Path;
 
-    use super::{Recording, free_path};
+    use super::Recording;
     use crate::record::{Recorder, RecorderOptions};
     use crate::render::RgbImage;
 
@@ -291,20 +279,5 @@ mod tests {
         recording.add(f64::NAN, |_| unreachable!()).unwrap();
         assert!(recording.finish(Some(4.0)).unwrap().is_none());
         assert!(!path.exists());
-    }
-
-    #[test]
-    fn existing_files_are_not_overwritten() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("view.of.it.png");
-        assert_eq!(free_path(&path), path);
-        std::fs::write(&path, "").unwrap();
-        let second = folder.path().join("view.of.it-2.png");
-        assert_eq!(free_path(&path), second);
-        std::fs::write(&second, "").unwrap();
-        assert_eq!(free_path(&path), folder.path().join("view.of.it-3.png"));
-        let folder_name = folder.path().join("frames");
-        std::fs::create_dir(&folder_name).unwrap();
-        assert_eq!(free_path(&folder_name), folder.path().join("frames-2"));
     }
 }
