@@ -9,7 +9,8 @@ mod computed_by;
 use std::path::{Path, PathBuf};
 
 /// The versions since which the source differs.
-const THRESHOLDS: [&str; 2] = ["2.3.0", "3.0.0"];
+const THRESHOLDS: [&str; 11] =
+    ["2.3.0", "2.3.7", "3.0.0", "3.1.3", "3.2.1", "3.2.5", "3.3.3", "3.5.0", "3.6.0", "3.10.0", "3.11.0"];
 
 /// Supported engines: `mjVERSION_HEADER`.
 const SUPPORTED: [u32; 4] = [222, 3_005_000, 3_017_000, 4_000_000];

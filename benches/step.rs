@@ -15,7 +15,7 @@ mod common;
 use criterion::Criterion;
 use mujoco_safe::{Controller, Data, Model, RandomController, Result, StateSpec, sample, sys};
 
-type Collisions = [[sys::mjfCollision; 8]; 8];
+type Collisions = [[sys::mjfCollision; sys::mjNGEOMTYPES as usize]; sys::mjNGEOMTYPES as usize];
 
 /// Replaces the table of collision functions and returns the previous one.
 fn exchange(collisions: &Collisions) -> Collisions {

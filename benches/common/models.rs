@@ -47,7 +47,7 @@ impl Balance {
         }
         let forces = forces_at(height.0)?;
         let qpos0 = data.qpos().to_vec();
-        let moment = data.actuator_moment().transposed().clone_owned();
+        let moment = data.full_moment()?.transposed().clone_owned();
         let ctrl0 = moment.pseudo_inverse(1e-12).expect("the tolerance is positive") * forces;
 
         data.reset()?;

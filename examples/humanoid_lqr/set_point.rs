@@ -54,7 +54,7 @@ impl SetPoint {
         // returns the row-major moment as a column-major view, which is momentᵀ.
         let wanted = inverse_at(data, keyframe, offset)?;
         let qpos = data.qpos().to_vec();
-        let moment_transposed = data.actuator_moment().transposed().into_owned();
+        let moment_transposed = data.full_moment()?.transposed().into_owned();
         let ctrl = moment_transposed
             .svd(true, true)
             .solve(&DVector::from_column_slice(&wanted), 1e-12)

@@ -22,6 +22,7 @@ mod frame;
 mod inertia;
 mod jacobian;
 pub(crate) mod length_range;
+mod moment;
 pub mod pipeline;
 mod ray;
 mod warning;

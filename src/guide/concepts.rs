@@ -139,7 +139,7 @@
 //! | `n x 1` | `&[f64]` | [`Data::qpos`] |
 //! | `n x 3` | `&[[f64; 3]]` | [`Data::xpos`] |
 //! | `n x 9`, rotation matrices | `&[[f64; 9]]`, row-major | [`Data::xmat`] |
-//! | `n x m`, `m` from the model | [`MatrixView`] | [`Data::actuator_moment`] |
+//! | `n x m`, `m` from the model | [`MatrixView`] | [`Model::key_qpos`] |
 //! | results of functions | [`Matrix`] | [`Data::full_m`] |
 //!
 //! All matrices are row-major, as in the engine. nalgebra is column-major: [`Matrix::transposed`] is a nalgebra view of the transpose without a

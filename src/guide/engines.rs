@@ -126,7 +126,7 @@
 //!
 //! | array | method |
 //! |---|---|
-//! | `actuator_moment` | [`ActuatorData::moment`](crate::element::ActuatorData) |
+//! | `actuator_moment` | [`Data::full_moment`](crate::Data::full_moment), [`ActuatorData::moment`](crate::element::ActuatorData) |
 //! | `ten_J` | [`TendonData::J`](crate::element::TendonData) |
 //! | `qM`, `M` | [`Data::full_m`](crate::Data::full_m), [`Data::mul_m_into`](crate::Data::mul_m_into) |
 //! | `eq_active`, `eq_active0` | [`EqualityMut::set_active`](crate::element::EqualityMut) |

@@ -14,7 +14,7 @@
 //!
 //! The engine and [`Matrix`] are row-major, so there is no counterpart of `mj_zeros` and `mj_array`: every [`Matrix`] fits the engine. nalgebra is
 //! column-major, like Julia. [`Matrix::to_nalgebra`] copies, and [`Matrix::transposed`] is a view of the transpose without a copy. Many
-//! formulas need the transpose: `data.actuator_moment().transposed()` is `momentᵀ`.
+//! formulas need the transpose: `data.full_moment()?.transposed()` is `momentᵀ`.
 //!
 //! # Table of calls
 //!
@@ -95,7 +95,7 @@
 //! let forces = DVector::from_column_slice(data.qfrc_inverse());
 //!
 //! // ctrl0 = pinv(M_act)' * qfrc0
-//! let moment_transposed = data.actuator_moment().transposed().into_owned(); // (nv, nu)
+//! let moment_transposed = data.full_moment()?.transposed().into_owned(); // (nv, nu)
 //! let ctrl = moment_transposed.svd(true, true).solve(&forces, 1e-12).expect("an SVD with both factors");
 //! data.ctrl_mut().copy_from_slice(ctrl.as_slice());
 //! data.forward()?;

@@ -32,7 +32,7 @@ macro_rules! numbers {
         }
     )*};
 }
-numbers!(f64 f32 i32 u8);
+numbers!(f64 f32 i32 i64 u8);
 
 /// Branches on the value, because memcheck reports uninitialised values in branches.
 #[inline(never)]
@@ -42,6 +42,12 @@ fn branch<T: PartialEq + Default>(value: T) -> usize {
 }
 
 impl Touch for usize {
+    fn touch(self) -> usize {
+        branch(self)
+    }
+}
+
+impl Touch for bool {
     fn touch(self) -> usize {
         branch(self)
     }

@@ -7,6 +7,9 @@ use mujoco_safe::{Controller, Data, Model, RandomController, sample};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+#[path = "differing.rs"]
+pub(crate) mod differing;
+
 /// A direct call of the C API.
 macro_rules! c {
     ($function:ident($($argument:expr),* $(,)?)) => {
@@ -229,7 +232,10 @@ impl Twins {
         same("xmat", ours.xmat().as_flattened(), &raw.values(|d| d.xmat, 9 * model.nbody()));
         same("subtree_com", ours.subtree_com().as_flattened(), &raw.values(|d| d.subtree_com, 3 * model.nbody()));
         same("sensordata", ours.sensordata(), &raw.values(|d| d.sensordata, model.nsensordata()));
-        same("qM", ours.qM(), &raw.values(|d| d.qM, model.nM()));
+        let mut inertia = vec![0.0; nv * nv];
+        // SAFETY: the model and data of one pair of twins.
+        unsafe { differing::full_m(raw.m(), raw.d, &mut inertia) };
+        same("M", ours.full_m().unwrap().as_slice(), &inertia);
         assert_eq!(ours.nefc(), raw.data().nefc as usize, "{}, {when}: nefc", self.name);
         same("efc_force", ours.efc_force(), &raw.values(|d| d.efc_force, ours.nefc()));
         same("efc_pos", ours.efc_pos(), &raw.values(|d| d.efc_pos, ours.nefc()));

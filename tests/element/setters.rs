@@ -47,7 +47,6 @@ fn every_setter_writes_only_its_own_value() {
         light, light_mut, lights {
             active, set_active, light_active, bools;
             castshadow, set_castshadow, light_castshadow, bools;
-            directional, set_directional, light_directional, bools;
         }
         tendon, tendon_mut, tendons {
             limited, set_limited, tendon_limited, bools;
@@ -59,12 +58,42 @@ fn every_setter_writes_only_its_own_value() {
             actlimited, set_actlimited, actuator_actlimited, bools;
             group, set_group, actuator_group, masks;
         }
-        equality, equality_mut, equalities {
-            active, set_active, eq_active, bools;
-        }
         material, material_mut, materials {
             texuniform, set_texuniform, mat_texuniform, bools;
         }
+    }
+}
+
+/// Sets each value at each element of a kind whose array differs between engines, and compares the views.
+macro_rules! flags_of_views {
+    ($($one_mut:ident, $many:ident, $field:ident, $set:ident;)*) => {$(
+        let mut model = every_element();
+        let read = |model: &Model| model.$many().map(|element| element.$field()).collect::<Vec<bool>>();
+        let count = model.$many().len();
+        for index in 0..count {
+            for value in [true, false, true] {
+                let mut expected = read(&model);
+                expected[index] = value;
+                model.edit().$one_mut(index).unwrap().$set(value);
+                assert_eq!(read(&model), expected, "{} {index}", stringify!($field));
+            }
+        }
+    )*};
+}
+
+#[test]
+fn every_setter_of_a_flag_whose_array_differs_between_engines_writes_only_its_own_value() {
+    flags_of_views! {
+        light_mut, lights, directional, set_directional;
+        equality_mut, equalities, active, set_active;
+    }
+    #[cfg(not(engine_since = "3.0.0"))]
+    {
+        let mut model = every_element();
+        (0..model.neq()).for_each(|index| model.edit().equality_mut(index).unwrap().set_active(index % 2 == 0));
+        assert!(model.eq_active().iter().enumerate().all(|(index, active)| *active == u8::from(index % 2 == 0)));
+        (0..model.nlight()).for_each(|index| model.edit().light_mut(index).unwrap().set_directional(index % 2 == 0));
+        assert!(model.light_directional().iter().enumerate().all(|(index, flag)| *flag == u8::from(index % 2 == 0)));
     }
 }
 

@@ -21,7 +21,7 @@ fn assets_in_memory_load_like_assets_on_the_disk() {
     assert_eq!(model.mesh_facenum(), [4, 4, 4]);
     assert_eq!(model.hfield_data(), [0.0, 0.125, 0.25, 0.375, 0.5, 1.0, 0.6, 0.8, 1.0, 0.0, 0.2, 0.4]);
     assert_eq!((model.tex_width(), model.tex_height()), (&[4, 2][..], &[4, 1][..]));
-    assert_eq!(model.tex_rgb()[48..], [10, 20, 30, 40, 50, 60]);
+    assert_eq!(model.textures().last().unwrap().rgb(), [10, 20, 30, 40, 50, 60]);
     assert_eq!((model.nskinvert(), model.nskinbone()), (4, 1));
     Data::new(model).unwrap().step().unwrap();
 }

@@ -62,8 +62,16 @@ fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
         let mut table = table.assume_init();
         for (index, (name, content)) in files.iter().enumerate() {
             let name = CString::new(*name).unwrap();
-            assert_eq!(sys::mj_makeEmptyFileVFS(&raw mut *table, name.as_ptr(), content.len() as i32), 0);
-            ptr::copy_nonoverlapping(content.as_ptr(), table.filedata[index].cast::<u8>(), content.len());
+            #[cfg(not(engine_since = "3.1.3"))]
+            {
+                assert_eq!(sys::mj_makeEmptyFileVFS(&raw mut *table, name.as_ptr(), content.len() as i32), 0);
+                ptr::copy_nonoverlapping(content.as_ptr(), table.filedata[index].cast::<u8>(), content.len());
+            }
+            #[cfg(engine_since = "3.1.3")]
+            {
+                let (buffer, length) = (content.as_ptr().cast(), content.len() as i32);
+                assert_eq!(sys::mj_addBufferVFS(&raw mut *table, name.as_ptr(), buffer, length), 0, "file {index}");
+            }
         }
         table
     };
@@ -75,8 +83,8 @@ fn bytes_in_c_with_files(path: &Path, files: &[(&str, &[u8])]) -> Vec<u8> {
     // SAFETY: the model is valid, the buffer has the size that the engine reports, and the table and the model are freed once.
     unsafe {
         sys::mj_deleteVFS(&raw mut *table);
-        let size = sys::mj_sizeModel(model);
-        let mut bytes = vec![0_u8; size as usize];
+        let mut bytes = vec![0_u8; sys::mj_sizeModel(model) as usize];
+        let size = bytes.len() as i32;
         assert_eq!(guard::mj_save_model(model, ptr::null(), bytes.as_mut_ptr().cast(), size), guard::OK);
         sys::mj_deleteModel(model);
         bytes

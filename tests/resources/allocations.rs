@@ -100,12 +100,13 @@ fn reading_and_writing_does_not_allocate() {
     let (knee, torso) = (model.joint("left_knee").unwrap().id(), model.body("torso").unwrap().id());
     let mut sum = 0.0;
     allocates_nothing("arrays", || {
-        sum +=
-            data.qpos()[0] + data.xpos()[1][2] + data.actuator_moment()[(0, 0)] + data.efc_force().iter().sum::<f64>();
+        sum += data.qpos()[0] + data.xpos()[1][2] + model.key_qpos()[(0, 0)] + data.efc_force().iter().sum::<f64>();
         sum += model.body_mass()[1] + model.nq() as f64 + data.time() + data.energy()[0];
         data.ctrl_mut().fill(0.1);
         data.xfrc_applied_mut()[1] = [0.0; 6];
     });
+    let mut moment = Matrix::zeros(model.nu(), model.nv());
+    allocates_nothing("actuator moments", || data.full_moment_into(&mut moment).unwrap());
     allocates_nothing("views", || {
         let joint = data.joint(knee);
         sum += joint.qpos()[0] + joint.qvel()[0] + model.joint(knee).range()[1] + data.body(torso).xpos()[2];

@@ -7,7 +7,7 @@ use mujoco_safe::sys::{mjvCamera, mjvScene};
 use mujoco_safe::{Data, Error, sample};
 
 use crate::raw::{RawScene, assert_same_scene, filled, scene_subjects};
-use crate::twins::{Twins, assert_same, c};
+use crate::twins::{Twins, assert_same, c, differing};
 
 const ACTIONS: [MouseAction; 5] =
     [MouseAction::RotateV, MouseAction::RotateH, MouseAction::MoveV, MouseAction::MoveH, MouseAction::Zoom];
@@ -73,7 +73,8 @@ fn cameras_move_as_in_c() {
                 let action = ACTIONS[round % ACTIONS.len()];
                 camera.move_by(&model, &ours, action, [motion[0], motion[1]]).unwrap();
                 let number = [1, 2, 3, 4, 5][round % ACTIONS.len()];
-                c!(mjv_moveCamera(model.as_ptr(), number, motion[0], motion[1], &raw const *theirs.0, &raw mut raw));
+                // SAFETY: the scene was updated with the model.
+                unsafe { differing::move_camera(model.as_ptr(), number, [motion[0], motion[1]], &theirs.0, &mut raw) };
                 assert_same_camera(&what, &camera, &raw);
             }
         }

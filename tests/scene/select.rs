@@ -5,7 +5,7 @@ use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::sys::mjvCamera;
 
 use crate::raw::{RawScene, filled, raw_options, scene_subjects};
-use crate::twins::{Twins, assert_same, c};
+use crate::twins::{Twins, assert_same, c, differing};
 
 #[test]
 fn selections_equal_c() {
@@ -36,7 +36,8 @@ fn selections_equal_c() {
                 let (m, d) = (twins.raw.m(), twins.raw.d);
                 let (places, scene) = ((&raw mut geom, &raw mut skin), &raw const *theirs.0);
                 let (opt, selpnt) = (&raw const raw_options, point.as_mut_ptr());
-                let body = c!(mjv_select(m, d, opt, 1.5, relx, rely, scene, selpnt, places.0, places.1));
+                // SAFETY: the scene was updated with the data.
+                let body = unsafe { differing::select((m, d), opt, [1.5, relx, rely], scene, selpnt, places) };
                 let index = |index: Option<usize>| index.map_or(-1, |index| index as i32);
                 assert_eq!(index(found.map(|found| found.body.index())), body, "{}", subject.name);
                 let Some(found) = found else {

@@ -23,7 +23,13 @@ fn squatting() -> Data {
 fn fill_stack(data: &mut Data) {
     let raw = data.as_mut_ptr();
     // SAFETY: the pointer is valid, and the data is borrowed exclusively. Engine calls can leave the stack full as well.
-    unsafe { (*raw).pstack = (*raw).nstack };
+    unsafe {
+        #[cfg(not(engine_since = "2.3.0"))]
+        ((*raw).pstack = (*raw).nstack);
+        // The stack is the end of an arena, in bytes.
+        #[cfg(engine_since = "2.3.0")]
+        ((*raw).pstack = (*raw).narena as usize - (*raw).parena);
+    }
 }
 
 fn body(data: &Data) -> BodyId {

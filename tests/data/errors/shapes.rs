@@ -65,6 +65,10 @@ fn a_wrong_size_is_an_error_with_the_expected_size() {
     for wrong in [(nv, nv + 1), (nv + 1, nv), (0, 0), (nv * nv, 1)] {
         assert_shape_error(data.full_m_into(&mut full(wrong)), &format!("({nv}, {nv})"));
     }
+    data.full_moment_into(&mut full((nu, nv))).unwrap();
+    for wrong in [(nv, nu), (nu, nv + 1), (0, 0)] {
+        assert_shape_error(data.full_moment_into(&mut full(wrong)), &format!("({nu}, {nv})"));
+    }
     for wrong in vectors(nv) {
         assert_shape_error(data.mul_m_into(&numbers(nv), &mut numbers(wrong)), &format!("({nv})"));
         assert_shape_error(data.mul_m_into(&numbers(wrong), &mut numbers(nv)), &format!("({nv})"));

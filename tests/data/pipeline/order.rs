@@ -51,6 +51,7 @@ fn more() -> Vec<Part> {
         ("inverse, skip positions", |data| data.inverse_skip(Stage::Position, SensorUpdate::Compute)),
         ("inverse, skip velocities", |data| data.inverse_skip(Stage::Velocity, SensorUpdate::Skip)),
         ("full_m", |data| data.full_m().map(drop)),
+        ("full_moment", |data| data.full_moment().map(drop)),
         ("solve_m", |data| {
             let vector = vec![1.0; data.model().nv()];
             data.solve_m_into(&vector, &mut vec![0.0; vector.len()])

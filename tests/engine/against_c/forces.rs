@@ -5,6 +5,18 @@ use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId, SpatialVector
 
 use crate::twins::{Twins, assert_same, c, small_subjects, usual_subjects};
 
+/// Calls `mj_solveM2`. Later engines take the square roots of `qLDiagInv` as an argument instead of `qLDiagSqrtInv`.
+fn solve_m2(twins: &Twins, vectors: &[f64], result: &mut [f64], count: i32) {
+    let (m, d, (result, vectors)) = (twins.raw.m(), twins.raw.d, (result.as_mut_ptr(), vectors.as_ptr()));
+    #[cfg(engine_since = "3.5.0")]
+    {
+        let roots: Vec<f64> = twins.ours.qLDiagInv().iter().map(|inverse| inverse.sqrt()).collect();
+        c!(mj_solveM2(m, d, result, vectors, roots.as_ptr(), count));
+    }
+    #[cfg(not(engine_since = "3.5.0"))]
+    c!(mj_solveM2(m, d, result, vectors, count));
+}
+
 #[test]
 fn square_roots_of_the_inertia_matrix_equal_c() {
     for subject in usual_subjects() {
@@ -15,7 +27,7 @@ fn square_roots_of_the_inertia_matrix_equal_c() {
         let (mut ours, mut product, mut theirs) = (vec![0.0; nv], vec![0.0; nv], vec![0.0; nv]);
         twins.ours.mul_m2_into(&vector, &mut ours).unwrap();
         c!(mj_mulM(twins.raw.m(), twins.raw.d, product.as_mut_ptr(), vector.as_ptr()));
-        c!(mj_solveM2(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), product.as_ptr(), 1));
+        solve_m2(&twins, &product, &mut theirs, 1);
         let size = 1.0 + theirs.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         for (ours, theirs) in ours.iter().zip(&theirs) {
             assert!((ours - theirs).abs() < 1e-9 * size, "{}: {ours} and {theirs}", twins.name);
@@ -24,7 +36,7 @@ fn square_roots_of_the_inertia_matrix_equal_c() {
         let vectors = twins.numbers(2 * nv);
         let (mut ours, mut theirs) = (vec![0.0; 2 * nv], vec![0.0; 2 * nv]);
         twins.ours.solve_m2_into(&vectors, &mut ours).unwrap();
-        c!(mj_solveM2(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), vectors.as_ptr(), 2));
+        solve_m2(&twins, &vectors, &mut theirs, 2);
         assert_same(&twins.name, &ours, &theirs);
 
         for (accelerations, flag) in [(Accelerations::Zero, 0), (Accelerations::Present, 1)] {

@@ -5,7 +5,7 @@ use mujoco_safe::derivative::TransitionOutputs;
 use mujoco_safe::id::BodyId;
 use mujoco_safe::{Differences, Error, Matrix, StateSpace, StateSpec};
 
-use crate::twins::{Twins, assert_same, c, read, small_subjects, usual_subjects};
+use crate::twins::{Twins, assert_same, c, differing, read, small_subjects, usual_subjects};
 
 /// Returns every element of a small model, and some elements of a large one.
 fn chosen<T>(elements: impl ExactSizeIterator<Item = T>) -> impl Iterator<Item = T> {
@@ -82,12 +82,30 @@ fn a_single_jacobian_equals_that_of_the_pair() {
 }
 
 #[test]
+fn the_moments_of_all_actuators_equal_c() {
+    for subject in usual_subjects() {
+        let twins = Twins::in_motion(subject);
+        let (nu, nv) = (twins.model.nu(), twins.model.nv());
+        // Values from before the call do not remain.
+        let mut ours = Matrix::zeros(nu, nv);
+        ours.as_mut_slice().fill(f64::NAN);
+        twins.ours.full_moment_into(&mut ours).unwrap();
+        // SAFETY: the model is valid, and the actuators are its own.
+        let row = |i| unsafe { differing::actuator_moment(&*twins.raw.m(), twins.raw.data(), i) };
+        let theirs: Vec<f64> = (0..nu).flat_map(row).collect();
+        assert_same(&twins.name, ours.as_slice(), &theirs);
+        assert_eq!(twins.ours.full_moment().unwrap(), ours, "{}", twins.name);
+    }
+}
+
+#[test]
 fn the_inertia_matrix_equals_c() {
     for subject in usual_subjects() {
         let mut twins = Twins::in_motion(subject);
         let nv = twins.model.nv();
         let mut theirs = vec![0.0; nv * nv];
-        c!(mj_fullM(twins.raw.m(), theirs.as_mut_ptr(), twins.raw.data().qM));
+        // SAFETY: the model and data of one pair of twins.
+        unsafe { differing::full_m(twins.raw.m(), twins.raw.d, &mut theirs) };
         assert_same(&twins.name, twins.ours.full_m().unwrap().as_slice(), &theirs);
 
         let vector = twins.numbers(nv);

@@ -92,6 +92,10 @@ fn the_default_options_equal_c() {
     assert_eq!((theirs.mode, ours.mode), (sys::mjLRMODE_MUSCLE as i32, LengthRangeMode::Muscle));
     assert_eq!((theirs.useexisting, theirs.uselimit), (ours.useexisting.into(), ours.uselimit.into()));
     let numbers = [ours.accel, ours.maxforce, ours.timeconst, ours.inttotal, ours.inteval, ours.tolrange];
-    let expected = [theirs.accel, theirs.maxforce, theirs.timeconst, theirs.inttotal, theirs.inteval, theirs.tolrange];
+    #[cfg(engine_since = "2.3.7")]
+    let interval = theirs.interval;
+    #[cfg(not(engine_since = "2.3.7"))]
+    let interval = theirs.inteval;
+    let expected = [theirs.accel, theirs.maxforce, theirs.timeconst, theirs.inttotal, interval, theirs.tolrange];
     assert_same("defaults", &numbers, &expected);
 }

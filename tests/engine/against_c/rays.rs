@@ -4,7 +4,7 @@ use mujoco_safe::data::RayOptions;
 use mujoco_safe::enums::GeomType;
 use mujoco_safe::math::ray_geom;
 
-use crate::twins::{Twins, assert_same, c, usual_subjects};
+use crate::twins::{Twins, assert_same, differing, usual_subjects};
 
 #[test]
 fn rays_equal_c() {
@@ -30,10 +30,11 @@ fn rays_equal_c() {
                 let groups = options.geomgroup.map(|groups| groups.map(u8::from));
                 let groups = groups.as_ref().map_or(std::ptr::null(), |groups| groups.as_ptr());
                 let body = options.bodyexclude.map_or(-1, |body| body.index() as i32);
-                let with_static = options.static_geoms.into();
+                let with_static = options.static_geoms;
                 let (mut geom, m, d) = (0, twins.raw.m(), twins.raw.d);
                 let (pnt, vec) = (point.as_ptr(), direction.as_ptr());
-                let theirs = c!(mj_ray(m, d, pnt, vec, groups, with_static, body, &raw mut geom));
+                // SAFETY: the model and data of one pair of twins.
+                let theirs = unsafe { differing::ray((m, d), [pnt, vec], groups, with_static, body, &mut geom) };
                 assert_eq!(ours.map_or(-1, |hit| hit.geom.index() as i32), geom, "{}", twins.name);
                 assert_same(&twins.name, &[ours.map_or(-1.0, |hit| hit.distance)], &[theirs]);
                 hits += usize::from(ours.is_some());
@@ -41,6 +42,14 @@ fn rays_equal_c() {
         }
     }
     assert!(hits > 100, "only {hits} rays hit a geom");
+}
+
+/// A ray on one geom in C.
+macro_rules! one_ray {
+    ($function:ident($($argument:expr),*)) => {
+        // SAFETY: the model and data of one pair of twins, and a geom of the model.
+        unsafe { differing::$function($($argument),*) }
+    };
 }
 
 #[test]
@@ -58,9 +67,11 @@ fn rays_on_one_geom_equal_c() {
                 let (m, d, id) = (twins.raw.m(), twins.raw.d, geom.index() as i32);
                 let (pnt, vec) = (point.as_ptr(), direction.as_ptr());
                 let (ours, theirs) = match geom.geom_type() {
-                    GeomType::Mesh => (twins.ours.ray_mesh(geom, point, direction), c!(mj_rayMesh(m, d, id, pnt, vec))),
+                    GeomType::Mesh => {
+                        (twins.ours.ray_mesh(geom, point, direction), one_ray!(ray_mesh(m, d, id, [pnt, vec])))
+                    }
                     GeomType::HeightField => match twins.ours.ray_hfield(geom, point, direction) {
-                        Ok(ours) => (Ok(ours), c!(mj_rayHfield(m, d, id, pnt, vec))),
+                        Ok(ours) => (Ok(ours), one_ray!(ray_hfield(m, d, id, [pnt, vec]))),
                         Err(_) => continue,
                     },
                     shape => {
@@ -70,7 +81,7 @@ fn rays_on_one_geom_equal_c() {
                         let size = model.geom_size()[geom.index()];
                         let ours = ray_geom(&pos, &mat, &size, &point, &direction, shape);
                         let (pos, mat, size) = (pos.as_ptr(), mat.as_ptr(), size.as_ptr());
-                        (ours, c!(mju_rayGeom(pos, mat, size, pnt, vec, model.geom_type()[geom.index()])))
+                        (ours, one_ray!(ray_geom([pos, mat, size], [pnt, vec], model.geom_type()[geom.index()])))
                     }
                 };
                 assert_same(&format!("{geom:?}"), &[ours.unwrap().unwrap_or(-1.0)], &[theirs.max(-1.0)]);

@@ -6,6 +6,14 @@ use mujoco_safe::{Data, Matrix, Model, StateSpec, sample, sys};
 
 use super::{EPS, assert_near, subjects};
 
+/// Returns the stored elements of the inertia matrix.
+fn inertia(data: &Data) -> &[f64] {
+    #[cfg(not(engine_since = "3.10.0"))]
+    return data.qM();
+    #[cfg(engine_since = "3.10.0")]
+    return data.M();
+}
+
 /// Returns forces, sensor values and inertia matrix of the engine's inverse dynamics for a modified copy.
 fn inverse_of_changed(data: &Data, change: impl FnOnce(&mut Data)) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let mut copy = data.clone();
@@ -14,7 +22,7 @@ fn inverse_of_changed(data: &Data, change: impl FnOnce(&mut Data)) -> (Vec<f64>,
     let model = copy.model().clone();
     // SAFETY: the data belongs to the model.
     unsafe { sys::mj_inverse(model.as_ptr(), copy.as_mut_ptr()) };
-    (copy.qfrc_inverse().to_vec(), copy.sensordata().to_vec(), copy.qM().to_vec())
+    (copy.qfrc_inverse().to_vec(), copy.sensordata().to_vec(), inertia(&copy).to_vec())
 }
 
 /// Returns `(after − before) / eps`, with the operations of the engine.
@@ -61,18 +69,34 @@ fn without_constraints_the_derivative_by_acceleration_is_the_inertia_matrix() {
     }
 }
 
+/// Returns the full matrix of elements in the storage of the inertia matrix.
+fn full_inertia(model: &Model, elements: &[f64]) -> Matrix {
+    let nv = model.nv();
+    let mut full = Matrix::zeros(nv, nv);
+    #[cfg(not(engine_since = "3.10.0"))]
+    // SAFETY: the arrays have the model's sizes.
+    unsafe {
+        sys::mj_fullM(model.as_ptr(), full.as_mut_slice().as_mut_ptr(), elements.as_ptr());
+    }
+    // The storage is sparse rows of the lower triangle, and the function takes the data.
+    #[cfg(engine_since = "3.10.0")]
+    for row in 0..nv {
+        let start = model.M_rowadr()[row] as usize;
+        for at in start..start + model.M_rownnz()[row] as usize {
+            let column = model.M_colind()[at] as usize;
+            (full[(row, column)], full[(column, row)]) = (elements[at], elements[at]);
+        }
+    }
+    full
+}
+
 #[test]
 fn the_derivative_of_the_inertia_matrix_equals_differences() {
     for mut data in subjects() {
         let dm_dq = data.inverse_fd(EPS, InverseForce::Total).unwrap().dm_dq;
         let (model, nv) = (data.model().clone(), data.model().nv());
         for dof in 0..nv {
-            // Both use the full matrix; converting back gives the sparse form.
-            let mut full = Matrix::zeros(nv, nv);
-            // SAFETY: the arrays have the model's sizes.
-            unsafe {
-                sys::mj_fullM(model.as_ptr(), full.as_mut_slice().as_mut_ptr(), dm_dq.row(dof).as_ptr());
-            }
+            let full = full_inertia(&model, dm_dq.row(dof));
             let at = |sign: f64| {
                 let mut copy = data.clone();
                 let mut direction = vec![0.0; nv];
@@ -178,11 +202,6 @@ fn derivatives_of_the_cart_pole_equal_a_newer_engine() {
     let inertia = [2.000_000_000_28, 0.114_726_328_215_297_71, 0.114_726_327_993_253_11, 0.063_454_431_709_075_72];
     assert_near("DfDa", found.df_da.as_slice(), &inertia, 1e-8);
     // The sparse inertia matrix has another order there, so full matrices are compared.
-    let mut full = Matrix::zeros(2, 2);
-    // SAFETY: the arrays have the model's sizes.
-    unsafe {
-        let row = found.dm_dq.row(1).as_ptr();
-        sys::mj_fullM(data.model().as_ptr(), full.as_mut_slice().as_mut_ptr(), row);
-    }
+    let full = full_inertia(data.model(), found.dm_dq.row(1));
     assert_near("DmDq", full.as_slice(), &[0.0, -0.096_632_710_430_699_65, -0.096_632_710_430_699_65, 0.0], 1e-8);
 }

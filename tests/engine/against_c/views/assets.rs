@@ -3,7 +3,7 @@
 use mujoco_safe::sys;
 
 use super::{check_fields, int, models, on_model, optional, raw, span, start};
-use crate::twins::read;
+use crate::twins::{differing, read};
 
 #[test]
 fn fields_of_meshes_and_skins_equal_c() {
@@ -51,7 +51,7 @@ fn graph(m: &sys::mjModel, mesh: usize) -> Option<Vec<i32>> {
     let length = 2 + 2 * vertices + (vertices + 3 * faces) + 3 * faces;
     // The compiler stores the hulls one after another.
     let rest = (0..m.nmesh as usize).map(|other| raw(m.mesh_graphadr, other)).filter(|other| *other > start as i32);
-    let end = rest.min().unwrap_or(m.nmeshgraph) as usize;
+    let end = rest.min().map_or(m.nmeshgraph as usize, |end| end as usize);
     assert_eq!(start + length, end, "the hull of mesh {mesh} ends where the next begins");
     // SAFETY: the length follows from the engine's sizes.
     Some(unsafe { read(m.mesh_graph, start, length) })
@@ -84,14 +84,18 @@ fn fields_of_height_fields_textures_and_materials_equal_c() {
             => data_range: (field.data_range().start, field.data_range().len()),
                 (int(m.hfield_adr, i), int(m.hfield_nrow, i) * int(m.hfield_ncol, i));
         });
+        // SAFETY: the textures and materials of the model.
+        let channels = |i| unsafe { differing::texture_channels(m, i) };
+        // SAFETY: as above.
+        let material_texture = |i| unsafe { differing::material_texture(m, i) };
         check_fields!(name, model.textures(), |texture, i| {
-            rgb: m.tex_rgb, [int(m.tex_adr, i); 3 * int(m.tex_height, i) * int(m.tex_width, i)];
+            rgb: differing::texture_bytes(m), [int(m.tex_adr, i); channels(i) * int(m.tex_height, i) * int(m.tex_width, i)];
             => texture_type: texture.texture_type() as i32, raw(m.tex_type, i);
-            => channels: texture.channels(), 3;
+            => channels: texture.channels(), channels(i);
             => height: texture.height(), int(m.tex_height, i);
             => width: texture.width(), int(m.tex_width, i);
             => rgb_range: (texture.rgb_range().start, texture.rgb_range().len()),
-                (int(m.tex_adr, i), 3 * int(m.tex_height, i) * int(m.tex_width, i));
+                (int(m.tex_adr, i), channels(i) * int(m.tex_height, i) * int(m.tex_width, i));
         });
         check_fields!(name, model.materials(), |material, i| {
             texuniform: m.mat_texuniform, [i; 1];
@@ -101,7 +105,7 @@ fn fields_of_height_fields_textures_and_materials_equal_c() {
             shininess: m.mat_shininess, [i; 1];
             reflectance: m.mat_reflectance, [i; 1];
             rgba: m.mat_rgba, [4 * i; 4];
-            => texture: optional(material.texture()), raw(m.mat_texid, i);
+            => texture: optional(material.texture()), material_texture(i);
         });
     }
 }

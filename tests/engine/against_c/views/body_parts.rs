@@ -4,6 +4,7 @@ use mujoco_safe::enums::GeomType;
 use mujoco_safe::sys;
 
 use super::{check_fields, int, joint_sizes, models, on_model, optional, raw, span};
+use crate::twins::differing;
 
 /// Returns the engine's number of a type. Our enum omits some of the engine's types, so its discriminants differ.
 fn geom_type(shape: GeomType) -> i32 {
@@ -147,6 +148,8 @@ fn fields_of_geoms_sites_cameras_and_lights_equal_c() {
             => target: optional(camera.target()), raw(m.cam_targetbodyid, i);
             => body: camera.body().index(), int(m.cam_bodyid, i);
         });
+        // SAFETY: the lights of the model.
+        let directional = |i| unsafe { differing::is_directional(m, i) };
         check_fields!(name, model.lights(), |light, i| {
             pos: m.light_pos, [3 * i; 3];
             dir: m.light_dir, [3 * i; 3];
@@ -159,9 +162,9 @@ fn fields_of_geoms_sites_cameras_and_lights_equal_c() {
             ambient: m.light_ambient, [3 * i; 3];
             diffuse: m.light_diffuse, [3 * i; 3];
             specular: m.light_specular, [3 * i; 3];
-            directional: m.light_directional, [i; 1];
             castshadow: m.light_castshadow, [i; 1];
             active: m.light_active, [i; 1];
+            => directional: u8::from(light.directional()), directional(i);
             => mode: light.mode() as i32, raw(m.light_mode, i);
             => target: optional(light.target()), raw(m.light_targetbodyid, i);
             => body: light.body().index(), int(m.light_bodyid, i);

@@ -3,6 +3,7 @@
 use mujoco_safe::element::EqualityObjects;
 
 use super::{check_fields, int, models, on_model, optional, raw};
+use crate::twins::differing;
 
 #[test]
 fn fields_of_pairs_excludes_and_equalities_equal_c() {
@@ -27,7 +28,7 @@ fn fields_of_pairs_excludes_and_equalities_equal_c() {
             => body2: exclude.body2().index() + 1, int(m.exclude_signature, i) % (1 << 16);
         });
         check_fields!(name, model.equalities(), |equality, i| {
-            active: m.eq_active, [i; 1];
+            active: differing::equality_active(m), [i; 1];
             solref: m.eq_solref, [2 * i; 2];
             solimp: m.eq_solimp, [5 * i; 5];
             data: m.eq_data, [11 * i; 11];

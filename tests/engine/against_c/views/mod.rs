@@ -105,10 +105,10 @@ macro_rules! check_fields {
 }
 use check_fields;
 
-/// Returns an index from an engine array.
-fn int(array: *const i32, index: usize) -> usize {
+/// Returns an index from an engine array of integers, some of which are wide in later engines.
+fn int<T: Copy + TryInto<usize, Error: std::fmt::Debug>>(array: *const T, index: usize) -> usize {
     // SAFETY: as for the other arrays.
-    usize::try_from(unsafe { *array.add(index) }).unwrap()
+    unsafe { *array.add(index) }.try_into().unwrap()
 }
 
 /// Returns an integer from an engine array.

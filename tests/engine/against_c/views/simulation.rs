@@ -4,7 +4,7 @@ use mujoco_safe::element::WrapPoint;
 use mujoco_safe::sys::{self, mjData, mjModel};
 
 use super::{Bits, check_fields, every_element, int, joint_sizes, on_data, on_model, raw, span};
-use crate::twins::{Twins, read, usual_subjects};
+use crate::twins::{Twins, differing, read, usual_subjects};
 
 /// Returns numbers of an engine array, as bits.
 fn at(array: *const f64, start: usize, length: usize) -> Vec<u64> {
@@ -20,23 +20,6 @@ fn mocap(m: &mjModel, body: usize) -> Option<usize> {
 fn activation(m: &mjModel, actuator: usize) -> Option<usize> {
     let has_one = |at: usize| raw(m.actuator_dyntype, at) as u32 != sys::mjDYN_NONE;
     has_one(actuator).then(|| (0..actuator).filter(|at| has_one(*at)).count())
-}
-
-/// Returns a dense row of the tendon Jacobian, from either of the engine's layouts.
-fn tendon_jacobian(m: &mjModel, d: &mjData, tendon: usize) -> Vec<f64> {
-    let nv = m.nv as usize;
-    // SAFETY: the model is valid, and the arrays have the engine's sizes.
-    unsafe {
-        if sys::mj_isSparse(m) == 0 {
-            return read(d.ten_J, nv * tendon, nv);
-        }
-        let mut row = vec![0.0; nv];
-        let (start, count) = (int(d.ten_J_rowadr, tendon), int(d.ten_J_rownnz, tendon));
-        for at in start..start + count {
-            row[int(d.ten_J_colind, at)] = *d.ten_J.add(at);
-        }
-        row
-    }
 }
 
 /// Returns the object and the position of a wrap point, as bits.
@@ -63,7 +46,10 @@ fn fields_of_elements_in_a_simulation_equal_c() {
         twins.ours.rne_post_constraint().unwrap();
         let (name, data) = (&subject.name, &twins.ours);
         let (m, d) = (on_model(&twins.model), on_data(data));
-        let nv = m.nv as usize;
+        // SAFETY: the tendons and actuators of the model.
+        let tendon_jacobian = |i| unsafe { differing::tendon_jacobian(m, d, i) };
+        // SAFETY: as above.
+        let moment = |i| unsafe { differing::actuator_moment(m, d, i) };
         check_fields!(name, data.bodies(), |body, i| {
             xfrc_applied: d.xfrc_applied, [6 * i; 6];
             xpos: d.xpos, [3 * i; 3];
@@ -123,7 +109,7 @@ fn fields_of_elements_in_a_simulation_equal_c() {
         check_fields!(name, data.tendons(), |tendon, i| {
             length: d.ten_length, [i; 1];
             velocity: d.ten_velocity, [i; 1];
-            => J: tendon.J().unwrap().to_vec().bits(), tendon_jacobian(m, d, i).bits();
+            => J: tendon.J().unwrap().to_vec().bits(), tendon_jacobian(i).bits();
             => wrap_range: tendon.wrap_range(), span(d.ten_wrapadr, d.ten_wrapnum, i);
             => wrap_points: tendon.wrap_points().map(|point| raw_point(&point)).collect::<Vec<_>>(),
                 span(d.ten_wrapadr, d.ten_wrapnum, i).map(|point| engine_point(d, point)).collect::<Vec<_>>();
@@ -133,7 +119,7 @@ fn fields_of_elements_in_a_simulation_equal_c() {
             length: d.actuator_length, [i; 1];
             velocity: d.actuator_velocity, [i; 1];
             force: d.actuator_force, [i; 1];
-            => moment: actuator.moment().to_vec().bits(), at(d.actuator_moment, nv * i, nv);
+            => moment: actuator.moment().to_vec().bits(), moment(i).bits();
             => act: actuator.act().map(|act| act.bits()), activation(m, i).map(|act| at(d.act, act, 1));
             => act_dot: actuator.act_dot().map(|act| act.bits()), activation(m, i).map(|act| at(d.act_dot, act, 1));
         });
