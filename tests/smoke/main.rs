@@ -3,6 +3,12 @@
 
 #![allow(clippy::disallowed_methods, reason = "the engine's arrays are read without the library")]
 
+#[macro_use]
+#[path = "../common/fields.rs"]
+mod fields;
+
+mod shapes;
+
 use std::sync::Arc;
 
 use mujoco_safe::derivative::{TransitionMethod, TransitionOptions};
