@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
-use crate::computed_by;
+use crate::{arena, computed_by};
 
 /// Line of the field table.
 #[derive(Clone, Copy)]
@@ -25,8 +25,8 @@ impl Field<'_> {
         matches!(self.kind, "array" | "arena")
     }
 
-    /// Returns `true` if 2.2.2 has this array with the same type and shape. Only these arrays are writable, because the use that the
-    /// engine makes of the values was examined for these.
+    /// Returns `true` if 2.2.2 has this array with the same type. Only these arrays are writable, because the use that the engine makes of
+    /// the values was examined for these.
     fn is_in_default(self) -> bool {
         self.table.default.contains(&[self.owner, self.ctype, self.name])
     }
@@ -133,7 +133,8 @@ pub(crate) fn generate(table: &str, default: &str) -> [(&'static str, String); 6
         fields.iter().copied().filter(move |field| {
             let is_vector = owner == "Data" && field.kind == "vector";
             let is_by_hand = BY_HAND.contains(&field.name) || WITHOUT_ACCESSOR.contains(&field.ctype);
-            field.owner == owner && !is_vector && !is_by_hand
+            let is_workspace = field.kind == "arena" && arena::written_with(field.name).is_none();
+            field.owner == owner && !is_vector && !is_by_hand && !is_workspace
         })
     };
     let is_written = |field: &Field<'_>| {
@@ -155,8 +156,9 @@ pub(crate) fn generate(table: &str, default: &str) -> [(&'static str, String); 6
         "Writing to the engine's arrays",
         "ModelMut<'_>",
     );
+    let flags = if facts.is_default { "" } else { "use crate::stage::PipelineFlags;\n" };
     let mut data = head(
-        "use crate::data::Data;\nuse crate::ffi;\nuse crate::matrix::{MatrixView, MatrixViewMut};\n",
+        &format!("use crate::data::Data;\nuse crate::ffi;\nuse crate::matrix::{{MatrixView, MatrixViewMut}};\n{flags}"),
         "Sizes and arrays of the engine",
         "Data",
     );
@@ -343,6 +345,22 @@ fn size(field: Field<'_>, expression: &str) -> String {
         .join(" * ")
 }
 
+/// Returns the number of rows of an array: that of its shape, or zero for an array in the arena that the engine has not written.
+fn rows(field: Field<'_>) -> String {
+    let rows = if field.kind == "arena" && field.name == "efc_J" {
+        "self.jacobian_len()".to_owned()
+    } else {
+        size(field, field.rows)
+    };
+    match arena::written_with(field.name).filter(|_| field.kind == "arena") {
+        None => rows,
+        Some(results) if arena::is_of_sparse_jacobian(field.name) => {
+            format!("self.rows_of_sparse(PipelineFlags::{results}, {rows})")
+        }
+        Some(results) => format!("self.rows_after(PipelineFlags::{results}, {rows})"),
+    }
+}
+
 /// Writes the documentation of a reader.
 fn documentation(text: &mut String, field: Field<'_>) {
     let (meaning, shape) =
@@ -403,7 +421,7 @@ fn reader(text: &mut String, field: Field<'_>) {
         return;
     }
     let rust = element(field);
-    let rows = size(field, field.rows);
+    let rows = rows(field);
     let columns = size(field, field.columns);
     let (result, call) = match form(field) {
         Form::Slice => (format!("&[{rust}]"), format!("ffi::array(self.raw().{name}, {rows})")),
@@ -437,7 +455,7 @@ fn restorer(text: &mut String, field: Field<'_>) {
 fn writer(text: &mut String, field: Field<'_>) {
     let name = field.name;
     let rust = element(field);
-    let rows = size(field, field.rows);
+    let rows = rows(field);
     let columns = size(field, field.columns);
     let (result, call) = match form(field) {
         Form::Slice => (format!("&mut [{rust}]"), "ffi::array_mut(array, rows)"),

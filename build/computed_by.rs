@@ -35,10 +35,12 @@ pub(super) fn guarantee(name: &str, kind: &str, is_in_default: bool) -> String {
         assert!(!is_computed, "the table has no call that computes {name}");
         return String::new();
     };
-    format!(
-        "    ///\n    /// Result of the last {source}. It is zero before the first such call, and changes of the state or the model do not \
-         update it.{check}\n"
-    )
+    let validity = if kind == "arena" {
+        "It is empty before the first such call, and after a change of the model or a call that recomputes its inputs."
+    } else {
+        "It is zero before the first such call, and changes of the state or the model do not update it."
+    };
+    format!("    ///\n    /// Result of the last {source}. {validity}{check}\n")
 }
 
 /// Arrays of a simulation that a program sets: state, inputs and user data.

@@ -36,7 +36,7 @@ impl FieldDoc {
             }
             let mut cell = || cells.next().expect("Bug: a line of the field table is too short");
             let (kind, ctype, name) = (cell(), cell(), cell());
-            let is_array = matches!(kind, "array" | "vector");
+            let is_array = matches!(kind, "array" | "arena" | "vector");
             Some(Self { name, ctype, rows: cell(), columns: cell(), docs: cell(), is_array })
         })
     }

@@ -84,6 +84,10 @@ bitflags! {
         const SENSOR_POS = 1 << 22;
         const SENSOR_VEL = 1 << 23;
         const SENSOR_ACC = 1 << 24;
+        /// Linear term `efc_b` of the cost that the solver of forward dynamics minimises.
+        const SOLVER_COST = 1 << 25;
+        /// States of the constraints, `efc_state`. A sensor callback runs before newer engines have written them.
+        const CONSTRAINT_STATE = 1 << 26;
 
         /// Results of [`Stage::Position`].
         const POSITION = Self::KINEMATICS.bits() | Self::COM_POS.bits() | Self::CAMLIGHT.bits() | Self::TENDON.bits()
@@ -95,6 +99,9 @@ bitflags! {
         /// Results of [`Stage::Acceleration`]. Inverse dynamics reaches this stage too.
         const FORCES = Self::VELOCITY.bits() | Self::FORCE.bits();
 
+        /// Results of forward and of inverse dynamics of the constraints.
+        const SOLVED = Self::FORCE.bits() | Self::CONSTRAINT_STATE.bits();
+
         /// Readings of the sensors of all stages.
         const SENSORS = Self::SENSOR_POS.bits() | Self::SENSOR_VEL.bits() | Self::SENSOR_ACC.bits();
 
@@ -105,7 +112,8 @@ bitflags! {
         /// Results of the first half of a step that the second half reads.
         const FIRST_HALF = Self::VELOCITY.bits() | Self::PROJECTION.bits() | Self::CURRENT.bits();
         /// Results of forward dynamics without sensors.
-        const FORWARD = Self::FIRST_HALF.bits() | Self::ACTUATION.bits() | Self::ACCELERATION.bits() | Self::FORCE.bits();
+        const FORWARD = Self::FIRST_HALF.bits() | Self::ACTUATION.bits() | Self::ACCELERATION.bits() | Self::FORCE.bits()
+            | Self::SOLVER_COST.bits() | Self::CONSTRAINT_STATE.bits();
 
         /// Valid results after the first half of a step.
         const AFTER_STEP1 = Self::FIRST_HALF.bits() | Self::SENSOR_POS.bits() | Self::SENSOR_VEL.bits();
@@ -114,13 +122,13 @@ bitflags! {
         /// Valid results after a step. They belong to the state before the step.
         const AFTER_STEP = Self::AFTER_FORWARD.bits() & !Self::CURRENT.bits();
         /// Valid results after inverse dynamics, which uses neither the projection nor the actuators.
-        const AFTER_INVERSE = Self::FORCES.bits() | Self::CURRENT.bits() | Self::SENSORS.bits();
+        const AFTER_INVERSE = Self::SOLVED.bits() | Self::VELOCITY.bits() | Self::CURRENT.bits() | Self::SENSORS.bits();
     }
 }
 
 impl PipelineFlags {
     /// Each part of the pipeline, its inputs among the other parts, and the method that computes it, in topological order.
-    const PARTS: [(Self, Self, &'static str); 24] = [
+    const PARTS: [(Self, Self, &'static str); 26] = [
         (Self::KINEMATICS, Self::empty(), "kinematics"),
         (Self::COM_POS, Self::KINEMATICS, "com_pos"),
         (Self::CAMLIGHT, Self::COM_POS, "camlight"),
@@ -144,6 +152,8 @@ impl PipelineFlags {
             Self::FACTOR_M.union(Self::PASSIVE).union(Self::BIAS).union(Self::ACTUATION),
             "fwd_acceleration",
         ),
+        (Self::SOLVER_COST, Self::PROJECTION.union(Self::REFERENCE).union(Self::ACCELERATION), "fwd_constraint"),
+        (Self::CONSTRAINT_STATE, Self::PROJECTION.union(Self::REFERENCE).union(Self::ACCELERATION), "fwd_constraint"),
         (Self::FORCE, Self::PROJECTION.union(Self::REFERENCE).union(Self::ACCELERATION), "fwd_constraint"),
         (Self::POST_CONSTRAINT, Self::FORCE, "rne_post_constraint"),
         (Self::SENSOR_POS, Self::POSITION, "sensor_pos"),
@@ -328,7 +338,8 @@ mod tests {
         assert_eq!(all.after(PipelineFlags::KINEMATICS, false), PipelineFlags::KINEMATICS | PipelineFlags::CURRENT);
         let stale = all - all.after(PipelineFlags::COLLISION, false);
         let rows = PipelineFlags::CONSTRAINT | PipelineFlags::PROJECTION | PipelineFlags::REFERENCE;
-        assert_eq!(stale, rows | PipelineFlags::FORCE | PipelineFlags::POST_CONSTRAINT | PipelineFlags::SENSORS);
+        let forces = PipelineFlags::SOLVER_COST | PipelineFlags::SOLVED | PipelineFlags::POST_CONSTRAINT;
+        assert_eq!(stale, rows | forces | PipelineFlags::SENSORS);
         let with_adhesion = all - all.after(PipelineFlags::COLLISION, true);
         let actuators = PipelineFlags::TRANSMISSION
             | PipelineFlags::ACTUATOR_VELOCITY

@@ -91,17 +91,46 @@ static void restore_stack(mjData* d, struct stack_mark at) {
 #endif
 }
 
-// Removes the contacts and constraints of a failed call: the error may have occurred after the engine had changed their counts, and before it
-// had allocated their arrays.
-static void clear_arena(mjData* d) {
 #if mjVERSION_HEADER >= 230
-#define X(type, name, rows, columns) d->name = NULL;
+#undef MJ_M
+#undef MJ_D
+#define MJ_M(size) 0
+#define MJ_D(count) (d->count = 0)
+
+// Sets the pointers to all arrays in the arena to NULL, and the counts in their shapes to zero, except the contacts.
+static void clear_constraints(mjData* d) {
+  mjContact* const contact = d->contact;
+  const int ncon = d->ncon;
+#define X(type, name, rows, columns) \
+  d->name = NULL;                    \
+  (void)(rows);                      \
+  (void)(columns);
   MJDATA_ARENA_POINTERS
 #undef X
-  d->ncon = d->ne = d->nf = d->nefc = 0;
+  d->contact = contact;
+  d->ncon = ncon;
+  d->ne = d->nf = 0;
 #if mjVERSION_HEADER >= 300
-  d->nl = d->nisland = 0;
+  d->nl = 0;
 #endif
+#if mjVERSION_HEADER >= 3011000
+  d->efm_active = 0;
+#endif
+}
+
+#undef MJ_M
+#undef MJ_D
+#define MJ_M(size) size
+#define MJ_D(count) count
+#endif
+
+// Removes the contacts and constraints of a failed call: the error may have occurred after the engine had changed their counts, and before it
+// had allocated their arrays. The engine writes new contacts to the start of the arena without setting this pointer.
+static void clear_arena(mjData* d) {
+#if mjVERSION_HEADER >= 230
+  clear_constraints(d);
+  d->ncon = 0;
+  d->contact = d->arena;
 #else
   (void)d;
 #endif
@@ -133,11 +162,28 @@ void mujoco_sys_stack_restore(mjData* d, const struct stack_mark* at) { restore_
   innermost = guard.outer;                                  \
   return MUJOCO_SYS_OK;
 
+// Writes the states of the constraints, which newer engines leave in the order of the islands: in `efc_state` are those of the solver's
+// initial guess, or none.
+static void write_states(const mjModel* m, mjData* d) {
+#if mjVERSION_HEADER >= 3005000
+  if (d->nisland > 0 && d->iefc_state && m->opt.solver != mjSOL_PGS && m->opt.noslip_iterations == 0) {
+    for (int i = 0; i < d->nefc; i++) d->efc_state[i] = d->iefc_state[d->map_efc2iefc[i]];
+  }
+#else
+  (void)m;
+  (void)d;
+#endif
+}
+
 // Defines the guarded version of an engine function without a result, and with a result, which is written to `*result`.
 #define GUARDED(function, data, parameters, arguments) \
   int mujoco_sys_##function parameters { GUARDED_RUN(data, function arguments) }
 #define GUARDED_RESULT(function, data, parameters, arguments) \
   int mujoco_sys_##function parameters { GUARDED_RUN(data, *result = function arguments) }
+
+// The same for functions that solve for the constraint forces.
+#define GUARDED_SOLVER(function, parameters, arguments) \
+  int mujoco_sys_##function parameters { GUARDED_RUN(d, function arguments; write_states(m, d)) }
 
 // The same for functions whose parameters differ between versions, which compat.h adapts.
 #define ADAPTED(prefix, function, data, parameters, arguments) \
@@ -164,14 +210,41 @@ GUARDED(mj_resetDataKeyframe, d, (const mjModel* m, mjData* d, int key), (m, d, 
 GUARDED(mj_setConst, d, (mjModel * m, mjData* d), (m, d))
 
 // Simulation.
-GUARDED(mj_step, d, (const mjModel* m, mjData* d), (m, d))
-int mujoco_sys_step_prechecked(const mjModel* m, mjData* d) { GUARDED_RUN(d, step_prechecked(m, d)) }
+GUARDED_SOLVER(mj_step, (const mjModel* m, mjData* d), (m, d))
+int mujoco_sys_step_prechecked(const mjModel* m, mjData* d) { GUARDED_RUN(d, step_prechecked(m, d); write_states(m, d)) }
 GUARDED(mj_step1, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED(mj_step2, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED(mj_forward, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED_SOLVER(mj_step2, (const mjModel* m, mjData* d), (m, d))
+GUARDED_SOLVER(mj_forward, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_inverse, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED(mj_forwardSkip, d, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
+GUARDED_SOLVER(mj_forwardSkip, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
 GUARDED(mj_inverseSkip, d, (const mjModel* m, mjData* d, int stage, int skip_sensor), (m, d, stage, skip_sensor))
+
+// Creates the rows of the constraints, and since 3.0 their islands, as the engine's position stage does. The engine allocates the arrays of
+// the rows at the place of those of an earlier call, but keeps the pointers to the islands, which it would read with the new rows.
+static void make_constraint(const mjModel* m, mjData* d) {
+#if mjVERSION_HEADER >= 230
+  clear_constraints(d);
+#endif
+  mj_makeConstraint(m, d);
+#if mjVERSION_HEADER >= 300
+  mj_island(m, d);
+#endif
+}
+
+// Computes the matrices of the dual problem in place of those of an earlier call. The engine would append them, until the arena is full.
+static void project_constraint(const mjModel* m, mjData* d) {
+#if mjVERSION_HEADER >= 230
+#define X(type, name, rows, columns)                                \
+  if (d->name) {                                                    \
+    const size_t start = (size_t)((char*)d->name - (char*)d->arena); \
+    if (start < d->parena) d->parena = start;                       \
+    d->name = NULL;                                                 \
+  }
+  MJDATA_ARENA_POINTERS_DUAL
+#undef X
+#endif
+  mj_projectConstraint(m, d);
+}
 
 // Parts of the pipeline.
 GUARDED(mj_kinematics, d, (const mjModel* m, mjData* d), (m, d))
@@ -184,8 +257,8 @@ GUARDED(mj_tendon, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_crb, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_factorM, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_collision, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED(mj_makeConstraint, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED(mj_projectConstraint, d, (const mjModel* m, mjData* d), (m, d))
+int mujoco_sys_mj_makeConstraint(const mjModel* m, mjData* d) { GUARDED_RUN(d, make_constraint(m, d)) }
+int mujoco_sys_mj_projectConstraint(const mjModel* m, mjData* d) { GUARDED_RUN(d, project_constraint(m, d)) }
 GUARDED(mj_transmission, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_comVel, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_passive, d, (const mjModel* m, mjData* d), (m, d))
@@ -194,7 +267,7 @@ GUARDED(mj_fwdPosition, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_fwdVelocity, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_fwdActuation, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_fwdAcceleration, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED(mj_fwdConstraint, d, (const mjModel* m, mjData* d), (m, d))
+GUARDED_SOLVER(mj_fwdConstraint, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_invPosition, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_invVelocity, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_invConstraint, d, (const mjModel* m, mjData* d), (m, d))
@@ -205,7 +278,7 @@ GUARDED(mj_sensorAcc, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_energyPos, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_energyVel, d, (const mjModel* m, mjData* d), (m, d))
 GUARDED(mj_Euler, d, (const mjModel* m, mjData* d), (m, d))
-GUARDED(mj_RungeKutta, d, (const mjModel* m, mjData* d, int N), (m, d, N))
+GUARDED_SOLVER(mj_RungeKutta, (const mjModel* m, mjData* d, int N), (m, d, N))
 
 // Functions of a computed state that use the engine's stack or report invalid arguments by mju_error.
 GUARDED(mj_jacSubtreeCom, d, (const mjModel* m, mjData* d, mjtNum* jacp, int body), (m, d, jacp, body))
@@ -277,6 +350,7 @@ GUARDED(mjv_updateScene, NO_DATA,
 GUARDED(mjv_addGeoms, NO_DATA,
         (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, int catmask, mjvScene* scn),
         (m, d, opt, pert, catmask, scn))
+GUARDED(mjv_makeLights, NO_DATA, (const mjModel* m, mjData* d, mjvScene* scn), (m, d, scn))
 GUARDED(mjv_updateCamera, NO_DATA, (const mjModel* m, mjData* d, mjvCamera* cam, mjvScene* scn), (m, d, cam, scn))
 ADAPTED(mjv, makeConnector, NO_DATA,
         (mjvGeom * geom, int type, mjtNum width, mjtNum a0, mjtNum a1, mjtNum a2, mjtNum b0, mjtNum b1, mjtNum b2),

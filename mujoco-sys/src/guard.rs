@@ -213,6 +213,7 @@ guarded! {
         m: *const mjModel, d: *mut mjData, opt: *const mjvOption, pert: *const mjvPerturb, catmask: c_int,
         scn: *mut mjvScene,
     );
+    mujoco_sys_mjv_makeLights = mjv_make_lights(m: *const mjModel, d: *mut mjData, scn: *mut mjvScene);
     mujoco_sys_mjv_updateCamera = mjv_update_camera(
         m: *const mjModel, d: *mut mjData, cam: *mut mjvCamera, scn: *mut mjvScene,
     );

@@ -123,7 +123,7 @@ impl Data {
         Error::check_length("jar of constraint_update", jar.len(), self.nefc())?;
         let flag = (cone_hessian == ConeHessian::Compute).into();
         let mut cost = 0.0;
-        self.run("mj_constraintUpdate", self.after(PipelineFlags::FORCE), |m, d| {
+        self.run("mj_constraintUpdate", self.after(PipelineFlags::SOLVED), |m, d| {
             // SAFETY: nefc elements, a valid pointer for the cost, and rows that were computed for this model.
             unsafe { guard::mj_constraint_update(m, d, jar.as_ptr(), ptr::from_mut(&mut cost), flag) }
         })?;

@@ -101,7 +101,8 @@ impl<'d> Contact<'d> {
     #[doc(alias = "exclude")]
     #[doc(alias = "efc_address")]
     pub fn is_active(&self) -> bool {
-        self.raw.efc_address >= 0
+        // Newer engines remove all rows if the arena is full, but not their addresses.
+        (0..self.data.raw().nefc).contains(&self.raw.efc_address)
     }
 
     /// Computes the force and torque of the contact, contact frame. Zero for a contact that is not active.
@@ -113,6 +114,9 @@ impl<'d> Contact<'d> {
     #[doc(alias = "mj_contactForce")]
     pub fn force(&self) -> Result<ContactForce> {
         self.data.check_computed("contact force", Stage::Acceleration)?;
+        if !self.is_active() {
+            return Ok(ContactForce::default());
+        }
         let mut result = [0.0; 6];
         // SAFETY: the index is below `ncon`, and the forces were computed with the layout of the model's present options.
         unsafe {

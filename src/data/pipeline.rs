@@ -136,7 +136,7 @@ parts! {
         reads C::FACTOR_M.union(C::PASSIVE).union(C::BIAS).union(C::ACTUATION), computes C::ACCELERATION;
     /// Solves for the constraint forces: `efc_force`, `qfrc_constraint`, `qacc`.
     fwd_constraint = mj_fwd_constraint("mj_fwdConstraint")
-        reads C::PROJECTION.union(C::REFERENCE).union(C::ACCELERATION), computes C::FORCE;
+        reads C::PROJECTION.union(C::REFERENCE).union(C::ACCELERATION), computes C::SOLVER_COST.union(C::SOLVED);
 
     /// Computes the position-dependent inputs of inverse dynamics: [`fwd_position`](Self::fwd_position) without the projection.
     inv_position = mj_inv_position("mj_invPosition")
@@ -146,7 +146,7 @@ parts! {
         reads C::TRANSMISSION.union(C::CONSTRAINT).union(C::CURRENT), computes C::VELOCITY.difference(C::POSITION);
     /// Computes the constraint forces for the accelerations in `qacc`.
     inv_constraint = mj_inv_constraint("mj_invConstraint")
-        reads C::REFERENCE, computes C::FORCE;
+        reads C::REFERENCE, computes C::SOLVED;
     /// Compares forward with inverse dynamics. Writes the norms of the differences of constraint forces and of applied forces to
     /// `solver_fwdinv`.
     compare_fwd_inv = mj_compare_fwd_inv("mj_compareFwdInv")
@@ -277,9 +277,9 @@ impl Data {
     #[doc(alias = "mj_inverseSkip")]
     pub fn inverse_skip(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
         let (stage, needs, results) = match skip {
-            Stage::Nothing => (mjSTAGE_NONE, C::empty(), C::FORCES | C::CURRENT),
-            Stage::Position => (mjSTAGE_POS, C::POSITION | C::CURRENT, C::FORCES - C::POSITION),
-            Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::VELOCITY | C::CURRENT, C::FORCE),
+            Stage::Nothing => (mjSTAGE_NONE, C::empty(), C::VELOCITY | C::SOLVED | C::CURRENT),
+            Stage::Position => (mjSTAGE_POS, C::POSITION | C::CURRENT, (C::VELOCITY | C::SOLVED) - C::POSITION),
+            Stage::Velocity | Stage::Acceleration => (mjSTAGE_VEL, C::VELOCITY | C::CURRENT, C::SOLVED),
         };
         self.check_parts("inverse_skip", needs)?;
         self.check_inputs()?;

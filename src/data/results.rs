@@ -1,5 +1,7 @@
 //! Time, energy, and validity of the computed results.
 
+#[cfg(engine_since = "2.3.0")]
+use super::PipelineFlags;
 use super::{Data, MissingResults, Stage};
 use crate::error::{Error, Result};
 
@@ -63,5 +65,25 @@ impl Data {
             None => Ok(()),
             Some(missing) => Err(Error::NotComputed { call: "Data::require", missing }),
         }
+    }
+}
+
+// Since 2.3 the engine allocates the arrays of the constraints anew in each computation.
+#[cfg(engine_since = "2.3.0")]
+impl Data {
+    /// Returns the number of rows of an array that the engine has written if these results are valid, else zero.
+    #[inline]
+    pub(crate) fn rows_after(&self, results: PipelineFlags, rows: usize) -> usize {
+        if self.computed.contains(results) { rows } else { 0 }
+    }
+
+    /// Returns the same for an array that the engine writes only if the constraint Jacobian is sparse.
+    pub(crate) fn rows_of_sparse(&self, results: PipelineFlags, rows: usize) -> usize {
+        if self.model.is_sparse() { self.rows_after(results, rows) } else { 0 }
+    }
+
+    /// Returns the number of stored elements of the constraint Jacobian. Allocated dense rows without elements are not used.
+    pub(crate) fn jacobian_len(&self) -> usize {
+        if self.model.is_sparse() { self.nJ() } else { self.nefc() * self.model.nv() }
     }
 }

@@ -19,7 +19,10 @@
 //!
 //! `restore.rs` copies the editable arrays from one model to another of the same structure, and clears a simulation.
 //!
-//! A getter of an array of `mjData` is unchecked. Its documentation names the call that computes the array, from the table in
+//! Newer engines allocate the arrays of constraints anew in each computation. Their accessors are empty until the engine has written them
+//! (`build/arena.rs`).
+//!
+//! A getter of any other array of `mjData` is unchecked. Its documentation names the call that computes the array, from the table in
 //! `build/computed_by.rs`, and the argument of [`Data::require`](crate::Data::require) that checks for the result.
 
 #![allow(non_snake_case, reason = "qM, efc_J, nD: the engine's own spelling, which users search for")]

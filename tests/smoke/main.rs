@@ -7,6 +7,8 @@
 #[path = "../common/fields.rs"]
 mod fields;
 
+#[cfg(engine_since = "2.3.0")]
+mod arena;
 mod shapes;
 
 use std::sync::Arc;

@@ -13,6 +13,8 @@
 
 #[path = "../../build/accessors.rs"]
 mod accessors;
+#[path = "../../build/arena.rs"]
+mod arena;
 #[path = "../../build/computed_by.rs"]
 mod computed_by;
 #[cfg(feature = "bindgen")]

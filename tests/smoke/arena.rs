@@ -1,0 +1,275 @@
+//! No accessor returns memory of the arena that the engine has not written. Before each call the tests fill the memory that the call may
+//! allocate with a pattern, and look for the pattern in all arrays afterwards.
+
+use mujoco_safe::callback::Callbacks;
+use mujoco_safe::data::{ConeHessian, SensorUpdate};
+use mujoco_safe::enums::{Cone, JacobianStorage, Solver};
+use mujoco_safe::model::DisableFlags;
+use mujoco_safe::sys::{mjContact, mjENBL_SLEEP, mjNENABLE};
+use mujoco_safe::{Data, MatrixView, Model, Result, Stage, sample};
+
+const PATTERN: u8 = 0xA5;
+const WORD: [u8; 4] = [PATTERN; 4];
+
+/// The result of an accessor.
+trait Values {
+    /// Returns `true` if a value is the pattern.
+    fn has_pattern(&self) -> bool {
+        false
+    }
+
+    fn is_empty(&self) -> bool {
+        false
+    }
+}
+
+impl Values for usize {}
+impl Values for f64 {}
+impl Values for bool {}
+impl Values for &[u8] {}
+impl Values for &[i64] {}
+
+impl Values for &[i32] {
+    fn has_pattern(&self) -> bool {
+        self.iter().any(|value| value.to_ne_bytes() == WORD)
+    }
+
+    fn is_empty(&self) -> bool {
+        <[i32]>::is_empty(self)
+    }
+}
+
+impl Values for &[f64] {
+    fn has_pattern(&self) -> bool {
+        self.iter().any(|value| value.to_ne_bytes() == [PATTERN; 8])
+    }
+
+    fn is_empty(&self) -> bool {
+        <[f64]>::is_empty(self)
+    }
+}
+
+impl<const N: usize> Values for &[[f64; N]] {
+    fn has_pattern(&self) -> bool {
+        self.as_flattened().has_pattern()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.as_flattened().is_empty()
+    }
+}
+
+impl<const N: usize> Values for &[[i32; N]] {
+    fn has_pattern(&self) -> bool {
+        self.as_flattened().has_pattern()
+    }
+}
+
+impl Values for MatrixView<'_> {
+    fn has_pattern(&self) -> bool {
+        self.as_slice().has_pattern()
+    }
+}
+
+macro_rules! check {
+    ($data:ident $after:ident: $($name:ident)*) => {
+        $(assert!(!$data.$name().has_pattern(), "{} after {}", stringify!($name), $after);)*
+    };
+}
+
+macro_rules! empty {
+    ($data:ident: $($name:ident)*) => {
+        [$((stringify!($name), $data.$name().is_empty())),*]
+    };
+}
+
+/// Asserts that all arrays are written.
+fn check(data: &Data, after: &str) {
+    data_readers! { check data after: }
+    for contact in data.contacts() {
+        let numbers = [contact.frame().as_flattened(), contact.pos(), contact.friction(), &[contact.dist()]];
+        assert!(!numbers.concat().as_slice().has_pattern(), "contact after {after}");
+        assert!(contact.geoms().iter().all(|geom| geom.index() < data.model().ngeom()), "geoms after {after}");
+        assert!(contact.dim() <= 6 && (!contact.is_active() || data.nefc() > 0), "contact after {after}");
+        if let Ok(force) = contact.force() {
+            assert!(![force.force, force.torque].concat().as_slice().has_pattern(), "force after {after}");
+        }
+    }
+}
+
+/// Fills the arena behind its first `kept` bytes with the pattern.
+fn fill(data: &mut Data, kept: usize) {
+    // SAFETY: the stack is empty between calls, and each caller keeps the memory that the next call reads.
+    unsafe {
+        let raw = &mut *data.as_mut_ptr();
+        assert_eq!(raw.pstack, 0);
+        let length = usize::try_from(raw.narena).unwrap() - kept;
+        raw.arena.cast::<u8>().add(kept).write_bytes(PATTERN, length);
+    }
+}
+
+/// Makes a call of a simulation that computes the contacts anew.
+fn anew(data: &mut Data, name: &str, call: impl FnOnce(&mut Data) -> Result<()>) {
+    fill(data, 0);
+    call(data).unwrap();
+    check(data, name);
+}
+
+/// Makes a call that computes the constraints of the present contacts anew.
+fn with_contacts(data: &mut Data, name: &str, call: impl FnOnce(&mut Data) -> Result<()>) {
+    fill(data, data.ncon() * size_of::<mjContact>());
+    call(data).unwrap();
+    check(data, name);
+}
+
+/// Makes a call that adds arrays to the present ones.
+fn with_all(data: &mut Data, name: &str, call: impl FnOnce(&mut Data) -> Result<()>) {
+    // SAFETY: reads a number.
+    let used = unsafe { (*data.as_ptr()).parena };
+    fill(data, used);
+    call(data).unwrap();
+    check(data, name);
+}
+
+/// Computes forward dynamics by parts.
+fn by_parts(data: &mut Data) {
+    anew(data, "collision", |data| {
+        data.kinematics()?;
+        data.com_pos()?;
+        data.camlight()?;
+        data.compute_tendon()?;
+        data.compute_crb()?;
+        data.factor_m()?;
+        data.collision()
+    });
+    for _ in 0..2 {
+        with_contacts(data, "make_constraint", Data::make_constraint);
+    }
+    with_all(data, "transmission", Data::transmission);
+    with_all(data, "project_constraint", Data::project_constraint);
+    with_all(data, "compute_ten_velocity", Data::compute_ten_velocity);
+    with_all(data, "compute_actuator_velocity", Data::compute_actuator_velocity);
+    with_all(data, "com_vel", Data::com_vel);
+    with_all(data, "passive", Data::passive);
+    with_all(data, "reference_constraint", Data::reference_constraint);
+    with_all(data, "compute_qfrc_bias", Data::compute_qfrc_bias);
+    with_all(data, "fwd_actuation", Data::fwd_actuation);
+    with_all(data, "fwd_acceleration", Data::fwd_acceleration);
+    with_all(data, "inv_constraint", Data::inv_constraint);
+    with_all(data, "fwd_constraint", Data::fwd_constraint);
+    with_all(data, "rne_post_constraint", Data::rne_post_constraint);
+}
+
+/// Makes all calls that compute constraints.
+fn all_calls(data: &mut Data) {
+    anew(data, "forward", Data::forward);
+    let mut twin = data.clone();
+    check(&twin, "clone");
+    by_parts(data);
+    assert_eq!((data.qacc(), data.efc_force()), (twin.qacc(), twin.efc_force()));
+
+    anew(data, "step", Data::step);
+    anew(data, "inverse", Data::inverse);
+    with_all(data, "inverse_skip", |data| data.inverse_skip(Stage::Velocity, SensorUpdate::Compute));
+    anew(data, "step1", Data::step1);
+    with_all(data, "constraint_update", |data| {
+        data.constraint_update(&vec![-0.1; data.nefc()], ConeHessian::Compute).map(|_| ())
+    });
+    with_all(data, "step2", Data::step2);
+    anew(data, "fwd_position", Data::fwd_position);
+    with_all(data, "fwd_velocity", Data::fwd_velocity);
+    with_all(data, "forward_skip", |data| data.forward_skip(Stage::Velocity, SensorUpdate::Compute));
+    with_all(data, "euler", Data::euler);
+    anew(data, "inv_position", Data::inv_position);
+    with_all(data, "inv_velocity", Data::inv_velocity);
+    with_all(data, "inv_constraint", Data::inv_constraint);
+
+    let callbacks = Callbacks::new()
+        .control(|moment| check(moment, "the control callback"))
+        .passive(|moment| check(moment, "the passive callback"));
+    twin.with_callbacks(callbacks, |data| {
+        anew(data, "step with callbacks", Data::step);
+        anew(data, "inverse with callbacks", Data::inverse);
+    });
+}
+
+#[test]
+fn flags_of_newer_engines_leave_only_written_memory() {
+    // SAFETY: no other thread uses the model. The engine has the flags, and the results are discarded.
+    let set = |data: &mut Data, flags: u32| unsafe {
+        (*data.model().as_ptr().cast_mut()).opt.enableflags = flags as i32;
+    };
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let mut used = 0;
+    for flag in (0..mjNENABLE).map(|bit| 1 << bit).filter(|&flag| flag != mjENBL_SLEEP) {
+        for solver in [Solver::Pgs, Solver::Newton] {
+            edit(&mut data, |options| options.solver = solver);
+            set(&mut data, flag);
+            data.reset_to_key("squat").unwrap();
+            // Some flags belong to an integrator that this crate does not support.
+            if (0..20).all(|_| data.step().is_ok()) {
+                assert!(data.nefc() > 0);
+                all_calls(&mut data);
+                used += 1;
+            }
+            set(&mut data, 0);
+            data.reset().unwrap();
+        }
+    }
+    assert!(used >= 8);
+}
+
+fn edit(data: &mut Data, edit: impl FnOnce(&mut mujoco_safe::Options)) {
+    data.edit_model(|model| model.edit_options(edit)).unwrap();
+}
+
+#[test]
+fn every_call_leaves_only_written_memory() {
+    let colliders = Model::from_xml_str(include_str!("../models/colliders.xml")).unwrap();
+    for model in [sample::humanoid(), colliders] {
+        let mut data = Data::new(model).unwrap();
+        let mut rows = 0;
+        for jacobian in [JacobianStorage::Dense, JacobianStorage::Sparse] {
+            for solver in [Solver::Pgs, Solver::Cg, Solver::Newton] {
+                for (cone, noslip_iterations) in [(Cone::Pyramidal, 0), (Cone::Elliptic, 3)] {
+                    for disable in [DisableFlags::empty(), DisableFlags::WARMSTART] {
+                        edit(&mut data, |options| {
+                            (options.jacobian, options.solver, options.cone) = (jacobian, solver, cone);
+                            (options.noslip_iterations, options.disable) = (noslip_iterations, disable);
+                        });
+                        println!("{jacobian:?} {solver:?} {cone:?} {disable:?}");
+                        data.reset_to_key(0).unwrap();
+                        for _ in 0..20 {
+                            data.step().unwrap();
+                        }
+                        all_calls(&mut data);
+                        rows += data.nefc();
+                    }
+                }
+            }
+        }
+        assert!(rows > 0);
+    }
+}
+
+#[test]
+fn arrays_of_constraints_are_empty_until_they_are_computed() {
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    data.reset_to_key("squat").unwrap();
+    let empty = |data: &Data| -> Vec<&str> {
+        let all = data_readers! { empty data: };
+        all.into_iter().filter(|(name, empty)| name.starts_with("efc_") && *empty).map(|(name, _)| name).collect()
+    };
+    let of_dual = |name: &&str| name.starts_with("efc_A") || name.starts_with("efc_Y");
+    let total = empty(&data).len();
+    data.step1().unwrap();
+    let mut missing = empty(&data);
+    missing.retain(|name| !of_dual(name) && !name.starts_with("efc_J_"));
+    assert_eq!(missing, ["efc_b", "efc_state", "efc_force"]);
+    data.step2().unwrap();
+    // The humanoid's Jacobian is dense, and its solver is Newton's.
+    assert!(empty(&data).iter().all(|name| of_dual(name) || name.starts_with("efc_J_")), "{:?}", empty(&data));
+    assert_eq!(data.efc_J().len(), data.nefc() * data.model().nv());
+    edit(&mut data, |_| {});
+    assert_eq!(empty(&data).len(), total);
+}
