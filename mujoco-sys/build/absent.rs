@@ -2,12 +2,15 @@
 
 /// Constants of at least one supported version, with the value for engines without the constant: one that does not occur in their enum, or
 /// a bit that is none of their flags.
-const CONSTANTS: [(&str, u32); 14] = [
+const CONSTANTS: [(&str, u32); 17] = [
     ("mjINT_IMPLICITFAST", u32::MAX),
     ("mjDYN_FILTEREXACT", u32::MAX),
     ("mjCOL_ALL", u32::MAX),
     ("mjCOL_PAIR", u32::MAX - 1),
     ("mjCOL_DYNAMIC", u32::MAX - 2),
+    ("mjGEOM_LINEBOX", u32::MAX),
+    ("mjGEOM_FLEX", u32::MAX - 1),
+    ("mjGEOM_TRIANGLE", u32::MAX - 2),
     ("mjTIMER_ACCELERATION", u32::MAX),
     ("mjWARN_VGEOMFULL", u32::MAX),
     ("mjSAMEFRAME_BODYROT", u32::MAX),

@@ -50,6 +50,12 @@ engine_enum! {
         Label = mjGEOM_LABEL,
         /// No shape.
         None = mjGEOM_NONE,
+        /// Edges of a box, with the size of a [`Box`](Self::Box). With engines from 3.0. This crate's renderer does not draw it.
+        LineBox = mjGEOM_LINEBOX,
+        /// Flexible object. With engines from 3.0. This crate's renderer does not draw it.
+        Flex = mjGEOM_FLEX,
+        /// Triangle. With engines from 3.0. This crate's renderer does not draw it.
+        Triangle = mjGEOM_TRIANGLE,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Lights of a scene.
 
-use mujoco_sys::{self as sys, mjvLight};
+use mujoco_sys::{guard, mjvLight};
 
 use super::Scene;
 use crate::data::{Data, Stage};
@@ -77,13 +77,16 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::NotComputed`](crate::Error::NotComputed) if positions have not been computed, [`Error::OtherModel`](crate::Error::OtherModel) for data of another model.
+    /// [`Error::NotComputed`](crate::Error::NotComputed) if positions have not been computed, [`Error::OtherModel`](crate::Error::OtherModel) for data of another model,
+    /// [`Error::Engine`](crate::Error::Engine) with newer engines before the first update of the camera.
     #[doc(alias = "mjv_makeLights")]
     pub fn update_lights(&mut self, data: &Data) -> Result<()> {
         self.check_model(data.model(), "the data to show")?;
         data.check_computed("Scene::update_lights", Stage::Position)?;
-        // SAFETY: the model and the data belong together, and the function only reads them. It cannot fail.
-        unsafe { sys::mjv_makeLights(data.model().as_ptr(), data.as_ptr().cast_mut(), self.raw_mut()) };
-        Ok(())
+        let scene = std::ptr::from_mut(self.raw_mut());
+        data.call("mjv_makeLights", |m, d| {
+            // SAFETY: the model and the data belong together, and the function only reads them.
+            unsafe { guard::mjv_make_lights(m, d.cast_mut(), scene) }
+        })
     }
 }

@@ -69,7 +69,11 @@ pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: DetailLevel, pa
                 parts.extend(shapes.skin(skin.index()).map(asset));
             }
         }
-        SceneGeomType::Label | SceneGeomType::None => {}
+        SceneGeomType::LineBox
+        | SceneGeomType::Flex
+        | SceneGeomType::Triangle
+        | SceneGeomType::Label
+        | SceneGeomType::None => {}
     }
 }
 
