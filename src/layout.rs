@@ -108,6 +108,13 @@ impl Model {
         ffi::size(unsafe { adapted::inertia_len(self.as_ptr()) })
     }
 
+    /// Returns the number of values of plastic springs in the state.
+    #[cfg(engine_since = "2.3.0")]
+    pub(crate) fn plastic_len(&self) -> usize {
+        // SAFETY: a valid model, of which the function reads a size.
+        ffi::size(unsafe { adapted::plastic_len(self.as_ptr()) })
+    }
+
     /// Returns the flags of the equality constraints that are enforced, or enforced initially.
     pub(crate) fn equality_active(&self) -> &[u8] {
         // SAFETY: the engine allocated the array with this length.

@@ -296,6 +296,15 @@ void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* optio
 #endif
 }
 
+int mujoco_sys_plasticLength(const mjModel* m) {
+#if mjVERSION_HEADER >= 4000000
+  return (int)m->nplastic;
+#else
+  (void)m;
+  return 0;
+#endif
+}
+
 size_t mujoco_sys_arenaBytes(const mjData* d) {
 #if mjVERSION_HEADER >= 300
   return d->narena;

@@ -91,6 +91,9 @@ struct mujoco_sys_options {
 void mujoco_sys_getOptions(const mjOption* opt, struct mujoco_sys_options* options);
 void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* options);
 
+// Number of plastic springs, which exist since 4.0.
+int mujoco_sys_plasticLength(const mjModel* m);
+
 // Bytes of the stack, or since 2.3 of the arena that contains the stack.
 size_t mujoco_sys_arenaBytes(const mjData* d);
 

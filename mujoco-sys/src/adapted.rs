@@ -94,6 +94,8 @@ adapted! {
     mujoco_sys_inertia = inertia(d: *const mjData) -> *const mjtNum;
     /// Returns the number of the stored elements of the inertia matrix, `nM` (`nC` since 3.10).
     mujoco_sys_inertiaLength = inertia_len(m: *const mjModel) -> c_int;
+    /// Returns the number of stored values of plastic springs, `nplastic` (4.0), or 0.
+    mujoco_sys_plasticLength = plastic_len(m: *const mjModel) -> c_int;
     /// Returns the flags of the equality constraints that are enforced, `eq_active`, or since 3.0 enforced initially, `eq_active0`; neq.
     mujoco_sys_equalityActive = equality_active(m: *const mjModel) -> *mut mjtByte;
     /// Returns 1 if an equality constraint couples sites instead of bodies (`eq_objtype`, since 3.2.3), else 0.

@@ -24,6 +24,7 @@ impl Model {
             (self.nflex(), "flexible objects (<flex>, <flexcomp>)"),
             (self.nplugin(), "engine plugins"),
             (self.nhistory(), "delays of actuators or sensors"),
+            (self.plastic_len(), "plastic springs"),
         ];
         if let Some((_, what)) = counts.into_iter().find(|(count, _)| *count > 0) {
             return unsupported(format!("the model has {what}"));
@@ -52,6 +53,10 @@ impl Model {
             [opt.iterations, opt.ls_iterations, opt.noslip_iterations, opt.ccd_iterations, opt.sdf_iterations];
         if let Some(count) = iterations.into_iter().find(|&count| count > MOST_ITERATIONS) {
             return Err(format!("a solver has {count} iterations; at most {MOST_ITERATIONS} are allowed"));
+        }
+        if cfg!(engine_since = "3.0.0") && opt.ccd_iterations < 1 {
+            // The solver has no space for its first polytope without an iteration.
+            return Err(format!("the collision solver has {} iterations; at least 1 is needed", opt.ccd_iterations));
         }
         for tendon in 0..self.ntendon() {
             let start = ffi::size(self.tendon_adr()[tendon]);

@@ -85,7 +85,7 @@ pub struct Options {
     pub iterations: usize,
     /// Largest number of iterations of the no-slip solver. At most a million.
     pub noslip_iterations: usize,
-    /// Largest number of iterations of the convex collision solver. At most a million.
+    /// Largest number of iterations of the convex collision solver. At most a million, and at least 1 with engines from 3.0.
     pub mpr_iterations: usize,
     /// Standard features that are disabled.
     #[doc(alias = "disableflags")]
@@ -308,6 +308,10 @@ impl Options {
             ("mpr_iterations", self.mpr_iterations),
         ] {
             option.require(value <= Self::MOST_ITERATIONS, name, value, "at most a million")?;
+        }
+        // The collision solver of newer engines has no space for its first polytope if it may not iterate.
+        if cfg!(engine_since = "3.0.0") {
+            option.require(self.mpr_iterations > 0, "mpr_iterations", self.mpr_iterations, "at least 1")?;
         }
         self.check_supported()?;
         // `from_bits_retain` can create flags that the engine does not have.
