@@ -67,6 +67,24 @@ pub fn texture() -> Vec<u8> {
     bytes
 }
 
+/// Name of the second texture: newer engines do not read the engine's texture format.
+#[cfg(not(engine_since = "2.3.0"))]
+macro_rules! strip {
+    () => {
+        "strip.tex"
+    };
+}
+#[cfg(engine_since = "2.3.0")]
+macro_rules! strip {
+    () => {
+        "strip.png"
+    };
+}
+
+fn strip() -> Vec<u8> {
+    if strip!().ends_with("png") { png(png::ColorType::Rgb, 2, 1, &texture()[8..]) } else { texture() }
+}
+
 pub fn png(colour: png::ColorType, width: u32, height: u32, samples: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
@@ -87,7 +105,7 @@ pub fn all() -> Vec<(&'static str, Vec<u8>)> {
         ("meshes/hills.bin", height_field()),
         ("meshes/dunes.png", png(png::ColorType::Grayscale, 3, 2, &[0, 50, 100, 150, 200, 250])),
         ("images/flat.png", png(png::ColorType::Rgb, 4, 4, &colours)),
-        ("images/strip.tex", texture()),
+        (concat!("images/", strip!()), strip()),
     ]
 }
 
@@ -106,7 +124,8 @@ pub const MODEL: &str = r#"<mujoco model="files">
   </worldbody>
 </mujoco>"#;
 
-pub const PART: &str = r#"<mujoco>
+pub const PART: &str = concat!(
+    r#"<mujoco>
   <asset>
     <mesh name="stl" file="solid.stl"/>
     <mesh name="obj" file="solid.obj"/>
@@ -115,10 +134,13 @@ pub const PART: &str = r#"<mujoco>
     <hfield name="hills" file="hills.bin" size="1 1 1 .1"/>
     <hfield name="dunes" file="dunes.png" size="1 1 1 .1"/>
     <texture name="flat" type="2d" file="flat.png"/>
-    <texture name="strip" type="2d" file="strip.tex"/>
+    <texture name="strip" type="2d" file=""#,
+    strip!(),
+    r#""/>
     <material name="flat" texture="flat"/>
   </asset>
-</mujoco>"#;
+</mujoco>"#
+);
 
 pub const URDF: &str = r#"<robot name="arm">
   <link name="base"/>

@@ -314,6 +314,73 @@ fn a_damaged_file_is_found_in_every_directory_of_the_compiler() {
 }
 
 #[test]
+fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected() {
+    let nested = |counts: &[&str]| {
+        let open: String = counts.iter().map(|count| format!("<replicate count='{count}'>")).collect();
+        format!("<worldbody>{open}<geom size='.1'/>{}</worldbody>", "</replicate>".repeat(counts.len()))
+    };
+    for (xml, expected) in [
+        (nested(&["1000000000"]), "1000000 elements"),
+        (nested(&["99999999999"]), "1000000 elements"),
+        (nested(&["200", "200", "200"]), "1000000 elements"),
+        ("<asset><model name='m' file='m.xml'/></asset>".to_owned(), "another model"),
+        (
+            "<worldbody><flexcomp name='f' type='grid' count='9999 9999 9999'/></worldbody>".to_owned(),
+            "flexible objects",
+        ),
+        ("<asset><hfield name='h' size='1 1 1 1' file='h.txt' content_type='x/y'/></asset>".to_owned(), "content_type"),
+        ("<asset><mesh name='m' file='m.txt' content_type='model/obj'/></asset>".to_owned(), "content_type"),
+        ("<asset><mesh name='m' builtin='sphere' params='1e9'/></asset>".to_owned(), "generated mesh"),
+        ("<asset><mesh name='m' builtin='sphere' params='nan'/></asset>".to_owned(), "generated mesh"),
+        (
+            "<asset><texture name='t' builtin='flat' type='2d' width='9000' height='9000' nchannel='99'/></asset>"
+                .to_owned(),
+            "too large",
+        ),
+        ("<sensor><contact num='2000000000'/></sensor>".to_owned(), "num must be"),
+        ("<actuator><motor nsample='2000000000'/></actuator>".to_owned(), "nsample must be"),
+        ("<size nuserdata='2000000000'/>".to_owned(), "nuserdata must be"),
+    ] {
+        let error = Model::from_xml_str(&format!("<mujoco>{xml}</mujoco>")).unwrap_err();
+        assert!(error.to_string().contains(expected), "{xml:.60}: {error}");
+    }
+    // A replication of moderate size passes the check. The compiler of 2.2.2 does not know the element.
+    match Model::from_xml_str(&format!("<mujoco>{}</mujoco>", nested(&["10", "20"]))) {
+        Ok(model) => assert_eq!(model.ngeom(), 200),
+        Err(error) => assert!(error.to_string().contains("unrecognized element"), "{error}"),
+    }
+}
+
+#[test]
+fn a_damaged_file_is_found_by_every_path_that_a_newer_compiler_opens() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, content: &[u8]| std::fs::write(folder.path().join(name), content).unwrap();
+    // The header promises more elevations than the file has.
+    let damaged = [integers(&[30_000, 30_000]), reals(&[0.0; 4])].concat();
+    std::fs::create_dir(folder.path().join("assets")).unwrap();
+    write("assets/h.bin", &damaged);
+    for (compiler, file) in [
+        ("assetdir='assets'", "h.bin"),
+        ("", "assets/h.bin"),
+        ("", "nowhere/../assets/h.bin"),
+        ("", "./assets/./h.bin"),
+        ("meshdir='nowhere/../assets'", "h.bin"),
+    ] {
+        let field = format!("<hfield name='h' size='1 1 1 1' file='{file}'/>");
+        write("model.xml", format!("<mujoco><compiler {compiler}/><asset>{field}</asset></mujoco>").as_bytes());
+        let error = Model::from_xml_path(folder.path().join("model.xml")).unwrap_err().to_string();
+        let is_reported = error.contains("contradicts its header");
+        // The compiler of 2.2.2 opens the path as it is.
+        let opens = !file.contains("..") && !compiler.contains("..") && !compiler.contains("assetdir");
+        assert!(is_reported || is_default() && !opens, "{compiler} {file}: {error}");
+    }
+}
+
+fn is_default() -> bool {
+    mujoco_safe::built_against().to_string() == "2.2.2"
+}
+
+#[test]
 fn counts_beyond_the_compilers_arrays_are_rejected() {
     let numbers = "1 ".repeat(501);
     let mesh = "vertex='0 0 0 1 0 0 0 1 0 0 0 1'";

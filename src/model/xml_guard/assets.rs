@@ -256,14 +256,14 @@ fn obj(content: &[u8]) -> Option<&'static str> {
 /// Rejects names of material files that are not regular files, because the OBJ reader opens them.
 fn materials(path: &[u8], content: &[u8], files: &Files<'_>) -> Option<&'static str> {
     // The reader of files in memory ignores materials.
-    if matches!(files.find(path), Found::Content(Cow::Borrowed(_))) {
+    if matches!(files.find(path)[..], [Found::Content(Cow::Borrowed(_))]) {
         return None;
     }
     lines(content)
         .filter_map(|line| after_word(line, b"mtllib"))
         .flat_map(|rest| fields(rest).chain([rest.trim_ascii()]))
         .any(|name| {
-            let irregular = |path: &[u8]| matches!(Files::default().find(path), Found::Rejected(_));
+            let irregular = |path: &[u8]| matches!(Files::default().find(path)[..], [Found::Rejected(_)]);
             irregular(name) || irregular(&[directory(path), name].concat())
         })
         .then_some("names a material file that is not a regular file")

@@ -7,8 +7,14 @@ use super::tags::{Tag, numbers};
 /// time and the memory of the compiler.
 const MOST_KEYS: u64 = 10_000;
 const MOST_USER: u64 = 10_000;
+/// Largest number of user values of a simulation.
+const MOST_USERDATA: u64 = 100_000_000;
 /// Largest number of values in an element of `custom`: the size of the compiler's array.
 const MOST_CUSTOM: u64 = 500;
+/// Largest number of samples of a delay, and of contacts that a sensor returns.
+const MOST_VALUES: u64 = 10_000;
+/// Largest parameter of a mesh that the compiler generates.
+const MOST_PARAMETER: f64 = 1000.0;
 /// Largest number of vertices of the skin of a composite.
 const MOST_SKIN: u64 = 4_000_000;
 
@@ -28,7 +34,21 @@ fn size(tag: &Tag<'_>, name: &[u8], default: u64) -> u64 {
 /// nonexistent vertices. `composite` is the count of the composite that contains the tag.
 pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
     let too_many = |name: &str, most: u64| Some(format!("{name} must be an integer of at most {most}"));
+    // The rules for a file depend on its format.
+    if [&b"mesh"[..], b"hfield", b"skin", b"texture"].contains(&tag.name)
+        && let Some(format) = tag.attribute(b"content_type")
+        && !is_format_of(&format, &tag.attribute(b"file").unwrap_or_default())
+    {
+        return Some("a content_type must be that of the file's extension".to_owned());
+    }
     match tag.name {
+        // The files of another model may be in other directories.
+        b"model" if tag.attribute(b"file").is_some() => {
+            Some("the text has another model as an asset (<model>)".to_owned())
+        }
+        b"flex" | b"flexcomp" => Some("the text has flexible objects (<flex>, <flexcomp>)".to_owned()),
+        b"contact" | b"rangefinder" if size(tag, b"num", 0) > MOST_VALUES => too_many("num", MOST_VALUES),
+        _ if size(tag, b"nsample", 0) > MOST_VALUES => too_many("nsample", MOST_VALUES),
         b"texture" => {
             let width = size(tag, b"width", 0);
             // A cube map is six squares.
@@ -38,7 +58,9 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             if grid.any(|number| number.is_none_or(|number| number > 12)) {
                 return Some("a gridsize must be at most 12".to_owned());
             }
-            (width.saturating_mul(height).saturating_mul(3) > MOST_NUMBERS).then(|| "a texture is too large".to_owned())
+            let channels = size(tag, b"nchannel", 3).max(3);
+            (width.saturating_mul(height).saturating_mul(channels) > MOST_NUMBERS)
+                .then(|| "a texture is too large".to_owned())
         }
         b"hfield" => (size(tag, b"nrow", 0).saturating_mul(size(tag, b"ncol", 0)) > MOST_NUMBERS)
             .then(|| "a height field is too large".to_owned()),
@@ -46,6 +68,9 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         b"size" => {
             if size(tag, b"nkey", 0) > MOST_KEYS {
                 return too_many("nkey", MOST_KEYS);
+            }
+            if size(tag, b"nuserdata", 0) > MOST_USERDATA {
+                return too_many("nuserdata", MOST_USERDATA);
             }
             let users = ["body", "jnt", "geom", "site", "cam", "tendon", "actuator", "sensor"]
                 .map(|kind| format!("nuser_{kind}"));
@@ -68,7 +93,27 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
     }
 }
 
+/// Returns `true` if the extension of a file is that of a format.
+fn is_format_of(format: &[u8], file: &[u8]) -> bool {
+    let extensions: [(&[u8], &[u8]); 5] = [
+        (b"image/png", b".png"),
+        (b"image/ktx", b".ktx"),
+        (b"model/obj", b".obj"),
+        (b"model/stl", b".stl"),
+        (b"model/vnd.mujoco.msh", b".msh"),
+    ];
+    extensions.into_iter().any(|(name, end)| {
+        name == format && file.len() >= end.len() && file[file.len() - end.len()..].eq_ignore_ascii_case(end)
+    })
+}
+
 fn mesh(tag: &Tag<'_>) -> Option<String> {
+    // Numbers of vertices of a generated mesh, or of its subdivisions.
+    let params = tag.attribute(b"params").unwrap_or_default();
+    let is_moderate = |word: &str| word.parse().is_ok_and(|number: f64| number.abs() <= MOST_PARAMETER);
+    if tag.attribute(b"builtin").is_some() && !String::from_utf8_lossy(&params).split_whitespace().all(is_moderate) {
+        return Some(format!("a parameter of a generated mesh must be a number of at most {MOST_PARAMETER}"));
+    }
     // The compiler would combine arrays of different lengths from the file and the text.
     if let Some(array) =
         [&b"vertex"[..], b"normal", b"texcoord", b"face"].into_iter().find(|name| tag.attribute(name).is_some())

@@ -17,7 +17,7 @@ pub(super) use self::simulation::without_simulation;
 pub(super) use self::tags::{Tags, decoded};
 
 use self::assets::Format;
-use self::files::{Found, abbreviated, is_irregular, last_part};
+use self::files::{Found, abbreviated, is_irregular, last_part, reduced};
 use self::simulation::{Muscles, Rangefinders};
 use self::tags::{Tag, numbers};
 use self::urdf::Urdf;
@@ -28,6 +28,8 @@ use crate::error::{Error, Result};
 /// would overflow the stack of a thread.
 const MOST_INCLUDED: usize = 50;
 const MOST_NESTED: usize = 400;
+/// Largest number of elements that the compiler creates from a text with `replicate`, each copy of an element counted.
+const MOST_ELEMENTS: u64 = 1_000_000;
 /// Largest length of a file name in bytes; the engine's limit is 999.
 const LONGEST_NAME: usize = 900;
 /// Largest numbers of bodies and of degrees of freedom. The engine packs two body ids into one C int, and stores 6 nv² in a C int.
@@ -59,6 +61,8 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
         has_small_njmax: false,
         has_adhesion: false,
         composite: Vec::new(),
+        replicates: Vec::new(),
+        elements: 0,
         folders: vec![Vec::new()],
         assets: Vec::new(),
         muscles: Muscles::default(),
@@ -91,6 +95,10 @@ struct Check<'f> {
     has_adhesion: bool,
     /// Counts of the most recent composite.
     composite: Vec<u64>,
+    /// Number of includes, depth and count of each `replicate` element that contains the present one.
+    replicates: Vec<(usize, usize, u64)>,
+    /// Elements after the replication.
+    elements: u64,
     /// Directories that may contain assets.
     folders: Vec<Vec<u8>>,
     assets: Vec<Asset>,
@@ -122,7 +130,21 @@ impl<'f> Check<'f> {
             let is = |name: &[u8]| tag.name.eq_ignore_ascii_case(name);
             if tag.closes {
                 depth -= usize::from(depth > 0);
+                self.replicates.retain(|&(includes, outer, _)| includes < included || outer < depth);
                 continue;
+            }
+            self.elements = self.elements.saturating_add(
+                self.replicates.iter().fold(1, |product: u64, (.., count)| product.saturating_mul(*count)),
+            );
+            if self.elements > MOST_ELEMENTS && !self.replicates.is_empty() {
+                return reject(
+                    tag.position,
+                    &format!("the model has more than {MOST_ELEMENTS} elements after its replication"),
+                );
+            }
+            if tag.name == b"replicate" && !tag.empty {
+                let count = tag.integer(b"count").and_then(|count| u64::try_from(count).ok()).unwrap_or(MOST_ELEMENTS);
+                self.replicates.push((included, depth, count.clamp(1, MOST_ELEMENTS)));
             }
             deepest = deepest.max(depth + 1);
             let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
@@ -142,11 +164,11 @@ impl<'f> Check<'f> {
                 if included >= MOST_INCLUDED {
                     return reject(tag.position, &format!("includes are nested more than {MOST_INCLUDED} deep"));
                 }
-                let content = match self.included(&name) {
-                    Ok(content) => content,
+                let contents = match self.included(&name) {
+                    Ok(contents) => contents,
                     Err(why) => return reject(tag.position, &format!("'{}' {why}", abbreviated(&name))),
                 };
-                if let Some(content) = content {
+                for content in contents {
                     let inner = self.text(&String::from_utf8_lossy(&name), &content, included + 1)?;
                     deepest = deepest.max(depth + inner);
                 }
@@ -181,25 +203,30 @@ impl<'f> Check<'f> {
         Ok(deepest)
     }
 
-    /// Reads an included file. Returns `None` if it was included before or cannot be read, which the compiler reports, and an
-    /// error if the compiler must not open it.
-    fn included(&mut self, name: &[u8]) -> Result<Option<Cow<'f, [u8]>>, &'static str> {
+    /// Reads the files that the compiler may include for a name. Returns none if they were included before or cannot be read, which the
+    /// compiler reports, and an error if the compiler must not open one.
+    fn included(&mut self, name: &[u8]) -> Result<Vec<Cow<'f, [u8]>>, &'static str> {
         // The compiler appends the name to the directory even if the name is absolute.
         let path = [self.files.directory, name].concat();
         if !self.seen.insert(path.to_ascii_lowercase()) {
-            return Ok(None);
+            return Ok(Vec::new());
         }
-        match self.files.find(&path) {
-            Found::Nothing => Ok(None),
+        let mut found = self.files.find(&path);
+        let reduced = reduced(&path);
+        if cfg!(engine_since = "2.3.0") && reduced != path {
+            found.extend(self.files.find(&reduced));
+        }
+        let contents = found.into_iter().map(|found| match found {
             Found::Rejected(why) => Err(why),
-            Found::Content(content) => Ok(Some(content)),
-        }
+            Found::Content(content) => Ok(content),
+        });
+        contents.collect()
     }
 
     /// Records the asset files that a tag names, and the directories that may contain them.
     fn record_files(&mut self, tag: &Tag<'_>, source_name: &str) {
         if tag.name == b"compiler" {
-            for folder in [&b"meshdir"[..], b"texturedir"].iter().filter_map(|name| tag.attribute(name)) {
+            for folder in [&b"meshdir"[..], b"texturedir", b"assetdir"].iter().filter_map(|name| tag.attribute(name)) {
                 if !self.folders.iter().any(|known| *known == *folder) {
                     self.folders.push(folder.into_owned());
                 }
@@ -227,22 +254,26 @@ impl<'f> Check<'f> {
                 return reject(&asset.name, NO_EXTENSION);
             }
             for folder in &self.folders {
-                for name in [&asset.name[..], last_part(&asset.name)] {
-                    let path = self.files.asset_path(folder, name);
+                let names = [&asset.name[..], last_part(&asset.name)];
+                for (name, path) in names
+                    .into_iter()
+                    .flat_map(|name| self.files.asset_paths(folder, name).into_iter().map(move |path| (name, path)))
+                {
                     if !seen.insert((asset.format, path.clone())) {
                         continue;
                     }
-                    let reason = match self.files.find(&path) {
-                        Found::Nothing => None,
-                        Found::Rejected(why) => (!name.is_empty()).then_some(why),
-                        Found::Content(content) => {
-                            let size = asset.format.rows_and_columns(&content);
-                            self.rangefinders.record_field(size, &asset.source_name);
-                            asset.format.reject(&path, &content, self.files)
+                    for found in self.files.find(&path) {
+                        let reason = match found {
+                            Found::Rejected(why) => (!name.is_empty()).then_some(why),
+                            Found::Content(content) => {
+                                let size = asset.format.rows_and_columns(&content);
+                                self.rangefinders.record_field(size, &asset.source_name);
+                                asset.format.reject(&path, &content, self.files)
+                            }
+                        };
+                        if let Some(reason) = reason {
+                            return reject(name, reason);
                         }
-                    };
-                    if let Some(reason) = reason {
-                        return reject(name, reason);
                     }
                 }
             }
