@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use mujoco_safe::{LoadOptions, Model, sample};
+use mujoco_safe::{Error, LoadOptions, Model, sample};
 
 use super::assets::{self, File};
 use super::binary::use_model;
@@ -184,8 +184,14 @@ pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)
         Ok(model) => {
             log("the binary round trip");
             let saved = model.to_binary().expect("a model that loads can be saved");
-            let again = Model::from_binary(&saved).expect("a model that was saved loads again");
-            assert!(again.to_binary().expect("a model that loads can be saved") == saved, "the binary form changed");
+            match Model::from_binary(&saved) {
+                // The rules for binary models are known for 2.2.2 only.
+                Err(Error::Unsupported(_)) => {}
+                again => {
+                    let again = again.expect("a model that was saved loads again").to_binary();
+                    assert!(again.expect("a model that loads can be saved") == saved, "the binary form changed");
+                }
+            }
             use_model(model, log)
         }
         Err(error) => {
