@@ -96,7 +96,7 @@ impl BandShape {
     pub fn band_diag(&self, i: usize) -> usize {
         assert!(i < self.ntotal, "row {i} of a band matrix of {} rows", self.ntotal);
         let (first, start) = self.row(i);
-        start + i - first
+        start + (i - first)
     }
 
     #[inline]

@@ -141,3 +141,9 @@ proptest! {
         assert_near((full * DVector::from_vec(res)).as_slice(), &vec, 1e-11);
     }
 }
+
+#[test]
+fn the_index_of_a_diagonal_value_does_not_overflow() {
+    let largest = BandShape::new(usize::MAX, 1, 0).unwrap();
+    assert_eq!(largest.band_diag(usize::MAX - 1), usize::MAX - 1);
+}
