@@ -101,7 +101,25 @@ impl Data {
         }
         let model = Arc::get_mut(&mut self.model).expect("Bug: a fresh copy of a model is shared");
         self.computed = PipelineFlags::empty();
-        edit(&mut model.edit()).into_result()
+        #[cfg(engine_since = "3.0.0")]
+        let active = model.equality_active().to_vec();
+        let result = edit(&mut model.edit()).into_result();
+        #[cfg(engine_since = "3.0.0")]
+        self.switch_equalities(&active);
+        result
+    }
+
+    /// Switches the equality constraints that an edit has switched in the model, where newer engines have only their initial activity.
+    #[cfg(engine_since = "3.0.0")]
+    fn switch_equalities(&mut self, before: &[u8]) {
+        let model = self.model.clone();
+        // SAFETY: the engine allocated the array with this length, and `self` is borrowed exclusively.
+        let present = unsafe { ffi::array_mut(self.raw_mut().eq_active, before.len()) };
+        for ((present, &active), before) in present.iter_mut().zip(model.equality_active()).zip(before) {
+            if active != *before {
+                *present = active;
+            }
+        }
     }
 
     /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of poisoned data is poisoned.

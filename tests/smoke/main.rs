@@ -186,6 +186,10 @@ fn equality_constraints_are_switched_on_and_off() {
         let mut data = Data::new(model.clone()).unwrap();
         data.forward().unwrap();
         assert_eq!(data.ne(), usize::from(active));
+        // An edit of the model of a simulation switches the constraint in the simulation.
+        data.edit_model(|model| model.equality_mut(equality).set_active(!active)).unwrap();
+        data.forward().unwrap();
+        assert_eq!(data.ne(), usize::from(!active));
     }
 }
 
