@@ -296,6 +296,26 @@ void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* optio
 #endif
 }
 
+void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]) {
+#if mjVERSION_HEADER >= 3005000
+  mju_sub3(grip, pert->refselpos, pert->refpos);
+  grip[3] = pert->localmass;
+#else
+  (void)pert;
+  (void)grip;
+#endif
+}
+
+void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]) {
+#if mjVERSION_HEADER >= 3005000
+  mju_add3(pert->refselpos, pert->refpos, grip);
+  pert->localmass = grip[3];
+#else
+  (void)pert;
+  (void)grip;
+#endif
+}
+
 int mujoco_sys_plasticLength(const mjModel* m) {
 #if mjVERSION_HEADER >= 4000000
   return (int)m->nplastic;

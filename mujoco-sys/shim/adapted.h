@@ -91,6 +91,10 @@ struct mujoco_sys_options {
 void mujoco_sys_getOptions(const mjOption* opt, struct mujoco_sys_options* options);
 void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* options);
 
+// Offset of the selected point's target from that of the centre of mass (3), and inertia at the point (1), of newer engines.
+void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]);
+void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]);
+
 // Number of plastic springs, which exist since 4.0.
 int mujoco_sys_plasticLength(const mjModel* m);
 

@@ -389,7 +389,34 @@ int mujoco_sys_mjv_initPerturb(const mjModel* m, mjData* d, const mjvScene* scn,
 }
 GUARDED(mjv_applyPerturbPose, NO_DATA, (const mjModel* m, mjData* d, const mjvPerturb* pert, int flg_paused),
         (m, d, pert, flg_paused))
-GUARDED(mjv_applyPerturbForce, NO_DATA, (const mjModel* m, mjData* d, const mjvPerturb* pert), (m, d, pert))
+// Newer engines pull the selected point with its inertia, which mjv_initPerturb computes. A perturbation that a program has set without it pulls
+// the point by the displacement of the centre of mass.
+static void apply_perturb_force(const mjModel* m, mjData* d, const mjvPerturb* pert) {
+#if mjVERSION_HEADER >= 3005000
+  mjvPerturb full = *pert;
+  if (full.localmass == 0 && full.select > 0) {
+    // The engine computes the motion of the mouse too, for which any camera will do.
+    mjvScene view;
+    mjv_defaultScene(&view);
+    view.scale = view.rotate[0] = 1;
+    for (int i = 0; i < 2; i++) {
+      view.camera[i].forward[0] = view.camera[i].up[2] = 1;
+      view.camera[i].frustum_near = view.camera[i].frustum_top = 1;
+      view.camera[i].frustum_bottom = -1;
+    }
+    mjv_initPerturb(m, d, &view, &full);
+    for (int i = 0; i < 3; i++) full.refselpos[i] += pert->refpos[i] - full.refpos[i];
+    mju_copy3(full.refpos, pert->refpos);
+    mju_copy4(full.refquat, pert->refquat);
+  }
+  mjv_applyPerturbForce(m, d, &full);
+#else
+  mjv_applyPerturbForce(m, d, pert);
+#endif
+}
+int mujoco_sys_mjv_applyPerturbForce(const mjModel* m, mjData* d, const mjvPerturb* pert) {
+  GUARDED_RUN(NO_DATA, apply_perturb_force(m, d, pert))
+}
 ADAPTED_RESULT(mjv, select, NO_DATA,
                (const mjModel* m, const mjData* d, const mjvOption* vopt, mjtNum aspectratio, mjtNum relx, mjtNum rely,
                 const mjvScene* scn, mjtNum* selpnt, int* geomid, int* skinid, int* result),

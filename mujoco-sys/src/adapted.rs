@@ -7,7 +7,9 @@
 
 use std::os::raw::c_int;
 
-use crate::{mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvGeom, mjvLight, mjvScene};
+use crate::{
+    mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvGeom, mjvLight, mjvPerturb, mjvScene,
+};
 
 /// Row of a matrix: `count` values at `values`, in the columns `columns`, or in all columns if that is null.
 #[repr(C)]
@@ -94,6 +96,11 @@ adapted! {
     mujoco_sys_inertia = inertia(d: *const mjData) -> *const mjtNum;
     /// Returns the number of the stored elements of the inertia matrix, `nM` (`nC` since 3.10).
     mujoco_sys_inertiaLength = inertia_len(m: *const mjModel) -> c_int;
+    /// Reads the offset of the selected point's target from that of the centre of mass (3) and the inertia at the point (1), which newer
+    /// engines have; 4 numbers, else unchanged.
+    mujoco_sys_getGrip = get_grip(pert: *const mjvPerturb, grip: *mut mjtNum);
+    /// Writes these four numbers.
+    mujoco_sys_setGrip = set_grip(pert: *mut mjvPerturb, grip: *const mjtNum);
     /// Returns the number of stored values of plastic springs, `nplastic` (4.0), or 0.
     mujoco_sys_plasticLength = plastic_len(m: *const mjModel) -> c_int;
     /// Returns the flags of the equality constraints that are enforced, `eq_active`, or since 3.0 enforced initially, `eq_active0`; neq.

@@ -252,7 +252,11 @@ impl SceneOptions {
         ] {
             *to = from.map(u8::from);
         }
-        raw.flags = bytes(self.flags.bits());
+        // Flags that only newer engines have keep their defaults.
+        let known = |bit: usize| (VisualFlags::all().bits() >> bit) & 1 == 1;
+        for (bit, flag) in raw.flags.iter_mut().enumerate().filter(|(bit, _)| known(*bit)) {
+            *flag = u8::from((self.flags.bits() >> bit) & 1 == 1);
+        }
         raw
     }
 

@@ -3,7 +3,7 @@
 use std::ffi::c_int;
 
 use bitflags::bitflags;
-use mujoco_sys::{self as sys, guard, mjvPerturb};
+use mujoco_sys::{self as sys, adapted, guard, mjvPerturb};
 
 use super::camera::check_motion;
 use super::{MouseAction, Scene, Selection};
@@ -78,6 +78,8 @@ pub struct Perturbation {
     pub localpos: [f64; 3],
     /// Displacement for a mouse motion of one window height, m. Set by [`start`](Self::start).
     pub scale: f64,
+    /// With newer engines: offset of the selected point's target from `refpos`, and the inertia at the point, zero before the start.
+    grip: [f64; 4],
     applied: Option<Applied>,
 }
 
@@ -94,6 +96,7 @@ impl Default for Perturbation {
             refquat: [1.0, 0.0, 0.0, 0.0],
             localpos: [0.0; 3],
             scale: 1.0,
+            grip: [0.0; 4],
             applied: None,
         }
     }
@@ -128,6 +131,7 @@ impl Perturbation {
         self.localpos = rot_vec_mat_t(&offset, xmat);
         self.select = Some(selection.body);
         self.skinselect = selection.skin;
+        self.grip = [0.0; 4];
         self.stop();
         Ok(())
     }
@@ -301,20 +305,26 @@ impl Perturbation {
         let mut raw: mjvPerturb = unsafe { ffi::made_by(|raw| sys::mjv_defaultPerturb(raw)) };
         (raw.select, raw.skinselect, raw.active, raw.active2) = (select, skinselect, active, active2);
         (raw.refpos, raw.refquat, raw.localpos, raw.scale) = (refpos, refquat, localpos, scale);
+        // SAFETY: a valid structure and four numbers.
+        unsafe { adapted::set_grip(&raw mut raw, self.grip.as_ptr()) };
         Ok(raw)
     }
 
     /// Copies the fields that the engine changed, if they are finite.
     fn take(&mut self, raw: &mjvPerturb) -> Result<()> {
         let &mjvPerturb { refpos, refquat, scale, .. } = raw;
-        let moved = Self { refpos, refquat, scale, ..self.clone() };
+        let mut grip = self.grip;
+        // SAFETY: as in `raw`.
+        unsafe { adapted::get_grip(raw, grip.as_mut_ptr()) };
+        let moved = Self { refpos, refquat, scale, grip, ..self.clone() };
         moved.check()?;
         *self = moved;
         Ok(())
     }
 
     fn check(&self) -> Result<()> {
-        let numbers = self.refpos.iter().chain(&self.refquat).chain(&self.localpos).chain([&self.scale]);
+        let numbers =
+            self.refpos.iter().chain(&self.refquat).chain(&self.localpos).chain(&self.grip).chain([&self.scale]);
         if numbers.clone().all(|number| number.is_finite()) {
             return Ok(());
         }
