@@ -47,7 +47,7 @@ impl Model {
     fn check_limits(&self) -> Result<(), String> {
         let opt = &self.raw().opt;
         if !(opt.timestep.is_finite() && opt.timestep > 0.0) {
-            return Err(format!("the time step is {}; it must be finite and positive", opt.timestep));
+            return Err(format!("opt.timestep is {}; it must be finite and positive", opt.timestep));
         }
         let iterations =
             [opt.iterations, opt.ls_iterations, opt.noslip_iterations, opt.ccd_iterations, opt.sdf_iterations];

@@ -81,6 +81,20 @@ macro_rules! strip {
     };
 }
 
+/// Name of the skin: newer compilers search for it beside the model.
+#[cfg(not(engine_since = "2.3.0"))]
+macro_rules! skin {
+    () => {
+        "cover.skn"
+    };
+}
+#[cfg(engine_since = "2.3.0")]
+macro_rules! skin {
+    () => {
+        "meshes/cover.skn"
+    };
+}
+
 fn strip() -> Vec<u8> {
     if strip!().ends_with("png") { png(png::ColorType::Rgb, 2, 1, &texture()[8..]) } else { texture() }
 }
@@ -130,7 +144,9 @@ pub const PART: &str = concat!(
     <mesh name="stl" file="solid.stl"/>
     <mesh name="obj" file="solid.obj"/>
     <mesh name="msh" file="solid.msh"/>
-    <skin name="cover" file="cover.skn"/>
+    <skin name="cover" file=""#,
+    skin!(),
+    r#""/>
     <hfield name="hills" file="hills.bin" size="1 1 1 .1"/>
     <hfield name="dunes" file="dunes.png" size="1 1 1 .1"/>
     <texture name="flat" type="2d" file="flat.png"/>

@@ -74,6 +74,7 @@ fn check(name: &str, compiled: Model, updates: bool, edit: impl Fn(&mut ModelMut
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "binary models load with 2.2.2 only")]
 fn an_edited_model_simulates_like_a_model_compiled_with_its_numbers() {
     for updates in [false, true] {
         check("nothing", plain(), updates, |_| ());
@@ -115,6 +116,10 @@ fn an_edited_model_simulates_like_a_model_compiled_with_its_numbers() {
 }
 
 #[test]
+#[cfg_attr(
+    engine_since = "2.3.0",
+    ignore = "newer engines take edited masses and joints with update_constants, as in C"
+)]
 fn cleared_flags_are_recomputed_when_they_apply_again() {
     let xml = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml"));
     for xml in [sample::HUMANOID_XML, &xml.unwrap()] {
@@ -136,6 +141,10 @@ fn cleared_flags_are_recomputed_when_they_apply_again() {
 }
 
 #[test]
+#[cfg_attr(
+    engine_since = "2.3.0",
+    ignore = "newer engines take edited masses and joints with update_constants, as in C"
+)]
 fn two_slides_along_one_axis_are_coupled() {
     let mut model = Model::from_xml_str(
         r#"<mujoco><worldbody><body>

@@ -41,6 +41,7 @@ fn binary_with_njmax(model: &Model, njmax: i32) -> Vec<u8> {
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "newer engines ignore njmax")]
 fn an_adhesion_actuator_with_a_full_constraint_buffer_is_an_error() {
     let model = Model::from_xml_str(&sticky("njmax=\"100\"")).unwrap();
     for njmax in 1..4 {
@@ -90,6 +91,7 @@ fn a_timestep_that_is_not_positive_is_rejected() {
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers have other composites")]
 fn a_model_with_every_element_passes_these_checks() {
     Model::from_xml_path(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml")).unwrap();
 }
@@ -191,6 +193,7 @@ fn a_rangefinder_on_a_height_field_whose_axes_are_no_rotation_is_an_error() {
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "binary models load with 2.2.2 only")]
 fn a_binary_model_whose_rangefinder_would_read_beyond_a_height_field_is_rejected() {
     let mut bytes = Model::from_xml_str(RANGEFINDER).unwrap().to_binary().unwrap();
     Model::from_binary(&bytes).unwrap();

@@ -29,6 +29,7 @@ fn file_names_that_the_engine_cannot_store_are_rejected() {
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers look up files in memory with their path")]
 fn two_files_of_the_same_name_for_the_engine_are_rejected() {
     for names in [["a.stl", "a.stl"], ["one/a.stl", "two/a.stl"], ["a.stl", "A.STL"], ["one\\a.stl", "a.stl"]] {
         let error = error("<mujoco/>", &[(names[0], b"content"), (names[1], b"content")]);
@@ -89,6 +90,7 @@ fn loading_with_a_missing_file_names_the_file() {
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers look up files in memory with their path")]
 fn damaged_files_are_rejected_by_every_way_of_loading() {
     let folder = folder();
     let path = folder.path().join("model.xml");
@@ -185,6 +187,7 @@ fn rangefinder(field: &str) -> String {
 }
 
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers reject height fields of one row")]
 fn a_height_field_that_a_rangefinder_would_read_beyond_is_rejected_for_every_source() {
     let raw = |rows: u32, columns: u32| {
         let mut bytes = [rows, columns].map(u32::to_ne_bytes).concat();

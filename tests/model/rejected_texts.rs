@@ -84,6 +84,7 @@ fn texts_that_crash_the_compiler_are_rejected() {
 
 /// The compiler's trial step writes to the wrong place in scratch memory, which must not affect the model.
 #[test]
+#[cfg_attr(engine_since = "2.3.0", ignore = "newer engines ignore njmax")]
 fn adhesion_on_more_contacts_than_njmax_allows_fails_in_a_step() {
     let ball = |x: usize| format!("<body pos='{x} 0 .09'><freejoint/><geom size='.1' condim='6'/></body>");
     let balls: String = (0..40).map(ball).collect();
@@ -145,7 +146,11 @@ fn extreme_sizes_are_errors() {
         "nuser_body='-5'",
         "nuser_geom='200000000'",
         "nstack='10'",
-    ] {
+    ]
+    .into_iter()
+    // A model for newer engines loads with any stack, and its steps fail.
+    .filter(|size| is_default() || !size.starts_with("nstack"))
+    {
         let xml = format!(
             "<mujoco><size {size}/><worldbody><body><freejoint/><geom size='.1'/><geom size='.1'/></body></worldbody></mujoco>"
         );
@@ -155,7 +160,12 @@ fn extreme_sizes_are_errors() {
         let xml = format!(
             "<mujoco><size {size}/><worldbody><geom type='plane' size='1 1 1'/><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>"
         );
-        let mut data = Data::new(Model::from_xml_str(&xml).unwrap()).unwrap();
+        // Newer compilers reject negative sizes.
+        let model = Model::from_xml_str(&xml);
+        if !is_default() && model.is_err() {
+            continue;
+        }
+        let mut data = Data::new(model.unwrap()).unwrap();
         data.step().unwrap();
         drop(data.clone());
     }
@@ -259,7 +269,11 @@ fn damaged_files_that_make_the_compiler_access_memory_out_of_bounds_are_rejected
         (cube, png(11_000, 11_000), "too many pixels"),
         (picture, png(6, 6), good),
         (picture, png(u32::MAX, u32::MAX), "too many pixels"),
-    ] {
+    ]
+    .into_iter()
+    // Newer compilers do not read the engine's texture format.
+    .filter(|(asset, _, expected)| is_default() || *asset != texture || *expected != good)
+    {
         match Model::from_xml_str_with(&with_asset(asset), &LoadOptions::default().with_files(&[(name, &content)])) {
             Ok(_) => assert_eq!(expected, good, "{asset}, {name}"),
             Err(error) => {
@@ -302,6 +316,10 @@ fn a_damaged_file_is_found_in_every_directory_of_the_compiler() {
     std::fs::write(&path, "<mujoco><asset><mesh name='a' file='a.obj'/></asset></mujoco>").unwrap();
     assert!(Model::from_xml_path(&path).unwrap_err().to_string().contains("material file"));
 
+    if !is_default() {
+        // Newer compilers open package URIs as they are.
+        return std::fs::remove_dir_all(&dir).unwrap();
+    }
     let robot = dir.join("robot.urdf");
     let link = "<link name='l'><visual><geometry><mesh filename='package://meshes/a.msh'/></geometry></visual></link>";
     let collision = link.replace("visual", "collision");
@@ -316,7 +334,7 @@ fn a_damaged_file_is_found_in_every_directory_of_the_compiler() {
 #[test]
 fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected() {
     let nested = |counts: &[&str]| {
-        let open: String = counts.iter().map(|count| format!("<replicate count='{count}'>")).collect();
+        let open = counts.iter().map(|count| format!("<replicate count='{count}'>")).collect::<Vec<_>>().concat();
         format!("<worldbody>{open}<geom size='.1'/>{}</worldbody>", "</replicate>".repeat(counts.len()))
     };
     for (xml, expected) in [
@@ -409,8 +427,10 @@ fn counts_beyond_the_compilers_arrays_are_rejected() {
         ("<asset><texture name='t' type='cube' fileleft='/dev/zero'/></asset>".to_owned(), "regular file"),
         ("<asset><mesh name='m' file='../../../../../../../../dev/zero'/></asset>".to_owned(), "regular file"),
     ] {
-        let error = Model::from_xml_str(&format!("<mujoco>{xml}</mujoco>")).unwrap_err();
-        assert!(error.to_string().contains(expected), "{xml:.60}: {error}");
+        let error = Model::from_xml_str(&format!("<mujoco>{xml}</mujoco>")).unwrap_err().to_string();
+        // Newer compilers check the faces of skins.
+        let is_outside = !is_default() && error.contains("out of range");
+        assert!(error.contains(expected) || is_outside, "{xml:.60}: {error}");
     }
 }
 

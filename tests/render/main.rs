@@ -6,6 +6,8 @@ mod child;
 mod content;
 mod extreme_scenes;
 mod optics;
+// The pictures are those of the models and lights of 2.2.2.
+#[cfg(not(engine_since = "2.3.0"))]
 mod pictures;
 mod pinhole;
 mod quiet;

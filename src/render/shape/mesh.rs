@@ -128,9 +128,15 @@ mod tests {
          2 3 9 2 9 8  3 4 10 3 10 9  4 5 11 4 11 10  5 0 6 5 6 11";
 
     fn model(vertices: &str, faces: &str, more: &str) -> Model {
+        // Newer compilers have the setting in the mesh.
+        let (compiler, inertia) = if cfg!(engine_since = "2.3.0") {
+            ("", "inertia='exact'")
+        } else {
+            ("<compiler exactmeshinertia='true'/>", "")
+        };
         Model::from_xml_str(&format!(
-            "<mujoco><compiler exactmeshinertia='true'/>
-             <asset><mesh name='m' vertex='{vertices}' face='{faces}' {more}/></asset>
+            "<mujoco>{compiler}
+             <asset><mesh name='m' vertex='{vertices}' face='{faces}' {inertia} {more}/></asset>
              <worldbody><body><freejoint/><geom type='mesh' mesh='m' density='3'/></body></worldbody></mujoco>"
         ))
         .unwrap()
@@ -244,6 +250,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers have other composites")]
     fn a_skin_keeps_its_triangles_and_texture_coordinates() {
         let model = cloth();
         let view = model.skins().next().unwrap();
@@ -256,6 +263,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers have other composites")]
     fn non_finite_skin_texture_coordinates_are_replaced() {
         let mut model = cloth();
         let id = model.skins().next().unwrap().id();
