@@ -1,7 +1,7 @@
 //! Terms without constraints, and fallbacks.
 
 use mujoco_safe::derivative::{DifferencedTerms, Fallback, TransitionMethod, TransitionOptions};
-use mujoco_safe::{Data, Lineariser, sample};
+use mujoco_safe::{Data, Lineariser, StateSpace, sample};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -162,6 +162,40 @@ fn terms_without_a_formula_fall_back_with_the_reason() {
         let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);
         let mut implicit = Lineariser::new(data.model().clone(), options).unwrap();
         assert_eq!(system, implicit.linear_system(&mut data).unwrap().0);
+    }
+}
+
+#[test]
+fn a_state_without_a_closed_form_has_all_outputs_of_the_implicit_method() {
+    let sensors = r#"<sensor><ballangvel joint="ball"/><clock/></sensor>"#;
+    let ball = r#"<joint name="ball" type="ball" limited="true" range="0 1" margin="2" damping="0.1"/>"#;
+    let singular = model(&format!(
+        r#"<mujoco><compiler angle="radian"/><worldbody><body>{ball}<geom size="0.1" pos="0.1 0 0"/></body></worldbody>
+             <actuator><motor joint="ball" gear="1 2 3"/></actuator>{sensors}</mujoco>"#
+    ));
+    let ellipsoids = model(&format!(
+        r#"<mujoco><worldbody>
+             <geom type="ellipsoid" size="0.1 0.2 0.1"/>
+             <body pos="0 0 0.25"><joint name="ball" type="ball"/><geom type="ellipsoid" size="0.1 0.1 0.2"/></body>
+           </worldbody><actuator><motor joint="ball" gear="1 2 3"/></actuator>{sensors}</mujoco>"#
+    ));
+    for (fallback, mut data) in [(Fallback::Singular, singular), (Fallback::Constraint, ellipsoids)] {
+        data.qvel_mut().copy_from_slice(&[0.1, 0.2, -0.3]);
+        let linearise = |method, data: &mut Data| {
+            let options = TransitionOptions::default().with_method(method);
+            // Outputs that a method omits stay as they are.
+            let mut system = StateSpace::zeros(data.model());
+            for matrix in [&mut system.a, &mut system.b, &mut system.c, &mut system.d] {
+                matrix.as_mut_slice().fill(7.0);
+            }
+            let mut lineariser = Lineariser::new(data.model().clone(), options).unwrap();
+            let report = lineariser.linear_system_into(data, &mut system).unwrap();
+            (system, report)
+        };
+        let (system, report) = linearise(TransitionMethod::Analytic, &mut data);
+        assert_eq!((report.method, report.fallback), (TransitionMethod::Implicit, Some(fallback)));
+        assert_eq!(system, linearise(TransitionMethod::Implicit, &mut data).0);
+        assert!((0..3).all(|axis| (system.c[(axis, 3 + axis)] - 1.0).abs() < 1e-9), "{fallback:?}");
     }
 }
 
