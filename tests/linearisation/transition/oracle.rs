@@ -6,14 +6,15 @@ use mujoco_safe::{Data, StateSpace, StateSpec, sys};
 /// Default of the largest step of the differences. Two halvings leave an error of its sixth power.
 const WIDTH: f64 = 2e-5;
 
-struct Oracle {
+/// Differences of the engine's `mj_step` about the present state of a simulation.
+pub(crate) struct Oracle {
     data: Data,
     inputs: Vec<f64>,
     width: f64,
 }
 
 impl Oracle {
-    fn new(data: &Data, width: f64) -> Self {
+    pub(crate) fn new(data: &Data) -> Self {
         let mut data = data.clone();
         data.edit_model(|model| {
             model.edit_options(|options| {
@@ -22,7 +23,7 @@ impl Oracle {
             })
         })
         .unwrap();
-        Self { inputs: data.state(StateSpec::INTEGRATION), data, width }
+        Self { inputs: data.state(StateSpec::INTEGRATION), data, width: WIDTH }
     }
 
     /// Returns next state and sensors after a step from a perturbed state.
@@ -46,7 +47,7 @@ impl Oracle {
         column
     }
 
-    fn column(&mut self, perturb: &dyn Fn(&mut Data, f64)) -> Vec<f64> {
+    fn extrapolate(&mut self, perturb: &dyn Fn(&mut Data, f64)) -> Vec<f64> {
         let [coarse, middle, fine] = [1.0, 0.5, 0.25].map(|part| self.central(perturb, part * self.width));
         (0..coarse.len())
             .map(|i| {
@@ -55,19 +56,12 @@ impl Oracle {
             })
             .collect()
     }
-}
 
-pub(crate) fn linear_system(data: &Data) -> StateSpace {
-    linear_system_by(data, WIDTH, WIDTH)
-}
-
-/// Returns the linear system by differences whose largest step is `width`, and `control_width` for controls.
-pub(crate) fn linear_system_by(data: &Data, width: f64, control_width: f64) -> StateSpace {
-    let mut oracle = Oracle::new(data, width);
-    let mut system = StateSpace::zeros(data.model());
-    let model = data.model().clone();
-    let (nv, na, nx) = (model.nv(), model.na(), 2 * model.nv() + model.na());
-    for index in 0..nx + model.nu() {
+    /// Returns a column of the linear system, `[next state; sensors]`, by differences whose largest step is `width`. The columns
+    /// are those of A and C, and then those of B and D.
+    pub(crate) fn column(&mut self, index: usize, width: f64) -> Vec<f64> {
+        let model = self.data.model().clone();
+        let (nv, na, nx) = (model.nv(), model.na(), 2 * model.nv() + model.na());
         let perturb = |data: &mut Data, by: f64| {
             if index < nv {
                 let mut direction = vec![0.0; nv];
@@ -81,13 +75,29 @@ pub(crate) fn linear_system_by(data: &Data, width: f64, control_width: f64) -> S
                 data.ctrl_mut()[index - nx] += by;
             }
         };
-        oracle.width = if index < nx { width } else { control_width };
-        let column = oracle.column(&perturb);
-        let (a, c, column_index) =
-            if index < nx { (&mut system.a, &mut system.c, index) } else { (&mut system.b, &mut system.d, index - nx) };
-        for (row, value) in column.iter().enumerate() {
+        self.width = width;
+        self.extrapolate(&perturb)
+    }
+}
+
+pub(crate) fn linear_system(data: &Data) -> StateSpace {
+    linear_system_by(data, WIDTH, WIDTH)
+}
+
+/// Returns the linear system by differences whose largest step is `width`, and `control_width` for controls.
+pub(crate) fn linear_system_by(data: &Data, width: f64, control_width: f64) -> StateSpace {
+    let mut oracle = Oracle::new(data);
+    let mut system = StateSpace::zeros(data.model());
+    let nx = system.a.ncols();
+    for index in 0..nx + system.b.ncols() {
+        let (a, c, column, width) = if index < nx {
+            (&mut system.a, &mut system.c, index, width)
+        } else {
+            (&mut system.b, &mut system.d, index - nx, control_width)
+        };
+        for (row, value) in oracle.column(index, width).into_iter().enumerate() {
             let (output, row) = if row < nx { (&mut *a, row) } else { (&mut *c, row - nx) };
-            output[(row, column_index)] = *value;
+            output[(row, column)] = value;
         }
     }
     system

@@ -3,6 +3,7 @@
 mod constraints;
 mod contacts;
 mod random_models;
+
 mod smooth;
 
 use mujoco_safe::derivative::{DifferencedTerms, LinearisationReport, TransitionMethod, TransitionOptions};
@@ -10,7 +11,7 @@ use mujoco_safe::{Data, Lineariser, Model, StateSpace};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::oracle;
+use super::oracle::Oracle;
 
 /// Steps of the differences. The larger ones suit stiff constraints, whose forces are the noisier ones. The smaller ones avoid the
 /// kinks of a step, such as a contact about to be made.
@@ -37,56 +38,80 @@ fn analytic(data: &mut Data) -> (StateSpace, LinearisationReport) {
 /// Compares A and B with the differences, and checks that the method did not fall back to another. Returns the differenced terms.
 #[track_caller]
 fn check(what: &str, data: &mut Data) -> DifferencedTerms {
-    compare(data).unwrap_or_else(|failure| panic!("{what}: {failure}"))
+    compare(data).unwrap_or_else(|failure| panic!("{what}: {failure}")).differenced
+}
+
+/// Agreement of a linear system with the differences.
+struct Agreement {
+    differenced: DifferencedTerms,
+    /// Description of the columns, if there are any, whose differences are too noisy to tell.
+    noisy: Vec<String>,
 }
 
 /// Does the same as [`check`], and returns a failure as text.
-fn compare(data: &mut Data) -> Result<DifferencedTerms, String> {
+fn compare(data: &mut Data) -> Result<Agreement, String> {
     let (system, report) = analytic(data);
     if report.method != TransitionMethod::Analytic {
         return Err(format!("{report:?}"));
     }
-    let mut errors = vec![f64::INFINITY; system.a.ncols() + system.b.ncols()];
-    // The least deviation of the differences by two steps from each other.
-    let mut noise = errors.clone();
-    let mut truths: Vec<StateSpace> = Vec::new();
-    for width in WIDTHS {
-        let truth = oracle::linear_system_by(data, width, CONTROL_FACTOR * width);
-        errors.iter_mut().zip(column_errors(&system, &truth)).for_each(|(least, error)| *least = least.min(error));
-        for earlier in &truths {
-            noise.iter_mut().zip(column_errors(earlier, &truth)).for_each(|(least, error)| *least = least.min(error));
-        }
-        truths.push(truth);
-        if errors.iter().all(|&error| error <= TOLERANCE) {
-            return Ok(report.differenced);
+    let nx = system.a.ncols();
+    let mut oracle = Oracle::new(data);
+    let width = |index: usize, width: f64| if index < nx { width } else { CONTROL_FACTOR * width };
+    let first: Vec<Vec<f64>> =
+        (0..nx + system.b.ncols()).map(|index| oracle.column(index, width(index, WIDTHS[0]))).collect();
+    let largest = |columns: &[Vec<f64>]| {
+        columns.iter().flat_map(|column| &column[..nx]).fold(SMALL, |largest: f64, value| largest.max(value.abs()))
+    };
+    let scales = [largest(&first[..nx]), largest(&first[nx..])];
+    let mut noisy = Vec::new();
+    for (index, first) in first.into_iter().enumerate() {
+        let (ours, column) = if index < nx { (&system.a, index) } else { (&system.b, index - nx) };
+        let ours: Vec<f64> = (0..nx).map(|row| ours[(row, column)]).collect();
+        let scale = scales[usize::from(index >= nx)];
+        let mut next = |order: usize| oracle.column(index, width(index, WIDTHS[order]));
+        let column = |text: String| format!("column {index}, {:?}: {text}", report.differenced);
+        if let Some(noise) = compare_column(&ours, first, &mut next, scale).map_err(column)? {
+            noisy.push(column(noise));
         }
     }
-    let is_noise = |(&error, &noise): (&f64, &f64)| error <= (10.0 * noise).clamp(TOLERANCE, MAX_NOISE);
-    if errors.iter().zip(&noise).all(is_noise) {
-        return Ok(report.differenced);
+    Ok(Agreement { differenced: report.differenced, noisy })
+}
+
+/// Compares a column with the differences by one step after another, until they agree. Differences whose own noise, the least
+/// disagreement of two of them, explains the deviation prove nothing, and are accepted.
+fn compare_column(
+    ours: &[f64],
+    first: Vec<f64>,
+    next: &mut dyn FnMut(usize) -> Vec<f64>,
+    scale: f64,
+) -> Result<Option<String>, String> {
+    let deviation = |one: &[f64], other: &[f64]| {
+        let differences = one.iter().zip(other).map(|(one, other)| (one - other).abs());
+        differences.max_by(f64::total_cmp).unwrap_or(0.0) / scale
+    };
+    let mut truths = vec![first];
+    let mut noise = f64::INFINITY;
+    let mut errors: Vec<f64> = Vec::new();
+    loop {
+        let (latest, earlier) = truths.split_last().expect("there is a difference");
+        errors.push(deviation(ours, latest));
+        noise = earlier.iter().map(|earlier| deviation(earlier, latest)).fold(noise, f64::min);
+        let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        if least <= TOLERANCE {
+            return Ok(None);
+        }
+        if truths.len() == WIDTHS.len() {
+            let is_noise = least <= (10.0 * noise).clamp(TOLERANCE, MAX_NOISE);
+            let list: Vec<String> = errors.iter().map(|error| format!("{error:.1e}")).collect();
+            let text = format!("deviations {list:?}, noise {noise:.1e}");
+            return if is_noise { Ok(Some(text)) } else { Err(text) };
+        }
+        truths.push(next(truths.len()));
     }
-    let (column, worst) = errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).expect("there are columns");
-    let (count, noise) = (errors.len(), noise[column]);
-    Err(format!(
-        "column {column} of {count} deviates by {worst:e}, the differences by {noise:e}, with {:?}",
-        report.differenced
-    ))
 }
 
 /// Largest number of a matrix below which the rounding of the differences is not small any more: of a B whose controls are clamped.
 const SMALL: f64 = 1e-6;
-
-/// Returns the largest deviation of each column of A and B, relative to the largest numbers of the second system.
-fn column_errors(ours: &StateSpace, theirs: &StateSpace) -> impl Iterator<Item = f64> {
-    [(&ours.a, &theirs.a), (&ours.b, &theirs.b)].into_iter().flat_map(|(ours, theirs)| {
-        let largest = theirs.as_slice().iter().fold(SMALL, |largest: f64, value| largest.max(value.abs()));
-        (0..ours.ncols()).map(move |column| {
-            let rows = 0..ours.nrows();
-            let worst = rows.map(|row| (ours[(row, column)] - theirs[(row, column)]).abs()).max_by(f64::total_cmp);
-            worst.map_or(0.0, |worst| worst / largest)
-        })
-    })
-}
 
 fn model(xml: &str) -> Data {
     Data::new(Model::from_xml_str(xml).unwrap_or_else(|error| panic!("{error}: {xml}"))).unwrap()

@@ -144,7 +144,7 @@ impl Generator {
 
 /// Compares `states` states of each of `models` random models.
 fn compare_models(seed: u64, models: usize, states: usize) {
-    let (mut compared, mut failures) = (0, Vec::new());
+    let (mut compared, mut noisy, mut without_formula, mut failures) = (0, 0, 0, Vec::new());
     for number in 0..models {
         let seed = seed + number as u64;
         let mut generator = Generator { random: Xoshiro256PlusPlus::seed_from_u64(seed), joints: 0, bodies: 0 };
@@ -157,17 +157,34 @@ fn compare_models(seed: u64, models: usize, states: usize) {
             if state % 2 == 1 && (0..20 * state).any(|_| data.step().is_err()) {
                 continue;
             }
-            if analytic(&mut data).1.fallback == Some(Fallback::NotConverged) {
-                continue;
+            match analytic(&mut data).1.fallback {
+                None => compared += 1,
+                // The differences of a collision function have found another contact.
+                Some(Fallback::Constraint) => {
+                    without_formula += 1;
+                    continue;
+                }
+                Some(reason) => {
+                    assert_eq!(reason, Fallback::NotConverged, "model {seed}, state {state}");
+                    continue;
+                }
             }
-            compared += 1;
-            if let Err(failure) = compare(&mut data) {
-                failures.push(format!("model {seed}, state {state}, {} rows: {failure}", data.nefc()));
+            let what = format!("model {seed}, state {state}, {} rows", data.nefc());
+            match compare(&mut data) {
+                Ok(agreement) if agreement.noisy.is_empty() => {}
+                Ok(agreement) => {
+                    noisy += 1;
+                    println!("{what}: {}", agreement.noisy.join("; "));
+                }
+                Err(failure) => failures.push(format!("{what}: {failure}")),
             }
         }
     }
-    println!("{compared} states of {models} models");
+    println!(
+        "{compared} states of {models} models, {noisy} with noisy columns, {without_formula} others without a formula"
+    );
     assert!(failures.is_empty(), "{} of {compared} states:\n{}", failures.len(), failures.join("\n"));
+    assert!(100 * without_formula <= compared, "{without_formula} of {compared} states have no formula");
     assert!(compared > models * states / 2, "{compared} states of {models} models converged");
 }
 
@@ -177,7 +194,7 @@ fn random_models_agree_with_differences() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes a quarter of an hour"]
 fn many_states_of_many_random_models_agree_with_differences() {
-    compare_models(5000, 500, 20);
+    compare_models(5000, 510, 20);
 }
