@@ -18,6 +18,11 @@ pub(super) fn obstacle(_: &Model) -> Option<Fallback> {
     Some(Fallback::EngineVersion)
 }
 
+/// Returns true if the rows of C and D of a sensor have a closed form.
+pub(super) fn is_sensor_covered(_: &Model, _: usize) -> bool {
+    false
+}
+
 impl Analytic {
     pub(super) fn new(_: &Model) -> Self {
         Self
@@ -26,5 +31,10 @@ impl Analytic {
     /// Returns the reason why a step has no closed form.
     pub(super) fn linearise(&mut self, _: &mut Data, _: &mut TransitionOutputs<'_>) -> Result<Outcome> {
         Ok(Err(Fallback::EngineVersion))
+    }
+
+    /// Returns the flags of the rows of C and D that were written.
+    pub(super) fn sensors_in_closed_form(&self) -> &[bool] {
+        &[]
     }
 }

@@ -11,6 +11,7 @@ use super::{analytic, implicit};
 use crate::data::{Data, StateSpec};
 use crate::enums::Integrator;
 use crate::error::{Error, Result};
+use crate::id::SensorId;
 use crate::matrix::Matrix;
 use crate::model::IntoModel;
 
@@ -71,6 +72,18 @@ impl Lineariser {
     /// Returns the options that the lineariser was created with.
     pub fn options(&self) -> &TransitionOptions {
         &self.options
+    }
+
+    /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no formula, so that their rows of C and D are
+    /// differenced. These are touch, force and torque sensors, forces of limits, rangefinders, user sensors, velocities of limits of
+    /// ball joints, actuators of ball and free joints, frames of cameras that track or face a body, and all sensors with a cutoff.
+    /// For engines other than 2.2.2, all sensors.
+    ///
+    /// A sensor at a state where its derivative is not finite is also differenced.
+    pub fn differenced_sensors(&self) -> impl Iterator<Item = SensorId> {
+        let model = self.workers[0].point.data.model();
+        let differenced = (0..model.nsensor()).filter(|&sensor| !analytic::is_sensor_covered(model, sensor));
+        differenced.map(|sensor| SensorId::new(sensor, model.lineage()))
     }
 
     /// Linearises a step about the present state, controls and other inputs. Also reports the method that was used.

@@ -102,8 +102,8 @@ pub enum Fallback {
     /// The model has spatial tendons, for which the analytic method has no formula. The method is
     /// [`Implicit`](TransitionMethod::Implicit).
     SpatialTendon,
-    /// The analytic method has no formula for an actuator: it covers motors, servos and other affine gains and biases on hinges,
-    /// slides and fixed tendons, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
+    /// The analytic method has no formula for an actuator: it covers motors, servos, other affine gains and biases, and muscles
+    /// on hinges, slides and fixed tendons, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
     Actuator,
     /// The analytic method has no formula for a constraint that exerts a force, for example a contact of convex meshes, whose
     /// collision function iterates. The method is [`Implicit`](TransitionMethod::Implicit).
@@ -138,8 +138,8 @@ bitflags! {
     /// Terms that the [analytic](TransitionMethod::Analytic) method computes by differences.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
     pub struct DifferencedTerms: u32 {
-        /// C and D: by differences of inverse dynamics, unless all sensors are positions and velocities of joints, fixed tendons
-        /// and actuators, or clocks, without a cutoff.
+        /// Rows of C and D: by differences of inverse dynamics, for sensors without a formula. These are the
+        /// [`differenced_sensors`](super::Lineariser::differenced_sensors) of the lineariser.
         const SENSORS = 1;
         /// Geometry of contacts between shapes without a formula, such as boxes with boxes: by differences of their collision
         /// function.

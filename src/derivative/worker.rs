@@ -24,6 +24,8 @@ pub(super) struct Worker {
     prepared: Option<bool>,
     /// Result of this worker's share of the columns.
     outcome: Result<()>,
+    /// Buffer for the flags of the rows of C and D in closed form.
+    keep: Vec<bool>,
     /// Columns of the systems for which this worker is the first.
     columns: Columns,
 }
@@ -48,8 +50,8 @@ impl Columns {
         }
     }
 
-    /// Copies the columns to the outputs, transposed.
-    fn write_to(&self, model: &Model, wanted: Wanted, outputs: &mut TransitionOutputs<'_>) {
+    /// Copies the columns to the outputs, transposed, except for the rows of C and D that `keep` marks.
+    fn write_to(&self, model: &Model, wanted: Wanted, keep: &[bool], outputs: &mut TransitionOutputs<'_>) {
         let (nx, _, _) = sizes(model);
         for (row, input) in inputs(model, wanted).enumerate() {
             let (state, sensors) = self.rows.row(row).split_at(nx);
@@ -58,9 +60,10 @@ impl Columns {
                 Input::Control(_) => (&mut outputs.b, &mut outputs.d),
                 _ => (&mut outputs.a, &mut outputs.c),
             };
-            for (values, output) in [(state, of_state), (sensors, of_sensors)] {
+            for (values, output, keep) in [(state, of_state, &[][..]), (sensors, of_sensors, keep)] {
                 if let Some(output) = output {
-                    values.iter().enumerate().for_each(|(row, value)| output[(row, column)] = *value);
+                    let rows = values.iter().enumerate().filter(|&(row, _)| !keep.get(row).is_some_and(|&keep| keep));
+                    rows.for_each(|(row, value)| output[(row, column)] = *value);
                 }
             }
         }
@@ -76,6 +79,7 @@ impl Worker {
             analytic: Analytic::new(model),
             prepared: None,
             outcome: Ok(()),
+            keep: Vec::with_capacity(model.nsensordata()),
             columns: Columns::new(model),
         })
     }
@@ -101,27 +105,39 @@ pub(super) fn linearise(
     (method, fallback): (TransitionMethod, Option<Fallback>),
     mut outputs: TransitionOutputs<'_>,
 ) -> Result<LinearisationReport> {
-    let report = LinearisationReport::new(method, fallback);
     if method == TransitionMethod::Engine {
         let (point, step) = (&mut workers[0].point, options.step(method));
         point.set_base(base)?;
         point.data.transition_fd_into(step.eps, step.differences, outputs)?;
-        return Ok(report);
+        return Ok(LinearisationReport::new(method, fallback));
     }
-    if method == TransitionMethod::Analytic {
-        let worker = &mut workers[0];
-        worker.point.set_base(base)?;
-        return match worker.analytic.linearise(&mut worker.point.data, &mut outputs)? {
-            Ok(differenced) => difference_sensors(workers, base, options, outputs, differenced),
-            Err(reason) => {
-                let method = match reason {
-                    Fallback::NotConverged => TransitionMethod::Columns,
-                    _ => TransitionMethod::Implicit,
-                };
-                linearise(workers, base, options, (method, Some(reason)), outputs)
-            }
-        };
+    if method != TransitionMethod::Analytic {
+        return difference(workers, base, options, (method, fallback), &[], outputs);
     }
+    let worker = &mut workers[0];
+    worker.point.set_base(base)?;
+    match worker.analytic.linearise(&mut worker.point.data, &mut outputs)? {
+        Ok(differenced) => difference_sensors(workers, base, options, outputs, differenced),
+        Err(reason) => {
+            let method = match reason {
+                Fallback::NotConverged => TransitionMethod::Columns,
+                _ => TransitionMethod::Implicit,
+            };
+            difference(workers, base, options, (method, Some(reason)), &[], outputs)
+        }
+    }
+}
+
+/// Computes a linear system by differences of inverse dynamics or of steps, except for the rows of C and D that `keep` marks.
+fn difference(
+    workers: &mut [Worker],
+    base: BasePoint<'_>,
+    options: &TransitionOptions,
+    (method, fallback): (TransitionMethod, Option<Fallback>),
+    keep: &[bool],
+    mut outputs: TransitionOutputs<'_>,
+) -> Result<LinearisationReport> {
+    let report = LinearisationReport::new(method, fallback);
     let model = workers[0].point.data.model().clone();
     let wanted = Wanted::by(&outputs);
     let settings = Settings { model: &model, wanted, step: options.step(method) };
@@ -141,13 +157,13 @@ pub(super) fn linearise(
         _ => difference_steps(workers, &mut columns, base, settings).map(|()| report),
     };
     if result.is_ok() {
-        columns.write_to(&model, wanted, &mut outputs);
+        columns.write_to(&model, wanted, keep, &mut outputs);
     }
     workers[0].columns = columns;
     result
 }
 
-/// Computes C and D by differences of inverse dynamics, if they are still wanted, after the outputs in closed form.
+/// Computes the rows of C and D that have no closed form by differences of inverse dynamics.
 fn difference_sensors(
     workers: &mut [Worker],
     base: BasePoint<'_>,
@@ -156,9 +172,19 @@ fn difference_sensors(
     mut differenced: DifferencedTerms,
 ) -> Result<LinearisationReport> {
     let outputs = TransitionOutputs { a: None, b: None, ..outputs };
-    if Wanted::by(&outputs).sensors && workers[0].point.data.model().nsensordata() > 0 {
-        linearise(workers, base, options, (TransitionMethod::Implicit, None), outputs)?;
-        differenced |= DifferencedTerms::SENSORS;
+    if Wanted::by(&outputs).sensors {
+        // The workers are borrowed while they difference the others.
+        let mut keep = std::mem::take(&mut workers[0].keep);
+        keep.clear();
+        keep.extend_from_slice(workers[0].analytic.sensors_in_closed_form());
+        let result = if keep.iter().all(|&keep| keep) {
+            Ok(())
+        } else {
+            differenced |= DifferencedTerms::SENSORS;
+            difference(workers, base, options, (TransitionMethod::Implicit, None), &keep, outputs).map(drop)
+        };
+        workers[0].keep = keep;
+        result?;
     }
     Ok(LinearisationReport { differenced, ..LinearisationReport::new(TransitionMethod::Analytic, None) })
 }

@@ -1,4 +1,4 @@
-//! Derivatives of actuators with affine gain and bias.
+//! Derivatives of actuators with affine gain and bias, and of muscles (`muscle.rs`).
 //!
 //! The force of an actuator is `gain(l, l̇) u + bias(l, l̇)`, where u is the control or, for an actuator with activation, the
 //! activation. Its length l depends on the position by its moment arms m, which are constant for hinges, slides and fixed
@@ -6,6 +6,7 @@
 
 use super::super::linear_algebra::add;
 use super::super::method::Fallback;
+use super::muscle;
 use crate::data::Data;
 use crate::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, JointType, TransmissionType};
 use crate::ffi;
@@ -13,7 +14,7 @@ use crate::matrix::Matrix;
 use crate::model::{DisableFlags, Model};
 
 /// Smallest time constant of a filter, as in the engine.
-const MIN_TIME_CONSTANT: f64 = mujoco_sys::mjMINVAL;
+pub(super) const MIN_TIME_CONSTANT: f64 = mujoco_sys::mjMINVAL;
 
 /// Returns the reason why an actuator has no closed form here, if there is one.
 pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
@@ -21,9 +22,16 @@ pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
         let dynamics = ActuatorDynamics::from_raw(model.actuator_dyntype()[actuator]);
         let gain = ActuatorGain::from_raw(model.actuator_gaintype()[actuator]);
         let bias = ActuatorBias::from_raw(model.actuator_biastype()[actuator]);
-        matches!(dynamics, Some(ActuatorDynamics::None | ActuatorDynamics::Integrator | ActuatorDynamics::Filter))
-            && matches!(gain, Some(ActuatorGain::Fixed | ActuatorGain::Affine))
-            && matches!(bias, Some(ActuatorBias::None | ActuatorBias::Affine))
+        matches!(
+            dynamics,
+            Some(
+                ActuatorDynamics::None
+                    | ActuatorDynamics::Integrator
+                    | ActuatorDynamics::Filter
+                    | ActuatorDynamics::Muscle
+            )
+        ) && matches!(gain, Some(ActuatorGain::Fixed | ActuatorGain::Affine | ActuatorGain::Muscle))
+            && matches!(bias, Some(ActuatorBias::None | ActuatorBias::Affine | ActuatorBias::Muscle))
             && has_constant_moment(model, actuator)
     };
     // Without actuation, the engine leaves the derivatives of activations as they were.
@@ -47,9 +55,7 @@ fn has_constant_moment(model: &Model, actuator: usize) -> bool {
                 JointType::Hinge | JointType::Slide => true,
                 // The length is a component of the rotation vector, of which the moment arm is not the derivative.
                 JointType::Ball | JointType::Free => {
-                    transmission == Some(TransmissionType::Joint)
-                        && length_slope(model, actuator, 1.0) == 0.0
-                        && length_slope(model, actuator, 0.0) == 0.0
+                    transmission == Some(TransmissionType::Joint) && !depends_on_length(model, actuator)
                 }
             }
         }
@@ -57,18 +63,106 @@ fn has_constant_moment(model: &Model, actuator: usize) -> bool {
     }
 }
 
-/// Returns the derivative of the force by the length, for an input.
-fn length_slope(model: &Model, actuator: usize, input: f64) -> f64 {
-    slope(model, actuator, input, 1)
+/// Returns true if an actuator acts on a ball or a free joint, whose length is not linear.
+pub(super) fn is_on_quaternion(model: &Model, actuator: usize) -> bool {
+    let transmission = TransmissionType::from_raw(model.actuator_trntype()[actuator]);
+    matches!(transmission, Some(TransmissionType::Joint | TransmissionType::JointInParent)) && {
+        let joint = ffi::size(model.actuator_trnid()[actuator][0]);
+        matches!(JointType::of_field(model.jnt_type()[joint]), JointType::Ball | JointType::Free)
+    }
 }
 
-/// Returns a component of the affine function of `[1, length, velocity]` that the force is, for an input.
-fn slope(model: &Model, actuator: usize, input: f64, component: usize) -> f64 {
-    let is_affine = model.actuator_gaintype()[actuator] == ActuatorGain::Affine.raw();
-    let gain = if is_affine || component == 0 { model.actuator_gainprm()[actuator][component] } else { 0.0 };
-    let is_affine = model.actuator_biastype()[actuator] == ActuatorBias::Affine.raw();
-    let bias = if is_affine { model.actuator_biasprm()[actuator][component] } else { 0.0 };
-    gain * input + bias
+/// Returns true if the force of an actuator depends on its length.
+fn depends_on_length(model: &Model, actuator: usize) -> bool {
+    let gain = match ActuatorGain::from_raw(model.actuator_gaintype()[actuator]) {
+        Some(ActuatorGain::Fixed) => false,
+        Some(ActuatorGain::Affine) => model.actuator_gainprm()[actuator][1] != 0.0,
+        _ => true,
+    };
+    let bias = match ActuatorBias::from_raw(model.actuator_biastype()[actuator]) {
+        Some(ActuatorBias::None) => false,
+        Some(ActuatorBias::Affine) => model.actuator_biasprm()[actuator][1] != 0.0,
+        _ => true,
+    };
+    gain || bias
+}
+
+/// Gain or bias of an actuator, with its derivatives by the length and the velocity of the actuator.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Curve {
+    pub(super) value: f64,
+    pub(super) by_length: f64,
+    pub(super) by_velocity: f64,
+}
+
+impl Curve {
+    fn affine(parameters: &[f64; 10], length: f64, velocity: f64) -> Self {
+        let [constant, by_length, by_velocity, ..] = *parameters;
+        Self { value: constant + by_length * length + by_velocity * velocity, by_length, by_velocity }
+    }
+}
+
+/// Derivatives of the force of an actuator by its length and velocity, and by its control or activation.
+#[derive(Clone, Copy, Debug)]
+struct ForceSlopes {
+    by_length: f64,
+    by_velocity: f64,
+    by_input: f64,
+    /// Column of the control or the activation among positions, velocities, activations and controls.
+    input_column: usize,
+}
+
+impl ForceSlopes {
+    /// Returns the derivatives, or `None` for a force beyond its range.
+    fn new(data: &Data, actuator: usize) -> Option<Self> {
+        let model = data.model();
+        let (nv, na, nu) = (model.nv(), model.na(), model.nu());
+        // Actuators with activation are the last ones.
+        let (input, input_slope, input_column) = match (actuator + na).checked_sub(nu) {
+            Some(activation) => (data.act()[activation], 1.0, 2 * nv + activation),
+            None => {
+                let (control, slope) = clamped_control(data, actuator);
+                (control, slope, 2 * nv + na + actuator)
+            }
+        };
+        let (length, velocity) = (data.actuator_length()[actuator], data.actuator_velocity()[actuator]);
+        let gain = match ActuatorGain::from_raw(model.actuator_gaintype()[actuator]) {
+            Some(ActuatorGain::Affine) => Curve::affine(&model.actuator_gainprm()[actuator], length, velocity),
+            Some(ActuatorGain::Muscle) => muscle::gain(model, actuator, length, velocity),
+            _ => Curve { value: model.actuator_gainprm()[actuator][0], ..Curve::default() },
+        };
+        let bias = match ActuatorBias::from_raw(model.actuator_biastype()[actuator]) {
+            Some(ActuatorBias::Affine) => Curve::affine(&model.actuator_biasprm()[actuator], length, velocity),
+            Some(ActuatorBias::Muscle) => muscle::bias(model, actuator, length),
+            _ => Curve::default(),
+        };
+        let force = gain.value * input + bias.value;
+        let [low, high] = model.actuator_forcerange()[actuator];
+        if model.actuator_forcelimited()[actuator] != 0 && !(low..=high).contains(&force) {
+            return None;
+        }
+        Some(Self {
+            by_length: gain.by_length * input + bias.by_length,
+            by_velocity: gain.by_velocity * input + bias.by_velocity,
+            by_input: gain.value * input_slope,
+            input_column,
+        })
+    }
+}
+
+/// Writes the derivatives of the force of an actuator by positions, velocities, activations and controls to a row of zeros.
+pub(super) fn write_force(data: &Data, actuator: usize, row: &mut [f64]) {
+    let model = data.model();
+    let nv = model.nv();
+    if actuation_is_disabled(model) {
+        return;
+    }
+    let Some(slopes) = ForceSlopes::new(data, actuator) else { return };
+    for (dof, arm) in data.moment_row(actuator).iter() {
+        row[dof] = slopes.by_length * arm;
+        row[nv + dof] = slopes.by_velocity * arm;
+    }
+    row[slopes.input_column] = slopes.by_input;
 }
 
 /// Derivatives of the activation after a step, by the activation and by the control of the same actuator.
@@ -88,46 +182,23 @@ pub(super) fn differentiate(data: &Data, residual: &mut Matrix, next: &mut [Next
     }
     let moments = data.actuator_moment();
     for actuator in 0..nu {
-        let (control, control_slope) = clamped_control(data, actuator);
-        // Actuators with activation are the last ones.
-        let activation = (actuator + na).checked_sub(nu);
-        let (input, input_slope, input_column) = match activation {
-            Some(activation) => (data.act()[activation], 1.0, 2 * nv + activation),
-            None => (control, control_slope, 2 * nv + na + actuator),
-        };
-        if let Some(activation) = activation {
-            next[activation] = next_activation(data, actuator, activation, control_slope);
+        if let Some(activation) = (actuator + na).checked_sub(nu) {
+            next[activation] = next_activation(data, actuator, activation);
         }
-        let [force, by_length, by_velocity] = [0, 1, 2].map(|component| slope(model, actuator, input, component));
-        let (length, velocity) = (data.actuator_length()[actuator], data.actuator_velocity()[actuator]);
-        let gain = gain(model, actuator, length, velocity);
-        let force = force + by_length * length + by_velocity * velocity;
-        let [low, high] = model.actuator_forcerange()[actuator];
-        if model.actuator_forcelimited()[actuator] != 0 && !(low..=high).contains(&force) {
-            continue;
-        }
+        let Some(slopes) = ForceSlopes::new(data, actuator) else { continue };
         let moment = moments.row(actuator);
         for (dof, &arm) in moment.iter().enumerate() {
             if arm != 0.0 {
                 let row = residual.row_mut(dof);
-                if by_length != 0.0 {
-                    add(&mut row[..nv], moment, -arm * by_length);
+                if slopes.by_length != 0.0 {
+                    add(&mut row[..nv], moment, -arm * slopes.by_length);
                 }
-                if by_velocity != 0.0 {
-                    add(&mut row[nv..2 * nv], moment, -arm * by_velocity);
+                if slopes.by_velocity != 0.0 {
+                    add(&mut row[nv..2 * nv], moment, -arm * slopes.by_velocity);
                 }
-                row[input_column] -= arm * gain * input_slope;
+                row[slopes.input_column] -= arm * slopes.by_input;
             }
         }
-    }
-}
-
-fn gain(model: &Model, actuator: usize, length: f64, velocity: f64) -> f64 {
-    let [constant, by_length, by_velocity, ..] = model.actuator_gainprm()[actuator];
-    if model.actuator_gaintype()[actuator] == ActuatorGain::Affine.raw() {
-        constant + by_length * length + by_velocity * velocity
-    } else {
-        constant
     }
 }
 
@@ -144,8 +215,9 @@ fn clamped_control(data: &Data, actuator: usize) -> (f64, f64) {
 }
 
 /// Differentiates `act + h ȧ`, clamped to the range of the activation.
-fn next_activation(data: &Data, actuator: usize, activation: usize, control_slope: f64) -> NextActivation {
+fn next_activation(data: &Data, actuator: usize, activation: usize) -> NextActivation {
     let model = data.model();
+    let (control, control_slope) = clamped_control(data, actuator);
     let h = model.raw().opt.timestep;
     let next = data.act()[activation] + h * data.act_dot()[activation];
     let [low, high] = model.actuator_actrange()[actuator];
@@ -157,6 +229,7 @@ fn next_activation(data: &Data, actuator: usize, activation: usize, control_slop
             let rate = 1.0 / model.actuator_dynprm()[actuator][0].max(MIN_TIME_CONSTANT);
             (-rate, rate)
         }
+        Some(ActuatorDynamics::Muscle) => muscle::activation_rate(model, actuator, control, data.act()[activation]),
         _ => (0.0, 1.0),
     };
     NextActivation { by_activation: 1.0 + h * rate_by_activation, by_control: h * rate_by_control * control_slope }

@@ -13,7 +13,7 @@ use super::damped_inertia::DampedInertia;
 use super::rigid_body::RigidBodies;
 use super::tree::Tree;
 use crate::data::Data;
-use crate::derivative::linear_algebra::{add, solve_cholesky};
+use crate::derivative::linear_algebra::add;
 use crate::derivative::rotation::{self, Rotation};
 use crate::matrix::Matrix;
 use crate::model::Model;
@@ -39,19 +39,16 @@ impl Euler {
         }
     }
 
-    /// Replaces the derivatives of the residual by those of the next velocity, and computes the derivatives of the rotations.
-    /// `hessian` is the Cholesky factor of H.
+    /// Replaces X by the derivatives of the next velocity, and computes the derivatives of the rotations.
     pub(super) fn differentiate(
         &mut self,
         data: &Data,
         tree: &Tree,
         bodies: &mut RigidBodies,
-        hessian: &Matrix,
         derivative: &mut Matrix,
     ) {
         let model = data.model();
         let (nv, h) = (model.nv(), model.raw().opt.timestep);
-        solve_cholesky(hessian, derivative);
         let damping = model.dof_damping();
         // The engine's condition.
         let is_damped = damping.iter().any(|&damping| damping > 0.0);

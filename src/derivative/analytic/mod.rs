@@ -11,10 +11,10 @@
 //! |---|---|
 //! | `M a + c`: inertia, Coriolis and centrifugal forces, gravity | `rigid_body.rs`, along the tree (`tree.rs`) |
 //! | springs and dampers of joints and fixed tendons | `passive.rs` |
-//! | actuators | `actuators.rs` |
+//! | actuators | `actuators.rs`, `muscle.rs` |
 //! | forces on bodies | `applied.rs` |
 //! | constraint forces `Jᵀ f` | `constraint/` |
-//! | sensors of joints, tendons and actuators | `sensors.rs` |
+//! | sensors | `sensors/` |
 //! | step of the integrator | `euler.rs`, `damped_inertia.rs` |
 //!
 //! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j displaces all bodies that it moves
@@ -30,6 +30,7 @@ mod applied;
 mod constraint;
 mod damped_inertia;
 mod euler;
+mod muscle;
 mod passive;
 mod rigid_body;
 mod sensors;
@@ -40,7 +41,9 @@ use self::actuators::NextActivation;
 use self::constraint::Constraints;
 use self::euler::Euler;
 use self::rigid_body::RigidBodies;
+use self::sensors::{Point, Sensors};
 use self::tree::Tree;
+use super::linear_algebra::solve_cholesky;
 use super::method::{DifferencedTerms, Fallback};
 use super::newton::Newton;
 use super::{TransitionOutputs, sizes};
@@ -60,6 +63,7 @@ pub(super) struct Analytic {
     constraints: Constraints,
     newton: Newton,
     euler: Euler,
+    sensors: Sensors,
     /// `(nv)`: g, and then a row of a Jacobian.
     row: Vec<f64>,
     /// `(nv, nx + nu)`: derivatives of g, and then of the next velocities, by positions, velocities, activations and controls.
@@ -73,6 +77,11 @@ pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
     passive::obstacle(model).or_else(|| actuators::obstacle(model))
 }
 
+/// Returns true if the rows of C and D of a sensor have a closed form.
+pub(super) fn is_sensor_covered(model: &Model, sensor: usize) -> bool {
+    sensors::is_covered(model, sensor)
+}
+
 impl Analytic {
     pub(super) fn new(model: &Model) -> Self {
         let tree = Tree::new(model);
@@ -83,20 +92,21 @@ impl Analytic {
             constraints: Constraints::new(model),
             newton: Newton::new(model),
             euler: Euler::new(model, nx + nu),
+            sensors: Sensors::new(model),
             row: vec![0.0; model.nv()],
             derivative: Matrix::zeros(model.nv(), nx + nu),
             next_activation: vec![NextActivation::default(); model.na()],
         }
     }
 
-    /// Writes A and B of the present state, if they are wanted. Also writes C and D, and takes them from the outputs, if all sensors
-    /// have a formula.
+    /// Writes A and B of the present state, and the rows of C and D [in closed form](Self::sensors_in_closed_form), as far as they
+    /// are wanted.
     pub(super) fn linearise(&mut self, data: &mut Data, outputs: &mut TransitionOutputs<'_>) -> Result<Outcome> {
         if self.newton.solve(data, SensorUpdate::Skip, &mut self.row)?.is_none() {
             return Ok(Err(Fallback::NotConverged));
         }
         let options = data.model().raw().opt;
-        let Self { tree, bodies, constraints, newton, euler, row, derivative, next_activation } = self;
+        let Self { tree, bodies, constraints, newton, euler, sensors, row, derivative, next_activation } = self;
         derivative.as_mut_slice().fill(0.0);
         next_activation.fill(NextActivation::default());
         let has_gravity = options.disableflags as u32 & DisableFlags::GRAVITY.bits() == 0;
@@ -108,15 +118,25 @@ impl Analytic {
         let Some(differenced) = constraints.differentiate(data, tree, derivative)? else {
             return Ok(Err(Fallback::Constraint));
         };
-        euler.differentiate(data, tree, bodies, &newton.factor, derivative);
+        solve_cholesky(&newton.factor, derivative);
+        let wants_sensors = outputs.c.is_some() || outputs.d.is_some();
+        if wants_sensors {
+            sensors.differentiate(Point { data, tree, bodies, deceleration: derivative });
+        }
+        euler.differentiate(data, tree, bodies, derivative);
         if !derivative.as_slice().iter().all(|value| value.is_finite()) {
             return Ok(Err(Fallback::Singular));
         }
-        self.write(data.model(), outputs);
-        if sensors::are_covered(data.model()) {
-            sensors::write(data, outputs);
+        if wants_sensors {
+            sensors.write(outputs);
         }
+        self.write(data.model(), outputs);
         Ok(Ok(differenced))
+    }
+
+    /// Returns the flags of the rows of C and D that the last linearisation has written, `(nsensordata)`.
+    pub(super) fn sensors_in_closed_form(&self) -> &[bool] {
+        self.sensors.in_closed_form()
     }
 
     /// Writes A and B from the derivatives of the next velocities and activations.

@@ -128,6 +128,26 @@ impl RigidBodies {
         }
     }
 
+    /// Returns ψ of a degree of freedom.
+    pub(super) fn velocity_change(&self, dof: usize) -> &Spatial {
+        &self.changes[dof].psi
+    }
+
+    /// Returns χ and σ of a degree of freedom.
+    pub(super) fn acceleration_changes(&self, dof: usize) -> (&Spatial, &Spatial) {
+        (&self.changes[dof].chi, &self.changes[dof].sigma)
+    }
+
+    /// Returns the acceleration of the bodies whose last degree of freedom is `dof`.
+    pub(super) fn acceleration(&self, tree: &Tree, dof: usize) -> &Spatial {
+        &self.after[tree.group[dof]].acceleration
+    }
+
+    /// Returns the inertia of a subtree. The world's is unused.
+    pub(super) fn subtree_inertia(&self, body: usize) -> &Inertia {
+        &self.subtrees[body].inertia
+    }
+
     /// Writes `∂(M a)/∂q` at constant `a` to the first nv columns of `result`, where it is not zero.
     ///
     /// This is the derivative of inverse dynamics without velocity and gravity.

@@ -3,6 +3,7 @@
 mod constraints;
 mod contacts;
 mod random_models;
+mod sensors;
 
 mod smooth;
 

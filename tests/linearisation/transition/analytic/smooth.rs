@@ -1,13 +1,12 @@
 //! Terms without constraints, and fallbacks.
 
-use mujoco_safe::derivative::{DifferencedTerms, Fallback, TransitionMethod, TransitionOptions};
+use mujoco_safe::derivative::{Fallback, TransitionMethod, TransitionOptions};
 use mujoco_safe::{Data, Lineariser, StateSpace, sample};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{analytic, check, model, randomise};
 use crate::transition::features::{chain, moving};
-use crate::transition::{deviation, oracle};
 
 /// Free, ball, slide and hinge joints in one tree, two of them in one body, and a second tree.
 const JOINTS: &str = r#"<mujoco>
@@ -119,6 +118,26 @@ fn affine_actuators_agree_with_differences() {
 }
 
 #[test]
+fn muscles_agree_with_differences_on_each_piece_of_their_curves() {
+    let tendon =
+        r#"<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed></tendon>"#;
+    // The range of lengths moves the present length to other pieces of the curves, and `vmax` the velocity.
+    for range in ["-0.2 0.3", "-0.9 0.1", "-0.1 0.9", "-0.5 0.12", "-2 -0.5", "0.5 2"] {
+        for more in [r#"vmax="1.5""#, r#"vmax="0.2""#, r#"vmax="0.05" fvmax="3""#, r#"force="50" vmax="4""#] {
+            let muscle = format!(r#"<muscle tendon="t" lengthrange="{range}" {more}/>"#);
+            let joint = format!(r#"<muscle joint="b" lengthrange="{range}" {more} timeconst="0.02 0.05"/>"#);
+            let rest = format!("{tendon}<actuator>{muscle}{joint}</actuator>");
+            let mut data = moving(&chain("", "", r#"damping="0.2""#, &rest), 5);
+            for (ctrl, act) in [([0.3, 0.8], [0.5, 0.2]), ([1.5, -0.4], [0.9, 0.1]), ([0.6, 0.6], [-0.1, 1.2])] {
+                data.ctrl_mut().copy_from_slice(&ctrl);
+                data.act_mut().copy_from_slice(&act);
+                check(&format!("{range}, {more}, {ctrl:?}"), &mut data);
+            }
+        }
+    }
+}
+
+#[test]
 fn forces_on_bodies_agree_with_differences() {
     let mut data = model(&joints(""));
     randomise(&mut data, &mut Xoshiro256PlusPlus::seed_from_u64(4));
@@ -197,47 +216,4 @@ fn a_state_without_a_closed_form_has_all_outputs_of_the_implicit_method() {
         assert_eq!(system, linearise(TransitionMethod::Implicit, &mut data).0);
         assert!((0..3).all(|axis| (system.c[(axis, 3 + axis)] - 1.0).abs() < 1e-9), "{fallback:?}");
     }
-}
-
-#[test]
-fn linear_sensors_agree_with_differences() {
-    let rest = r#"<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed></tendon>
-        <actuator><motor name="m" joint="b" gear="3"/><position name="p" tendon="t" gear="2"/></actuator>
-        <sensor>
-          <jointpos joint="b"/><jointvel joint="c"/><tendonpos tendon="t"/><tendonvel tendon="t"/><clock/>
-          <actuatorpos actuator="m"/><actuatorvel actuator="m"/><actuatorpos actuator="p"/><actuatorvel actuator="p"/>
-        </sensor>"#;
-    for option in ["", r#"jacobian="sparse""#] {
-        let mut data = moving(&chain(option, "", r#"damping="0.1""#, rest), 5);
-        let (system, report) = analytic(&mut data);
-        assert!(report.differenced.is_empty());
-        let truth = oracle::linear_system(&data);
-        assert!(deviation(&system.c, &truth.c) < 1e-7);
-        // A control changes no position or velocity before the step.
-        assert!(system.d.as_slice().iter().all(|&value| value == 0.0));
-        assert!(truth.d.as_slice().iter().all(|&value| value.abs() < 1e-9));
-    }
-}
-
-#[test]
-fn a_sensor_with_a_cutoff_is_differenced() {
-    let xml = chain("", "", "", r#"<sensor><jointvel joint="b" cutoff="0.001"/></sensor>"#);
-    let mut data = moving(&xml, 5);
-    let (system, report) = analytic(&mut data);
-    assert_eq!(report.differenced, DifferencedTerms::SENSORS);
-    assert!(system.c.as_slice().iter().all(|&value| value == 0.0), "the velocity is beyond the cutoff");
-}
-
-#[test]
-fn other_sensors_are_those_of_the_implicit_method() {
-    let xml = chain("", "", r#"damping="0.1""#, r#"<sensor><jointpos joint="a"/><accelerometer site="tip"/></sensor>"#);
-    let mut data = moving(&xml, 5);
-    let (system, report) = analytic(&mut data);
-    assert_eq!(report.differenced, DifferencedTerms::SENSORS);
-    let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);
-    let mut implicit = Lineariser::new(data.model().clone(), options).unwrap();
-    let (other, report) = implicit.linear_system(&mut data).unwrap();
-    assert!(report.differenced.is_empty());
-    assert_eq!((&system.c, &system.d), (&other.c, &other.d));
-    assert!(deviation(&system.a, &other.a) < 1e-6 && system.a != other.a);
 }

@@ -1,0 +1,70 @@
+//! Derivatives of sensors of joints, tendons and actuators.
+//!
+//! Those of scalar joints, fixed tendons and their limits are linear functions of the state: their derivatives are rows of Jacobians.
+//! The orientation of a ball joint has the derivative `q e/2` by a turn about its own axis e.
+
+use mujoco_sys::{mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON};
+
+use super::Rows;
+use crate::data::Data;
+use crate::derivative::analytic::actuators;
+use crate::derivative::newton::add_row;
+use crate::enums::{JointType, SensorType};
+use crate::ffi;
+use crate::math;
+use crate::model::Model;
+
+pub(super) fn is_ball(model: &Model, joint: usize) -> bool {
+    JointType::of_field(model.jnt_type()[joint]) == JointType::Ball
+}
+
+pub(super) fn differentiate(data: &Data, sensor: usize, rows: &mut Rows<'_>) {
+    let model = data.model();
+    let nv = model.nv();
+    let object = ffi::size(model.sensor_objid()[sensor]);
+    let kind = SensorType::from_raw(model.sensor_type()[sensor]);
+    let (positions, rest) = rows.row_mut(0).split_at_mut(nv);
+    let velocities = &mut rest[..nv];
+    match kind {
+        Some(SensorType::JointPosition) => positions[ffi::size(model.jnt_dofadr()[object])] = 1.0,
+        Some(SensorType::JointVelocity) => velocities[ffi::size(model.jnt_dofadr()[object])] = 1.0,
+        Some(SensorType::TendonPosition) => data.tendon_row(object).write_into(positions),
+        Some(SensorType::TendonVelocity) => data.tendon_row(object).write_into(velocities),
+        Some(SensorType::ActuatorPosition) => data.moment_row(object).write_into(positions),
+        Some(SensorType::ActuatorVelocity) => data.moment_row(object).write_into(velocities),
+        Some(SensorType::ActuatorForce) => actuators::write_force(data, object, rows.row_mut(0)),
+        Some(SensorType::JointLimitPosition) => add_limit(data, mjCNSTR_LIMIT_JOINT, object, positions),
+        Some(SensorType::JointLimitVelocity) => add_limit(data, mjCNSTR_LIMIT_JOINT, object, velocities),
+        Some(SensorType::TendonLimitPosition) => add_limit(data, mjCNSTR_LIMIT_TENDON, object, positions),
+        Some(SensorType::TendonLimitVelocity) => add_limit(data, mjCNSTR_LIMIT_TENDON, object, velocities),
+        Some(SensorType::BallAngularVelocity) => {
+            let dof = ffi::size(model.jnt_dofadr()[object]);
+            (0..3).for_each(|axis| rows.row_mut(axis)[nv + dof + axis] = 1.0);
+        }
+        Some(SensorType::BallQuaternion) => add_ball(data, object, rows),
+        // The time is not a part of the linear system's state.
+        _ => {}
+    }
+}
+
+/// Adds the Jacobian of the first limit of a joint or a tendon that has a row.
+fn add_limit(data: &Data, kind: u32, object: usize, row: &mut [f64]) {
+    let mut limits = (0..data.nefc()).filter(|&row| data.efc_type()[row] as u32 == kind);
+    if let Some(limit) = limits.find(|&row| ffi::size(data.efc_id()[row]) == object) {
+        add_row(data, limit, 1.0, row);
+    }
+}
+
+fn add_ball(data: &Data, joint: usize, rows: &mut Rows<'_>) {
+    let model = data.model();
+    let (dof, at) = (ffi::size(model.jnt_dofadr()[joint]), ffi::size(model.jnt_qposadr()[joint]));
+    let mut quat = *data.qpos()[at..].first_chunk().expect("Bug: the quaternion is in qpos");
+    math::normalize4(&mut quat);
+    for axis in 0..3 {
+        let mut turn = [0.0; 4];
+        turn[axis + 1] = 0.5;
+        for (component, value) in math::mul_quat(&quat, &turn).into_iter().enumerate() {
+            rows.row_mut(component)[dof + axis] = value;
+        }
+    }
+}

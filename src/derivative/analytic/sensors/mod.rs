@@ -1,0 +1,208 @@
+//! Derivatives of sensors in closed form: C and D.
+//!
+//! A sensor is a function y(q, v, a, u), and the accelerations a depend on the state and on the controls:
+//!
+//! ```text
+//! dy/dx = ∂y/∂x + ∂y/∂a ∂a/∂x,      ∂a = −H⁻¹ ∂g
+//! ```
+//!
+//! | sensors | formulas |
+//! |---|---|
+//! | joints, limits of joints and of tendons, tendons, actuators, clock | `linear.rs` |
+//! | poses and velocities of frames, magnetometer | `frame.rs`, `pose.rs` |
+//! | accelerations of frames | `acceleration.rs`, `pose.rs` |
+//! | centre of mass and momentum of subtrees | `subtree.rs` |
+//!
+//! Contact forces, forces between bodies, forces of limits, distances along rays, and sensors with a cutoff have no formula here.
+
+mod acceleration;
+mod frame;
+mod linear;
+mod pose;
+mod subtree;
+
+use mujoco_sys::mjMINVAL;
+
+use self::pose::Pose;
+use super::actuators;
+use super::rigid_body::RigidBodies;
+use super::spatial::{Spatial, Vec3};
+use super::tree::Tree;
+use crate::data::Data;
+use crate::derivative::{TransitionOutputs, sizes};
+use crate::enums::SensorType;
+use crate::ffi;
+use crate::matrix::Matrix;
+use crate::model::{DisableFlags, Model};
+
+/// Derivatives of the sensors, with their buffers.
+#[derive(Debug)]
+pub(super) struct Sensors {
+    /// `(nsensordata, nx + nu)`: derivatives by positions, velocities, activations and controls.
+    rows: Matrix,
+    /// `(nsensordata)`: true for rows in closed form.
+    in_closed_form: Vec<bool>,
+    /// `(nbody)`: momenta of the subtrees.
+    momenta: Vec<Spatial>,
+}
+
+/// State at which sensors are differentiated, after the derivatives of the rigid bodies were computed.
+#[derive(Clone, Copy)]
+pub(super) struct Point<'a> {
+    pub(super) data: &'a Data,
+    pub(super) tree: &'a Tree,
+    pub(super) bodies: &'a RigidBodies,
+    /// `(nv, nx + nu)`: `H⁻¹ ∂g`, the negated derivatives of the accelerations.
+    pub(super) deceleration: &'a Matrix,
+}
+
+/// Returns true if the rows of a sensor have a formula here.
+pub(in crate::derivative) fn is_covered(model: &Model, sensor: usize) -> bool {
+    let object = ffi::size(model.sensor_objid()[sensor]);
+    let (has_pose, has_reference) = (Pose::is_known(model, sensor), Pose::has_known_reference(model, sensor));
+    let is_covered = match SensorType::from_raw(model.sensor_type()[sensor]) {
+        Some(
+            SensorType::JointPosition
+            | SensorType::JointVelocity
+            | SensorType::TendonPosition
+            | SensorType::TendonVelocity
+            | SensorType::BallQuaternion
+            | SensorType::BallAngularVelocity
+            | SensorType::JointLimitPosition
+            | SensorType::TendonLimitPosition
+            | SensorType::TendonLimitVelocity
+            | SensorType::ActuatorForce
+            | SensorType::Clock,
+        ) => true,
+        Some(SensorType::ActuatorPosition | SensorType::ActuatorVelocity) => {
+            !actuators::is_on_quaternion(model, object)
+        }
+        // The axis of a ball's limit turns.
+        Some(SensorType::JointLimitVelocity) => !linear::is_ball(model, object),
+        Some(
+            SensorType::FramePosition
+            | SensorType::FrameQuaternion
+            | SensorType::FrameXAxis
+            | SensorType::FrameYAxis
+            | SensorType::FrameZAxis
+            | SensorType::FrameLinearVelocity
+            | SensorType::FrameAngularVelocity,
+        ) => has_pose && has_reference,
+        Some(
+            SensorType::Magnetometer
+            | SensorType::Velocimeter
+            | SensorType::Gyro
+            | SensorType::Accelerometer
+            | SensorType::FrameLinearAcceleration
+            | SensorType::FrameAngularAcceleration,
+        ) => has_pose,
+        // The engine has other formulas for a subtree without mass.
+        Some(SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum) => {
+            model.body_subtreemass()[object] >= mjMINVAL
+        }
+        _ => false,
+    };
+    let is_disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
+    is_covered && !is_disabled && model.sensor_cutoff()[sensor] == 0.0
+}
+
+impl Sensors {
+    pub(super) fn new(model: &Model) -> Self {
+        let (nx, nu, ny) = sizes(model);
+        Self {
+            rows: Matrix::zeros(ny, nx + nu),
+            in_closed_form: vec![false; ny],
+            momenta: vec![[0.0; 6]; model.nbody()],
+        }
+    }
+
+    /// Returns the flags of the rows of C and D that [`write`](Self::write) has written, `(nsensordata)`.
+    pub(super) fn in_closed_form(&self) -> &[bool] {
+        &self.in_closed_form
+    }
+
+    /// Differentiates the sensors that have a formula.
+    pub(super) fn differentiate(&mut self, point: Point<'_>) {
+        let model = point.data.model();
+        let Self { rows, in_closed_form, momenta } = self;
+        rows.as_mut_slice().fill(0.0);
+        in_closed_form.fill(false);
+        let mut has_momenta = false;
+        for sensor in 0..model.nsensor() {
+            if !is_covered(model, sensor) {
+                continue;
+            }
+            let first = ffi::size(model.sensor_adr()[sensor]);
+            let count = ffi::size(model.sensor_dim()[sensor]);
+            let output = &mut Rows { matrix: rows, first };
+            match SensorType::from_raw(model.sensor_type()[sensor]) {
+                Some(
+                    SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum,
+                ) => {
+                    if !has_momenta {
+                        subtree::sum_momenta(point.data, momenta);
+                        has_momenta = true;
+                    }
+                    subtree::differentiate(point, sensor, momenta, output);
+                }
+                Some(
+                    SensorType::Accelerometer
+                    | SensorType::FrameLinearAcceleration
+                    | SensorType::FrameAngularAcceleration,
+                ) => acceleration::differentiate(point, sensor, output),
+                Some(
+                    SensorType::FramePosition
+                    | SensorType::FrameQuaternion
+                    | SensorType::FrameXAxis
+                    | SensorType::FrameYAxis
+                    | SensorType::FrameZAxis
+                    | SensorType::FrameLinearVelocity
+                    | SensorType::FrameAngularVelocity
+                    | SensorType::Magnetometer
+                    | SensorType::Velocimeter
+                    | SensorType::Gyro,
+                ) => frame::differentiate(point, sensor, output),
+                _ => linear::differentiate(point.data, sensor, output),
+            }
+            for row in first..first + count {
+                in_closed_form[row] = rows.row(row).iter().all(|value| value.is_finite());
+            }
+        }
+    }
+
+    /// Writes the rows in closed form to C and D, if they are wanted.
+    pub(super) fn write(&self, outputs: &mut TransitionOutputs<'_>) {
+        for row in (0..self.in_closed_form.len()).filter(|&row| self.in_closed_form[row]) {
+            let nu = outputs.d.as_ref().map_or(0, |d| d.ncols());
+            let nx = outputs.c.as_ref().map_or(self.rows.ncols() - nu, |c| c.ncols());
+            let (of_state, of_controls) = self.rows.row(row).split_at(nx);
+            if let Some(c) = &mut outputs.c {
+                c.row_mut(row).copy_from_slice(of_state);
+            }
+            if let Some(d) = &mut outputs.d {
+                d.row_mut(row).copy_from_slice(of_controls);
+            }
+        }
+    }
+}
+
+/// Rows of one sensor.
+struct Rows<'a> {
+    /// `(nsensordata, nx + nu)`
+    matrix: &'a mut Matrix,
+    first: usize,
+}
+
+impl Rows<'_> {
+    /// Adds the derivative of consecutive components by one input.
+    fn add(&mut self, column: usize, values: &Vec3) {
+        for (row, value) in values.iter().enumerate() {
+            self.matrix[(self.first + row, column)] += value;
+        }
+    }
+
+    /// Returns a row.
+    fn row_mut(&mut self, component: usize) -> &mut [f64] {
+        self.matrix.row_mut(self.first + component)
+    }
+}
