@@ -7,6 +7,7 @@ mod sensors;
 
 mod smooth;
 
+
 use mujoco_safe::derivative::{DifferencedTerms, LinearisationReport, TransitionMethod, TransitionOptions};
 use mujoco_safe::{Data, Lineariser, Model, StateSpace};
 use rand::RngExt;
@@ -17,6 +18,9 @@ use super::oracle::Oracle;
 /// Steps of the differences. The larger ones suit stiff constraints, whose forces are the noisier ones. The smaller ones avoid the
 /// kinks of a step, such as a contact about to be made.
 const WIDTHS: [f64; 6] = [2e-5, 2e-6, 2e-4, 2e-7, 2e-3, 2e-8];
+
+/// Ratios of steps that measure the noise of the differences.
+const NEAR: [f64; 2] = [0.6, 1.7];
 
 /// Ratio of the steps of controls, which a step depends on linearly between its kinks, to those of the state.
 const CONTROL_FACTOR: f64 = 1e3;
@@ -69,7 +73,7 @@ fn compare(data: &mut Data) -> Result<Agreement, String> {
         let (ours, column) = if index < nx { (&system.a, index) } else { (&system.b, index - nx) };
         let ours: Vec<f64> = (0..nx).map(|row| ours[(row, column)]).collect();
         let scale = scales[usize::from(index >= nx)];
-        let mut next = |order: usize| oracle.column(index, width(index, WIDTHS[order]));
+        let mut next = |step: f64| oracle.column(index, width(index, step));
         let column = |text: String| format!("column {index}, {:?}: {text}", report.differenced);
         if let Some(noise) = compare_column(&ours, first, &mut next, scale).map_err(column)? {
             noisy.push(column(noise));
@@ -78,37 +82,40 @@ fn compare(data: &mut Data) -> Result<Agreement, String> {
     Ok(Agreement { differenced: report.differenced, noisy })
 }
 
-/// Compares a column with the differences by one step after another, until they agree. Differences whose own noise, the least
-/// disagreement of two of them, explains the deviation prove nothing, and are accepted.
+/// Compares a column with the differences by one step after another, until they agree. If none does, the step with the least deviation
+/// and two others near it show the noise of the differences: their largest disagreement. Differences that disagree with each
+/// other by as much as with the column prove nothing, and are described.
 fn compare_column(
     ours: &[f64],
     first: Vec<f64>,
-    next: &mut dyn FnMut(usize) -> Vec<f64>,
+    difference: &mut dyn FnMut(f64) -> Vec<f64>,
     scale: f64,
 ) -> Result<Option<String>, String> {
     let deviation = |one: &[f64], other: &[f64]| {
         let differences = one.iter().zip(other).map(|(one, other)| (one - other).abs());
         differences.max_by(f64::total_cmp).unwrap_or(0.0) / scale
     };
-    let mut truths = vec![first];
-    let mut noise = f64::INFINITY;
-    let mut errors: Vec<f64> = Vec::new();
-    loop {
-        let (latest, earlier) = truths.split_last().expect("there is a difference");
-        errors.push(deviation(ours, latest));
-        noise = earlier.iter().map(|earlier| deviation(earlier, latest)).fold(noise, f64::min);
-        let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
-        if least <= TOLERANCE {
+    let (mut least, mut best, mut list) = (f64::INFINITY, (WIDTHS[0], first.clone()), Vec::new());
+    for width in WIDTHS {
+        let truth = if width == WIDTHS[0] { first.clone() } else { difference(width) };
+        let error = deviation(ours, &truth);
+        if error <= TOLERANCE {
             return Ok(None);
         }
-        if truths.len() == WIDTHS.len() {
-            let is_noise = least <= (10.0 * noise).clamp(TOLERANCE, MAX_NOISE);
-            let list: Vec<String> = errors.iter().map(|error| format!("{error:.1e}")).collect();
-            let text = format!("deviations {list:?}, noise {noise:.1e}");
-            return if is_noise { Ok(Some(text)) } else { Err(text) };
+        list.push(format!("{error:.1e}"));
+        if error < least {
+            (least, best) = (error, (width, truth));
         }
-        truths.push(next(truths.len()));
     }
+    let (width, truth) = best;
+    let near = NEAR.map(|factor| difference(factor * width));
+    if near.iter().any(|near| deviation(ours, near) <= TOLERANCE) {
+        return Ok(None);
+    }
+    let noise = near.iter().map(|near| deviation(&truth, near)).fold(deviation(&near[0], &near[1]), f64::max);
+    let text =
+        format!("deviates by {list:?}, the differences near a step of {width:.0e} by {noise:.1e} from each other");
+    if least <= noise.min(MAX_NOISE) { Ok(Some(text)) } else { Err(text) }
 }
 
 /// Largest number of a matrix below which the rounding of the differences is not small any more: of a B whose controls are clamped.

@@ -176,7 +176,10 @@ fn compare_models(seed: u64, models: usize, states: usize) {
                     noisy += 1;
                     println!("{what}: {}", agreement.noisy.join("; "));
                 }
-                Err(failure) => failures.push(format!("{what}: {failure}")),
+                Err(failure) => {
+                    println!("{what}: {failure}");
+                    failures.push(format!("{what}: {failure}"));
+                }
             }
         }
     }
