@@ -39,8 +39,9 @@ const MAX_THREADS: usize = 1024;
 /// ```
 ///
 /// The analytic method computes a system in the caller's thread. For the other methods, the threads of the current rayon pool share
-/// the columns; `ThreadPool::install` selects another pool than the global one. The caller's thread takes part. The result does not depend on the number of threads. With one thread, or for a model of a few
-/// degrees of freedom, the caller's thread does all the work.
+/// the columns; `ThreadPool::install` selects another pool than the global one. The caller's thread takes part. The result does
+/// not depend on the number of threads. With one thread, or for a model of a few degrees of freedom, the caller's thread does all
+/// the work.
 #[derive(Debug)]
 pub struct Lineariser {
     options: TransitionOptions,
@@ -74,10 +75,10 @@ impl Lineariser {
         &self.options
     }
 
-    /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no formula, so that their rows of C and D are
-    /// differenced. These are touch, force and torque sensors, forces of limits, rangefinders, user sensors, velocities of limits of
-    /// ball joints, actuators of ball and free joints, frames of cameras that track or face a body, and all sensors with a cutoff.
-    /// For engines other than 2.2.2, all sensors.
+    /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no formula, so that their rows of C
+    /// and D are differenced. These are touch, force and torque sensors, forces of limits, rangefinders, user sensors, velocities
+    /// of limits of ball joints, actuators of ball and free joints, frames of cameras that track or face a body, and all sensors
+    /// with a cutoff. For engines other than 2.2.2, all sensors.
     ///
     /// A sensor at a state where its derivative is not finite is also differenced.
     pub fn differenced_sensors(&self) -> impl Iterator<Item = SensorId> {

@@ -96,14 +96,14 @@ pub enum Fallback {
     /// The constraint solver stopped too far from the accelerations that satisfy the equations of motion, because of its iteration
     /// limit or its tolerance. The method is [`Columns`](TransitionMethod::Columns).
     NotConverged,
-    /// A medium exerts forces on bodies, for which the analytic method has no formula. The method is
-    /// [`Implicit`](TransitionMethod::Implicit).
+    /// A medium exerts forces on geoms of the [ellipsoid model](crate::Model::geom_fluid), for which the analytic method has no
+    /// formula. The method is [`Implicit`](TransitionMethod::Implicit).
     Fluid,
-    /// The model has spatial tendons, for which the analytic method has no formula. The method is
-    /// [`Implicit`](TransitionMethod::Implicit).
+    /// The analytic method has no formula for a spatial tendon: it winds around a geom, a segment has no length, or an equality
+    /// constraint acts on it. The method is [`Implicit`](TransitionMethod::Implicit).
     SpatialTendon,
     /// The analytic method has no formula for an actuator: it covers motors, servos, other affine gains and biases, and muscles
-    /// on hinges, slides and fixed tendons, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
+    /// on hinges, slides and tendons, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
     Actuator,
     /// The analytic method has no formula for a constraint that exerts a force, for example a contact of convex meshes, whose
     /// collision function iterates. The method is [`Implicit`](TransitionMethod::Implicit).
@@ -124,8 +124,8 @@ impl fmt::Display for Fallback {
             Self::ImplicitIntegrator => "the integrator is Implicit",
             Self::NoSlip => "the no-slip solver is on",
             Self::NotConverged => "the constraint solver has not converged",
-            Self::Fluid => "a medium exerts forces",
-            Self::SpatialTendon => "the model has spatial tendons",
+            Self::Fluid => "a medium acts on ellipsoids",
+            Self::SpatialTendon => "a spatial tendon has no closed form",
             Self::Actuator => "an actuator has no closed form",
             Self::Constraint => "a constraint has no closed form",
             Self::Singular => "a derivative is not finite",

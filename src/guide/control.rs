@@ -66,7 +66,7 @@
 //! | [`Lineariser::along`] | the systems of all steps of a trajectory |
 //!
 //! All return or fill a [`StateSpace`](crate::StateSpace). The [report](crate::derivative::LinearisationReport) of a [`Lineariser`] states the method that was used: models with
-//! features that have no formula, such as spatial tendons or a medium, fall back to implicit differentiation or to differences of steps.
+//! features that have no formula, such as contacts of meshes or tendons around geoms, fall back to implicit differentiation or to differences of steps.
 //!
 //! # LQR
 //!

@@ -1,12 +1,13 @@
 //! Derivatives of actuators with affine gain and bias, and of muscles (`muscle.rs`).
 //!
 //! The force of an actuator is `gain(l, l̇) u + bias(l, l̇)`, where u is the control or, for an actuator with activation, the
-//! activation. Its length l depends on the position by its moment arms m, which are constant for hinges, slides and fixed
-//! tendons: `∂l/∂q = ∂l̇/∂v = m`.
+//! activation. Its length l depends on the position by its moment arms m: `∂l/∂q = ∂l̇/∂v = m`. They are constant except for spatial
+//! tendons (`tendon.rs`).
 
 use super::super::linear_algebra::add;
 use super::super::method::Fallback;
 use super::muscle;
+use super::tendon::{Tendons, tendon_of};
 use crate::data::Data;
 use crate::enums::{ActuatorBias, ActuatorDynamics, ActuatorGain, JointType, TransmissionType};
 use crate::ffi;
@@ -32,7 +33,7 @@ pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
             )
         ) && matches!(gain, Some(ActuatorGain::Fixed | ActuatorGain::Affine | ActuatorGain::Muscle))
             && matches!(bias, Some(ActuatorBias::None | ActuatorBias::Affine | ActuatorBias::Muscle))
-            && has_constant_moment(model, actuator)
+            && has_known_moment(model, actuator)
     };
     // Without actuation, the engine leaves the derivatives of activations as they were.
     let stale = model.na() > 0 && actuation_is_disabled(model);
@@ -43,12 +44,13 @@ fn actuation_is_disabled(model: &Model) -> bool {
     model.raw().opt.disableflags as u32 & DisableFlags::ACTUATION.bits() != 0
 }
 
-/// Returns true if the moment arms of an actuator are constant, and if its length depends on the position only by them.
-fn has_constant_moment(model: &Model, actuator: usize) -> bool {
+/// Returns true if the moment arms of an actuator are constant or those of a tendon, and if its length depends on the position
+/// only by them.
+fn has_known_moment(model: &Model, actuator: usize) -> bool {
     let object = ffi::size(model.actuator_trnid()[actuator][0]);
     let transmission = TransmissionType::from_raw(model.actuator_trntype()[actuator]);
     match transmission {
-        // Spatial tendons are an obstacle of their own.
+        // `tendon.rs` differentiates the moment arms of spatial tendons.
         Some(TransmissionType::Tendon) => true,
         Some(TransmissionType::Joint | TransmissionType::JointInParent) => {
             match JointType::of_field(model.jnt_type()[object]) {
@@ -150,8 +152,16 @@ impl ForceSlopes {
     }
 }
 
+/// Adds the derivative of the velocity of an actuator by the position.
+pub(super) fn add_velocity_change(data: &Data, tendons: &Tendons, actuator: usize, factor: f64, row: &mut [f64]) {
+    let model = data.model();
+    if let Some(tendon) = tendon_of(model, actuator) {
+        add(row, tendons.velocity_change(tendon), factor * model.actuator_gear()[actuator][0]);
+    }
+}
+
 /// Writes the derivatives of the force of an actuator by positions, velocities, activations and controls to a row of zeros.
-pub(super) fn write_force(data: &Data, actuator: usize, row: &mut [f64]) {
+pub(super) fn write_force(data: &Data, tendons: &Tendons, actuator: usize, row: &mut [f64]) {
     let model = data.model();
     let nv = model.nv();
     if actuation_is_disabled(model) {
@@ -162,6 +172,7 @@ pub(super) fn write_force(data: &Data, actuator: usize, row: &mut [f64]) {
         row[dof] = slopes.by_length * arm;
         row[nv + dof] = slopes.by_velocity * arm;
     }
+    add_velocity_change(data, tendons, actuator, slopes.by_velocity, &mut row[..nv]);
     row[slopes.input_column] = slopes.by_input;
 }
 
@@ -172,9 +183,9 @@ pub(super) struct NextActivation {
     pub(super) by_control: f64,
 }
 
-/// Subtracts the derivatives of the actuator forces from those of the residual, by positions, velocities, activations and
-/// controls, and writes those of the next activations, `(na)`.
-pub(super) fn differentiate(data: &Data, residual: &mut Matrix, next: &mut [NextActivation]) {
+/// Subtracts the derivatives of the actuator forces, at constant moment arms, from those of the residual, by positions,
+/// velocities, activations and controls, and writes those of the next activations, `(na)`.
+pub(super) fn differentiate(data: &Data, tendons: &Tendons, residual: &mut Matrix, next: &mut [NextActivation]) {
     let model = data.model();
     let (nv, na, nu) = (model.nv(), model.na(), model.nu());
     if actuation_is_disabled(model) {
@@ -195,6 +206,7 @@ pub(super) fn differentiate(data: &Data, residual: &mut Matrix, next: &mut [Next
                 }
                 if slopes.by_velocity != 0.0 {
                     add(&mut row[nv..2 * nv], moment, -arm * slopes.by_velocity);
+                    add_velocity_change(data, tendons, actuator, -arm * slopes.by_velocity, &mut row[..nv]);
                 }
                 row[slopes.input_column] -= arm * slopes.by_input;
             }

@@ -10,7 +10,9 @@
 //! | term | derivative |
 //! |---|---|
 //! | `M a + c`: inertia, Coriolis and centrifugal forces, gravity | `rigid_body.rs`, along the tree (`tree.rs`) |
-//! | springs and dampers of joints and fixed tendons | `passive.rs` |
+//! | springs and dampers of joints and tendons | `passive.rs` |
+//! | forces of a medium | `fluid.rs` |
+//! | moment arms of spatial tendons | `tendon.rs` |
 //! | actuators | `actuators.rs`, `muscle.rs` |
 //! | forces on bodies | `applied.rs` |
 //! | constraint forces `Jᵀ f` | `constraint/` |
@@ -30,11 +32,13 @@ mod applied;
 mod constraint;
 mod damped_inertia;
 mod euler;
+mod fluid;
 mod muscle;
 mod passive;
 mod rigid_body;
 mod sensors;
 mod spatial;
+mod tendon;
 mod tree;
 
 use self::actuators::NextActivation;
@@ -42,6 +46,7 @@ use self::constraint::Constraints;
 use self::euler::Euler;
 use self::rigid_body::RigidBodies;
 use self::sensors::{Point, Sensors};
+use self::tendon::Tendons;
 use self::tree::Tree;
 use super::linear_algebra::solve_cholesky;
 use super::method::{DifferencedTerms, Fallback};
@@ -60,6 +65,7 @@ pub(super) type Outcome = std::result::Result<DifferencedTerms, Fallback>;
 pub(super) struct Analytic {
     tree: Tree,
     bodies: RigidBodies,
+    tendons: Tendons,
     constraints: Constraints,
     newton: Newton,
     euler: Euler,
@@ -74,7 +80,7 @@ pub(super) struct Analytic {
 
 /// Returns the reason why a step of this model has no closed form here, if there is one.
 pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
-    passive::obstacle(model).or_else(|| actuators::obstacle(model))
+    if fluid::is_obstacle(model) { Some(Fallback::Fluid) } else { actuators::obstacle(model) }
 }
 
 /// Returns true if the rows of C and D of a sensor have a closed form.
@@ -89,6 +95,7 @@ impl Analytic {
         Self {
             bodies: RigidBodies::new(model, &tree),
             tree,
+            tendons: Tendons::new(model),
             constraints: Constraints::new(model),
             newton: Newton::new(model),
             euler: Euler::new(model, nx + nu),
@@ -106,22 +113,27 @@ impl Analytic {
             return Ok(Err(Fallback::NotConverged));
         }
         let options = data.model().raw().opt;
-        let Self { tree, bodies, constraints, newton, euler, sensors, row, derivative, next_activation } = self;
+        let Self { tree, bodies, tendons, constraints, newton, euler, sensors, row, derivative, next_activation } =
+            self;
         derivative.as_mut_slice().fill(0.0);
         next_activation.fill(NextActivation::default());
         let has_gravity = options.disableflags as u32 & DisableFlags::GRAVITY.bits() == 0;
         let gravity = if has_gravity { options.gravity } else { [0.0; 3] };
         bodies.differentiate(data, tree, gravity, data.qacc(), derivative);
         applied::differentiate(data, tree, derivative);
-        passive::differentiate(data, row, derivative);
-        actuators::differentiate(data, derivative, next_activation);
-        let Some(differenced) = constraints.differentiate(data, tree, derivative)? else {
+        fluid::differentiate(data, tree, bodies, derivative);
+        if !tendons.differentiate(data, tree, derivative) {
+            return Ok(Err(Fallback::SpatialTendon));
+        }
+        passive::differentiate(data, tendons, row, derivative);
+        actuators::differentiate(data, tendons, derivative, next_activation);
+        let Some(differenced) = constraints.differentiate(data, tree, tendons, derivative)? else {
             return Ok(Err(Fallback::Constraint));
         };
         solve_cholesky(&newton.factor, derivative);
         let wants_sensors = outputs.c.is_some() || outputs.d.is_some();
         if wants_sensors {
-            sensors.differentiate(Point { data, tree, bodies, deceleration: derivative });
+            sensors.differentiate(Point { data, tree, bodies, tendons, deceleration: derivative });
         }
         euler.differentiate(data, tree, bodies, derivative);
         if !derivative.as_slice().iter().all(|value| value.is_finite()) {

@@ -1,31 +1,16 @@
-//! Derivatives of the passive forces: springs and dampers of joints and fixed tendons.
+//! Derivatives of the passive forces: springs and dampers of joints and tendons.
 
 use super::super::linear_algebra::add;
-use super::super::method::Fallback;
+use super::tendon::Tendons;
 use crate::data::Data;
-use crate::enums::{JointType, WrapType};
+use crate::enums::JointType;
 use crate::ffi;
 use crate::math;
 use crate::matrix::Matrix;
-use crate::model::{DisableFlags, Model};
+use crate::model::DisableFlags;
 
-/// Returns the reason why passive forces have no closed form here, if there is one.
-pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
-    let options = model.raw().opt;
-    if options.density > 0.0 || options.viscosity > 0.0 {
-        return Some(Fallback::Fluid);
-    }
-    (0..model.ntendon()).any(|tendon| !is_fixed(model, tendon)).then_some(Fallback::SpatialTendon)
-}
-
-/// Returns true if the length of a tendon is a linear function of joint positions.
-fn is_fixed(model: &Model, tendon: usize) -> bool {
-    let first = ffi::size(model.tendon_adr()[tendon]);
-    model.wrap_type().get(first).copied().and_then(WrapType::from_raw) == Some(WrapType::Joint)
-}
-
-/// Subtracts the derivatives of the passive forces from those of the residual.
-pub(super) fn differentiate(data: &Data, row: &mut [f64], residual: &mut Matrix) {
+/// Subtracts the derivatives of the passive forces, at constant moment arms, from those of the residual.
+pub(super) fn differentiate(data: &Data, tendons: &Tendons, row: &mut [f64], residual: &mut Matrix) {
     let model = data.model();
     let nv = model.nv();
     if model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() != 0 {
@@ -47,6 +32,7 @@ pub(super) fn differentiate(data: &Data, row: &mut [f64], residual: &mut Matrix)
                 if moment != 0.0 {
                     let (by_position, by_velocity) = residual.row_mut(dof)[..2 * nv].split_at_mut(nv);
                     add(by_position, row, stiffness * moment);
+                    add(by_position, tendons.velocity_change(tendon), damping * moment);
                     add(by_velocity, row, damping * moment);
                 }
             }

@@ -8,31 +8,37 @@ use crate::matrix::Matrix;
 
 /// Degree of freedom that moves at least one of the bodies.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MovingDof {
-    pub(super) dof: usize,
-    pub(super) axis: Spatial,
+pub(in crate::derivative::analytic) struct MovingDof {
+    pub(in crate::derivative::analytic) dof: usize,
+    pub(in crate::derivative::analytic) axis: Spatial,
     /// True for the bodies that it moves.
-    pub(super) moves: [bool; 2],
+    pub(in crate::derivative::analytic) moves: [bool; 2],
     /// Velocities of the bodies by the degrees of freedom before its group.
     before: [Spatial; 2],
 }
 
 /// Degrees of freedom that move either of two bodies, and the velocities of the bodies.
 #[derive(Debug)]
-pub(super) struct Chains {
+pub(in crate::derivative::analytic) struct Chains {
     /// In ascending order.
-    pub(super) dofs: Vec<MovingDof>,
+    pub(in crate::derivative::analytic) dofs: Vec<MovingDof>,
     /// Velocities of the bodies, each about the reference point of its tree.
     pub(super) velocities: [Spatial; 2],
 }
 
 impl Chains {
-    pub(super) fn new(nv: usize) -> Self {
+    pub(in crate::derivative::analytic) fn new(nv: usize) -> Self {
         Self { dofs: Vec::with_capacity(nv), velocities: [[0.0; 6]; 2] }
     }
 
     /// Collects the degrees of freedom that move the bodies, and computes the velocities for joint velocities `rate`.
-    pub(super) fn set(&mut self, tree: &Tree, axes: &[Spatial], bodies: [usize; 2], rate: impl Fn(usize) -> f64) {
+    pub(in crate::derivative::analytic) fn set(
+        &mut self,
+        tree: &Tree,
+        axes: &[Spatial],
+        bodies: [usize; 2],
+        rate: impl Fn(usize) -> f64,
+    ) {
         self.dofs.clear();
         let mut next = bodies.map(|body| tree.last[body]);
         // Both chains descend towards the root. Merges them.
@@ -84,7 +90,7 @@ impl Chains {
 
     /// Subtracts `sign · ∂(Jᵀ W)/∂q_j` from column j of `residual`, where J is the Jacobian of a body, W a force vector on it, and
     /// `change` the derivative of W.
-    pub(super) fn subtract_force(
+    pub(in crate::derivative::analytic) fn subtract_force(
         &self,
         tree: &Tree,
         moving: &MovingDof,

@@ -10,15 +10,17 @@ mod contact_geometry;
 mod equality;
 mod limit;
 mod rows;
+mod tendon;
 
 use mujoco_sys::{
     mjCNSTR_CONTACT_ELLIPTIC, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTR_EQUALITY, mjCNSTR_FRICTION_DOF,
     mjCNSTR_FRICTION_TENDON, mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON, mjCNSTRSTATE_SATISFIED, mjMINVAL,
 };
 
-use self::chains::Chains;
+pub(super) use self::chains::Chains;
 use self::contact_geometry::ContactGeometry;
 use self::rows::Rows;
+use super::tendon::Tendons;
 use super::tree::Tree;
 use crate::data::Data;
 use crate::derivative::method::DifferencedTerms;
@@ -49,6 +51,7 @@ impl Constraints {
         &mut self,
         data: &mut Data,
         tree: &Tree,
+        tendons: &mut Tendons,
         residual: &mut Matrix,
     ) -> Result<Option<DifferencedTerms>> {
         let mut differenced = DifferencedTerms::empty();
@@ -66,10 +69,12 @@ impl Constraints {
                     mjCNSTR_EQUALITY => equality::differentiate(self, data, tree, row, residual),
                     mjCNSTR_FRICTION_DOF | mjCNSTR_FRICTION_TENDON => {
                         self.rows.load(data, row, count, None);
+                        tendon::differentiate(&mut self.rows, data, tendons, row);
                         true
                     }
                     mjCNSTR_LIMIT_JOINT | mjCNSTR_LIMIT_TENDON => {
                         limit::differentiate(&mut self.rows, data, row, residual);
+                        tendon::differentiate(&mut self.rows, data, tendons, row);
                         true
                     }
                     _ => {

@@ -1,8 +1,8 @@
 //! Derivatives of accelerations of frames.
 //!
 //! The acceleration of the origin of a frame with the velocity V = `[ω; v]` and the spatial acceleration A = `[α; a]`, both about
-//! the origin, is `a + ω × v` (R. Featherstone, "Rigid Body Dynamics Algorithms", section 2.11). It includes minus gravity. In axes that move with
-//! degree of freedom j (`rigid_body.rs`)
+//! the origin, is `a + ω × v` (R. Featherstone, "Rigid Body Dynamics Algorithms", section 2.11). It includes minus gravity. In
+//! axes that move with degree of freedom j (`rigid_body.rs`)
 //!
 //! ```text
 //! ∂V/∂q_j = ψ_j,    ∂A/∂q_j = χ_j − V × ψ_j,    ∂V/∂v_j = S_j,    ∂A/∂v_j = σ_j − V × S_j,    ∂A/∂a_j = S_j
@@ -18,7 +18,7 @@ use crate::derivative::linear_algebra;
 use crate::enums::SensorType;
 
 pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>) {
-    let Point { data, tree, bodies, deceleration } = point;
+    let Point { data, tree, bodies, deceleration, .. } = point;
     let model = data.model();
     let nv = model.nv();
     let kind = SensorType::from_raw(model.sensor_type()[sensor]);

@@ -1,13 +1,15 @@
 //! Derivatives of sensors of joints, tendons and actuators.
 //!
-//! Those of scalar joints, fixed tendons and their limits are linear functions of the state: their derivatives are rows of Jacobians.
-//! The orientation of a ball joint has the derivative `q e/2` by a turn about its own axis e.
+//! The derivatives of scalar joints, tendons and their limits are rows of Jacobians. Those of the velocities of a spatial tendon
+//! also have the change of its moment arms (`../tendon.rs`). The orientation of a ball joint has the derivative `q e/2` by a turn
+//! about its own axis e.
 
 use mujoco_sys::{mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON};
 
-use super::Rows;
+use super::{Point, Rows};
 use crate::data::Data;
 use crate::derivative::analytic::actuators;
+use crate::derivative::linear_algebra::add;
 use crate::derivative::newton::add_row;
 use crate::enums::{JointType, SensorType};
 use crate::ffi;
@@ -18,7 +20,8 @@ pub(super) fn is_ball(model: &Model, joint: usize) -> bool {
     JointType::of_field(model.jnt_type()[joint]) == JointType::Ball
 }
 
-pub(super) fn differentiate(data: &Data, sensor: usize, rows: &mut Rows<'_>) {
+pub(super) fn differentiate(point: Point<'_>, sensor: usize, rows: &mut Rows<'_>) {
+    let Point { data, tendons, .. } = point;
     let model = data.model();
     let nv = model.nv();
     let object = ffi::size(model.sensor_objid()[sensor]);
@@ -29,14 +32,27 @@ pub(super) fn differentiate(data: &Data, sensor: usize, rows: &mut Rows<'_>) {
         Some(SensorType::JointPosition) => positions[ffi::size(model.jnt_dofadr()[object])] = 1.0,
         Some(SensorType::JointVelocity) => velocities[ffi::size(model.jnt_dofadr()[object])] = 1.0,
         Some(SensorType::TendonPosition) => data.tendon_row(object).write_into(positions),
-        Some(SensorType::TendonVelocity) => data.tendon_row(object).write_into(velocities),
+        Some(SensorType::TendonVelocity) => {
+            positions.copy_from_slice(tendons.velocity_change(object));
+            data.tendon_row(object).write_into(velocities);
+        }
         Some(SensorType::ActuatorPosition) => data.moment_row(object).write_into(positions),
-        Some(SensorType::ActuatorVelocity) => data.moment_row(object).write_into(velocities),
-        Some(SensorType::ActuatorForce) => actuators::write_force(data, object, rows.row_mut(0)),
+        Some(SensorType::ActuatorVelocity) => {
+            actuators::add_velocity_change(data, tendons, object, 1.0, positions);
+            data.moment_row(object).write_into(velocities);
+        }
+        Some(SensorType::ActuatorForce) => actuators::write_force(data, tendons, object, rows.row_mut(0)),
         Some(SensorType::JointLimitPosition) => add_limit(data, mjCNSTR_LIMIT_JOINT, object, positions),
         Some(SensorType::JointLimitVelocity) => add_limit(data, mjCNSTR_LIMIT_JOINT, object, velocities),
         Some(SensorType::TendonLimitPosition) => add_limit(data, mjCNSTR_LIMIT_TENDON, object, positions),
-        Some(SensorType::TendonLimitVelocity) => add_limit(data, mjCNSTR_LIMIT_TENDON, object, velocities),
+        Some(SensorType::TendonLimitVelocity) => {
+            add_limit(data, mjCNSTR_LIMIT_TENDON, object, velocities);
+            // The row has the moment arms of the tendon, or their negatives for an upper limit.
+            let arms = data.tendon_row(object).iter();
+            let product: f64 = arms.map(|(dof, arm)| arm * velocities[dof]).sum();
+            let sign = if product == 0.0 { 0.0 } else { product.signum() };
+            add(positions, tendons.velocity_change(object), sign);
+        }
         Some(SensorType::BallAngularVelocity) => {
             let dof = ffi::size(model.jnt_dofadr()[object]);
             (0..3).for_each(|axis| rows.row_mut(axis)[nv + dof + axis] = 1.0);

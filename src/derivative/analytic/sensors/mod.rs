@@ -27,6 +27,7 @@ use self::pose::Pose;
 use super::actuators;
 use super::rigid_body::RigidBodies;
 use super::spatial::{Spatial, Vec3};
+use super::tendon::Tendons;
 use super::tree::Tree;
 use crate::data::Data;
 use crate::derivative::{TransitionOutputs, sizes};
@@ -52,6 +53,7 @@ pub(super) struct Point<'a> {
     pub(super) data: &'a Data,
     pub(super) tree: &'a Tree,
     pub(super) bodies: &'a RigidBodies,
+    pub(super) tendons: &'a Tendons,
     /// `(nv, nx + nu)`: `H⁻¹ ∂g`, the negated derivatives of the accelerations.
     pub(super) deceleration: &'a Matrix,
 }
@@ -162,7 +164,7 @@ impl Sensors {
                     | SensorType::Velocimeter
                     | SensorType::Gyro,
                 ) => frame::differentiate(point, sensor, output),
-                _ => linear::differentiate(point.data, sensor, output),
+                _ => linear::differentiate(point, sensor, output),
             }
             for row in first..first + count {
                 in_closed_form[row] = rows.row(row).iter().all(|value| value.is_finite());

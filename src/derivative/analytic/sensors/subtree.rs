@@ -1,8 +1,8 @@
 //! Derivatives of the centre of mass, its velocity, and the angular momentum of a subtree.
 //!
 //! Degree of freedom j moves a part of the subtree: all of it, or the bodies below j. Let I be the inertia of this part, and h its
-//! momentum, about the fixed reference point of the tree. With the change ψ_j of velocities (`rigid_body.rs`), and the mass m, the centre of mass c
-//! and the linear momentum p of the whole subtree,
+//! momentum, about the fixed reference point of the tree. With the change ψ_j of velocities (`rigid_body.rs`), and the mass m,
+//! the centre of mass c and the linear momentum p of the whole subtree,
 //!
 //! ```text
 //! ∂h/∂q_j = S_j ×* h + I ψ_j,      ∂h/∂v_j = I S_j,      ∂c/∂q_j = (I S_j)_linear/m

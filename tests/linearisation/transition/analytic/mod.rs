@@ -6,7 +6,7 @@ mod random_models;
 mod sensors;
 
 mod smooth;
-
+mod tendons;
 
 use mujoco_safe::derivative::{DifferencedTerms, LinearisationReport, TransitionMethod, TransitionOptions};
 use mujoco_safe::{Data, Lineariser, Model, StateSpace};

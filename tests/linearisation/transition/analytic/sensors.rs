@@ -75,7 +75,8 @@ fn check(xml: &str, seed: u64) -> Data {
     last.unwrap()
 }
 
-fn compare(what: &str, data: &Data, ours: &StateSpace) {
+/// Compares the rows of each sensor with the differences.
+pub(super) fn compare(what: &str, data: &Data, ours: &StateSpace) {
     let model = data.model();
     let mut errors = vec![[f64::INFINITY; 2]; model.nsensor()];
     for width in WIDTHS {

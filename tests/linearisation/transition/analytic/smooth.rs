@@ -83,6 +83,28 @@ fn passive_forces_agree_with_differences() {
 }
 
 #[test]
+fn forces_of_a_medium_agree_with_differences() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
+    for option in [
+        r#"viscosity="0.7""#,
+        r#"density="900""#,
+        r#"density="900" viscosity="0.7" wind="1 -0.5 0.3""#,
+        r#"density="1.2" viscosity="0.00002" wind="10 0 0""#,
+    ] {
+        let xml = joints("").replace("<worldbody>", &format!("<option {option}/><worldbody>"));
+        let mut data = model(&xml);
+        for state in 0..5 {
+            randomise(&mut data, &mut random);
+            check(&format!("{option}, state {state}"), &mut data);
+        }
+        let xml = xml.replace("<worldbody>", r#"<option><flag passive="disable"/></option><worldbody>"#);
+        let mut data = model(&xml);
+        randomise(&mut data, &mut random);
+        check(&format!("{option}, without passive forces"), &mut data);
+    }
+}
+
+#[test]
 fn affine_actuators_agree_with_differences() {
     let tendon =
         r#"<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="c" coef="-0.5"/></fixed></tendon>"#;
@@ -160,11 +182,16 @@ fn the_cartpole_agrees_with_differences_in_random_states() {
 
 #[test]
 fn terms_without_a_formula_fall_back_with_the_reason() {
-    let spatial =
-        r#"<tendon><spatial name="s" stiffness="8"><site site="anchor"/><site site="tip"/></spatial></tendon>"#;
+    // The tendon winds around the cylinder.
+    let wound = r#"<tendon><spatial name="s" stiffness="8">
+        <site site="anchor"/><geom geom="drum"/><site site="tip"/>
+      </spatial></tendon>"#;
+    let drum = r#"<geom name="drum" type="cylinder" size="0.1 0.5" pos="0.4 0.2 0.2" euler="90 0 0" contype="0" conaffinity="0"/>"#;
+    let ellipsoid = chain(r#"density="900""#, "", "", "")
+        .replace("<geom type=\"capsule\"", "<geom fluidshape=\"ellipsoid\" type=\"capsule\"");
     for (fallback, xml) in [
-        (Fallback::Fluid, chain(r#"density="900""#, "", "", "")),
-        (Fallback::SpatialTendon, chain("", "", "", spatial)),
+        (Fallback::Fluid, ellipsoid),
+        (Fallback::SpatialTendon, chain("", drum, "", wound)),
         (Fallback::Actuator, chain("", "", "", r#"<actuator><motor site="tip"/></actuator>"#)),
         (
             Fallback::Actuator,
