@@ -86,8 +86,8 @@ pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
     let options = &model.raw().opt;
     match Integrator::of_field(options.integrator) {
         Integrator::Rk4 => Some(Fallback::RungeKutta),
-        Integrator::Implicit | Integrator::ImplicitFast => Some(Fallback::ImplicitIntegrator),
         _ if options.noslip_iterations > 0 => Some(Fallback::NoSlip),
+        Integrator::Implicit | Integrator::ImplicitFast => Some(Fallback::ImplicitIntegrator),
         _ => None,
     }
 }

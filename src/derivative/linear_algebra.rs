@@ -75,6 +75,42 @@ pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
     }
 }
 
+/// Computes the factors L, with a diagonal of ones, and U of a square matrix in place, without pivoting.
+pub(super) fn factor_lu(matrix: &mut Matrix) {
+    let n = matrix.nrows();
+    for row in 1..n {
+        let (above, rest) = matrix.as_mut_slice().split_at_mut(row * n);
+        let current = &mut rest[..n];
+        for column in 0..row {
+            let upper = &above[column * n..(column + 1) * n];
+            let factor = current[column] / upper[column];
+            current[column] = factor;
+            if factor != 0.0 {
+                add(&mut current[column + 1..], &upper[column + 1..], -factor);
+            }
+        }
+    }
+}
+
+/// Computes `(L U)⁻¹ X` in place, with the factors of [`factor_lu`].
+pub(super) fn solve_lu(factor: &Matrix, matrix: &mut Matrix) {
+    let (n, width) = matrix.shape();
+    let values = matrix.as_mut_slice();
+    for row in 0..n {
+        let (above, rest) = values.split_at_mut(row * width);
+        subtract_rows(&mut rest[..width], above, |other| factor[(row, other)]);
+    }
+    for row in (0..n).rev() {
+        let (rest, below) = values.split_at_mut((row + 1) * width);
+        let current = &mut rest[row * width..];
+        subtract_rows(current, below, |other| factor[(row, row + 1 + other)]);
+        let inverse = 1.0 / factor[(row, row)];
+        for value in current {
+            *value *= inverse;
+        }
+    }
+}
+
 /// Subtracts a multiple of each row of `rows` from `result`.
 fn subtract_rows(result: &mut [f64], rows: &[f64], factor: impl Fn(usize) -> f64) {
     let width = result.len();
@@ -102,7 +138,7 @@ fn subtract_rows(result: &mut [f64], rows: &[f64], factor: impl Fn(usize) -> f64
 
 #[cfg(test)]
 mod tests {
-    use super::solve_cholesky;
+    use super::{factor_lu, solve_cholesky, solve_lu};
     use crate::math;
     use crate::matrix::Matrix;
 
@@ -126,6 +162,25 @@ mod tests {
                     let tolerance = 1e-9 * (1.0 + value.abs());
                     assert!((ours[(row, column)] - value).abs() < tolerance, "row {row} of {width} columns");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn lu_solves_invert_the_product_with_the_matrix() {
+        const N: usize = 7;
+        let mut matrix = Matrix::from_row_major(N, N, (0..N * N).map(|i| (1.7 * i as f64).sin()).collect());
+        // Without pivoting, the diagonal has to dominate.
+        (0..N).for_each(|row| matrix[(row, row)] += 5.0);
+        let mut factor = matrix.clone();
+        factor_lu(&mut factor);
+        for width in [0, 1, 3, 9] {
+            let solution = Matrix::from_row_major(N, width, (0..N * width).map(|i| (0.9 * i as f64).cos()).collect());
+            let mut product = Matrix::zeros(N, width);
+            math::mul_mat_mat(&mut product, &matrix, &solution).unwrap();
+            solve_lu(&factor, &mut product);
+            for (ours, theirs) in product.as_slice().iter().zip(solution.as_slice()) {
+                assert!((ours - theirs).abs() < 1e-13, "{width} columns");
             }
         }
     }

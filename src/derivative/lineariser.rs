@@ -81,6 +81,19 @@ impl Lineariser {
     /// with a cutoff. For engines other than 2.2.2, all sensors.
     ///
     /// A sensor at a state where its derivative is not finite is also differenced.
+    ///
+    /// ```
+    /// use mujoco_safe::{Lineariser, Model};
+    ///
+    /// let model = Model::from_xml_str(
+    ///     r#"<mujoco><worldbody><body><freejoint/><geom size="0.1"/><site name="imu"/></body></worldbody>
+    ///          <sensor><gyro site="imu"/><accelerometer site="imu"/><touch name="contact" site="imu"/></sensor></mujoco>"#,
+    /// )?;
+    /// let lineariser = Lineariser::new(model.clone(), Default::default())?;
+    /// let contact = model.sensor("contact")?.id();
+    /// assert!(lineariser.differenced_sensors().any(|sensor| sensor == contact));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
     pub fn differenced_sensors(&self) -> impl Iterator<Item = SensorId> {
         let model = self.workers[0].point.data.model();
         let differenced = (0..model.nsensor()).filter(|&sensor| !analytic::is_sensor_covered(model, sensor));
@@ -271,15 +284,17 @@ impl Lineariser {
             TransitionMethod::Engine if model.options().integrator == Integrator::Rk4 => Some(Fallback::RungeKutta),
             _ => None,
         };
-        if obstacle.is_some() {
-            return (TransitionMethod::Columns, obstacle);
+        if requested == TransitionMethod::Analytic && matches!(obstacle, None | Some(Fallback::ImplicitIntegrator)) {
+            return match (analytic::obstacle(model), obstacle) {
+                (None, _) => (requested, None),
+                // Inverse dynamics does not invert the implicit integrator.
+                (reason, Some(_)) => (TransitionMethod::Columns, reason),
+                (reason, None) => (TransitionMethod::Implicit, reason),
+            };
         }
-        match requested {
-            TransitionMethod::Analytic => match analytic::obstacle(model) {
-                Some(obstacle) => (TransitionMethod::Implicit, Some(obstacle)),
-                None => (requested, None),
-            },
-            _ => (requested, None),
+        match obstacle {
+            Some(_) => (TransitionMethod::Columns, obstacle),
+            None => (requested, None),
         }
     }
 }

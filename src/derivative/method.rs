@@ -88,7 +88,8 @@ pub enum Fallback {
     /// [`Columns`](TransitionMethod::Columns), with complete steps.
     RungeKutta,
     /// The integrator is [`Implicit`](crate::enums::Integrator::Implicit), whose step depends on derivatives of forces that the engine
-    /// does not expose. The method is [`Columns`](TransitionMethod::Columns).
+    /// does not expose. The analytic method has formulas for them, except for those of a medium, muscles and spatial tendons. The
+    /// method is [`Columns`](TransitionMethod::Columns).
     ImplicitIntegrator,
     /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics does not invert the step. The
     /// method is [`Columns`](TransitionMethod::Columns).

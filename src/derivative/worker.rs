@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::analytic::Analytic;
 use super::columns::StepDifferences;
-use super::implicit::Linearisation;
+use super::implicit::{self, Linearisation};
 use super::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Input, PerturbedData, Settings, Wanted, inputs};
 use super::work_queue::{WorkQueue, for_each_worker};
@@ -119,9 +119,11 @@ pub(super) fn linearise(
     match worker.analytic.linearise(&mut worker.point.data, &mut outputs)? {
         Ok(differenced) => difference_sensors(workers, base, options, outputs, differenced),
         Err(reason) => {
-            let method = match reason {
-                Fallback::NotConverged => TransitionMethod::Columns,
-                _ => TransitionMethod::Implicit,
+            let is_differentiable = implicit::obstacle(workers[0].point.data.model()).is_none();
+            let method = if reason != Fallback::NotConverged && is_differentiable {
+                TransitionMethod::Implicit
+            } else {
+                TransitionMethod::Columns
             };
             difference(workers, base, options, (method, Some(reason)), &[], outputs)
         }

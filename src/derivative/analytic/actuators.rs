@@ -152,6 +152,31 @@ impl ForceSlopes {
     }
 }
 
+/// Derivative of the force of an actuator by its velocity, as the implicit integrator has it: regardless of limits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct VelocityGain {
+    pub(super) total: f64,
+    /// Derivative of the total by the control or the activation.
+    pub(super) by_input: f64,
+}
+
+/// Returns the velocity gain of an actuator with affine gain and bias.
+pub(super) fn velocity_gain(data: &Data, actuator: usize) -> VelocityGain {
+    let model = data.model();
+    if actuation_is_disabled(model) {
+        return VelocityGain::default();
+    }
+    let input = match (actuator + model.na()).checked_sub(model.nu()) {
+        Some(activation) => data.act()[activation],
+        None => data.ctrl()[actuator],
+    };
+    let is_affine = model.actuator_gaintype()[actuator] == ActuatorGain::Affine.raw();
+    let by_input = if is_affine { model.actuator_gainprm()[actuator][2] } else { 0.0 };
+    let is_affine = model.actuator_biastype()[actuator] == ActuatorBias::Affine.raw();
+    let constant = if is_affine { model.actuator_biasprm()[actuator][2] } else { 0.0 };
+    VelocityGain { total: constant + by_input * input, by_input }
+}
+
 /// Adds the derivative of the velocity of an actuator by the position.
 pub(super) fn add_velocity_change(data: &Data, tendons: &Tendons, actuator: usize, factor: f64, row: &mut [f64]) {
     let model = data.model();

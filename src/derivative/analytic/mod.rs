@@ -17,7 +17,7 @@
 //! | forces on bodies | `applied.rs` |
 //! | constraint forces `Jᵀ f` | `constraint/` |
 //! | sensors | `sensors/` |
-//! | step of the integrator | `euler.rs`, `damped_inertia.rs` |
+//! | step of the integrator | `euler.rs`, `damped_inertia.rs`, `implicit_step.rs` |
 //!
 //! Positions are perturbed in the tangent space of [`Model::integrate_pos`]: degree of freedom j displaces all bodies that it moves
 //! by the twist `cdof[j]`. This holds for all joints: for a free joint `cdof` has the world's axes for translations and the axes of
@@ -33,6 +33,7 @@ mod constraint;
 mod damped_inertia;
 mod euler;
 mod fluid;
+mod implicit_step;
 mod muscle;
 mod passive;
 mod rigid_body;
@@ -44,6 +45,7 @@ mod tree;
 use self::actuators::NextActivation;
 use self::constraint::Constraints;
 use self::euler::Euler;
+use self::implicit_step::ImplicitStep;
 use self::rigid_body::RigidBodies;
 use self::sensors::{Point, Sensors};
 use self::tendon::Tendons;
@@ -69,6 +71,8 @@ pub(super) struct Analytic {
     constraints: Constraints,
     newton: Newton,
     euler: Euler,
+    /// Created when the integrator is first used.
+    implicit_step: Option<ImplicitStep>,
     sensors: Sensors,
     /// `(nv)`: g, and then a row of a Jacobian.
     row: Vec<f64>,
@@ -80,7 +84,13 @@ pub(super) struct Analytic {
 
 /// Returns the reason why a step of this model has no closed form here, if there is one.
 pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
-    if fluid::is_obstacle(model) { Some(Fallback::Fluid) } else { actuators::obstacle(model) }
+    if implicit_step::is_obstacle(model) {
+        Some(Fallback::ImplicitIntegrator)
+    } else if fluid::is_obstacle(model) {
+        Some(Fallback::Fluid)
+    } else {
+        actuators::obstacle(model)
+    }
 }
 
 /// Returns true if the rows of C and D of a sensor have a closed form.
@@ -99,6 +109,7 @@ impl Analytic {
             constraints: Constraints::new(model),
             newton: Newton::new(model),
             euler: Euler::new(model, nx + nu),
+            implicit_step: None,
             sensors: Sensors::new(model),
             row: vec![0.0; model.nv()],
             derivative: Matrix::zeros(model.nv(), nx + nu),
@@ -113,13 +124,24 @@ impl Analytic {
             return Ok(Err(Fallback::NotConverged));
         }
         let options = data.model().raw().opt;
-        let Self { tree, bodies, tendons, constraints, newton, euler, sensors, row, derivative, next_activation } =
-            self;
+        let Self {
+            tree,
+            bodies,
+            tendons,
+            constraints,
+            newton,
+            euler,
+            implicit_step,
+            sensors,
+            row,
+            derivative,
+            next_activation,
+        } = self;
         derivative.as_mut_slice().fill(0.0);
         next_activation.fill(NextActivation::default());
         let has_gravity = options.disableflags as u32 & DisableFlags::GRAVITY.bits() == 0;
         let gravity = if has_gravity { options.gravity } else { [0.0; 3] };
-        bodies.differentiate(data, tree, gravity, data.qacc(), derivative);
+        bodies.differentiate(data, tree, gravity, (data.qvel(), data.qacc()), derivative);
         applied::differentiate(data, tree, derivative);
         fluid::differentiate(data, tree, bodies, derivative);
         if !tendons.differentiate(data, tree, derivative) {
@@ -135,7 +157,13 @@ impl Analytic {
         if wants_sensors {
             sensors.differentiate(Point { data, tree, bodies, tendons, deceleration: derivative });
         }
-        euler.differentiate(data, tree, bodies, derivative);
+        if implicit_step::is_used(data.model()) {
+            let width = derivative.ncols();
+            let step = implicit_step.get_or_insert_with(|| ImplicitStep::new(data.model(), width));
+            step.differentiate(data, tree, bodies, derivative, &mut euler.rotations)?;
+        } else {
+            euler.differentiate(data, tree, bodies, derivative);
+        }
         if !derivative.as_slice().iter().all(|value| value.is_finite()) {
             return Ok(Err(Fallback::Singular));
         }

@@ -78,18 +78,19 @@ impl RigidBodies {
         }
     }
 
-    /// Writes `∂τ/∂q` to the first nv columns of `result`, and `∂τ/∂v` to the next nv, where they are not zero.
+    /// Writes `∂τ/∂q` at the given velocities and accelerations to the first nv columns of `result`, and `∂τ/∂v` to the next nv,
+    /// where they are not zero.
     pub(super) fn differentiate(
         &mut self,
         data: &Data,
         tree: &Tree,
         gravity: [f64; 3],
-        qacc: &[f64],
+        (qvel, qacc): (&[f64], &[f64]),
         result: &mut Matrix,
     ) {
         let (model, axes) = (data.model(), data.cdof());
         let nv = model.nv();
-        self.sweep(tree, axes, Some(data.qvel()), qacc, gravity);
+        self.sweep(tree, axes, Some(qvel), qacc, gravity);
         self.sum_subtrees::<true>(data, tree, gravity);
         let Self { before, after, subtrees, changes } = self;
         for ((change, axis), &group) in changes.iter_mut().zip(axes).zip(&tree.group) {

@@ -219,6 +219,10 @@ fn unsupported_models_fall_back_to_differences_with_a_report() {
         let mut data = data;
         let truth = oracle::linear_system(&data);
         for method in [TransitionMethod::Implicit, TransitionMethod::Analytic] {
+            // The analytic method has formulas for the implicit integrator.
+            if fallback == Fallback::ImplicitIntegrator && method == TransitionMethod::Analytic {
+                continue;
+            }
             for threads in [1, 2] {
                 let options = TransitionOptions::default().with_method(method).with_threads(threads);
                 let (system, used) = workspace(&data, options).linear_system(&mut data).unwrap();

@@ -8,7 +8,7 @@ use super::{OPTIONS, check, model, randomise};
 use crate::transition::standing;
 
 /// Three free bodies and all joints, with contacts, limits and friction loss.
-const MIXED: &str = r#"<mujoco>
+pub(super) const MIXED: &str = r#"<mujoco>
   <compiler angle="radian"/>
   <option timestep="0.004" CONE/>
   <default><geom friction="0.7 0.02 0.003" solimp="0.85 0.97 0.01 0.4 3" solref="0.02 0.9"/></default>
@@ -49,7 +49,7 @@ const MIXED: &str = r#"<mujoco>
   </actuator>
 </mujoco>"#;
 
-const ROWS: &str = r#"<equality>
+pub(super) const ROWS: &str = r#"<equality>
     <connect body1="chest" anchor="0.1 0.05 0.02" solimp="0.8 0.97 0.1 0.4 2"/>
     <weld body1="pebble" body2="rod" solref="0.1 1" solimp="0.7 0.97 0.8 0.5 3" torquescale="0.6"/>
     <joint joint1="hinge1" joint2="hinge2" polycoef="0.1 0.5 0.3 -0.2 0.1" solimp="0.8 0.97 0.5 0.5 2"/>
@@ -63,7 +63,7 @@ const ROWS: &str = r#"<equality>
   </tendon>"#;
 
 /// Simulates with random controls until the model has contacts.
-fn collide(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
+pub(super) fn collide(data: &mut Data, random: &mut Xoshiro256PlusPlus) {
     data.reset().unwrap();
     data.qvel_mut().iter_mut().for_each(|qvel| *qvel = random.random_range(-0.5..0.5));
     for _ in 0..random.random_range(50..300) {

@@ -2,6 +2,7 @@
 
 mod constraints;
 mod contacts;
+mod integrator;
 mod random_models;
 mod sensors;
 

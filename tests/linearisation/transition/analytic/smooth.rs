@@ -29,7 +29,7 @@ const JOINTS: &str = r#"<mujoco>
     REST
   </mujoco>"#;
 
-fn joints(rest: &str) -> String {
+pub(super) fn joints(rest: &str) -> String {
     JOINTS
         .replace("REST", rest)
         .replace("<worldbody>", r#"<default><geom contype="0" conaffinity="0"/></default><worldbody>"#)

@@ -1,0 +1,210 @@
+//! Step of the implicit integrator: from the derivatives of the accelerations to those of the next state.
+//!
+//! The integrator treats the smooth forces τ as linear in the velocity over the step: with `Q = ∂τ/∂v`, `W = M − h Q` and the
+//! accelerations a,
+//! `s = W⁻¹ M a` and `v' = v + h s` ("Numerical integration" in the engine's documentation). With `w = a − s = −h W⁻¹ Q a` and
+//! `X = −∂a`
+//!
+//! ```text
+//! ∂v' = ∂v + h (W⁻¹ (∂M w − h Q X + h ∂Q s) − X).
+//! ```
+//!
+//! Q consists of damping, of the velocity gains of actuators, which may depend on controls and activations, and of −∂c/∂v for the
+//! Coriolis and centrifugal forces c. These are quadratic in v, c(v) = b(v, v) with a symmetric b, so `(∂c/∂v) s = 2 b(v, s)`,
+//! and its derivatives are those of inverse dynamics (`rigid_body.rs`) without accelerations and gravity, at other velocities:
+//!
+//! ```text
+//! ∂q (∂c/∂v s) = ∂q c(v + s) − ∂q c(v) − ∂q c(s),        ∂v (∂c/∂v s) = (∂c/∂v)(s).
+//! ```
+//!
+//! The engine omits entries of Q for two degrees of freedom of which neither moves the other. It takes neither limits of controls and
+//! forces into account.
+
+use super::actuators::velocity_gain;
+use super::rigid_body::RigidBodies;
+use super::tendon::{is_fixed, tendon_of};
+use super::tree::Tree;
+use crate::data::Data;
+use crate::derivative::linear_algebra::{add, add_product, factor_lu, solve_lu};
+use crate::derivative::rotation::{self, Rotation};
+use crate::enums::{ActuatorGain, Integrator};
+use crate::error::Result;
+use crate::matrix::Matrix;
+use crate::model::{DisableFlags, Model};
+
+/// Buffers of the integrator.
+#[derive(Debug)]
+pub(super) struct ImplicitStep {
+    /// `(nv, nv)`: Q, and the LU factors of W.
+    forces: Matrix,
+    factor: Matrix,
+    /// `(nv, 1)`: w
+    spread: Matrix,
+    /// `(nv)`: s, a velocity, and zeros.
+    acceleration: Vec<f64>,
+    velocity: Vec<f64>,
+    zeros: Vec<f64>,
+    /// `(nv, 2 nv)`: derivatives of inverse dynamics.
+    bias: Matrix,
+    /// `(nv, nx + nu)`: ∂M w − h Q X + h ∂Q s, and then its product with W⁻¹.
+    sum: Matrix,
+}
+
+/// Returns true if the model uses the integrator.
+pub(super) fn is_used(model: &Model) -> bool {
+    Integrator::of_field(model.raw().opt.integrator) == Integrator::Implicit
+}
+
+/// Returns true if the model uses the integrator, and Q depends on the state by terms without a formula: forces of a medium, muscles,
+/// and spatial tendons.
+pub(super) fn is_obstacle(model: &Model) -> bool {
+    let is_spatial = |tendon: usize| !is_fixed(model, tendon);
+    let has_muscle = model.actuator_gaintype().contains(&ActuatorGain::Muscle.raw());
+    let options = &model.raw().opt;
+    let has_terms = options.density > 0.0
+        || options.viscosity > 0.0
+        || has_muscle
+        || (0..model.ntendon()).any(|tendon| is_spatial(tendon) && model.tendon_damping()[tendon] > 0.0)
+        || (0..model.nu()).any(|actuator| tendon_of(model, actuator).is_some_and(is_spatial));
+    is_used(model) && has_terms
+}
+
+impl ImplicitStep {
+    pub(super) fn new(model: &Model, width: usize) -> Self {
+        let nv = model.nv();
+        let (square, row) = (Matrix::zeros(nv, nv), vec![0.0; nv]);
+        Self {
+            forces: square.clone(),
+            factor: square,
+            spread: Matrix::zeros(nv, 1),
+            acceleration: row.clone(),
+            velocity: row.clone(),
+            zeros: row,
+            bias: Matrix::zeros(nv, 2 * nv),
+            sum: Matrix::zeros(nv, width),
+        }
+    }
+
+    /// Replaces X by the derivatives of the next velocity, and computes the derivatives of the rotations.
+    pub(super) fn differentiate(
+        &mut self,
+        data: &Data,
+        tree: &Tree,
+        bodies: &mut RigidBodies,
+        derivative: &mut Matrix,
+        rotations: &mut Vec<Rotation>,
+    ) -> Result<()> {
+        let model = data.model();
+        let (nv, h) = (model.nv(), model.raw().opt.timestep);
+        self.bias.as_mut_slice().fill(0.0);
+        bodies.differentiate(data, tree, [0.0; 3], (data.qvel(), &self.zeros), &mut self.bias);
+        self.assemble(data, tree);
+        data.full_m_into(&mut self.factor)?;
+        add(self.factor.as_mut_slice(), self.forces.as_slice(), -h);
+        factor_lu(&mut self.factor);
+
+        let Self { forces, factor, spread, acceleration, velocity, zeros, bias, sum } = self;
+        for (dof, spread) in spread.as_mut_slice().iter_mut().enumerate() {
+            let product: f64 = forces.row(dof).iter().zip(data.qacc()).map(|(force, qacc)| force * qacc).sum();
+            *spread = -h * product;
+        }
+        solve_lu(factor, spread);
+        let values = acceleration.iter_mut().zip(data.qacc()).zip(spread.as_slice());
+        values.for_each(|((acceleration, qacc), spread)| *acceleration = qacc - spread);
+
+        sum.as_mut_slice().fill(0.0);
+        bodies.differentiate_inertia(data, tree, spread.as_slice(), sum);
+        for dof in 0..nv {
+            // Products with a matrix: of the rows of X.
+            add_product(sum.row_mut(dof), derivative, forces.row(dof), -h);
+            // The derivatives at the present velocity are in `bias`.
+            add(&mut sum.row_mut(dof)[..nv], &bias.row(dof)[..nv], h);
+        }
+        let velocities = velocity.iter_mut().zip(data.qvel()).zip(&*acceleration);
+        velocities.for_each(|((velocity, qvel), acceleration)| *velocity = qvel + acceleration);
+        for (at, factor, columns) in
+            [(&*velocity, -h, 0..nv), (&*acceleration, h, 0..nv), (&*acceleration, -h, nv..2 * nv)]
+        {
+            bias.as_mut_slice().fill(0.0);
+            bodies.differentiate(data, tree, [0.0; 3], (at, zeros), bias);
+            for dof in 0..nv {
+                add(&mut sum.row_mut(dof)[columns.clone()], &bias.row(dof)[columns.clone()], factor);
+            }
+        }
+        add_gains(data, tree, acceleration, sum);
+        solve_lu(factor, sum);
+        let values = derivative.as_mut_slice().iter_mut().zip(sum.as_slice());
+        values.for_each(|(value, sum)| *value = h * (sum - *value));
+        (0..nv).for_each(|dof| derivative[(dof, nv + dof)] += 1.0);
+        rotation::differentiate(model, |dof| data.qvel()[dof] + h * acceleration[dof], rotations);
+        Ok(())
+    }
+
+    /// Assembles Q from the derivatives of the bias forces.
+    fn assemble(&mut self, data: &Data, tree: &Tree) {
+        let model = data.model();
+        let nv = model.nv();
+        let has_passive = model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0;
+        for dof in 0..nv {
+            let row = self.forces.row_mut(dof);
+            row.iter_mut().zip(&self.bias.row(dof)[nv..]).for_each(|(force, bias)| *force = -bias);
+            if has_passive {
+                row[dof] -= model.dof_damping()[dof];
+            }
+        }
+        if has_passive {
+            for tendon in 0..model.ntendon() {
+                let damping = model.tendon_damping()[tendon];
+                if damping > 0.0 {
+                    data.tendon_row(tendon).write_into(&mut self.velocity);
+                    add_product_on_chains(tree, &self.velocity, -damping, &mut self.forces);
+                }
+            }
+        }
+        for actuator in 0..model.nu() {
+            let slope = velocity_gain(data, actuator).total;
+            if slope != 0.0 {
+                data.moment_row(actuator).write_into(&mut self.velocity);
+                add_product_on_chains(tree, &self.velocity, slope, &mut self.forces);
+            }
+        }
+    }
+}
+
+/// Adds `factor · vector vectorᵀ` to the entries of a matrix for which one degree of freedom moves the other.
+fn add_product_on_chains(tree: &Tree, vector: &[f64], factor: f64, matrix: &mut Matrix) {
+    for (dof, &value) in vector.iter().enumerate().filter(|&(_, &value)| value != 0.0) {
+        matrix[(dof, dof)] += factor * value * value;
+        for above in tree.chain(tree.parent[dof]) {
+            let product = factor * value * vector[above];
+            matrix[(dof, above)] += product;
+            matrix[(above, dof)] += product;
+        }
+    }
+}
+
+/// Adds the derivatives of `h Q s` by activations and controls, on which velocity gains depend.
+fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], sum: &mut Matrix) {
+    let model = data.model();
+    let (nv, na, h) = (model.nv(), model.na(), model.raw().opt.timestep);
+    for actuator in 0..model.nu() {
+        let by_input = velocity_gain(data, actuator).by_input;
+        if by_input == 0.0 {
+            continue;
+        }
+        let column = match (actuator + na).checked_sub(model.nu()) {
+            Some(activation) => 2 * nv + activation,
+            None => 2 * nv + na + actuator,
+        };
+        let moments = data.actuator_moment();
+        let moment = moments.row(actuator);
+        for (dof, &arm) in moment.iter().enumerate() {
+            sum[(dof, column)] += h * by_input * arm * arm * acceleration[dof];
+            for above in tree.chain(tree.parent[dof]) {
+                let product = h * by_input * arm * moment[above];
+                sum[(dof, column)] += product * acceleration[above];
+                sum[(above, column)] += product * acceleration[dof];
+            }
+        }
+    }
+}
