@@ -75,10 +75,10 @@ impl Lineariser {
         &self.options
     }
 
-    /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no formula, so that their rows of C
-    /// and D are differenced. These are touch, force and torque sensors, forces of limits, rangefinders, user sensors, velocities
-    /// of limits of ball joints, actuators of ball and free joints, frames of cameras that track or face a body, and all sensors
-    /// with a cutoff. For engines other than 2.2.2, all sensors.
+    /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no formula, so that their rows of C and D
+    /// are differenced. These are force and torque sensors, rangefinders, user sensors, velocities of limits of ball joints, lengths
+    /// of actuators of ball and free joints, frames of cameras that track or face a body, and all sensors with a cutoff. For engines
+    /// other than 2.2.2, all sensors.
     ///
     /// A sensor at a state where its derivative is not finite is also differenced.
     ///
@@ -87,11 +87,11 @@ impl Lineariser {
     ///
     /// let model = Model::from_xml_str(
     ///     r#"<mujoco><worldbody><body><freejoint/><geom size="0.1"/><site name="imu"/></body></worldbody>
-    ///          <sensor><gyro site="imu"/><accelerometer site="imu"/><touch name="contact" site="imu"/></sensor></mujoco>"#,
+    ///          <sensor><gyro site="imu"/><accelerometer site="imu"/><force name="load" site="imu"/></sensor></mujoco>"#,
     /// )?;
     /// let lineariser = Lineariser::new(model.clone(), Default::default())?;
-    /// let contact = model.sensor("contact")?.id();
-    /// assert!(lineariser.differenced_sensors().any(|sensor| sensor == contact));
+    /// let load = model.sensor("load")?.id();
+    /// assert!(lineariser.differenced_sensors().any(|sensor| sensor == load));
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     pub fn differenced_sensors(&self) -> impl Iterator<Item = SensorId> {

@@ -149,13 +149,20 @@ impl Analytic {
         }
         passive::differentiate(data, tendons, row, derivative);
         actuators::differentiate(data, tendons, derivative, next_activation);
-        let Some(differenced) = constraints.differentiate(data, tree, tendons, derivative)? else {
+        let wants_sensors = outputs.c.is_some() || outputs.d.is_some();
+        let Some(differenced) = constraints.differentiate(data, tree, tendons, wants_sensors, derivative)? else {
             return Ok(Err(Fallback::Constraint));
         };
         solve_cholesky(&newton.factor, derivative);
-        let wants_sensors = outputs.c.is_some() || outputs.d.is_some();
         if wants_sensors {
-            sensors.differentiate(Point { data, tree, bodies, tendons, deceleration: derivative });
+            sensors.differentiate(Point {
+                data,
+                tree,
+                bodies,
+                tendons,
+                forces: &constraints.force_sensors,
+                deceleration: derivative,
+            });
         }
         if implicit_step::is_used(data.model()) {
             let width = derivative.ncols();

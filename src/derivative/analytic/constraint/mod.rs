@@ -8,17 +8,20 @@ mod contact;
 mod contact_differences;
 mod contact_geometry;
 mod equality;
+mod force_sensors;
 mod limit;
 mod rows;
 mod tendon;
 
 use mujoco_sys::{
-    mjCNSTR_CONTACT_ELLIPTIC, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTR_EQUALITY, mjCNSTR_FRICTION_DOF,
-    mjCNSTR_FRICTION_TENDON, mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON, mjCNSTRSTATE_SATISFIED, mjMINVAL,
+    mjCNSTR_CONTACT_ELLIPTIC, mjCNSTR_CONTACT_FRICTIONLESS, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTR_EQUALITY,
+    mjCNSTR_FRICTION_DOF, mjCNSTR_FRICTION_TENDON, mjCNSTR_LIMIT_JOINT, mjCNSTR_LIMIT_TENDON, mjCNSTRSTATE_SATISFIED,
+    mjMINVAL,
 };
 
 pub(super) use self::chains::Chains;
 use self::contact_geometry::ContactGeometry;
+pub(super) use self::force_sensors::ForceSensors;
 use self::rows::Rows;
 use super::tendon::Tendons;
 use super::tree::Tree;
@@ -37,24 +40,29 @@ pub(super) struct Constraints {
     rows: Rows,
     /// `(nv)`: Jacobian of the second object of an equality constraint.
     row: Vec<f64>,
+    pub(super) force_sensors: ForceSensors,
 }
 
 impl Constraints {
     pub(super) fn new(model: &Model) -> Self {
         let nv = model.nv();
-        Self { chains: Chains::new(nv), rows: Rows::new(nv), row: vec![0.0; nv] }
+        let force_sensors = ForceSensors::new(model);
+        Self { chains: Chains::new(nv), rows: Rows::new(nv), row: vec![0.0; nv], force_sensors }
     }
 
     /// Subtracts the derivatives of the constraint forces from those of the residual, by positions and velocities. Returns the
-    /// terms that were differenced, or `None` if an active constraint has no formula.
+    /// terms that were differenced, or `None` if an active constraint has no formula. Also differentiates sensors of constraint
+    /// forces, if they are wanted.
     pub(super) fn differentiate(
         &mut self,
         data: &mut Data,
         tree: &Tree,
         tendons: &mut Tendons,
+        wants_sensors: bool,
         residual: &mut Matrix,
     ) -> Result<Option<DifferencedTerms>> {
         let mut differenced = DifferencedTerms::empty();
+        self.force_sensors.clear();
         let mut row = 0;
         while row < data.nefc() {
             let count = row_count(data, row);
@@ -88,6 +96,9 @@ impl Constraints {
                     return Ok(None);
                 }
                 self.rows.subtract_from(data, residual);
+                if wants_sensors {
+                    self.force_sensors.add(data, &mut self.rows);
+                }
             }
             row += count;
         }
@@ -105,6 +116,11 @@ fn row_count(data: &Data, row: usize) -> usize {
         mjCNSTR_CONTACT_PYRAMIDAL => 2 * (contact::dimension(data, id) - 1),
         _ => 1,
     }
+}
+
+/// Returns true for a type of rows of contacts.
+fn is_contact(kind: u32) -> bool {
+    [mjCNSTR_CONTACT_FRICTIONLESS, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTR_CONTACT_ELLIPTIC].contains(&kind)
 }
 
 /// Returns true if a row has a force, or if it would change at once.

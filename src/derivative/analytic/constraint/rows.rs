@@ -93,29 +93,11 @@ impl Rows {
     /// velocities.
     pub(super) fn subtract_from(&mut self, data: &Data, residual: &mut Matrix) {
         let (nv, span) = (self.log_inertia.len(), self.span.clone());
-        let state = data.efc_state()[self.first] as u32;
         for row in 0..self.count {
-            let number = self.first + row;
-            let (by_position, by_velocity) = (&mut self.by_position[span.clone()], &mut self.by_velocity[span.clone()]);
-            by_position.fill(0.0);
-            by_velocity.fill(0.0);
-            if state == mjCNSTRSTATE_CONE {
-                let contact = &contacts(data)[ffi::size(data.efc_id()[number])];
-                for other in 0..self.count {
-                    let stiffness = contact.H[row * self.count + other];
-                    let damping = stiffness * data.efc_KBIP()[self.first + other][1];
-                    add(by_position, &self.residual.row(other)[span.clone()], -stiffness);
-                    add(by_velocity, &self.jacobian.row(other)[span.clone()], damping);
-                }
-            } else if data.efc_state()[number] as u32 == mjCNSTRSTATE_QUADRATIC {
-                let stiffness = data.efc_D()[number];
-                let damping = stiffness * data.efc_KBIP()[number][1];
-                add(by_position, &self.residual.row(row)[span.clone()], -stiffness);
-                add(by_velocity, &self.jacobian.row(row)[span.clone()], damping);
-            } else {
+            if !self.differentiate_force(data, row) {
                 continue;
             }
-            add(by_position, &self.log_inertia[span.clone()], data.efc_force()[number]);
+            let (by_position, by_velocity) = (&self.by_position[span.clone()], &self.by_velocity[span.clone()]);
             for dof in span.clone() {
                 let factor = self.jacobian[(row, dof)];
                 if factor != 0.0 {
@@ -125,6 +107,55 @@ impl Rows {
                 }
             }
         }
+    }
+
+    /// Adds the derivatives of the force of a row by positions, velocities and accelerations to `derivative`, `(3 nv)`.
+    pub(super) fn add_force(&mut self, data: &Data, row: usize, derivative: &mut [f64]) {
+        if !self.differentiate_force(data, row) {
+            return;
+        }
+        let (nv, span) = (self.log_inertia.len(), self.span.clone());
+        let (positions, rest) = derivative.split_at_mut(nv);
+        let (velocities, accelerations) = rest.split_at_mut(nv);
+        add(&mut positions[span.clone()], &self.by_position[span.clone()], 1.0);
+        add(&mut velocities[span.clone()], &self.by_velocity[span.clone()], -1.0);
+        let (first, count, jacobian) = (self.first, self.count, &self.jacobian);
+        for_each_stiffness(data, first, count, row, |other, stiffness| {
+            add(&mut accelerations[span.clone()], &jacobian.row(other)[span.clone()], -stiffness);
+        });
+    }
+
+    /// Computes the derivatives of the force of a row by the position, and minus those by the velocity, at constant acceleration.
+    /// Returns false for a constant force.
+    fn differentiate_force(&mut self, data: &Data, row: usize) -> bool {
+        let (first, count, span) = (self.first, self.count, self.span.clone());
+        let Self { jacobian, residual, log_inertia, by_position, by_velocity, .. } = self;
+        let (by_position, by_velocity) = (&mut by_position[span.clone()], &mut by_velocity[span.clone()]);
+        by_position.fill(0.0);
+        by_velocity.fill(0.0);
+        let mut is_constant = true;
+        for_each_stiffness(data, first, count, row, |other, stiffness| {
+            is_constant = false;
+            add(by_position, &residual.row(other)[span.clone()], -stiffness);
+            let damping = stiffness * data.efc_KBIP()[first + other][1];
+            add(by_velocity, &jacobian.row(other)[span.clone()], damping);
+        });
+        if is_constant {
+            return false;
+        }
+        add(by_position, &log_inertia[span], data.efc_force()[first + row]);
+        true
+    }
+}
+
+/// Calls a function for each entry of a row of 𝒦, with its column, unless the row is zero.
+#[inline]
+fn for_each_stiffness(data: &Data, first: usize, count: usize, row: usize, mut call: impl FnMut(usize, f64)) {
+    if data.efc_state()[first] as u32 == mjCNSTRSTATE_CONE {
+        let contact = &contacts(data)[ffi::size(data.efc_id()[first + row])];
+        (0..count).for_each(|other| call(other, contact.H[row * count + other]));
+    } else if data.efc_state()[first + row] as u32 == mjCNSTRSTATE_QUADRATIC {
+        call(row, data.efc_D()[first + row]);
     }
 }
 

@@ -11,11 +11,13 @@
 //! | joints, limits of joints and of tendons, tendons, actuators, clock | `linear.rs` |
 //! | poses and velocities of frames, magnetometer | `frame.rs`, `pose.rs` |
 //! | accelerations of frames | `acceleration.rs`, `pose.rs` |
+//! | touch, forces of limits | `force.rs`, `../constraint/force_sensors.rs` |
 //! | centre of mass and momentum of subtrees | `subtree.rs` |
 //!
-//! Contact forces, forces between bodies, forces of limits, distances along rays, and sensors with a cutoff have no formula here.
+//! Forces between bodies, distances along rays, and sensors with a cutoff have no formula here.
 
 mod acceleration;
+mod force;
 mod frame;
 mod linear;
 mod pose;
@@ -25,6 +27,7 @@ use mujoco_sys::mjMINVAL;
 
 use self::pose::Pose;
 use super::actuators;
+use super::constraint::ForceSensors;
 use super::rigid_body::RigidBodies;
 use super::spatial::{Spatial, Vec3};
 use super::tendon::Tendons;
@@ -54,6 +57,7 @@ pub(super) struct Point<'a> {
     pub(super) tree: &'a Tree,
     pub(super) bodies: &'a RigidBodies,
     pub(super) tendons: &'a Tendons,
+    pub(super) forces: &'a ForceSensors,
     /// `(nv, nx + nu)`: `H⁻¹ ∂g`, the negated derivatives of the accelerations.
     pub(super) deceleration: &'a Matrix,
 }
@@ -74,6 +78,9 @@ pub(in crate::derivative) fn is_covered(model: &Model, sensor: usize) -> bool {
             | SensorType::TendonLimitPosition
             | SensorType::TendonLimitVelocity
             | SensorType::ActuatorForce
+            | SensorType::Touch
+            | SensorType::JointLimitForce
+            | SensorType::TendonLimitForce
             | SensorType::Clock,
         ) => true,
         Some(SensorType::ActuatorPosition | SensorType::ActuatorVelocity) => {
@@ -164,6 +171,9 @@ impl Sensors {
                     | SensorType::Velocimeter
                     | SensorType::Gyro,
                 ) => frame::differentiate(point, sensor, output),
+                Some(SensorType::Touch | SensorType::JointLimitForce | SensorType::TendonLimitForce) => {
+                    force::differentiate(point, sensor, output);
+                }
                 _ => linear::differentiate(point, sensor, output),
             }
             for row in first..first + count {

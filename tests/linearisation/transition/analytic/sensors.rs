@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{CONTROL_FACTOR, TOLERANCE, WIDTHS, analytic, model, randomise};
-use crate::transition::features::{chain, moving};
+use crate::transition::features::{ball, chain, moving};
 use crate::transition::{deviation, oracle};
 
 /// All joints in two trees, limits, tendons and actuators, with a floor that the first tree touches.
@@ -188,6 +188,41 @@ fn joints_tendons_limits_and_actuators_agree_with_differences() {
 }
 
 #[test]
+fn forces_of_contacts_and_limits_agree_with_differences() {
+    let data = check(
+        &machine(
+            r#"<touch site="belly"/><touch site="ball_site"/><touch site="tip"/><jointlimitfrc joint="hinge"/><jointlimitfrc joint="slide"/>
+               <jointlimitfrc joint="ball"/><tendonlimitfrc tendon="mix"/>"#,
+        )
+        // Sites around one end of the hull, around all of it, and away from the floor.
+        .replace(
+            "<camera name=\"eye\"",
+            "<site name=\"belly\" type=\"box\" size=\"0.6 0.6 0.6\"/><site name=\"ball_site\" pos=\"0.2 0.05 0\" size=\"0.25\"/><camera name=\"eye\"",
+        ),
+        25,
+    );
+    assert!(data.sensordata()[3..].iter().any(|&force| force > 0.0));
+}
+
+#[test]
+fn touch_sensors_of_each_cone_and_dimension_agree_with_differences() {
+    for cone in ["pyramidal", "elliptic"] {
+        for dim in [1, 3, 4, 6] {
+            let touch = r#"<sensor><touch site="mark"/></sensor>"#;
+            let geom = format!(r#"type="sphere" size="0.1" condim="{dim}""#);
+            let xml = ball(&format!(r#"cone="{cone}" impratio="2""#), "<freejoint/>", &geom, touch)
+                .replace(r#"pos="0.02 0 0""#, r#"size="0.2""#);
+            let mut data = moving(&xml, 4);
+            data.forward().unwrap();
+            assert!(data.sensordata()[0] > 0.0);
+            let (ours, report) = analytic(&mut data);
+            assert!(report.differenced.is_empty());
+            compare(&format!("{cone}, {dim}"), &data, &ours);
+        }
+    }
+}
+
+#[test]
 fn a_sensor_with_a_cutoff_is_differenced() {
     let xml = chain("", "", "", r#"<sensor><jointvel joint="b" cutoff="0.001"/></sensor>"#);
     let mut data = moving(&xml, 5);
@@ -220,12 +255,12 @@ fn only_sensors_without_a_formula_are_differenced() {
 
 #[test]
 fn sensors_are_written_to_each_of_c_and_d_alone() {
-    let sensors = r#"<sensor><accelerometer site="tip"/><touch site="tip"/></sensor>"#;
+    let sensors = r#"<sensor><accelerometer site="tip"/><force site="tip"/></sensor>"#;
     let motors = r#"<actuator><motor joint="a"/></actuator>"#;
     let mut data = moving(&chain("", "", "", &format!("{motors}{sensors}")), 5);
     let (system, _) = analytic(&mut data);
     let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
-    let (mut c, mut d) = (Matrix::zeros(4, 6), Matrix::zeros(4, 1));
+    let (mut c, mut d) = (Matrix::zeros(6, 6), Matrix::zeros(6, 1));
     lineariser.linear_system_into(&mut data, TransitionOutputs { c: Some(&mut c), ..Default::default() }).unwrap();
     lineariser.linear_system_into(&mut data, TransitionOutputs { d: Some(&mut d), ..Default::default() }).unwrap();
     assert_eq!((c, d), (system.c, system.d));
