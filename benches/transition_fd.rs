@@ -1,8 +1,9 @@
-//! Linearisation of the humanoid on its left leg, also with elliptic cones and equality constraints, and of the cart-pole, against `mjd_transitionFD`: central differences with
-//! [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates its result and includes the sensors; the same
-//! differences in two threads; the method through inverse dynamics, in one thread and in two; and the analytic method. First prints
-//! the accuracy of each method: the largest error of A and of B, relative to their largest numbers, against extrapolated differences
-//! of steps whose solver has converged.
+//! Linearisation of the humanoid on its left leg, also with elliptic cones and equality constraints, and of the cart-pole,
+//! against `mjd_transitionFD`: central differences with [`Data::transition_fd_into`]; [`Data::transition_fd`], which allocates
+//! its result and includes the sensors; the same differences in two threads; the method through inverse dynamics, in one thread
+//! and in two; and the analytic method. Then the steps of a trajectory of the humanoid by the analytic method, in two threads and
+//! in one. First prints the accuracy of each method: the largest error of A and of B, relative to their largest numbers, against
+//! extrapolated differences of steps whose solver has converged.
 //!
 //! ```text
 //! cargo bench --bench transition_fd
@@ -17,9 +18,9 @@ use std::ptr::null_mut;
 
 use common::models::Balance;
 use criterion::Criterion;
-use mujoco_safe::derivative::{TransitionMethod, TransitionOptions, TransitionOutputs};
+use mujoco_safe::derivative::{LinearisationReport, TransitionMethod, TransitionOptions, TransitionOutputs};
 use mujoco_safe::enums::Cone;
-use mujoco_safe::{Data, Differences, Lineariser, Lqr, Matrix, Model, Result, sys};
+use mujoco_safe::{Data, Differences, Lineariser, Lqr, Matrix, Model, Result, StateSpace, sys};
 
 struct Linearisation {
     data: Data,
@@ -137,6 +138,47 @@ fn compare(criterion: &mut Criterion, name: &str, mut data: Data, calls: u32) {
     );
 }
 
+/// Number of steps of the trajectory.
+const KNOTS: u32 = 50;
+
+/// Linearisers of a trajectory, with its states and controls.
+struct Trajectory {
+    data: Data,
+    states: Matrix,
+    controls: Matrix,
+    systems: Vec<(StateSpace, LinearisationReport)>,
+    in_two: Lineariser,
+    in_one: Lineariser,
+}
+
+/// Times the linear systems along a trajectory that starts at the present state.
+fn compare_along(criterion: &mut Criterion, name: &str, mut data: Data) -> Result<()> {
+    let model = data.model().clone();
+    let lineariser = |threads| Lineariser::new(model.clone(), TransitionOptions::default().with_threads(threads));
+    let mut states = Matrix::zeros(KNOTS as usize, data.physics_state().len());
+    let mut controls = Matrix::zeros(KNOTS as usize, model.nu());
+    for knot in 0..KNOTS as usize {
+        states.row_mut(knot).copy_from_slice(&data.physics_state());
+        controls.row_mut(knot).copy_from_slice(data.ctrl());
+        data.step()?;
+    }
+    let (in_two, mut in_one) = (lineariser(2)?, lineariser(1)?);
+    let systems = in_one.along(&data, &states, &controls)?;
+    let mut trajectory = Trajectory { data, states, controls, systems, in_two, in_one };
+    let along = |state: &mut Trajectory, in_two: bool| {
+        let Trajectory { data, states, controls, systems, .. } = state;
+        let lineariser = if in_two { &mut state.in_two } else { &mut state.in_one };
+        lineariser.along_into(data, states, controls, systems).expect("the states are stable");
+        assert!(systems.iter().all(|(_, report)| report.fallback.is_none()));
+    };
+    let in_two = |state: &mut Trajectory| along(state, true);
+    let in_one = |state: &mut Trajectory| along(state, false);
+    let variants: [(&str, &dyn Fn(&mut Trajectory)); 2] =
+        [("analytic in two threads", &in_two), ("analytic in one thread", &in_one)];
+    common::compare(criterion, name, &mut trajectory, KNOTS, &variants);
+    Ok(())
+}
+
 /// Creates a humanoid on its left leg with elliptic cones, a hand welded to its torso, and two joints that are coupled.
 fn constrained_humanoid() -> Result<Data> {
     let equality = r#"<equality>
@@ -154,6 +196,7 @@ fn main() -> Result<()> {
     let mut criterion = common::criterion();
     compare(&mut criterion, "transition_fd/humanoid", Balance::humanoid()?.data, 1);
     compare(&mut criterion, "transition_fd/humanoid with equalities, elliptic", constrained_humanoid()?, 1);
+    compare_along(&mut criterion, "transition_fd/humanoid along a trajectory", Balance::humanoid()?.data)?;
     compare(&mut criterion, "transition_fd/cartpole", Balance::cartpole()?.data, 100);
     criterion.final_summary();
     Ok(())
