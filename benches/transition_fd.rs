@@ -171,11 +171,16 @@ fn compare_along(criterion: &mut Criterion, name: &str, mut data: Data) -> Resul
         lineariser.along_into(data, states, controls, systems).expect("the states are stable");
         assert!(systems.iter().all(|(_, report)| report.fallback.is_none()));
     };
-    let in_two = |state: &mut Trajectory| along(state, true);
-    let in_one = |state: &mut Trajectory| along(state, false);
-    let variants: [(&str, &dyn Fn(&mut Trajectory)); 2] =
-        [("analytic in two threads", &in_two), ("analytic in one thread", &in_one)];
-    common::compare(criterion, name, &mut trajectory, KNOTS, &variants);
+    common::compare(
+        criterion,
+        name,
+        &mut trajectory,
+        KNOTS,
+        &[
+            ("analytic in two threads", &|state| along(state, true)),
+            ("analytic in one thread", &|state| along(state, false)),
+        ],
+    );
     Ok(())
 }
 

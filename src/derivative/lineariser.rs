@@ -288,7 +288,7 @@ impl Lineariser {
             return match (analytic::obstacle(model), obstacle) {
                 (None, _) => (requested, None),
                 // Inverse dynamics does not invert the implicit integrator.
-                (reason, Some(_)) => (TransitionMethod::Columns, reason),
+                (_, Some(_)) => (TransitionMethod::Columns, obstacle),
                 (reason, None) => (TransitionMethod::Implicit, reason),
             };
         }

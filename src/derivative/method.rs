@@ -78,6 +78,9 @@ pub(super) struct Step {
 }
 
 /// Reason why another method than the requested one was used.
+///
+/// Where the method is [`Implicit`](TransitionMethod::Implicit), it is [`Columns`](TransitionMethod::Columns) with the implicit
+/// integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Fallback {

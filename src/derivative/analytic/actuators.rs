@@ -120,12 +120,11 @@ impl ForceSlopes {
         let model = data.model();
         let (nv, na, nu) = (model.nv(), model.na(), model.nu());
         // Actuators with activation are the last ones.
-        let (input, input_slope, input_column) = match (actuator + na).checked_sub(nu) {
-            Some(activation) => (data.act()[activation], 1.0, 2 * nv + activation),
-            None => {
-                let (control, slope) = clamped_control(data, actuator);
-                (control, slope, 2 * nv + na + actuator)
-            }
+        let (input, input_slope, input_column) = if let Some(activation) = (actuator + na).checked_sub(nu) {
+            (data.act()[activation], 1.0, 2 * nv + activation)
+        } else {
+            let (control, slope) = clamped_control(data, actuator);
+            (control, slope, 2 * nv + na + actuator)
         };
         let (length, velocity) = (data.actuator_length()[actuator], data.actuator_velocity()[actuator]);
         let gain = match ActuatorGain::from_raw(model.actuator_gaintype()[actuator]) {

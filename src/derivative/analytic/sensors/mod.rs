@@ -176,8 +176,8 @@ impl Sensors {
                 }
                 _ => linear::differentiate(point, sensor, output),
             }
-            for row in first..first + count {
-                in_closed_form[row] = rows.row(row).iter().all(|value| value.is_finite());
+            for (row, flag) in in_closed_form.iter_mut().enumerate().skip(first).take(count) {
+                *flag = rows.row(row).iter().all(|value| value.is_finite());
             }
         }
     }

@@ -47,8 +47,8 @@ impl Pose {
     }
 
     fn new(data: &Data, kind: i32, object: i32) -> Self {
-        let (model, object) = (data.model(), ffi::size(object));
         const IDENTITY: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+        let (model, object) = (data.model(), ffi::size(object));
         #[expect(non_upper_case_globals, reason = "the engine's constants")]
         let (body, position, rotation, offset) = match kind as u32 {
             mjOBJ_BODY => (object, data.xipos()[object], data.ximat()[object], model.body_iquat()[object]),

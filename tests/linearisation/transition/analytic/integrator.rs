@@ -1,8 +1,8 @@
 //! The step of the implicit integrator.
 
-use mujoco_safe::derivative::{Fallback, TransitionMethod};
+use mujoco_safe::derivative::{Fallback, TransitionMethod, TransitionOptions};
 use mujoco_safe::enums::Integrator;
-use mujoco_safe::{Data, sample};
+use mujoco_safe::{Data, Lineariser, sample};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -69,7 +69,7 @@ fn constraints_agree_with_differences() {
 fn a_lineariser_follows_a_change_of_the_integrator() {
     let mut data = Data::new(sample::cartpole()).unwrap();
     randomise(&mut data, &mut Xoshiro256PlusPlus::seed_from_u64(43));
-    let mut lineariser = mujoco_safe::Lineariser::new(data.model().clone(), Default::default()).unwrap();
+    let mut lineariser = Lineariser::new(data.model().clone(), TransitionOptions::default()).unwrap();
     let (explicit, _) = lineariser.linear_system(&mut data).unwrap();
     data.edit_model(|model| model.edit_options(|options| options.integrator = Integrator::Implicit)).unwrap();
     let (system, report) = lineariser.linear_system(&mut data).unwrap();

@@ -29,15 +29,19 @@ const CONTROL_FACTOR: f64 = 1e3;
 /// Largest deviation of a column, relative to the largest entry of A or B.
 const TOLERANCE: f64 = 1e-7;
 
-/// Largest deviation that the noise of the differences excuses.
-const MAX_NOISE: f64 = 1e-5;
+/// Largest deviation from differences of inverse dynamics, which need no solver, where those of a step are noisy.
+const IMPLICIT_TOLERANCE: f64 = 1e-5;
 
 /// Options: cones, and formats of the Jacobian.
 const OPTIONS: [&str; 4] =
     ["", r#"jacobian="sparse""#, r#"cone="elliptic" impratio="3""#, r#"cone="elliptic" jacobian="sparse""#];
 
 fn analytic(data: &mut Data) -> (StateSpace, LinearisationReport) {
-    let options = TransitionOptions::default().with_method(TransitionMethod::Analytic);
+    by(data, TransitionMethod::Analytic)
+}
+
+fn by(data: &mut Data, method: TransitionMethod) -> (StateSpace, LinearisationReport) {
+    let options = TransitionOptions::default().with_method(method);
     Lineariser::new(data.model().clone(), options).unwrap().linear_system(data).unwrap()
 }
 
@@ -50,7 +54,8 @@ fn check(what: &str, data: &mut Data) -> DifferencedTerms {
 /// Agreement of a linear system with the differences.
 struct Agreement {
     differenced: DifferencedTerms,
-    /// Description of the columns, if there are any, whose differences are too noisy to tell.
+    /// Description of the columns, if there are any, whose differences of a step are noisy, and which agree with those of inverse
+    /// dynamics.
     noisy: Vec<String>,
 }
 
@@ -70,14 +75,22 @@ fn compare(data: &mut Data) -> Result<Agreement, String> {
     };
     let scales = [largest(&first[..nx]), largest(&first[nx..])];
     let mut noisy = Vec::new();
+    let mut implicit = None;
     for (index, first) in first.into_iter().enumerate() {
-        let (ours, column) = if index < nx { (&system.a, index) } else { (&system.b, index - nx) };
-        let ours: Vec<f64> = (0..nx).map(|row| ours[(row, column)]).collect();
+        let (ours, column_index) = if index < nx { (&system.a, index) } else { (&system.b, index - nx) };
+        let ours: Vec<f64> = (0..nx).map(|row| ours[(row, column_index)]).collect();
         let scale = scales[usize::from(index >= nx)];
         let mut next = |step: f64| oracle.column(index, width(index, step));
         let column = |text: String| format!("column {index}, {:?}: {text}", report.differenced);
-        if let Some(noise) = compare_column(&ours, first, &mut next, scale).map_err(column)? {
-            noisy.push(column(noise));
+        if let Some(noise) = compare_column(&ours, &first, &mut next, scale).map_err(column)? {
+            let implicit = implicit.get_or_insert_with(|| by(data, TransitionMethod::Implicit).0);
+            let theirs = if index < nx { &implicit.a } else { &implicit.b };
+            let theirs: Vec<f64> = (0..nx).map(|row| theirs[(row, column_index)]).collect();
+            let text = format!("{noise}, those of inverse dynamics by {:.1e}", deviation(&ours, &theirs) / scale);
+            if deviation(&ours, &theirs) > IMPLICIT_TOLERANCE * scale {
+                return Err(column(text));
+            }
+            noisy.push(column(text));
         }
     }
     Ok(Agreement { differenced: report.differenced, noisy })
@@ -85,21 +98,17 @@ fn compare(data: &mut Data) -> Result<Agreement, String> {
 
 /// Compares a column with the differences by one step after another, until they agree. If none does, the step with the least deviation
 /// and two others near it show the noise of the differences: their largest disagreement. Differences that disagree with each
-/// other by as much as with the column prove nothing, and are described.
+/// other by half as much as with the column are described.
 fn compare_column(
     ours: &[f64],
-    first: Vec<f64>,
+    first: &[f64],
     difference: &mut dyn FnMut(f64) -> Vec<f64>,
     scale: f64,
 ) -> Result<Option<String>, String> {
-    let deviation = |one: &[f64], other: &[f64]| {
-        let differences = one.iter().zip(other).map(|(one, other)| (one - other).abs());
-        differences.max_by(f64::total_cmp).unwrap_or(0.0) / scale
-    };
-    let (mut least, mut best, mut list) = (f64::INFINITY, (WIDTHS[0], first.clone()), Vec::new());
+    let (mut least, mut best, mut list) = (f64::INFINITY, (WIDTHS[0], first.to_vec()), Vec::new());
     for width in WIDTHS {
-        let truth = if width == WIDTHS[0] { first.clone() } else { difference(width) };
-        let error = deviation(ours, &truth);
+        let truth = if width == WIDTHS[0] { first.to_vec() } else { difference(width) };
+        let error = deviation(ours, &truth) / scale;
         if error <= TOLERANCE {
             return Ok(None);
         }
@@ -110,13 +119,18 @@ fn compare_column(
     }
     let (width, truth) = best;
     let near = NEAR.map(|factor| difference(factor * width));
-    if near.iter().any(|near| deviation(ours, near) <= TOLERANCE) {
+    if near.iter().any(|near| deviation(ours, near) <= TOLERANCE * scale) {
         return Ok(None);
     }
-    let noise = near.iter().map(|near| deviation(&truth, near)).fold(deviation(&near[0], &near[1]), f64::max);
+    let noise = near.iter().map(|near| deviation(&truth, near)).fold(deviation(&near[0], &near[1]), f64::max) / scale;
     let text =
         format!("deviates by {list:?}, the differences near a step of {width:.0e} by {noise:.1e} from each other");
-    if least <= noise.min(MAX_NOISE) { Ok(Some(text)) } else { Err(text) }
+    if least <= 2.0 * noise { Ok(Some(text)) } else { Err(text) }
+}
+
+/// Returns the largest difference of two columns.
+fn deviation(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| (one - other).abs()).max_by(f64::total_cmp).unwrap_or(0.0)
 }
 
 /// Largest number of a matrix below which the rounding of the differences is not small any more: of a B whose controls are clamped.

@@ -169,7 +169,7 @@ fn compare_models(seed: u64, models: usize, states: usize) {
                     continue;
                 }
             }
-            let what = format!("model {seed}, state {state}, {} rows", data.nefc());
+            let what = format!("model {seed}, state {state}");
             match compare(&mut data) {
                 Ok(agreement) if agreement.noisy.is_empty() => {}
                 Ok(agreement) => {
