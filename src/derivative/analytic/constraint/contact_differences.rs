@@ -14,8 +14,9 @@ use crate::error::Result;
 use crate::ffi;
 use crate::math;
 
-/// Step of the differences, m and rad.
-const STEP: f64 = 1e-6;
+/// Step of the differences, m and rad. The normal of a contact turns with the inverse of the distance of two nearest points, so the
+/// step is small compared with those of contacts as deep as the radius of a sphere or a capsule.
+const STEP: f64 = 2e-7;
 /// Excess of the margin over that of the contact, so that a shallow contact does not vanish, m.
 const MARGIN: f64 = 1e-3;
 /// Largest shift of a contact by a perturbation, m. A larger one shows that the function has found other contacts.

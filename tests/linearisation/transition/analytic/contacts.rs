@@ -149,6 +149,18 @@ fn overlap(data: &mut Data, random: &mut Xoshiro256PlusPlus) -> bool {
 }
 
 #[test]
+fn a_contact_nearly_as_deep_as_a_radius_agrees_with_differences() {
+    // The centre of the sphere is 2 mm from the edge of the box, about which the normal turns.
+    let xml = r#"<mujoco><worldbody>
+        <geom type="box" size="0.1 0.2 0.1"/>
+        <body pos="0.1014 0.03 0.1014"><freejoint/><geom type="sphere" size="0.05"/></body>
+      </worldbody></mujoco>"#;
+    let mut data = model(xml);
+    data.qvel_mut().copy_from_slice(&[0.2, 0.1, -0.3, 0.5, -0.4, 0.3]);
+    assert_eq!(check("a deep contact", &mut data), DifferencedTerms::CONTACTS);
+}
+
+#[test]
 fn contacts_by_differences_of_their_collision_function_agree_with_differences() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(17);
     let (sphere, capsule, cuboid) =
