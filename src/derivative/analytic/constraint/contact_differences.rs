@@ -14,9 +14,11 @@ use crate::error::Result;
 use crate::ffi;
 use crate::math;
 
-/// Step of the differences, m and rad. The normal of a contact turns with the inverse of the distance of two nearest points, so the
-/// step is small compared with those of contacts as deep as the radius of a sphere or a capsule.
-const STEP: f64 = 2e-7;
+/// Step of the differences, m and rad.
+const STEP: f64 = 1e-6;
+/// Steps, with the weights of their quotients (Richardson extrapolation). The normal of a contact nearly as deep as
+/// the radius of a sphere or a capsule turns so fast that one step alone is not accurate.
+const STEPS: [(f64, f64); 2] = [(STEP, 4.0 / 3.0), (2.0 * STEP, -1.0 / 3.0)];
 /// Excess of the margin over that of the contact, so that a shallow contact does not vanish, m.
 const MARGIN: f64 = 1e-3;
 /// Largest shift of a contact by a perturbation, m. A larger one shows that the function has found other contacts.
@@ -56,19 +58,20 @@ fn difference(data: &mut Data, contact: &mjContact, geoms: [usize; 2], pose: &Po
         hint_by_twist: None,
     };
     for column in 0..6 {
-        let mut sides = [None; 2];
-        for (side, by) in sides.iter_mut().zip([STEP, -STEP]) {
-            move_geom(data, geoms[1], &perturbed(pose, &contact.pos, column, by));
-            *side = nearest(data, contact, geoms)?;
+        for (step, weight) in STEPS {
+            let mut sides = [None; 2];
+            for (side, by) in sides.iter_mut().zip([step, -step]) {
+                move_geom(data, geoms[1], &perturbed(pose, &contact.pos, column, by));
+                *side = nearest(data, contact, geoms)?;
+            }
+            let [Some(right), Some(left)] = sides else { return Ok(None) };
+            let factor = 0.5 * weight / step;
+            for axis in 0..3 {
+                geometry.position[axis][column] += factor * (right.midpoint[axis] - left.midpoint[axis]);
+                geometry.normal[axis][column] += factor * (right.normal[axis] - left.normal[axis]);
+            }
+            geometry.distance[column] += factor * (right.distance - left.distance);
         }
-        let [Some(right), Some(left)] = sides else { return Ok(None) };
-        let quotient = |right: &Vec3, left: &Vec3| scale(&sub(right, left), 0.5 / STEP);
-        let (position, normal) = (quotient(&right.midpoint, &left.midpoint), quotient(&right.normal, &left.normal));
-        for axis in 0..3 {
-            geometry.position[axis][column] = position[axis];
-            geometry.normal[axis][column] = normal[axis];
-        }
-        geometry.distance[column] = (right.distance - left.distance) * (0.5 / STEP);
     }
     Ok(Some(geometry))
 }
