@@ -1,4 +1,7 @@
 //! The engine's enumerations. A C int is converted to an enum only by comparing it with each constant.
+//!
+//! The enums are the same with every engine. A variant that the present engine lacks does not occur in its models, and a setter returns
+//! [`Error::Unsupported`](crate::Error::Unsupported) for it, with the versions that have it.
 
 use mujoco_sys as sys;
 
@@ -14,6 +17,15 @@ macro_rules! engine_enum {
         }
 
         impl $name {
+            /// Returns [`Error::Unsupported`](crate::Error::Unsupported) for a variant that only other versions of the engine have.
+            #[allow(dead_code, reason = "not every enum is passed to the engine")]
+            pub(crate) fn check_supported(self) -> crate::error::Result<()> {
+                let constant = match self {
+                    $(Self::$variant => stringify!($constant),)*
+                };
+                crate::error::Error::check_constant(constant, &format!(concat!(stringify!($name), "::{:?}"), self))
+            }
+
             /// Returns the variant of an engine constant, or `None` for an unknown value.
             #[allow(dead_code, reason = "not every enum is read back from the engine")]
             #[inline]
@@ -53,12 +65,15 @@ engine_enum! {
         Rk4 = mjINT_RK4,
         /// Implicit in velocity.
         Implicit = mjINT_IMPLICIT,
-        /// Implicit in velocity, without Coriolis and centrifugal forces. With engines from 2.3.
+        /// Implicit in velocity, without Coriolis and centrifugal forces. With engines from 2.3.3.
         ImplicitFast = mjINT_IMPLICITFAST,
+        /// Constraint solve and implicit update of the velocity in one operation: `qacc` is the change of the velocity in a step
+        /// divided by its duration. With engines from 3.13.0.
+        Discrete = mjINT_DISCRETE,
     }
 }
 engine_enum! {
-    /// Selection of the pairs of geoms that are tested for collision.
+    /// Selection of the pairs of geoms that are tested for collision. Engines from 3.0.0 always use `All`.
     #[doc(alias = "mjtCollision")]
     Collision {
         /// Pairs that the model names, and pairs that `contype` and `conaffinity` select.
@@ -137,6 +152,9 @@ engine_enum! {
         Box = mjGEOM_BOX,
         /// Triangle mesh. Collisions use its convex hull.
         Mesh = mjGEOM_MESH,
+        /// Signed distance field. With engines from 3.0.0; a model with such a geom does not load yet.
+        #[doc(alias = "sdf")]
+        SignedDistance = mjGEOM_SDF,
     }
 }
 engine_enum! {
@@ -216,8 +234,12 @@ engine_enum! {
         Muscle = mjDYN_MUSCLE,
         /// User-defined by a callback.
         User = mjDYN_USER,
-        /// First-order filter, integrated exactly. With engines from 2.3.3.
+        /// First-order filter, integrated exactly. With engines from 3.0.0.
         FilterExact = mjDYN_FILTEREXACT,
+        /// Electrical dynamics of a DC motor. With engines from 3.7.0.
+        DcMotor = mjDYN_DCMOTOR,
+        /// States of a PID controller. With engines from 3.12.0.
+        Pid = mjDYN_PID,
     }
 }
 engine_enum! {
@@ -230,6 +252,12 @@ engine_enum! {
         Affine = mjGAIN_AFFINE,
         /// Active force of a muscle as a function of length and velocity.
         Muscle = mjGAIN_MUSCLE,
+        /// Torque constant of a DC motor, or its quotient by the resistance. With engines from 3.7.0.
+        DcMotor = mjGAIN_DCMOTOR,
+        /// Servo of a relative orientation, along the geodesic to the desired one. With engines from 3.11.0.
+        So3 = mjGAIN_SO3,
+        /// PID controller with set points of position and velocity. With engines from 3.12.0.
+        Pid = mjGAIN_PID,
         /// User-defined by a callback.
         User = mjGAIN_USER,
     }
@@ -244,6 +272,10 @@ engine_enum! {
         Affine = mjBIAS_AFFINE,
         /// Passive force of a muscle.
         Muscle = mjBIAS_MUSCLE,
+        /// Back EMF, cogging and friction of a DC motor. With engines from 3.7.0.
+        DcMotor = mjBIAS_DCMOTOR,
+        /// Damping of a servo of a relative orientation. With engines from 3.11.0.
+        So3 = mjBIAS_SO3,
         /// User-defined by a callback.
         User = mjBIAS_USER,
     }
@@ -354,6 +386,31 @@ engine_enum! {
         Clock = mjSENS_CLOCK,
         /// User-defined by a callback.
         User = mjSENS_USER,
+        /// Sensor of an engine plugin. With engines from 2.3.0.
+        Plugin = mjSENS_PLUGIN,
+        /// Force of all actuators at a slide or hinge joint, N or N·m. With engines from 2.3.7.
+        JointActuatorForce = mjSENS_JOINTACTFRC,
+        /// Force of all actuators at a tendon, N. With engines from 3.3.1.
+        TendonActuatorForce = mjSENS_TENDONACTFRC,
+        /// Pixel coordinates of a site in the image of a camera. With engines from 3.0.0.
+        CameraProjection = mjSENS_CAMPROJECTION,
+        /// Signed distance between two geoms, or the geoms of two bodies, m. With engines from 3.1.6.
+        GeomDistance = mjSENS_GEOMDIST,
+        /// Direction from a geom to the nearest point of another one. With engines from 3.1.6.
+        GeomNormal = mjSENS_GEOMNORMAL,
+        /// The two nearest points of two geoms, m, in the world frame. With engines from 3.1.6.
+        GeomFromTo = mjSENS_GEOMFROMTO,
+        /// Potential energy, J. With engines from 3.3.0.
+        PotentialEnergy = mjSENS_E_POTENTIAL,
+        /// Kinetic energy, J. The engine evaluates it with the sensors of the position stage, so a linearisation has no derivative with
+        /// respect to velocities. With engines from 3.3.0.
+        KineticEnergy = mjSENS_E_KINETIC,
+        /// 1 for an object inside a site's shape, else 0. With engines from 3.3.5.
+        InsideSite = mjSENS_INSIDESITE,
+        /// Contacts between selected geoms: force, torque, distance, position and directions. With engines from 3.3.5.
+        Contact = mjSENS_CONTACT,
+        /// Penetration and sliding velocity at the vertices of a mesh. With engines from 3.3.5.
+        Tactile = mjSENS_TACTILE,
     }
 }
 

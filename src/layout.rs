@@ -115,6 +115,21 @@ impl Model {
         ffi::size(unsafe { adapted::plastic_len(self.as_ptr()) })
     }
 
+    /// Returns `true` if a joint or a tendon limits the force of its actuators.
+    pub(crate) fn limits_actuator_forces(&self) -> bool {
+        // SAFETY: a valid model, of which the function reads arrays of the engine's sizes.
+        unsafe { adapted::limits_actuator_forces(self.as_ptr()) != 0 }
+    }
+
+    /// Counts the elements of kinds that only newer engines have.
+    #[cfg(engine_since = "2.3.0")]
+    pub(crate) fn newer_features(&self) -> adapted::Features {
+        let mut features = adapted::Features::default();
+        // SAFETY: a valid model, of which the function reads sizes.
+        unsafe { adapted::get_features(self.as_ptr(), &raw mut features) };
+        features
+    }
+
     /// Returns the flags of the equality constraints that are enforced, or enforced initially.
     pub(crate) fn equality_active(&self) -> &[u8] {
         // SAFETY: the engine allocated the array with this length.

@@ -1,33 +1,80 @@
 //! Constants of other versions that the engine does not have.
 
-/// Constants of at least one supported version, with the value for engines without the constant: one that does not occur in their enum, or
-/// a bit that is none of their flags.
-const CONSTANTS: [(&str, u32); 17] = [
-    ("mjINT_IMPLICITFAST", u32::MAX),
-    ("mjDYN_FILTEREXACT", u32::MAX),
-    ("mjCOL_ALL", u32::MAX),
-    ("mjCOL_PAIR", u32::MAX - 1),
-    ("mjCOL_DYNAMIC", u32::MAX - 2),
-    ("mjGEOM_LINEBOX", u32::MAX),
-    ("mjGEOM_FLEX", u32::MAX - 1),
-    ("mjGEOM_TRIANGLE", u32::MAX - 2),
-    ("mjTIMER_ACCELERATION", u32::MAX),
-    ("mjWARN_VGEOMFULL", u32::MAX),
-    ("mjSAMEFRAME_BODYROT", u32::MAX),
-    ("mjSAMEFRAME_INERTIAROT", u32::MAX - 1),
-    ("mjDSBL_SPRING", 1 << 30),
-    ("mjDSBL_DAMPER", 1 << 29),
-    ("mjDSBL_PASSIVE", 1 << 28),
-    ("mjENBL_SENSORNOISE", 1 << 30),
-    ("mjENBL_MULTICCD", 1 << 29),
+/// Constants that not all versions from 2.2.2 to 4.0.0 have, with the versions that have them. A Rust enum over the engine's constants has a
+/// variant for each of them. The first has the value -1 as a C int, which the shim returns as the selection of collisions.
+const CONSTANTS: [(&str, &str); 47] = [
+    ("mjCOL_ALL", "2.2.2 to 2.3.7"),
+    ("mjCOL_PAIR", "2.2.2 to 2.3.7"),
+    ("mjCOL_DYNAMIC", "2.2.2 to 2.3.7"),
+    ("mjINT_IMPLICITFAST", "2.3.3 and later"),
+    ("mjINT_DISCRETE", "3.13.0 and later"),
+    ("mjDYN_FILTEREXACT", "3.0.0 and later"),
+    ("mjDYN_DCMOTOR", "3.7.0 and later"),
+    ("mjDYN_PID", "3.12.0 and later"),
+    ("mjGAIN_DCMOTOR", "3.7.0 and later"),
+    ("mjGAIN_SO3", "3.11.0 and later"),
+    ("mjGAIN_PID", "3.12.0 and later"),
+    ("mjBIAS_DCMOTOR", "3.7.0 and later"),
+    ("mjBIAS_SO3", "3.11.0 and later"),
+    ("mjGEOM_SDF", "3.0.0 and later"),
+    ("mjGEOM_LINEBOX", "3.1.1 and later"),
+    ("mjGEOM_FLEX", "3.0.0 and later"),
+    ("mjGEOM_TRIANGLE", "3.0.0 and later"),
+    ("mjSENS_PLUGIN", "2.3.0 and later"),
+    ("mjSENS_JOINTACTFRC", "2.3.7 and later"),
+    ("mjSENS_CAMPROJECTION", "3.0.0 and later"),
+    ("mjSENS_GEOMDIST", "3.1.6 and later"),
+    ("mjSENS_GEOMNORMAL", "3.1.6 and later"),
+    ("mjSENS_GEOMFROMTO", "3.1.6 and later"),
+    ("mjSENS_E_POTENTIAL", "3.3.0 and later"),
+    ("mjSENS_E_KINETIC", "3.3.0 and later"),
+    ("mjSENS_TENDONACTFRC", "3.3.1 and later"),
+    ("mjSENS_INSIDESITE", "3.3.5 and later"),
+    ("mjSENS_CONTACT", "3.3.5 and later"),
+    ("mjSENS_TACTILE", "3.3.5 and later"),
+    ("mjTIMER_ACCELERATION", "2.2.2 to 2.3.7"),
+    ("mjWARN_VGEOMFULL", "2.2.2 to 3.6.0"),
+    ("mjSAMEFRAME_BODYROT", "3.2.3 and later"),
+    ("mjSAMEFRAME_INERTIAROT", "3.2.3 and later"),
+    ("mjDSBL_PASSIVE", "2.2.2 to 3.3.5"),
+    ("mjDSBL_MIDPHASE", "2.3.3 and later"),
+    ("mjDSBL_EULERDAMP", "3.0.0 and later"),
+    ("mjDSBL_NATIVECCD", "3.3.0 and later"),
+    ("mjDSBL_SPRING", "3.3.6 and later"),
+    ("mjDSBL_DAMPER", "3.3.6 and later"),
+    ("mjDSBL_ISLAND", "3.3.6 and later"),
+    ("mjDSBL_MULTICCD", "3.8.0 and later"),
+    ("mjENBL_SENSORNOISE", "2.2.2 to 3.1.3"),
+    ("mjENBL_MULTICCD", "2.2.2 to 3.7.0"),
+    ("mjENBL_INVDISCRETE", "3.0.0 and later"),
+    ("mjENBL_SLEEP", "3.4.0 and later"),
+    ("mjENBL_DIAGEXACT", "3.9.0 and later"),
+    ("mjENBL_SPECULATIVE", "4.0.0 and later"),
 ];
 
-/// Returns Rust definitions of the constants that are missing in the bindings.
+/// Returns Rust definitions of the constants that are missing in the bindings, and of a function that returns the versions with a missing
+/// constant. The value is one that does not occur in the engine's enum, or a bit that is none of its flags.
 pub(crate) fn definitions(bindings: &str) -> String {
-    let is_absent = |name: &str| !bindings.contains(&format!("pub const {name}:"));
     let mut text = String::new();
-    for (name, value) in CONSTANTS.into_iter().filter(|(name, _)| is_absent(name)) {
+    let mut versions = String::new();
+    for (index, (name, known)) in (0_u32..).zip(CONSTANTS) {
+        if bindings.contains(&format!("pub const {name}:")) {
+            continue;
+        }
+        let flags = ["mjDSBL_", "mjENBL_"].into_iter().find(|prefix| name.starts_with(prefix));
+        let value = match flags {
+            // The engine uses the low bits. The highest bit is the sign of a C int.
+            Some(prefix) => {
+                let of_the_kind = CONSTANTS.iter().filter(|(other, _)| other.starts_with(prefix));
+                1_u32 << (30 - of_the_kind.take_while(|(other, _)| *other != name).count())
+            }
+            None => u32::MAX - index,
+        };
         text.extend(["pub const ", name, ": ::core::ffi::c_uint = ", &value.to_string(), ";\n"]);
+        versions.extend(["        \"", name, "\" => Some(\"", known, "\"),\n"]);
     }
-    text
+    text + "/// Returns the versions that have a constant which this engine lacks, for example `3.0.0 and later`.\n"
+        + "pub fn versions(constant: &str) -> Option<&'static str> {\n    match constant {\n"
+        + &versions
+        + "        _ => None,\n    }\n}\n"
 }

@@ -94,9 +94,17 @@ void mujoco_sys_tendonRow(const mjModel* m, const mjData* d, int tendon, struct 
 }
 
 void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row) {
-#if mjVERSION_HEADER >= 333
+#if mjVERSION_HEADER >= 336
   const int start = m->M_rowadr[dof];
   *row = (struct mujoco_sys_row){d->qLD + start, m->M_colind + start, m->M_rownnz[dof] - 1};
+#elif mjVERSION_HEADER >= 333
+  (void)m;
+  const int start = d->M_rowadr[dof];
+  *row = (struct mujoco_sys_row){d->qLD + start, d->M_colind + start, d->M_rownnz[dof] - 1};
+#elif mjVERSION_HEADER == 330
+  (void)m;
+  const int start = d->C_rowadr[dof];
+  *row = (struct mujoco_sys_row){d->qLD + start, d->C_colind + start, d->C_rownnz[dof] - 1};
 #else
   (void)m;
   (void)d;
@@ -167,9 +175,11 @@ int mujoco_sys_textureChannels(const mjModel* m, int texture) {
 }
 
 int mujoco_sys_materialTexture(const mjModel* m, int material) {
-#if mjVERSION_HEADER >= 320
+#if mjVERSION_HEADER >= 321
   const int* textures = m->mat_texid + material * mjNTEXROLE;
   return textures[mjTEXROLE_RGB] >= 0 ? textures[mjTEXROLE_RGB] : textures[mjTEXROLE_RGBA];
+#elif mjVERSION_HEADER == 320
+  return m->mat_texid[material * mjNTEXMAT];
 #else
   return m->mat_texid[material];
 #endif
@@ -278,6 +288,26 @@ void mujoco_sys_getOptions(const mjOption* opt, struct mujoco_sys_options* optio
 #else
   options->collision = opt->collision;
 #endif
+#if mjVERSION_HEADER >= 300
+  options->ls_tolerance = opt->ls_tolerance;
+  options->ls_iterations = opt->ls_iterations;
+  options->sdf_iterations = opt->sdf_iterations;
+  options->sdf_initpoints = opt->sdf_initpoints;
+  memcpy(options->o_friction, opt->o_friction, sizeof options->o_friction);
+#else
+  // The defaults of the engines that have these options.
+  options->ls_tolerance = 0.01;
+  options->ls_iterations = 50;
+  options->sdf_iterations = 10;
+  options->sdf_initpoints = 40;
+  const mjtNum friction[5] = {1, 1, 0.005, 0.0001, 0.0001};
+  memcpy(options->o_friction, friction, sizeof friction);
+#endif
+#if mjVERSION_HEADER >= 301
+  options->disableactuator = opt->disableactuator;
+#else
+  options->disableactuator = 0;
+#endif
 }
 
 void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* options) {
@@ -293,7 +323,49 @@ void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* optio
 #endif
 #if mjVERSION_HEADER < 300
   opt->collision = options->collision;
+#else
+  opt->ls_tolerance = options->ls_tolerance;
+  opt->ls_iterations = options->ls_iterations;
+  opt->sdf_iterations = options->sdf_iterations;
+  opt->sdf_initpoints = options->sdf_initpoints;
+  memcpy(opt->o_friction, options->o_friction, sizeof opt->o_friction);
 #endif
+#if mjVERSION_HEADER >= 301
+  opt->disableactuator = options->disableactuator;
+#endif
+}
+
+int mujoco_sys_limitsActuatorForces(const mjModel* m) {
+#if mjVERSION_HEADER >= 237
+  for (int i = 0; i < m->njnt; i++) {
+    if (m->jnt_actfrclimited[i]) {
+      return 1;
+    }
+  }
+#endif
+#if mjVERSION_HEADER >= 331
+  for (int i = 0; i < m->ntendon; i++) {
+    if (m->tendon_actfrclimited[i]) {
+      return 1;
+    }
+  }
+#endif
+  (void)m;
+  return 0;
+}
+
+void mujoco_sys_getFeatures(const mjModel* m, struct mujoco_sys_features* features) {
+  memset(features, 0, sizeof *features);
+#if mjVERSION_HEADER >= 230
+  features->plugins = (int)m->nplugin;
+#endif
+#if mjVERSION_HEADER >= 300
+  features->flexes = (int)m->nflex;
+#endif
+#if mjVERSION_HEADER >= 3005000
+  features->histories = (int)m->nhistory;
+#endif
+  (void)m;
 }
 
 void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]) {

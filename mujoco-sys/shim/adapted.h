@@ -28,7 +28,7 @@ void mujoco_sys_tendonRow(const mjModel* m, const mjData* d, int tendon, struct 
 // Computes actuator_velocity from the moments. The model has one control and one force for each actuator.
 void mujoco_sys_actuatorVelocity(const mjModel* m, mjData* d);
 
-// Row of the factor L of the inertia matrix without its diagonal of ones. The count is -1 for engines before 3.3.3, which store L with
+// Row of the factor L of the inertia matrix without its diagonal of ones. The count is -1 for engines before 3.3.3 except 3.3.0, which store L with
 // `dof_Madr` and `dof_parentid`.
 void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row);
 
@@ -85,8 +85,14 @@ void mujoco_sys_completeContact(mjContact* contact);
 struct mujoco_sys_options {
   mjtNum apirate;
   mjtNum ccd_tolerance;
+  mjtNum ls_tolerance;
+  mjtNum o_friction[5];
   int ccd_iterations;
   int collision;
+  int ls_iterations;
+  int sdf_iterations;
+  int sdf_initpoints;
+  int disableactuator;
 };
 void mujoco_sys_getOptions(const mjOption* opt, struct mujoco_sys_options* options);
 void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* options);
@@ -97,6 +103,16 @@ void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]);
 
 // Number of plastic springs, which exist since 4.0.
 int mujoco_sys_plasticLength(const mjModel* m);
+// Returns 1 if a joint or a tendon limits the force of its actuators, else 0.
+int mujoco_sys_limitsActuatorForces(const mjModel* m);
+
+// Numbers of elements of kinds that only some versions have.
+struct mujoco_sys_features {
+  int flexes;
+  int plugins;
+  int histories;
+};
+void mujoco_sys_getFeatures(const mjModel* m, struct mujoco_sys_features* features);
 
 // Bytes of the stack, or since 2.3 of the arena that contains the stack.
 size_t mujoco_sys_arenaBytes(const mjData* d);

@@ -45,10 +45,34 @@ pub struct AdaptedOptions {
     pub apirate: mjtNum,
     /// `mpr_tolerance`, `ccd_tolerance` since 3.2.
     pub ccd_tolerance: mjtNum,
+    /// `ls_tolerance`, since 3.0.
+    pub ls_tolerance: mjtNum,
+    /// `o_friction`, since 3.0.
+    pub o_friction: [mjtNum; 5],
     /// `mpr_iterations`, `ccd_iterations` since 3.2.
     pub ccd_iterations: c_int,
     /// `collision`; since 3.0 `mjCOL_ALL`.
     pub collision: c_int,
+    /// `ls_iterations`, since 3.0.
+    pub ls_iterations: c_int,
+    /// `sdf_iterations`, since 3.0.
+    pub sdf_iterations: c_int,
+    /// `sdf_initpoints`, since 3.0.
+    pub sdf_initpoints: c_int,
+    /// `disableactuator`, since 3.0.1.
+    pub disableactuator: c_int,
+}
+
+/// Numbers of elements of kinds that only some versions have.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Features {
+    /// `nflex`, since 3.0.
+    pub flexes: c_int,
+    /// `nplugin`, since 2.3.
+    pub plugins: c_int,
+    /// `nhistory`, since 3.5.
+    pub histories: c_int,
 }
 
 macro_rules! adapted {
@@ -89,7 +113,7 @@ adapted! {
     mujoco_sys_tendonRow = tendon_row(m: *const mjModel, d: *const mjData, tendon: c_int, row: *mut Row);
     /// Computes `actuator_velocity` from the moments. The model has one control and one force for each actuator.
     mujoco_sys_actuatorVelocity = actuator_velocity(m: *const mjModel, d: *mut mjData);
-    /// Writes the row of the factor L in `qLD` without its diagonal of ones. The count is -1 for engines before 3.3.3, which store L with
+    /// Writes the row of the factor L in `qLD` without its diagonal of ones. The count is -1 for engines before 3.3.3 except 3.3.0, which store L with
     /// `dof_Madr` and `dof_parentid`.
     mujoco_sys_factorRow = factor_row(m: *const mjModel, d: *const mjData, dof: c_int, row: *mut Row);
     /// Returns the stored elements of the inertia matrix, `qM` (`M` since 3.10).
@@ -134,7 +158,12 @@ adapted! {
     mujoco_sys_sceneIsFull = scene_is_full(scn: *const mjvScene) -> c_int;
     /// Sets the fields of a contact between `geom1` and `geom2` that 2.2.2 does not have.
     mujoco_sys_completeContact = complete_contact(contact: *mut mjContact);
-    /// Reads the options that only some versions have.
+    /// Returns 1 if a joint (`jnt_actfrclimited`, since 2.3.7) or a tendon (`tendon_actfrclimited`, since 3.3.1) limits the force of its
+    /// actuators, else 0.
+    mujoco_sys_limitsActuatorForces = limits_actuator_forces(m: *const mjModel) -> c_int;
+    /// Counts the elements of kinds that only some versions have.
+    mujoco_sys_getFeatures = get_features(m: *const mjModel, features: *mut Features);
+    /// Reads the options that only some versions have, or the defaults of those that the engine does not have.
     mujoco_sys_getOptions = get_options(opt: *const mjOption, options: *mut AdaptedOptions);
     /// Writes those of the options that the engine has.
     mujoco_sys_setOptions = set_options(opt: *mut mjOption, options: *const AdaptedOptions);

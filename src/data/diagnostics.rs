@@ -25,7 +25,7 @@ engine_enum! {
         Velocity = mjTIMER_VELOCITY,
         /// Actuator forces.
         Actuation = mjTIMER_ACTUATION,
-        /// Accelerations without constraints. Always zero since 3.0.
+        /// Accelerations without constraints. Zero with engines from 3.0.0.
         Acceleration = mjTIMER_ACCELERATION,
         /// The constraint solver.
         Constraint = mjTIMER_CONSTRAINT,

@@ -38,6 +38,8 @@ pub(crate) use self::active_callbacks::EngineCallbacks;
 pub use self::contact::ContactForce;
 pub use self::diagnostics::{SolverIteration, TimerCount};
 pub use self::distance::GeomDistance;
+// For the analytic linearisation, which is that of 2.2.2.
+#[cfg_attr(engine_since = "2.3.0", allow(unused_imports))]
 pub(crate) use self::distance::{CollisionFunction, FoundContact};
 pub use self::frame::SpatialVector;
 pub use self::jacobian::Jacobian;

@@ -39,11 +39,11 @@ use super::residual::{Residual, multiply_inertia};
 use super::rotation::{self, Rotation};
 use super::sizes;
 use crate::data::{Data, SensorUpdate};
-use crate::enums::Integrator;
+use crate::enums::{ActuatorDynamics, Integrator, SensorType};
 use crate::error::Result;
 use crate::math;
 use crate::matrix::Matrix;
-use crate::model::Model;
+use crate::model::{DisableFlags, EnableFlags, Model};
 
 /// Ratio of the perturbation of accelerations, which have large values, to that of other inputs.
 const ACCELERATION_EPS_FACTOR: f64 = 1e3;
@@ -87,9 +87,31 @@ pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
     match Integrator::of_field(options.integrator) {
         Integrator::Rk4 => Some(Fallback::RungeKutta),
         _ if options.noslip_iterations > 0 => Some(Fallback::NoSlip),
-        Integrator::Implicit | Integrator::ImplicitFast => Some(Fallback::ImplicitIntegrator),
+        Integrator::Implicit | Integrator::ImplicitFast | Integrator::Discrete => Some(Fallback::ImplicitIntegrator),
+        _ if has_newer_feature(model) => Some(Fallback::NewerFeature),
         _ => None,
     }
+}
+
+/// Returns `true` for a model with an option or an element that 2.2.2 does not have and that breaks an assumption of the method: inverse
+/// dynamics inverts a step, and a control changes the force of its actuator only, in the moments of that actuator.
+fn has_newer_feature(model: &Model) -> bool {
+    let options = model.options();
+    let has_sensor = |kinds: &[SensorType]| {
+        model.sensor_type().iter().any(|&raw| SensorType::from_raw(raw).is_some_and(|kind| kinds.contains(&kind)))
+    };
+    let is_newer =
+        |&raw: &i32| matches!(ActuatorDynamics::from_raw(raw), Some(ActuatorDynamics::DcMotor | ActuatorDynamics::Pid));
+    options.enable.intersects(EnableFlags::INVDISCRETE | EnableFlags::SPECULATIVE)
+        || options.disable.contains(DisableFlags::EULERDAMP)
+        || model.limits_actuator_forces()
+        || model.actuator_dyntype().iter().any(is_newer)
+        || has_sensor(&[
+            SensorType::JointActuatorForce,
+            SensorType::TendonActuatorForce,
+            SensorType::Contact,
+            SensorType::Tactile,
+        ])
 }
 
 impl Linearisation {

@@ -90,13 +90,18 @@ pub enum Fallback {
     /// The integrator is Runge–Kutta, for which the engine's differences would mix stages. The method is
     /// [`Columns`](TransitionMethod::Columns), with complete steps.
     RungeKutta,
-    /// The integrator is [`Implicit`](crate::enums::Integrator::Implicit), whose step depends on derivatives of forces that the engine
-    /// does not expose. The analytic method has formulas for them, except for those of a medium, muscles and spatial tendons. The
-    /// method is [`Columns`](TransitionMethod::Columns).
+    /// The integrator is [`Implicit`](crate::enums::Integrator::Implicit), or [`ImplicitFast`](crate::enums::Integrator::ImplicitFast) or
+    /// [`Discrete`](crate::enums::Integrator::Discrete) of newer engines, whose step depends on derivatives of forces that the engine
+    /// does not expose. The analytic method has formulas for those of `Implicit`, except for those of a medium, muscles and spatial
+    /// tendons. The method is [`Columns`](TransitionMethod::Columns).
     ImplicitIntegrator,
     /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics does not invert the step. The
     /// method is [`Columns`](TransitionMethod::Columns).
     NoSlip,
+    /// The model has an option or an element that MuJoCo 2.2.2 does not have and that the method does not cover: discrete inverse
+    /// dynamics, speculative contacts, limits of actuator forces at joints or tendons, dynamics of DC motors and PID controllers, and sensors of
+    /// contacts and of actuator forces at joints or tendons. The method is [`Columns`](TransitionMethod::Columns).
+    NewerFeature,
     /// The constraint solver stopped too far from the accelerations that satisfy the equations of motion, because of its iteration
     /// limit or its tolerance. The method is [`Columns`](TransitionMethod::Columns).
     NotConverged,
@@ -127,6 +132,7 @@ impl fmt::Display for Fallback {
             Self::RungeKutta => "the integrator is Rk4",
             Self::ImplicitIntegrator => "the integrator is Implicit",
             Self::NoSlip => "the no-slip solver is on",
+            Self::NewerFeature => "the model has a feature that MuJoCo 2.2.2 does not have",
             Self::NotConverged => "the constraint solver has not converged",
             Self::Fluid => "a medium acts on ellipsoids",
             Self::SpatialTendon => "a spatial tendon has no closed form",

@@ -120,9 +120,9 @@ pub enum SameFrame {
     Body,
     /// Coincides with the inertial frame of the body.
     Inertia,
-    /// Has the orientation of the body frame, with engines from 3.2.7.
+    /// Has the orientation of the body frame, with engines from 3.2.3.
     BodyRotation,
-    /// Has the orientation of the inertial frame of the body, with engines from 3.2.7.
+    /// Has the orientation of the inertial frame of the body, with engines from 3.2.3.
     InertiaRotation,
 }
 

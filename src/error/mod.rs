@@ -295,6 +295,17 @@ impl Error {
         Self::Invalid { what: what.into(), value: value.to_string(), expected: expected.into() }
     }
 
+    /// Returns the error about something that only other versions of the engine have.
+    pub(crate) fn lacks(what: &str, versions: &str) -> Self {
+        let present = crate::built_against();
+        Self::Unsupported(format!("MuJoCo {present} does not have {what}; MuJoCo {versions} does"))
+    }
+
+    /// Checks that the engine has a constant. `what` describes its meaning.
+    pub(crate) fn check_constant(constant: &str, what: &str) -> Result<()> {
+        mujoco_sys::absent::versions(constant).map_or(Ok(()), |versions| Err(Self::lacks(what, versions)))
+    }
+
     /// Checks the length of a vector.
     #[inline]
     pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<()> {

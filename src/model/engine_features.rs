@@ -2,16 +2,13 @@
 
 use mujoco_sys::{mjENBL_SLEEP, mjWRAP_JOINT};
 
-use super::Model;
+use super::{Model, Options};
 use crate::element::SameFrame;
 use crate::enums::{
     ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, Cone, EqualityType, GeomType, Integrator,
     JacobianStorage, JointType, SensorDataType, SensorType, Solver, TextureType, TransmissionType, WrapType,
 };
 use crate::ffi;
-
-/// Limit on the iterations of each solver, so that a step terminates.
-const MOST_ITERATIONS: i32 = 1_000_000;
 
 impl Model {
     /// Returns the reason why a compiled model is not supported. The types of all elements are known afterwards, actuators have one control,
@@ -20,10 +17,11 @@ impl Model {
         let version = crate::built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
+        let features = self.newer_features();
         let counts = [
-            (self.nflex(), "flexible objects (<flex>, <flexcomp>)"),
-            (self.nplugin(), "engine plugins"),
-            (self.nhistory(), "delays of actuators or sensors"),
+            (features.flexes, "flexible objects (<flex>, <flexcomp>)"),
+            (features.plugins, "engine plugins"),
+            (features.histories, "delays of actuators or sensors"),
             (self.plastic_len(), "plastic springs"),
         ];
         if let Some((_, what)) = counts.into_iter().find(|(count, _)| *count > 0) {
@@ -40,6 +38,9 @@ impl Model {
             return unsupported(format!("actuator {actuator} has several activations"));
         }
         self.unknown_type().map_or(Ok(()), unsupported)?;
+        if let Some(geom) = self.geom_type().iter().position(|&raw| raw == GeomType::SignedDistance.raw()) {
+            return unsupported(format!("geom {geom} is a signed distance field"));
+        }
         self.check_limits()
     }
 
@@ -49,10 +50,17 @@ impl Model {
         if !(opt.timestep.is_finite() && opt.timestep > 0.0) {
             return Err(format!("opt.timestep is {}; it must be finite and positive", opt.timestep));
         }
-        let iterations =
-            [opt.iterations, opt.ls_iterations, opt.noslip_iterations, opt.ccd_iterations, opt.sdf_iterations];
-        if let Some(count) = iterations.into_iter().find(|&count| count > MOST_ITERATIONS) {
-            return Err(format!("a solver has {count} iterations; at most {MOST_ITERATIONS} are allowed"));
+        let options = self.options();
+        let iterations = [
+            options.iterations,
+            options.ls_iterations,
+            options.noslip_iterations,
+            options.mpr_iterations,
+            options.sdf_initpoints,
+            options.sdf_iterations,
+        ];
+        if let Some(count) = iterations.into_iter().find(|&count| count > Options::MOST_ITERATIONS) {
+            return Err(format!("a solver has {count} iterations; at most a million are allowed"));
         }
         if cfg!(engine_since = "3.0.0") && opt.ccd_iterations < 1 {
             // The solver has no space for its first polytope without an iteration.

@@ -6,6 +6,8 @@ mod statistics;
 mod visual;
 mod visual_ranges;
 
+use std::mem::MaybeUninit;
+
 use bitflags::bitflags;
 use mujoco_sys::adapted::{self, AdaptedOptions};
 use mujoco_sys::{self as sys, mjOption};
@@ -45,15 +47,18 @@ use crate::field_docs::field_docs;
 pub struct Options {
     /// Duration of a step, s. Positive.
     pub timestep: f64,
-    /// Update rate for remote clients, Hz. The engine stores the value and does not use it. Not negative.
+    /// Update rate for remote clients, Hz. The engine stores the value and does not use it; engines from 3.3.7 do not have it. Not negative.
     pub apirate: f64,
     /// Ratio of the impedance of friction to that of the normal direction in contacts. Positive.
     pub impratio: f64,
     /// Tolerance of the main solver, which stops when an iteration improves the scaled cost by less than this. Not negative.
     pub tolerance: f64,
+    /// Tolerance of the line search of the solvers CG and Newton, with engines from 3.0.0. Not negative.
+    pub ls_tolerance: f64,
     /// Tolerance of the no-slip solver, which stops when an iteration improves the scaled cost by less than this. Not negative.
     pub noslip_tolerance: f64,
     /// Precision at which the convex collision solver stops. Not negative.
+    #[doc(alias = "ccd_tolerance")]
     pub mpr_tolerance: f64,
     /// Acceleration of gravity, m/s², world frame.
     pub gravity: [f64; 3],
@@ -71,9 +76,11 @@ pub struct Options {
     pub o_solref: [f64; 2],
     /// Contact `solimp` where [`EnableFlags::OVERRIDE`] is set.
     pub o_solimp: [f64; 5],
+    /// Contact friction where [`EnableFlags::OVERRIDE`] is set, with engines from 3.0.0.
+    pub o_friction: [f64; 5],
     /// Numerical integrator.
     pub integrator: Integrator,
-    /// Selection of the pairs of geoms that are tested for collision.
+    /// Selection of the pairs of geoms that are tested for collision. Engines from 3.0.0 only have [`Collision::All`].
     pub collision: Collision,
     /// Friction cone of contacts.
     pub cone: Cone,
@@ -83,10 +90,19 @@ pub struct Options {
     pub solver: Solver,
     /// Largest number of iterations of the main solver. At most a million, so that a step terminates.
     pub iterations: usize,
+    /// Largest number of iterations of the line search of the solvers CG and Newton, with engines from 3.0.0. At most a million.
+    pub ls_iterations: usize,
     /// Largest number of iterations of the no-slip solver. At most a million.
     pub noslip_iterations: usize,
     /// Largest number of iterations of the convex collision solver. At most a million, and at least 1 with engines from 3.0.
+    #[doc(alias = "ccd_iterations")]
     pub mpr_iterations: usize,
+    /// Number of starting points in collisions of signed distance fields, with engines from 3.0.0. At most a million.
+    pub sdf_initpoints: usize,
+    /// Largest number of iterations in collisions of signed distance fields, with engines from 3.0.0. At most a million.
+    pub sdf_iterations: usize,
+    /// Groups of actuators that are disabled, with engines from 3.0.1: bit `i` disables group `i`, from 0 to 30.
+    pub disableactuator: u32,
     /// Standard features that are disabled.
     #[doc(alias = "disableflags")]
     pub disable: DisableFlags,
@@ -98,32 +114,13 @@ pub struct Options {
 impl Default for Options {
     #[doc(alias = "mj_defaultOption")]
     fn default() -> Self {
-        Self {
-            timestep: 0.002,
-            apirate: 100.0,
-            impratio: 1.0,
-            tolerance: 1e-8,
-            noslip_tolerance: 1e-6,
-            mpr_tolerance: 1e-6,
-            gravity: [0.0, 0.0, -9.81],
-            wind: [0.0; 3],
-            magnetic: [0.0, -0.5, 0.0],
-            density: 0.0,
-            viscosity: 0.0,
-            o_margin: 0.0,
-            o_solref: [0.02, 1.0],
-            o_solimp: [0.9, 0.95, 0.001, 0.5, 2.0],
-            integrator: Integrator::Euler,
-            collision: Collision::All,
-            cone: Cone::Pyramidal,
-            jacobian: JacobianStorage::Auto,
-            solver: Solver::Newton,
-            iterations: 100,
-            noslip_iterations: 0,
-            mpr_iterations: 50,
-            disable: DisableFlags::empty(),
-            enable: EnableFlags::empty(),
-        }
+        let mut raw = MaybeUninit::<mjOption>::zeroed();
+        // SAFETY: the function only sets fields of the structure, whose numbers have any value.
+        let raw = unsafe {
+            sys::mj_defaultOption(raw.as_mut_ptr());
+            raw.assume_init()
+        };
+        Self::read(&raw)
     }
 }
 
@@ -144,6 +141,10 @@ bitflags! {
         const CONTACT = sys::mjDSBL_CONTACT;
         /// Springs, dampers and fluid forces.
         const PASSIVE = PASSIVE;
+        /// Springs, with engines from 3.3.6.
+        const SPRING = sys::mjDSBL_SPRING;
+        /// Dampers, with engines from 3.3.6.
+        const DAMPER = sys::mjDSBL_DAMPER;
         /// Gravity.
         const GRAVITY = sys::mjDSBL_GRAVITY;
         /// Clamping of controls to their ranges.
@@ -158,6 +159,16 @@ bitflags! {
         const REFSAFE = sys::mjDSBL_REFSAFE;
         /// Sensors.
         const SENSOR = sys::mjDSBL_SENSOR;
+        /// The middle phase of collision detection, with engines from 2.3.3.
+        const MIDPHASE = sys::mjDSBL_MIDPHASE;
+        /// Implicit joint damping in the integrator [`Euler`](Integrator::Euler), with engines from 3.0.0.
+        const EULERDAMP = sys::mjDSBL_EULERDAMP;
+        /// The engine's convex collision solver, with engines from 3.3.0: they use libccd instead.
+        const NATIVECCD = sys::mjDSBL_NATIVECCD;
+        /// The division of the constraints into independent islands, with engines from 3.3.6.
+        const ISLAND = sys::mjDSBL_ISLAND;
+        /// Several contact points between convex shapes, with engines from 3.8.0. Before, [`EnableFlags::MULTICCD`] enables them.
+        const MULTICCD = sys::mjDSBL_MULTICCD;
     }
 }
 
@@ -170,40 +181,81 @@ bitflags! {
         const OVERRIDE = sys::mjENBL_OVERRIDE;
         /// Computation of potential and kinetic energy.
         const ENERGY = sys::mjENBL_ENERGY;
-        /// Comparison of forward and inverse dynamics.
+        /// Comparison of forward and inverse dynamics, with newer engines also statistics of the solver.
         const FWDINV = sys::mjENBL_FWDINV;
-        /// Noise in sensor readings.
+        /// Noise in sensor readings, with engines up to 3.1.3.
         const SENSORNOISE = sys::mjENBL_SENSORNOISE;
-        /// Several contact points between convex shapes.
+        /// Several contact points between convex shapes, with engines up to 3.7.0. Newer engines have them unless
+        /// [`DisableFlags::MULTICCD`] is set.
         const MULTICCD = sys::mjENBL_MULTICCD;
+        /// Inverse dynamics of the step instead of continuous time, with engines from 3.0.0.
+        const INVDISCRETE = sys::mjENBL_INVDISCRETE;
+        /// The exact diagonal of the inverse inertia in constraint space, with engines from 3.9.0.
+        const DIAGEXACT = sys::mjENBL_DIAGEXACT;
+        /// Contacts that prevent fast convex geoms from passing through thin obstacles, with engines from 4.0.0.
+        const SPECULATIVE = sys::mjENBL_SPECULATIVE;
     }
 }
 
 /// The flag, or in newer engines the two flags, that disable springs and dampers.
 const PASSIVE: u32 =
-    if sys::mjDSBL_PASSIVE == ABSENT_PASSIVE { sys::mjDSBL_SPRING | sys::mjDSBL_DAMPER } else { sys::mjDSBL_PASSIVE };
-const ABSENT_PASSIVE: u32 = 1 << 28;
+    if sys::mjDSBL_PASSIVE < FIRST_ABSENT { sys::mjDSBL_PASSIVE } else { sys::mjDSBL_SPRING | sys::mjDSBL_DAMPER };
+
+/// Lowest bit of the flags that the engine does not have.
+const FIRST_ABSENT: u32 = 1 << 22;
+
+impl DisableFlags {
+    /// Returns `true` for flags that the engine has.
+    pub(crate) fn is_present(self) -> bool {
+        self.bits() < FIRST_ABSENT
+    }
+}
+
+impl EnableFlags {
+    /// Returns `true` for flags that the engine has.
+    pub(crate) fn is_present(self) -> bool {
+        self.bits() < FIRST_ABSENT
+    }
+}
 
 impl Options {
     /// Rejects options that only other versions of the engine have.
     fn check_supported(&self) -> Result<()> {
-        let is_absent = |value: u32, constant: u32, first: u32| constant >= first && value & constant == constant;
-        let absent = [
-            (self.integrator == Integrator::ImplicitFast && self.integrator.raw() < 0, "the integrator ImplicitFast"),
-            (self.collision != Collision::All && self.collision.raw() < 0, "a selection of collisions"),
-            (is_absent(self.enable.bits(), sys::mjENBL_SENSORNOISE, 1 << 29), "sensor noise"),
-            (is_absent(self.enable.bits(), sys::mjENBL_MULTICCD, 1 << 29), "the flag MULTICCD"),
+        self.integrator.check_supported()?;
+        // Engines without the option test all pairs.
+        if self.collision != Collision::All {
+            self.collision.check_supported()?;
+        }
+        for (name, _) in self.disable.iter_names().filter(|(_, flag)| !flag.is_present()) {
+            Error::check_constant(&format!("mjDSBL_{name}"), &format!("the flag DisableFlags::{name}"))?;
+        }
+        for (name, _) in self.enable.iter_names().filter(|(_, flag)| !flag.is_present()) {
+            Error::check_constant(&format!("mjENBL_{name}"), &format!("the flag EnableFlags::{name}"))?;
+        }
+        // A value that the engine does not store reads as the default again.
+        let mut raw = MaybeUninit::<mjOption>::zeroed();
+        // SAFETY: all-zero bytes are valid numbers.
+        let stored = Self::read(unsafe {
+            self.write(raw.assume_init_mut());
+            raw.assume_init_ref()
+        });
+        let differing = [
+            ("apirate", stored.apirate != self.apirate, "2.2.2 to 3.3.6"),
+            ("ls_tolerance", stored.ls_tolerance != self.ls_tolerance, "3.0.0 and later"),
+            ("ls_iterations", stored.ls_iterations != self.ls_iterations, "3.0.0 and later"),
+            ("sdf_initpoints", stored.sdf_initpoints != self.sdf_initpoints, "3.0.0 and later"),
+            ("sdf_iterations", stored.sdf_iterations != self.sdf_iterations, "3.0.0 and later"),
+            ("o_friction", stored.o_friction != self.o_friction, "3.0.0 and later"),
+            ("disableactuator", stored.disableactuator != self.disableactuator, "3.0.1 and later"),
         ];
-        match absent.into_iter().find(|(is_absent, _)| *is_absent) {
-            Some((_, what)) => {
-                Err(Error::Unsupported(format!("MuJoCo {} does not have {what}", crate::built_against())))
-            }
+        match differing.into_iter().find(|(_, differs, _)| *differs) {
+            Some((name, _, versions)) => Err(Error::lacks(&format!("the option {name}"), versions)),
             None => Ok(()),
         }
     }
 
     /// Limit on the iterations of each solver.
-    const MOST_ITERATIONS: usize = 1_000_000;
+    pub(super) const MOST_ITERATIONS: usize = 1_000_000;
 
     fn read(raw: &mjOption) -> Self {
         let mut adapted = AdaptedOptions::default();
@@ -214,6 +266,7 @@ impl Options {
             apirate: adapted.apirate,
             impratio: raw.impratio,
             tolerance: raw.tolerance,
+            ls_tolerance: adapted.ls_tolerance,
             noslip_tolerance: raw.noslip_tolerance,
             mpr_tolerance: adapted.ccd_tolerance,
             gravity: raw.gravity,
@@ -224,14 +277,19 @@ impl Options {
             o_margin: raw.o_margin,
             o_solref: raw.o_solref,
             o_solimp: raw.o_solimp,
+            o_friction: adapted.o_friction,
             integrator: Integrator::of_field(raw.integrator),
             collision: Collision::of_field(adapted.collision),
             cone: Cone::of_field(raw.cone),
             jacobian: JacobianStorage::of_field(raw.jacobian),
             solver: Solver::of_field(raw.solver),
             iterations: Mirror::read(raw.iterations),
+            ls_iterations: Mirror::read(adapted.ls_iterations),
             noslip_iterations: Mirror::read(raw.noslip_iterations),
             mpr_iterations: Mirror::read(adapted.ccd_iterations),
+            sdf_initpoints: Mirror::read(adapted.sdf_initpoints),
+            sdf_iterations: Mirror::read(adapted.sdf_iterations),
+            disableactuator: adapted.disableactuator as u32,
             disable: DisableFlags::from_bits_truncate(raw.disableflags as u32),
             enable: EnableFlags::from_bits_truncate(raw.enableflags as u32),
         }
@@ -264,14 +322,20 @@ impl Options {
             noslip_iterations: self.noslip_iterations.write(),
             disableflags: (self.disable.bits() | kept[0]) as i32,
             enableflags: (self.enable.bits() | kept[1]) as i32,
-            // Fields of other versions: four are written below, and the others keep their values.
+            // Fields of other versions: those in `AdaptedOptions` are written below, and the others keep their values.
             ..*raw
         };
         let adapted = AdaptedOptions {
             apirate: self.apirate,
             ccd_tolerance: self.mpr_tolerance,
+            ls_tolerance: self.ls_tolerance,
+            o_friction: self.o_friction,
             ccd_iterations: self.mpr_iterations.write(),
             collision: self.collision.raw(),
+            ls_iterations: self.ls_iterations.write(),
+            sdf_iterations: self.sdf_iterations.write(),
+            sdf_initpoints: self.sdf_initpoints.write(),
+            disableactuator: self.disableactuator as i32,
         };
         // SAFETY: valid structures, between which the function copies numbers.
         unsafe { adapted::set_options(raw, &raw const adapted) };
@@ -285,6 +349,7 @@ impl Options {
         for (name, value) in [
             ("apirate", self.apirate),
             ("tolerance", self.tolerance),
+            ("ls_tolerance", self.ls_tolerance),
             ("noslip_tolerance", self.noslip_tolerance),
             ("mpr_tolerance", self.mpr_tolerance),
             ("density", self.density),
@@ -299,13 +364,17 @@ impl Options {
             ("o_margin", &[self.o_margin]),
             ("o_solref", &self.o_solref),
             ("o_solimp", &self.o_solimp),
+            ("o_friction", &self.o_friction),
         ] {
             option.finite(name, values)?;
         }
         for (name, value) in [
             ("iterations", self.iterations),
+            ("ls_iterations", self.ls_iterations),
             ("noslip_iterations", self.noslip_iterations),
             ("mpr_iterations", self.mpr_iterations),
+            ("sdf_initpoints", self.sdf_initpoints),
+            ("sdf_iterations", self.sdf_iterations),
         ] {
             option.require(value <= Self::MOST_ITERATIONS, name, value, "at most a million")?;
         }

@@ -39,11 +39,13 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 
     ui.strong("Enabled by default");
     let mut disable = options.disable;
-    toggles(ui, DisableFlags::all().iter_names(), |flag| !options.disable.contains(flag), |flag| disable.toggle(flag));
+    let present = DisableFlags::all().iter_names().filter(|(_, flag)| flag.is_present());
+    toggles(ui, present, |flag| !options.disable.contains(flag), |flag| disable.toggle(flag));
     options.disable = disable;
     ui.strong("Optional");
     let mut enable = options.enable;
-    toggles(ui, EnableFlags::all().iter_names(), |flag| options.enable.contains(flag), |flag| enable.toggle(flag));
+    let present = EnableFlags::all().iter_names().filter(|(_, flag)| flag.is_present());
+    toggles(ui, present, |flag| options.enable.contains(flag), |flag| enable.toggle(flag));
     options.enable = enable;
 
     if options != before {

@@ -126,7 +126,7 @@ macro_rules! compare {
     };
 }
 
-fn compare_options(what: &str, ours: Options, raw: &mjOption) {
+fn compare_options(what: &str, ours: &Options, raw: &mjOption) {
     option_fields! { compare_options ours, raw, what, }
 }
 
@@ -144,7 +144,7 @@ fn raw(model: &Model) -> &mjModel {
 }
 
 fn compare_all(what: &str, model: &Model) {
-    compare_options(what, model.options(), &raw(model).opt);
+    compare_options(what, &model.options(), &raw(model).opt);
     compare_visual(what, &model.visual(), &raw(model).vis);
     compare_statistics(what, model.statistics(), &raw(model).stat);
 }
@@ -174,7 +174,7 @@ fn defaults_equal_c() {
     let mut option = MaybeUninit::<mjOption>::zeroed();
     c!(mj_defaultOption(option.as_mut_ptr()));
     // SAFETY: numbers that the engine has initialised.
-    compare_options("the default", Options::default(), unsafe { option.assume_init_ref() });
+    compare_options("the default", &Options::default(), unsafe { option.assume_init_ref() });
 
     let mut visual = MaybeUninit::<mjVisual>::zeroed();
     c!(mj_defaultVisual(visual.as_mut_ptr()));
