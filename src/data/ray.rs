@@ -93,7 +93,7 @@ impl Data {
     }
 
     /// Writes the nearest intersections of several rays from one point to `hits`. Intersections beyond `cutoff`, in units of the
-    /// length of each direction, are ignored. Each ray is a separate call of the engine; newer engines have `mj_multiRay`.
+    /// length of each direction, are ignored. Each ray is a separate call of the engine. Newer engines have `mj_multiRay`, which may return hits beyond the cutoff.
     ///
     /// # Errors
     ///

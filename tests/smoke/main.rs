@@ -29,6 +29,8 @@ macro_rules! c {
     };
 }
 
+#[cfg(engine_since = "3.5.0")]
+mod engine_functions;
 mod newer;
 
 /// A data of the C API.
