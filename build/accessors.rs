@@ -74,6 +74,9 @@ const FLAGGED: [(&str, &str); 11] = [
 /// copy costs less than a longer list would.
 const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];
 
+/// Sizes that are -1 since 2.3 if there is no limit.
+const LIMITS: [&str; 2] = ["njmax", "nconmax"];
+
 /// Integer arrays with the values of an engine's enum that has no counterpart in Rust.
 const ENUMS: [(&str, &str); 2] = [("efc_type", "mjtConstraint"), ("efc_state", "mjtConstraintState")];
 
@@ -415,6 +418,9 @@ fn reader(text: &mut String, field: Field<'_>) {
         let (rust, value) = match field.ctype {
             "mjtNum" => ("f64", format!("self.raw().{name}")),
             "mjtBool" => ("bool", format!("self.raw().{name} != 0")),
+            _ if LIMITS.contains(&name) && !field.table.is_default => {
+                ("usize", format!("ffi::limit(self.raw().{name})"))
+            }
             _ => ("usize", format!("ffi::size(self.raw().{name})")),
         };
         let _ = writeln!(text, "    #[inline]\n    pub fn {name}(&self) -> {rust} {{\n        {value}\n    }}\n");

@@ -40,6 +40,12 @@ pub(crate) fn size(size: impl Size) -> usize {
     size.to_usize()
 }
 
+/// Converts the limit on contacts or constraints, which is -1 since 2.3 if there is none.
+#[inline]
+pub(crate) fn limit(limit: impl TryInto<usize>) -> usize {
+    limit.try_into().unwrap_or(0)
+}
+
 /// Returns the array at `array` as a slice, which is empty for NULL. The engine stores NULL for empty arrays.
 ///
 /// # Safety

@@ -69,6 +69,7 @@
 //!
 //! All features are off by default. `renderer`: rendering and animations, without a window or a display. `viewer`: the window. `npz`: trajectories,
 //! rollouts and other arrays as NumPy files. `serde`: options, states, matrices and trajectories as plain data in the formats of serde.
+//! `bindgen`: bindings for an engine without committed ones (see [`guide::engines`]).
 //!
 //! # Units and conventions
 //!

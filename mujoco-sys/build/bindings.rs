@@ -2,39 +2,44 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::engines::{ENGINES, supported, version};
 use crate::find::Engine;
 
-/// The engines whose bindings and field tables are committed: `mjVERSION_HEADER`, and the name of the files.
-const COMMITTED: [(u32, &str); 4] =
-    [(DEFAULT, "v2_2_2"), (3_005_000, "v3_5_0"), (3_017_000, "v3_17_0"), (4_000_000, "v4_0_0")];
-
-/// The engine that a search prefers, and whose bindings documentation builds use.
-pub(crate) const DEFAULT: u32 = 222;
+/// The `mjVERSION_HEADER` of the engine that a search prefers, and whose bindings documentation builds use.
+pub(crate) const DEFAULT: u32 = ENGINES[0].number;
 
 /// Returns the name of the committed files of an engine, without directory and extension.
-pub(crate) fn committed(version: u32) -> Option<&'static str> {
-    COMMITTED.iter().find(|(number, _)| *number == version).map(|(_, name)| *name)
+pub(crate) fn committed(number: u32) -> Option<String> {
+    supported(number).map(|engine| format!("v{}", engine.version.replace('.', "_")))
 }
 
 /// Returns the field table of the default engine.
 pub(crate) fn default_fields() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("fields/v2_2_2.tsv")
+    let name = committed(DEFAULT).expect("the default engine is in the list");
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fields").join(name).with_extension("tsv")
 }
 
 /// Writes `bindings.rs` and the field table, `fields.tsv`, into `out`: copies of the committed files, or files generated from the headers.
 pub(crate) fn choose(engine: &Engine, out: &Path) {
-    if cfg!(feature = "bindgen") {
+    if engine.version < DEFAULT {
+        crate::help::end(&[format!(
+            "The engine in {} is MuJoCo {}. The oldest supported version is {}.",
+            engine.include.display(),
+            version(engine.version),
+            version(DEFAULT)
+        )]);
+    } else if cfg!(feature = "bindgen") {
         generate(engine, out);
-    } else if committed(engine.version).is_some() {
+    } else if supported(engine.version).is_some() {
         choose_committed(engine.version, out);
     } else {
-        let known = COMMITTED.map(|(_, name)| name.trim_start_matches('v').replace('_', ".")).join(", ");
+        let known = ENGINES.map(|engine| engine.version).join(", ");
         crate::help::end(&[
-            format!("The engine in {} has mjVERSION_HEADER {}.", engine.include.display(), engine.version),
+            format!("The engine in {} is MuJoCo {}.", engine.include.display(), version(engine.version)),
             format!("This crate comes with bindings for {known}."),
-            "Enable the feature `bindgen` of mujoco-safe-sys to generate bindings for this engine (it needs libclang:"
-                .to_owned(),
-            "apt-get install libclang-dev), or set MUJOCO_DIR to the directory of an engine with bindings.".to_owned(),
+            "Enable the feature `bindgen` of mujoco-safe or mujoco-safe-sys to generate bindings for this engine, with which no".to_owned(),
+            "test runs (it needs libclang: apt-get install libclang-dev), or set MUJOCO_DIR to the directory of an engine with".to_owned(),
+            "bindings.".to_owned(),
         ]);
     }
 }
@@ -44,7 +49,7 @@ pub(crate) fn choose_committed(version: u32, out: &Path) {
     let crate_root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let name = committed(version).expect("the caller has checked that the version is in the list");
     let files = [
-        (PathBuf::from("src/bindings").join(name).with_extension("rs"), "bindings.rs"),
+        (PathBuf::from("src/bindings").join(&name).with_extension("rs"), "bindings.rs"),
         (PathBuf::from("fields").join(name).with_extension("tsv"), "fields.tsv"),
     ];
     for (committed, name) in files {

@@ -3,6 +3,9 @@
 #include <mujoco/mujoco.h>
 #include <mujoco/mjxmacro.h>
 
+// Spelling of mjNISLAND in mjxmacro.h of 3.0.
+#define mjNILSAND mjNISLAND
+
 #undef MJ_M
 #define MJ_M(n) n
 #undef MJ_D

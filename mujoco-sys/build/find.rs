@@ -3,8 +3,8 @@
 use std::env;
 use std::path::{Path, PathBuf};
 
-use crate::bindings;
 use crate::headers::{self, ENVIRONMENTS, MUJOCO_DIR};
+use crate::{bindings, engines};
 
 /// An engine to compile against and to link with.
 pub(crate) struct Engine {
@@ -38,7 +38,7 @@ pub(crate) fn engine() -> Result<Engine, Missing> {
     for root in headers::roots() {
         match probe(&root) {
             Ok(engine) if engine.version == bindings::DEFAULT || cfg!(feature = "bindgen") => return Ok(engine),
-            Ok(engine) if bindings::committed(engine.version).is_some() => committed = committed.or(Some(engine)),
+            Ok(engine) if engines::supported(engine.version).is_some() => committed = committed.or(Some(engine)),
             Ok(engine) => other = other.or(Some(engine)),
             Err(why) => tried.push(why),
         }

@@ -23,6 +23,8 @@ pub(crate) fn announce(engine: &Engine, out: &Path) {
     println!("cargo::metadata=include={}", engine.include.display());
     println!("cargo::metadata=libdir={}", engine.library_dir.display());
     println!("cargo::metadata=version={}", engine.version);
+    let tests = crate::engines::supported(engine.version).map_or("none", |engine| engine.tests.name());
+    println!("cargo::metadata=tests={tests}");
     println!("cargo::metadata=fields={}", out.join("fields.tsv").display());
     println!("cargo::metadata=default_fields={}", crate::bindings::default_fields().display());
     // For this crate's tests, which compare the bindings with the headers.

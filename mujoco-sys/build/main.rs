@@ -5,6 +5,7 @@ mod absent;
 #[cfg(feature = "bindgen")]
 mod bindgen;
 mod bindings;
+mod engines;
 #[cfg(feature = "bindgen")]
 mod fields;
 mod find;

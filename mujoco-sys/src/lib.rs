@@ -2,7 +2,7 @@
 //! codes ([`guard`]), lets its callbacks fail ([`callback`]) and hides differences between versions ([`adapted`], [`absent`]).
 //!
 //! Everything except [`stderr`] is `unsafe` or a plain C type; the safe crate is `mujoco-safe`. bindgen generates the bindings. Those of
-//! MuJoCo 2.2.2 (Debian's `libmujoco-dev`), 3.5.0, 3.17.0 and 4.0.0 are committed, the build uses those of the installed headers, and this
+//! MuJoCo 2.2.2, 2.3.7, 3.0.1, 3.3.7, 3.5.0, 3.17.0 and 4.0.0 are committed (Debian's `libmujoco-dev` is 2.2.2), the build uses those of the installed headers, and this
 //! crate's tests compare them with the headers. The feature `bindgen` generates bindings for other versions.
 //!
 //! The build uses the engine in `MUJOCO_DIR`; without it, an engine 2.2.2 in the system directories or in the active Python, conda or ROS

@@ -219,7 +219,10 @@ fn an_engine_error_inside_the_loader_leaves_the_thread_able_to_load_and_to_step(
     // The stack is too small for the forward computation during compilation.
     let (stack, small) = (r#"nstack="5000""#, if NEWER { r#"memory="1""# } else { r#"nstack="1""# });
     let loaded = load(&MODEL.replace(stack, small)).map(drop);
-    assert_error(&loaded, "stack overflow");
+    // The text of 3.0 to 3.2 differs.
+    let text =
+        if (300..330).contains(&mujoco_sys::mjVERSION_HEADER) { "insufficient memory" } else { "stack overflow" };
+    assert_error(&loaded, text);
     let simulation = Simulation::new();
     simulation.set_integrator(UNKNOWN);
     assert_error(&simulation.step(), "invalid integrator");

@@ -45,7 +45,7 @@ pub(super) struct Newton {
 
 impl Newton {
     pub(super) fn new(model: &Model) -> Self {
-        let (nv, njmax) = (model.nv(), ffi::size(model.raw().njmax));
+        let (nv, njmax) = (model.nv(), ffi::limit(model.raw().njmax));
         let row = vec![0.0; nv];
         Self {
             factor: Matrix::zeros(nv, nv),

@@ -1,7 +1,23 @@
 //! Engines and set-up: installation of MuJoCo 2.2.2, and the search paths at build time and at run time.
 //!
-//! This crate supports MuJoCo **2.2.2**. The layout of the engine's structs changes with each release; the crate also compiles with 3.5.0,
-//! 3.17.0 and 4.0.0, for trials, and [`promises`](crate::promises) lists what does not hold there. It links the engine as a shared library, compiles a small shim with a C and a C++ compiler, and contains bindings, so it needs neither libclang nor Python.
+//! This crate supports MuJoCo **2.2.2**. The layout of the engine's structs changes with each release, so each version has its own bindings.
+//! Other versions are for trials, and [`promises`](crate::promises) lists what does not hold with them:
+//!
+//! | MuJoCo | bindings | tests |
+//! |---|---|---|
+//! | 2.2.2 | committed | all |
+//! | 2.3.7 | committed | `mujoco-sys` and `tests/smoke`: `scripts/test --engine 2.3.7` |
+//! | 3.0.1 | committed | `mujoco-sys` and `tests/smoke`: `scripts/test --engine 3.0.1` |
+//! | 3.3.7 | committed | `mujoco-sys` and `tests/smoke`: `scripts/test --engine 3.3.7` |
+//! | 3.5.0 | committed | `mujoco-sys` and `tests/smoke`: `scripts/test --engine 3.5.0` |
+//! | 3.17.0 | committed | `mujoco-sys` and `tests/smoke`: `scripts/test --engine 3.17.0` |
+//! | 4.0.0 | committed | `mujoco-sys` and `tests/smoke`: `scripts/test --engine 4.0.0` |
+//! | other versions since 2.2.2 | feature `bindgen`, needs libclang | none |
+//!
+//! The crate links the engine as a shared library, compiles a small shim with a C and a C++ compiler, and contains bindings, so it needs neither
+//! libclang nor Python. A build against an engine without bindings is an error that names these versions. With the feature `bindgen` the build
+//! generates bindings for it and prints a warning, because no test runs with it: the names and the layout of fields are right by construction, but the
+//! meaning of a value may have changed. Versions before 2.2.2 are an error.
 //!
 //! # Debian 12
 //!
@@ -30,6 +46,10 @@
 //! export MUJOCO_DIR=DIR/mujoco
 //! cargo build
 //! ```
+//!
+//! On a machine whose only engine is a wheel, one command suffices in an active Python environment (`VIRTUAL_ENV`), because the build script
+//! searches it: `pip install mujoco==4.0.0`. In this repository `scripts/engine VERSION` installs any released engine in `target/engines` and
+//! prints its directory: `MUJOCO_DIR=$(scripts/engine 4.0.0) cargo run --example getting_started`.
 //!
 //! If a Python of these versions has the package installed, `python3 -c "import mujoco; print(mujoco.__path__[0])"` prints the directory. The wheel's library is named `libmujoco.so.2.2.2`, without a link
 //! `libmujoco.so`; the build script accepts both names.
@@ -123,6 +143,14 @@
 //! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not `Data::qM`, and the page of the accessors that a
 //! build has is that of `cargo doc` with this engine. The hand-written interface is the same with every engine. What an engine lacks is
 //! [`Error::Unsupported`](crate::Error::Unsupported). Use these methods instead of arrays whose layout differs:
+//!
+//! The enums are the same with every engine, and [`Options`](crate::Options) has the options of all engines. A setter returns `Error::Unsupported`
+//! for a variant, a flag or an option that the engine lacks, with the versions that have it.
+//!
+//! Functions that 2.2.2 lacks are implemented in Rust and used with every engine, so that they have the same results: state vectors, keyframes,
+//! derivatives of inverse dynamics and quaternions, several rays, distances of geoms, the matrix of angular momentum, box-constrained quadratic programmes
+//! and band matrices. `tests/smoke` compares each with the function of the engine from 3.5.0. Two differ: `mj_multiRay` may return hits beyond
+//! its cutoff, and `mju_cholFactorBand` of 4.0 returns the square root of the smallest pivot.
 //!
 //! | array | method |
 //! |---|---|

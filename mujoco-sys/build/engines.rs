@@ -1,0 +1,54 @@
+//! The engines with committed bindings, and the tests that run with each. Used by the build script and by the tests of the documentation.
+
+/// An engine whose bindings and field table are committed.
+pub(crate) struct Supported {
+    /// `mjVERSION_HEADER`: one digit for each part of the version up to 3.4.0, three digits from 3.5.0.
+    pub(crate) number: u32,
+    pub(crate) version: &'static str,
+    pub(crate) tests: Tests,
+}
+
+/// Tests that run with an engine before a release.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tests {
+    /// All tests.
+    All,
+    /// The tests of `mujoco-sys` and `tests/smoke`: `scripts/test --engine VERSION`.
+    Smoke,
+}
+
+impl Tests {
+    /// Returns the value of `DEP_MUJOCO_TESTS`, which is `none` for other engines.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Smoke => "smoke",
+        }
+    }
+}
+
+/// The default engine, which a search prefers and whose bindings documentation builds use, then the others in the order of their versions.
+pub(crate) const ENGINES: [Supported; 7] = [
+    engine(222, "2.2.2", Tests::All),
+    engine(237, "2.3.7", Tests::Smoke),
+    engine(301, "3.0.1", Tests::Smoke),
+    engine(337, "3.3.7", Tests::Smoke),
+    engine(3_005_000, "3.5.0", Tests::Smoke),
+    engine(3_017_000, "3.17.0", Tests::Smoke),
+    engine(4_000_000, "4.0.0", Tests::Smoke),
+];
+
+const fn engine(number: u32, version: &'static str, tests: Tests) -> Supported {
+    Supported { number, version, tests }
+}
+
+/// Returns the version in words of an engine with this `mjVERSION_HEADER`.
+pub(crate) fn version(number: u32) -> String {
+    let base = if number < 1_000_000 { 10 } else { 1000 };
+    format!("{}.{}.{}", number / (base * base), number / base % base, number % base)
+}
+
+/// Returns the engine with this `mjVERSION_HEADER`, if its bindings are committed.
+pub(crate) fn supported(number: u32) -> Option<&'static Supported> {
+    ENGINES.iter().find(|engine| engine.number == number)
+}

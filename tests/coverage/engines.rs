@@ -1,0 +1,67 @@
+//! The tables of supported engines are those of the build script.
+
+#[allow(dead_code, reason = "the build script uses all of it")]
+#[path = "../../mujoco-sys/build/engines.rs"]
+mod list;
+
+use std::fs;
+
+use list::{ENGINES, Tests};
+
+use crate::root;
+
+/// Returns the table of the engines in Markdown.
+fn table() -> String {
+    let rows = ENGINES.map(|engine| {
+        let tests = match engine.tests {
+            Tests::All => "all".to_owned(),
+            Tests::Smoke => format!("`mujoco-sys` and `tests/smoke`: `scripts/test --engine {}`", engine.version),
+        };
+        format!("| {} | committed | {tests} |\n", engine.version)
+    });
+    String::from("| MuJoCo | bindings | tests |\n|---|---|---|\n")
+        + &rows.concat()
+        + "| other versions since 2.2.2 | feature `bindgen`, needs libclang | none |\n"
+}
+
+/// Returns the text of a file without line breaks and the marks of comments.
+fn words(path: &str) -> String {
+    let text = fs::read_to_string(root().join(path)).unwrap();
+    let lines = text.lines().map(|line| line.trim_start_matches("//!"));
+    lines.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn the_tables_of_engines_are_those_of_the_build_script() {
+    for path in ["README.md", "src/guide/engines.rs"] {
+        let text = fs::read_to_string(root().join(path)).unwrap().replace("//! ", "");
+        assert!(text.contains(&table()), "{path} does not have the table\n{}", table());
+    }
+}
+
+#[test]
+fn every_list_of_engines_is_that_of_the_build_script() {
+    let versions = ENGINES.map(|engine| engine.version);
+    let list = |versions: &[&str]| {
+        let (last, others) = versions.split_last().unwrap();
+        format!("{} and {last}", others.join(", "))
+    };
+    for path in ["mujoco-sys/README.md", "mujoco-sys/src/lib.rs"] {
+        assert!(words(path).contains(&list(&versions)), "{path} does not list {}", list(&versions));
+    }
+    // Without the default engine.
+    for path in ["CHANGELOG.md", "mujoco-sys/CHANGELOG.md", "CONTRIBUTING.md", "docs/promises.md"] {
+        assert!(words(path).contains(&list(&versions[1..])), "{path} does not list {}", list(&versions[1..]));
+    }
+}
+
+#[test]
+fn every_listed_engine_has_its_files() {
+    for engine in ENGINES {
+        let name = engine.version.replace('.', "_");
+        for path in [format!("src/bindings/v{name}.rs"), format!("fields/v{name}.tsv")] {
+            assert!(root().join("mujoco-sys").join(&path).exists(), "{path}");
+        }
+        assert_eq!(list::version(engine.number), engine.version);
+    }
+}
