@@ -149,8 +149,8 @@
 //!
 //! Functions that 2.2.2 lacks are implemented in Rust and used with every engine, so that they have the same results: state vectors, keyframes,
 //! derivatives of inverse dynamics and quaternions, several rays, distances of geoms, the matrix of angular momentum, box-constrained quadratic programmes
-//! and band matrices. `tests/smoke` compares each with the function of the engine from 3.5.0. Two differ: `mj_multiRay` may return hits beyond
-//! its cutoff, and `mju_cholFactorBand` of 4.0 returns the square root of the smallest pivot.
+//! and band matrices. `tests/smoke` compares each with the function of the engine from 3.5.0. Three differ: `mj_multiRay` may return hits beyond
+//! its cutoff, `mju_cholFactorBand` of 4.0 returns the square root of the smallest pivot, and `mj_geomDistance` of 3.5.0 is less precise.
 //!
 //! | array | method |
 //! |---|---|
