@@ -32,6 +32,7 @@ macro_rules! c {
 #[cfg(engine_since = "3.5.0")]
 mod engine_functions;
 mod newer;
+mod real_models;
 
 /// A data of the C API.
 struct Raw(*mut mjData);
