@@ -156,6 +156,17 @@ impl Model {
         (0..self.nu()).find(has).expect("Bug: an activation without an actuator")
     }
 
+    /// Returns the places of the normals and texture coordinates of a mesh.
+    pub(crate) fn mesh_faces(&self, mesh: usize) -> adapted::MeshFaces {
+        assert!(mesh < self.nmesh(), "Bug: mesh {mesh} of {}", self.nmesh());
+        let mut faces = MaybeUninit::uninit();
+        // SAFETY: a mesh of the model. The function writes the complete struct.
+        unsafe {
+            adapted::mesh_faces(self.as_ptr(), mesh as c_int, faces.as_mut_ptr());
+            faces.assume_init()
+        }
+    }
+
     /// Returns the pixels of all textures.
     pub(crate) fn texture_bytes(&self) -> &[u8] {
         // SAFETY: the engine allocated the array with this length.

@@ -156,6 +156,25 @@ int mujoco_sys_activation(const mjModel* m, int actuator) {
 #endif
 }
 
+void mujoco_sys_meshFaces(const mjModel* m, int mesh, struct mujoco_sys_mesh* result) {
+  const int has_texcoord = m->mesh_texcoordadr[mesh] >= 0;
+  const size_t face = 3 * (size_t)m->mesh_faceadr[mesh];
+  result->texcoordadr = has_texcoord ? m->mesh_texcoordadr[mesh] : 0;
+#if mjVERSION_HEADER >= 233
+  result->normaladr = m->mesh_normaladr[mesh];
+  result->normalnum = m->mesh_normalnum[mesh];
+  result->texcoordnum = has_texcoord ? m->mesh_texcoordnum[mesh] : 0;
+  result->facenormal = m->mesh_facenormal + face;
+  result->facetexcoord = has_texcoord ? m->mesh_facetexcoord + face : NULL;
+#else
+  result->normaladr = m->mesh_vertadr[mesh];
+  result->normalnum = m->mesh_vertnum[mesh];
+  result->texcoordnum = has_texcoord ? m->mesh_vertnum[mesh] : 0;
+  result->facenormal = m->mesh_face + face;
+  result->facetexcoord = has_texcoord ? m->mesh_face + face : NULL;
+#endif
+}
+
 mjtByte* mujoco_sys_textureBytes(const mjModel* m) {
 #if mjVERSION_HEADER >= 321
   return m->tex_data;

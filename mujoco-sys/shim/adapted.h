@@ -45,6 +45,18 @@ int mujoco_sys_equalityCouplesSites(const mjModel* m, int equality);
 // Address of an actuator's activation, or -1.
 int mujoco_sys_activation(const mjModel* m, int actuator);
 
+// Normals and texture coordinates of a mesh, as ranges of mesh_normal and mesh_texcoord, and the triples of their indices for each face,
+// relative to these ranges. `facetexcoord` is NULL without texture coordinates. Before 2.3.3 all are those of the vertices.
+struct mujoco_sys_mesh {
+  int normaladr;
+  int normalnum;
+  int texcoordadr;
+  int texcoordnum;
+  const int* facenormal;
+  const int* facetexcoord;
+};
+void mujoco_sys_meshFaces(const mjModel* m, int mesh, struct mujoco_sys_mesh* result);
+
 // Pixels of all textures; ntexdata.
 mjtByte* mujoco_sys_textureBytes(const mjModel* m);
 int mujoco_sys_textureChannels(const mjModel* m, int texture);

@@ -23,6 +23,24 @@ pub struct Row {
     pub count: c_int,
 }
 
+/// Normals and texture coordinates of a mesh, as ranges of `mesh_normal` and `mesh_texcoord`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct MeshFaces {
+    /// First normal.
+    pub normaladr: c_int,
+    /// Number of normals.
+    pub normalnum: c_int,
+    /// First texture coordinates.
+    pub texcoordadr: c_int,
+    /// Number of texture coordinates.
+    pub texcoordnum: c_int,
+    /// Three indices of normals for each face, relative to the first normal.
+    pub facenormal: *const c_int,
+    /// Three indices of texture coordinates for each face, relative to the first; null without texture coordinates.
+    pub facetexcoord: *const c_int,
+}
+
 /// Texture of a geom of a scene. Since 3.2 only the material is known, whose texture is that of the model.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -133,6 +151,8 @@ adapted! {
     mujoco_sys_equalityCouplesSites = equality_couples_sites(m: *const mjModel, equality: c_int) -> c_int;
     /// Returns the address of an actuator's activation (`actuator_actadr` since 2.3.7), or -1.
     mujoco_sys_activation = activation(m: *const mjModel, actuator: c_int) -> c_int;
+    /// Writes the normals and texture coordinates of a mesh. Before 2.3.3 they are those of its vertices.
+    mujoco_sys_meshFaces = mesh_faces(m: *const mjModel, mesh: c_int, result: *mut MeshFaces);
     /// Returns the pixels of all textures, `tex_rgb` (`tex_data` since 3.2.1); ntexdata.
     mujoco_sys_textureBytes = texture_bytes(m: *const mjModel) -> *mut mjtByte;
     /// Returns the number of bytes of a texture's pixels (`tex_nchannel`): 3 before 3.2.1.

@@ -1,4 +1,4 @@
-//! Assets: meshes, skins, height fields, textures and materials.
+//! Assets: skins, height fields, textures and materials.
 
 use std::fmt;
 use std::ops::Range;
@@ -11,40 +11,6 @@ use crate::ffi;
 use crate::id::{BodyId, Id, MaterialId, TextureId};
 use crate::kind;
 use crate::model::{Model, ModelMut};
-
-fields!(Mesh on Model {
-    /// Range of its vertices in `mesh_vert` and `mesh_normal`.
-    #[doc(alias = "vertadr")]
-    #[doc(alias = "vertnum")]
-    vert_range: {Range<usize>} = |mesh| range(mesh.owner.mesh_vertadr(), mesh.owner.mesh_vertnum(), mesh.index());
-    /// Range of its texture coordinates in `mesh_texcoord`; empty without texture coordinates.
-    #[doc(alias = "texcoordadr")]
-    texcoord_range: {Range<usize>} =
-        |mesh| optional_range(mesh.owner.mesh_texcoordadr(), mesh.owner.mesh_vertnum(), mesh.index());
-    /// Range of its faces in `mesh_face`.
-    #[doc(alias = "faceadr")]
-    #[doc(alias = "facenum")]
-    face_range: {Range<usize>} = |mesh| range(mesh.owner.mesh_faceadr(), mesh.owner.mesh_facenum(), mesh.index());
-    /// Vertices, m, in the mesh frame, whose origin is the centre of mass.
-    vert: [[f32; 3]] = mesh_vert at vert_range;
-    /// Vertex normals.
-    normal: [[f32; 3]] = mesh_normal at vert_range, normal_mut in mesh_normal_mut;
-    /// Texture coordinates of the vertices; empty without texture coordinates.
-    texcoord: [[f32; 2]] = mesh_texcoord at texcoord_range, texcoord_mut in mesh_texcoord_mut;
-    /// Faces: three vertex indices each, relative to the first vertex of the mesh.
-    face: [[i32; 3]] = mesh_face at face_range;
-    /// Convex hull as a graph, in the engine's layout: the number of vertices, the number of faces, the offset of each vertex's
-    /// edge list, the index of each vertex in the mesh, the edge lists, and the vertices of all faces. `None` for a mesh compiled
-    /// without a hull because none of its geoms can collide. A collision with such a mesh iterates over all of its vertices.
-    #[doc(alias = "graphadr")]
-    #[doc(alias = "mesh_graph")]
-    graph: {Option<&'a [i32]>} = |mesh| {
-        let start = usize::try_from(mesh.owner.mesh_graphadr()[mesh.index()]).ok()?;
-        let graph = &mesh.owner.mesh_graph()[start..];
-        let (vertices, faces) = (ffi::size(graph[0]), ffi::size(graph[1]));
-        Some(&graph[..2 + 3 * vertices + 6 * faces])
-    };
-});
 
 /// Returns the range that starts at an element's address; empty for the address -1.
 fn optional_range(addresses: &[i32], counts: &[i32], index: usize) -> Range<usize> {

@@ -111,6 +111,7 @@ mod attachment;
 mod constraint;
 mod custom;
 mod display;
+mod mesh;
 mod sensor;
 mod tendon;
 mod tendon_path;

@@ -10,10 +10,11 @@ const TABLE: &str = include_str!("../../mujoco-sys/fields/v2_2_2.tsv");
 const OF_NO_ELEMENT: [&str; 6] = ["nM", "nD", "njmax", "nconmax", "nuserdata", "nnames"];
 
 /// Arrays that no view reads by name, and the reasons.
-const EXCEPTIONS: [(&str, &str); 20] = [
+const EXCEPTIONS: [(&str, &str); 21] = [
     ("light_directional", "another place in newer engines: `layout.rs`, for `Light::directional`"),
     ("tex_rgb", "idem, for `Texture::rgb`"),
     ("mat_texid", "idem, for `Material::texture`"),
+    ("mesh_texcoordadr", "idem, for `Mesh::texcoord_range`"),
     ("eq_active", "idem, for `Equality::active`"),
     ("tendon_lengthspring", "idem, for `Tendon::lengthspring`"),
     ("actuator_moment", "idem, for `Actuator::moment`"),

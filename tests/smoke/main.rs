@@ -31,6 +31,7 @@ macro_rules! c {
 
 #[cfg(engine_since = "3.5.0")]
 mod engine_functions;
+mod mesh;
 mod newer;
 mod real_models;
 

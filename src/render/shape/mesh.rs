@@ -9,7 +9,7 @@ use crate::model::Model;
 /// the mesh has texture coordinates; otherwise the edge is sharp.
 const SMOOTH_THRESHOLD: f32 = 0.8;
 
-/// Marks a mesh vertex that has no shared vertex in the vertex buffer yet.
+/// Marks a normal of a mesh that has no shared vertex in the vertex buffer yet.
 const UNUSED: u32 = u32::MAX;
 
 /// Generates the triangles of a mesh in its local frame.
@@ -23,27 +23,37 @@ pub(crate) fn mesh(model: &Model, id: MeshId, max_vertices: usize) -> Result<Tri
     let faces = mesh.face();
     Triangles::check_size(|| format!("{mesh:?}"), faces.len().saturating_mul(3), max_vertices)?;
     let mut triangles = Triangles { vertices: Vec::new(), indices: Vec::with_capacity(3 * faces.len()) };
-    // Vertices with the smooth normal are shared by all adjacent faces.
-    let mut shared = vec![UNUSED; positions.len()];
-    for face in faces {
+    // Corners with the same smooth normal, vertex and texture coordinates are shared by all adjacent faces.
+    let mut shared = vec![UNUSED; normals.len()];
+    let of_corners = |indices: &[[i32; 3]], face: usize| {
+        indices
+            .get(face)
+            .map_or([usize::MAX; 3], |corners| corners.map(|corner| usize::try_from(corner).unwrap_or(usize::MAX)))
+    };
+    for (index, face) in faces.iter().enumerate() {
         let Some(corners) = checked(*face, positions) else { continue };
         let Some(flat) = face_normal(corners.map(|corner| positions[corner])) else { continue };
-        for corner in corners {
-            let normal = normals.get(corner).copied().unwrap_or(flat);
+        let (face_normals, face_texcoords) =
+            (of_corners(mesh.facenormal(), index), of_corners(mesh.facetexcoord(), index));
+        for (corner, (at, texcoord)) in corners.into_iter().zip(face_normals.into_iter().zip(face_texcoords)) {
+            let normal = normals.get(at).copied().unwrap_or(flat);
             let dot = normal.iter().zip(flat).map(|(a, b)| a * b).sum::<f32>();
             let is_smooth = normal.iter().all(|component| component.is_finite())
                 && (!texcoords.is_empty() || dot >= SMOOTH_THRESHOLD);
-            if is_smooth && shared[corner] != UNUSED {
-                triangles.indices.push(shared[corner]);
+            let texcoord = texcoords.get(texcoord).copied().unwrap_or_default().map(finite_or_zero);
+            let normal = if is_smooth { normal } else { flat };
+            let vertex = Vertex { position: positions[corner], normal, texcoord };
+            if let Some(&known) = shared.get(at).filter(|_| is_smooth)
+                && triangles.vertices.get(known as usize) == Some(&vertex)
+            {
+                triangles.indices.push(known);
                 continue;
             }
             let index = triangles.vertices.len() as u32;
-            if is_smooth {
-                shared[corner] = index;
+            if let Some(shared) = shared.get_mut(at).filter(|_| is_smooth) {
+                *shared = index;
             }
-            let texcoord = texcoords.get(corner).copied().unwrap_or_default().map(finite_or_zero);
-            let normal = if is_smooth { normal } else { flat };
-            triangles.vertices.push(Vertex { position: positions[corner], normal, texcoord });
+            triangles.vertices.push(vertex);
             triangles.indices.push(index);
         }
     }

@@ -18,6 +18,9 @@ fn fields_of_meshes_and_skins_equal_c() {
             face: m.mesh_face, [3 * int(m.mesh_faceadr, i); 3 * int(m.mesh_facenum, i)];
             => vert_range: mesh.vert_range(), span(m.mesh_vertadr, m.mesh_vertnum, i);
             => texcoord_range: mesh.texcoord_range(), span(m.mesh_texcoordadr, m.mesh_vertnum, i);
+            => normal_range: mesh.normal_range(), span(m.mesh_vertadr, m.mesh_vertnum, i);
+            => facenormal: mesh.facenormal(), mesh.face();
+            => facetexcoord: mesh.facetexcoord(), if raw(m.mesh_texcoordadr, i) < 0 { &[] } else { mesh.face() };
             => face_range: mesh.face_range(), span(m.mesh_faceadr, m.mesh_facenum, i);
             => graph: mesh.graph().map(<[i32]>::to_vec), graph(m, i);
         });

@@ -1,0 +1,80 @@
+//! Normals and texture coordinates of meshes, which have their own indices in newer engines.
+
+use mujoco_safe::{LoadOptions, Model};
+
+/// Cube with one normal for each side.
+const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
+vn 0 0 -1\nvn 0 0 1\nvn 0 -1 0\nvn 0 1 0\nvn -1 0 0\nvn 1 0 0
+f 1//1 4//1 3//1\nf 1//1 3//1 2//1\nf 5//2 6//2 7//2\nf 5//2 7//2 8//2
+f 1//3 2//3 6//3\nf 1//3 6//3 5//3\nf 4//4 8//4 7//4\nf 4//4 7//4 3//4
+f 1//5 5//5 8//5\nf 1//5 8//5 4//5\nf 2//6 3//6 7//6\nf 2//6 7//6 6//6\n";
+
+const TEXT: &str = "<mujoco>
+  <asset>
+    <mesh name='pyramid' vertex='0 0 0 1 0 0 0 1 0 0 0 1' texcoord='0 0 1 0 0 1 1 1' face='0 2 1 0 1 3 0 3 2 1 2 3'/>
+    <mesh name='cube' file='cube.obj'/>
+  </asset>
+  <worldbody><geom type='mesh' mesh='pyramid' pos='3 0 0'/><geom type='mesh' mesh='cube'/></worldbody>
+</mujoco>";
+
+fn model() -> Model {
+    Model::from_xml_str_with(TEXT, &LoadOptions::default().with_files(&[("cube.obj", CUBE.as_bytes())])).unwrap()
+}
+
+/// Computes the unit normal of a triangle.
+fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
+    let [u, v] = [b, c].map(|corner| std::array::from_fn::<f32, 3, _>(|axis| corner[axis] - a[axis]));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let length = normal.iter().map(|value| value * value).sum::<f32>().sqrt();
+    normal.map(|value| value / length)
+}
+
+#[test]
+fn normals_of_the_corners_of_a_cube_are_those_of_its_sides() {
+    let model = model();
+    let cube = model.mesh("cube").unwrap();
+    assert_eq!((cube.face().len(), cube.facenormal().len()), (12, 12));
+    for (face, normals) in cube.face().iter().zip(cube.facenormal()) {
+        let side = normal(face.map(|vertex| cube.vert()[vertex as usize]));
+        for index in normals {
+            let dot: f32 = cube.normal()[*index as usize].iter().zip(side).map(|(a, b)| a * b).sum();
+            assert!(dot > 0.999, "{face:?} {normals:?}");
+        }
+    }
+    assert!(cube.texcoord().is_empty() && cube.facetexcoord().is_empty());
+}
+
+#[test]
+fn texture_coordinates_of_the_corners_are_those_of_the_vertices_in_the_text() {
+    let model = model();
+    let pyramid = model.mesh("pyramid").unwrap();
+    // The engine moves the vertices to the centre of mass and rotates them, so the corners are recognised by their order in a face.
+    let corners = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let texcoords = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    assert_eq!(pyramid.facetexcoord().len(), 4);
+    for (expected, found) in corners.iter().zip(pyramid.facetexcoord()) {
+        let found = found.map(|index| pyramid.texcoord()[index as usize]);
+        // The compiler of newer engines flips the second coordinate.
+        let flipped = found.map(|[u, v]| [u, 1.0 - v]);
+        let expected = expected.map(|vertex: usize| texcoords[vertex]);
+        assert!(found == expected || flipped == expected, "{found:?} {expected:?}");
+    }
+}
+
+#[cfg(feature = "renderer")]
+#[test]
+fn a_mesh_with_fewer_normals_than_vertices_is_drawn() {
+    use mujoco_safe::render::Renderer;
+    use mujoco_safe::scene::Camera;
+
+    let mut data = mujoco_safe::Data::new(model()).unwrap();
+    data.forward().unwrap();
+    let mut renderer = Renderer::new(data.model(), 64, 64).unwrap();
+    let mut camera = Camera::free(data.model());
+    let picture = renderer.snapshot(&mut data, &mut camera).unwrap().rgb().unwrap();
+    let mut colours: Vec<[u8; 3]> = picture.as_bytes().as_chunks().0.to_vec();
+    colours.sort_unstable();
+    colours.dedup();
+    // The background and three sides.
+    assert!(colours.len() >= 4, "{colours:?}");
+}
