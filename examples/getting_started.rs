@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         data.step()?;
     }
     for contact in data.contacts() {
-        let [first, second] = contact.geoms();
+        let Some([first, second]) = contact.geoms() else { continue };
         println!(
             "contact of {} with {}: normal force {:.1} N",
             data.geom(second).name().unwrap_or("?"),

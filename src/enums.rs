@@ -292,6 +292,12 @@ engine_enum! {
         Joint = mjEQ_JOINT,
         /// Couples the lengths of two tendons by a quartic polynomial.
         Tendon = mjEQ_TENDON,
+        /// Keeps the lengths of all edges of a flex. With engines from 3.0.
+        Flex = mjEQ_FLEX,
+        /// Keeps the shape of a flex at its vertices. With engines from 3.5.
+        FlexVertex = mjEQ_FLEXVERT,
+        /// Keeps the strain of the cells of a flex. With engines from 3.17.
+        FlexStrain = mjEQ_FLEXSTRAIN,
     }
 }
 engine_enum! {

@@ -2,7 +2,7 @@
 
 /// Constants that not all versions from 2.2.2 to 4.0.0 have, with the versions that have them. A Rust enum over the engine's constants has a
 /// variant for each of them. The first has the value -1 as a C int, which the shim returns as the selection of collisions.
-const CONSTANTS: [(&str, &str); 47] = [
+const CONSTANTS: [(&str, &str); 54] = [
     ("mjCOL_ALL", "2.2.2 to 2.3.7"),
     ("mjCOL_PAIR", "2.2.2 to 2.3.7"),
     ("mjCOL_DYNAMIC", "2.2.2 to 2.3.7"),
@@ -20,6 +20,13 @@ const CONSTANTS: [(&str, &str); 47] = [
     ("mjGEOM_LINEBOX", "3.1.1 and later"),
     ("mjGEOM_FLEX", "3.0.0 and later"),
     ("mjGEOM_TRIANGLE", "3.0.0 and later"),
+    ("mjEQ_FLEX", "3.0.0 and later"),
+    ("mjEQ_FLEXVERT", "3.5.0 and later"),
+    ("mjEQ_FLEXSTRAIN", "3.6.0 and later"),
+    ("mjVIS_FLEXVERT", "3.0.0 and later"),
+    ("mjVIS_FLEXEDGE", "3.0.0 and later"),
+    ("mjVIS_FLEXFACE", "3.0.0 and later"),
+    ("mjVIS_FLEXSKIN", "3.0.0 and later"),
     ("mjSENS_PLUGIN", "2.3.0 and later"),
     ("mjSENS_JOINTACTFRC", "2.3.7 and later"),
     ("mjSENS_CAMPROJECTION", "3.0.0 and later"),
@@ -61,12 +68,14 @@ pub(crate) fn definitions(bindings: &str) -> String {
         if bindings.contains(&format!("pub const {name}:")) {
             continue;
         }
-        let flags = ["mjDSBL_", "mjENBL_"].into_iter().find(|prefix| name.starts_with(prefix));
-        let value = match flags {
+        let prefix = ["mjDSBL_", "mjENBL_", "mjVIS_"].into_iter().find(|prefix| name.starts_with(prefix));
+        let value = match prefix {
             // The engine uses the low bits. The highest bit is the sign of a C int.
             Some(prefix) => {
                 let of_the_kind = CONSTANTS.iter().filter(|(other, _)| other.starts_with(prefix));
-                1_u32 << (30 - of_the_kind.take_while(|(other, _)| *other != name).count())
+                let position = of_the_kind.take_while(|(other, _)| *other != name).count() as u32;
+                // The flags of the visualiser are indices of bits.
+                if prefix == "mjVIS_" { 31 - position } else { 1_u32 << (30 - position) }
             }
             None => u32::MAX - index,
         };

@@ -277,6 +277,75 @@ int mujoco_sys_sceneIsFull(const mjvScene* scn) {
 #endif
 }
 
+int mujoco_sys_sceneFlexes(const mjvScene* scn) {
+#if mjVERSION_HEADER >= 300
+  return scn->nflex;
+#else
+  (void)scn;
+  return 0;
+#endif
+}
+
+void mujoco_sys_sceneFlex(const mjvScene* scn, int flex, struct mujoco_sys_flex* result) {
+#if mjVERSION_HEADER >= 300
+  const size_t face = (size_t)scn->flexfaceadr[flex];
+  const int is_skin = scn->flexskinopt && scn->flexfaceused[flex];
+  result->vert = scn->flexvert + 3 * (size_t)scn->flexvertadr[flex];
+  result->vertnum = scn->flexvertnum[flex];
+  result->edge = scn->flexedge + 2 * (size_t)scn->flexedgeadr[flex];
+  result->edgenum = scn->flexedgenum[flex];
+  result->face = scn->flexface ? scn->flexface + 9 * face : NULL;
+  result->normal = scn->flexnormal ? scn->flexnormal + 9 * face : NULL;
+  result->texcoord = scn->flextexcoord ? scn->flextexcoord + 6 * face : NULL;
+  result->facenum = scn->flexfaceused[flex];
+  result->shows_vertices = scn->flexvertopt && !is_skin;
+  result->shows_edges = scn->flexedgeopt && !is_skin;
+#else
+  (void)scn;
+  (void)flex;
+  memset(result, 0, sizeof(*result));
+#endif
+}
+
+void mujoco_sys_clearSceneFlexes(const mjModel* m, mjvScene* scn) {
+#if mjVERSION_HEADER >= 300
+  size_t faces = 0;
+  for (int i = 0; i < scn->nflex; i++) {
+    faces += (size_t)scn->flexfacenum[i];
+    scn->flexfaceused[i] = 0;
+  }
+  if (scn->nflex) {
+    memset(scn->flexvert, 0, 3 * sizeof(float) * (size_t)m->nflexvert);
+  }
+  if (faces) {
+    memset(scn->flexface, 0, 9 * sizeof(float) * faces);
+    memset(scn->flexnormal, 0, 9 * sizeof(float) * faces);
+    memset(scn->flextexcoord, 0, 6 * sizeof(float) * faces);
+  }
+#else
+  (void)m;
+  (void)scn;
+#endif
+}
+
+void mujoco_sys_setFlexGroups(mjvOption* opt, const mjtByte* groups) {
+#if mjVERSION_HEADER >= 300
+  memcpy(opt->flexgroup, groups, sizeof(opt->flexgroup));
+#else
+  (void)opt;
+  (void)groups;
+#endif
+}
+
+struct mujoco_sys_contact_side mujoco_sys_contactSide(const mjContact* contact, int side) {
+#if mjVERSION_HEADER >= 300
+  return (struct mujoco_sys_contact_side){contact->geom[side], contact->flex[side], contact->elem[side],
+                                          contact->vert[side]};
+#else
+  return (struct mujoco_sys_contact_side){side ? contact->geom2 : contact->geom1, -1, -1, -1};
+#endif
+}
+
 void mujoco_sys_completeContact(mjContact* contact) {
 #if mjVERSION_HEADER >= 300
   const int geoms[2] = {contact->geom1, contact->geom2};

@@ -90,6 +90,37 @@ int mujoco_sys_sceneLightDirectional(const mjvLight* light);
 // True if the last update had too many geoms, for engines without the warning `mjWARN_VGEOMFULL`.
 int mujoco_sys_sceneIsFull(const mjvScene* scn);
 
+// Flexes of a scene, since 3.0: their number, and the parts to draw.
+struct mujoco_sys_flex {
+  const float* vert;
+  int vertnum;
+  const int* edge;
+  int edgenum;
+  const float* face;
+  const float* normal;
+  const float* texcoord;
+  int facenum;
+  int shows_vertices;
+  int shows_edges;
+};
+int mujoco_sys_sceneFlexes(const mjvScene* scn);
+void mujoco_sys_sceneFlex(const mjvScene* scn, int flex, struct mujoco_sys_flex* result);
+
+// Sets the positions of all flexes to zero and removes their faces. mjv_makeScene leaves them uninitialised.
+void mujoco_sys_clearSceneFlexes(const mjModel* m, mjvScene* scn);
+
+// Sets the visible groups of flexes, since 3.0.
+void mujoco_sys_setFlexGroups(mjvOption* opt, const mjtByte* groups);
+
+// Geom, or flex with an element or a vertex, on one side of a contact; -1 for none.
+struct mujoco_sys_contact_side {
+  int geom;
+  int flex;
+  int elem;
+  int vert;
+};
+struct mujoco_sys_contact_side mujoco_sys_contactSide(const mjContact* contact, int side);
+
 // Sets the fields of a contact between geom1 and geom2 that 2.2.2 does not have.
 void mujoco_sys_completeContact(mjContact* contact);
 

@@ -96,11 +96,11 @@ static inline void compat_moveCamera(const mjModel* m, int action, mjtNum reldx,
 }
 
 static inline int compat_select(const mjModel* m, const mjData* d, const mjvOption* vopt, mjtNum aspectratio, mjtNum relx,
-                                mjtNum rely, const mjvScene* scn, mjtNum* selpnt, int* geomid, int* skinid) {
+                                mjtNum rely, const mjvScene* scn, mjtNum* selpnt, int* geomid, int* flexid, int* skinid) {
 #if mjVERSION_HEADER >= 300
-  int flexid = -1;
-  return mjv_select(m, d, vopt, aspectratio, relx, rely, scn, selpnt, geomid, &flexid, skinid);
+  return mjv_select(m, d, vopt, aspectratio, relx, rely, scn, selpnt, geomid, flexid, skinid);
 #else
+  *flexid = -1;
   return mjv_select(m, d, vopt, aspectratio, relx, rely, scn, selpnt, geomid, skinid);
 #endif
 }

@@ -419,5 +419,5 @@ int mujoco_sys_mjv_applyPerturbForce(const mjModel* m, mjData* d, const mjvPertu
 }
 ADAPTED_RESULT(mjv, select, NO_DATA,
                (const mjModel* m, const mjData* d, const mjvOption* vopt, mjtNum aspectratio, mjtNum relx, mjtNum rely,
-                const mjvScene* scn, mjtNum* selpnt, int* geomid, int* skinid, int* result),
-               (m, d, vopt, aspectratio, relx, rely, scn, selpnt, geomid, skinid))
+                const mjvScene* scn, mjtNum* selpnt, int* geomid, int* flexid, int* skinid, int* result),
+               (m, d, vopt, aspectratio, relx, rely, scn, selpnt, geomid, flexid, skinid))

@@ -8,7 +8,7 @@
 use std::os::raw::c_int;
 
 use crate::{
-    mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvGeom, mjvLight, mjvPerturb, mjvScene,
+    mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvGeom, mjvLight, mjvOption, mjvPerturb, mjvScene,
 };
 
 /// Row of a matrix: `count` values at `values`, in the columns `columns`, or in all columns if that is null.
@@ -53,6 +53,46 @@ pub struct SceneTexture {
     pub repeat: [f32; 2],
     /// `texuniform`.
     pub uniform: c_int,
+}
+
+/// Flex of a scene.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SceneFlex {
+    /// Positions of the vertices; 3 `vertnum`.
+    pub vert: *const f32,
+    /// Number of vertices.
+    pub vertnum: c_int,
+    /// Vertices of the edges; 2 `edgenum`.
+    pub edge: *const c_int,
+    /// Number of edges.
+    pub edgenum: c_int,
+    /// Positions of the corners of the faces; 9 `facenum`.
+    pub face: *const f32,
+    /// Normals at the corners of the faces; 9 `facenum`.
+    pub normal: *const f32,
+    /// Texture coordinates of the corners of the faces; 6 `facenum`.
+    pub texcoord: *const f32,
+    /// Number of faces in use.
+    pub facenum: c_int,
+    /// 1 if the engine's renderer draws the vertices, else 0.
+    pub shows_vertices: c_int,
+    /// 1 if the engine's renderer draws the edges, else 0.
+    pub shows_edges: c_int,
+}
+
+/// Side of a contact: a geom, or a flex with an element or a vertex. Absent parts are -1.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ContactSide {
+    /// Geom.
+    pub geom: c_int,
+    /// Flex.
+    pub flex: c_int,
+    /// Element of the flex.
+    pub elem: c_int,
+    /// Vertex of the flex.
+    pub vert: c_int,
 }
 
 /// Options that only some versions have, or whose names differ.
@@ -176,6 +216,16 @@ adapted! {
     mujoco_sys_sceneLightDirectional = scene_light_directional(light: *const mjvLight) -> c_int;
     /// Returns 1 if the last update of a scene had too many geoms, for engines without the warning `mjWARN_VGEOMFULL` (since 3.7).
     mujoco_sys_sceneIsFull = scene_is_full(scn: *const mjvScene) -> c_int;
+    /// Returns the number of flexes of a scene: 0 before 3.0.
+    mujoco_sys_sceneFlexes = scene_flexes(scn: *const mjvScene) -> c_int;
+    /// Writes a flex of a scene.
+    mujoco_sys_sceneFlex = scene_flex(scn: *const mjvScene, flex: c_int, result: *mut SceneFlex);
+    /// Sets the positions of the flexes of a new scene to zero and removes their faces, which `mjv_makeScene` leaves uninitialised.
+    mujoco_sys_clearSceneFlexes = clear_scene_flexes(m: *const mjModel, scn: *mut mjvScene);
+    /// Sets the visible groups of flexes (`flexgroup`, since 3.0); mjNGROUP.
+    mujoco_sys_setFlexGroups = set_flex_groups(opt: *mut mjvOption, groups: *const mjtByte);
+    /// Returns side 0 or 1 of a contact (`geom1`, `geom2`; `geom`, `flex`, `elem`, `vert` since 3.0).
+    mujoco_sys_contactSide = contact_side(contact: *const mjContact, side: c_int) -> ContactSide;
     /// Sets the fields of a contact between `geom1` and `geom2` that 2.2.2 does not have.
     mujoco_sys_completeContact = complete_contact(contact: *mut mjContact);
     /// Returns 1 if a joint (`jnt_actfrclimited`, since 2.3.7) or a tendon (`tendon_actfrclimited`, since 3.3.1) limits the force of its

@@ -257,6 +257,7 @@ guarded! {
     );
     mujoco_sys_mjv_select = mjv_select(
         m: *const mjModel, d: *const mjData, vopt: *const mjvOption, aspectratio: mjtNum, relx: mjtNum, rely: mjtNum,
-        scn: *const mjvScene, selpnt: *mut mjtNum, geomid: *mut c_int, skinid: *mut c_int, result: *mut c_int,
+        scn: *const mjvScene, selpnt: *mut mjtNum, geomid: *mut c_int, flexid: *mut c_int, skinid: *mut c_int,
+        result: *mut c_int,
     );
 }

@@ -20,6 +20,28 @@ pub struct Contact<'d> {
     raw: &'d mjContact,
 }
 
+/// Object in contact with another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ContactSide {
+    /// A geom.
+    Geom(GeomId),
+    /// An element of a flex: a segment, a triangle or a tetrahedron.
+    FlexElement {
+        /// Index of the flex.
+        flex: usize,
+        /// Index of the element in the flex.
+        element: usize,
+    },
+    /// A vertex of a flex.
+    FlexVertex {
+        /// Index of the flex.
+        flex: usize,
+        /// Index of the vertex in the flex.
+        vertex: usize,
+    },
+}
+
 /// Force and torque of a contact on its second geom, contact frame. The first geom receives the opposite.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct ContactForce {
@@ -40,7 +62,7 @@ impl Data {
     /// data.reset_to_key("stand")?;
     /// data.forward()?;
     /// for contact in data.contacts() {
-    ///     let [first, second] = contact.geoms();
+    ///     let Some([first, second]) = contact.geoms() else { continue };
     ///     let (first, second) = (data.geom(first).name(), data.geom(second).name());
     ///     println!("{first:?} on {second:?} at {:?}: {:?} N", contact.pos(), contact.force()?.force);
     /// }
@@ -80,11 +102,32 @@ impl<'d> Contact<'d> {
         &self.frame()[0]
     }
 
-    /// Returns the two geoms.
+    /// Returns the two geoms, or `None` for a contact of a flex, whose [`sides`](Self::sides) are more general. Engines before 3.0 have no
+    /// flexes.
     #[doc(alias = "geom1")]
     #[doc(alias = "geom2")]
-    pub fn geoms(&self) -> [GeomId; 2] {
-        [self.raw.geom1, self.raw.geom2].map(|geom| Id::new(ffi::size(geom), self.data.model().lineage()))
+    pub fn geoms(&self) -> Option<[GeomId; 2]> {
+        let geoms = [self.raw.geom1, self.raw.geom2];
+        let lineage = self.data.model().lineage();
+        geoms.iter().all(|&geom| geom >= 0).then(|| geoms.map(|geom| Id::new(ffi::size(geom), lineage)))
+    }
+
+    /// Returns the two objects in contact.
+    #[doc(alias = "geom")]
+    #[doc(alias = "flex")]
+    #[doc(alias = "elem")]
+    #[doc(alias = "vert")]
+    pub fn sides(&self) -> [ContactSide; 2] {
+        [0, 1].map(|side| {
+            // SAFETY: a contact, of which the function reads numbers.
+            let side = unsafe { sys::adapted::contact_side(self.raw, side) };
+            let index = |index: c_int| usize::try_from(index).ok();
+            match (index(side.geom), index(side.vert)) {
+                (Some(geom), _) => ContactSide::Geom(Id::new(geom, self.data.model().lineage())),
+                (None, Some(vertex)) => ContactSide::FlexVertex { flex: ffi::size(side.flex), vertex },
+                (None, None) => ContactSide::FlexElement { flex: ffi::size(side.flex), element: ffi::size(side.elem) },
+            }
+        })
     }
 
     /// Returns the friction coefficients: two sliding, one torsional, two rolling.
@@ -146,7 +189,7 @@ impl<'d> Contact<'d> {
 impl fmt::Debug for Contact<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Contact")
-            .field("geoms", &self.geoms())
+            .field("sides", &self.sides())
             .field("dist", &self.dist())
             .field("pos", self.pos())
             .field("normal", self.normal())

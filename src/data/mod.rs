@@ -35,7 +35,7 @@ use mujoco_sys::{self as sys, mjData};
 
 use self::active_callbacks::ActiveCallbacks;
 pub(crate) use self::active_callbacks::EngineCallbacks;
-pub use self::contact::ContactForce;
+pub use self::contact::{ContactForce, ContactSide};
 pub use self::diagnostics::{SolverIteration, TimerCount};
 pub use self::distance::GeomDistance;
 // For the analytic linearisation, which is that of 2.2.2.

@@ -2,6 +2,7 @@
 
 use super::{View, ViewMut};
 use crate::enums::EqualityType;
+use crate::ffi;
 use crate::id::{BodyId, GeomId, Id, JointId, SiteId, TendonId};
 use crate::kind;
 use crate::model::{Model, ModelMut};
@@ -26,6 +27,9 @@ fields!(Equality on Model {
             }
             EqualityType::Joint => EqualityObjects::Joints(equality.id_in(one), equality.optional_id_in(other)),
             EqualityType::Tendon => EqualityObjects::Tendons(equality.id_in(one), equality.optional_id_in(other)),
+            EqualityType::Flex | EqualityType::FlexVertex | EqualityType::FlexStrain => {
+                EqualityObjects::Flex(ffi::size(one[equality.index()]))
+            }
         }
     };
     /// Returns `true` if the constraint is enforced; with engines from 3.0, in the initial state of a simulation.
@@ -69,6 +73,8 @@ pub enum EqualityObjects {
     Joints(JointId, Option<JointId>),
     /// A tendon and a second tendon, or a constant if `None`.
     Tendons(TendonId, Option<TendonId>),
+    /// A flex, by its index, with engines from 3.0.
+    Flex(usize),
 }
 
 // Explicit contact pairs: tested for contact irrespective of the contact masks, with separate parameters.

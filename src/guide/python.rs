@@ -75,7 +75,8 @@
 //!
 //! | Python | here |
 //! |---|---|
-//! | `d.ncon`, `d.contact[i]`, `d.contact[i].geom1` | [`d.ncon()`](Data::ncon), [`d.contacts()`](Data::contacts), [`contact.geoms()[0]`](crate::data::Contact::geoms) |
+//! | `d.ncon`, `d.contact[i]`, `d.contact[i].geom1` | [`d.ncon()`](Data::ncon), [`d.contacts()`](Data::contacts), [`contact.geoms()`](crate::data::Contact::geoms) |
+//! | `d.contact[i].flex`, `d.contact[i].vert` | [`contact.sides()`](crate::data::Contact::sides) |
 //! | `d.contact[i].pos`, `d.contact[i].dist` | [`contact.pos()`](crate::data::Contact::pos), [`contact.dist()`](crate::data::Contact::dist) |
 //! | `mujoco.mj_contactForce(m, d, i, f)`, `f[0]` | [`contact.force()?.force[0]`](crate::data::Contact::force), the normal force; [`contact.force_in_world()?`](crate::data::Contact::force_in_world) |
 //! | `mujoco.mj_ray(m, d, …)` | [`d.ray(origin, direction, &RayOptions::default())?`](Data::ray) |

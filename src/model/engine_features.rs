@@ -12,14 +12,13 @@ use crate::ffi;
 
 impl Model {
     /// Returns the reason why a compiled model is not supported. The types of all elements are known afterwards, actuators have one control,
-    /// one force and at most one activation, and every contact is between two geoms.
+    /// one force and at most one activation.
     pub(super) fn validate(&self) -> Result<(), String> {
         let version = crate::built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
         let features = self.newer_features();
         let counts = [
-            (features.flexes, "flexible objects (<flex>, <flexcomp>)"),
             (features.plugins, "engine plugins"),
             (features.histories, "delays of actuators or sensors"),
             (self.plastic_len(), "plastic springs"),

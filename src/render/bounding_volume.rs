@@ -54,12 +54,10 @@ impl AssetBounds {
     pub(crate) fn volume(&self, geom: SceneGeom<'_>) -> BoundingVolume {
         let [x, y, z] = geom.size();
         let local = match geom.geom_type() {
-            SceneGeomType::Skin => return BoundingVolume::Unbounded,
-            SceneGeomType::LineBox
-            | SceneGeomType::Flex
-            | SceneGeomType::Triangle
-            | SceneGeomType::Label
-            | SceneGeomType::None => return BoundingVolume::Empty,
+            SceneGeomType::Skin | SceneGeomType::Flex => return BoundingVolume::Unbounded,
+            SceneGeomType::LineBox | SceneGeomType::Triangle | SceneGeomType::Label | SceneGeomType::None => {
+                return BoundingVolume::Empty;
+            }
             SceneGeomType::Plane if x <= 0.0 || y <= 0.0 => return BoundingVolume::Unbounded,
             SceneGeomType::Plane => box_sphere([x, y, 0.0]),
             SceneGeomType::Sphere | SceneGeomType::Ellipsoid => centred_sphere(x.max(y).max(z)),

@@ -1,6 +1,7 @@
 //! Geoms and skins of a scene: read access, and changes of the appearance.
 
 use std::fmt;
+use std::ops::Range;
 
 use mujoco_sys::{self as sys, adapted, mjOBJ_UNKNOWN, mjvGeom};
 
@@ -46,6 +47,8 @@ engine_enum! {
         Line = mjGEOM_LINE,
         /// Skin.
         Skin = mjGEOM_SKIN,
+        /// Flex: a deformable object of engines from 3.0. `size`: the radius of its vertices and edges.
+        Flex = mjGEOM_FLEX,
         /// Text label without a shape.
         Label = mjGEOM_LABEL,
         /// No shape.
@@ -251,6 +254,17 @@ impl<'s> SceneGeom<'s> {
     #[doc(alias = "dataid")]
     pub fn plane(self) -> Option<usize> {
         self.data(SceneGeomType::Plane)
+    }
+
+    /// Returns the index of the flex.
+    pub fn flex(self) -> Option<usize> {
+        if self.geom_type() == SceneGeomType::Flex { usize::try_from(self.raw.objid).ok() } else { None }
+    }
+
+    /// Returns the faces of the flex that the geom shows, if it shows only some: those with one of several materials.
+    pub(crate) fn flex_faces(self) -> Option<Range<usize>> {
+        let [_, start, count] = self.raw.size.map(|number| number.max(0.0) as usize);
+        (self.raw.dataid >= 0).then(|| start..start.saturating_add(count))
     }
 
     fn data(self, of: SceneGeomType) -> Option<usize> {

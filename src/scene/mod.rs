@@ -39,6 +39,7 @@
 mod camera;
 #[cfg(feature = "renderer")]
 mod camera_source;
+mod flex;
 mod geom;
 mod light;
 mod new_geom;
@@ -59,6 +60,7 @@ use mujoco_sys::{self as sys, guard, mjvGeom, mjvScene};
 
 #[cfg(feature = "renderer")]
 pub use self::camera_source::CameraSource;
+pub use self::flex::SceneFlex;
 use self::geom::MaterialTexture;
 pub use self::geom::{SceneGeomMut, SceneObject, SceneSkin};
 pub use self::new_geom::{Connector, TextureRepeat};
@@ -178,6 +180,8 @@ impl Scene {
                 ptr::write_bytes(raw.skinnormal, 0, 3 * skin_vertices);
             }
         }
+        // SAFETY: the scene was made for the model.
+        unsafe { sys::adapted::clear_scene_flexes(model.as_ptr(), raw) };
         (raw.maxgeom, raw.geoms, raw.geomorder) = (maxgeom, scene.buffers.0.as_ptr(), scene.buffers.1.as_ptr());
         Ok(scene)
     }

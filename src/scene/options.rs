@@ -114,6 +114,14 @@ bitflags! {
         const STATIC = 1 << sys::mjVIS_STATIC;
         /// Skins.
         const SKIN = 1 << sys::mjVIS_SKIN;
+        /// Vertices of flexes, as spheres. As all flags of flexes, without effect in engines before 3.0.
+        const FLEXVERT = 1 << sys::mjVIS_FLEXVERT;
+        /// Edges of flexes, as cylinders.
+        const FLEXEDGE = 1 << sys::mjVIS_FLEXEDGE;
+        /// Faces of the elements of flexes.
+        const FLEXFACE = 1 << sys::mjVIS_FLEXFACE;
+        /// Smooth surfaces of flexes, instead of the other parts. One-dimensional flexes have none.
+        const FLEXSKIN = 1 << sys::mjVIS_FLEXSKIN;
     }
 }
 
@@ -196,13 +204,15 @@ pub struct SceneOptions {
     pub actuatorgroup: [bool; 6],
     /// Visibility of each group of skins. A hidden skin still has a geom in the scene, with all vertices at zero.
     pub skingroup: [bool; 6],
+    /// Visibility of each group of flexes, in engines from 3.0.
+    pub flexgroup: [bool; 6],
     /// Visible parts.
     pub flags: VisualFlags,
 }
 
 impl Default for SceneOptions {
     /// Returns the engine's defaults: groups 0 to 2, no labels, no frames; textures, tendons, rangefinders, the target of a
-    /// perturbation, static geoms, skins.
+    /// perturbation, static geoms, skins; the edges and the smooth surfaces of flexes.
     #[doc(alias = "mjv_defaultOption")]
     fn default() -> Self {
         let group = [true, true, true, false, false, false];
@@ -215,12 +225,15 @@ impl Default for SceneOptions {
             tendongroup: group,
             actuatorgroup: group,
             skingroup: group,
+            flexgroup: group,
             flags: VisualFlags::TEXTURE
                 | VisualFlags::TENDON
                 | VisualFlags::RANGEFINDER
                 | VisualFlags::PERTOBJ
                 | VisualFlags::STATIC
-                | VisualFlags::SKIN,
+                | VisualFlags::SKIN
+                | VisualFlags::FLEXEDGE
+                | VisualFlags::FLEXSKIN,
         }
     }
 }
@@ -234,6 +247,7 @@ with_methods!(SceneOptions {
     with_tendongroup(tendongroup: [bool; 6]),
     with_actuatorgroup(actuatorgroup: [bool; 6]),
     with_skingroup(skingroup: [bool; 6]),
+    with_flexgroup(flexgroup: [bool; 6]),
     with_flags(flags: VisualFlags),
 });
 
@@ -252,6 +266,9 @@ impl SceneOptions {
         ] {
             *to = from.map(u8::from);
         }
+        let flexgroup = self.flexgroup.map(u8::from);
+        // SAFETY: a valid structure, and one byte for each of the engine's groups.
+        unsafe { sys::adapted::set_flex_groups(&raw mut raw, flexgroup.as_ptr()) };
         // Flags that only newer engines have keep their defaults.
         let known = |bit: usize| (VisualFlags::all().bits() >> bit) & 1 == 1;
         for (bit, flag) in raw.flags.iter_mut().enumerate().filter(|(bit, _)| known(*bit)) {

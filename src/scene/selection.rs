@@ -1,4 +1,4 @@
-//! Picking: the geom or skin at a point of the window.
+//! Picking: the geom, flex or skin at a point of the window.
 
 use mujoco_sys::guard;
 
@@ -10,23 +10,25 @@ use crate::id::{BodyId, GeomId, Id, SkinId};
 /// Result of picking a point of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Selection {
-    /// Body of the geom, or the body with the largest weight on the vertex of the skin.
+    /// Body of the geom, or the body with the largest weight on the vertex of the flex or skin.
     pub body: BodyId,
-    /// Geom, unless the ray hit a skin first.
+    /// Geom, unless the ray hit a flex or a skin first.
     pub geom: Option<GeomId>,
-    /// Skin, unless the ray hit a geom first.
+    /// Skin, unless the ray hit a geom or a flex first.
     pub skin: Option<SkinId>,
-    /// Intersection point, m, world frame.
+    /// Index of the flex, unless the ray hit a geom or a skin first. Engines before 3.0 have none.
+    pub flex: Option<usize>,
+    /// Intersection point, or the nearest vertex of a flex or skin, m, world frame.
     pub point: [f64; 3],
 }
 
 impl Scene {
     /// Casts a ray from the camera of the last [`update`](Self::update) through a point of the window, and returns the first
-    /// geom or skin that it hits. `aspectratio` is the width of the window divided by its height. `relx` and `rely` are the
+    /// geom, flex or skin that it hits. `aspectratio` is the width of the window divided by its height. `relx` and `rely` are the
     /// coordinates of the point, 0 to 1, from the left and from the bottom.
     ///
-    /// The ray hits the geoms and skins that `options` show, according to the groups of geoms, [`VisualFlags::STATIC`] and
-    /// [`VisualFlags::SKIN`]. It ignores decoration, tendons and sites, and hits planes and height fields in every group.
+    /// The ray hits the geoms, flexes and skins that `options` show, according to the groups of geoms, [`VisualFlags::STATIC`],
+    /// [`VisualFlags::SKIN`] and the flags of flexes. It ignores decoration, tendons and sites, and hits planes and height fields in every group.
     ///
     /// [`VisualFlags::STATIC`]: super::VisualFlags::STATIC
     /// [`VisualFlags::SKIN`]: super::VisualFlags::SKIN
@@ -78,13 +80,13 @@ impl Scene {
             ));
         }
         let (options, scene) = (options.raw(), self.as_ptr());
-        let (mut point, mut geom, mut skin, mut body) = ([0.0; 3], -1, -1, -1);
-        let (at, ids) = (point.as_mut_ptr(), (&raw mut geom, &raw mut skin, &raw mut body));
+        let (mut point, mut geom, mut flex, mut skin, mut body) = ([0.0; 3], -1, -1, -1, -1);
+        let (at, ids) = (point.as_mut_ptr(), [&raw mut geom, &raw mut flex, &raw mut skin, &raw mut body]);
         data.call("mjv_select", |m, d| {
             let opt = &raw const options;
             // SAFETY: the model, the data and the scene belong together, the positions were computed, and the outputs are valid
-            // places for three numbers and three indices.
-            unsafe { guard::mjv_select(m, d, opt, aspectratio, relx, rely, scene, at, ids.0, ids.1, ids.2) }
+            // places for three numbers and four indices.
+            unsafe { guard::mjv_select(m, d, opt, aspectratio, relx, rely, scene, at, ids[0], ids[1], ids[2], ids[3]) }
         })?;
         let index = |index: i32| usize::try_from(index).ok();
         // The engine returns no body for a vertex of a skin without bones.
@@ -92,6 +94,7 @@ impl Scene {
             body: Id::new(body, self.lineage),
             geom: index(geom).map(|geom| Id::new(geom, self.lineage)),
             skin: index(skin).map(|skin| Id::new(skin, self.lineage)),
+            flex: index(flex),
             point,
         }))
     }

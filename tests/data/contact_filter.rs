@@ -12,7 +12,7 @@ use crate::child;
 type Contacts = Vec<([usize; 2], f64)>;
 
 fn contacts(data: &Data) -> Contacts {
-    data.contacts().map(|contact| (contact.geoms().map(|geom| geom.index()), contact.dist())).collect()
+    data.contacts().map(|contact| (contact.geoms().unwrap().map(|geom| geom.index()), contact.dist())).collect()
 }
 
 /// Returns the engine's sample models, if installed, and our own.

@@ -221,7 +221,10 @@ mod sample_humanoid {
         assert_near("dist", contact.dist(), -0.00036072820205, 1e-12);
         assert_all_near("pos", contact.pos(), &[-0.0798542295, -0.1097356442, -0.00018036], 1e-8);
         assert_all_near("normal", contact.normal(), &[0.0, 0.0, 1.0], 1e-15);
-        assert_eq!(contact.geoms().map(|geom| model.geom(geom).name()), [Some("floor"), Some("right_right_foot")]);
+        assert_eq!(
+            contact.geoms().unwrap().map(|geom| model.geom(geom).name()),
+            [Some("floor"), Some("right_right_foot")]
+        );
         let force = contact.force().unwrap();
         assert_all_near("force", &force.force, &[57.0754954, -2.5662983, 0.2591644], 1e-6);
         assert_all_near("torque", &force.torque, &[0.0; 3], 0.0);

@@ -81,7 +81,7 @@ fn try_all(scene: &mut Scene, data: &mut Data) -> [bool; 3] {
         succeeded(perturbation.move_by(data, scene, MouseAction::RotateV, [0.1, 0.2])),
         succeeded(perturbation.move_by(data, scene, MouseAction::MoveH, [0.1, 0.2])),
         succeeded(perturbation.apply_pose(data, MovableBodies::MocapAndFree)),
-        succeeded(perturbation.select(data, &Selection { body, geom: None, skin: None, point: [0.0; 3] })),
+        succeeded(perturbation.select(data, &Selection { body, geom: None, skin: None, flex: None, point: [0.0; 3] })),
         succeeded(scene.select(data, &plain, 1.0, [0.5, 0.5])),
     ];
     assert!(positions.iter().all(|&succeeded| succeeded == positions[0]), "{positions:?}");
@@ -229,7 +229,7 @@ fn objects_of_another_model_are_rejected() {
         });
     }
     panics("a selection", &mut |_, data| {
-        let selection = Selection { body, geom: None, skin: None, point: [0.0; 3] };
+        let selection = Selection { body, geom: None, skin: None, flex: None, point: [0.0; 3] };
         let _ = Perturbation::default().select(data, &selection);
     });
     for geom in [

@@ -135,7 +135,7 @@ fn the_selected_point_stays_on_the_body() {
     let point = [0.1, 0.2, 1.4];
     let mut perturbation = Perturbation::default();
     perturbation.active = PerturbationFlags::TRANSLATE;
-    perturbation.select(&data, &Selection { body, geom: None, skin: None, point }).unwrap();
+    perturbation.select(&data, &Selection { body, geom: None, skin: None, flex: None, point }).unwrap();
     assert!(perturbation.active.is_empty());
     let (xpos, xmat) = (data.xpos()[body.index()], data.xmat()[body.index()]);
     let turned = mujoco_safe::math::rot_vec_mat(&perturbation.localpos, &xmat);

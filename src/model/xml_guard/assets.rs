@@ -33,7 +33,7 @@ impl Format {
         let ends = |end: &[u8]| name.len() >= end.len() && name[name.len() - end.len()..].eq_ignore_ascii_case(end);
         match element {
             b"mesh" if ends(b"msh") => Self::Msh,
-            b"mesh" if ends(b"obj") => Self::Obj,
+            b"mesh" | b"flexcomp" if ends(b"obj") => Self::Obj,
             b"skin" => Self::Skin,
             b"texture" if ends(b".png") => Self::Png,
             b"hfield" if ends(b".png") => Self::HeightPng,

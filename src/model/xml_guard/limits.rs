@@ -15,6 +15,9 @@ const MOST_CUSTOM: u64 = 500;
 const MOST_VALUES: u64 = 10_000;
 /// Largest parameter of a mesh that the compiler generates.
 const MOST_PARAMETER: f64 = 1000.0;
+/// Largest number of vertices of a flex whose shape few nodes determine, and of these nodes, which are bodies.
+const MOST_VERTICES: u64 = 1_000_000;
+const MOST_NODES: u64 = 32_766;
 /// Largest number of vertices of the skin of a composite.
 const MOST_SKIN: u64 = 4_000_000;
 
@@ -28,6 +31,18 @@ fn size(tag: &Tag<'_>, name: &[u8], default: u64) -> u64 {
             .filter(|&value| value >= f64::from(i32::MIN))
             .map_or(u64::MAX, |value| value.max(0.0) as u64)
     })
+}
+
+/// Returns `true` if nodes of a grid determine the shape of a flex. It then has a body for each node instead of each vertex.
+pub(super) fn is_interpolated(tag: &Tag<'_>) -> bool {
+    matches!(tag.attribute(b"dof").as_deref(), Some(b"trilinear" | b"quadratic"))
+}
+
+/// Returns the product of the numbers in an attribute, each increased by `more` and at least 1.
+fn product(tag: &Tag<'_>, name: &[u8], more: u64) -> u64 {
+    numbers(&tag.attribute(name).unwrap_or_default())
+        .map(|number| number.map_or(1 << 40, |number| u64::try_from(number).unwrap_or(0).saturating_add(more).max(1)))
+        .fold(1, u64::saturating_mul)
 }
 
 /// Returns the reason to reject a tag: sizes whose product overflows in the compiler or exhausts memory, or faces of a mesh with
@@ -46,7 +61,6 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         b"model" if tag.attribute(b"file").is_some() => {
             Some("the text has another model as an asset (<model>)".to_owned())
         }
-        b"flex" | b"flexcomp" => Some("the text has flexible objects (<flex>, <flexcomp>)".to_owned()),
         b"contact" | b"rangefinder" if size(tag, b"num", 0) > MOST_VALUES => too_many("num", MOST_VALUES),
         _ if size(tag, b"nsample", 0) > MOST_VALUES => too_many("nsample", MOST_VALUES),
         b"texture" => {
@@ -81,6 +95,12 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
             let data = numbers(&tag.attribute(b"data").unwrap_or_default()).count() as u64;
             (size(tag, b"size", 1) > MOST_CUSTOM || data > MOST_CUSTOM)
                 .then(|| format!("a custom numeric has more than {MOST_CUSTOM} numbers"))
+        }
+        b"flexcomp" if is_interpolated(tag) => {
+            // A quadratic cell has twice the nodes of a trilinear one along each axis.
+            let is_quadratic = tag.attribute(b"dof").as_deref() == Some(b"quadratic");
+            let nodes = product(tag, b"cellcount", 1).saturating_mul(if is_quadratic { 8 } else { 1 });
+            (product(tag, b"count", 0) > MOST_VERTICES || nodes > MOST_NODES).then(|| "a flex is too large".to_owned())
         }
         b"skin" if !composite.is_empty() => {
             let subgrid = size(tag, b"subgrid", 0).min(MOST_SKIN);

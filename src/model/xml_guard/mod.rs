@@ -311,15 +311,27 @@ impl<'f> Check<'f> {
                 }
             }
             b"composite" => {
-                self.composite = numbers(&tag.attribute(b"count").unwrap_or_default())
-                    .map(|count| count.map_or(1, |count| count.clamp(1, 1 << 20) as u64))
-                    .collect();
-                let bodies = self.composite.iter().fold(1, |product: u64, &count| product.saturating_mul(count));
-                self.bodies = self.bodies.saturating_add(usize::try_from(bodies).unwrap_or(usize::MAX));
+                self.composite = counts(tag);
+                self.count_bodies(&self.composite.clone());
             }
+            // A flex has a body for each vertex, unless few nodes determine its shape.
+            b"flexcomp" if !limits::is_interpolated(tag) => self.count_bodies(&counts(tag)),
             _ => {}
         }
     }
+
+    /// Counts the bodies of a grid.
+    fn count_bodies(&mut self, counts: &[u64]) {
+        let bodies = counts.iter().fold(1, |product: u64, &count| product.saturating_mul(count));
+        self.bodies = self.bodies.saturating_add(usize::try_from(bodies).unwrap_or(usize::MAX));
+    }
+}
+
+/// Returns the attribute `count` of a composite or a flex.
+fn counts(tag: &Tag<'_>) -> Vec<u64> {
+    numbers(&tag.attribute(b"count").unwrap_or_default())
+        .map(|count| count.map_or(1, |count| count.clamp(1, 1 << 20) as u64))
+        .collect()
 }
 
 const NO_EXTENSION: &str = "has a name too short for an extension, from which the compiler determines the format";
@@ -382,6 +394,9 @@ mod tests {
             ("<hfield nrow='50000' ncol='50000'/>", "a height field is too large"),
             ("<composite count='1000 1000 1'/>", "32766 bodies"),
             ("<composite count='&#49;000 1000 1'/>", "32766 bodies"),
+            ("<flexcomp count='1000 1000 1'/>", "32766 bodies"),
+            ("<flexcomp count='1000 1000 1000' dof='trilinear'/>", "a flex is too large"),
+            ("<flexcomp count='2 2 2' dof='quadratic' cellcount='1000 1000 1000'/>", "a flex is too large"),
             ("<hfield nrow='-4294917296' ncol='50000'/>", "a height field is too large"),
             ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs an njmax"),
             ("<size njmax='5.5'/><adhesion body='b'/>", "adhesion needs an njmax"),

@@ -1,4 +1,4 @@
-//! Vertex and index buffers of the unit shapes and of the model's planes, meshes, height fields and skins.
+//! Vertex and index buffers of the unit shapes and of the model's planes, meshes, height fields, skins and flexes.
 
 use std::ops::Range;
 
@@ -11,7 +11,10 @@ use crate::model::Model;
 use crate::render::settings::{VisualSettings, is_drawable};
 use crate::render::shape::{self, SkinTopology, Tessellation, Triangles, Vertex};
 use crate::render::{Gpu, Lighting, RenderError};
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneGeom, SceneGeomType};
+
+/// Shape of the first geom with a flex, above all other shapes.
+const FIRST_FLEX: u32 = 1 << 23;
 
 /// GPU buffers of all shapes. A shape is identified by its index.
 #[derive(Debug)]
@@ -34,6 +37,8 @@ pub(crate) struct Shapes {
     skin_topologies: Vec<SkinTopology>,
     /// Scratch memory for the vertices of a skin.
     skin_vertices: Vec<Vertex>,
+    /// Geoms with a flex in the last scene: the flex and the first of its faces that the geom shows, and the buffers.
+    flexes: Vec<([usize; 2], ShapeBuffers)>,
     max_vertices: usize,
 }
 
@@ -61,6 +66,7 @@ impl Shapes {
             skins: 0,
             skin_topologies: Vec::new(),
             skin_vertices: Vec::new(),
+            flexes: Vec::new(),
             max_vertices,
         };
         for shape in RoundShape::ALL {
@@ -189,8 +195,31 @@ impl Shapes {
         }
     }
 
+    /// Creates the buffers of the flexes of a scene. Their number of faces may change from scene to scene.
+    pub(crate) fn update_flexes(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+        self.flexes.clear();
+        for geom in scene.geoms().filter(|geom| geom.geom_type() == SceneGeomType::Flex) {
+            let Some(flex) = geom.flex().and_then(|flex| scene.flexes().nth(flex)) else { continue };
+            let faces = geom.flex_faces().unwrap_or(0..flex.faces.len());
+            let key = [flex.flex, faces.start];
+            let buffers = ShapeBuffers::new(gpu, &shape::flex(&flex, geom.size()[0], faces))?;
+            self.flexes.push((key, buffers));
+        }
+        Ok(())
+    }
+
     pub(crate) fn buffers(&self, shape: u32) -> &ShapeBuffers {
-        &self.buffers[shape as usize]
+        match shape.checked_sub(FIRST_FLEX) {
+            Some(flex) => &self.flexes[flex as usize].1,
+            None => &self.buffers[shape as usize],
+        }
+    }
+
+    /// Returns the shape of a geom with a flex.
+    pub(crate) fn flex(&self, geom: SceneGeom<'_>) -> Option<u32> {
+        let key = [geom.flex()?, geom.flex_faces().map_or(0, |faces| faces.start)];
+        let index = self.flexes.iter().position(|(known, _)| *known == key)?;
+        Some(FIRST_FLEX + index as u32)
     }
 
     /// Returns a round shape. Before [`create_depth_levels`](Self::create_depth_levels), depth levels fall back to the

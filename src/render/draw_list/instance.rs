@@ -147,10 +147,10 @@ impl Appearance {
         back_faces: bool,
     ) -> (BatchKey, Instance) {
         let (pos, mat) = (geom.pos(), geom.mat());
-        // The vertices of a skin are in world space.
-        let is_skin = geom.geom_type() == SceneGeomType::Skin;
+        // The vertices of skins and flexes are in world space.
+        let is_in_world = matches!(geom.geom_type(), SceneGeomType::Skin | SceneGeomType::Flex);
         let rows = [0, 1, 2].map(|row| {
-            if is_skin {
+            if is_in_world {
                 let mut identity = [0.0; 4];
                 identity[row] = 1.0;
                 return identity;

@@ -69,11 +69,8 @@ pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: DetailLevel, pa
                 parts.extend(shapes.skin(skin.index()).map(asset));
             }
         }
-        SceneGeomType::LineBox
-        | SceneGeomType::Flex
-        | SceneGeomType::Triangle
-        | SceneGeomType::Label
-        | SceneGeomType::None => {}
+        SceneGeomType::Flex => parts.extend(shapes.flex(geom).map(asset)),
+        SceneGeomType::LineBox | SceneGeomType::Triangle | SceneGeomType::Label | SceneGeomType::None => {}
     }
 }
 

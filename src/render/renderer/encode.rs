@@ -94,6 +94,7 @@ impl Renderer {
         if matches!(aux, Some(AuxOutput::Depth | AuxOutput::Ids)) {
             shapes.create_depth_levels(gpu)?;
         }
+        shapes.update_flexes(gpu, scene)?;
         list.update(scene, &DrawListInputs { frustum: &frustum, lights: &lights, shapes, textures, bounds, aux });
         // The stencil mark of the mirror is the last instance.
         let stencil_mark = list.mirror.as_ref().and_then(|mirror| mirror.stencil_mark);

@@ -1,10 +1,11 @@
 //! Generation of triangle meshes on the CPU: unit shapes, and the model's meshes, convex hulls, height fields and
-//! skins, each in its local frame.
+//! skins, each in its local frame; flexes in the world frame.
 //!
 //! All values of [`Triangles`] are finite, even if the model contains NaN or infinity: triangles with a non-finite
 //! vertex are skipped.
 
 mod flat;
+mod flex;
 mod height_field;
 mod mesh;
 mod revolution;
@@ -12,6 +13,7 @@ mod revolution;
 mod test_support;
 
 pub(crate) use self::flat::{cuboid, plane, plane_with_lines, uniform_lines};
+pub(crate) use self::flex::flex;
 pub(crate) use self::height_field::height_field;
 pub(crate) use self::mesh::{SkinTopology, hull, mesh, skin};
 pub(crate) use self::revolution::{cone, cylinder, disk, hemisphere, sphere};

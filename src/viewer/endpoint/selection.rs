@@ -28,7 +28,7 @@ impl SimulationEndpoint {
             Some(body) => {
                 self.refresh_if_needed(data)?;
                 let point = data.xpos()[body.index()];
-                let found = Selection { body, geom: None, skin: None, point };
+                let found = Selection { body, geom: None, skin: None, flex: None, point };
                 self.perturbation.select(data, &found)?;
                 self.clicked = Some(found);
             }

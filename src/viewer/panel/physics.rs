@@ -132,6 +132,7 @@ fn equality_name(model: &Model, equality: &View<'_, Model, kind::Equality>) -> S
         EqualityObjects::Sites(one, other) => (site(one), Some(site(other))),
         EqualityObjects::Joints(one, other) => (joint(one), other.map(joint)),
         EqualityObjects::Tendons(one, other) => (tendon(one), other.map(tendon)),
+        EqualityObjects::Flex(flex) => (format!("flex {flex}"), None),
     };
     other.map_or(one.clone(), |other| format!("{one}, {other}"))
 }

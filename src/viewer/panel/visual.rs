@@ -82,6 +82,7 @@ pub(super) fn show_groups(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         ("tendons", &mut options.tendongroup),
         ("actuators", &mut options.actuatorgroup),
         ("skins", &mut options.skingroup),
+        ("flexes", &mut options.flexgroup),
     ] {
         layout::labelled(ui, name, GROUP_LABEL_WIDTH, |ui| {
             ui.spacing_mut().item_spacing.x = 3.0;

@@ -133,7 +133,7 @@ fn contacts_have_the_distances_of_their_geoms() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     data.forward().unwrap();
-    let contacts: Vec<_> = data.contacts().map(|contact| (contact.geoms(), contact.dist())).collect();
+    let contacts: Vec<_> = data.contacts().map(|contact| (contact.geoms().unwrap(), contact.dist())).collect();
     assert!(!contacts.is_empty());
     for (geoms, _) in &contacts {
         let of_pair = contacts.iter().filter(|(others, _)| others == geoms).map(|(_, dist)| *dist);

@@ -166,7 +166,11 @@ fn contacts_and_their_forces_equal_c() {
             assert_same(&what, contact.frame().as_flattened(), &theirs.frame);
             assert_same(&what, contact.normal(), &theirs.frame[..3]);
             assert_same(&what, contact.friction(), &theirs.friction);
-            assert_eq!(contact.geoms().map(|geom| geom.index() as i32), [theirs.geom1, theirs.geom2], "{what}");
+            assert_eq!(
+                contact.geoms().unwrap().map(|geom| geom.index() as i32),
+                [theirs.geom1, theirs.geom2],
+                "{what}"
+            );
             assert_eq!(contact.dim() as i32, theirs.dim, "{what}");
             assert_eq!(contact.is_active(), theirs.efc_address >= 0, "{what}");
             let mut wrench = [0.0; 6];

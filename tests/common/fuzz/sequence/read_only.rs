@@ -128,7 +128,14 @@ const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
     }),
     ("contacts", |data, _| {
         for contact in data.contacts() {
-            black_box((contact.geoms(), contact.frame(), contact.is_active(), contact.friction(), contact.dim()));
+            black_box((
+                contact.geoms(),
+                contact.sides(),
+                contact.frame(),
+                contact.is_active(),
+                contact.friction(),
+                contact.dim(),
+            ));
             black_box((contact.force(), contact.force_in_world()).0?);
             black_box(format!("{contact:?}"));
         }
