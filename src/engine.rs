@@ -1,7 +1,10 @@
 //! Version of the engine, and the process-wide handlers that must be installed before the first call.
 
 use std::cell::RefCell;
+use std::env::consts;
 use std::ffi::c_char;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use mujoco_sys::{callback, guard, mj_version, mjVERSION_HEADER};
@@ -34,6 +37,53 @@ pub(crate) fn ready() -> Result<()> {
         engine_version() == built_against()
     });
     if *same { Ok(()) } else { Err(Error::EngineVersion { built: built_against(), running: engine_version() }) }
+}
+
+/// Loads the engine's plugins from a shared library, or from all shared libraries in a directory. Models whose `<extension>` element
+/// names such a plugin load afterwards: actuators, sensors, passive forces and signed distance fields. Engines from 2.3 have plugins. Without
+/// this call no plugin is known; a wheel has them in the directory `mujoco/plugin`.
+///
+/// # Safety
+///
+/// The libraries are plugins for this version of the engine. Their code runs now and in every call with a model or a simulation that uses
+/// them, in any thread: it must be sound for all models and states.
+///
+/// # Errors
+///
+/// [`Error::Unsupported`] with an engine before 2.3, [`Error::File`] if the path does not exist, [`Error::Engine`] if a library cannot be
+/// loaded, or has a plugin whose name is in use by another. Plugins that were loaded before the error remain.
+///
+/// ```no_run
+/// use mujoco_safe::Model;
+///
+/// // SAFETY: the plugins of the wheel that contains the engine.
+/// unsafe { mujoco_safe::load_plugins("/opt/mujoco/plugin")? };
+/// let model = Model::from_xml_path("nut_and_bolt.xml")?;
+/// # Ok::<(), mujoco_safe::Error>(())
+/// ```
+pub unsafe fn load_plugins(path: impl AsRef<Path>) -> Result<()> {
+    if !cfg!(engine_since = "2.3.0") {
+        return Err(Error::Unsupported(format!("engine plugins with MuJoCo {}, but from 2.3", built_against())));
+    }
+    ready()?;
+    let path = path.as_ref();
+    let mut libraries = vec![path.to_owned()];
+    if fs::metadata(path).map_err(Error::file(path))?.is_dir() {
+        let entries: std::io::Result<Vec<_>> = fs::read_dir(path).and_then(Iterator::collect);
+        libraries = entries.map_err(Error::file(path))?.iter().map(fs::DirEntry::path).collect();
+        let is_library = |path: &PathBuf| path.extension().is_some_and(|extension| extension == consts::DLL_EXTENSION);
+        libraries.retain(is_library);
+        libraries.sort();
+    }
+    for library in libraries {
+        // The loader of libraries searches other directories for a name without a slash.
+        let library = library.canonicalize().map_err(Error::file(&library))?;
+        let name = ffi::c_string("the path of a plugin library", library.as_os_str().as_encoded_bytes())?;
+        // SAFETY: a valid string, and the caller's promise for the library.
+        let status = unsafe { guard::mj_load_plugin_library(name.as_ptr()) };
+        ffi::check_without_data("mj_loadPluginLibrary", status)?;
+    }
+    Ok(())
 }
 
 /// Installs a clock in the engine for the whole process. From then on each simulation accumulates the duration of the parts of its

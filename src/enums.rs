@@ -152,9 +152,8 @@ engine_enum! {
         Box = mjGEOM_BOX,
         /// Triangle mesh. Collisions use its convex hull.
         Mesh = mjGEOM_MESH,
-        /// Signed distance field. With engines from 3.0.0; a model with such a geom does not load yet.
-        #[doc(alias = "sdf")]
-        SignedDistance = mjGEOM_SDF,
+        /// Signed distance field, of a plugin or of a mesh. With engines from 3.0.
+        Sdf = mjGEOM_SDF,
     }
 }
 engine_enum! {

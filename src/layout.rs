@@ -90,6 +90,32 @@ impl Data {
         unsafe { ffi::array(adapted::inertia(self.as_ptr()), self.model().inertia_len()) }
     }
 
+    /// Returns the state of the plugins.
+    pub(crate) fn plugin_state_values(&self) -> &[f64] {
+        // SAFETY: the engine allocated the array with this length.
+        unsafe { ffi::array(adapted::plugin_state(self.as_ptr()), self.model().plugin_state_len()) }
+    }
+
+    /// Returns the state of the plugins for writing.
+    pub(crate) fn plugin_state_values_mut(&mut self) -> &mut [f64] {
+        let length = self.model().plugin_state_len();
+        // SAFETY: as above, and the data is borrowed exclusively.
+        unsafe { ffi::array_mut(adapted::plugin_state(self.as_mut_ptr()), length) }
+    }
+
+    /// Returns the plastic deformation of the flexes.
+    pub(crate) fn plastic_values(&self) -> &[f64] {
+        // SAFETY: the engine allocated the array with this length.
+        unsafe { ffi::array(adapted::plastic(self.as_ptr()), self.model().plastic_len()) }
+    }
+
+    /// Returns the plastic deformation of the flexes for writing.
+    pub(crate) fn plastic_values_mut(&mut self) -> &mut [f64] {
+        let length = self.model().plastic_len();
+        // SAFETY: as above, and the data is borrowed exclusively.
+        unsafe { ffi::array_mut(adapted::plastic(self.as_mut_ptr()), length) }
+    }
+
     /// Returns the statistics of the solver's recorded iterations.
     pub(crate) fn solver_statistics(&self) -> &[mujoco_sys::mjSolverStat] {
         let mut statistics = ptr::null();
@@ -108,13 +134,6 @@ impl Model {
         ffi::size(unsafe { adapted::inertia_len(self.as_ptr()) })
     }
 
-    /// Returns the number of values of plastic springs in the state.
-    #[cfg(engine_since = "2.3.0")]
-    pub(crate) fn plastic_len(&self) -> usize {
-        // SAFETY: a valid model, of which the function reads a size.
-        ffi::size(unsafe { adapted::plastic_len(self.as_ptr()) })
-    }
-
     /// Returns `true` if a joint or a tendon limits the force of its actuators.
     pub(crate) fn limits_actuator_forces(&self) -> bool {
         // SAFETY: a valid model, of which the function reads arrays of the engine's sizes.
@@ -128,6 +147,18 @@ impl Model {
         // SAFETY: a valid model, of which the function reads sizes.
         unsafe { adapted::get_features(self.as_ptr(), &raw mut features) };
         features
+    }
+
+    /// Returns the length of the state of the plugins.
+    pub(crate) fn plugin_state_len(&self) -> usize {
+        // SAFETY: a valid model, of which the function reads a size.
+        unsafe { adapted::plugin_state_len(self.as_ptr()) }
+    }
+
+    /// Returns the length of the plastic deformation of the flexes.
+    pub(crate) fn plastic_len(&self) -> usize {
+        // SAFETY: as above.
+        unsafe { adapted::plastic_len(self.as_ptr()) }
     }
 
     /// Returns the flags of the equality constraints that are enforced, or enforced initially.

@@ -151,6 +151,7 @@ with_aliases! {
     pub use crate::engine::{
         built_against = "mjVERSION_HEADER",
         engine_version = "mj_version" "mj_versionString",
+        load_plugins = "mj_loadPluginLibrary" "mj_loadAllPluginLibraries",
     };
 }
 

@@ -337,6 +337,42 @@ void mujoco_sys_setFlexGroups(mjvOption* opt, const mjtByte* groups) {
 #endif
 }
 
+mjtNum* mujoco_sys_pluginState(const mjData* d) {
+#if mjVERSION_HEADER >= 230
+  return d->plugin_state;
+#else
+  (void)d;
+  return NULL;
+#endif
+}
+
+size_t mujoco_sys_pluginStateLength(const mjModel* m) {
+#if mjVERSION_HEADER >= 230
+  return (size_t)m->npluginstate;
+#else
+  (void)m;
+  return 0;
+#endif
+}
+
+mjtNum* mujoco_sys_plastic(const mjData* d) {
+#if mjVERSION_HEADER >= 4000000
+  return d->plastic;
+#else
+  (void)d;
+  return NULL;
+#endif
+}
+
+size_t mujoco_sys_plasticLength(const mjModel* m) {
+#if mjVERSION_HEADER >= 4000000
+  return (size_t)m->nplastic;
+#else
+  (void)m;
+  return 0;
+#endif
+}
+
 struct mujoco_sys_contact_side mujoco_sys_contactSide(const mjContact* contact, int side) {
 #if mjVERSION_HEADER >= 300
   return (struct mujoco_sys_contact_side){contact->geom[side], contact->flex[side], contact->elem[side],
@@ -473,15 +509,6 @@ void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]) {
 #else
   (void)pert;
   (void)grip;
-#endif
-}
-
-int mujoco_sys_plasticLength(const mjModel* m) {
-#if mjVERSION_HEADER >= 4000000
-  return (int)m->nplastic;
-#else
-  (void)m;
-  return 0;
 #endif
 }
 

@@ -112,6 +112,12 @@ void mujoco_sys_clearSceneFlexes(const mjModel* m, mjvScene* scn);
 // Sets the visible groups of flexes, since 3.0.
 void mujoco_sys_setFlexGroups(mjvOption* opt, const mjtByte* groups);
 
+// State of the plugins, since 2.3, and plastic deformation of the flexes, since 4.0; and their lengths.
+mjtNum* mujoco_sys_pluginState(const mjData* d);
+size_t mujoco_sys_pluginStateLength(const mjModel* m);
+mjtNum* mujoco_sys_plastic(const mjData* d);
+size_t mujoco_sys_plasticLength(const mjModel* m);
+
 // Geom, or flex with an element or a vertex, on one side of a contact; -1 for none.
 struct mujoco_sys_contact_side {
   int geom;
@@ -144,8 +150,6 @@ void mujoco_sys_setOptions(mjOption* opt, const struct mujoco_sys_options* optio
 void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]);
 void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]);
 
-// Number of plastic springs, which exist since 4.0.
-int mujoco_sys_plasticLength(const mjModel* m);
 // Returns 1 if a joint or a tendon limits the force of its actuators, else 0.
 int mujoco_sys_limitsActuatorForces(const mjModel* m);
 

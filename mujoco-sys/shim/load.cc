@@ -77,6 +77,16 @@ int mujoco_sys_mj_loadXML(const char* filename, const mjVFS* vfs, char* error, i
   return run([=] { *result = mj_loadXML(filename, vfs, error, error_size); });
 }
 
+// Since 2.3. The engine raises an error if the library cannot be opened, and if it registers a plugin whose name is in use.
+int mujoco_sys_mj_loadPluginLibrary(const char* path) {
+#if mjVERSION_HEADER >= 230
+  return run([=] { mj_loadPluginLibrary(path); });
+#else
+  (void)path;
+  return MUJOCO_SYS_OK;
+#endif
+}
+
 int mujoco_sys_xml_digits(void) {
   const bool adjustable = _mjPRIVATE__get_xml_precision && _mjPRIVATE__set_xml_precision;
   return adjustable ? 17 : 6;

@@ -183,8 +183,6 @@ adapted! {
     mujoco_sys_getGrip = get_grip(pert: *const mjvPerturb, grip: *mut mjtNum);
     /// Writes these four numbers.
     mujoco_sys_setGrip = set_grip(pert: *mut mjvPerturb, grip: *const mjtNum);
-    /// Returns the number of stored values of plastic springs, `nplastic` (4.0), or 0.
-    mujoco_sys_plasticLength = plastic_len(m: *const mjModel) -> c_int;
     /// Returns the flags of the equality constraints that are enforced, `eq_active`, or since 3.0 enforced initially, `eq_active0`; neq.
     mujoco_sys_equalityActive = equality_active(m: *const mjModel) -> *mut mjtByte;
     /// Returns 1 if an equality constraint couples sites instead of bodies (`eq_objtype`, since 3.2.3), else 0.
@@ -224,6 +222,14 @@ adapted! {
     mujoco_sys_clearSceneFlexes = clear_scene_flexes(m: *const mjModel, scn: *mut mjvScene);
     /// Sets the visible groups of flexes (`flexgroup`, since 3.0); mjNGROUP.
     mujoco_sys_setFlexGroups = set_flex_groups(opt: *mut mjvOption, groups: *const mjtByte);
+    /// Returns the state of the plugins (`plugin_state`, since 2.3), or null.
+    mujoco_sys_pluginState = plugin_state(d: *const mjData) -> *mut mjtNum;
+    /// Returns the length of the state of the plugins, `npluginstate`.
+    mujoco_sys_pluginStateLength = plugin_state_len(m: *const mjModel) -> usize;
+    /// Returns the plastic deformation of the flexes (`plastic`, since 4.0), or null.
+    mujoco_sys_plastic = plastic(d: *const mjData) -> *mut mjtNum;
+    /// Returns the length of the plastic deformation of the flexes, `nplastic`.
+    mujoco_sys_plasticLength = plastic_len(m: *const mjModel) -> usize;
     /// Returns side 0 or 1 of a contact (`geom1`, `geom2`; `geom`, `flex`, `elem`, `vert` since 3.0).
     mujoco_sys_contactSide = contact_side(contact: *const mjContact, side: c_int) -> ContactSide;
     /// Sets the fields of a contact between `geom1` and `geom2` that 2.2.2 does not have.

@@ -255,6 +255,8 @@ guarded! {
     mujoco_sys_mjv_applyPerturbForce = mjv_apply_perturb_force(
         m: *const mjModel, d: *mut mjData, pert: *const mjvPerturb,
     );
+    /// Does nothing in engines before 2.3, which have no plugins. The initialiser of the library must be sound.
+    mujoco_sys_mj_loadPluginLibrary = mj_load_plugin_library(path: *const c_char);
     mujoco_sys_mjv_select = mjv_select(
         m: *const mjModel, d: *const mjData, vopt: *const mjvOption, aspectratio: mjtNum, relx: mjtNum, rely: mjtNum,
         scn: *const mjvScene, selpnt: *mut mjtNum, geomid: *mut c_int, flexid: *mut c_int, skinid: *mut c_int,

@@ -3,8 +3,8 @@
 use std::mem::MaybeUninit;
 
 use mujoco_sys::{
-    guard, mjContact, mjGEOM_BOX, mjGEOM_CAPSULE, mjGEOM_ELLIPSOID, mjGEOM_HFIELD, mjGEOM_PLANE, mjGEOM_SPHERE,
-    mjMAXCONPAIR,
+    guard, mjContact, mjGEOM_BOX, mjGEOM_CAPSULE, mjGEOM_ELLIPSOID, mjGEOM_HFIELD, mjGEOM_PLANE, mjGEOM_SDF,
+    mjGEOM_SPHERE, mjMAXCONPAIR,
 };
 
 use super::{Data, PipelineFlags};
@@ -46,9 +46,9 @@ impl Data {
     /// # Errors
     ///
     /// [`Error::NotComputed`] before poses were computed, [`Error::Invalid`] for a `distmax` that is negative or not finite,
-    /// [`Error::Unsupported`] for a pair without a collision function, such as two planes, or for a geom whose pose is not
-    /// finite, [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size is not positive. This
-    /// last error poisons the data, because the engine moves geoms during the call.
+    /// [`Error::Unsupported`] for a pair without a collision function, such as two planes, for a signed distance field, or for a
+    /// geom whose pose is not finite, [`Error::Engine`] for a shape that the collision functions reject, such as a box whose size is
+    /// not positive. This last error poisons the data, because the engine moves geoms during the call.
     ///
     /// # Panics
     ///
@@ -87,6 +87,9 @@ impl Data {
             if !pose.copied().all(f64::is_finite) {
                 return Err(Error::Unsupported(format!("the distance of geom {geom}, whose pose is not finite")));
             }
+        }
+        if let Some(geom) = geoms.into_iter().find(|&geom| self.model().geom_type()[geom] as u32 == mjGEOM_SDF) {
+            return Err(Error::Unsupported(format!("the distance of geom {geom}, a signed distance field")));
         }
         // The collision functions expect the geom with the smaller type number first.
         let types = geoms.map(|geom| self.model().geom_type()[geom] as u32);

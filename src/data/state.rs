@@ -9,8 +9,8 @@ use crate::model::Model;
 
 bitflags! {
     /// Parts of a simulation that a state vector contains, concatenated in the order of the flags. Meaning, order and values are
-    /// those of `mjtState` in newer engines, except for parts that 2.2.2 keeps in the model (active equality constraints) or does
-    /// not have (plugins).
+    /// those of `mjtState` in MuJoCo 3.0, except for the active equality constraints, which 2.2.2 keeps in the model and which only a reset
+    /// changes here.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub struct StateSpec: u32 {
         /// `time` (1)
@@ -35,11 +35,15 @@ bitflags! {
         const MOCAP_QUAT = 1 << 10;
         /// `userdata` (nuserdata)
         const USERDATA = 1 << 11;
+        /// State of engine plugins (npluginstate, with engines from 2.3)
+        const PLUGIN = 1 << 12;
+        /// Plastic deformation of flexes (nplastic, with engines from 4.0)
+        const PLASTIC = 1 << 13;
 
         /// Positions, velocities and activations: the state of most control problems.
         const PHYSICS = Self::QPOS.bits() | Self::QVEL.bits() | Self::ACT.bits();
-        /// The physics state and time.
-        const FULL_PHYSICS = Self::PHYSICS.bits() | Self::TIME.bits();
+        /// The physics state, time, and the states of plugins and flexes.
+        const FULL_PHYSICS = Self::PHYSICS.bits() | Self::TIME.bits() | Self::PLUGIN.bits() | Self::PLASTIC.bits();
         /// Inputs of the user: controls, applied forces, mocap poses and user data.
         const USER = Self::CTRL.bits() | Self::QFRC_APPLIED.bits() | Self::XFRC_APPLIED.bits()
             | Self::MOCAP_POS.bits() | Self::MOCAP_QUAT.bits() | Self::USERDATA.bits();
@@ -74,6 +78,8 @@ impl Model {
             StateSpec::MOCAP_POS => 3 * self.nmocap(),
             StateSpec::MOCAP_QUAT => 4 * self.nmocap(),
             StateSpec::USERDATA => self.nuserdata(),
+            StateSpec::PLUGIN => self.plugin_state_len(),
+            StateSpec::PLASTIC => self.plastic_len(),
             // Undefined bits, which `from_bits_retain` can set.
             _ => 0,
         }
@@ -205,6 +211,8 @@ impl Data {
             StateSpec::MOCAP_POS => self.mocap_pos().as_flattened(),
             StateSpec::MOCAP_QUAT => self.mocap_quat().as_flattened(),
             StateSpec::USERDATA => self.userdata(),
+            StateSpec::PLUGIN => self.plugin_state_values(),
+            StateSpec::PLASTIC => self.plastic_values(),
             _ => &[],
         }
     }
@@ -222,6 +230,8 @@ impl Data {
             StateSpec::MOCAP_POS => self.mocap_pos_mut().as_flattened_mut(),
             StateSpec::MOCAP_QUAT => self.mocap_quat_mut().as_flattened_mut(),
             StateSpec::USERDATA => self.userdata_mut(),
+            StateSpec::PLUGIN => self.plugin_state_values_mut(),
+            StateSpec::PLASTIC => self.plastic_values_mut(),
             _ => &mut [],
         }
     }

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::model::Model;
 
 /// State components that a step or a perturbation changes and [`PerturbedData::restore`] restores.
-const SAVED: StateSpec = StateSpec::TIME.union(StateSpec::PHYSICS).union(StateSpec::WARMSTART).union(StateSpec::CTRL);
+const SAVED: StateSpec = StateSpec::FULL_PHYSICS.union(StateSpec::WARMSTART).union(StateSpec::CTRL);
 
 /// Input of the linear system, with its index. It determines a column of A and C, or of B and D.
 #[derive(Clone, Copy, Debug)]

@@ -14,10 +14,10 @@ fields!(Geom on Model {
     geom_type: {GeomType} = |geom| GeomType::of_field(geom.owner.geom_type()[geom.index()]);
     /// Body that the geom is attached to.
     body: {BodyId} = |geom| geom.id_in(geom.owner.geom_bodyid());
-    /// Mesh of a mesh geom; `None` for other shapes.
+    /// Mesh of a mesh geom, or the mesh that shows a signed distance field; `None` for other shapes.
     #[doc(alias = "dataid")]
     mesh: {Option<MeshId>} = |geom| match geom.geom_type() {
-        GeomType::Mesh => geom.optional_id_in(geom.owner.geom_dataid()),
+        GeomType::Mesh | GeomType::Sdf => geom.optional_id_in(geom.owner.geom_dataid()),
         _ => None,
     };
     /// Height field of a height field geom; `None` for other shapes.

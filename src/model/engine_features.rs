@@ -1,6 +1,6 @@
 //! Features of newer engines that this crate does not support yet. A model that uses one is rejected when it is loaded.
 
-use mujoco_sys::{mjENBL_SLEEP, mjWRAP_JOINT};
+use mujoco_sys::{mjENBL_SLEEP, mjGEOM_SDF, mjMAXCONPAIR, mjWRAP_JOINT};
 
 use super::{Model, Options};
 use crate::element::SameFrame;
@@ -17,14 +17,8 @@ impl Model {
         let version = crate::built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
-        let features = self.newer_features();
-        let counts = [
-            (features.plugins, "engine plugins"),
-            (features.histories, "delays of actuators or sensors"),
-            (self.plastic_len(), "plastic springs"),
-        ];
-        if let Some((_, what)) = counts.into_iter().find(|(count, _)| *count > 0) {
-            return unsupported(format!("the model has {what}"));
+        if self.newer_features().histories > 0 {
+            return unsupported("the model has delays of actuators or sensors".to_owned());
         }
         if self.raw().opt.enableflags as u32 & mjENBL_SLEEP != 0 {
             return unsupported("the option sleep is enabled".to_owned());
@@ -64,6 +58,11 @@ impl Model {
         if cfg!(engine_since = "3.0.0") && opt.ccd_iterations < 1 {
             // The solver has no space for its first polytope without an iteration.
             return Err(format!("the collision solver has {} iterations; at least 1 is needed", opt.ccd_iterations));
+        }
+        // The collision functions of fields write a contact for each point, at least one, into arrays of this length.
+        let points = 1..=mjMAXCONPAIR as i32;
+        if self.geom_type().contains(&(mjGEOM_SDF as i32)) && !points.contains(&opt.sdf_initpoints) {
+            return Err(format!("sdf_initpoints is {}; it must be from 1 to {mjMAXCONPAIR}", opt.sdf_initpoints));
         }
         for tendon in 0..self.ntendon() {
             let start = ffi::size(self.tendon_adr()[tendon]);

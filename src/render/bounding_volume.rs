@@ -68,10 +68,12 @@ impl AssetBounds {
                 Sphere { centre: [0.0, 0.0, z / 2.0], radius }
             }
             SceneGeomType::Arrow2 => box_sphere([ARROWHEAD_SCALE * x, ARROWHEAD_SCALE * y, z]),
-            SceneGeomType::Mesh => match geom.mesh().and_then(|mesh| *self.meshes.get(mesh.index())?) {
-                Some(sphere) => sphere,
-                None => return BoundingVolume::Empty,
-            },
+            SceneGeomType::Mesh | SceneGeomType::Sdf => {
+                match geom.mesh().and_then(|mesh| *self.meshes.get(mesh.index())?) {
+                    Some(sphere) => sphere,
+                    None => return BoundingVolume::Empty,
+                }
+            }
             SceneGeomType::HeightField => {
                 match geom.height_field().and_then(|field| *self.height_fields.get(field.index())?) {
                     Some(sphere) => sphere,

@@ -35,6 +35,8 @@ engine_enum! {
         Box = mjGEOM_BOX,
         /// Triangle mesh.
         Mesh = mjGEOM_MESH,
+        /// Signed distance field, shown as a triangle mesh. With engines from 3.0.
+        Sdf = mjGEOM_SDF,
         /// Arrow from its origin along z. `size`: the radius of the shaft, twice, and a length. The engine's renderer and this
         /// crate's draw only half of that length: a third of it as the shaft, a sixth as the head.
         Arrow = mjGEOM_ARROW,
@@ -236,12 +238,16 @@ impl<'s> SceneGeom<'s> {
     /// Returns the mesh.
     #[doc(alias = "dataid")]
     pub fn mesh(self) -> Option<MeshId> {
-        self.data(SceneGeomType::Mesh).map(|data| Id::new(data / 2, self.lineage))
+        self.mesh_data().map(|data| Id::new(data / 2, self.lineage))
     }
 
     /// Returns `true` if the geom shows the convex hull of its mesh instead of the mesh.
     pub fn shows_convex_hull(self) -> bool {
-        self.data(SceneGeomType::Mesh).is_some_and(|data| data % 2 == 1)
+        self.mesh_data().is_some_and(|data| data % 2 == 1)
+    }
+
+    fn mesh_data(self) -> Option<usize> {
+        self.data(SceneGeomType::Mesh).or_else(|| self.data(SceneGeomType::Sdf))
     }
 
     /// Returns the height field.

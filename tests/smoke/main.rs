@@ -35,6 +35,8 @@ mod engine_functions;
 mod flex;
 mod mesh;
 mod newer;
+#[cfg(engine_since = "2.3.0")]
+mod plugin;
 mod real_models;
 
 /// A data of the C API.

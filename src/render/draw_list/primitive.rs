@@ -56,7 +56,7 @@ pub(super) fn parts(geom: SceneGeom<'_>, shapes: &Shapes, level: DetailLevel, pa
         SceneGeomType::Capsule => parts.extend(capsule(size, round)),
         SceneGeomType::Cylinder => parts.extend(cylinder(size, round)),
         SceneGeomType::Box => parts.push(Part::new(shapes.cuboid(), size)),
-        SceneGeomType::Mesh => {
+        SceneGeomType::Mesh | SceneGeomType::Sdf => {
             let shape = geom.mesh().and_then(|mesh| shapes.mesh(mesh.index(), geom.shows_convex_hull()));
             parts.extend(shape.map(asset));
         }
