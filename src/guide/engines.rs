@@ -161,3 +161,17 @@
 //! | `tex_rgb`, `tex_data` | [`Texture::rgb`](crate::element::Texture) |
 //! | `light_directional`, `light_type` | [`Light::directional`](crate::element::Light) |
 //! | `solver`, `solver_iter` | [`Data::solver`](crate::Data::solver) |
+//! | `mesh_normal`, `mesh_texcoord` | [`Mesh::normal`](crate::element::Mesh) by [`Mesh::facenormal`](crate::element::Mesh), likewise `texcoord` |
+//! | `contact.geom1`, `contact.geom` | [`Contact::geoms`](crate::data::Contact::geoms), [`Contact::sides`](crate::data::Contact::sides) |
+//!
+//! # Features of newer engines
+//!
+//! | feature | since | here |
+//! |---|---|---|
+//! | flexes: ropes, cloths, soft bodies | 3.0 | simulated, drawn and selected. [`Contact::geoms`](crate::data::Contact::geoms) is `None` for their contacts |
+//! | plugins, signed distance fields | 2.3, 3.0 | after [`load_plugins`](crate::load_plugins) |
+//! | sleeping bodies | 3.4 | rejected: no state vector contains the sleeping bodies, so a copied state would not continue bit for bit |
+//! | delays of actuators and sensors | 3.5 | rejected: the engine trusts the positions in its buffers, which a state vector would set |
+//! | actuators with several controls, forces or activations | 3.11 | rejected |
+//!
+//! A rejected model is an [`Error::Load`](crate::Error::Load) that names the feature.

@@ -22,8 +22,9 @@ fn model() -> Model {
 }
 
 /// Computes the unit normal of a triangle.
-fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
-    let [u, v] = [b, c].map(|corner| std::array::from_fn::<f32, 3, _>(|axis| corner[axis] - a[axis]));
+fn normal([first, second, third]: [[f32; 3]; 3]) -> [f32; 3] {
+    let edge = |to: [f32; 3]| std::array::from_fn::<f32, 3, _>(|axis| to[axis] - first[axis]);
+    let (u, v) = (edge(second), edge(third));
     let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
     let length = normal.iter().map(|value| value * value).sum::<f32>().sqrt();
     normal.map(|value| value / length)

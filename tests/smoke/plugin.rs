@@ -33,7 +33,7 @@ const PID: &str = r#"<mujoco>
 </mujoco>"#;
 
 /// Directory of the engine that the tests are built for.
-fn directory() -> Option<PathBuf> {
+pub fn directory() -> Option<PathBuf> {
     Some(PathBuf::from(option_env!("MUJOCO_DIR")?).join("plugin")).filter(|directory| directory.is_dir())
 }
 
