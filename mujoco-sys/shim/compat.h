@@ -66,6 +66,52 @@ static inline void compat_solveM2(const mjModel* m, mjData* d, mjtNum* x, const 
 #endif
 }
 
+#if mjVERSION_HEADER >= 3005000
+// Adds a number to an element of a sparse matrix. Inserts the element in the order of the columns if the row lacks it.
+static inline void compat_addElement(mjtNum* dst, int* rownnz, const int* rowadr, int* colind, int row, int column,
+                                     mjtNum value) {
+  const int start = rowadr[row];
+  int at = start + rownnz[row];
+  while (at > start && colind[at - 1] > column) {
+    at--;
+  }
+  if (at > start && colind[at - 1] == column) {
+    dst[at - 1] += value;
+    return;
+  }
+  for (int i = start + rownnz[row]; i > at; i--) {
+    dst[i] = dst[i - 1];
+    colind[i] = colind[i - 1];
+  }
+  dst[at] = value;
+  colind[at] = column;
+  rownnz[row]++;
+}
+#endif
+
+// Adds the whole inertia matrix. Later engines add its lower triangle only.
+static inline void compat_addM(const mjModel* m, mjData* d, mjtNum* dst, int* rownnz, int* rowadr, int* colind) {
+#if mjVERSION_HEADER >= 3005000
+  for (int row = 0; row < m->nv; row++) {
+    for (int i = m->M_rowadr[row]; i < m->M_rowadr[row] + m->M_rownnz[row]; i++) {
+      const int column = m->M_colind[i];
+      if (rownnz) {
+        compat_addElement(dst, rownnz, rowadr, colind, row, column, d->M[i]);
+      } else {
+        dst[(size_t)row * (size_t)m->nv + (size_t)column] += d->M[i];
+      }
+      if (column != row && rownnz) {
+        compat_addElement(dst, rownnz, rowadr, colind, column, row, d->M[i]);
+      } else if (column != row) {
+        dst[(size_t)column * (size_t)m->nv + (size_t)row] += d->M[i];
+      }
+    }
+  }
+#else
+  mj_addM(m, d, dst, rownnz, rowadr, colind);
+#endif
+}
+
 static inline mjtNum compat_ray(const mjModel* m, const mjData* d, const mjtNum* pnt, const mjtNum* vec,
                                 const mjtByte* geomgroup, mjtByte flg_static, int bodyexclude, int* geomid) {
 #if mjVERSION_HEADER >= 3005000

@@ -293,7 +293,7 @@ GUARDED(mj_subtreeVel, d, (const mjModel* m, mjData* d), (m, d))
 ADAPTED_RESULT(mj, stackAlloc, d, (mjData * d, int size, mjtNum** result), (d, size))
 
 ADAPTED(mj, solveM2, d, (const mjModel* m, mjData* d, mjtNum* x, const mjtNum* y, int n), (m, d, x, y, n))
-GUARDED(mj_addM, d, (const mjModel* m, mjData* d, mjtNum* dst, int* rownnz, int* rowadr, int* colind),
+ADAPTED(mj, addM, d, (const mjModel* m, mjData* d, mjtNum* dst, int* rownnz, int* rowadr, int* colind),
         (m, d, dst, rownnz, rowadr, colind))
 GUARDED(mj_applyFT, d,
         (const mjModel* m, mjData* d, const mjtNum* force, const mjtNum* torque, const mjtNum* point, int body,

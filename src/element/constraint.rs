@@ -8,6 +8,8 @@ use crate::kind;
 use crate::model::{Model, ModelMut};
 
 /// Number of parameters: 11 in 2.2.2.
+/// Offset of the ids of bodies in the signature of an exclusion.
+const FIRST_BODY: usize = if cfg!(engine_since = "3.0.0") { 0 } else { 1 };
 const DATA: usize = mujoco_sys::mjNEQDATA as usize;
 
 fields!(Equality on Model {
@@ -105,7 +107,7 @@ fields!(Exclude on Model {
     /// Indices of both bodies packed into one integer, the engine's search key.
     signature: i32 = exclude_signature;
     /// First body.
-    body1: {BodyId} = |exclude| Id::new((exclude.signature().cast_unsigned() >> 16) as usize - 1, exclude.owner.lineage());
+    body1: {BodyId} = |exclude| Id::new((exclude.signature().cast_unsigned() >> 16) as usize - FIRST_BODY, exclude.owner.lineage());
     /// Second body.
-    body2: {BodyId} = |exclude| Id::new((exclude.signature().cast_unsigned() & 0xFFFF) as usize - 1, exclude.owner.lineage());
+    body2: {BodyId} = |exclude| Id::new((exclude.signature().cast_unsigned() & 0xFFFF) as usize - FIRST_BODY, exclude.owner.lineage());
 });

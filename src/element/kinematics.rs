@@ -13,6 +13,9 @@ use crate::id::{BodyId, Ids};
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
+/// Value of `body_sameframe` for a body whose inertial frame equals its frame. Later engines have others for equal orientations.
+const SAME_FRAME: u8 = 1;
+
 /// # Methods of [`BodyMut`](super::BodyMut)
 impl ViewMut<'_, ModelMut<'_>, kind::Body> {
     /// Sets `mass`, kg. The moments of inertia do not change, which suits a point mass. [`scale_mass`](Self::scale_mass)
@@ -100,7 +103,7 @@ fields!(Body on Model {
     /// Returns `true` if its block of the inertia matrix is diagonal, so that the engine skips part of the computation.
     simple: bool = body_simple;
     /// Returns `true` if the inertial frame coincides with the body frame.
-    sameframe: bool = body_sameframe;
+    sameframe: {bool} = |body| body.owner.body_sameframe()[body.index()] == SAME_FRAME;
     /// Index among the mocap bodies; `None` for other bodies.
     #[doc(alias = "mocapid")]
     mocap: {Option<usize>} = |body| usize::try_from(body.owner.body_mocapid()[body.index()]).ok();

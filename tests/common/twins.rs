@@ -35,6 +35,12 @@ pub(crate) fn subjects() -> &'static [Subject] {
         let mut subjects: Vec<_> = [("cartpole", sample::cartpole()), ("humanoid", sample::humanoid()), ("zoo", zoo)]
             .map(|(name, model)| Subject { name: name.to_owned(), model: Arc::new(model) })
             .into();
+        // Later compilers lack these composite objects.
+        #[cfg(not(engine_since = "2.3.0"))]
+        {
+            let model = Model::from_xml_str(include_str!("../models/composites.xml")).unwrap();
+            subjects.push(Subject { name: "composites".to_owned(), model: Arc::new(model) });
+        }
         let installed = sample::system_models();
         if installed.is_empty() {
             println!("skipped the engine's models: none under {} (package libmujoco-samples)", sample::SYSTEM_MODELS);

@@ -147,11 +147,17 @@ fn a_contact_filter_replaces_the_engines_rule() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("stand").unwrap();
     data.forward().unwrap();
-    assert!(data.ncon() > 0);
+    let by_rule = data.ncon();
+    assert!(by_rule > 0);
     data.with_callbacks(Callbacks::new().contact_filter(|_, _, _| false), |data| data.forward()).unwrap();
     assert_eq!(data.ncon(), 0);
     data.with_callbacks(Callbacks::new().contact_filter(|_, _, _| true), |data| data.forward()).unwrap();
-    assert!(data.ncon() > 10, "geoms of one body collide: {}", data.ncon());
+    if cfg!(engine_since = "3.0.0") {
+        // The engine does not pass geoms of one body to the filter.
+        assert!(data.ncon() >= by_rule, "{} contacts", data.ncon());
+    } else {
+        assert!(data.ncon() > 10, "geoms of one body collide: {}", data.ncon());
+    }
 }
 
 #[test]

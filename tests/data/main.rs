@@ -23,3 +23,14 @@ mod shared_model;
 mod soundness;
 mod state;
 mod threads;
+
+/// Returns all flags of optional features that the engine has.
+fn enable_flags() -> mujoco_safe::model::EnableFlags {
+    use mujoco_safe::model::EnableFlags;
+    let lacking = if cfg!(engine_since = "3.5.0") {
+        EnableFlags::SENSORNOISE | EnableFlags::MULTICCD
+    } else {
+        EnableFlags::empty()
+    };
+    EnableFlags::all() - lacking
+}

@@ -147,7 +147,7 @@ mod crashes {
     fn unknown_flags_are_rejected() {
         let mut data = squatting();
         let result = data.edit_model(|model| {
-            model.edit_options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 30))
+            model.edit_options(|options| options.enable = mujoco_safe::model::EnableFlags::from_bits_retain(1 << 27))
         });
         assert!(matches!(result, Err(Error::Invalid { .. })));
     }

@@ -6,7 +6,7 @@ use mujoco_safe::enums::{
     ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, EqualityType, SensorDataType, SensorType, TextureType,
 };
 use mujoco_safe::id::JointId;
-use mujoco_safe::{Data, Error, Model, Stage};
+use mujoco_safe::{Data, Error, Stage};
 
 use crate::every_element;
 
@@ -35,12 +35,14 @@ fn custom_numerics_texts_and_tuples_are_those_of_the_xml() {
     assert_eq!(nested[15], Object::XBody(model.body("branch").unwrap().id()));
 }
 
+// Binary models load with 2.2.2 only.
+#[cfg(not(engine_since = "2.3.0"))]
 #[test]
 fn text_that_is_not_utf8_is_readable() {
     let mut file = every_element().to_binary().unwrap();
     let at = file.windows(6).position(|bytes| bytes == b"metre\0").unwrap();
     file[at + 1] = 0xE8; // è in Latin-1
-    let model = Model::from_binary(&file).unwrap();
+    let model = mujoco_safe::Model::from_binary(&file).unwrap();
     let unit = model.text("unit").unwrap();
     assert_eq!(unit.bytes(), b"m\xE8tre");
     assert_eq!(unit.data(), "m\u{FFFD}tre");

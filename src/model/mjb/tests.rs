@@ -161,7 +161,9 @@ fn simulation_data_that_would_not_fit_is_rejected() {
         with_size(size::nstack, i32::MAX),
         "nstack is 2147483647; it must be at most 1073741823 numbers, which is 8 GiB"
     );
-    assert!(with_size(size::nbuffer, 97_994).contains("it must be 97993, the bytes of its arrays in memory"));
+    let nbuffer = valid().size(size::nbuffer);
+    let message = with_size(size::nbuffer, nbuffer as i32 + 1);
+    assert!(message.contains(&format!("it must be {nbuffer}, the bytes of its arrays in memory")), "{message}");
 }
 
 #[test]

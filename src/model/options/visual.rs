@@ -65,7 +65,12 @@ impl Mirror<mjVisual> for Visual {
     fn write_into(self, raw: &mut mjVisual) {
         self.global.write_into(&mut raw.global);
         self.quality.write_into(&mut raw.quality);
+        let active = raw.headlight.active;
         self.headlight.write_into(&mut raw.headlight);
+        // Later engines have a third value for a light that is on if the scene has no other light.
+        if self.headlight.active == (active != 0) {
+            raw.headlight.active = active;
+        }
         self.map.write_into(&mut raw.map);
         self.scale.write_into(&mut raw.scale);
         self.rgba.write_into(&mut raw.rgba);

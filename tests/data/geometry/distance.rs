@@ -92,7 +92,10 @@ fn distances_equal_analytic_distances() {
         // Exchanging the geoms reverses the segment.
         let [a, b] = geoms(&data);
         let other = data.geom_distance(b, a, 100.0).unwrap().unwrap();
-        assert_eq!(other.fromto, [to, from], "{what}");
+        // The nearest points of parallel faces are not unique, and later engines find others.
+        if cfg!(not(engine_since = "2.3.0")) || first != BOX || second != BOX {
+            assert_eq!(other.fromto, [to, from], "{what}");
+        }
         assert_eq!(other.distance, found.distance, "{what}");
     }
 }
@@ -111,7 +114,8 @@ fn computing_a_distance_changes_nothing() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
     data.edit_model(|model| {
-        model.edit_options(|options| options.enable |= mujoco_safe::model::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
+        model
+            .edit_options(|options| options.enable |= crate::enable_flags() & mujoco_safe::model::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
     })
     .unwrap();
     data.forward().unwrap();

@@ -242,7 +242,11 @@ fn a_runge_kutta_step_equals_forward_and_runge_kutta() {
 #[track_caller]
 fn assert_same(name: &str, ours: &Data, theirs: &Data) {
     let same = |what: &str, ours: &[f64], theirs: &[f64]| {
-        let differs = ours.iter().zip(theirs).position(|(a, b)| a.to_bits() != b.to_bits());
+        // The velocities of actuators with sparse moments are summed in another order than by the engine.
+        let is_sparse = cfg!(engine_since = "3.2.5");
+        let is_same =
+            |a: f64, b: f64| a.to_bits() == b.to_bits() || is_sparse && (a - b).abs() < 1e-9 * (1.0 + b.abs());
+        let differs = ours.iter().zip(theirs).position(|(&a, &b)| !is_same(a, b));
         assert!(ours.len() == theirs.len() && differs.is_none(), "{name}: {what} at {differs:?}");
     };
     same("qacc", ours.qacc(), theirs.qacc());

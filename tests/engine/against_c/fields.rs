@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use mujoco_safe::data::Timer;
 use mujoco_safe::enums::Solver;
-use mujoco_safe::model::EnableFlags;
 use mujoco_safe::sys::{self, mjData, mjModel};
 use mujoco_safe::{Data, MatrixView, MatrixViewMut, Model, kind, sample};
 
@@ -52,13 +51,14 @@ impl Locate for usize {
 
 impl Locate for i32 {
     fn locate(self) -> Place {
-        Place::Number(self.into())
+        // A size that the model leaves to the engine is -1 in later engines, and 0 in the accessor.
+        Place::Number(self.max(0).into())
     }
 }
 
 impl Locate for i64 {
     fn locate(self) -> Place {
-        Place::Number(self as f64)
+        Place::Number(self.max(0) as f64)
     }
 }
 
@@ -154,33 +154,50 @@ fn line(owner: &str, name: &str) -> Vec<&'static str> {
     lines.find(|line| line[0] == owner && line[3] == name).unwrap_or_else(|| panic!("the table lacks {owner}.{name}"))
 }
 
-/// The engine's sizes by name, and its buffer.
+/// Returns the numbers of the engine by name.
+fn numbers(pairs: &Pairs) -> impl Iterator<Item = (&'static str, usize)> {
+    pairs.iter().filter_map(|(name, _, theirs)| match theirs {
+        Place::Number(number) => Some((*name, *number as usize)),
+        Place::Array { .. } => None,
+    })
+}
+
+/// The engine's sizes by name, and its buffers.
 struct Engine {
     sizes: HashMap<&'static str, usize>,
     buffer: Range<usize>,
+    /// The arena of a simulation, which contains the arrays of contacts and constraints in later engines.
+    arena: Range<usize>,
 }
 
 impl Engine {
     fn new(model: &Pairs, buffer: *mut std::ffi::c_void, bytes: impl TryInto<usize, Error: std::fmt::Debug>) -> Self {
-        let sizes = model.iter().filter_map(|(name, _, theirs)| match theirs {
-            Place::Number(number) => Some((*name, *number as usize)),
-            Place::Array { .. } => None,
-        });
         let bytes: usize = bytes.try_into().unwrap();
-        Self { sizes: sizes.collect(), buffer: buffer.addr()..buffer.addr() + bytes }
+        Self { sizes: numbers(model).collect(), buffer: buffer.addr()..buffer.addr() + bytes, arena: 0..0 }
     }
 
     /// Returns the sizes of a simulation: those of the model, but with the current number of constraints, to which accessors
     /// are limited.
-    fn of_data(model: &Pairs, raw: &mjData) -> Self {
+    fn of_data(model: &Pairs, data: &Pairs, raw: &mjData) -> Self {
+        #[cfg(not(engine_since = "2.3.0"))]
+        let _ = data;
         let mut engine = Self::new(model, raw.buffer, raw.nbuffer);
         engine.sizes.insert("njmax", usize::try_from(raw.nefc).unwrap());
+        #[cfg(engine_since = "2.3.0")]
+        {
+            engine.arena = raw.arena.addr()..raw.arena.addr() + usize::try_from(raw.narena).unwrap();
+            engine.sizes.extend(numbers(data));
+        }
         engine
     }
 
     fn extent(&self, text: &str) -> usize {
         text.split('*')
-            .map(|factor| self.sizes.get(factor).copied().unwrap_or_else(|| factor.parse().unwrap()))
+            .map(|factor| match factor {
+                #[cfg(engine_since = "3.2.1")]
+                "mjNTEXROLE" => sys::mjNTEXROLE as usize,
+                _ => self.sizes.get(factor).copied().unwrap_or_else(|| factor.parse().expect(factor)),
+            })
             .product()
     }
 
@@ -202,7 +219,8 @@ impl Engine {
                     "mjtNum" => "f64",
                     "float" => "f32",
                     "int" => "i32",
-                    "mjtByte" => "u8",
+                    "mjtByte" | "mjtBool" => "u8",
+                    "mjtSize" => "i64",
                     other => other,
                 }
             );
@@ -222,11 +240,12 @@ impl Engine {
                 let bytes = rows
                     * width
                     * match line[2] {
-                        "mjtNum" => 8,
-                        "mjtByte" => 1,
+                        "mjtNum" | "mjtSize" => 8,
+                        "mjtByte" | "mjtBool" => 1,
                         _ => 4,
                     };
-                assert!(self.buffer.start <= *at && at + bytes <= self.buffer.end, "{what}: outside of the buffer");
+                let buffer = if line[1] == "arena" { &self.arena } else { &self.buffer };
+                assert!(buffer.start <= *at && at + bytes <= buffer.end, "{what}: outside of the buffer");
             }
         }
     }
@@ -266,7 +285,8 @@ fn accessors_of_a_simulation_return_the_engines_memory_at_every_stage() {
         for stage in [|_: &mut Data| Ok(()), Data::forward, Data::step, Data::reset] {
             stage(&mut data).unwrap_or_else(|error| panic!("{name}: {error}"));
             let raw = raw_data(&data);
-            Engine::of_data(&sizes, raw).compare(&name, "Data", &pairs_of_data(&data, raw));
+            let pairs = pairs_of_data(&data, raw);
+            Engine::of_data(&sizes, &pairs, raw).compare(&name, "Data", &pairs);
         }
     }
 }
@@ -287,7 +307,8 @@ fn mutable_accessors_return_the_engines_memory() {
         // SAFETY: as above.
         let raw = unsafe { std::ptr::read(raw_data(&data)) };
         let pairs: Pairs = data_writers! { writing_pairs data, raw: };
-        Engine::of_data(&sizes, &raw).compare(&name, "Data", &pairs);
+        let numbers = pairs_of_data(&data, &raw);
+        Engine::of_data(&sizes, &numbers, &raw).compare(&name, "Data", &pairs);
     }
 }
 
@@ -310,25 +331,43 @@ fn every_field_of_model_and_data_has_an_accessor() {
     let (model, data) = (model_readers! { names }, data_readers! { names });
     for (owner, listed) in [("Model", &model[..]), ("Data", &data)] {
         let mut listed = [listed, &other_accessors(owner)].concat();
-        let lines = sys::FIELDS.lines().filter_map(|line| line.strip_prefix(owner)?.split('\t').nth(3));
-        let mut fields: Vec<&str> = lines.collect();
+        let lines = sys::FIELDS.lines().filter(|line| line.starts_with(owner)).map(|line| line.split('\t').collect());
+        // File names and the attributes of plugins have no accessor yet.
+        let is_text = |line: &Vec<&str>| line[2] == "char" && ["paths", "plugin_attr"].contains(&line[3]);
+        let mut fields: Vec<&str> = lines.filter(|line| !is_text(line)).map(|line| line[3]).collect();
         listed.sort_unstable();
         fields.sort_unstable();
         assert_eq!(listed, fields, "{owner}");
     }
 }
 
+/// The timers that every engine has, with their constants.
+const TIMERS: [(Timer, u32); 12] = [
+    (Timer::Step, sys::mjTIMER_STEP),
+    (Timer::Forward, sys::mjTIMER_FORWARD),
+    (Timer::Inverse, sys::mjTIMER_INVERSE),
+    (Timer::Position, sys::mjTIMER_POSITION),
+    (Timer::Velocity, sys::mjTIMER_VELOCITY),
+    (Timer::Actuation, sys::mjTIMER_ACTUATION),
+    (Timer::Constraint, sys::mjTIMER_CONSTRAINT),
+    (Timer::PositionKinematics, sys::mjTIMER_POS_KINEMATICS),
+    (Timer::PositionInertia, sys::mjTIMER_POS_INERTIA),
+    (Timer::PositionCollision, sys::mjTIMER_POS_COLLISION),
+    (Timer::PositionMake, sys::mjTIMER_POS_MAKE),
+    (Timer::PositionProject, sys::mjTIMER_POS_PROJECT),
+];
+
 #[test]
 fn values_inside_the_data_struct_equal_c() {
     let mut data = Data::new(sample::humanoid()).unwrap();
-    data.edit_model(|model| model.edit_options(|options| options.enable = EnableFlags::all())).unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.enable = differing::enable_flags())).unwrap();
     data.reset_to_key("squat").unwrap();
     (0..5).for_each(|_| data.step().unwrap());
     let raw = raw_data(&data);
     assert_eq!((data.solver_fwdinv(), data.energy()), (raw.solver_fwdinv, raw.energy));
     assert!(data.energy()[1] > 0.0 && data.solver_fwdinv()[1] > 0.0);
-    for (timer, raw) in Timer::ALL.into_iter().zip(raw.timer) {
-        let count = data.timer(timer);
+    for (timer, constant) in TIMERS {
+        let (count, raw) = (data.timer(timer), raw.timer[constant as usize]);
         assert_eq!((count.duration, count.number), (raw.duration, raw.number as usize), "{timer:?}");
     }
     assert_eq!(data.timer(Timer::Step).number, 5);
@@ -345,10 +384,11 @@ fn values_inside_the_data_struct_equal_c() {
 
 #[test]
 fn timers_equal_the_engines_constants() {
-    let numbers = Timer::ALL.map(|timer| timer as usize);
-    assert!(numbers.into_iter().eq(0..sys::mjNTIMER as usize));
-    assert_eq!(Timer::PositionProject as u32, sys::mjTIMER_POS_PROJECT);
-    assert_eq!(Timer::Constraint as u32, sys::mjTIMER_CONSTRAINT);
+    // Later engines have no timer for the acceleration, and have others for an integration and for the phases of collision detection.
+    let expected = TIMERS.iter().map(|(timer, _)| *timer);
+    assert!(Timer::ALL.into_iter().filter(|timer| *timer != Timer::Acceleration).eq(expected));
+    #[cfg(not(engine_since = "2.3.0"))]
+    assert!(Timer::ALL.into_iter().map(|timer| timer as u32).eq(0..sys::mjNTIMER));
 }
 
 #[test]

@@ -43,7 +43,6 @@ fn fields_of_bodies_and_joints_equal_c() {
             invweight0: m.body_invweight0, [2 * i; 2];
             user: m.body_user, [nuser * i; nuser];
             simple: m.body_simple, [i; 1];
-            sameframe: m.body_sameframe, [i; 1];
             => parent: body.parent().index(), int(m.body_parentid, i);
             => root: body.root().index(), int(m.body_rootid, i);
             => weld: body.weld().index(), int(m.body_weldid, i);
@@ -53,6 +52,7 @@ fn fields_of_bodies_and_joints_equal_c() {
             => ngeom: body.ngeom(), int(m.body_geomnum, i);
             => dofs: (body.dofs().len(), body.dofs().start),
                 (int(m.body_dofnum, i), if body.dofs().is_empty() { 0 } else { int(m.body_dofadr, i) });
+            => sameframe: body.sameframe(), byte(m.body_sameframe, i) == 1;
             => mocap: body.mocap().map_or(-1, |mocap| mocap as i32), raw(m.body_mocapid, i);
         });
         let nuser = m.nuser_jnt as usize;

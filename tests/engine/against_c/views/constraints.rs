@@ -1,6 +1,7 @@
 //! Pairs of geoms, pairs of bodies, and equality constraints.
 
 use mujoco_safe::element::EqualityObjects;
+use mujoco_safe::sys;
 
 use super::{check_fields, int, models, on_model, optional, raw};
 use crate::twins::differing;
@@ -21,17 +22,18 @@ fn fields_of_pairs_excludes_and_equalities_equal_c() {
             => geom1: pair.geom1().index(), int(m.pair_geom1, i);
             => geom2: pair.geom2().index(), int(m.pair_geom2, i);
         });
+        let first = if cfg!(engine_since = "3.0.0") { 0 } else { 1 };
         check_fields!(name, model.excludes(), |exclude, i| {
             signature: m.exclude_signature, [i; 1];
-            // The header's formula: (body1+1)<<16 + body2+1.
-            => body1: ((exclude.body1().index() + 1) << 16) + exclude.body2().index() + 1, int(m.exclude_signature, i);
-            => body2: exclude.body2().index() + 1, int(m.exclude_signature, i) % (1 << 16);
+            // The header's formula: (body1+1)<<16 + body2+1, since 3.0 body1<<16 + body2.
+            => body1: ((exclude.body1().index() + first) << 16) + exclude.body2().index() + first, int(m.exclude_signature, i);
+            => body2: exclude.body2().index() + first, int(m.exclude_signature, i) % (1 << 16);
         });
         check_fields!(name, model.equalities(), |equality, i| {
             active: differing::equality_active(m), [i; 1];
             solref: m.eq_solref, [2 * i; 2];
             solimp: m.eq_solimp, [5 * i; 5];
-            data: m.eq_data, [11 * i; 11];
+            data: m.eq_data, [sys::mjNEQDATA as usize * i; sys::mjNEQDATA as usize];
             => equality_type: equality.equality_type() as i32, raw(m.eq_type, i);
             => objects: raw_objects(equality.objects()), [raw(m.eq_obj1id, i), raw(m.eq_obj2id, i)];
         });

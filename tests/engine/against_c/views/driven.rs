@@ -3,6 +3,7 @@
 use mujoco_safe::element::{Object, Transmission, Wrap};
 use mujoco_safe::sys::{self, mjModel};
 
+use super::enums::{bias, dynamics, gain, sensor_type};
 use super::{check_fields, int, models, on_model, optional, raw, span};
 
 /// Returns type, object and parameter of a path element.
@@ -115,21 +116,21 @@ fn fields_of_tendons_actuators_sensors_and_keyframes_equal_c() {
             ctrllimited: m.actuator_ctrllimited, [i; 1];
             forcelimited: m.actuator_forcelimited, [i; 1];
             actlimited: m.actuator_actlimited, [i; 1];
-            // Actuators with dynamics have activations, and are last.
-            => dynamics: actuator.dynamics() as i32, raw(m.actuator_dyntype, i);
-            => gain: actuator.gain() as i32, raw(m.actuator_gaintype, i);
-            => bias: actuator.bias() as i32, raw(m.actuator_biastype, i);
+            // Actuators with dynamics have activations, in the order of the actuators.
+            => dynamics: dynamics(actuator.dynamics()), int(m.actuator_dyntype, i) as u32;
+            => gain: gain(actuator.gain()), int(m.actuator_gaintype, i) as u32;
+            => bias: bias(actuator.bias()), int(m.actuator_biastype, i) as u32;
             => transmission: raw_transmission(actuator.transmission()),
                 [raw(m.actuator_trntype, i), raw(m.actuator_trnid, 2 * i), raw(m.actuator_trnid, 2 * i + 1)];
             => activation: actuator.activation(),
-                (int(m.actuator_dyntype, i) as u32 != sys::mjDYN_NONE).then(|| i - (nu - na));
+                (int(m.actuator_dyntype, i) as u32 != sys::mjDYN_NONE).then(|| (0..i).filter(|at| int(m.actuator_dyntype, *at) as u32 != sys::mjDYN_NONE).count());
         });
         let nuser = m.nuser_sensor as usize;
         check_fields!(name, model.sensors(), |sensor, i| {
             cutoff: m.sensor_cutoff, [i; 1];
             noise: m.sensor_noise, [i; 1];
             user: m.sensor_user, [nuser * i; nuser];
-            => sensor_type: sensor.sensor_type() as i32, raw(m.sensor_type, i);
+            => sensor_type: sensor_type(sensor.sensor_type()), int(m.sensor_type, i) as u32;
             => datatype: sensor.datatype() as i32, raw(m.sensor_datatype, i);
             => needstage: sensor.needstage() as i32, raw(m.sensor_needstage, i);
             => object: raw_object(sensor.object()), [raw(m.sensor_objtype, i), raw(m.sensor_objid, i)];

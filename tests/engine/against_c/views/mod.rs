@@ -5,6 +5,7 @@ mod body_parts;
 mod constraints;
 mod custom;
 mod driven;
+mod enums;
 mod names;
 mod simulation;
 
