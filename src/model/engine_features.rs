@@ -31,9 +31,6 @@ impl Model {
             return unsupported(format!("actuator {actuator} has several activations"));
         }
         self.unknown_type().map_or(Ok(()), unsupported)?;
-        if let Some(geom) = self.geom_type().iter().position(|&raw| raw == GeomType::SignedDistance.raw()) {
-            return unsupported(format!("geom {geom} is a signed distance field"));
-        }
         self.check_limits()
     }
 
