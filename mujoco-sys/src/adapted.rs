@@ -8,7 +8,8 @@
 use std::os::raw::c_int;
 
 use crate::{
-    mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvGeom, mjvLight, mjvOption, mjvPerturb, mjvScene,
+    mjContact, mjData, mjModel, mjOption, mjSolverStat, mjtByte, mjtNum, mjvGeom, mjvLight, mjvOption, mjvPerturb,
+    mjvScene,
 };
 
 /// Row of a matrix: `count` values at `values`, in the columns `columns`, or in all columns if that is null.

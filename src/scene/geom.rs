@@ -57,8 +57,6 @@ engine_enum! {
         None = mjGEOM_NONE,
         /// Edges of a box, with the size of a [`Box`](Self::Box). With engines from 3.0. This crate's renderer does not draw it.
         LineBox = mjGEOM_LINEBOX,
-        /// Flexible object. With engines from 3.0. This crate's renderer does not draw it.
-        Flex = mjGEOM_FLEX,
         /// Triangle. With engines from 3.0. This crate's renderer does not draw it.
         Triangle = mjGEOM_TRIANGLE,
     }

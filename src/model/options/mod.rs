@@ -97,7 +97,7 @@ pub struct Options {
     /// Largest number of iterations of the convex collision solver. At most a million, and at least 1 with engines from 3.0.
     #[doc(alias = "ccd_iterations")]
     pub mpr_iterations: usize,
-    /// Number of starting points in collisions of signed distance fields, with engines from 3.0.0. At most a million.
+    /// Number of starting points in collisions of signed distance fields, with engines from 3.0.0. From 1 to 50.
     pub sdf_initpoints: usize,
     /// Largest number of iterations in collisions of signed distance fields, with engines from 3.0.0. At most a million.
     pub sdf_iterations: usize,
@@ -381,6 +381,10 @@ impl Options {
         // The collision solver of newer engines has no space for its first polytope if it may not iterate.
         if cfg!(engine_since = "3.0.0") {
             option.require(self.mpr_iterations > 0, "mpr_iterations", self.mpr_iterations, "at least 1")?;
+            // Its functions for signed distance fields write a contact for each point, at least one, into arrays of this length.
+            let points = 1..=sys::mjMAXCONPAIR as usize;
+            let expected = format_args!("from 1 to {}", points.end());
+            option.require(points.contains(&self.sdf_initpoints), "sdf_initpoints", self.sdf_initpoints, expected)?;
         }
         self.check_supported()?;
         // `from_bits_retain` can create flags that the engine does not have.

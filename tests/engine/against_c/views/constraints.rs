@@ -22,7 +22,7 @@ fn fields_of_pairs_excludes_and_equalities_equal_c() {
             => geom1: pair.geom1().index(), int(m.pair_geom1, i);
             => geom2: pair.geom2().index(), int(m.pair_geom2, i);
         });
-        let first = if cfg!(engine_since = "3.0.0") { 0 } else { 1 };
+        let first = usize::from(!cfg!(engine_since = "3.0.0"));
         check_fields!(name, model.excludes(), |exclude, i| {
             signature: m.exclude_signature, [i; 1];
             // The header's formula: (body1+1)<<16 + body2+1, since 3.0 body1<<16 + body2.
