@@ -23,7 +23,7 @@ macro_rules! engine_enum {
                 let constant = match self {
                     $(Self::$variant => stringify!($constant),)*
                 };
-                crate::error::Error::check_constant(constant, &format!(concat!(stringify!($name), "::{:?}"), self))
+                crate::error::Error::check_constant(constant, format_args!(concat!(stringify!($name), "::{:?}"), self))
             }
 
             /// Returns the variant of an engine constant, or `None` for an unknown value.

@@ -302,8 +302,8 @@ impl Error {
     }
 
     /// Checks that the engine has a constant. `what` describes its meaning.
-    pub(crate) fn check_constant(constant: &str, what: &str) -> Result<()> {
-        mujoco_sys::absent::versions(constant).map_or(Ok(()), |versions| Err(Self::lacks(what, versions)))
+    pub(crate) fn check_constant(constant: &str, what: impl fmt::Display) -> Result<()> {
+        mujoco_sys::absent::versions(constant).map_or(Ok(()), |versions| Err(Self::lacks(&what.to_string(), versions)))
     }
 
     /// Checks the length of a vector.

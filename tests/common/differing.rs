@@ -7,7 +7,6 @@
 
 #![allow(dead_code, reason = "each program uses only some of the functions")]
 
-use mujoco_safe::model::EnableFlags;
 use mujoco_safe::sys::{self, mjData, mjModel, mjOption, mjvCamera, mjvLight, mjvOption, mjvScene};
 
 /// Calls a function whose last argument is new in 3.5.0: the address of a normal.
@@ -183,15 +182,6 @@ pub(crate) fn options(raw: &mjOption) -> [f64; 4] {
     return [100.0, raw.ccd_tolerance, raw.ccd_iterations.into(), 0.0];
     #[cfg(not(engine_since = "3.5.0"))]
     return [raw.apirate, raw.mpr_tolerance, raw.mpr_iterations.into(), raw.collision.into()];
-}
-
-/// Returns all flags of optional features that the engine has.
-pub(crate) fn enable_flags() -> EnableFlags {
-    if cfg!(engine_since = "3.5.0") {
-        EnableFlags::all() - EnableFlags::SENSORNOISE - EnableFlags::MULTICCD
-    } else {
-        EnableFlags::all()
-    }
 }
 
 /// Returns 1 for a directional light of a scene, else 0.

@@ -189,7 +189,7 @@ fn every_solver_makes_no_invalid_access() {
                     model.edit_options(|options| {
                         (options.solver, options.integrator, options.jacobian) = (solver, integrator, jacobian);
                         options.noslip_iterations = 1;
-                        options.enable = crate::enable_flags() - mujoco_safe::model::EnableFlags::OVERRIDE;
+                        options.enable = crate::flags::enable_flags() - mujoco_safe::model::EnableFlags::OVERRIDE;
                     })
                 })
                 .unwrap();

@@ -4,6 +4,8 @@
 mod arbitrary;
 #[path = "../common/child.rs"]
 mod child;
+#[path = "../common/flags.rs"]
+mod flags;
 #[path = "../common/touch_all.rs"]
 mod touch_all;
 #[path = "../common/trouble.rs"]
@@ -23,14 +25,3 @@ mod shared_model;
 mod soundness;
 mod state;
 mod threads;
-
-/// Returns all flags of optional features that the engine has.
-fn enable_flags() -> mujoco_safe::model::EnableFlags {
-    use mujoco_safe::model::EnableFlags;
-    let lacking = if cfg!(engine_since = "3.5.0") {
-        EnableFlags::SENSORNOISE | EnableFlags::MULTICCD
-    } else {
-        EnableFlags::empty()
-    };
-    EnableFlags::all() - lacking
-}

@@ -1,5 +1,7 @@
 //! Numbers against independent sources: the engine called from C, the official Python bindings, and published figures.
 
+#[path = "../common/flags.rs"]
+mod flags;
 #[path = "../common/twins.rs"]
 mod twins;
 

@@ -15,6 +15,7 @@ use mujoco_safe::{Data, Error, Model, sample};
 use crate::scene_options::with_groups;
 
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
+const COMPOSITES: &str = include_str!("../models/composites.xml");
 
 fn every_element() -> Model {
     Model::from_xml_str(EVERY_ELEMENT).unwrap()
@@ -353,10 +354,10 @@ fn invalid_numbers_are_rejected() {
 #[test]
 fn a_skin_with_an_invalid_group_is_rejected() {
     for group in [-1, 6, 1_000_000] {
-        for skin in [r#"<skin name="sheet""#, r#"<skin inflate="0.005""#] {
-            assert!(EVERY_ELEMENT.contains(skin));
+        for (text, skin) in [(EVERY_ELEMENT, r#"<skin name="sheet""#), (COMPOSITES, r#"<skin inflate="0.005""#)] {
+            assert!(text.contains(skin));
             let with_group = skin.replace("<skin", &format!(r#"<skin group="{group}""#));
-            let xml = EVERY_ELEMENT.replace(r#" group="2""#, "").replace(skin, &with_group);
+            let xml = text.replace(r#" group="2""#, "").replace(skin, &with_group);
             let error = Model::from_xml_str(&xml).unwrap_err();
             assert!(error.to_string().contains("skin group"), "{error}");
         }

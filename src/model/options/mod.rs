@@ -227,10 +227,10 @@ impl Options {
             self.collision.check_supported()?;
         }
         for (name, _) in self.disable.iter_names().filter(|(_, flag)| !flag.is_present()) {
-            Error::check_constant(&format!("mjDSBL_{name}"), &format!("the flag DisableFlags::{name}"))?;
+            Error::check_constant(&format!("mjDSBL_{name}"), format_args!("the flag DisableFlags::{name}"))?;
         }
         for (name, _) in self.enable.iter_names().filter(|(_, flag)| !flag.is_present()) {
-            Error::check_constant(&format!("mjENBL_{name}"), &format!("the flag EnableFlags::{name}"))?;
+            Error::check_constant(&format!("mjENBL_{name}"), format_args!("the flag EnableFlags::{name}"))?;
         }
         // A value that the engine does not store reads as the default again.
         let mut raw = MaybeUninit::<mjOption>::zeroed();

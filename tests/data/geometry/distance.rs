@@ -113,10 +113,9 @@ fn the_nearest_points_are_on_the_surfaces() {
 fn computing_a_distance_changes_nothing() {
     let mut data = Data::new(sample::humanoid()).unwrap();
     data.reset_to_key("squat").unwrap();
-    data.edit_model(|model| {
-        model
-            .edit_options(|options| options.enable |= crate::enable_flags() & mujoco_safe::model::EnableFlags::MULTICCD) // which perturbs the geoms and restores them
-    })
+    // Collisions with this flag perturb the geoms and restore them.
+    let multiccd = crate::flags::enable_flags() & mujoco_safe::model::EnableFlags::MULTICCD;
+    data.edit_model(|model| model.edit_options(|options| options.enable |= multiccd))
     .unwrap();
     data.forward().unwrap();
     let before = (data.geom_xpos().to_vec(), data.geom_xmat().to_vec(), data.contacts().len());

@@ -360,7 +360,7 @@ const TIMERS: [(Timer, u32); 12] = [
 #[test]
 fn values_inside_the_data_struct_equal_c() {
     let mut data = Data::new(sample::humanoid()).unwrap();
-    data.edit_model(|model| model.edit_options(|options| options.enable = differing::enable_flags())).unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.enable = crate::flags::enable_flags())).unwrap();
     data.reset_to_key("squat").unwrap();
     (0..5).for_each(|_| data.step().unwrap());
     let raw = raw_data(&data);
