@@ -115,8 +115,7 @@ fn computing_a_distance_changes_nothing() {
     data.reset_to_key("squat").unwrap();
     // Collisions with this flag perturb the geoms and restore them.
     let multiccd = crate::flags::enable_flags() & mujoco_safe::model::EnableFlags::MULTICCD;
-    data.edit_model(|model| model.edit_options(|options| options.enable |= multiccd))
-    .unwrap();
+    data.edit_model(|model| model.edit_options(|options| options.enable |= multiccd)).unwrap();
     data.forward().unwrap();
     let before = (data.geom_xpos().to_vec(), data.geom_xmat().to_vec(), data.contacts().len());
     let ids: Vec<GeomId> = data.model().geoms().map(|geom| geom.id()).collect();
