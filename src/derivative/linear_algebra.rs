@@ -77,6 +77,7 @@ pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
 }
 
 /// Computes the factors L, with a diagonal of ones, and U of a square matrix in place, without pivoting.
+#[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "used by the analytic method, which supports 2.2.2 only"))]
 pub(super) fn factor_lu(matrix: &mut Matrix) {
     let n = matrix.nrows();
     for row in 1..n {
@@ -94,6 +95,7 @@ pub(super) fn factor_lu(matrix: &mut Matrix) {
 }
 
 /// Computes `(L U)⁻¹ X` in place, with the factors of [`factor_lu`].
+#[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "used by the analytic method, which supports 2.2.2 only"))]
 pub(super) fn solve_lu(factor: &Matrix, matrix: &mut Matrix) {
     let (n, width) = matrix.shape();
     let values = matrix.as_mut_slice();
