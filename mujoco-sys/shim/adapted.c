@@ -512,6 +512,17 @@ void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]) {
 #endif
 }
 
+int mujoco_sys_jacobianElements(const mjData* d) {
+#if mjVERSION_HEADER >= 325
+  return d->nJ;
+#elif mjVERSION_HEADER >= 230
+  return d->nnzJ;
+#else
+  (void)d;
+  return 0;
+#endif
+}
+
 size_t mujoco_sys_arenaBytes(const mjData* d) {
 #if mjVERSION_HEADER >= 300
   return d->narena;

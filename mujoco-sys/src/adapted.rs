@@ -244,6 +244,8 @@ adapted! {
     mujoco_sys_getOptions = get_options(opt: *const mjOption, options: *mut AdaptedOptions);
     /// Writes those of the options that the engine has.
     mujoco_sys_setOptions = set_options(opt: *mut mjOption, options: *const AdaptedOptions);
+    /// Returns the number of stored elements of the sparse constraint Jacobian (`nnzJ`, or `nJ` since 3.2.5), or 0 before 2.3.
+    mujoco_sys_jacobianElements = jacobian_elements(d: *const mjData) -> c_int;
     /// Returns the bytes of the stack, or since 2.3 of the arena that contains the stack.
     mujoco_sys_arenaBytes = arena_bytes(d: *const mjData) -> usize;
 }

@@ -4,6 +4,8 @@
 use super::PipelineFlags;
 use super::{Data, MissingResults, Stage};
 use crate::error::{Error, Result};
+#[cfg(engine_since = "2.3.0")]
+use crate::ffi;
 
 /// # Time, energy and validity of results
 impl Data {
@@ -84,6 +86,10 @@ impl Data {
 
     /// Returns the number of stored elements of the constraint Jacobian. Allocated dense rows without elements are not used.
     pub(crate) fn jacobian_len(&self) -> usize {
-        if self.model.is_sparse() { self.nJ() } else { self.nefc() * self.model.nv() }
+        if !self.model.is_sparse() {
+            return self.nefc() * self.model.nv();
+        }
+        // SAFETY: a valid simulation, of which the function reads a size.
+        ffi::size(unsafe { mujoco_sys::adapted::jacobian_elements(self.as_ptr()) })
     }
 }

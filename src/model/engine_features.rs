@@ -52,14 +52,17 @@ impl Model {
         if let Some(count) = iterations.into_iter().find(|&count| count > Options::MOST_ITERATIONS) {
             return Err(format!("a solver has {count} iterations; at most a million are allowed"));
         }
-        if cfg!(engine_since = "3.0.0") && opt.ccd_iterations < 1 {
+        if cfg!(engine_since = "3.0.0") && options.mpr_iterations < 1 {
             // The solver has no space for its first polytope without an iteration.
-            return Err(format!("the collision solver has {} iterations; at least 1 is needed", opt.ccd_iterations));
+            return Err(format!(
+                "the collision solver has {} iterations; at least 1 is needed",
+                options.mpr_iterations
+            ));
         }
         // The collision functions of fields write a contact for each point, at least one, into arrays of this length.
-        let points = 1..=mjMAXCONPAIR as i32;
-        if self.geom_type().contains(&(mjGEOM_SDF as i32)) && !points.contains(&opt.sdf_initpoints) {
-            return Err(format!("sdf_initpoints is {}; it must be from 1 to {mjMAXCONPAIR}", opt.sdf_initpoints));
+        let points = 1..=mjMAXCONPAIR as usize;
+        if self.geom_type().contains(&(mjGEOM_SDF as i32)) && !points.contains(&options.sdf_initpoints) {
+            return Err(format!("sdf_initpoints is {}; it must be from 1 to {mjMAXCONPAIR}", options.sdf_initpoints));
         }
         for tendon in 0..self.ntendon() {
             let start = ffi::size(self.tendon_adr()[tendon]);

@@ -5,7 +5,7 @@ use mujoco_safe::callback::Callbacks;
 use mujoco_safe::data::{ConeHessian, SensorUpdate};
 use mujoco_safe::enums::{Cone, JacobianStorage, Solver};
 use mujoco_safe::model::DisableFlags;
-use mujoco_safe::sys::{mjContact, mjENBL_SLEEP, mjNENABLE};
+use mujoco_safe::sys::{adapted, mjContact, mjENBL_SLEEP, mjNENABLE};
 use mujoco_safe::{Data, MatrixView, Model, Result, Stage, sample};
 
 const PATTERN: u8 = 0xA5;
@@ -106,7 +106,7 @@ fn fill(data: &mut Data, kept: usize) {
     unsafe {
         let raw = &mut *data.as_mut_ptr();
         assert_eq!(raw.pstack, 0);
-        let length = usize::try_from(raw.narena).unwrap() - kept;
+        let length = adapted::arena_bytes(raw) - kept;
         raw.arena.cast::<u8>().add(kept).write_bytes(PATTERN, length);
     }
 }

@@ -108,7 +108,7 @@ fn states_copies_and_resets_include_those_of_plugins() {
     }
     // SAFETY: as above.
     assert_eq!(once, unsafe { *(*raw.0).qpos });
-    let size = c!(mj_stateSize(data.model().as_ptr(), sys::mjSTATE_PLUGIN as i32));
+    let size = c!(mj_stateSize(data.model().as_ptr(), sys::mjSTATE_PLUGIN as _));
     assert_eq!(data.model().state_size(StateSpec::PLUGIN), usize::try_from(size).unwrap());
     let saved = data.state(StateSpec::INTEGRATION);
     let mut copy = data.clone();
