@@ -7,7 +7,8 @@
 #[path = "../common/fields.rs"]
 mod fields;
 
-#[cfg(engine_since = "2.3.0")]
+// Its expectations are those of the arena of 3.5 and later.
+#[cfg(engine_since = "3.5.0")]
 mod arena;
 mod shapes;
 
