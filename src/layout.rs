@@ -140,13 +140,11 @@ impl Model {
         unsafe { adapted::limits_actuator_forces(self.as_ptr()) != 0 }
     }
 
-    /// Counts the elements of kinds that only newer engines have.
+    /// Returns the length of the buffers of delays.
     #[cfg(engine_since = "2.3.0")]
-    pub(crate) fn newer_features(&self) -> adapted::Features {
-        let mut features = adapted::Features::default();
-        // SAFETY: a valid model, of which the function reads sizes.
-        unsafe { adapted::get_features(self.as_ptr(), &raw mut features) };
-        features
+    pub(crate) fn history_len(&self) -> usize {
+        // SAFETY: a valid model, of which the function reads a size.
+        ffi::size(unsafe { adapted::history_len(self.as_ptr()) })
     }
 
     /// Returns the length of the state of the plugins.

@@ -478,18 +478,13 @@ int mujoco_sys_limitsActuatorForces(const mjModel* m) {
   return 0;
 }
 
-void mujoco_sys_getFeatures(const mjModel* m, struct mujoco_sys_features* features) {
-  memset(features, 0, sizeof *features);
-#if mjVERSION_HEADER >= 230
-  features->plugins = (int)m->nplugin;
-#endif
-#if mjVERSION_HEADER >= 300
-  features->flexes = (int)m->nflex;
-#endif
+int mujoco_sys_historyLength(const mjModel* m) {
 #if mjVERSION_HEADER >= 3005000
-  features->histories = (int)m->nhistory;
-#endif
+  return (int)m->nhistory;
+#else
   (void)m;
+  return 0;
+#endif
 }
 
 void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]) {

@@ -153,13 +153,8 @@ void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]);
 // Returns 1 if a joint or a tendon limits the force of its actuators, else 0.
 int mujoco_sys_limitsActuatorForces(const mjModel* m);
 
-// Numbers of elements of kinds that only some versions have.
-struct mujoco_sys_features {
-  int flexes;
-  int plugins;
-  int histories;
-};
-void mujoco_sys_getFeatures(const mjModel* m, struct mujoco_sys_features* features);
+// Length of the buffers of delays (nhistory), since 3.5; before, 0.
+int mujoco_sys_historyLength(const mjModel* m);
 
 // Bytes of the stack, or since 2.3 of the arena that contains the stack.
 size_t mujoco_sys_arenaBytes(const mjData* d);

@@ -122,18 +122,6 @@ pub struct AdaptedOptions {
     pub disableactuator: c_int,
 }
 
-/// Numbers of elements of kinds that only some versions have.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Features {
-    /// `nflex`, since 3.0.
-    pub flexes: c_int,
-    /// `nplugin`, since 2.3.
-    pub plugins: c_int,
-    /// `nhistory`, since 3.5.
-    pub histories: c_int,
-}
-
 macro_rules! adapted {
     ($($(#[$doc:meta])* $shim:ident = $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?;)*) => {
         unsafe extern "C" {
@@ -238,8 +226,8 @@ adapted! {
     /// Returns 1 if a joint (`jnt_actfrclimited`, since 2.3.7) or a tendon (`tendon_actfrclimited`, since 3.3.1) limits the force of its
     /// actuators, else 0.
     mujoco_sys_limitsActuatorForces = limits_actuator_forces(m: *const mjModel) -> c_int;
-    /// Counts the elements of kinds that only some versions have.
-    mujoco_sys_getFeatures = get_features(m: *const mjModel, features: *mut Features);
+    /// Returns the length of the buffers of delays (`nhistory`, since 3.5), or 0.
+    mujoco_sys_historyLength = history_len(m: *const mjModel) -> c_int;
     /// Reads the options that only some versions have, or the defaults of those that the engine does not have.
     mujoco_sys_getOptions = get_options(opt: *const mjOption, options: *mut AdaptedOptions);
     /// Writes those of the options that the engine has.

@@ -17,7 +17,7 @@ impl Model {
         let version = crate::built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
-        if self.newer_features().histories > 0 {
+        if self.history_len() > 0 {
             return unsupported("the model has delays of actuators or sensors".to_owned());
         }
         if self.raw().opt.enableflags as u32 & mjENBL_SLEEP != 0 {
