@@ -1,7 +1,6 @@
 //! Geoms and skins of a scene: read access, and changes of the appearance.
 
 use std::fmt;
-use std::ops::Range;
 
 use mujoco_sys::{self as sys, adapted, mjOBJ_UNKNOWN, mjvGeom};
 
@@ -266,7 +265,8 @@ impl<'s> SceneGeom<'s> {
     }
 
     /// Returns the faces of the flex that the geom shows, if it shows only some: those with one of several materials.
-    pub(crate) fn flex_faces(self) -> Option<Range<usize>> {
+    #[cfg(feature = "renderer")]
+    pub(crate) fn flex_faces(self) -> Option<std::ops::Range<usize>> {
         let [_, start, count] = self.raw.size.map(|number| number.max(0.0) as usize);
         (self.raw.dataid >= 0).then(|| start..start.saturating_add(count))
     }
