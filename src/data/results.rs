@@ -70,7 +70,7 @@ impl Data {
     }
 }
 
-// Since 2.3 the engine allocates the arrays of the constraints anew in each computation.
+// Since 2.3 the engine allocates the arrays of the constraints again in each computation.
 #[cfg(engine_since = "2.3.0")]
 impl Data {
     /// Returns the number of rows of an array that the engine has written if these results are valid, else zero.

@@ -79,8 +79,8 @@ pub(super) struct Step {
 
 /// Reason why another method than the requested one was used.
 ///
-/// Where the method is [`Implicit`](TransitionMethod::Implicit), it is [`Columns`](TransitionMethod::Columns) with the implicit
-/// integrator.
+/// Each variant names the method that is used. With the implicit integrator it is [`Columns`](TransitionMethod::Columns) also for variants
+/// that name [`Implicit`](TransitionMethod::Implicit).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Fallback {

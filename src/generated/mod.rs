@@ -19,7 +19,7 @@
 //!
 //! `restore.rs` copies the editable arrays from one model to another of the same structure, and clears a simulation.
 //!
-//! Newer engines allocate the arrays of constraints anew in each computation. Their accessors are empty until the engine has written them
+//! Newer engines allocate the arrays of constraints again in each computation. Their accessors are empty until the engine has written them
 //! (`build/arena.rs`).
 //!
 //! A getter of any other array of `mjData` is unchecked. Its documentation names the call that computes the array, from the table in

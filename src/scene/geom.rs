@@ -54,7 +54,7 @@ engine_enum! {
         Label = mjGEOM_LABEL,
         /// No shape.
         None = mjGEOM_NONE,
-        /// Edges of a box, with the size of a [`Box`](Self::Box). With engines from 3.0. This crate's renderer does not draw it.
+        /// Edges of a box, with the size of a [`Box`](Self::Box). With engines from 3.1.1. This crate's renderer does not draw it.
         LineBox = mjGEOM_LINEBOX,
         /// Triangle. With engines from 3.0. This crate's renderer does not draw it.
         Triangle = mjGEOM_TRIANGLE,

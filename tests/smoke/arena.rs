@@ -111,14 +111,14 @@ fn fill(data: &mut Data, kept: usize) {
     }
 }
 
-/// Makes a call of a simulation that computes the contacts anew.
-fn anew(data: &mut Data, name: &str, call: impl FnOnce(&mut Data) -> Result<()>) {
+/// Makes a call of a simulation that computes contacts and constraints.
+fn with_none(data: &mut Data, name: &str, call: impl FnOnce(&mut Data) -> Result<()>) {
     fill(data, 0);
     call(data).unwrap();
     check(data, name);
 }
 
-/// Makes a call that computes the constraints of the present contacts anew.
+/// Makes a call that computes the constraints of the present contacts.
 fn with_contacts(data: &mut Data, name: &str, call: impl FnOnce(&mut Data) -> Result<()>) {
     fill(data, data.ncon() * size_of::<mjContact>());
     call(data).unwrap();
@@ -136,7 +136,7 @@ fn with_all(data: &mut Data, name: &str, call: impl FnOnce(&mut Data) -> Result<
 
 /// Computes forward dynamics by parts.
 fn by_parts(data: &mut Data) {
-    anew(data, "collision", |data| {
+    with_none(data, "collision", |data| {
         data.kinematics()?;
         data.com_pos()?;
         data.camlight()?;
@@ -165,25 +165,25 @@ fn by_parts(data: &mut Data) {
 
 /// Makes all calls that compute constraints.
 fn all_calls(data: &mut Data) {
-    anew(data, "forward", Data::forward);
+    with_none(data, "forward", Data::forward);
     let mut twin = data.clone();
     check(&twin, "clone");
     by_parts(data);
     assert_eq!((data.qacc(), data.efc_force()), (twin.qacc(), twin.efc_force()));
 
-    anew(data, "step", Data::step);
-    anew(data, "inverse", Data::inverse);
+    with_none(data, "step", Data::step);
+    with_none(data, "inverse", Data::inverse);
     with_all(data, "inverse_skip", |data| data.inverse_skip(Stage::Velocity, SensorUpdate::Compute));
-    anew(data, "step1", Data::step1);
+    with_none(data, "step1", Data::step1);
     with_all(data, "constraint_update", |data| {
         data.constraint_update(&vec![-0.1; data.nefc()], ConeHessian::Compute).map(|_| ())
     });
     with_all(data, "step2", Data::step2);
-    anew(data, "fwd_position", Data::fwd_position);
+    with_none(data, "fwd_position", Data::fwd_position);
     with_all(data, "fwd_velocity", Data::fwd_velocity);
     with_all(data, "forward_skip", |data| data.forward_skip(Stage::Velocity, SensorUpdate::Compute));
     with_all(data, "euler", Data::euler);
-    anew(data, "inv_position", Data::inv_position);
+    with_none(data, "inv_position", Data::inv_position);
     with_all(data, "inv_velocity", Data::inv_velocity);
     with_all(data, "inv_constraint", Data::inv_constraint);
 
@@ -191,8 +191,8 @@ fn all_calls(data: &mut Data) {
         .control(|moment| check(moment, "the control callback"))
         .passive(|moment| check(moment, "the passive callback"));
     twin.with_callbacks(callbacks, |data| {
-        anew(data, "step with callbacks", Data::step);
-        anew(data, "inverse with callbacks", Data::inverse);
+        with_none(data, "step with callbacks", Data::step);
+        with_none(data, "inverse with callbacks", Data::inverse);
     });
 }
 

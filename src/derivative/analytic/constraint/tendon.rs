@@ -22,7 +22,7 @@ pub(super) fn differentiate(rows: &mut Rows, data: &Data, tendons: &mut Tendons,
     }
     let sign = tendons.sign(data, tendon, row);
     let damping = data.efc_KBIP()[row][1];
-    // Where the moment arm is zero, its derivative may not be.
+    // A moment arm of zero may have another derivative.
     rows.widen(0..data.model().nv());
     let values = rows.residual.row_mut(0);
     add(values, tendons.acceleration_change(tendon), sign);

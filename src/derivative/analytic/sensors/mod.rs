@@ -62,57 +62,65 @@ pub(super) struct Point<'a> {
     pub(super) deceleration: &'a Matrix,
 }
 
+/// Group of sensors with common formulas.
+#[derive(Clone, Copy)]
+enum Formula {
+    Linear,
+    Frame,
+    Acceleration,
+    Force,
+    Subtree,
+}
+
 /// Returns true if the rows of a sensor have a formula here.
 pub(in crate::derivative) fn is_covered(model: &Model, sensor: usize) -> bool {
+    formula(model, sensor).is_some()
+}
+
+/// Returns the formula of a sensor.
+fn formula(model: &Model, sensor: usize) -> Option<Formula> {
+    let is_disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
+    if is_disabled || model.sensor_cutoff()[sensor] != 0.0 {
+        return None;
+    }
     let object = ffi::size(model.sensor_objid()[sensor]);
-    let (has_pose, has_reference) = (Pose::is_known(model, sensor), Pose::has_known_reference(model, sensor));
-    let is_covered = match SensorType::from_raw(model.sensor_type()[sensor]) {
-        Some(
-            SensorType::JointPosition
-            | SensorType::JointVelocity
-            | SensorType::TendonPosition
-            | SensorType::TendonVelocity
-            | SensorType::BallQuaternion
-            | SensorType::BallAngularVelocity
-            | SensorType::JointLimitPosition
-            | SensorType::TendonLimitPosition
-            | SensorType::TendonLimitVelocity
-            | SensorType::ActuatorForce
-            | SensorType::Touch
-            | SensorType::JointLimitForce
-            | SensorType::TendonLimitForce
-            | SensorType::Clock,
-        ) => true,
-        Some(SensorType::ActuatorPosition | SensorType::ActuatorVelocity) => {
-            !actuators::is_on_quaternion(model, object)
+    let has_pose = || Pose::is_known(model, sensor);
+    let (formula, is_covered) = match SensorType::from_raw(model.sensor_type()[sensor])? {
+        SensorType::JointPosition
+        | SensorType::JointVelocity
+        | SensorType::TendonPosition
+        | SensorType::TendonVelocity
+        | SensorType::BallQuaternion
+        | SensorType::BallAngularVelocity
+        | SensorType::JointLimitPosition
+        | SensorType::TendonLimitPosition
+        | SensorType::TendonLimitVelocity
+        | SensorType::ActuatorForce
+        | SensorType::Clock => (Formula::Linear, true),
+        SensorType::ActuatorPosition | SensorType::ActuatorVelocity => {
+            (Formula::Linear, !actuators::is_on_quaternion(model, object))
         }
         // The axis of a ball's limit turns.
-        Some(SensorType::JointLimitVelocity) => !linear::is_ball(model, object),
-        Some(
-            SensorType::FramePosition
-            | SensorType::FrameQuaternion
-            | SensorType::FrameXAxis
-            | SensorType::FrameYAxis
-            | SensorType::FrameZAxis
-            | SensorType::FrameLinearVelocity
-            | SensorType::FrameAngularVelocity,
-        ) => has_pose && has_reference,
-        Some(
-            SensorType::Magnetometer
-            | SensorType::Velocimeter
-            | SensorType::Gyro
-            | SensorType::Accelerometer
-            | SensorType::FrameLinearAcceleration
-            | SensorType::FrameAngularAcceleration,
-        ) => has_pose,
-        // The engine has other formulas for a subtree without mass.
-        Some(SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum) => {
-            model.body_subtreemass()[object] >= mjMINVAL
+        SensorType::JointLimitVelocity => (Formula::Linear, !linear::is_ball(model, object)),
+        SensorType::FramePosition
+        | SensorType::FrameQuaternion
+        | SensorType::FrameXAxis
+        | SensorType::FrameYAxis
+        | SensorType::FrameZAxis
+        | SensorType::FrameLinearVelocity
+        | SensorType::FrameAngularVelocity => (Formula::Frame, has_pose() && Pose::has_known_reference(model, sensor)),
+        SensorType::Magnetometer | SensorType::Velocimeter | SensorType::Gyro => (Formula::Frame, has_pose()),
+        SensorType::Accelerometer | SensorType::FrameLinearAcceleration | SensorType::FrameAngularAcceleration => {
+            (Formula::Acceleration, has_pose())
         }
-        _ => false,
+        SensorType::Touch | SensorType::JointLimitForce | SensorType::TendonLimitForce => (Formula::Force, true),
+        // The engine has other formulas for a subtree without mass.
+        SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum => {
+            (Formula::Subtree, model.body_subtreemass()[object] >= mjMINVAL)
+        }
+        _ => return None,
     };
-    let is_disabled = model.raw().opt.disableflags as u32 & DisableFlags::SENSOR.bits() != 0;
-    is_covered && !is_disabled && model.sensor_cutoff()[sensor] == 0.0
+    is_covered.then_some(formula)
 }
 
 impl Sensors {
@@ -138,43 +146,22 @@ impl Sensors {
         in_closed_form.fill(false);
         let mut has_momenta = false;
         for sensor in 0..model.nsensor() {
-            if !is_covered(model, sensor) {
-                continue;
-            }
+            let Some(formula) = formula(model, sensor) else { continue };
             let first = ffi::size(model.sensor_adr()[sensor]);
             let count = ffi::size(model.sensor_dim()[sensor]);
             let output = &mut Rows { matrix: rows, first };
-            match SensorType::from_raw(model.sensor_type()[sensor]) {
-                Some(
-                    SensorType::SubtreeCom | SensorType::SubtreeLinearVelocity | SensorType::SubtreeAngularMomentum,
-                ) => {
+            match formula {
+                Formula::Linear => linear::differentiate(point, sensor, output),
+                Formula::Frame => frame::differentiate(point, sensor, output),
+                Formula::Acceleration => acceleration::differentiate(point, sensor, output),
+                Formula::Force => force::differentiate(point, sensor, output),
+                Formula::Subtree => {
                     if !has_momenta {
                         subtree::sum_momenta(point.data, momenta);
                         has_momenta = true;
                     }
                     subtree::differentiate(point, sensor, momenta, output);
                 }
-                Some(
-                    SensorType::Accelerometer
-                    | SensorType::FrameLinearAcceleration
-                    | SensorType::FrameAngularAcceleration,
-                ) => acceleration::differentiate(point, sensor, output),
-                Some(
-                    SensorType::FramePosition
-                    | SensorType::FrameQuaternion
-                    | SensorType::FrameXAxis
-                    | SensorType::FrameYAxis
-                    | SensorType::FrameZAxis
-                    | SensorType::FrameLinearVelocity
-                    | SensorType::FrameAngularVelocity
-                    | SensorType::Magnetometer
-                    | SensorType::Velocimeter
-                    | SensorType::Gyro,
-                ) => frame::differentiate(point, sensor, output),
-                Some(SensorType::Touch | SensorType::JointLimitForce | SensorType::TendonLimitForce) => {
-                    force::differentiate(point, sensor, output);
-                }
-                _ => linear::differentiate(point, sensor, output),
             }
             for (row, flag) in in_closed_form.iter_mut().enumerate().skip(first).take(count) {
                 *flag = rows.row(row).iter().all(|value| value.is_finite());
