@@ -70,6 +70,28 @@ const FLAGGED: [(&str, &str); 11] = [
     ("dof_armature", "clear_simple_body_flags"),
 ];
 
+/// Sizes and arrays of later engines that add terms to the equations of motion which 2.2.2 does not have, unless they are zero.
+const NEWER_TERMS: [&str; 18] = [
+    "nflex",
+    "nplugin",
+    "body_gravcomp",
+    "jnt_stiffnesspoly",
+    "jnt_springyield",
+    "dof_dampingpoly",
+    "geom_surfacevel",
+    "geom_adhesion",
+    "pair_adhesion",
+    "pair_solreffriction",
+    "tendon_stiffnesspoly",
+    "tendon_dampingpoly",
+    "tendon_springyield",
+    "tendon_armature",
+    "actuator_actearly",
+    "actuator_armature",
+    "actuator_damping",
+    "actuator_dampingpoly",
+];
+
 /// Long arrays that cannot change in a compiled model. All other arrays are restored, including short constant ones, because their
 /// copy costs less than a longer list would.
 const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];
@@ -188,6 +210,7 @@ pub(crate) fn generate(table: &str, default: &str) -> [(&'static str, String); 6
             writer(&mut model_mut, field);
         }
     }
+    newer_terms(&mut model, of("Model").filter(|field| NEWER_TERMS.contains(&field.name)));
     for field in of("Data") {
         reader(&mut data, field);
         if is_written(&field) {
@@ -441,6 +464,27 @@ fn reader(text: &mut String, field: Field<'_>) {
         text,
         "    #[inline]\n    pub fn {name}(&self) -> {result} {{\n        // SAFETY: the engine allocated the array with this shape, and nothing writes to it while `self` is borrowed.\n        unsafe {{ {call} }}\n    }}\n"
     );
+}
+
+/// Writes the method that finds terms of the equations of motion that 2.2.2 does not have.
+fn newer_terms<'t>(text: &mut String, fields: impl Iterator<Item = Field<'t>>) {
+    text.push_str(
+        "    /// Returns `true` for a model whose equations of motion have terms that those of 2.2.2 do not have.\n",
+    );
+    text.push_str("    pub(crate) fn has_newer_terms(&self) -> bool {\n        let is_used: &[bool] = &[\n");
+    for field in fields {
+        let name = field.name;
+        let values = match form(field) {
+            Form::Slice => format!("self.{name}()"),
+            _ => format!("self.{name}().as_flattened()"),
+        };
+        let zero = if field.ctype == "mjtNum" { "0.0" } else { "0" };
+        let _ = match field.is_array() {
+            true => writeln!(text, "            {values}.iter().any(|&value| value != {zero}),"),
+            false => writeln!(text, "            self.{name}() != 0,"),
+        };
+    }
+    text.push_str("        ];\n        is_used.contains(&true)\n    }\n");
 }
 
 /// Writes the line of an array in the macro calls of `restore.rs`.

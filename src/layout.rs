@@ -38,9 +38,18 @@ impl<'a> Row<'a> {
     }
 
     /// Returns the stored elements with their columns.
-    pub(crate) fn iter(self) -> impl Iterator<Item = (usize, f64)> + 'a {
+    pub(crate) fn iter(self) -> impl DoubleEndedIterator<Item = (usize, f64)> + 'a {
         let column = move |at: usize| self.columns.map_or(at, |columns| ffi::size(columns[at]));
         self.values.iter().enumerate().map(move |(at, &value)| (column(at), value))
+    }
+
+    /// Adds a multiple of the row to a dense row.
+    pub(crate) fn add_to(self, row: &mut [f64], factor: f64) {
+        if self.columns.is_none() {
+            row.iter_mut().zip(self.values).for_each(|(row, value)| *row += factor * value);
+        } else {
+            self.iter().for_each(|(column, value)| row[column] += factor * value);
+        }
     }
 
     /// Writes the dense row.
@@ -84,6 +93,21 @@ impl Data {
         is_known.then_some(row)
     }
 
+    /// Returns the lower triangle of a row of the inertia matrix, with the diagonal element last; `None` for engines that store it with
+    /// `dof_Madr`.
+    pub(crate) fn inertia_row(&self, dof: usize) -> Option<Row<'_>> {
+        assert!(dof < self.model().nv(), "Bug: degree of freedom {dof} of {}", self.model().nv());
+        let mut is_known = false;
+        // SAFETY: a degree of freedom of the model, whose sparse rows the compiler has made.
+        let row = unsafe {
+            Row::read(|row| {
+                adapted::inertia_row(self.model().as_ptr(), self.as_ptr(), dof as c_int, row);
+                is_known = (*row).count >= 0;
+            })
+        };
+        is_known.then_some(row)
+    }
+
     /// Returns the stored elements of the inertia matrix.
     pub(crate) fn inertia_elements(&self) -> &[f64] {
         // SAFETY: the engine allocated the array with this length.
@@ -114,6 +138,13 @@ impl Data {
         let length = self.model().plastic_len();
         // SAFETY: as above, and the data is borrowed exclusively.
         unsafe { ffi::array_mut(adapted::plastic(self.as_mut_ptr()), length) }
+    }
+
+    /// Returns `true` if an equality constraint is enforced.
+    pub(crate) fn is_equality_enforced(&self, equality: usize) -> bool {
+        assert!(equality < self.model().neq(), "Bug: equality constraint {equality} of {}", self.model().neq());
+        // SAFETY: a constraint of the model.
+        unsafe { adapted::equality_enforced(self.model().as_ptr(), self.as_ptr(), equality as c_int) != 0 }
     }
 
     /// Returns the statistics of the solver's recorded iterations.

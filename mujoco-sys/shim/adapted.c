@@ -113,6 +113,18 @@ void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct muj
 #endif
 }
 
+void mujoco_sys_inertiaRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row) {
+#if mjVERSION_HEADER >= 3010000
+  const int start = m->M_rowadr[dof];
+  *row = (struct mujoco_sys_row){d->M + start, m->M_colind + start, m->M_rownnz[dof]};
+#else
+  (void)m;
+  (void)d;
+  (void)dof;
+  *row = (struct mujoco_sys_row){NULL, NULL, -1};
+#endif
+}
+
 const mjtNum* mujoco_sys_inertia(const mjData* d) {
 #if mjVERSION_HEADER >= 3010000
   return d->M;
@@ -134,6 +146,16 @@ mjtByte* mujoco_sys_equalityActive(const mjModel* m) {
   return (mjtByte*)m->eq_active0;
 #else
   return m->eq_active;
+#endif
+}
+
+int mujoco_sys_equalityEnforced(const mjModel* m, const mjData* d, int equality) {
+#if mjVERSION_HEADER >= 300
+  (void)m;
+  return d->eq_active[equality];
+#else
+  (void)d;
+  return m->eq_active[equality];
 #endif
 }
 

@@ -30,6 +30,7 @@ void mujoco_sys_actuatorVelocity(const mjModel* m, mjData* d);
 
 // Row of the factor L of the inertia matrix without its diagonal of ones. The count is -1 for engines before 3.3.3 except 3.3.0, which store L with
 // `dof_Madr` and `dof_parentid`.
+void mujoco_sys_inertiaRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row);
 void mujoco_sys_factorRow(const mjModel* m, const mjData* d, int dof, struct mujoco_sys_row* row);
 
 // Stored elements of the inertia matrix, and their number.
@@ -38,6 +39,7 @@ int mujoco_sys_inertiaLength(const mjModel* m);
 
 // Flags of the equality constraints that are enforced, or enforced initially; neq.
 mjtByte* mujoco_sys_equalityActive(const mjModel* m);
+int mujoco_sys_equalityEnforced(const mjModel* m, const mjData* d, int equality);
 
 // True if an equality constraint couples sites instead of bodies.
 int mujoco_sys_equalityCouplesSites(const mjModel* m, int equality);

@@ -163,6 +163,9 @@ adapted! {
     /// Writes the row of the factor L in `qLD` without its diagonal of ones. The count is -1 for engines before 3.3.3 except 3.3.0, which store L with
     /// `dof_Madr` and `dof_parentid`.
     mujoco_sys_factorRow = factor_row(m: *const mjModel, d: *const mjData, dof: c_int, row: *mut Row);
+    /// Writes the row of the lower triangle of the inertia matrix `M`, with the diagonal element last. The count is -1 for engines before 3.10,
+    /// which store `qM` with `dof_Madr` and `dof_parentid`.
+    mujoco_sys_inertiaRow = inertia_row(m: *const mjModel, d: *const mjData, dof: c_int, row: *mut Row);
     /// Returns the stored elements of the inertia matrix, `qM` (`M` since 3.10).
     mujoco_sys_inertia = inertia(d: *const mjData) -> *const mjtNum;
     /// Returns the number of the stored elements of the inertia matrix, `nM` (`nC` since 3.10).
@@ -174,6 +177,8 @@ adapted! {
     mujoco_sys_setGrip = set_grip(pert: *mut mjvPerturb, grip: *const mjtNum);
     /// Returns the flags of the equality constraints that are enforced, `eq_active`, or since 3.0 enforced initially, `eq_active0`; neq.
     mujoco_sys_equalityActive = equality_active(m: *const mjModel) -> *mut mjtByte;
+    /// Returns 1 if an equality constraint is enforced (`mjModel.eq_active`, since 3.0 `mjData.eq_active`), else 0.
+    mujoco_sys_equalityEnforced = equality_enforced(m: *const mjModel, d: *const mjData, equality: c_int) -> c_int;
     /// Returns 1 if an equality constraint couples sites instead of bodies (`eq_objtype`, since 3.2.3), else 0.
     mujoco_sys_equalityCouplesSites = equality_couples_sites(m: *const mjModel, equality: c_int) -> c_int;
     /// Returns the address of an actuator's activation (`actuator_actadr` since 2.3.7), or -1.

@@ -52,7 +52,6 @@ pub(super) fn invert(factor: &Matrix, lower: &mut Matrix, inverse: &mut Matrix) 
 /// Computes `(L Lᵀ)⁻¹ X` in place, with a Cholesky factor L in the lower triangle of `factor`.
 ///
 /// Uses operations on the rows of X, four at a time, so that its columns are processed together.
-#[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "the analytic method is that of 2.2.2"))]
 pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
     let (n, width) = matrix.shape();
     let values = matrix.as_mut_slice();
@@ -77,7 +76,6 @@ pub(super) fn solve_cholesky(factor: &Matrix, matrix: &mut Matrix) {
 }
 
 /// Computes the factors L, with a diagonal of ones, and U of a square matrix in place, without pivoting.
-#[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "used by the analytic method, which supports 2.2.2 only"))]
 pub(super) fn factor_lu(matrix: &mut Matrix) {
     let n = matrix.nrows();
     for row in 1..n {
@@ -95,7 +93,6 @@ pub(super) fn factor_lu(matrix: &mut Matrix) {
 }
 
 /// Computes `(L U)⁻¹ X` in place, with the factors of [`factor_lu`].
-#[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "used by the analytic method, which supports 2.2.2 only"))]
 pub(super) fn solve_lu(factor: &Matrix, matrix: &mut Matrix) {
     let (n, width) = matrix.shape();
     let values = matrix.as_mut_slice();
@@ -115,7 +112,6 @@ pub(super) fn solve_lu(factor: &Matrix, matrix: &mut Matrix) {
 }
 
 /// Subtracts a multiple of each row of `rows` from `result`.
-#[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "the analytic method is that of 2.2.2"))]
 fn subtract_rows(result: &mut [f64], rows: &[f64], factor: impl Fn(usize) -> f64) {
     let width = result.len();
     if width == 0 {

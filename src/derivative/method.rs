@@ -98,9 +98,15 @@ pub enum Fallback {
     /// The no-slip solver changes forces after the accelerations are computed, so inverse dynamics does not invert the step. The
     /// method is [`Columns`](TransitionMethod::Columns).
     NoSlip,
-    /// The model has an option or an element that MuJoCo 2.2.2 does not have and that the method does not cover: discrete inverse
-    /// dynamics, speculative contacts, limits of actuator forces at joints or tendons, dynamics of DC motors and PID controllers, and sensors of
-    /// contacts and of actuator forces at joints or tendons. The method is [`Columns`](TransitionMethod::Columns).
+    /// The model has an option or an element that MuJoCo 2.2.2 does not have and that the method does not cover.
+    ///
+    /// The method is [`Columns`](TransitionMethod::Columns) with discrete inverse dynamics, speculative contacts, limits of actuator forces at
+    /// joints or tendons, dynamics of DC motors and PID controllers, and sensors of contacts and of actuator forces at joints or tendons.
+    ///
+    /// The analytic method does not cover either, so that the method is [`Implicit`](TransitionMethod::Implicit): flexes, plugins, compensation of
+    /// gravity, stiffness and damping of higher order, springs that yield, damping and armature of actuators, armature of tendons, activations that
+    /// act within the step, adhesion and surface velocity of geoms, `solreffriction` of pairs, equality constraints between sites, disabled groups of
+    /// actuators, springs disabled without dampers or dampers without springs, and the option `DIAGEXACT`.
     NewerFeature,
     /// The constraint solver stopped too far from the accelerations that satisfy the equations of motion, because of its iteration
     /// limit or its tolerance. The method is [`Columns`](TransitionMethod::Columns).
@@ -115,14 +121,11 @@ pub enum Fallback {
     /// on hinges, slides and tendons, and motors on other joints. The method is [`Implicit`](TransitionMethod::Implicit).
     Actuator,
     /// The analytic method has no formula for a constraint that exerts a force, for example a contact of convex meshes, whose
-    /// collision function iterates. The method is [`Implicit`](TransitionMethod::Implicit).
+    /// collision function iterates, or with engines from 3.7 a `connect` or `weld` constraint. The method is [`Implicit`](TransitionMethod::Implicit).
     Constraint,
     /// A derivative in closed form is not finite, for example that of the limit of a ball joint at its zero rotation. The method is
     /// [`Implicit`](TransitionMethod::Implicit).
     Singular,
-    /// The formulas of the analytic method have been verified for MuJoCo 2.2.2 only. The method is
-    /// [`Implicit`](TransitionMethod::Implicit).
-    EngineVersion,
 }
 
 impl fmt::Display for Fallback {
@@ -139,7 +142,6 @@ impl fmt::Display for Fallback {
             Self::Actuator => "an actuator has no closed form",
             Self::Constraint => "a constraint has no closed form",
             Self::Singular => "a derivative is not finite",
-            Self::EngineVersion => "the formulas are those of MuJoCo 2.2.2",
         })
     }
 }

@@ -15,10 +15,6 @@
 //! The derivatives of differences and sums of quaternions are in [`math`](crate::math::sub_quat_derivative).
 
 mod actuation;
-#[cfg(not(engine_since = "2.3.0"))]
-mod analytic;
-#[cfg(engine_since = "2.3.0")]
-#[path = "analytic_unverified.rs"]
 mod analytic;
 mod columns;
 mod implicit;

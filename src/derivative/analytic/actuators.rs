@@ -118,9 +118,8 @@ impl ForceSlopes {
     /// Returns the derivatives, or `None` for a force beyond its range.
     fn new(data: &Data, actuator: usize) -> Option<Self> {
         let model = data.model();
-        let (nv, na, nu) = (model.nv(), model.na(), model.nu());
-        // Actuators with activation are the last ones.
-        let (input, input_slope, input_column) = if let Some(activation) = (actuator + na).checked_sub(nu) {
+        let (nv, na) = (model.nv(), model.na());
+        let (input, input_slope, input_column) = if let Some(activation) = model.activation_of(actuator) {
             (data.act()[activation], 1.0, 2 * nv + activation)
         } else {
             let (control, slope) = clamped_control(data, actuator);
@@ -151,7 +150,8 @@ impl ForceSlopes {
     }
 }
 
-/// Derivative of the force of an actuator by its velocity, as the implicit integrator has it: regardless of limits.
+/// Derivative of the force of an actuator by its velocity, as the implicit integrator has it: regardless of limits, of which newer
+/// engines consider some.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct VelocityGain {
     pub(super) total: f64,
@@ -165,15 +165,21 @@ pub(super) fn velocity_gain(data: &Data, actuator: usize) -> VelocityGain {
     if actuation_is_disabled(model) {
         return VelocityGain::default();
     }
-    let input = match (actuator + model.na()).checked_sub(model.nu()) {
-        Some(activation) => data.act()[activation],
-        None => data.ctrl()[actuator],
+    let (input, slope) = match model.activation_of(actuator) {
+        Some(activation) => (data.act()[activation], 1.0),
+        None if cfg!(engine_since = "3.17.0") => clamped_control(data, actuator),
+        None => (data.ctrl()[actuator], 1.0),
     };
+    let (force, [low, high]) = (data.actuator_force()[actuator], model.actuator_forcerange()[actuator]);
+    let is_limited = cfg!(engine_since = "3.5.0") && model.actuator_forcelimited()[actuator] != 0;
+    if is_limited && (force <= low || force >= high) {
+        return VelocityGain::default();
+    }
     let is_affine = model.actuator_gaintype()[actuator] == ActuatorGain::Affine.raw();
     let by_input = if is_affine { model.actuator_gainprm()[actuator][2] } else { 0.0 };
     let is_affine = model.actuator_biastype()[actuator] == ActuatorBias::Affine.raw();
     let constant = if is_affine { model.actuator_biasprm()[actuator][2] } else { 0.0 };
-    VelocityGain { total: constant + by_input * input, by_input }
+    VelocityGain { total: constant + by_input * input, by_input: by_input * slope }
 }
 
 /// Adds the derivative of the velocity of an actuator by the position.
@@ -203,6 +209,7 @@ pub(super) fn write_force(data: &Data, tendons: &Tendons, actuator: usize, row: 
 /// Derivatives of the activation after a step, by the activation and by the control of the same actuator.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NextActivation {
+    pub(super) actuator: usize,
     pub(super) by_activation: f64,
     pub(super) by_control: f64,
 }
@@ -211,25 +218,24 @@ pub(super) struct NextActivation {
 /// velocities, activations and controls, and writes those of the next activations, `(na)`.
 pub(super) fn differentiate(data: &Data, tendons: &Tendons, residual: &mut Matrix, next: &mut [NextActivation]) {
     let model = data.model();
-    let (nv, na, nu) = (model.nv(), model.na(), model.nu());
+    let nv = model.nv();
     if actuation_is_disabled(model) {
         return;
     }
-    let moments = data.actuator_moment();
-    for actuator in 0..nu {
-        if let Some(activation) = (actuator + na).checked_sub(nu) {
+    for actuator in 0..model.nu() {
+        if let Some(activation) = model.activation_of(actuator) {
             next[activation] = next_activation(data, actuator, activation);
         }
         let Some(slopes) = ForceSlopes::new(data, actuator) else { continue };
-        let moment = moments.row(actuator);
-        for (dof, &arm) in moment.iter().enumerate() {
+        let moment = data.moment_row(actuator);
+        for (dof, arm) in moment.iter() {
             if arm != 0.0 {
                 let row = residual.row_mut(dof);
                 if slopes.by_length != 0.0 {
-                    add(&mut row[..nv], moment, -arm * slopes.by_length);
+                    moment.add_to(&mut row[..nv], -arm * slopes.by_length);
                 }
                 if slopes.by_velocity != 0.0 {
-                    add(&mut row[nv..2 * nv], moment, -arm * slopes.by_velocity);
+                    moment.add_to(&mut row[nv..2 * nv], -arm * slopes.by_velocity);
                     add_velocity_change(data, tendons, actuator, -arm * slopes.by_velocity, &mut row[..nv]);
                 }
                 row[slopes.input_column] -= arm * slopes.by_input;
@@ -258,7 +264,7 @@ fn next_activation(data: &Data, actuator: usize, activation: usize) -> NextActiv
     let next = data.act()[activation] + h * data.act_dot()[activation];
     let [low, high] = model.actuator_actrange()[actuator];
     if model.actuator_actlimited()[actuator] != 0 && !(low..=high).contains(&next) {
-        return NextActivation::default();
+        return NextActivation { actuator, ..NextActivation::default() };
     }
     let (rate_by_activation, rate_by_control) = match ActuatorDynamics::from_raw(model.actuator_dyntype()[actuator]) {
         Some(ActuatorDynamics::Filter) => {
@@ -268,5 +274,9 @@ fn next_activation(data: &Data, actuator: usize, activation: usize) -> NextActiv
         Some(ActuatorDynamics::Muscle) => muscle::activation_rate(model, actuator, control, data.act()[activation]),
         _ => (0.0, 1.0),
     };
-    NextActivation { by_activation: 1.0 + h * rate_by_activation, by_control: h * rate_by_control * control_slope }
+    NextActivation {
+        actuator,
+        by_activation: 1.0 + h * rate_by_activation,
+        by_control: h * rate_by_control * control_slope,
+    }
 }

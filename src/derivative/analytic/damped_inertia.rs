@@ -2,7 +2,7 @@
 //!
 //! D is diagonal, so W has the sparsity of M: an entry is zero unless one degree of freedom is above the other in the tree. The
 //! factorisation `W = Lᵀ Δ L`, Δ diagonal, keeps this sparsity (R. Featherstone, "Efficient factorization of the joint-space
-//! inertia matrix for branched kinematic trees", IJRR 2005). Values are stored as in the engine's `qM`: for each degree of
+//! inertia matrix for branched kinematic trees", IJRR 2005). Values are stored as in the `qM` of 2.2.2: for each degree of
 //! freedom, those of its chain to the root.
 
 use super::tree::Tree;
@@ -14,7 +14,7 @@ use crate::matrix::Matrix;
 /// Sparse factor of `M + h D`.
 #[derive(Debug, Default)]
 pub(super) struct DampedInertia {
-    /// `(nM)`: W, and then Δ on the diagonal and L below it.
+    /// W, and then Δ on the diagonal and L below it.
     values: Vec<f64>,
     /// `(nv)`: address of the diagonal entry of each degree of freedom.
     start: Vec<usize>,
@@ -25,12 +25,12 @@ impl DampedInertia {
     pub(super) fn factor(&mut self, data: &Data, tree: &Tree) {
         let model = data.model();
         self.values.clear();
-        self.values.extend_from_slice(data.qM());
         self.start.clear();
-        self.start.extend(model.dof_Madr().iter().map(|&address| ffi::size(address)));
         let Self { values, start } = self;
-        for (&start, &damping) in start.iter().zip(model.dof_damping()) {
-            values[start] += model.raw().opt.timestep * damping;
+        for (dof, &damping) in model.dof_damping().iter().enumerate() {
+            start.push(values.len());
+            push_row(data, tree, dof, values);
+            values[start[dof]] += model.raw().opt.timestep * damping;
         }
         for dof in (0..start.len()).rev() {
             let pivot = values[start[dof]];
@@ -68,5 +68,19 @@ impl DampedInertia {
                 add(&mut row[..width], &above[ancestor * width..(ancestor + 1) * width], -factor);
             }
         }
+    }
+}
+
+/// Appends the elements of a row of the inertia matrix for a degree of freedom and those above it.
+fn push_row(data: &Data, tree: &Tree, dof: usize, values: &mut Vec<f64>) {
+    let Some(row) = data.inertia_row(dof) else {
+        let start = ffi::size(data.model().dof_Madr()[dof]);
+        values.extend_from_slice(&data.inertia_elements()[start..start + tree.chain(Some(dof)).count()]);
+        return;
+    };
+    // Columns increase, and the chain leads to lower degrees of freedom. Elements that the engine knows to be zero are not stored.
+    let mut stored = row.iter().rev().peekable();
+    for above in tree.chain(Some(dof)) {
+        values.push(stored.next_if(|&(column, _)| column == above).map_or(0.0, |(_, value)| value));
     }
 }

@@ -16,7 +16,7 @@ use crate::data::Data;
 use crate::derivative::linear_algebra::add;
 use crate::derivative::rotation::{self, Rotation};
 use crate::matrix::Matrix;
-use crate::model::Model;
+use crate::model::{DisableFlags, Model};
 
 /// Buffers of the integrator.
 #[derive(Debug)]
@@ -50,8 +50,9 @@ impl Euler {
         let model = data.model();
         let (nv, h) = (model.nv(), model.raw().opt.timestep);
         let damping = model.dof_damping();
-        // The engine's condition.
-        let is_damped = damping.iter().any(|&damping| damping > 0.0);
+        // The engine's condition. In 2.2.2 the flag for passive forces does not disable implicit damping.
+        let is_enabled = model.raw().opt.disableflags as u32 & DisableFlags::DAMPER.bits() == 0;
+        let is_damped = is_enabled && damping.iter().any(|&damping| damping > 0.0);
         let spread = self.spread.as_mut_slice();
         spread.fill(0.0);
         if is_damped {

@@ -17,8 +17,8 @@
 //! ∂q (∂c/∂v s) = ∂q c(v + s) − ∂q c(v) − ∂q c(s),        ∂v (∂c/∂v s) = (∂c/∂v)(s).
 //! ```
 //!
-//! The engine omits entries of Q for two degrees of freedom of which neither moves the other. It takes neither limits of controls and
-//! forces into account.
+//! The engine omits entries of Q for two degrees of freedom of which neither moves the other. In 2.2.2 it takes
+//! neither limits of controls nor limits of forces into account, since 3.5 the latter, and in 3.17 both.
 
 use super::actuators::velocity_gain;
 use super::rigid_body::RigidBodies;
@@ -55,9 +55,13 @@ pub(super) fn is_used(model: &Model) -> bool {
     Integrator::of_field(model.raw().opt.integrator) == Integrator::Implicit
 }
 
-/// Returns true if the model uses the integrator, and Q depends on the state by terms without a formula: forces of a medium, muscles,
-/// and spatial tendons.
+/// Returns true if the model uses a similar integrator of newer engines, or uses this one and Q depends on the state by terms without a
+/// formula: forces of a medium, muscles, and spatial tendons.
 pub(super) fn is_obstacle(model: &Model) -> bool {
+    let integrator = Integrator::of_field(model.raw().opt.integrator);
+    if matches!(integrator, Integrator::ImplicitFast | Integrator::Discrete) {
+        return true;
+    }
     let is_spatial = |tendon: usize| !is_fixed(model, tendon);
     let has_muscle = model.actuator_gaintype().contains(&ActuatorGain::Muscle.raw());
     let options = &model.raw().opt;
@@ -131,7 +135,7 @@ impl ImplicitStep {
                 add(&mut sum.row_mut(dof)[columns.clone()], &bias.row(dof)[columns.clone()], factor);
             }
         }
-        add_gains(data, tree, acceleration, sum);
+        add_gains(data, tree, acceleration, velocity, sum);
         solve_lu(factor, sum);
         let values = derivative.as_mut_slice().iter_mut().zip(sum.as_slice());
         values.for_each(|(value, sum)| *value = h * (sum - *value));
@@ -183,8 +187,8 @@ fn add_product_on_chains(tree: &Tree, vector: &[f64], factor: f64, matrix: &mut 
     }
 }
 
-/// Adds the derivatives of `h Q s` by activations and controls, on which velocity gains depend.
-fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], sum: &mut Matrix) {
+/// Adds the derivatives of `h Q s` by activations and controls, on which velocity gains depend. `moment` is a buffer, `(nv)`.
+fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], moment: &mut [f64], sum: &mut Matrix) {
     let model = data.model();
     let (nv, na, h) = (model.nv(), model.na(), model.raw().opt.timestep);
     for actuator in 0..model.nu() {
@@ -192,12 +196,11 @@ fn add_gains(data: &Data, tree: &Tree, acceleration: &[f64], sum: &mut Matrix) {
         if by_input == 0.0 {
             continue;
         }
-        let column = match (actuator + na).checked_sub(model.nu()) {
+        let column = match model.activation_of(actuator) {
             Some(activation) => 2 * nv + activation,
             None => 2 * nv + na + actuator,
         };
-        let moments = data.actuator_moment();
-        let moment = moments.row(actuator);
+        data.moment_row(actuator).write_into(moment);
         for (dof, &arm) in moment.iter().enumerate() {
             sum[(dof, column)] += h * by_input * arm * arm * acceleration[dof];
             for above in tree.chain(tree.parent[dof]) {

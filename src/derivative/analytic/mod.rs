@@ -57,7 +57,7 @@ use super::{TransitionOutputs, sizes};
 use crate::data::{Data, SensorUpdate};
 use crate::error::Result;
 use crate::matrix::Matrix;
-use crate::model::{DisableFlags, Model};
+use crate::model::{DisableFlags, EnableFlags, Model};
 
 /// Terms that were differenced, or the reason why there is no closed form.
 pub(super) type Outcome = std::result::Result<DifferencedTerms, Fallback>;
@@ -84,13 +84,29 @@ pub(super) struct Analytic {
 
 /// Returns the reason why a step of this model has no closed form here, if there is one.
 pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
-    if implicit_step::is_obstacle(model) {
+    if has_newer_feature(model) {
+        Some(Fallback::NewerFeature)
+    } else if implicit_step::is_obstacle(model) {
         Some(Fallback::ImplicitIntegrator)
     } else if fluid::is_obstacle(model) {
         Some(Fallback::Fluid)
     } else {
         actuators::obstacle(model)
     }
+}
+
+/// Returns true for a model with an option or an element that 2.2.2 does not have and that changes the equations of motion.
+fn has_newer_feature(model: &Model) -> bool {
+    let options = model.options();
+    let disabled = options.disable;
+    // Both together are the flag of 2.2.2.
+    let disables_one =
+        !disabled.contains(DisableFlags::PASSIVE) && disabled.intersects(DisableFlags::SPRING | DisableFlags::DAMPER);
+    disables_one
+        || options.enable.contains(EnableFlags::DIAGEXACT)
+        || options.disableactuator != 0
+        || model.has_newer_terms()
+        || (0..model.neq()).any(|equality| model.couples_sites(equality))
 }
 
 /// Returns true if the rows of C and D of a sensor have a closed form.
@@ -189,7 +205,7 @@ impl Analytic {
     /// Writes A and B from the derivatives of the next velocities and activations.
     fn write(&self, model: &Model, outputs: &mut TransitionOutputs<'_>) {
         let (nx, nu, _) = sizes(model);
-        let (nv, na, h) = (model.nv(), model.na(), model.raw().opt.timestep);
+        let (nv, h) = (model.nv(), model.raw().opt.timestep);
         if let Some(a) = &mut outputs.a {
             self.euler.write(h, &self.derivative, 0..nx, a);
             for (activation, next) in self.next_activation.iter().enumerate() {
@@ -203,7 +219,7 @@ impl Analytic {
             for (activation, next) in self.next_activation.iter().enumerate() {
                 let row = b.row_mut(2 * nv + activation);
                 row.fill(0.0);
-                row[nu - na + activation] = next.by_control;
+                row[next.actuator] = next.by_control;
             }
         }
     }

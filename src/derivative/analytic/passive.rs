@@ -1,7 +1,7 @@
 //! Derivatives of the passive forces: springs and dampers of joints and tendons.
 
 use super::super::linear_algebra::add;
-use super::tendon::Tendons;
+use super::tendon::{Tendons, stretch};
 use crate::data::Data;
 use crate::enums::JointType;
 use crate::ffi;
@@ -25,7 +25,10 @@ pub(super) fn differentiate(data: &Data, tendons: &Tendons, row: &mut [f64], res
         }
     }
     for tendon in 0..model.ntendon() {
-        let (stiffness, damping) = (model.tendon_stiffness()[tendon], model.tendon_damping()[tendon]);
+        let [low, high] = model.tendon_rest_length(tendon);
+        let is_slack = low < high && stretch(data, tendon) == 0.0;
+        let stiffness = if is_slack { 0.0 } else { model.tendon_stiffness()[tendon] };
+        let damping = model.tendon_damping()[tendon];
         if stiffness != 0.0 || damping != 0.0 {
             data.tendon_row(tendon).write_into(row);
             for (dof, &moment) in row.iter().enumerate() {

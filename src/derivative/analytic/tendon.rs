@@ -165,8 +165,7 @@ impl Tendons {
         let model = data.model();
         let mut tension = 0.0;
         if model.raw().opt.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0 {
-            let stretch = data.ten_length()[tendon] - model.tendon_lengthspring()[tendon];
-            tension -= model.tendon_stiffness()[tendon] * stretch;
+            tension -= model.tendon_stiffness()[tendon] * stretch(data, tendon);
             tension -= model.tendon_damping()[tendon] * data.ten_velocity()[tendon];
         }
         for (actuator, &force) in data.actuator_force().iter().enumerate() {
@@ -177,7 +176,7 @@ impl Tendons {
         for equality in 0..model.neq() {
             let objects = [model.eq_obj1id()[equality], model.eq_obj2id()[equality]];
             let is_tendon = EqualityType::from_raw(model.eq_type()[equality]) == Some(EqualityType::Tendon);
-            if is_tendon && model.eq_active()[equality] != 0 && objects.contains(&(tendon as i32)) {
+            if is_tendon && data.is_equality_enforced(equality) && objects.contains(&(tendon as i32)) {
                 return None;
             }
         }
@@ -204,6 +203,12 @@ impl Tendons {
 pub(super) fn is_fixed(model: &Model, tendon: usize) -> bool {
     let first = ffi::size(model.tendon_adr()[tendon]);
     model.wrap_type().get(first).copied().and_then(WrapType::from_raw) == Some(WrapType::Joint)
+}
+
+/// Returns the distance of a tendon's length from the range in which its spring is at rest.
+pub(super) fn stretch(data: &Data, tendon: usize) -> f64 {
+    let (length, [low, high]) = (data.ten_length()[tendon], data.model().tendon_rest_length(tendon));
+    length - length.max(low).min(high)
 }
 
 /// Returns the tendon on which an actuator acts, if it acts on one.

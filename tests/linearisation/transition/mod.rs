@@ -1,8 +1,6 @@
 //! Linear systems of steps by every method: against extrapolated differences of the engine's `mj_step`, against its
 //! `mjd_transitionFD`, and against each other. The simulation is restored.
 
-// The closed form is verified for 2.2.2 only. With later engines the method falls back to the implicit one.
-#[cfg(not(engine_since = "2.3.0"))]
 mod analytic;
 mod contract;
 mod features;

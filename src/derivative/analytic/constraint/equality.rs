@@ -4,7 +4,7 @@
 //!   row₂` and `∂J = −p''(d) row₂ row₂ᵀ`. `∂pos = J`.
 //! - **Connect:** the difference of an anchor p₁ on the first body and p₂ on the second, in the world's axes. `∂pos = J`.
 //! - **Weld:** the same, and a rotation: for the orientations q₁ and q₂, the relative pose ρ and the scale τ of torques, the rows
-//!   are `τ Q (ω₁ − ω₂)`, `Q y = Im(q̄₂ y q₁ ρ)/2`. The engine scales J by τ, but not the positions of these rows.
+//!   are `τ Q (ω₁ − ω₂)`, `Q y = Im(q̄₂ y q₁ ρ)/2`. 2.2.2 scales J by τ, but not the positions of these rows.
 //!
 //! The impedance of all rows of a constraint is a function of the norm of their positions, for a weld with τ applied.
 
@@ -46,6 +46,8 @@ pub(super) fn differentiate(
 ) -> bool {
     let equality = ffi::size(data.efc_id()[row]);
     match EqualityType::from_raw(data.model().eq_type()[equality]) {
+        // Their reference contains the derivative of the Jacobian by time since 3.7, for which there is no formula here.
+        Some(EqualityType::Connect | EqualityType::Weld) if cfg!(engine_since = "3.7.0") => return false,
         Some(EqualityType::Connect) => differentiate_bodies(constraints, data, tree, row, false, residual),
         Some(EqualityType::Weld) => differentiate_bodies(constraints, data, tree, row, true, residual),
         Some(kind @ (EqualityType::Joint | EqualityType::Tendon)) => {
@@ -97,11 +99,11 @@ fn differentiate_polynomial(
     }
 }
 
-/// Adds the derivatives of the reference and of the impedance, from those of the positions.
+/// Adds the derivatives of the reference and of the impedance, from those of the positions. `torque_scale` is the scale of the Jacobian of
+/// rotations relative to their positions.
 fn finish(rows: &mut Rows, data: &Data, torque_scale: f64) {
     let [stiffness, _, impedance, slope] = data.efc_KBIP()[rows.first];
     let positions = &data.efc_pos()[rows.first..rows.first + rows.count];
-    // The Jacobian of rotations is scaled, their positions are not.
     let position_scale = |row: usize| if row < 3 { 1.0 } else { torque_scale };
     let norm = positions.iter().enumerate().map(|(row, pos)| (position_scale(row) * pos).powi(2)).sum::<f64>().sqrt();
     let span = rows.span.clone();
@@ -148,7 +150,8 @@ fn differentiate_bodies(
     let damping = data.efc_KBIP()[row][1];
     chains.set(tree, data.cdof(), bodies, |dof| data.qacc()[dof] + damping * data.qvel()[dof]);
     rows.load(data, row, if is_weld { 6 } else { 3 }, Some(chains.span()));
-    finish(rows, data, torque_scale);
+    // Since 3.0 the engine scales the positions, too.
+    finish(rows, data, if cfg!(engine_since = "3.0.0") { 1.0 } else { torque_scale });
 
     let efc_force = |first: usize| array::from_fn(|i| data.efc_force()[first + i]);
     let force: Vec3 = efc_force(row);

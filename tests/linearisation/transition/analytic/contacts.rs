@@ -126,7 +126,7 @@ fn the_limit_of_a_ball_at_its_zero_rotation_falls_back_to_the_implicit_method() 
 }
 
 #[track_caller]
-fn assert_falls_back(data: &mut Data, reason: Fallback) {
+pub(super) fn assert_falls_back(data: &mut Data, reason: Fallback) {
     let (system, report) = analytic(data);
     assert_eq!((report.method, report.fallback), (TransitionMethod::Implicit, Some(reason)));
     let options = TransitionOptions::default().with_method(TransitionMethod::Implicit);

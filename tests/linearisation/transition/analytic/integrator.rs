@@ -6,9 +6,9 @@ use mujoco_safe::{Data, Lineariser, sample};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::constraints::{MIXED, ROWS, collide};
+use super::constraints::{collide, constrained};
 use super::smooth::joints;
-use super::{OPTIONS, analytic, check, model, randomise};
+use super::{OPTIONS, analytic, check, model, randomise, without_passive_forces};
 use crate::transition::features::{chain, moving};
 
 #[test]
@@ -36,7 +36,7 @@ fn tendons_and_actuators_on_two_branches_agree_with_differences() {
         r#"<velocity joint="h" kv="3" forcelimited="true" forcerange="-0.1 0.1"/>"#,
         r#"<general joint="h" dyntype="filter" dynprm="0.05" gaintype="affine" gainprm="3 0 0.8"/>"#,
     ] {
-        for flag in ["", r#"<flag actuation="disable"/>"#, r#"<flag passive="disable"/>"#] {
+        for flag in ["", r#"<flag actuation="disable"/>"#, without_passive_forces()] {
             if actuator.contains("filter") && flag.contains("actuation") {
                 continue;
             }
@@ -56,7 +56,7 @@ fn constraints_agree_with_differences() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(42);
     for option in OPTIONS {
         let option = format!(r#"{option} integrator="implicit""#);
-        let mut data = model(&MIXED.replace("CONE", &option).replace("ROWS", ROWS));
+        let mut data = model(&constrained(&option));
         for state in 0..2 {
             collide(&mut data, &mut random);
             assert!(data.ncon() > 0);

@@ -39,6 +39,15 @@ const IMPLICIT_STEPS: [f64; 4] = [1e-7, 1e-6, 1e-5, 1e-8];
 const OPTIONS: [&str; 4] =
     ["", r#"jacobian="sparse""#, r#"cone="elliptic" impratio="3""#, r#"cone="elliptic" jacobian="sparse""#];
 
+/// Returns the flag that disables springs and dampers, which are two flags since 3.3.6.
+fn without_passive_forces() -> &'static str {
+    if cfg!(engine_since = "3.3.6") {
+        r#"<flag spring="disable" damper="disable"/>"#
+    } else {
+        r#"<flag passive="disable"/>"#
+    }
+}
+
 fn analytic(data: &mut Data) -> (StateSpace, LinearisationReport) {
     let options = TransitionOptions::default().with_method(TransitionMethod::Analytic);
     Lineariser::new(data.model().clone(), options).unwrap().linear_system(data).unwrap()

@@ -5,7 +5,7 @@ use mujoco_safe::{Data, sys};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{analytic, check, model, randomise, sensors};
+use super::{analytic, check, model, randomise, sensors, without_passive_forces};
 
 /// Tendons between a free body, its arm, a pendulum and the world, one of them with a pulley and one along a geom that it may touch.
 fn strings(tendon: &str, rest: &str) -> String {
@@ -68,7 +68,7 @@ fn check_states(xml: &str, seed: u64) -> Data {
 #[test]
 fn springs_and_dampers_of_spatial_tendons_agree_with_differences() {
     check_states(&strings(r#"stiffness="8" springlength="0.5" damping="0.4""#, ""), 30);
-    check_states(&strings(r#"stiffness="8""#, r#"<option><flag passive="disable"/></option>"#), 31);
+    check_states(&strings(r#"stiffness="8""#, &format!("<option>{}</option>", without_passive_forces())), 31);
 }
 
 #[test]
