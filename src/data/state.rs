@@ -1,5 +1,7 @@
 //! State vectors.
 
+use std::ops::Range;
+
 use bitflags::bitflags;
 
 use super::Data;
@@ -65,6 +67,28 @@ impl Model {
     #[doc(alias = "mj_stateSize")]
     pub fn state_size(&self, spec: StateSpec) -> usize {
         spec.iter().map(|part| self.part_size(part)).sum()
+    }
+
+    /// Returns the indices of `part` in a state vector of `spec`.
+    ///
+    /// # Panics
+    ///
+    /// If `spec` does not contain `part`, or contains other components between those of `part`.
+    ///
+    /// ```
+    /// use mujoco_safe::{StateSpec, sample};
+    ///
+    /// let model = sample::cartpole();
+    /// assert_eq!(model.state_range(StateSpec::PHYSICS, StateSpec::QVEL), 2..4); // [qpos; qvel]
+    /// assert_eq!(model.state_range(StateSpec::INTEGRATION, StateSpec::PHYSICS), 1..5); // after the time
+    /// ```
+    pub fn state_range(&self, spec: StateSpec, part: StateSpec) -> Range<usize> {
+        let is_other = |component: &StateSpec| !part.contains(*component);
+        let start = spec.iter().take_while(is_other).map(|component| self.part_size(component)).sum();
+        let found =
+            spec.iter().skip_while(is_other).take_while(|component| !is_other(component)).collect::<StateSpec>();
+        assert!(found == part, "{part:?} is not a contiguous part of {spec:?}");
+        start..start + self.state_size(part)
     }
 
     fn part_size(&self, part: StateSpec) -> usize {
