@@ -33,20 +33,37 @@ pub(crate) trait EngineCallbacks: Send {
 pub(super) struct ActiveCallbacks {
     /// Callbacks of the innermost [`Data::with_callbacks`].
     scope: Option<Arc<CallbackSlot>>,
-    /// Callbacks of [`Data::set_callbacks`]. A panic in a closure poisons the simulation, so unwinding exposes no broken state.
-    own: Option<AssertUnwindSafe<Box<dyn EngineCallbacks>>>,
+    own: OwnCallbacks,
+}
+
+/// Callbacks of [`Data::set_callbacks`]. A panic in a closure poisons the simulation, so unwinding exposes no broken state.
+#[derive(Default)]
+pub(crate) struct OwnCallbacks(Option<AssertUnwindSafe<Box<dyn EngineCallbacks>>>);
+
+// SAFETY: a shared reference gives no access to the closures.
+unsafe impl Sync for OwnCallbacks {}
+
+impl OwnCallbacks {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_none()
+    }
 }
 
 impl Data {
     /// Returns `true` if a call on this simulation may call closures.
     #[inline]
     pub(crate) fn has_callbacks(&self) -> bool {
-        self.callbacks.scope.is_some() || self.callbacks.own.is_some()
+        self.callbacks.scope.is_some() || !self.callbacks.own.is_empty()
     }
 
     /// Replaces the callbacks that this simulation owns.
     pub(crate) fn replace_own_callbacks(&mut self, callbacks: Option<Box<dyn EngineCallbacks>>) {
-        self.callbacks.own = callbacks.map(AssertUnwindSafe);
+        self.callbacks.own = OwnCallbacks(callbacks.map(AssertUnwindSafe));
+    }
+
+    /// Exchanges the callbacks that this simulation owns for others.
+    pub(crate) fn swap_own_callbacks(&mut self, callbacks: &mut OwnCallbacks) {
+        std::mem::swap(&mut self.callbacks.own, callbacks);
     }
 
     /// Makes an engine call with the callbacks of the innermost scope, else with those that this simulation owns. The call
@@ -58,7 +75,7 @@ impl Data {
     ) -> (c_int, Option<Error>) {
         let scope = self.callbacks.scope.clone();
         // Moved out, because the closures get a reference to this simulation.
-        let mut own = self.callbacks.own.take();
+        let mut own = std::mem::take(&mut self.callbacks.own);
         let raw = self.as_ptr();
         let data = ptr::from_mut(self);
         let mut run = |callbacks: &mut dyn EngineCallbacks| {
@@ -67,7 +84,7 @@ impl Data {
         };
         let called = match scope.and_then(|slot| slot.with_active(&mut run)) {
             Some(called) => Some(called),
-            None => own.as_mut().map(|own| run(&mut ***own)),
+            None => own.0.as_mut().map(|own| run(&mut ***own)),
         };
         self.callbacks.own = own;
         called.unwrap_or_else(|| (call(), None))

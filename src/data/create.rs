@@ -122,6 +122,20 @@ impl Data {
         }
     }
 
+    /// Exchanges the model for another one of the same structure. All results count as not computed afterwards.
+    pub(crate) fn swap_model(&mut self, model: &mut Arc<Model>) {
+        assert!(self.model.is_same_structure(model), "Bug: a simulation gets a model of another structure");
+        std::mem::swap(&mut self.model, model);
+        self.computed = PipelineFlags::empty();
+        #[cfg(engine_since = "3.0.0")]
+        {
+            let model = self.model.clone();
+            let active = model.equality_active();
+            // SAFETY: the engine allocated the array with this length, and `self` is borrowed exclusively.
+            unsafe { ffi::array_mut(self.raw_mut().eq_active, active.len()) }.copy_from_slice(active);
+        }
+    }
+
     /// Returns a copy, or an error if memory is exhausted. [`Clone`] panics in that case. A copy of poisoned data is poisoned.
     /// The copy has no [callbacks](Self::set_callbacks).
     ///

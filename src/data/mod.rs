@@ -34,7 +34,7 @@ use std::sync::Arc;
 use mujoco_sys::{self as sys, mjData};
 
 use self::active_callbacks::ActiveCallbacks;
-pub(crate) use self::active_callbacks::EngineCallbacks;
+pub(crate) use self::active_callbacks::{EngineCallbacks, OwnCallbacks};
 pub use self::contact::{ContactForce, ContactSide};
 pub use self::diagnostics::{SolverIteration, TimerCount};
 pub use self::distance::GeomDistance;
@@ -45,7 +45,7 @@ pub use self::frame::SpatialVector;
 pub use self::jacobian::Jacobian;
 pub use self::ray::{RayHit, RayOptions};
 pub use self::warning::WarningCount;
-pub(crate) use self::warning::silence as silence_warnings;
+pub(crate) use self::warning::{WarningCounters, silence as silence_warnings};
 use crate::error::{Error, Result};
 pub use crate::error::{Instability, UnstableField};
 use crate::field_docs::field_docs;

@@ -112,12 +112,15 @@ pub struct WarningCount {
     pub lastinfo: i32,
 }
 
+/// Counters of all types of warnings, as the engine stores them.
+pub(crate) type WarningCounters = [mjWarningStat; COUNT];
+
 /// Start value of the counters during a call. It is so large that counters do not reach zero or overflow within a call.
 const BASE: i32 = 1 << 30;
 
 /// Counters of a data while the engine uses counters that start at [`BASE`].
 pub(super) struct SavedCounters {
-    before: [mjWarningStat; COUNT],
+    before: WarningCounters,
 }
 
 /// Change of the counters during a call.
@@ -224,6 +227,18 @@ impl Data {
         let Some(index) = warning.index() else { return WarningCount::default() };
         let stat = &self.raw().warning[index];
         WarningCount { number: usize::try_from(stat.number % BASE).unwrap_or(0), lastinfo: stat.lastinfo }
+    }
+
+    /// Returns the counters of all types of warnings.
+    #[inline]
+    pub(crate) fn warnings(&self) -> WarningCounters {
+        self.raw().warning
+    }
+
+    /// Sets the counters of all types of warnings.
+    #[inline]
+    pub(crate) fn set_warnings(&mut self, counters: &WarningCounters) {
+        self.raw_mut().warning = *counters;
     }
 
     /// Logs the warnings whose counters were zero before the call.

@@ -96,7 +96,8 @@
 //!
 //! The observations of a failed simulation are NaN, and [`failure`](Batch::failure) returns its error. The closure of
 //! [`observe`](Batch::observe) reads the simulation after a step, so the remark on the age of poses applies to it too;
-//! [`Batch::forward_after_step`] updates them.
+//! [`Batch::forward_after_step`] updates them. [`Batch::data`] returns a copy of one simulation, for example to draw it,
+//! [`Batch::states`] the states of all as a matrix, and [`Batch::edit_where`] changes simulations between two steps.
 //!
 //! # Threads and memory
 //!
@@ -114,8 +115,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A rollout needs one [`Data`] per thread, a batch one per simulation. A [`Data`] of a large model takes several megabytes, mostly for the
-//! constraints and the stack that `njmax`, `nconmax` and `nstack` in the model's `size` element reserve. Lower limits reduce the memory of a batch.
+//! Rollouts and batches need one [`Data`] per thread. A batch keeps of each simulation its [state](Batch::states), its controls and its
+//! observations as rows of matrices, so 4,096 humanoids take about 20 MB. A simulation whose model was edited also keeps a copy of the model.
 //!
 //! # Determinism
 //!

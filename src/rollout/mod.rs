@@ -31,7 +31,6 @@
 
 mod batch;
 mod forward;
-mod members;
 #[cfg(feature = "npz")]
 mod npz;
 mod parallel;

@@ -433,10 +433,21 @@ fn steps_of_rollouts_do_not_allocate() {
 fn steps_of_a_batch_do_not_allocate() {
     let _lock = lock_process();
     let batch = || Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
-    for mut batch in [batch(), batch().forward_after_step()] {
+    let edited = || {
+        let mut batch = batch();
+        let edit = |data: &mut Data| data.edit_model(|model| model.set_total_mass(50.0));
+        batch.reset_where(|index| index > 0, |_, _, data| edit(data)).unwrap();
+        batch
+    };
+    for mut batch in [batch(), batch().forward_after_step(), edited()] {
         allocates_nothing("Batch::step", || {
             batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
         });
         allocates_nothing("Batch::reset_where", || batch.reset_where(|index| index > 0, |_, _, _| ()).unwrap());
+        allocates_nothing("Batch::edit_where", || {
+            batch.edit_where(|index| index > 0, |_, data| data.set_time(1.0)).unwrap();
+        });
+        let mut data = Data::new(batch.model()).unwrap();
+        allocates_nothing("Batch::load", || batch.load(1, &mut data).unwrap());
     }
 }

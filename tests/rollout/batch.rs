@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use mujoco_safe::{Batch, Controller, Data, Error, RandomController, StateSpec, sample};
+use mujoco_safe::{Batch, Controller, Data, Error, RandomController, Result, StateSpec, sample};
 
 use super::{bits, pool};
 
@@ -98,7 +98,7 @@ fn a_failure_stops_one_simulation_until_its_reset() {
     }
     assert!(matches!(batch.failure(2), Some(Error::Unstable(_))));
     assert_eq!(batch.failures().map(|(index, _)| index).collect::<Vec<_>>(), [2]);
-    assert!((batch.data(2).time() - 0.03).abs() < 1e-12, "the simulation has stopped");
+    assert!((batch.data(2).unwrap().time() - 0.03).abs() < 1e-12, "the simulation has stopped");
     for index in [0, 1, 3] {
         assert_eq!(bits(batch.observations().row(index)), bits(&alone.physics_state()));
     }
@@ -106,9 +106,9 @@ fn a_failure_stops_one_simulation_until_its_reset() {
 
     batch.reset(2).unwrap();
     assert!(batch.failure(2).is_none());
-    assert_eq!(batch.observations().row(2), batch.data(2).physics_state());
+    assert_eq!(batch.observations().row(2), batch.data(2).unwrap().physics_state());
     batch.step(|_, controls| controls.as_mut_slice().fill(0.1)).unwrap();
-    assert!((batch.data(2).time() - 0.01).abs() < 1e-12);
+    assert!((batch.data(2).unwrap().time() - 0.01).abs() < 1e-12);
     assert_eq!(batch.controls().as_slice(), [0.1; 4]);
 }
 
@@ -126,7 +126,7 @@ fn an_error_in_the_initial_state_stops_only_its_simulations() {
     assert!(batch.failure(4).unwrap().to_string().contains("keyframe 14"));
     batch.reset_where(|_| true, |_, _, data| data.reset_to_key(0)).unwrap();
     assert!(batch.failures().next().is_none());
-    assert_eq!(batch.data(4).qpos(), [0.0, 1.57]);
+    assert_eq!(batch.data(4).unwrap().qpos(), [0.0, 1.57]);
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn an_error_of_the_policy_advances_no_simulation() {
     let mut batch = Batch::new(sample::cartpole(), 3).unwrap();
     let error = batch.step(|_, _| Err(Error::Unsupported("no idea".to_owned()))).unwrap_err();
     assert_eq!(error.to_string(), "no idea");
-    assert!((0..3).all(|index| batch.data(index).time() == 0.0));
+    assert!((0..3).all(|index| batch.data(index).unwrap().time() == 0.0));
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn a_panic_propagates_and_the_batch_remains_usable() {
         row[0] = data.time();
     });
     assert!(catch_unwind(AssertUnwindSafe(|| batch.step(|_, _| assert!(late > 1.0, "no policy")))).is_err());
-    assert!((0..6).all(|index| batch.data(index).time() == 0.0));
+    assert!((0..6).all(|index| batch.data(index).unwrap().time() == 0.0));
     let caught = pool(2).install(|| {
         catch_unwind(AssertUnwindSafe(|| {
             for _ in 0..10 {
@@ -181,11 +181,68 @@ fn each_simulation_may_have_its_own_edited_model() {
 
 #[test]
 fn replacing_a_simulation_is_a_failure_of_that_simulation() {
-    let mut batch = Batch::new(sample::cartpole(), 3).unwrap();
-    batch.reset_where(|index| index == 1, |_, _, data| *data = Data::new(sample::humanoid()).unwrap()).unwrap();
+    let mut batch = Batch::new(sample::cartpole(), 3).unwrap().chunk(3);
+    let error =
+        batch.reset_where(|index| index == 1, |_, _, data| *data = Data::new(sample::humanoid()).unwrap()).unwrap_err();
+    assert!(matches!(error, Error::OtherModel { .. }), "{error}");
+    batch.step(|_, controls| controls.as_mut_slice().fill(0.1)).unwrap();
+    assert_eq!(batch.failures().map(|(index, _)| index).collect::<Vec<_>>(), [1]);
+    let mut alone = Data::new(sample::cartpole()).unwrap();
+    alone.ctrl_mut()[0] = 0.1;
+    alone.step().unwrap();
+    for index in [0, 2] {
+        assert_eq!(bits(batch.observations().row(index)), bits(&alone.physics_state()));
+    }
+    assert!(matches!(batch.load(0, &mut Data::new(sample::humanoid()).unwrap()), Err(Error::OtherModel { .. })));
+}
+
+#[test]
+fn a_simulation_left_unusable_by_a_closure_has_failed() {
+    let mut batch = Batch::new(sample::cartpole(), 2).unwrap();
+    let error = batch
+        .reset_where(
+            |index| index == 0,
+            |_, _, data| {
+                data.qfrc_applied_mut()[0] = 1e300;
+                assert!(data.step().is_err());
+            },
+        )
+        .unwrap_err();
+    assert!(matches!(error, Error::Poisoned { .. }), "{error}");
     batch.step(|_, _| ()).unwrap();
-    assert!(matches!(batch.failure(1), Some(Error::Shape { .. })));
-    assert_eq!(batch.failures().count(), 1);
+    assert_eq!(batch.failures().map(|(index, _)| index).collect::<Vec<_>>(), [0]);
+}
+
+#[test]
+fn a_panic_of_a_closure_keeps_the_edited_model_of_its_simulation() {
+    let mut batch = Batch::new(sample::cartpole(), 2).unwrap().chunk(2);
+    let heavier = |data: &mut Data| data.edit_model(|model| model.body_mass_mut()[2] *= 2.0);
+    batch.reset_where(|index| index == 1, |_, _, data| heavier(data)).unwrap();
+    let panics = |_: usize, _: &mut Data| -> Result<()> { panic!("no edit") };
+    let caught = catch_unwind(AssertUnwindSafe(|| batch.edit_where(|index| index == 1, panics)));
+    assert_eq!(caught.unwrap_err().downcast_ref::<&str>(), Some(&"no edit"));
+    let mut alone = Data::new(sample::cartpole()).unwrap();
+    heavier(&mut alone).unwrap();
+    alone.ctrl_mut()[0] = 0.1;
+    alone.step().unwrap();
+    batch.step(|_, controls| controls.as_mut_slice().fill(0.1)).unwrap();
+    assert_eq!(bits(batch.observations().row(1)), bits(&alone.physics_state()));
+    assert_ne!(batch.observations().row(0), batch.observations().row(1));
+}
+
+#[test]
+fn controls_start_from_zero_after_a_reset() {
+    let mut batch = Batch::new(sample::cartpole(), 3).unwrap();
+    batch.step(|_, controls| controls.as_mut_slice().fill(0.5)).unwrap();
+    batch
+        .reset_where(|index| index != 0, |index, _, data| data.ctrl_mut()[0] = if index == 2 { 0.25 } else { 0.0 })
+        .unwrap();
+    assert_eq!(batch.controls().as_slice(), [0.5, 0.0, 0.25]);
+    let mut expected = Data::new(sample::cartpole()).unwrap();
+    expected.ctrl_mut()[0] = 0.25;
+    expected.step().unwrap();
+    batch.step(|_, _| ()).unwrap();
+    assert_eq!(bits(batch.observations().row(2)), bits(&expected.physics_state()));
 }
 
 #[test]
@@ -251,7 +308,7 @@ fn episodes_start_alike_for_any_threads_and_any_order_of_resets() {
             for call in 0..calls {
                 batch.reset_where(|index| which(call, index), random_start).unwrap();
                 for index in (0..count).filter(|&index| which(call, index)) {
-                    let state = bits(&batch.data(index).state(StateSpec::INTEGRATION));
+                    let state = bits(&batch.data(index).unwrap().state(StateSpec::INTEGRATION));
                     assert!(
                         state == expected[index][batch.episode(index) as usize - 1],
                         "simulation {index}, reset {call}"

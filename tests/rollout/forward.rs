@@ -157,14 +157,14 @@ fn batches_are_bit_for_bit_the_same_and_their_observations_are_those_of_the_pres
                     .unwrap();
             }
             for index in 0..COUNT {
-                let expected = plain.data(index);
+                let expected = plain.data(index).unwrap();
                 let mut copy = expected.clone();
                 copy.forward().unwrap();
                 let mut row = vec![0.0; width(&model)];
-                read_both(expected, &copy, &mut row);
+                read_both(&expected, &copy, &mut row);
                 for batch in &batches {
                     assert!(
-                        bits(&batch.data(index).state(SPEC)) == bits(&expected.state(SPEC)),
+                        bits(&batch.data(index).unwrap().state(SPEC)) == bits(&expected.state(SPEC)),
                         "{:?}",
                         model.options()
                     );
@@ -195,7 +195,7 @@ fn a_quaternion_of_another_length_is_kept() {
     let quat = [2.0, 0.2, 0.0, 0.0];
     let mut batch = Batch::new(model, 1).unwrap().forward_after_step();
     batch.reset_where(|_| true, |_, _, data| data.qpos_mut()[3..7].copy_from_slice(&quat)).unwrap();
-    assert_eq!(batch.data(0).qpos()[3..7], quat);
+    assert_eq!(batch.data(0).unwrap().qpos()[3..7], quat);
     assert_eq!(batch.observations().row(0)[3..7], quat);
 }
 

@@ -11,6 +11,7 @@ mod edits;
 mod equality;
 mod forward;
 mod isolation;
+mod schedules;
 mod sizes;
 
 #[path = "../common/trouble.rs"]

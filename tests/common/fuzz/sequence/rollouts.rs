@@ -123,7 +123,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
         for _ in 0..=bytes.below(4) {
             let (number, which) = (bytes.number(), bytes.below(4));
-            let result = match bytes.below(5) {
+            let result = match bytes.below(7) {
                 0 => batch.reset_where(|index| index != which, |_, _, data| data.qvel_mut().fill(number)),
                 1 => batch.reset_where(
                     |index| index != which,
@@ -133,6 +133,11 @@ pub(super) const CALLS: &[(&str, Call)] = &[
                     },
                 ),
                 2 if which < batch.len() => batch.reset(which),
+                3 => batch.edit_where(
+                    |index| index != which,
+                    |_, data| data.xfrc_applied_mut().as_flattened_mut().fill(number),
+                ),
+                4 if which < batch.len() => batch.load(which, &mut scene.data),
                 _ => batch.step(|observations, controls| {
                     black_box(observations.shape());
                     controls.as_mut_slice().fill(number);
@@ -142,7 +147,8 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
         black_box((batch.failures().count(), batch.observations().shape(), batch.controls().shape()));
         for index in 0..batch.len() {
-            black_box((batch.failure(index).map(ToString::to_string), format!("{:?}", batch.data(index))));
+            black_box((batch.failure(index).map(ToString::to_string), format!("{:?}", batch.data(index)?)));
+            assert_eq!(batch.states().row(index).len(), batch.model().state_size(StateSpec::INTEGRATION));
         }
         Ok(())
     }),

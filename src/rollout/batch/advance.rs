@@ -1,0 +1,214 @@
+//! Steps, resets and edits of all simulations of a batch.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use super::Batch;
+use super::member::{Common, Member, Members, Widths};
+use super::worker::Worker;
+use crate::data::{Data, StateSpec};
+use crate::error::{Error, Outcome, Result};
+use crate::matrix::{MatrixView, MatrixViewMut};
+use crate::rollout::parallel::{Split, StopOnPanic, default_chunk, in_chunks};
+
+/// # Steps, resets and edits
+impl Batch<'_> {
+    /// Calls the policy to set the controls `(n, nu)` from the observations `(n, nobs)`, steps all simulations, and observes them.
+    /// The controls keep their values from the previous step unless the policy changes them; those of a simulation that was reset are
+    /// zero unless its `start` set them. Allocates nothing except the first [`Data`] of each thread.
+    ///
+    /// A simulation that fails is not stepped again until it is reset, and its observations are NaN: see
+    /// [`failure`](Self::failure).
+    ///
+    /// # Errors
+    ///
+    /// The error of the policy, if it returns one. In that case no simulation is stepped.
+    ///
+    /// # Panics
+    ///
+    /// If a closure panics.
+    pub fn step<O: Outcome<Value = ()>>(
+        &mut self,
+        policy: impl FnOnce(MatrixView<'_>, &mut MatrixViewMut<'_>) -> O,
+    ) -> Result<()> {
+        let (count, nu) = self.controls.shape();
+        let mut controls = MatrixViewMut::from_row_major(count, nu, self.controls.as_mut_slice());
+        policy(self.observations.view(), &mut controls).into_result()?;
+        let substeps = self.substeps;
+        self.each(|_, member, slot| member.step(slot, substeps));
+        Ok(())
+    }
+
+    /// Resets the simulations whose index satisfies `which`, calls `start` to set their initial states, and observes them. An edit
+    /// of the model by [`Data::edit_model`] in `start`, or a call of [`Data::set_callbacks`], affects that simulation only, and
+    /// persists. The batch keeps a copy of the model for each simulation with such an edit.
+    ///
+    /// The arguments of `start` are the index, the number of the [`episode`](Self::episode) that starts, and the simulation. The first
+    /// reset of a simulation starts its episode 1. Random numbers from a seed of both numbers depend neither on the threads nor on
+    /// the order in which the episodes of different simulations end:
+    ///
+    /// ```
+    /// use mujoco_safe::{Batch, sample};
+    /// use rand::{RngExt, SeedableRng};
+    /// use rand_xoshiro::Xoshiro256PlusPlus;
+    ///
+    /// let mut batch = Batch::new(sample::cartpole(), 8)?;
+    /// batch.reset_where(
+    ///     |_| true,
+    ///     |index, episode, data| {
+    ///         let mut random = Xoshiro256PlusPlus::seed_from_u64(((index as u64) << 32) | episode);
+    ///         data.qpos_mut()[1] = random.random_range(-0.1..0.1);
+    ///     },
+    /// )?;
+    /// assert_eq!(batch.episode(3), 1);
+    /// assert_ne!(batch.data(3)?.qpos()[1], batch.data(4)?.qpos()[1]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// The error of the reset, of `start` or of [`forward_after_step`](Self::forward_after_step) with the smallest index, and
+    /// [`Error::OtherModel`] if `start` replaces the simulation by one of a model that was loaded separately. All simulations with an
+    /// error count as failed.
+    ///
+    /// # Panics
+    ///
+    /// If a closure panics.
+    pub fn reset_where<O: Outcome<Value = ()>>(
+        &mut self,
+        which: impl Fn(usize) -> bool + Sync,
+        start: impl Fn(usize, u64, &mut Data) -> O + Sync,
+    ) -> Result<()> {
+        self.try_each(|index, member, slot| {
+            if !which(index) {
+                return Ok(());
+            }
+            member.reset(slot, |episode, data| start(index, episode, data).into_result())
+        })
+    }
+
+    /// Calls `edit` for the simulations whose index satisfies `which`, and observes them. Its arguments are the index and the
+    /// simulation, whose computed quantities are not available. Failed simulations are skipped.
+    ///
+    /// The closure may change everything that the closure of [`reset_where`](Self::reset_where) may.
+    ///
+    /// # Errors
+    ///
+    /// The error of `edit` with the smallest index, as for [`reset_where`](Self::reset_where). All simulations with an error count as failed.
+    ///
+    /// # Panics
+    ///
+    /// If a closure panics.
+    ///
+    /// ```
+    /// use mujoco_safe::{Batch, sample};
+    ///
+    /// // Push every other cart for one step.
+    /// let mut batch = Batch::new(sample::cartpole(), 8)?;
+    /// batch.edit_where(|index| index % 2 == 1, |_, data| data.qfrc_applied_mut()[0] = 5.0)?;
+    /// batch.step(|_, _| ())?;
+    /// batch.edit_where(|_| true, |_, data| data.qfrc_applied_mut().fill(0.0))?;
+    /// assert_eq!(batch.observations()[(0, 0)], 0.0);
+    /// assert!(batch.observations()[(1, 0)] > 0.0);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    pub fn edit_where<O: Outcome<Value = ()>>(
+        &mut self,
+        which: impl Fn(usize) -> bool + Sync,
+        edit: impl Fn(usize, &mut Data) -> O + Sync,
+    ) -> Result<()> {
+        self.try_each(|index, member, slot| {
+            if !which(index) {
+                return Ok(());
+            }
+            member.edit(slot, |data| edit(index, data).into_result())
+        })
+    }
+
+    /// Resets one simulation to the reference position, and observes it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] or [`Error::OutOfMemory`] if the engine fails, which occurs for a loaded model only if memory is exhausted.
+    ///
+    /// # Panics
+    ///
+    /// If the index is out of range.
+    pub fn reset(&mut self, index: usize) -> Result<()> {
+        assert!(index < self.len(), "there is no simulation {index}, only {}", self.len());
+        let (_, rest) = self.members().split(index);
+        let (one, _) = rest.split(1);
+        let (pool, mut slot, mut result) = (one.common.pool, None, Ok(()));
+        one.each(|_, member| {
+            result = member.reset(&mut slot, |_, _| Ok(()));
+            true
+        });
+        pool.give_back(slot);
+        result
+    }
+
+    /// Observes all simulations, in the calling thread.
+    pub(super) fn observe_all(&mut self) {
+        let members = self.members();
+        let (pool, mut slot) = (members.common.pool, None);
+        members.each(|_, member| {
+            member.observe(&mut slot);
+            true
+        });
+        pool.give_back(slot);
+    }
+
+    /// Calls `work` for all simulations in parallel, and returns the error with the smallest index.
+    fn try_each(
+        &mut self,
+        work: impl Fn(usize, &mut Member<'_>, &mut Option<Worker>) -> Result<()> + Sync,
+    ) -> Result<()> {
+        let failed = Mutex::new(None::<(usize, Error)>);
+        self.each(|index, member, slot| {
+            if let Err(error) = work(index, member, slot) {
+                let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                if failed.as_ref().is_none_or(|(first, _)| index < *first) {
+                    *failed = Some((index, error));
+                }
+            }
+        });
+        match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            None => Ok(()),
+            Some((_, error)) => Err(error),
+        }
+    }
+
+    /// Calls `work` for all simulations in parallel, with memory for a worker.
+    fn each(&mut self, work: impl Fn(usize, &mut Member<'_>, &mut Option<Worker>) + Sync) {
+        let chunk = self.chunk.unwrap_or_else(|| default_chunk(self.len()));
+        let stop = AtomicBool::new(false);
+        in_chunks(self.members(), 0, chunk, &|first, members| {
+            let guard = StopOnPanic::new(&stop);
+            let (pool, mut slot) = (members.common.pool, None);
+            members.each(|offset, member| {
+                let go_on = !stop.load(Ordering::Relaxed);
+                if go_on {
+                    work(first + offset, member, &mut slot);
+                }
+                go_on
+            });
+            pool.give_back(slot);
+            guard.disarm();
+        });
+    }
+
+    fn members(&mut self) -> Members<'_> {
+        let model = self.pool.model();
+        let widths =
+            Widths { state: self.states.ncols(), controls: model.nu(), observations: self.observations.ncols() };
+        let first_control = model.state_range(StateSpec::INTEGRATION, StateSpec::CTRL).start;
+        Members {
+            common: Common { pool: &self.pool, read: &*self.observe, forward: self.forward, first_control },
+            rows: &mut self.rows,
+            states: self.states.as_mut_slice(),
+            controls: self.controls.as_mut_slice(),
+            observations: self.observations.as_mut_slice(),
+            widths,
+        }
+    }
+}
