@@ -68,6 +68,8 @@ impl Data {
         call: impl FnOnce(*const mjModel, *mut mjData) -> c_int,
     ) -> Result<()> {
         let time = self.time();
+        #[cfg(engine_since = "3.5.0")]
+        self.clear_lazy_results();
         let counters = SavedCounters::replace(self.raw_mut());
         let (model, data) = (self.model().as_ptr(), self.as_mut_ptr());
         let adhesive = self.model().has_adhesion();
@@ -81,6 +83,14 @@ impl Data {
             return Ok(());
         }
         self.finish(function, computes, time, &counters, status, change, None)
+    }
+
+    /// Clears the flags by which newer engines skip energies, velocities of subtrees and forces on bodies that sensors need. The engine
+    /// clears them in whole stages only, so a sensor stage after single parts would read values of an earlier state.
+    #[cfg(engine_since = "3.5.0")]
+    fn clear_lazy_results(&mut self) {
+        let raw = self.raw_mut();
+        (raw.flg_energypos, raw.flg_energyvel, raw.flg_subtreevel, raw.flg_rnepost) = (0, 0, 0, 0);
     }
 
     /// Continues [`run`](Self::run) for a simulation with callbacks or with an adhesion actuator.
