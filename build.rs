@@ -11,9 +11,9 @@ mod computed_by;
 use std::path::{Path, PathBuf};
 
 /// The versions since which the source differs.
-const THRESHOLDS: [&str; 14] = [
+const THRESHOLDS: [&str; 15] = [
     "2.3.0", "2.3.7", "3.0.0", "3.1.3", "3.2.1", "3.2.5", "3.3.3", "3.3.6", "3.5.0", "3.6.0", "3.7.0", "3.10.0",
-    "3.11.0", "3.17.0",
+    "3.11.0", "3.17.0", "4.0.0",
 ];
 
 fn main() {

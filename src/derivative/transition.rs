@@ -60,8 +60,8 @@ impl Data {
     /// Linearises a step of the simulation about the present state and controls, by differences with the step `eps`; `1e-6` with
     /// [`Differences::Central`] is a good choice.
     ///
-    /// (In the engine, central differences of the sensors with respect to the controls have the wrong sign, and clocks depend on
-    /// all inputs. This method corrects both.)
+    /// (In engines before 4.0, central differences of the sensors with respect to the controls have the wrong sign, and in 2.2.2 clocks
+    /// depend on all inputs. This method corrects both.)
     ///
     /// The state, the controls and the time are unchanged afterwards, to the last bit. Computed quantities are those of the last
     /// perturbed state, and count as not computed.
@@ -167,11 +167,13 @@ impl Data {
         Ok(())
     }
 
-    /// Corrects two errors of 2.2.2 in C and D. If a control is perturbed to both sides, the engine subtracts the readings in the
-    /// wrong order. And because the time advances from one column to the next, clocks seem to depend on all inputs.
+    /// Corrects two errors of the engine in C and D. Before 4.0, if a control is perturbed to both sides, the engine subtracts the
+    /// readings in the wrong order. And in 2.2.2 the time advances from one column to the next, so clocks seem to depend on all inputs.
     fn correct_sensors(&self, eps: f64, differences: Differences, outputs: &mut TransitionOutputs<'_>) {
         let model = self.model();
-        if let Some(d) = &mut outputs.d {
+        if cfg!(not(engine_since = "4.0.0"))
+            && let Some(d) = &mut outputs.d
+        {
             for control in 0..model.nu() {
                 if sides(self, Input::Control(control), Step { differences, eps }) == (true, true) {
                     (0..model.nsensordata()).for_each(|sensor| d[(sensor, control)] = 0.0 - d[(sensor, control)]);
