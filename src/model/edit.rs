@@ -122,6 +122,8 @@ impl<'m> ModelMut<'m> {
     /// Recomputes the quantities that the compiler derived from masses, inertias, positions and `qpos0`: subtree masses, inverse
     /// weights, reference lengths, statistics and all fields with a `0` in their names. Also recomputes the flags of coinciding
     /// frames and of bodies that move independently (`body_sameframe`, `body_simple` and the like), which speed up the engine.
+    /// Since 3.17 the engine leaves the statistics to the compiler. With these engines the call recomputes `meanmass` and `meaninertia`,
+    /// and `meansize`, `extent` and `center` keep their values.
     ///
     /// Enlarges the bounding sphere `geom_rbound` of each sphere, capsule, cylinder, ellipsoid or box that exceeds it, because the
     /// engine detects no contacts outside of the bounding sphere.
@@ -172,7 +174,19 @@ impl<'m> ModelMut<'m> {
         }
         // SAFETY: created above, and not used any more.
         unsafe { sys::mj_deleteData(scratch) };
+        #[cfg(engine_since = "3.17.0")]
+        self.update_means();
         result
+    }
+
+    /// Recomputes the means of masses and inertias, because later engines leave the statistics to the compiler.
+    #[cfg(engine_since = "3.17.0")]
+    fn update_means(&mut self) {
+        let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+        let (mass, inertia) = (mean(&self.body_mass()[1..]), mean(self.dof_M0()));
+        let statistics = &mut self.raw_mut().stat;
+        statistics.meanmass = mass.unwrap_or(statistics.meanmass);
+        statistics.meaninertia = inertia.unwrap_or(statistics.meaninertia);
     }
 
     /// Rejects bodies that move and have no mass or no inertia, by the rule of the XML compiler.

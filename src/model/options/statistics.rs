@@ -64,7 +64,8 @@ impl ModelMut<'_> {
     /// Changes the statistics. Rejects the change if a value is out of range. The check includes values that `change`
     /// does not modify, for example those from the XML.
     ///
-    /// [`update_constants`](Self::update_constants) recomputes the statistics and overwrites these changes.
+    /// [`update_constants`](Self::update_constants) recomputes the statistics and overwrites these changes. With engines since 3.17 it
+    /// recomputes `meanmass` and `meaninertia` only.
     ///
     /// # Errors
     ///
