@@ -181,6 +181,16 @@ static void write_states(const mjModel* m, mjData* d) {
 #define GUARDED_RESULT(function, data, parameters, arguments) \
   int mujoco_sys_##function parameters { GUARDED_RUN(data, *result = function arguments) }
 
+// The same for functions that use only the stack of the data. An error leaves the contacts and constraints as they are.
+#define GUARDED_STACK(function, parameters, arguments)                                          \
+  static int without_data_##function parameters { GUARDED_RUN(NO_DATA, function arguments) }     \
+  int mujoco_sys_##function parameters {                                                        \
+    const struct stack_mark before = mark(d);                                                   \
+    const int status = without_data_##function arguments;                                       \
+    if (status != MUJOCO_SYS_OK) restore_stack(d, before);                                      \
+    return status;                                                                              \
+  }
+
 // The same for functions that solve for the constraint forces.
 #define GUARDED_SOLVER(function, parameters, arguments) \
   int mujoco_sys_##function parameters { GUARDED_RUN(d, function arguments; write_states(m, d)) }
@@ -343,13 +353,13 @@ GUARDED(mjd_transitionFD, d,
 
 // Abstract visualisation.
 GUARDED(mjv_makeScene, NO_DATA, (const mjModel* m, mjvScene* scn, int maxgeom), (m, scn, maxgeom))
-GUARDED(mjv_updateScene, NO_DATA,
-        (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, mjvCamera* cam, int catmask,
-         mjvScene* scn),
-        (m, d, opt, pert, cam, catmask, scn))
-GUARDED(mjv_addGeoms, NO_DATA,
-        (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, int catmask, mjvScene* scn),
-        (m, d, opt, pert, catmask, scn))
+GUARDED_STACK(mjv_updateScene,
+              (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, mjvCamera* cam, int catmask,
+               mjvScene* scn),
+              (m, d, opt, pert, cam, catmask, scn))
+GUARDED_STACK(mjv_addGeoms,
+              (const mjModel* m, mjData* d, const mjvOption* opt, const mjvPerturb* pert, int catmask, mjvScene* scn),
+              (m, d, opt, pert, catmask, scn))
 GUARDED(mjv_makeLights, NO_DATA, (const mjModel* m, mjData* d, mjvScene* scn), (m, d, scn))
 GUARDED(mjv_updateCamera, NO_DATA, (const mjModel* m, mjData* d, mjvCamera* cam, mjvScene* scn), (m, d, cam, scn))
 ADAPTED(mjv, makeConnector, NO_DATA,
@@ -376,17 +386,7 @@ GUARDED(mjv_movePerturb, NO_DATA,
         (const mjModel* m, const mjData* d, int action, mjtNum reldx, mjtNum reldy, const mjvScene* scn,
          mjvPerturb* pert),
         (m, d, action, reldx, reldy, scn, pert))
-static int init_perturb(const mjModel* m, mjData* d, const mjvScene* scn, mjvPerturb* pert) {
-  GUARDED_RUN(NO_DATA, mjv_initPerturb(m, d, scn, pert))
-}
-
-// Uses only the stack of the data, so an error leaves the contacts and constraints as they are.
-int mujoco_sys_mjv_initPerturb(const mjModel* m, mjData* d, const mjvScene* scn, mjvPerturb* pert) {
-  const struct stack_mark before = mark(d);
-  const int status = init_perturb(m, d, scn, pert);
-  if (status != MUJOCO_SYS_OK) restore_stack(d, before);
-  return status;
-}
+GUARDED_STACK(mjv_initPerturb, (const mjModel* m, mjData* d, const mjvScene* scn, mjvPerturb* pert), (m, d, scn, pert))
 GUARDED(mjv_applyPerturbPose, NO_DATA, (const mjModel* m, mjData* d, const mjvPerturb* pert, int flg_paused),
         (m, d, pert, flg_paused))
 // Newer engines pull the selected point with its inertia, which mjv_initPerturb computes. A perturbation that a program has set without it pulls
