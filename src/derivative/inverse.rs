@@ -157,7 +157,7 @@ impl Data {
     }
 
     /// Computes the derivatives as [`inverse_fd`](Self::inverse_fd) does, into the caller's matrices, any of which may be
-    /// omitted. Allocates nothing, but uses space for `nq + 3 nv + 4 nmocap` numbers on the engine's stack.
+    /// omitted. Allocates nothing, but uses space for `nq + 3 nv + 4 nmocap + nu` numbers on the engine's stack.
     ///
     /// # Errors
     ///
@@ -216,11 +216,13 @@ struct Layout {
     mocap_quat: Range<usize>,
     qvel: Range<usize>,
     qacc: Range<usize>,
+    actuator_force: Range<usize>,
     direction: Range<usize>,
 }
 
 impl Layout {
-    fn of(model: &Model) -> Self {
+    fn of(data: &Data) -> Self {
+        let model = data.model();
         let mut end = 0;
         let mut next = |length| {
             let start = end;
@@ -228,13 +230,20 @@ impl Layout {
             start..end
         };
         let (nq, nv, nmocap) = (model.nq(), model.nv(), model.nmocap());
-        Self { qpos: next(nq), mocap_quat: next(4 * nmocap), qvel: next(nv), qacc: next(nv), direction: next(nv) }
+        Self {
+            qpos: next(nq),
+            mocap_quat: next(4 * nmocap),
+            qvel: next(nv),
+            qacc: next(nv),
+            actuator_force: next(data.actuator_force().len()),
+            direction: next(nv),
+        }
     }
 }
 
 impl<'a> InversePerturbation<'a> {
     fn new(data: &'a mut Data, eps: f64, force: InverseForce) -> Result<Self> {
-        let layout = Layout::of(data.model());
+        let layout = Layout::of(data);
         let length = layout.direction.end;
         let size = c_int::try_from(length)
             .map_err(|_| Error::Unsupported(format!("inverse_fd of {} degrees of freedom", data.model().nv())))?;
@@ -257,22 +266,30 @@ impl<'a> InversePerturbation<'a> {
         saved[layout.mocap_quat].copy_from_slice(data.mocap_quat().as_flattened());
         saved[layout.qvel].copy_from_slice(data.qvel());
         saved[layout.qacc].copy_from_slice(data.qacc());
+        saved[layout.actuator_force].copy_from_slice(data.actuator_force());
         Ok(Self { data, eps, force, saved, stack })
     }
 
     /// Restores the positions, and the mocap orientations, which the engine normalises.
     fn restore_positions(&mut self) {
-        let Layout { qpos, mocap_quat, .. } = Layout::of(self.data.model());
+        let Layout { qpos, mocap_quat, .. } = Layout::of(self.data);
         self.data.qpos_mut().copy_from_slice(&self.saved[qpos]);
         self.data.mocap_quat_mut().as_flattened_mut().copy_from_slice(&self.saved[mocap_quat]);
     }
 
     /// Computes inverse dynamics, except for the stages up to `skip`.
     fn evaluate(&mut self, skip: Stage, sensors: SensorUpdate) -> Result<()> {
-        self.data.inverse_skip(skip, sensors)?;
         match self.force {
-            InverseForce::Total => Ok(()),
-            InverseForce::WithoutActuators => self.data.fwd_actuation(),
+            InverseForce::Total => self.data.inverse_skip(skip, sensors),
+            InverseForce::WithoutActuators => {
+                // Inverse dynamics does not compute the forces of actuators, but sensors read them: those of the previous perturbation.
+                let saved = &self.saved[Layout::of(self.data).actuator_force];
+                // SAFETY: the engine allocated the array with this length, and the data is borrowed exclusively.
+                let forces = unsafe { ffi::array_mut(self.data.raw_mut().actuator_force, saved.len()) };
+                forces.copy_from_slice(saved);
+                self.data.inverse_skip(skip, sensors)?;
+                self.data.fwd_actuation()
+            }
         }
     }
 
@@ -332,7 +349,7 @@ impl<'a> InversePerturbation<'a> {
     /// Adds `eps` to a position, in the tangent space.
     fn perturb_position(&mut self, dof: usize) -> Result<()> {
         let model = self.data.model().clone();
-        let direction = &mut self.saved[Layout::of(&model).direction];
+        let direction = &mut self.saved[Layout::of(self.data).direction];
         direction[dof] = 1.0;
         let moved = model.integrate_pos(self.data.qpos_mut(), direction, self.eps);
         direction[dof] = 0.0;
@@ -353,7 +370,7 @@ impl<'a> InversePerturbation<'a> {
 
 impl Drop for InversePerturbation<'_> {
     fn drop(&mut self) {
-        let Layout { qvel, qacc, .. } = Layout::of(self.data.model());
+        let Layout { qvel, qacc, .. } = Layout::of(self.data);
         self.restore_positions();
         self.data.qvel_mut().copy_from_slice(&self.saved[qvel]);
         self.data.qacc_mut().copy_from_slice(&self.saved[qacc]);

@@ -58,9 +58,10 @@ fn many_calls_do_not_exhaust_the_stack() {
 
 #[test]
 fn each_output_is_independent_of_the_other_outputs() {
-    for mut data in subjects() {
+    for data in subjects() {
         for force in [InverseForce::Total, InverseForce::WithoutActuators] {
-            let all = data.inverse_fd(EPS, force).unwrap();
+            // A call computes the forces of the actuators, which the sensors of the next call would read.
+            let all = data.clone().inverse_fd(EPS, force).unwrap();
             let mut alone = InverseJacobians::zeros(data.model());
             let none = InverseOutputs::default;
             for outputs in [
@@ -73,10 +74,46 @@ fn each_output_is_independent_of_the_other_outputs() {
                 InverseOutputs { dm_dq: Some(&mut alone.dm_dq), ..none() },
                 none(),
             ] {
-                data.inverse_fd_into(EPS, force, outputs).unwrap();
+                data.clone().inverse_fd_into(EPS, force, outputs).unwrap();
             }
-            assert_eq!(alone, all);
+            for (name, alone, all) in [
+                ("df_dq", &alone.df_dq, &all.df_dq),
+                ("df_dv", &alone.df_dv, &all.df_dv),
+                ("df_da", &alone.df_da, &all.df_da),
+                ("ds_dq", &alone.ds_dq, &all.ds_dq),
+                ("ds_dv", &alone.ds_dv, &all.ds_dv),
+                ("ds_da", &alone.ds_da, &all.ds_da),
+                ("dm_dq", &alone.dm_dq, &all.dm_dq),
+            ] {
+                assert_eq!(alone, all, "{name} of {force:?}, {data:?}");
+            }
         }
+    }
+}
+
+/// Returns a pendulum with a position servo and a sensor of its force.
+fn servo() -> Data {
+    let model = Model::from_xml_str(
+        r#"<mujoco>
+             <worldbody><body><joint name="hinge" axis="0 1 0"/><geom type="capsule" size=".02" fromto="0 0 0 .3 0 0"/></body></worldbody>
+             <actuator><position name="servo" joint="hinge" kp="10"/></actuator>
+             <sensor><actuatorfrc actuator="servo"/></sensor>
+           </mujoco>"#,
+    );
+    let mut data = Data::new(model.unwrap()).unwrap();
+    data.ctrl_mut()[0] = 0.3;
+    data.forward().unwrap();
+    data
+}
+
+#[test]
+fn derivatives_of_sensors_do_not_depend_on_the_differentiated_force() {
+    for data in subjects().chain([servo()]) {
+        let sensors = |force| {
+            let jacobians = data.clone().inverse_fd(EPS, force).unwrap();
+            [jacobians.ds_dq, jacobians.ds_dv, jacobians.ds_da]
+        };
+        assert_eq!(sensors(InverseForce::WithoutActuators), sensors(InverseForce::Total), "{data:?}");
     }
 }
 
@@ -135,7 +172,7 @@ fn with_stack(model: &Model, nstack: i32) -> Model {
 #[test]
 fn a_small_stack_is_an_error_that_keeps_the_state() {
     let model = sample::humanoid();
-    let kept = model.nq() + 3 * model.nv() + 4 * model.nmocap();
+    let kept = model.nq() + 3 * model.nv() + 4 * model.nmocap() + model.nu();
     // Too small for the saved state, too small for the engine in addition, and sufficient for both.
     for (nstack, enough) in [(kept - 1, false), (kept, false), (1_000_000, true)] {
         let mut data = Data::new(with_stack(&model, nstack as i32)).unwrap();
