@@ -111,6 +111,37 @@ pub(crate) unsafe fn material_texture(m: &mjModel, material: usize) -> i32 {
     return unsafe { *m.mat_texid.add(material) };
 }
 
+/// Places of the normals and texture coordinates of all meshes: before 2.3.3 a vertex has one of each, so the places and the faces are those
+/// of the vertices.
+pub(crate) struct MeshPlaces {
+    pub(crate) normaladr: *const i32,
+    pub(crate) normalnum: *const i32,
+    pub(crate) texcoordnum: *const i32,
+    pub(crate) facenormal: *const i32,
+    pub(crate) facetexcoord: *const i32,
+}
+
+impl MeshPlaces {
+    pub(crate) fn of(m: &mjModel) -> Self {
+        #[cfg(engine_since = "2.3.7")]
+        return Self {
+            normaladr: m.mesh_normaladr,
+            normalnum: m.mesh_normalnum,
+            texcoordnum: m.mesh_texcoordnum,
+            facenormal: m.mesh_facenormal,
+            facetexcoord: m.mesh_facetexcoord,
+        };
+        #[cfg(not(engine_since = "2.3.7"))]
+        return Self {
+            normaladr: m.mesh_vertadr,
+            normalnum: m.mesh_vertnum,
+            texcoordnum: m.mesh_vertnum,
+            facenormal: m.mesh_face,
+            facetexcoord: m.mesh_face,
+        };
+    }
+}
+
 /// Returns 1 for a directional light, else 0.
 pub(crate) unsafe fn is_directional(m: &mjModel, light: usize) -> u8 {
     // SAFETY: the caller's promise.

@@ -2,12 +2,18 @@
 
 #![allow(unreachable_pub, dead_code, reason = "included by several tests, each of which uses some of it")]
 
+use mujoco_safe::data::Warning;
 use mujoco_safe::{Data, Model, Result};
 
-/// Returns a ball that falls on a floor, with a stack of this size.
-pub fn with_stack(nstack: u32) -> Result<Model> {
+/// Part of the engine's message when its stack overflows.
+pub const STACK_OVERFLOW: &str = if cfg!(engine_since = "2.3.0") { "stack overflow" } else { "Stack overflow" };
+
+/// Returns a ball that falls on a floor. The engine's stack is this large: in 2.2.2 a number of values, since 2.3 in bytes and together with
+/// the contacts and constraints.
+pub fn with_stack(size: u32) -> Result<Model> {
+    let attribute = if cfg!(engine_since = "2.3.0") { "memory" } else { "nstack" };
     Model::from_xml_str(&format!(
-        r#"<mujoco><size nstack="{nstack}"/><worldbody>
+        r#"<mujoco><size {attribute}="{size}"/><worldbody>
              <geom type="plane" size="1 1 1"/><body pos="0 0 .2"><freejoint/><geom size=".1"/></body>
            </worldbody></mujoco>"#
     ))
@@ -15,23 +21,47 @@ pub fn with_stack(nstack: u32) -> Result<Model> {
 
 /// Returns the ball with a stack that overflows when the ball hits the floor.
 pub fn overflowing() -> Model {
-    (10..5000)
-        .step_by(10)
-        .find_map(|nstack| {
-            let model = with_stack(nstack).ok()?;
-            let mut data = Data::new(model.clone()).unwrap();
-            (0..200).any(|_| data.step().is_err()).then_some(model)
-        })
+    let sizes = if cfg!(engine_since = "2.3.0") { (100..40_000).step_by(64) } else { (10..5000).step_by(10) };
+    let overflows = |model: &Model| {
+        let mut data = Data::new(model.clone()).unwrap();
+        (0..200).any(|_| data.step().is_err())
+    };
+    sizes
+        .filter_map(|size| with_stack(size).ok())
+        .find(overflows)
         .expect("a stack that is large enough to fall and too small to land")
 }
 
-/// Returns four balls on a floor, with room for two contacts.
+/// Returns four balls on a floor, with room for two contacts. Since 2.3 the number of contacts has no limit.
 pub fn crowded() -> Model {
+    balls(r#"nconmax="2""#)
+}
+
+/// Returns four balls that lie on a floor, with an attribute of the element `size`.
+fn balls(size: &str) -> Model {
     let balls = [0, 1, 2, 3].map(|x| format!(r#"<body pos="{x} 0 .09"><freejoint/><geom size=".1"/></body>"#)).concat();
     Model::from_xml_str(&format!(
-        r#"<mujoco><size nconmax="2"/><worldbody><geom type="plane" size="9 9 1"/>{balls}</worldbody></mujoco>"#
+        r#"<mujoco><size {size}/><worldbody><geom type="plane" size="9 9 1"/>{balls}</worldbody></mujoco>"#
     ))
     .unwrap()
+}
+
+/// Returns a model whose steps raise a warning, and this warning.
+pub fn warning() -> (Model, Warning) {
+    if cfg!(not(engine_since = "2.3.0")) {
+        return (crowded(), Warning::ContactFull);
+    }
+    if cfg!(not(engine_since = "3.17.0")) {
+        return (balls(r#"memory="10000""#), Warning::ContactFull);
+    }
+    // Without memory for contacts, a step with these engines is an error. Earlier engines do not warn of a body without mass.
+    let xml =
+        "<mujoco><worldbody><body><joint axis='0 1 0'/><geom size='.1' pos='.3 0 0'/></body></worldbody></mujoco>";
+    let mut model = Model::from_xml_str(xml).unwrap();
+    let mut edit = model.edit();
+    edit.body_mass_mut().fill(0.0);
+    edit.body_inertia_mut().as_flattened_mut().fill(0.0);
+    (model, Warning::Inertia)
 }
 
 /// Returns a pendulum whose length and names depend on the number.

@@ -8,12 +8,13 @@ use std::sync::Arc;
 use mujoco_safe::data::Timer;
 use mujoco_safe::derivative::TransitionOutputs;
 use mujoco_safe::enums::{Cone, Integrator, JacobianStorage, Solver};
+use mujoco_safe::model::EnableFlags;
 use mujoco_safe::{
     Controller, Data, Differences, Error, LoadOptions, Lqr, Matrix, Model, PdController, RandomController, StateSpec,
     Trajectory, ZeroController, sample,
 };
 
-use crate::touch_all;
+use crate::{save_xml, touch_all};
 
 /// A model with an element of every kind for which the engine has arrays.
 const EVERYTHING: &str = r#"<mujoco>
@@ -130,21 +131,21 @@ fn loading_and_saving_make_no_invalid_access() {
     let model = (0..1000)
         .find_map(|_| {
             let model = Model::from_xml_path(&path).unwrap();
-            match model.save_xml(folder.path().join("saved.xml")) {
+            match save_xml(&model, folder.path().join("saved.xml")) {
                 Err(Error::XmlReplaced) => None,
                 saved => Some(saved.map(|()| model).unwrap()),
             }
         })
         .unwrap();
-    assert!(model.save_xml(folder.path().join("no/such/folder.xml")).is_err());
-    assert!(model.save_xml(folder.path()).is_err());
+    assert!(save_xml(&model, folder.path().join("no/such/folder.xml")).is_err());
+    assert!(save_xml(&model, folder.path()).is_err());
     model.save_binary(folder.path().join("saved.mjb")).unwrap();
     let bytes = model.to_binary().unwrap();
     assert!(Model::from_binary(&bytes[..bytes.len() / 2]).is_err());
     assert!(Model::from_binary(b"").is_err());
     let _ = Model::from_binary_path(folder.path().join("saved.mjb"));
     assert_eq!(Model::from_xml_path(folder.path().join("saved.xml")).unwrap().nv(), 2);
-    assert!(matches!(model.save_xml(folder.path().join("again.xml")), Err(Error::XmlReplaced)));
+    assert!(matches!(save_xml(&model, folder.path().join("again.xml")), Err(Error::XmlReplaced)));
     for xml in ["", "<mujoco", "<mujoco><worldbod/></mujoco>", "<mujoco><worldbody><geom/></worldbody></mujoco>"] {
         assert!(matches!(Model::from_xml_str(xml), Err(Error::Load { .. })), "{xml}");
     }
@@ -189,7 +190,11 @@ fn every_solver_makes_no_invalid_access() {
                     model.edit_options(|options| {
                         (options.solver, options.integrator, options.jacobian) = (solver, integrator, jacobian);
                         options.noslip_iterations = 1;
-                        options.enable = crate::flags::enable_flags() - mujoco_safe::model::EnableFlags::OVERRIDE;
+                        options.enable = crate::flags::enable_flags() - EnableFlags::OVERRIDE;
+                        if integrator == Integrator::Rk4 {
+                            // Newer engines reject discrete inverse dynamics with this integrator.
+                            options.enable -= EnableFlags::INVDISCRETE;
+                        }
                     })
                 })
                 .unwrap();

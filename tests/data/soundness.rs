@@ -103,7 +103,10 @@ mod memory {
     fn a_stack_overflow_poisons_the_simulation() {
         let mut data = Data::new(trouble::overflowing()).unwrap();
         let error = (0..200).find_map(|_| data.step().err()).unwrap();
-        assert!(matches!(&error, Error::Engine { message, .. } if message == "Stack overflow"), "{error}");
+        assert!(
+            matches!(&error, Error::Engine { message, .. } if message.contains(trouble::STACK_OVERFLOW)),
+            "{error}"
+        );
         assert!(matches!(data.step(), Err(Error::Poisoned { .. })));
         data.reset().unwrap();
         data.step().unwrap();
@@ -157,7 +160,7 @@ mod crashes {
         let model = sample::cartpole();
         assert!(matches!(model.save_binary("no/such/folder/model.mjb"), Err(Error::File { .. })));
         assert!(matches!(
-            model.save_xml("no/such/folder/model.xml"),
+            crate::save_xml(&model, "no/such/folder/model.xml"),
             Err(Error::Save { .. } | Error::File { .. } | Error::XmlReplaced)
         ));
     }
@@ -213,7 +216,7 @@ mod silent_errors {
         let path = folder.path().join("model.xml");
         let first = sample::cartpole();
         let _second = sample::humanoid();
-        assert!(matches!(first.save_xml(&path), Err(Error::XmlReplaced)));
+        assert!(matches!(crate::save_xml(&first, &path), Err(Error::XmlReplaced)));
         assert!(!path.exists());
     }
 

@@ -7,7 +7,7 @@ use std::thread;
 use mujoco_safe::data::Warning;
 use mujoco_safe::{Data, Differences, Error, Model, RandomController, Trajectory, sample};
 
-use crate::trouble;
+use crate::{save_xml, trouble};
 
 fn is_send<T: Send>() {}
 fn is_sync<T: Sync>() {}
@@ -86,6 +86,7 @@ struct Shared {
     humanoid: Arc<Model>,
     overflowing: Arc<Model>,
     crowded: Arc<Model>,
+    warning: (Arc<Model>, Warning),
     folder: tempfile::TempDir,
 }
 
@@ -123,9 +124,10 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
     },
     // The engine warns.
     |shared, _| {
-        let mut data = Data::new(shared.crowded.clone()).unwrap();
+        let (model, warning) = &shared.warning;
+        let mut data = Data::new(model.clone()).unwrap();
         (0..20).for_each(|_| data.step().unwrap());
-        (format!("{:?}", data.warning(Warning::ContactFull)), bits(&data.physics_state()))
+        (format!("{:?}", data.warning(*warning)), bits(&data.physics_state()))
     },
     // A NaN in one simulation only.
     |shared, number| {
@@ -138,7 +140,7 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
         let path = shared.folder.path().join(format!("{number}.xml"));
         for _ in 0..10_000 {
             let model = Model::from_xml_str(&trouble::pendulum(number)).unwrap();
-            match model.save_xml(&path) {
+            match save_xml(&model, &path) {
                 Err(Error::XmlReplaced) => {}
                 saved => {
                     saved.unwrap();
@@ -152,7 +154,12 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
     |shared, number| {
         let bytes = shared.crowded.to_binary().unwrap();
         let error = Model::from_binary(&bytes[..bytes.len() - 1 - number as usize]).unwrap_err().to_string();
-        (error, motion_outcome(&Arc::new(Model::from_binary(&bytes).unwrap()), number).1)
+        // Binary models load with 2.2.2 only.
+        let model = match Model::from_binary(&bytes) {
+            Err(Error::Unsupported(_)) if cfg!(engine_since = "2.3.0") => shared.crowded.clone(),
+            loaded => Arc::new(loaded.unwrap()),
+        };
+        (error, motion_outcome(&model, number).1)
     },
     |_, number| {
         let mut data = Data::new(Model::from_xml_str(&trouble::pendulum(number)).unwrap()).unwrap();
@@ -164,10 +171,12 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
 #[test]
 fn concurrent_jobs_give_the_results_of_sequential_jobs() {
     const THREADS: u64 = 6;
+    let (warning_model, warning) = trouble::warning();
     let shared = Shared {
         humanoid: Arc::new(sample::humanoid()),
         overflowing: Arc::new(trouble::overflowing()),
         crowded: Arc::new(trouble::crowded()),
+        warning: (Arc::new(warning_model), warning),
         folder: tempfile::tempdir().unwrap(),
     };
     let expected: Vec<Vec<Outcome>> =
@@ -175,8 +184,9 @@ fn concurrent_jobs_give_the_results_of_sequential_jobs() {
     // The jobs have the intended results.
     let texts: Vec<&str> = expected[3].iter().map(|(text, _)| text.as_str()).collect();
     assert!(texts[2].contains("'wrong3'") && texts[2].contains("line 2"), "{}", texts[2]);
-    assert!(texts[3].contains("Stack overflow"), "{}", texts[3]);
-    assert!(texts[4].contains("number: 40, lastinfo: 2"), "{}", texts[4]);
+    assert!(texts[3].contains(trouble::STACK_OVERFLOW), "{}", texts[3]);
+    assert!(!texts[4].contains("number: 0,"), "{}", texts[4]);
+    assert!(cfg!(engine_since = "2.3.0") || texts[4].contains("number: 40, lastinfo: 2"), "{}", texts[4]);
     assert!(texts[6].contains("j3"), "{}", texts[6]);
     assert!(expected[3][8].1 != expected[4][8].1, "the models differ");
 

@@ -2,6 +2,8 @@
 
 #[path = "../common/flags.rs"]
 mod flags;
+#[path = "../common/trouble.rs"]
+mod trouble;
 #[path = "../common/twins.rs"]
 mod twins;
 

@@ -137,7 +137,7 @@ impl Model {
     /// # Errors
     ///
     /// As for [`from_xml_str`](Self::from_xml_str), and [`Error::Invalid`] for a file without a name or content, with the same name
-    /// as another file, with a name of 1000 bytes or more, or of 2 GiB or more, and for more than 1998 files.
+    /// as another file, with a name of 1000 bytes or more, or of 2 GiB or more, and before 3.2 for more than 1998 files.
     ///
     /// ```
     /// use mujoco_safe::{LoadOptions, Model};

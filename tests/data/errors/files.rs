@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mujoco_safe::{LoadOptions, Model, Trajectory, sample};
 
 use super::text_of;
+use crate::save_xml;
 
 /// Returns a temporary folder, and the path of a file in it.
 fn file(name: &str, content: &str) -> (tempfile::TempDir, PathBuf) {
@@ -81,11 +82,19 @@ fn empty_duplicate_and_misnamed_files_are_errors() {
     text_of(load(&[("a/", b"x")]), &["'a/'", "named with 0 bytes"]);
     text_of(load(&[(&"n".repeat(1000), b"x")]), &["named with 1000 bytes"]);
     text_of(load(&[("a.xml", b"")]), &["'a.xml'", "empty"]);
-    text_of(load(&[("a.xml", b"x"), ("other/A.xml", b"x")]), &["given twice"]);
+    text_of(load(&[("a.xml", b"x"), ("a.xml", b"x")]), &["given twice"]);
+    // Later engines compare names with their path and case.
+    if cfg!(not(engine_since = "3.2.1")) {
+        text_of(load(&[("a.xml", b"x"), ("other/A.xml", b"x")]), &["given twice"]);
+    }
     text_of(load(&[("a\0.xml", b"x")]), &["NUL byte at position 1"]);
     let many: Vec<String> = (0..2100).map(|file| format!("{file}.xml")).collect();
     let many: Vec<(&str, &[u8])> = many.iter().map(|name| (name.as_str(), &b"x"[..])).collect();
-    text_of(load(&many), &["beyond the limit"]);
+    if cfg!(engine_since = "3.2.1") {
+        load(&many).unwrap(); // these engines have no limit
+    } else {
+        text_of(load(&many), &["beyond the limit"]);
+    }
 }
 
 #[test]
@@ -109,7 +118,7 @@ fn saving_to_an_unwritable_path_names_the_path() {
     let model = sample::cartpole();
     // Other tests load models at the same time, so the error may be that the XML was replaced.
     let assert_error = |path: &str, part: &str| {
-        let text = model.save_xml(path).unwrap_err().to_string();
+        let text = save_xml(&model, path).unwrap_err().to_string();
         assert!(text.contains(part) && text.contains(path) || text.contains("another one was loaded since"), "{text}");
     };
     assert_error("no/such/folder/model.xml", "No such file or directory");
@@ -117,6 +126,6 @@ fn saving_to_an_unwritable_path_names_the_path() {
     assert_error("/dev/full", "No space left on device");
     assert_error("/proc/version", ": ");
     sample::humanoid();
-    text_of(model.save_xml("unused.xml"), &["another one was loaded since", "save before loading the next"]);
+    text_of(save_xml(&model, "unused.xml"), &["another one was loaded since", "save before loading the next"]);
     assert!(!PathBuf::from("unused.xml").exists());
 }

@@ -66,6 +66,9 @@ const WRITING: [Call; 20] = [
     }),
 ];
 
+/// Those of the calls that do not use the stack of the engine under test.
+const WITHOUT_STACK: &[&str] = if cfg!(engine_since = "3.5.0") { &["com_pos"] } else { &[] };
+
 /// Makes calls that take `&Data`, and returns their results.
 fn readings(data: &Data) -> Vec<f64> {
     let body = body(data);
@@ -115,7 +118,11 @@ fn an_engine_error_in_a_call_that_writes_poisons_the_data_until_a_reset() {
         let qpos = data.qpos().to_vec();
         fill_stack(&mut data);
         let error = call(&mut data).err();
-        assert_poisoned(name, error.as_ref(), &mut data, &qpos);
+        if WITHOUT_STACK.contains(&name) {
+            assert!(error.is_none(), "{name}: {error:?}");
+        } else {
+            assert_poisoned(name, error.as_ref(), &mut data, &qpos);
+        }
     }
 }
 
@@ -175,13 +182,23 @@ fn calls_that_only_read_do_not_use_the_stack() {
     let before = readings(&data);
     fill_stack(&mut data);
     assert_eq!(readings(&data), before);
+    let mut sum = Matrix::zeros(data.model().nv(), data.model().nv());
+    data.add_m(&mut sum).unwrap();
     let mut scene = Scene::new(data.model(), 1000).unwrap();
     let mut camera = Camera::free(data.model());
     scene.update_camera(&data, &mut camera).unwrap();
-    scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
-    let mut sum = Matrix::zeros(data.model().nv(), data.model().nv());
-    data.add_m(&mut sum).unwrap();
     assert_eq!(data.stage(), Stage::Acceleration);
+    let updated = scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all());
+    if cfg!(engine_since = "3.5.0") {
+        // A call that writes: these engines sort contacts on the stack.
+        assert!(matches!(updated, Err(Error::Engine { .. })), "{updated:?}");
+        assert!(matches!(data.step(), Err(Error::Poisoned { .. })));
+        data.reset().unwrap();
+        data.step().unwrap();
+    } else {
+        updated.unwrap();
+        assert_eq!(data.stage(), Stage::Acceleration);
+    }
 }
 
 #[test]

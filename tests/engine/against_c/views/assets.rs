@@ -11,16 +11,17 @@ fn fields_of_meshes_and_skins_equal_c() {
         let (name, model) = (&subject.name, &*subject.model);
         let m = on_model(model);
         let number = |adr: *const i32, num: *const i32, i| if raw(adr, i) < 0 { 0 } else { int(num, i) };
+        let places = differing::MeshPlaces::of(m);
         check_fields!(name, model.meshes(), |mesh, i| {
             vert: m.mesh_vert, [3 * int(m.mesh_vertadr, i); 3 * int(m.mesh_vertnum, i)];
-            normal: m.mesh_normal, [3 * int(m.mesh_vertadr, i); 3 * int(m.mesh_vertnum, i)];
-            texcoord: m.mesh_texcoord, [2 * start(m.mesh_texcoordadr, i); 2 * number(m.mesh_texcoordadr, m.mesh_vertnum, i)];
+            normal: m.mesh_normal, [3 * int(places.normaladr, i); 3 * int(places.normalnum, i)];
+            texcoord: m.mesh_texcoord, [2 * start(m.mesh_texcoordadr, i); 2 * number(m.mesh_texcoordadr, places.texcoordnum, i)];
             face: m.mesh_face, [3 * int(m.mesh_faceadr, i); 3 * int(m.mesh_facenum, i)];
+            facenormal: places.facenormal, [3 * int(m.mesh_faceadr, i); 3 * int(m.mesh_facenum, i)];
+            facetexcoord: places.facetexcoord, [3 * int(m.mesh_faceadr, i); 3 * number(m.mesh_texcoordadr, m.mesh_facenum, i)];
             => vert_range: mesh.vert_range(), span(m.mesh_vertadr, m.mesh_vertnum, i);
-            => texcoord_range: mesh.texcoord_range(), span(m.mesh_texcoordadr, m.mesh_vertnum, i);
-            => normal_range: mesh.normal_range(), span(m.mesh_vertadr, m.mesh_vertnum, i);
-            => facenormal: mesh.facenormal(), mesh.face();
-            => facetexcoord: mesh.facetexcoord(), if raw(m.mesh_texcoordadr, i) < 0 { &[] } else { mesh.face() };
+            => texcoord_range: mesh.texcoord_range(), span(m.mesh_texcoordadr, places.texcoordnum, i);
+            => normal_range: mesh.normal_range(), span(places.normaladr, places.normalnum, i);
             => face_range: mesh.face_range(), span(m.mesh_faceadr, m.mesh_facenum, i);
             => graph: mesh.graph().map(<[i32]>::to_vec), graph(m, i);
         });

@@ -70,6 +70,9 @@ pub(super) fn raw_object(object: Option<Object>) -> [i32; 2] {
     [kind as i32, object.index() as i32]
 }
 
+/// Number of rest lengths of a tendon in the engine's array: since 2.3 both ends of a range.
+const ENDS: usize = if cfg!(engine_since = "2.3.0") { 2 } else { 1 };
+
 #[test]
 fn fields_of_tendons_actuators_sensors_and_keyframes_equal_c() {
     for subject in models() {
@@ -84,7 +87,7 @@ fn fields_of_tendons_actuators_sensors_and_keyframes_equal_c() {
             stiffness: m.tendon_stiffness, [i; 1];
             damping: m.tendon_damping, [i; 1];
             frictionloss: m.tendon_frictionloss, [i; 1];
-            lengthspring: m.tendon_lengthspring, [i; 1];
+            lengthspring: m.tendon_lengthspring, [ENDS * i; 1];
             length0: m.tendon_length0, [i; 1];
             invweight0: m.tendon_invweight0, [i; 1];
             solref_lim: m.tendon_solref_lim, [2 * i; 2];
