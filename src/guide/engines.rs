@@ -173,5 +173,6 @@
 //! | sleeping bodies | 3.4 | rejected: no state vector contains the sleeping bodies, so a copied state would not continue bit for bit |
 //! | delays of actuators and sensors | 3.5 | rejected: the engine trusts the positions in its buffers, which a state vector would set |
 //! | actuators with several controls, forces or activations | 3.11 | rejected |
+//! | IPC contacts of flexes | 4.0 | rejected: no state vector contains the state of these contacts |
 //!
 //! A rejected model is an [`Error::Load`](crate::Error::Load) that names the feature.

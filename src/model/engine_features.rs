@@ -1,6 +1,6 @@
 //! Features of newer engines that this crate does not support yet. A model that uses one is rejected when it is loaded.
 
-use mujoco_sys::{mjENBL_SLEEP, mjGEOM_SDF, mjMAXCONPAIR, mjWRAP_JOINT};
+use mujoco_sys::{mjENBL_IPC, mjENBL_SLEEP, mjGEOM_SDF, mjMAXCONPAIR, mjWRAP_JOINT};
 
 use super::{Model, Options};
 use crate::element::SameFrame;
@@ -20,8 +20,11 @@ impl Model {
         if self.history_len() > 0 {
             return unsupported("the model has delays of actuators or sensors".to_owned());
         }
-        if self.raw().opt.enableflags as u32 & mjENBL_SLEEP != 0 {
-            return unsupported("the option sleep is enabled".to_owned());
+        // State vectors contain neither the sleeping bodies nor the state of these contacts.
+        for (name, flag) in [("sleep", mjENBL_SLEEP), ("ipc", mjENBL_IPC)] {
+            if self.raw().opt.enableflags as u32 & flag != 0 {
+                return unsupported(format!("the option {name} is enabled"));
+            }
         }
         let controls = self.actuator_trntype().len();
         if controls != self.nu() || self.actuator_length0().len() != self.nu() {
