@@ -13,16 +13,19 @@ pub(crate) struct Supported {
 pub(crate) enum Tests {
     /// All tests.
     All,
-    /// The tests of `mujoco-sys` and `tests/smoke`: `scripts/test --engine VERSION`.
-    Smoke,
+    /// The tests of `mujoco-sys` and of these programs: `scripts/test --engine VERSION`.
+    Programs(&'static [&'static str]),
 }
+
+const SMOKE: Tests = Tests::Programs(&["smoke"]);
+const SIMULATION: Tests = Tests::Programs(&["smoke", "element", "data", "engine", "linearisation"]);
 
 impl Tests {
     /// Returns the value of `DEP_MUJOCO_TESTS`, which is `none` for other engines.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::All => "all",
-            Self::Smoke => "smoke",
+            Self::Programs(_) => "some",
         }
     }
 }
@@ -30,12 +33,12 @@ impl Tests {
 /// The default engine, which a search prefers and whose bindings documentation builds use, then the others in the order of their versions.
 pub(crate) const ENGINES: [Supported; 7] = [
     engine(222, "2.2.2", Tests::All),
-    engine(237, "2.3.7", Tests::Smoke),
-    engine(301, "3.0.1", Tests::Smoke),
-    engine(337, "3.3.7", Tests::Smoke),
-    engine(3_005_000, "3.5.0", Tests::Smoke),
-    engine(3_017_000, "3.17.0", Tests::Smoke),
-    engine(4_000_000, "4.0.0", Tests::Smoke),
+    engine(237, "2.3.7", SMOKE),
+    engine(301, "3.0.1", SMOKE),
+    engine(337, "3.3.7", SMOKE),
+    engine(3_005_000, "3.5.0", SIMULATION),
+    engine(3_017_000, "3.17.0", SIMULATION),
+    engine(4_000_000, "4.0.0", SIMULATION),
 ];
 
 const fn engine(number: u32, version: &'static str, tests: Tests) -> Supported {

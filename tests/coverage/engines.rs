@@ -15,7 +15,10 @@ fn table() -> String {
     let rows = ENGINES.map(|engine| {
         let tests = match engine.tests {
             Tests::All => "all".to_owned(),
-            Tests::Smoke => format!("`mujoco-sys` and `tests/smoke`: `scripts/test --engine {}`", engine.version),
+            Tests::Programs(programs) => {
+                let programs = programs.join("`, `");
+                format!("`mujoco-sys`, `{programs}`: `scripts/test --engine {}`", engine.version)
+            }
         };
         format!("| {} | committed | {tests} |\n", engine.version)
     });

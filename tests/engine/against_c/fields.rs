@@ -348,12 +348,12 @@ fn other_accessors(owner: &str) -> Vec<&'static str> {
 }
 
 /// Returns `true` for fields of later engines that have no accessor: file names, attributes and pointers of plugins, the numbers of the
-/// solver's iterations by island, the thread pool, and the solver's workspace with its copies that are sorted by island.
-fn has_no_accessor(line: &Vec<&str>) -> bool {
+/// solver's iterations by island, the thread pool with its stacks, and the solver's workspace with its copies that are sorted by island.
+fn has_no_accessor(line: &[&str]) -> bool {
     const BY_ISLAND: [&str; 2] = ["solver_niter", "solver_nnz"];
-    const WORKSPACE: [&str; 5] = ["iacc", "iefc_", "iMa", "ifrc_", "efm_"];
+    const WORKSPACE: [&str; 6] = ["iacc", "iefc_", "iM", "iLD", "ifrc_", "efm_"];
     let name = line[3];
-    ["paths", "plugin_attr", "plugin_data", "threadpool"].contains(&name)
+    ["paths", "plugin_attr", "plugin_data", "threadpool", "maxuse_threadstack"].contains(&name)
         || line[1] == "vector" && BY_ISLAND.contains(&name)
         || line[1] == "arena" && WORKSPACE.iter().any(|beginning| name.starts_with(beginning))
 }
@@ -367,7 +367,8 @@ fn every_field_of_model_and_data_has_an_accessor() {
     for (owner, listed) in [("Model", &model[..]), ("Data", &data)] {
         let mut listed = [listed, &other_accessors(owner)].concat();
         let lines = sys::FIELDS.lines().filter(|line| line.starts_with(owner)).map(|line| line.split('\t').collect());
-        let mut fields: Vec<&str> = lines.filter(|line| !has_no_accessor(line)).map(|line| line[3]).collect();
+        let mut fields: Vec<&str> =
+            lines.filter(|line: &Vec<&str>| !has_no_accessor(line)).map(|line| line[3]).collect();
         listed.sort_unstable();
         fields.sort_unstable();
         assert_eq!(listed, fields, "{owner}");
