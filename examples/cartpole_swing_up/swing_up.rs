@@ -37,20 +37,26 @@ const FINAL_HEIGHT: f64 = 1000.0;
 const FINAL_VELOCITY: f64 = 50.0;
 
 impl TrajectoryCost for SwingUp {
-    fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> f64 {
+    fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> Result<f64> {
         let [position, angle, cart, pole] = *state else { unreachable!("a cart-pole has four states") };
         let below = 1.0 - angle.cos();
-        match controls {
+        Ok(match controls {
             Some(controls) => EFFORT * controls[0].powi(2) + DISTANCE * position.powi(2) + HEIGHT * below,
             None => {
                 FINAL_DISTANCE * position.powi(2)
                     + FINAL_HEIGHT * below
                     + FINAL_VELOCITY * (cart.powi(2) + pole.powi(2))
             }
-        }
+        })
     }
 
-    fn expand(&self, _step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion) {
+    fn expand(
+        &self,
+        _step: usize,
+        state: &[f64],
+        controls: Option<&[f64]>,
+        expansion: &mut CostExpansion,
+    ) -> Result<()> {
         let (distance, height) = if controls.is_some() { (DISTANCE, HEIGHT) } else { (FINAL_DISTANCE, FINAL_HEIGHT) };
         expansion.x[0] = 2.0 * distance * state[0];
         expansion.xx[(0, 0)] = 2.0 * distance;
@@ -69,6 +75,7 @@ impl TrajectoryCost for SwingUp {
                 }
             }
         }
+        Ok(())
     }
 }
 

@@ -1,10 +1,8 @@
 //! Repeated linearisation of steps, in several threads and without allocation.
 
-use std::sync::{Mutex, PoisonError};
-
 use super::method::{Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 use super::perturbation::{BasePoint, Wanted, inputs};
-use super::work_queue::{WorkQueue, for_each_worker};
+use super::work_queue::for_each_item;
 use super::worker::{Worker, linearise};
 use super::{StateSpace, TransitionOutputs, check_eps};
 use super::{analytic, implicit};
@@ -236,29 +234,12 @@ impl Lineariser {
             return Err(Error::Unsupported("along linearises only simulations without callbacks".to_owned()));
         }
         let (integration, options) = (&self.base, &self.options);
-        let queue = WorkQueue::new(systems.iter_mut().enumerate());
-        let first_error = Mutex::new(None);
-        for_each_worker(&mut self.workers, |worker, _| {
-            while let Some((knot, (system, report))) = queue.take() {
-                let base = BasePoint { integration, knot: Some((states.row(knot), controls.row(knot))) };
-                let workers = std::slice::from_mut(worker);
-                match linearise(workers, base, options, (method, fallback), outputs(system)) {
-                    Ok(used) => *report = used,
-                    // The queue hands out rows in order, so the first row that fails is among those that threads have taken.
-                    Err(error) => {
-                        let mut first = first_error.lock().unwrap_or_else(PoisonError::into_inner);
-                        if first.as_ref().is_none_or(|&(earlier, _)| knot < earlier) {
-                            *first = Some((knot, error));
-                        }
-                        return;
-                    }
-                }
-            }
-        });
-        match first_error.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            None => Ok(()),
-            Some((_, error)) => Err(error),
-        }
+        for_each_item(&mut self.workers, systems, |worker, knot, (system, report)| {
+            let base = BasePoint { integration, knot: Some((states.row(knot), controls.row(knot))) };
+            let workers = std::slice::from_mut(worker);
+            *report = linearise(workers, base, options, (method, fallback), outputs(system))?;
+            Ok(())
+        })
     }
 
     /// Adopts the model of a simulation, which may have been edited since.

@@ -26,6 +26,8 @@ mod newton;
 mod perturbation;
 mod residual;
 mod rotation;
+#[cfg_attr(engine_since = "2.3.0", allow(dead_code, reason = "the closed form of 2.2.2 uses the rest"))]
+pub(crate) mod spatial;
 mod transition;
 mod work_queue;
 mod worker;
@@ -35,6 +37,7 @@ pub use self::lineariser::Lineariser;
 pub use self::method::{DifferencedTerms, Fallback, LinearisationReport, TransitionMethod, TransitionOptions};
 pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
+pub(crate) use self::work_queue::for_each_item;
 use crate::error::{Error, Result};
 use crate::with_aliases::with_aliases;
 

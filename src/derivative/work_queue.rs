@@ -8,6 +8,8 @@ use std::hint;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use crate::error::Result;
+
 /// Minimum number of remaining items for which another worker joins.
 const MIN_ITEMS_TO_JOIN: usize = 4;
 
@@ -60,4 +62,31 @@ pub(super) fn for_each_worker<W: Send>(workers: &mut [W], work: impl Fn(&mut W, 
             hint::spin_loop();
         }
     });
+}
+
+/// Calls `work` for each item with its index, with the workers as in [`for_each_worker`]. If it fails for several items, returns
+/// the error of the first one.
+pub(crate) fn for_each_item<W: Send, T: Send>(
+    workers: &mut [W],
+    items: &mut [T],
+    work: impl Fn(&mut W, usize, &mut T) -> Result<()> + Sync,
+) -> Result<()> {
+    let queue = WorkQueue::new(items.iter_mut().enumerate());
+    let first_error = Mutex::new(None);
+    for_each_worker(workers, |worker, _| {
+        while let Some((index, item)) = queue.take() {
+            if let Err(error) = work(worker, index, item) {
+                // The queue hands out items in order, so the first one that fails is among those that threads have taken.
+                let mut first = first_error.lock().unwrap_or_else(PoisonError::into_inner);
+                if first.as_ref().is_none_or(|&(earlier, _)| index < earlier) {
+                    *first = Some((index, error));
+                }
+                return;
+            }
+        }
+    });
+    match first_error.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        None => Ok(()),
+        Some((_, error)) => Err(error),
+    }
 }

@@ -128,8 +128,37 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! [`TimeVaryingLqr::along`] computes the gains along a given trajectory. Implement [`TrajectoryCost`](crate::control::ilqr::TrajectoryCost) for
-//! costs that are not quadratic. The example `cartpole_swing_up` swings a pole up from any angle.
+//! [`TimeVaryingLqr::along`] computes the gains along a given trajectory. The example `cartpole_swing_up` swings a pole up from any angle.
+//!
+//! # Costs
+//!
+//! | cost | penalises |
+//! |---|---|
+//! | [`QuadraticCost`](crate::control::ilqr::QuadraticCost) | the deviation from one state, with weight matrices |
+//! | [`ResidualCost`](crate::control::residual::ResidualCost) | norms of joint positions, poses, momenta, sensors and controls, relative to targets |
+//! | your type that implements [`TrajectoryCost`](crate::control::ilqr::TrajectoryCost) | any function of the state and the controls, with its derivatives |
+//!
+//! A [`ResidualCost`](crate::control::residual::ResidualCost) has named terms, whose weights and targets can change between two searches:
+//!
+//! ```
+//! use mujoco_safe::control::ilqr::TrajectoryCost;
+//! use mujoco_safe::control::residual::{FrameOrientation, JointPosition, Norm, ResidualCost, Subtree, Term};
+//! use mujoco_safe::sample;
+//!
+//! let model = std::sync::Arc::new(sample::humanoid());
+//! let mut cost = ResidualCost::new(
+//!     &model,
+//!     [
+//!         Term::new("posture", JointPosition::all(&model)).with_weight(0.1),
+//!         Term::new("upright", FrameOrientation::body(&model, "torso")?).with_norm(Norm::SmoothAbs { width: 0.1 }),
+//!         Term::new("momentum", Subtree::angular_momentum(&model, "torso")?).with_weight(0.01),
+//!     ],
+//! )?;
+//! cost.term_mut("upright")?.weight = 5.0;
+//! let state = [model.qpos0(), &vec![0.0; model.nv()]].concat();
+//! assert!(cost.value(0, &state, None)? < 1e-6);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
 //!
 //! # Predictive control
 //!

@@ -6,7 +6,7 @@ use mujoco_safe::control::ilqr::{
     CostExpansion, Ilqr, IlqrOptions, IlqrSolution, IlqrStatus, QuadraticCost, TrajectoryCost,
 };
 use mujoco_safe::control::riccati::RiccatiRecursion;
-use mujoco_safe::{Controller, Data, Differences, Error, LqrWeights, Matrix, Model, sample};
+use mujoco_safe::{Controller, Data, Differences, Error, LqrWeights, Matrix, Model, Result, sample};
 use nalgebra::{DMatrix, DVector};
 
 use super::{Random, assert_close, cartpole, springs};
@@ -95,11 +95,11 @@ fn simulated_cost(data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> 
     // The engine would clamp the perturbation of a control at the limit of its range.
     data.edit_model(|model| model.actuator_ctrlrange_mut().fill([-10.0, 10.0])).unwrap();
     for (step, controls) in controls.rows().enumerate() {
-        total += cost.value(step, &data.physics_state(), Some(controls));
+        total += cost.value(step, &data.physics_state(), Some(controls)).unwrap();
         data.ctrl_mut().copy_from_slice(controls);
         data.step().unwrap();
     }
-    total + cost.value(controls.nrows(), &data.physics_state(), None)
+    total + cost.value(controls.nrows(), &data.physics_state(), None).unwrap()
 }
 
 #[test]
@@ -169,14 +169,20 @@ fn applied_forces_and_time_are_those_of_the_initial_simulation() {
 struct Higher;
 
 impl TrajectoryCost for Higher {
-    fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> f64 {
-        match controls {
+    fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> Result<f64> {
+        Ok(match controls {
             Some(controls) => 1e-3 * controls[0] * controls[0] + 0.1 * state[0] * state[0],
             None => 1.0 - state[1].cos(),
-        }
+        })
     }
 
-    fn expand(&self, step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion) {
+    fn expand(
+        &self,
+        step: usize,
+        state: &[f64],
+        controls: Option<&[f64]>,
+        expansion: &mut CostExpansion,
+    ) -> Result<()> {
         assert_eq!(controls.is_none(), step == 50);
         if let Some(controls) = controls {
             expansion.u[0] = 2e-3 * controls[0];
@@ -187,6 +193,7 @@ impl TrajectoryCost for Higher {
             expansion.x[1] = state[1].sin();
             expansion.xx[(1, 1)] = state[1].cos();
         }
+        Ok(())
     }
 }
 
@@ -203,13 +210,14 @@ fn a_custom_cost_may_be_nonconvex() {
 struct Wrong(fn(&mut CostExpansion), f64);
 
 impl TrajectoryCost for Wrong {
-    fn value(&self, _: usize, state: &[f64], _: Option<&[f64]>) -> f64 {
-        self.1 + state[0]
+    fn value(&self, _: usize, state: &[f64], _: Option<&[f64]>) -> Result<f64> {
+        Ok(self.1 + state[0])
     }
 
-    fn expand(&self, _: usize, _: &[f64], _: Option<&[f64]>, expansion: &mut CostExpansion) {
+    fn expand(&self, _: usize, _: &[f64], _: Option<&[f64]>, expansion: &mut CostExpansion) -> Result<()> {
         expansion.uu.fill_with_identity();
         (self.0)(expansion);
+        Ok(())
     }
 }
 
@@ -291,7 +299,7 @@ fn gradient(
         } else {
             state[nq + index - nv] += eps;
         }
-        cost.value(0, &state, controls)
+        cost.value(0, &state, controls).unwrap()
     };
     let x = DVector::from_fn(2 * nv, |index, _| (moved(index, EPS) - moved(index, -EPS)) / (2.0 * EPS));
     let u = DVector::from_fn(nu, |index, _| {
@@ -299,7 +307,7 @@ fn gradient(
         let changed = |eps: f64| {
             let mut controls = controls.to_vec();
             controls[index] += eps;
-            cost.value(0, state, Some(&controls))
+            cost.value(0, state, Some(&controls)).unwrap()
         };
         (changed(EPS) - changed(-EPS)) / (2.0 * EPS)
     });
@@ -321,7 +329,8 @@ fn the_derivatives_of_a_quadratic_cost_equal_finite_differences() {
     let cost = QuadraticCost::new(model.clone(), &target, weights.clone(), terminal.clone())
         .and_then(|cost| cost.with_controls(&controls))
         .unwrap();
-    assert_eq!((cost.value(0, &target, Some(&controls)), cost.value(9, &target, None)), (0.0, 0.0));
+    assert_eq!(cost.value(0, &target, Some(&controls)).unwrap(), 0.0);
+    assert_eq!(cost.value(9, &target, None).unwrap(), 0.0);
 
     let velocity: Vec<f64> = random.vector(27).as_slice().to_vec();
     model.integrate_pos(data.qpos_mut(), &velocity, 0.5).unwrap();
@@ -329,13 +338,13 @@ fn the_derivatives_of_a_quadratic_cost_equal_finite_differences() {
     let (state, ctrl) = (data.physics_state(), random.vector(nu).as_slice().to_vec());
     for controls in [Some(&ctrl[..]), None] {
         let mut expansion = CostExpansion::zeros(&model);
-        cost.expand(0, &state, controls, &mut expansion);
+        cost.expand(0, &state, controls, &mut expansion).unwrap();
         let (x, u) = gradient(&model, &cost, &state, controls);
         assert!((&expansion.x - &x).norm() < 1e-6 * x.norm(), "{} instead of {x}", expansion.x);
         assert!((&expansion.u - &u).norm() <= 1e-6 * u.norm().max(1e-9), "{} instead of {u}", expansion.u);
         // At the target, the second derivatives are twice the weights.
         let mut expansion = CostExpansion::zeros(&model);
-        cost.expand(0, &target, controls, &mut expansion);
+        cost.expand(0, &target, controls, &mut expansion).unwrap();
         let expected = if controls.is_some() { &weights.q } else { &terminal };
         assert_close(&expansion.xx, &(expected * 2.0), 1e-12);
         if controls.is_some() {

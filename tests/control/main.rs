@@ -26,6 +26,7 @@ mod gain_table;
 mod humanoid_balance;
 mod ilqr;
 mod recursion;
+mod residual;
 mod riccati;
 mod sizes;
 

@@ -93,17 +93,12 @@ fn a_quadratic_cost_checks_sizes() {
 }
 
 #[test]
-#[should_panic = "the state has 3 entries, but the QuadraticCost is for 4"]
-fn a_quadratic_cost_checks_the_state() {
+fn a_quadratic_cost_checks_states_and_controls() {
     let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).unwrap();
-    cost.value(0, &[0.0; 3], None);
-}
-
-#[test]
-#[should_panic = "there are 2 controls, but the QuadraticCost is for 1"]
-fn a_quadratic_cost_checks_the_controls() {
-    let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights(), DMatrix::zeros(4, 4)).unwrap();
-    cost.value(0, &[0.0; 4], Some(&[0.0; 2]));
+    assert_shape(cost.value(0, &[0.0; 3], None), (4, 1), (3, 1));
+    assert_shape(cost.value(0, &[0.0; 4], Some(&[0.0; 2])), (1, 1), (2, 1));
+    let (states, controls) = (Matrix::zeros(3, 4), Matrix::zeros(3, 1));
+    assert_shape(cost.total(states.view(), controls.view()), (4, 1), (3, 1));
 }
 
 #[test]

@@ -5,6 +5,11 @@
 use std::sync::Arc;
 
 use mujoco_safe::control::TimeVaryingLqr;
+use mujoco_safe::control::ilqr::{CostExpansion, TrajectoryCost};
+use mujoco_safe::control::residual::{
+    Controls, FrameOrientation, FramePosition, JointPosition, JointVelocity, Norm, ResidualCost, SensorReading,
+    Subtree, Term,
+};
 use mujoco_safe::data::Timer;
 use mujoco_safe::derivative::{InverseForce, InverseJacobians, TransitionMethod, TransitionOptions};
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
@@ -301,6 +306,34 @@ fn record_without_allocation(data: &mut Data, mut trajectory: Trajectory) {
     result.unwrap();
     assert_eq!((number, trajectory.len()), (0, 100), "record within the capacity");
     allocates_nothing("apply", || trajectory.apply(3, data).unwrap());
+}
+
+#[test]
+fn costs_of_residuals_do_not_allocate() {
+    let _lock = lock_process();
+    let data = squatting();
+    let model = data.model();
+    let cost = ResidualCost::new(
+        model,
+        [
+            Term::new("posture", JointPosition::all(model)),
+            Term::new("rest", JointVelocity::all(model)).with_norm(Norm::Huber { width: 1.0 }),
+            Term::new("hand", FramePosition::body(model, "hand_left").unwrap())
+                .with_norm(Norm::SmoothAbs { width: 0.1 }),
+            Term::new("upright", FrameOrientation::body(model, "torso").unwrap()),
+            Term::new("com", Subtree::com(model, "torso").unwrap()),
+            Term::new("velocity", Subtree::velocity(model, "torso").unwrap()),
+            Term::new("momentum", Subtree::angular_momentum(model, "torso").unwrap()),
+            Term::new("gyro", SensorReading::new(model, "torso_gyro").unwrap()),
+            Term::new("effort", Controls::new(model)),
+        ],
+    )
+    .unwrap();
+    let (state, controls) = (data.physics_state(), data.ctrl().to_vec());
+    let mut expansion = CostExpansion::zeros(model);
+    allocates_nothing("value", || assert!(cost.value(3, &state, Some(&controls)).unwrap() > 0.0));
+    allocates_nothing("expand", || cost.expand(3, &state, Some(&controls), &mut expansion).unwrap());
+    allocates_nothing("begin", || cost.begin(&data).unwrap());
 }
 
 #[test]

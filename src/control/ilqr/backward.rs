@@ -6,7 +6,7 @@ use super::cost::{CostExpansion, TrajectoryCost};
 use super::forward::Trial;
 use crate::control::feedback::control_range;
 use crate::control::riccati::{BellmanBackup, StepCost};
-use crate::derivative::{self, LinearisationReport, StateSpace};
+use crate::derivative::{self, LinearisationReport, StateSpace, for_each_item};
 use crate::error::Result;
 use crate::math::{BoxQp, BoxQpStatus, chol_solve_in_place};
 use crate::matrix::{Matrix, MatrixView};
@@ -109,16 +109,17 @@ impl Backward {
         }
     }
 
-    /// Expands the cost along a trajectory.
-    pub(super) fn expand(&mut self, nominal: &Trial, cost: &dyn TrajectoryCost) -> Result<()> {
+    /// Expands the cost along a trajectory, in up to `threads` threads. If several steps fail, returns the error of the first one.
+    pub(super) fn expand(&mut self, nominal: &Trial, cost: &dyn TrajectoryCost, threads: usize) -> Result<()> {
         let steps = nominal.controls.nrows();
-        for (step, expansion) in self.expansions.iter_mut().enumerate() {
+        let (nx, nu) = (self.nx, self.nu);
+        // The threads have no state, so the vector does not allocate.
+        for_each_item(&mut vec![(); threads], &mut self.expansions, |(), step, expansion| {
             let controls = (step < steps).then(|| nominal.controls.row(step));
             expansion.clear();
-            cost.expand(step, nominal.states.row(step), controls, expansion);
-            expansion.check(step, self.nx, self.nu)?;
-        }
-        Ok(())
+            cost.expand(step, nominal.states.row(step), controls, expansion)?;
+            expansion.check(step, nx, nu)
+        })
     }
 
     /// Computes the policy that minimises the expanded cost, and the decrease that it predicts. Returns `None` if the expanded

@@ -5,23 +5,61 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::control::LqrWeights;
-use crate::data::StateSpec;
+use crate::data::{Data, StateSpec};
 use crate::derivative;
 use crate::enums::JointType;
 use crate::error::{Error, Result};
 use crate::math::sub_quat_derivative;
+use crate::matrix::MatrixView;
 use crate::model::{IntoModel, Model};
 
 /// Cost of a trajectory: the sum of the costs of all steps and of a terminal cost.
 ///
 /// A state is `[qpos; qvel; act]`. Without controls, the methods refer to the terminal cost, and the state is the one after all
-/// steps.
+/// steps. Several threads call the methods at the same time, for different steps or trajectories.
+///
+/// [`QuadraticCost`] penalises the deviation from a state, and [`ResidualCost`](crate::control::residual::ResidualCost) functions of
+/// poses, velocities, momenta and sensors.
 pub trait TrajectoryCost: Sync {
+    /// Prepares for trajectories that start in the present state of `data`. A cost that depends on time, mocap poses or applied
+    /// forces reads them here. By default does nothing.
+    ///
+    /// # Errors
+    ///
+    /// Any error of the cost. The search then does not start.
+    fn begin(&self, _data: &Data) -> Result<()> {
+        Ok(())
+    }
+
     /// Returns the cost of step `step`, which starts in this state under these controls.
-    fn value(&self, step: usize, state: &[f64], controls: Option<&[f64]>) -> f64;
+    ///
+    /// # Errors
+    ///
+    /// Any error of the cost. The line search discards the trajectory.
+    fn value(&self, step: usize, state: &[f64], controls: Option<&[f64]>) -> Result<f64>;
 
     /// Writes the first and second derivatives of [`value`](Self::value). All entries of `expansion` are zero before the call.
-    fn expand(&self, step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion);
+    ///
+    /// # Errors
+    ///
+    /// Any error of the cost, which ends the search.
+    fn expand(&self, step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion)
+    -> Result<()>;
+
+    /// Returns the cost of a trajectory of `N` steps, without derivatives: `states` `(N + 1, nq + nv + na)` and `controls` `(N, nu)`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] unless there is one state more than controls, and the errors of [`value`](Self::value).
+    fn total(&self, states: MatrixView<'_>, controls: MatrixView<'_>) -> Result<f64> {
+        let steps = controls.nrows();
+        Error::check_length("the states of a trajectory", states.nrows(), steps + 1)?;
+        let mut sum = self.value(steps, states.row(steps), None)?;
+        for (step, controls) in controls.rows().enumerate() {
+            sum += self.value(step, states.row(step), Some(controls))?;
+        }
+        Ok(sum)
+    }
 }
 
 /// First and second derivatives of a cost with respect to the state, in its tangent space of dimension `nx = 2 nv + na`, and with
@@ -83,7 +121,7 @@ impl CostExpansion {
 /// The difference of states is that of [`Lqr`](crate::Lqr), which treats quaternions as rotations. The second derivatives omit
 /// those of the difference itself (the Gauss–Newton approximation), which are zero for models without quaternions.
 ///
-/// The methods of [`TrajectoryCost`] panic for a state or controls of a wrong length.
+/// The methods of [`TrajectoryCost`] return [`Error::Shape`] for a state or controls of a wrong length.
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::{QuadraticCost, TrajectoryCost};
@@ -92,8 +130,8 @@ impl CostExpansion {
 ///
 /// let weights = LqrWeights::diagonal(&[1.0, 10.0, 1.0, 5.0], &[1.0]);
 /// let cost = QuadraticCost::new(sample::cartpole(), &[0.0; 4], weights, DMatrix::identity(4, 4))?;
-/// assert_eq!(cost.value(0, &[0.0, 0.1, 0.0, 0.0], Some(&[0.5])), 10.0 * 0.1 * 0.1 + 0.5 * 0.5);
-/// assert_eq!(cost.value(100, &[0.0, 0.0, 0.0, 2.0], None), 4.0);
+/// assert_eq!(cost.value(0, &[0.0, 0.1, 0.0, 0.0], Some(&[0.5]))?, 10.0 * 0.1 * 0.1 + 0.5 * 0.5);
+/// assert_eq!(cost.value(100, &[0.0, 0.0, 0.0, 2.0], None)?, 4.0);
 /// # Ok::<(), mujoco_safe::Error>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -137,29 +175,23 @@ impl QuadraticCost {
     }
 
     /// Returns `dx`.
-    fn deviation(&self, state: &[f64]) -> DVector<f64> {
-        let (found, expected) = (state.len(), self.state.len());
-        assert!(found == expected, "the state has {found} entries, but the QuadraticCost is for {expected}");
+    fn deviation(&self, state: &[f64]) -> Result<DVector<f64>> {
+        Error::check_length("a state of a QuadraticCost", state.len(), self.state.len())?;
         let (nq, nv) = (self.model.nq(), self.model.nv());
         let mut dx = DVector::zeros(2 * nv + self.model.na());
         let (dq, rest) = dx.as_mut_slice().split_at_mut(nv);
-        self.model
-            .differentiate_pos_into(1.0, &self.state[..nq], &state[..nq], dq)
-            .expect("Bug: the lengths were checked");
+        self.model.differentiate_pos_into(1.0, &self.state[..nq], &state[..nq], dq)?;
         for ((rest, value), target) in rest.iter_mut().zip(&state[nq..]).zip(&self.state[nq..]) {
             *rest = value - target;
         }
-        dx
+        Ok(dx)
     }
 
     /// Returns `du`.
-    fn control_deviation(&self, controls: &[f64]) -> DVector<f64> {
-        let (found, expected) = (controls.len(), self.controls.len());
-        assert!(found == expected, "there are {found} controls, but the QuadraticCost is for {expected}");
-        DVector::from_iterator(
-            controls.len(),
-            controls.iter().zip(&self.controls).map(|(control, reference)| control - reference),
-        )
+    fn control_deviation(&self, controls: &[f64]) -> Result<DVector<f64>> {
+        Error::check_length("the controls of a QuadraticCost", controls.len(), self.controls.len())?;
+        let deviations = controls.iter().zip(&self.controls).map(|(control, reference)| control - reference);
+        Ok(DVector::from_iterator(controls.len(), deviations))
     }
 
     /// Returns the derivative of the deviation with respect to the state, `(nx, nx)`, or `None` if it is the identity, which is
@@ -184,21 +216,27 @@ impl QuadraticCost {
 }
 
 impl TrajectoryCost for QuadraticCost {
-    fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> f64 {
-        let dx = self.deviation(state);
-        let Some(controls) = controls else { return dx.dot(&(&self.terminal * &dx)) };
-        let du = self.control_deviation(controls);
+    fn value(&self, _step: usize, state: &[f64], controls: Option<&[f64]>) -> Result<f64> {
+        let dx = self.deviation(state)?;
+        let Some(controls) = controls else { return Ok(dx.dot(&(&self.terminal * &dx))) };
+        let du = self.control_deviation(controls)?;
         let cross = self.weights.s.as_ref().map_or(0.0, |s| 2.0 * dx.dot(&(s * &du)));
-        dx.dot(&(&self.weights.q * &dx)) + du.dot(&(&self.weights.r * &du)) + cross
+        Ok(dx.dot(&(&self.weights.q * &dx)) + du.dot(&(&self.weights.r * &du)) + cross)
     }
 
-    fn expand(&self, _step: usize, state: &[f64], controls: Option<&[f64]>, expansion: &mut CostExpansion) {
+    fn expand(
+        &self,
+        _step: usize,
+        state: &[f64],
+        controls: Option<&[f64]>,
+        expansion: &mut CostExpansion,
+    ) -> Result<()> {
         let twice = |matrix: &DMatrix<f64>| matrix + matrix.transpose();
-        let dx = self.deviation(state);
+        let dx = self.deviation(state)?;
         expansion.xx = twice(if controls.is_some() { &self.weights.q } else { &self.terminal });
         expansion.x = &expansion.xx * &dx;
         if let Some(controls) = controls {
-            let du = self.control_deviation(controls);
+            let du = self.control_deviation(controls)?;
             expansion.uu = twice(&self.weights.r);
             expansion.u = &expansion.uu * &du;
             if let Some(s) = &self.weights.s {
@@ -213,5 +251,6 @@ impl TrajectoryCost for QuadraticCost {
             expansion.xx = &transpose * &expansion.xx * jacobian;
             expansion.xu = transpose * &expansion.xu;
         }
+        Ok(())
     }
 }

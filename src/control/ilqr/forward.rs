@@ -7,9 +7,9 @@ use super::cost::TrajectoryCost;
 use crate::control::feedback::{Feedback, clamp};
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
-use crate::derivative;
+use crate::derivative::{self, for_each_item};
 use crate::error::{Error, Result};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, MatrixView};
 use crate::model::Model;
 use crate::rollout::{Rollout, RolloutBuffers, RolloutError, Workers};
 
@@ -23,22 +23,33 @@ pub(super) struct Trial {
     pub(super) cost: f64,
 }
 
-/// The forward pass, with its simulations.
+/// The forward pass, with its simulations and buffers.
 #[derive(Debug)]
 pub(super) struct Forward {
     workers: Workers,
     /// Values of [`StateSpec::INTEGRATION`] at the start.
     start: Vec<f64>,
+    /// States and controls of all trials of a run, one after another.
+    states: Vec<f64>,
+    controls: Vec<f64>,
+    /// Costs of the trials, or the errors of their simulations.
+    costs: Vec<Result<f64>>,
 }
 
 impl Forward {
     pub(super) fn new(model: Arc<Model>) -> Self {
         let start = vec![0.0; model.state_size(StateSpec::INTEGRATION)];
-        Self { workers: Workers::new(model), start }
+        Self { workers: Workers::new(model), start, states: Vec::new(), controls: Vec::new(), costs: Vec::new() }
     }
 
     /// Simulates the trajectory under these controls, clamped to their ranges.
-    pub(super) fn nominal(&mut self, data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> Result<Trial> {
+    pub(super) fn nominal(
+        &mut self,
+        data: &Data,
+        controls: &Matrix,
+        cost: &dyn TrajectoryCost,
+        trial: &mut Trial,
+    ) -> Result<()> {
         if !data.model().is_same_structure(self.workers.model()) {
             return Err(Error::OtherModel { what: "the initial data of a trajectory" });
         }
@@ -47,26 +58,26 @@ impl Forward {
             self.workers = Workers::new(data.model().clone());
         }
         data.state_into(StateSpec::INTEGRATION, &mut self.start)?;
-        let controller = |_| PolicyController { controls, update: None, step: 0 };
-        let mut trials = self.run(1, controls.nrows(), controller, cost)?;
-        let trial = trials.swap_remove(0)?;
-        if trial.cost.is_finite() {
-            Ok(trial)
-        } else {
-            Err(Error::invalid("the cost of the initial trajectory of Ilqr::solve", trial.cost, "finite"))
+        cost.begin(data)?;
+        self.run(1, controls.nrows(), |_| PolicyController { controls, update: None, step: 0 }, cost)?;
+        let value = self.costs.swap_remove(0)?;
+        if !value.is_finite() {
+            return Err(Error::invalid("the cost of the initial trajectory of iLQR", value, "finite"));
         }
+        self.copy_to(0, value, trial);
+        Ok(())
     }
 
-    /// Simulates the policy with each step size, and returns the trajectory of minimal cost, if any has a finite cost.
-    pub(super) fn best(
-        &self,
-        data: &Data,
-        nominal: &Trial,
+    /// Simulates the policy with each step size. If the trajectory of minimal cost improves the nominal one, replaces it and returns
+    /// true.
+    pub(super) fn improve(
+        &mut self,
         policy: &AffinePolicy,
         step_sizes: &[f64],
         cost: &dyn TrajectoryCost,
-    ) -> Result<Option<Trial>> {
-        let (nx, ..) = derivative::sizes(data.model());
+        nominal: &mut Trial,
+    ) -> Result<bool> {
+        let (nx, ..) = derivative::sizes(self.workers.model());
         let controller = |index: usize| PolicyController {
             controls: &nominal.controls,
             update: Some(Update {
@@ -77,47 +88,67 @@ impl Forward {
             }),
             step: 0,
         };
+        self.run(step_sizes.len(), nominal.controls.nrows(), controller, cost)?;
         // Discards unstable simulations.
-        let trials = self.run(step_sizes.len(), nominal.controls.nrows(), controller, cost)?;
-        let trials = trials.into_iter().filter_map(Result::ok);
-        Ok(trials.filter(|trial| trial.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost)))
+        let costs = self.costs.iter().enumerate().filter_map(|(index, cost)| Some((index, *cost.as_ref().ok()?)));
+        let best = costs.filter(|(_, cost)| cost.is_finite()).min_by(|(_, a), (_, b)| a.total_cmp(b));
+        let Some((index, value)) = best.filter(|&(_, value)| value < nominal.cost) else { return Ok(false) };
+        self.copy_to(index, value, nominal);
+        Ok(true)
     }
 
+    /// Copies a trajectory of the last run.
+    fn copy_to(&self, index: usize, cost: f64, trial: &mut Trial) {
+        let block = |values: &[f64], output: &mut Matrix| {
+            let length = output.as_slice().len();
+            output.as_mut_slice().copy_from_slice(&values[index * length..][..length]);
+        };
+        block(&self.states, &mut trial.states);
+        block(&self.controls, &mut trial.controls);
+        trial.cost = cost;
+    }
+
+    /// Simulates trajectories, and evaluates their costs.
     fn run<'p>(
-        &self,
+        &mut self,
         count: usize,
         steps: usize,
         controller: impl Fn(usize) -> PolicyController<'p> + Send + Sync,
         cost: &dyn TrajectoryCost,
-    ) -> Result<Vec<Result<Trial>>> {
-        let model = self.workers.model();
-        let (nu, width) = (model.nu(), model.state_size(StateSpec::PHYSICS));
-        let (mut states, mut controls) = (vec![0.0; count * (steps + 1) * width], vec![0.0; count * steps * nu]);
-        let buffers = RolloutBuffers { states: Some(&mut states), outputs: Some(&mut controls), ..Default::default() };
-        let outcomes = Rollout::on(&self.workers, count, steps)
-            .initial_state(StateSpec::INTEGRATION, &self.start)
+    ) -> Result<()> {
+        let Self { workers, start, states, controls, costs } = self;
+        let (nu, width) = (workers.model().nu(), workers.model().state_size(StateSpec::PHYSICS));
+        let (of_states, of_controls) = ((steps + 1) * width, steps * nu);
+        states.resize(count * of_states, 0.0);
+        controls.resize(count * of_controls, 0.0);
+        let buffers = RolloutBuffers { states: Some(states), outputs: Some(controls), ..Default::default() };
+        let outcomes = Rollout::on(workers, count, steps)
+            .initial_state(StateSpec::INTEGRATION, start)
             .controllers(controller)
             .outputs(nu, |data, row| row.copy_from_slice(data.ctrl()))
             .run_into(buffers)?;
-        let block = |values: &[f64], index: usize, rows: usize, columns: usize| {
-            let length = rows * columns;
-            Matrix::from_row_major(rows, columns, values[index * length..][..length].to_vec())
-        };
-        let trials = outcomes.into_iter().enumerate().map(|(index, outcome)| match outcome {
-            Ok(()) => Ok(Trial::new(block(&states, index, steps + 1, width), block(&controls, index, steps, nu), cost)),
+        costs.clear();
+        costs.extend(outcomes.into_iter().map(|outcome| match outcome {
+            Ok(()) => Ok(0.0),
             Err(RolloutError::Failed { error, .. }) => Err(error),
             Err(RolloutError::Cancelled { .. }) => unreachable!("Bug: a run without a progress hook was cancelled"),
-        });
-        Ok(trials.collect())
+        }));
+        for_each_item(&mut vec![(); rayon::current_num_threads()], costs, |(), index, value| {
+            if value.is_ok() {
+                let states = MatrixView::from_row_major(steps + 1, width, &states[index * of_states..][..of_states]);
+                let controls = MatrixView::from_row_major(steps, nu, &controls[index * of_controls..][..of_controls]);
+                *value = cost.total(states, controls);
+            }
+            Ok(())
+        })
     }
 }
 
 impl Trial {
-    fn new(states: Matrix, controls: Matrix, cost: &dyn TrajectoryCost) -> Self {
-        let steps = controls.nrows();
-        let running = (0..steps).map(|step| cost.value(step, states.row(step), Some(controls.row(step)))).sum::<f64>();
-        let cost = running + cost.value(steps, states.row(steps), None);
-        Self { states, controls, cost }
+    /// Creates a trajectory of zeros.
+    pub(super) fn zeros(model: &Model, steps: usize) -> Self {
+        let states = Matrix::zeros(steps + 1, model.state_size(StateSpec::PHYSICS));
+        Self { states, controls: Matrix::zeros(steps, model.nu()), cost: 0.0 }
     }
 }
 

@@ -197,11 +197,12 @@ impl Ilqr {
     ///
     /// [`Error::Shape`] for controls of a wrong shape, [`Error::Invalid`] if there is no step or if a cost or a derivative of it is
     /// not finite, [`Error::OtherModel`] for a simulation of a model that was loaded separately, the errors of [`Data::step`]
-    /// for the trajectory of the given controls, and those of [`Lineariser::along`].
+    /// for the trajectory of the given controls, those of the cost, for example of a [`QuadraticCost`] for a model with other sizes,
+    /// and those of [`Lineariser::along`].
     ///
     /// # Panics
     ///
-    /// If the cost panics, for example a [`QuadraticCost`] for a model with other sizes.
+    /// If the cost panics.
     pub fn solve(&mut self, data: &Data, controls: &Matrix, cost: &dyn TrajectoryCost) -> Result<IlqrSolution> {
         let model = data.model();
         let steps = controls.nrows();
@@ -210,7 +211,8 @@ impl Ilqr {
         }
         Error::check_shape("the controls of Ilqr::solve", controls.shape(), (steps, model.nu()))?;
         let method = self.lineariser.options().method;
-        let nominal = self.forward.nominal(data, controls, cost)?;
+        let mut nominal = Trial::zeros(model, steps);
+        self.forward.nominal(data, controls, cost, &mut nominal)?;
         let mut search = Search {
             data,
             cost,
@@ -225,7 +227,7 @@ impl Ilqr {
         let mut status = IlqrStatus::IterationLimit;
         for _ in 0..self.options.iterations {
             search.expand(&mut self.lineariser)?;
-            if let Some(end) = search.iterate(&self.forward, &self.options)? {
+            if let Some(end) = search.iterate(&mut self.forward, &self.options)? {
                 status = end;
                 break;
             }
@@ -258,11 +260,11 @@ impl Search<'_> {
         // The cost does not depend on the sensors.
         let (starts, controls) = (&self.starts, &self.nominal.controls);
         lineariser.along_without_sensors_into(self.data, starts, controls, &mut self.systems)?;
-        self.backward.expand(&self.nominal, self.cost)
+        self.backward.expand(&self.nominal, self.cost, lineariser.options().threads)
     }
 
     /// Finds a better trajectory, and increases the regularisation until it succeeds. If the search ends, returns the reason.
-    fn iterate(&mut self, forward: &Forward, options: &IlqrOptions) -> Result<Option<IlqrStatus>> {
+    fn iterate(&mut self, forward: &mut Forward, options: &IlqrOptions) -> Result<Option<IlqrStatus>> {
         let least = options.tolerance * self.nominal.cost.abs();
         let mut first_decrease = None;
         loop {
@@ -274,11 +276,10 @@ impl Search<'_> {
                     // A negligible decrease without additional regularisation means convergence.
                     return Ok(Some(if first <= least { IlqrStatus::Converged } else { IlqrStatus::NoDescent }));
                 }
-                let best = forward.best(self.data, &self.nominal, &self.policy, &options.step_sizes, self.cost)?;
-                if let Some(best) = best.filter(|best| best.cost < self.nominal.cost) {
-                    let gain = self.nominal.cost - best.cost;
-                    self.costs.push(best.cost);
-                    self.nominal = best;
+                let before = self.nominal.cost;
+                if forward.improve(&self.policy, &options.step_sizes, self.cost, &mut self.nominal)? {
+                    let gain = before - self.nominal.cost;
+                    self.costs.push(self.nominal.cost);
                     self.regularisation.lower();
                     let converged = gain <= least && regularisation <= MIN_REGULARISATION;
                     return Ok(converged.then_some(IlqrStatus::Converged));

@@ -38,7 +38,6 @@ mod muscle;
 mod passive;
 mod rigid_body;
 mod sensors;
-mod spatial;
 mod tendon;
 mod tree;
 
@@ -53,7 +52,7 @@ use self::tree::Tree;
 use super::linear_algebra::solve_cholesky;
 use super::method::{DifferencedTerms, Fallback};
 use super::newton::Newton;
-use super::{TransitionOutputs, sizes};
+use super::{TransitionOutputs, sizes, spatial};
 use crate::data::{Data, SensorUpdate};
 use crate::error::Result;
 use crate::matrix::Matrix;

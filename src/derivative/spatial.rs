@@ -3,38 +3,38 @@
 //! A spatial vector is `[angular; linear]`, as in the engine: a motion is `[ω; v]`, a force `[torque; force]`, both about a
 //! reference point.
 
-pub(super) type Vec3 = [f64; 3];
-pub(super) type Spatial = [f64; 6];
+pub(crate) type Vec3 = [f64; 3];
+pub(crate) type Spatial = [f64; 6];
 
 /// Inertia of a rigid body about the reference point: the ten numbers of the engine's `cinert`. They are the matrix of rotational
 /// inertia (`xx`, `yy`, `zz`, `xy`, `xz`, `yz`), the mass times the centre of mass, and the mass.
-pub(super) type Inertia = [f64; 10];
+pub(crate) type Inertia = [f64; 10];
 
 #[inline]
-pub(super) fn add<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+pub(crate) fn add<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
 #[inline]
-pub(super) fn sub<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+pub(crate) fn sub<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
 #[inline]
-pub(super) fn scale<const N: usize>(a: &[f64; N], factor: f64) -> [f64; N] {
+pub(crate) fn scale<const N: usize>(a: &[f64; N], factor: f64) -> [f64; N] {
     a.map(|value| factor * value)
 }
 
 /// Computes `a += factor b`.
 #[inline]
-pub(super) fn add_scaled<const N: usize>(a: &mut [f64; N], b: &[f64; N], factor: f64) {
+pub(crate) fn add_scaled<const N: usize>(a: &mut [f64; N], b: &[f64; N], factor: f64) {
     for (a, b) in a.iter_mut().zip(b) {
         *a += factor * b;
     }
 }
 
 #[inline]
-pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {
         sum += a[i] * b[i];
@@ -43,28 +43,28 @@ pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 }
 
 #[inline]
-pub(super) fn cross(a: &Vec3, b: &Vec3) -> Vec3 {
+pub(crate) fn cross(a: &Vec3, b: &Vec3) -> Vec3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline]
-pub(super) fn angular(vector: &Spatial) -> Vec3 {
+pub(crate) fn angular(vector: &Spatial) -> Vec3 {
     [vector[0], vector[1], vector[2]]
 }
 
 #[inline]
-pub(super) fn linear(vector: &Spatial) -> Vec3 {
+pub(crate) fn linear(vector: &Spatial) -> Vec3 {
     [vector[3], vector[4], vector[5]]
 }
 
 #[inline]
-pub(super) fn spatial(angular: &Vec3, linear: &Vec3) -> Spatial {
+pub(crate) fn spatial(angular: &Vec3, linear: &Vec3) -> Spatial {
     [angular[0], angular[1], angular[2], linear[0], linear[1], linear[2]]
 }
 
 /// Returns the rate of change `v × m` of a motion vector `m` that is fixed in a frame moving with `v`.
 #[inline]
-pub(super) fn cross_motion(v: &Spatial, m: &Spatial) -> Spatial {
+pub(crate) fn cross_motion(v: &Spatial, m: &Spatial) -> Spatial {
     let (turn, shift) = (angular(v), linear(v));
     let (of, at) = (angular(m), linear(m));
     spatial(&cross(&turn, &of), &add(&cross(&turn, &at), &cross(&shift, &of)))
@@ -72,7 +72,7 @@ pub(super) fn cross_motion(v: &Spatial, m: &Spatial) -> Spatial {
 
 /// Returns the rate of change `v ×* f` of a force vector `f` that is fixed in a frame moving with `v`.
 #[inline]
-pub(super) fn cross_force(v: &Spatial, f: &Spatial) -> Spatial {
+pub(crate) fn cross_force(v: &Spatial, f: &Spatial) -> Spatial {
     let (turn, shift) = (angular(v), linear(v));
     let (torque, force) = (angular(f), linear(f));
     spatial(&add(&cross(&turn, &torque), &cross(&shift, &force)), &cross(&turn, &force))
@@ -80,7 +80,7 @@ pub(super) fn cross_force(v: &Spatial, f: &Spatial) -> Spatial {
 
 /// Returns the momentum `I v`.
 #[inline]
-pub(super) fn momentum(i: &Inertia, v: &Spatial) -> Spatial {
+pub(crate) fn momentum(i: &Inertia, v: &Spatial) -> Spatial {
     let h = [i[6], i[7], i[8]];
     let (turn, shift) = (angular(v), linear(v));
     let rotational = [
@@ -93,13 +93,13 @@ pub(super) fn momentum(i: &Inertia, v: &Spatial) -> Spatial {
 
 /// Returns the velocity of the point at `arm` from the reference point.
 #[inline]
-pub(super) fn velocity_at(motion: &Spatial, arm: &Vec3) -> Vec3 {
+pub(crate) fn velocity_at(motion: &Spatial, arm: &Vec3) -> Vec3 {
     add(&linear(motion), &cross(&angular(motion), arm))
 }
 
 /// Returns the force vector about the reference point of a torque, and of a force at `arm` from the reference point.
 #[inline]
-pub(super) fn wrench(torque: &Vec3, force: &Vec3, arm: &Vec3) -> Spatial {
+pub(crate) fn wrench(torque: &Vec3, force: &Vec3, arm: &Vec3) -> Spatial {
     spatial(&add(torque, &cross(arm, force)), force)
 }
 

@@ -1,0 +1,229 @@
+//! Evaluation of terms in a simulation, and the pool of these simulations.
+
+use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::{Needs, ResidualJacobian, Term};
+use crate::control::ilqr::CostExpansion;
+use crate::data::{Data, StateSpec};
+use crate::error::{Error, Result};
+use crate::model::Model;
+
+/// Simulation in which terms are evaluated, with buffers.
+struct Evaluator {
+    data: Data,
+    /// Values of [`StateSpec::WARMSTART`] before an evaluation.
+    warmstart: Vec<f64>,
+    /// Version of the inputs that the simulation has.
+    version: u64,
+    /// For the largest residual.
+    residual: Vec<f64>,
+    jacobian: ResidualJacobian,
+    /// Indices of the entries of a row of the Jacobian that are not zero.
+    nonzero: Vec<usize>,
+}
+
+/// State and controls of a step, or the state at the end.
+#[derive(Clone, Copy)]
+pub(super) struct Point<'a> {
+    pub(super) step: usize,
+    pub(super) state: &'a [f64],
+    pub(super) controls: Option<&'a [f64]>,
+}
+
+impl Evaluator {
+    /// Creates an evaluator for residuals of at most `size` components.
+    fn new(data: Data, size: usize) -> Self {
+        let model = data.model();
+        let columns = 2 * model.nv() + model.na() + model.nu();
+        Self {
+            warmstart: data.state(StateSpec::WARMSTART),
+            version: 0,
+            residual: vec![0.0; size],
+            jacobian: ResidualJacobian::zeros(model, size),
+            nonzero: Vec::with_capacity(columns),
+            data,
+        }
+    }
+
+    /// Moves the simulation to a point, and computes what the terms need there.
+    fn move_to(&mut self, point: Point<'_>, start: f64, needs: Needs) -> Result<()> {
+        let Self { data, warmstart, jacobian, .. } = self;
+        data.set_physics_state(point.state)?;
+        match point.controls {
+            Some(controls) => {
+                Error::check_length("the controls of a ResidualCost", controls.len(), data.model().nu())?;
+                data.ctrl_mut().copy_from_slice(controls);
+            }
+            None => data.ctrl_mut().fill(0.0),
+        }
+        let time = start + point.step as f64 * data.model().timestep();
+        data.set_time(time);
+        // The solver starts from the same accelerations at all points, so the result does not depend on their order.
+        data.set_state(StateSpec::WARMSTART, warmstart)?;
+        jacobian.move_point();
+        needs.compute(data)
+    }
+
+    /// Returns the cost of a term.
+    fn value(&mut self, term: &Term, weight: f64) -> Result<f64> {
+        let residual = &mut self.residual[..term.size()];
+        term.residual.evaluate(&mut self.data, residual)?;
+        let costs = residual.iter().zip(&term.scales).map(|(value, scale)| term.norm.value(scale * value));
+        Ok(weight * costs.sum::<f64>())
+    }
+
+    /// Adds the derivatives of a term.
+    fn expand(&mut self, term: &Term, weight: f64, expansion: &mut CostExpansion) -> Result<()> {
+        let Self { data, residual, jacobian, nonzero, .. } = self;
+        let size = term.size();
+        let residual = &mut residual[..size];
+        term.residual.evaluate(data, residual)?;
+        jacobian.clear(size);
+        term.residual.differentiate(data, jacobian)?;
+        let (nx, nu) = (expansion.x.len(), expansion.u.len());
+        for (component, (value, scale)) in residual.iter().zip(&term.scales).enumerate() {
+            if *scale == 0.0 {
+                continue;
+            }
+            let row = jacobian.row(component);
+            let slope = weight * scale * term.norm.slope(scale * value);
+            let curvature = weight * scale * scale * term.norm.curvature(scale * value);
+            nonzero.clear();
+            nonzero.extend((0..row.len()).filter(|&column| row[column] != 0.0));
+            let (states, controls) = nonzero.split_at(nonzero.partition_point(|&column| column < nx));
+            for &i in states {
+                expansion.x[i] += slope * row[i];
+                let factor = curvature * row[i];
+                // The matrices are column-major.
+                let column = &mut expansion.xx.as_mut_slice()[i * nx..][..nx];
+                for &j in states {
+                    column[j] += factor * row[j];
+                }
+            }
+            for &i in controls {
+                expansion.u[i - nx] += slope * row[i];
+                let factor = curvature * row[i];
+                let column = &mut expansion.uu.as_mut_slice()[(i - nx) * nu..][..nu];
+                for &j in controls {
+                    column[j - nx] += factor * row[j];
+                }
+                let column = &mut expansion.xu.as_mut_slice()[(i - nx) * nx..][..nx];
+                for &j in states {
+                    column[j] += factor * row[j];
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Terms to evaluate at a point, with their weights there.
+fn active(terms: &[Term], is_terminal: bool) -> impl Iterator<Item = (usize, &Term, f64)> {
+    let weighted = terms.iter().enumerate().map(move |(index, term)| (index, term, term.weight_of(is_terminal)));
+    weighted.filter(|&(_, _, weight)| weight != 0.0)
+}
+
+fn needs(terms: &[Term], is_terminal: bool) -> Needs {
+    active(terms, is_terminal).map(|(_, term, _)| term.residual.needs()).max().unwrap_or(Needs::State)
+}
+
+/// Pool of evaluators: one for each active thread, created on demand.
+pub(super) struct Evaluators(Mutex<Pool>);
+
+struct Pool {
+    model: Arc<Model>,
+    /// Values of [`StateSpec::INTEGRATION`] at the start of the trajectory, and the time there.
+    inputs: Vec<f64>,
+    start: f64,
+    /// Number of changes of the inputs.
+    version: u64,
+    idle: Vec<Evaluator>,
+}
+
+impl Evaluators {
+    pub(super) fn new(data: Data, size: usize) -> Self {
+        let (model, inputs) = (data.model().clone(), data.state(StateSpec::INTEGRATION));
+        let idle = vec![Evaluator::new(data, size)];
+        Self(Mutex::new(Pool { model, inputs, start: 0.0, version: 0, idle }))
+    }
+
+    /// Takes the model, the time and all inputs of a simulation.
+    pub(super) fn begin(&self, data: &Data) -> Result<()> {
+        let mut pool = self.lock();
+        if !data.model().is_same_structure(&pool.model) {
+            return Err(Error::OtherModel { what: "the simulation of a ResidualCost" });
+        }
+        if !Arc::ptr_eq(data.model(), &pool.model) {
+            // The model may have been edited since.
+            pool.model = data.model().clone();
+            pool.idle.clear();
+        }
+        data.state_into(StateSpec::INTEGRATION, &mut pool.inputs)?;
+        pool.start = data.time();
+        pool.version += 1;
+        Ok(())
+    }
+
+    /// Writes the cost of each term, or returns their sum.
+    pub(super) fn value(&self, terms: &[Term], point: Point<'_>, mut each: Option<&mut [f64]>) -> Result<f64> {
+        let is_terminal = point.controls.is_none();
+        self.at(terms, point, |evaluator| {
+            let mut sum = 0.0;
+            for (index, term, weight) in active(terms, is_terminal) {
+                let value = evaluator.value(term, weight)?;
+                sum += value;
+                if let Some(each) = &mut each {
+                    each[index] = value;
+                }
+            }
+            Ok(sum)
+        })
+    }
+
+    pub(super) fn expand(&self, terms: &[Term], point: Point<'_>, expansion: &mut CostExpansion) -> Result<()> {
+        self.at(terms, point, |evaluator| {
+            active(terms, point.controls.is_none())
+                .try_for_each(|(_, term, weight)| evaluator.expand(term, weight, expansion))
+        })
+    }
+
+    /// Calls `work` with an evaluator at a point.
+    fn at<T>(&self, terms: &[Term], point: Point<'_>, work: impl FnOnce(&mut Evaluator) -> Result<T>) -> Result<T> {
+        let idle = self.lock().idle.pop();
+        let mut evaluator = if let Some(evaluator) = idle {
+            evaluator
+        } else {
+            let model = self.lock().model.clone();
+            let size = terms.iter().map(Term::size).max().unwrap_or(0);
+            Evaluator::new(Data::new(model)?, size)
+        };
+        let start = {
+            let pool = self.lock();
+            if evaluator.version != pool.version {
+                evaluator.data.set_state(StateSpec::INTEGRATION, &pool.inputs)?;
+                evaluator.data.state_into(StateSpec::WARMSTART, &mut evaluator.warmstart)?;
+                evaluator.version = pool.version;
+            }
+            pool.start
+        };
+        evaluator.move_to(point, start, needs(terms, point.controls.is_none()))?;
+        let result = work(&mut evaluator)?;
+        // After an error, the simulation may be unusable and is dropped.
+        let mut pool = self.lock();
+        if Arc::ptr_eq(evaluator.data.model(), &pool.model) {
+            pool.idle.push(evaluator);
+        }
+        Ok(result)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Pool> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl fmt::Debug for Evaluators {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} idle simulations", self.lock().idle.len())
+    }
+}
