@@ -17,6 +17,11 @@ impl Feedback {
         Self { deviation: vec![0.0; nx] }
     }
 
+    /// Changes the number of states.
+    pub(super) fn resize(&mut self, nx: usize) {
+        self.deviation.resize(nx, 0.0);
+    }
+
     /// Computes the deviation of a simulation from a set-point. Without `qvel0` the set-point is at rest.
     #[inline]
     pub(super) fn measure(&mut self, data: &Data, qpos0: &[f64], qvel0: Option<&[f64]>, act0: &[f64]) -> Result<()> {

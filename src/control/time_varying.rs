@@ -128,13 +128,48 @@ impl TimeVaryingLqr {
     /// [`Error::Shape`] for a wrong shape, and [`Error::Invalid`] for a trajectory without steps.
     pub fn with_gains(data: &Data, states: Matrix, controls: Matrix, gains: Vec<Matrix>) -> Result<Self> {
         check_trajectory(data, &states, &controls)?;
-        let (nx, nu, _) = derivative::sizes(data.model());
-        Error::check_length("the gains along a trajectory", gains.len(), controls.nrows())?;
-        for gain in &gains {
-            Error::check_shape("a gain along a trajectory", gain.shape(), (nu, nx))?;
-        }
+        check_gains(data, &controls, &gains)?;
+        let (nx, ..) = derivative::sizes(data.model());
         let table = Arc::new(Table { states, controls, gains });
         Ok(Self { table, start: data.time(), feedback: Feedback::new(nx) })
+    }
+
+    /// Creates a regulator that holds the present controls of a simulation for `steps` steps, with gains of zero. Its states are all
+    /// the present state. It is the policy of a [`Planner`](super::predictive::Planner) before the first plan.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invalid`] for zero steps.
+    pub fn at_present_state(data: &Data, steps: usize) -> Result<Self> {
+        let (nx, nu, _) = derivative::sizes(data.model());
+        let state = data.physics_state();
+        let states = Matrix::from_row_major(steps + 1, state.len(), state.repeat(steps + 1));
+        let controls = Matrix::from_row_major(steps, nu, data.ctrl().repeat(steps));
+        Self::with_gains(data, states, controls, vec![Matrix::zeros(nu, nx); steps])
+    }
+
+    /// Replaces the trajectory and the gains, whose shapes are those of [`with_gains`](Self::with_gains). The table starts at the
+    /// present time of `data`. Allocates only if a clone shares the table, or if the shapes change.
+    ///
+    /// # Errors
+    ///
+    /// As for [`with_gains`](Self::with_gains).
+    pub fn overwrite(&mut self, data: &Data, states: &Matrix, controls: &Matrix, gains: &[Matrix]) -> Result<()> {
+        check_trajectory(data, states, controls)?;
+        check_gains(data, controls, gains)?;
+        if let Some(table) = Arc::get_mut(&mut self.table) {
+            copy(states, &mut table.states);
+            copy(controls, &mut table.controls);
+            table.gains.resize_with(gains.len(), Matrix::default);
+            gains.iter().zip(&mut table.gains).for_each(|(gain, output)| copy(gain, output));
+        } else {
+            let (states, controls, gains) = (states.clone(), controls.clone(), gains.to_vec());
+            self.table = Arc::new(Table { states, controls, gains });
+        }
+        self.start = data.time();
+        let (nx, ..) = derivative::sizes(data.model());
+        self.feedback.resize(nx);
+        Ok(())
     }
 
     /// Returns the number of steps of the trajectory, `N`.
@@ -202,4 +237,20 @@ fn check_trajectory(data: &Data, states: &Matrix, controls: &Matrix) -> Result<(
     Error::check_shape("the controls of a trajectory", controls.shape(), (steps, model.nu()))?;
     let expected = (steps + 1, model.state_size(StateSpec::PHYSICS));
     Error::check_shape("the states of a trajectory", states.shape(), expected)
+}
+
+/// Copies a matrix. Allocates only if the shape changes.
+fn copy(from: &Matrix, to: &mut Matrix) {
+    if from.shape() == to.shape() {
+        to.as_mut_slice().copy_from_slice(from.as_slice());
+    } else {
+        *to = from.clone();
+    }
+}
+
+/// Checks the number and the shapes of the gains along a trajectory.
+fn check_gains(data: &Data, controls: &Matrix, gains: &[Matrix]) -> Result<()> {
+    let (nx, nu, _) = derivative::sizes(data.model());
+    Error::check_length("the gains along a trajectory", gains.len(), controls.nrows())?;
+    gains.iter().try_for_each(|gain| Error::check_shape("a gain along a trajectory", gain.shape(), (nu, nx)))
 }

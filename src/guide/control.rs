@@ -162,6 +162,42 @@
 //!
 //! # Predictive control
 //!
+//! A [`PredictiveController`](crate::control::predictive::PredictiveController) optimises a plan from the present state every few steps, starting from the previous plan,
+//! and follows it with its gains in between. [`IlqrPlanner`](crate::control::predictive::IlqrPlanner) makes a few iterations of iLQR for each plan:
+//!
+//! ```
+//! use mujoco_safe::control::ilqr::IlqrOptions;
+//! use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
+//! use mujoco_safe::control::residual::{Controls, JointPosition, JointVelocity, ResidualCost, Term};
+//! use mujoco_safe::{Controller, Data, sample};
+//!
+//! let mut data = Data::new(sample::cartpole())?;
+//! let model = data.model().clone();
+//! let cost = ResidualCost::new(
+//!     &model,
+//!     [
+//!         Term::new("position", JointPosition::all(&model)).with_terminal_weight(100.0),
+//!         Term::new("velocity", JointVelocity::all(&model)).with_weight(0.01).with_terminal_weight(10.0),
+//!         Term::new("effort", Controls::new(&model)).with_weight(1e-2),
+//!     ],
+//! )?;
+//! let planner = IlqrPlanner::new(&model, 60, IlqrOptions::default().with_iterations(1))?;
+//! let mut controller = PredictiveController::new(&data, planner, cost, 2)?;
+//! data.qpos_mut()[1] = 0.3;
+//! for step in 0..300 {
+//!     if step == 100 {
+//!         // Move the target.
+//!         controller.cost_mut().term_mut("position")?.set_target(&[0.3, 0.0])?;
+//!     }
+//!     controller.control(&mut data)?;
+//!     data.step()?;
+//! }
+//! assert!((data.qpos()[0] - 0.3).abs() < 0.05);
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! # Predictive control with own candidates
+//!
 //! A predictive controller simulates candidates from the present state and applies the best. [`Workers`](crate::rollout::Workers) keeps the simulations of the
 //! [rollouts](crate::rollout::Rollout) between decisions. Here the cost to go after the horizon is that of the linear-quadratic regulator:
 //!

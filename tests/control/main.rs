@@ -25,6 +25,7 @@ mod extreme_numbers;
 mod gain_table;
 mod humanoid_balance;
 mod ilqr;
+mod predictive;
 mod recursion;
 mod residual;
 mod riccati;

@@ -14,11 +14,11 @@ use crate::model::Model;
 
 /// Affine policy about a trajectory: `ctrl = controls + α feedforward − K dx` with the step size α.
 #[derive(Clone, Debug)]
-pub(super) struct AffinePolicy {
+pub(in crate::control) struct AffinePolicy {
     /// `(N, nu)`
     pub(super) feedforward: Matrix,
     /// `N` matrices K, each `(nu, nx)`.
-    pub(super) gains: Vec<Matrix>,
+    pub(in crate::control) gains: Vec<Matrix>,
 }
 
 impl AffinePolicy {
@@ -106,6 +106,13 @@ impl Backward {
                 curved: DVector::zeros(nu),
                 column: Vec::with_capacity(nu),
             },
+        }
+    }
+
+    /// Takes the control ranges of an edited model.
+    pub(super) fn adopt_ranges(&mut self, model: &Model) {
+        for (index, range) in self.range.iter_mut().enumerate() {
+            *range = control_range(model, index);
         }
     }
 

@@ -15,17 +15,17 @@ use crate::rollout::{Rollout, RolloutBuffers, RolloutError, Workers};
 
 /// Trajectory with its cost.
 #[derive(Clone, Debug)]
-pub(super) struct Trial {
+pub(in crate::control) struct Trial {
     /// `(N + 1, nq + nv + na)`
-    pub(super) states: Matrix,
+    pub(in crate::control) states: Matrix,
     /// `(N, nu)`
-    pub(super) controls: Matrix,
-    pub(super) cost: f64,
+    pub(in crate::control) controls: Matrix,
+    pub(in crate::control) cost: f64,
 }
 
 /// The forward pass, with its simulations and buffers.
 #[derive(Debug)]
-pub(super) struct Forward {
+pub(in crate::control) struct Forward {
     workers: Workers,
     /// Values of [`StateSpec::INTEGRATION`] at the start.
     start: Vec<f64>,
@@ -37,19 +37,13 @@ pub(super) struct Forward {
 }
 
 impl Forward {
-    pub(super) fn new(model: Arc<Model>) -> Self {
+    pub(in crate::control) fn new(model: Arc<Model>) -> Self {
         let start = vec![0.0; model.state_size(StateSpec::INTEGRATION)];
         Self { workers: Workers::new(model), start, states: Vec::new(), controls: Vec::new(), costs: Vec::new() }
     }
 
-    /// Simulates the trajectory under these controls, clamped to their ranges.
-    pub(super) fn nominal(
-        &mut self,
-        data: &Data,
-        controls: &Matrix,
-        cost: &dyn TrajectoryCost,
-        trial: &mut Trial,
-    ) -> Result<()> {
+    /// Sets the start of all trajectories to the present state and the inputs of a simulation.
+    pub(in crate::control) fn start(&mut self, data: &Data, cost: &dyn TrajectoryCost) -> Result<()> {
         if !data.model().is_same_structure(self.workers.model()) {
             return Err(Error::OtherModel { what: "the initial data of a trajectory" });
         }
@@ -58,7 +52,11 @@ impl Forward {
             self.workers = Workers::new(data.model().clone());
         }
         data.state_into(StateSpec::INTEGRATION, &mut self.start)?;
-        cost.begin(data)?;
+        cost.begin(data)
+    }
+
+    /// Simulates the trajectory under these controls, clamped to their ranges.
+    pub(super) fn nominal(&mut self, controls: &Matrix, cost: &dyn TrajectoryCost, trial: &mut Trial) -> Result<()> {
         self.run(1, controls.nrows(), |_| PolicyController { controls, update: None, step: 0 }, cost)?;
         let value = self.costs.swap_remove(0)?;
         if !value.is_finite() {
@@ -66,6 +64,40 @@ impl Forward {
         }
         self.copy_to(0, value, trial);
         Ok(())
+    }
+
+    /// Simulates the nominal controls with and without the feedback of the policy, and replaces the nominal trajectory by the better
+    /// of both. If both fail, returns the error of the first one.
+    pub(super) fn restart(
+        &mut self,
+        policy: &AffinePolicy,
+        cost: &dyn TrajectoryCost,
+        nominal: &mut Trial,
+    ) -> Result<()> {
+        let (nx, ..) = derivative::sizes(self.workers.model());
+        let controller = |index: usize| PolicyController {
+            controls: &nominal.controls,
+            update: (index == 0).then(|| Update {
+                step_size: 0.0,
+                policy,
+                states: &nominal.states,
+                feedback: Feedback::new(nx),
+            }),
+            step: 0,
+        };
+        self.run(2, nominal.controls.nrows(), controller, cost)?;
+        let Some((index, value)) = self.best() else {
+            let value = self.costs.swap_remove(0)?;
+            return Err(Error::invalid("the cost of the initial trajectory of a plan", value, "finite"));
+        };
+        self.copy_to(index, value, nominal);
+        Ok(())
+    }
+
+    /// Returns the trajectory of minimal cost of the last run, with its cost. Discards unstable simulations.
+    fn best(&self) -> Option<(usize, f64)> {
+        let costs = self.costs.iter().enumerate().filter_map(|(index, cost)| Some((index, *cost.as_ref().ok()?)));
+        costs.filter(|(_, cost)| cost.is_finite()).min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
     /// Simulates the policy with each step size. If the trajectory of minimal cost improves the nominal one, replaces it and returns
@@ -89,10 +121,7 @@ impl Forward {
             step: 0,
         };
         self.run(step_sizes.len(), nominal.controls.nrows(), controller, cost)?;
-        // Discards unstable simulations.
-        let costs = self.costs.iter().enumerate().filter_map(|(index, cost)| Some((index, *cost.as_ref().ok()?)));
-        let best = costs.filter(|(_, cost)| cost.is_finite()).min_by(|(_, a), (_, b)| a.total_cmp(b));
-        let Some((index, value)) = best.filter(|&(_, value)| value < nominal.cost) else { return Ok(false) };
+        let Some((index, value)) = self.best().filter(|&(_, value)| value < nominal.cost) else { return Ok(false) };
         self.copy_to(index, value, nominal);
         Ok(true)
     }

@@ -23,26 +23,22 @@
 mod backward;
 mod cost;
 mod forward;
+mod search;
 
 use std::fmt;
 
-use self::backward::{AffinePolicy, Backward};
 pub use self::cost::{CostExpansion, QuadraticCost, TrajectoryCost};
-use self::forward::{Forward, Trial};
+pub(super) use self::forward::Forward;
+use self::forward::Trial;
+pub use self::search::IlqrTimes;
+pub(super) use self::search::Search;
 use super::TimeVaryingLqr;
-use crate::data::{Data, StateSpec};
-use crate::derivative::{LinearisationReport, Lineariser, StateSpace, TransitionOptions};
+use crate::data::Data;
+use crate::derivative::{Lineariser, TransitionOptions};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 use crate::model::IntoModel;
 use crate::with_methods::with_methods;
-
-/// Smallest non-zero regularisation.
-const MIN_REGULARISATION: f64 = 1e-6;
-/// Regularisation above which the search ends.
-const MAX_REGULARISATION: f64 = 1e10;
-/// Initial factor by which the regularisation grows and shrinks.
-const REGULARISATION_FACTOR: f64 = 1.6;
 
 /// Options of [`Ilqr`].
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +59,22 @@ impl Default for IlqrOptions {
     fn default() -> Self {
         let step_sizes = (0..11).map(|index| 10.0_f64.powf(-0.3 * f64::from(index))).collect();
         Self { iterations: 200, tolerance: 1e-8, threads: 1, step_sizes }
+    }
+}
+
+impl IlqrOptions {
+    /// Checks the tolerance and the step sizes.
+    pub(super) fn check(&self) -> Result<()> {
+        if self.tolerance.is_nan() || self.tolerance < 0.0 {
+            return Err(Error::invalid("tolerance of IlqrOptions", self.tolerance, "zero or more"));
+        }
+        if self.step_sizes.is_empty() {
+            return Err(Error::invalid("the number of step_sizes of IlqrOptions", 0, "at least 1"));
+        }
+        if let Some(size) = self.step_sizes.iter().find(|&&size| !(size > 0.0 && size <= 1.0)) {
+            return Err(Error::invalid("a step size of IlqrOptions", size, "above 0 and at most 1"));
+        }
+        Ok(())
     }
 }
 
@@ -171,15 +183,7 @@ impl Ilqr {
     /// the tolerance is not negative; [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
     pub fn new(model: impl IntoModel, options: IlqrOptions) -> Result<Self> {
         let model = model.into_model();
-        if options.tolerance.is_nan() || options.tolerance < 0.0 {
-            return Err(Error::invalid("tolerance of IlqrOptions", options.tolerance, "zero or more"));
-        }
-        if options.step_sizes.is_empty() {
-            return Err(Error::invalid("the number of step_sizes of IlqrOptions", 0, "at least 1"));
-        }
-        if let Some(size) = options.step_sizes.iter().find(|&&size| !(size > 0.0 && size <= 1.0)) {
-            return Err(Error::invalid("a step size of IlqrOptions", size, "above 0 and at most 1"));
-        }
+        options.check()?;
         let lineariser =
             Lineariser::new(model.clone(), TransitionOptions { threads: options.threads, ..Default::default() })?;
         Ok(Self { options, lineariser, forward: Forward::new(model) })
@@ -210,122 +214,24 @@ impl Ilqr {
             return Err(Error::invalid("the number of steps of a trajectory", 0, "at least 1"));
         }
         Error::check_shape("the controls of Ilqr::solve", controls.shape(), (steps, model.nu()))?;
-        let method = self.lineariser.options().method;
-        let mut nominal = Trial::zeros(model, steps);
-        self.forward.nominal(data, controls, cost, &mut nominal)?;
-        let mut search = Search {
-            data,
-            cost,
-            costs: vec![nominal.cost],
-            nominal,
-            backward: Backward::new(model, steps),
-            policy: AffinePolicy::zeros(model, steps),
-            starts: Matrix::zeros(steps, model.state_size(StateSpec::PHYSICS)),
-            systems: vec![(StateSpace::zeros(model), LinearisationReport::new(method, None)); steps],
-            regularisation: Regularisation::default(),
-        };
+        let mut search = Search::new(model, steps, self.lineariser.options().method);
+        self.forward.start(data, cost)?;
+        self.forward.nominal(controls, cost, &mut search.nominal)?;
+        let mut costs = vec![search.nominal.cost];
         let mut status = IlqrStatus::IterationLimit;
         for _ in 0..self.options.iterations {
-            search.expand(&mut self.lineariser)?;
-            if let Some(end) = search.iterate(&mut self.forward, &self.options)? {
+            search.expand(data, cost, &mut self.lineariser)?;
+            let end = search.iterate(cost, &mut self.forward, &self.options, usize::MAX)?;
+            if search.nominal.cost < costs[costs.len() - 1] {
+                costs.push(search.nominal.cost);
+            }
+            if let Some(end) = end {
                 status = end;
                 break;
             }
         }
-        search.finish(&mut self.lineariser)?;
-        let Search { nominal: Trial { states, controls, .. }, policy, costs, .. } = search;
+        search.finish(data, cost, &mut self.lineariser)?;
+        let Search { nominal: Trial { states, controls, .. }, policy, .. } = search;
         Ok(IlqrSolution { states, controls, gains: policy.gains, costs, status })
-    }
-}
-
-/// State of a search.
-struct Search<'s> {
-    data: &'s Data,
-    cost: &'s dyn TrajectoryCost,
-    nominal: Trial,
-    costs: Vec<f64>,
-    backward: Backward,
-    policy: AffinePolicy,
-    /// States in which the steps start.
-    starts: Matrix,
-    systems: Vec<(StateSpace, LinearisationReport)>,
-    regularisation: Regularisation,
-}
-
-impl Search<'_> {
-    /// Linearises the steps and expands the cost along the trajectory.
-    fn expand(&mut self, lineariser: &mut Lineariser) -> Result<()> {
-        let values = self.starts.as_mut_slice();
-        values.copy_from_slice(&self.nominal.states.as_slice()[..values.len()]);
-        // The cost does not depend on the sensors.
-        let (starts, controls) = (&self.starts, &self.nominal.controls);
-        lineariser.along_without_sensors_into(self.data, starts, controls, &mut self.systems)?;
-        self.backward.expand(&self.nominal, self.cost, lineariser.options().threads)
-    }
-
-    /// Finds a better trajectory, and increases the regularisation until it succeeds. If the search ends, returns the reason.
-    fn iterate(&mut self, forward: &mut Forward, options: &IlqrOptions) -> Result<Option<IlqrStatus>> {
-        let least = options.tolerance * self.nominal.cost.abs();
-        let mut first_decrease = None;
-        loop {
-            let regularisation = self.regularisation.value;
-            let decrease = self.backward.solve(&self.systems, &self.nominal, regularisation, &mut self.policy)?;
-            if let Some(decrease) = decrease.map(|decrease| decrease.at(1.0)) {
-                let first = *first_decrease.get_or_insert(decrease);
-                if decrease <= least && (first <= least || regularisation > MIN_REGULARISATION) {
-                    // A negligible decrease without additional regularisation means convergence.
-                    return Ok(Some(if first <= least { IlqrStatus::Converged } else { IlqrStatus::NoDescent }));
-                }
-                let before = self.nominal.cost;
-                if forward.improve(&self.policy, &options.step_sizes, self.cost, &mut self.nominal)? {
-                    let gain = before - self.nominal.cost;
-                    self.costs.push(self.nominal.cost);
-                    self.regularisation.lower();
-                    let converged = gain <= least && regularisation <= MIN_REGULARISATION;
-                    return Ok(converged.then_some(IlqrStatus::Converged));
-                }
-            }
-            if !self.regularisation.raise() {
-                return Ok(Some(IlqrStatus::NoDescent));
-            }
-        }
-    }
-
-    /// Computes the gains along the final trajectory, with as little regularisation as possible.
-    fn finish(&mut self, lineariser: &mut Lineariser) -> Result<()> {
-        self.expand(lineariser)?;
-        let mut regularisation = Regularisation::default();
-        while self.backward.solve(&self.systems, &self.nominal, regularisation.value, &mut self.policy)?.is_none() {
-            if !regularisation.raise() {
-                self.policy = AffinePolicy::zeros(self.data.model(), self.nominal.controls.nrows());
-                break;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Regularisation weight with its schedule (Tassa, Erez and Todorov, 2012).
-#[derive(Default)]
-struct Regularisation {
-    value: f64,
-    factor: f64,
-}
-
-impl Regularisation {
-    /// Increases the weight. Returns false above the maximum.
-    fn raise(&mut self) -> bool {
-        self.factor = (self.factor * REGULARISATION_FACTOR).max(REGULARISATION_FACTOR);
-        self.value = (self.value * self.factor).max(MIN_REGULARISATION);
-        self.value <= MAX_REGULARISATION
-    }
-
-    /// Decreases the weight, to zero below the minimum.
-    fn lower(&mut self) {
-        self.factor = (self.factor / REGULARISATION_FACTOR).min(1.0 / REGULARISATION_FACTOR);
-        self.value *= self.factor;
-        if self.value < MIN_REGULARISATION {
-            self.value = 0.0;
-        }
     }
 }
