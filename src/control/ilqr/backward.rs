@@ -148,7 +148,9 @@ impl Backward {
             let system = &systems[step].0;
             system.a.transposed().transpose_to(a);
             system.b.transposed().transpose_to(b);
-            let cost = StepCost { q: &expansion.xx, r: &expansion.uu, s: Some(&expansion.xu) };
+            // Most costs have no mixed terms. Two products of matrices are then omitted.
+            let is_mixed = expansion.xu.iter().any(|&value| value != 0.0);
+            let cost = StepCost { q: &expansion.xx, r: &expansion.uu, s: is_mixed.then_some(&expansion.xu) };
             backup.expand(a, b, cost);
             u.copy_from(&expansion.u);
             u.gemv_tr(1.0, b, gradient, 1.0);

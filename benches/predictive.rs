@@ -1,0 +1,106 @@
+//! Parts of an iteration of predictive control by iLQR, for the humanoid that stands on its left leg under pushes, with a horizon of
+//! 50 steps: median and 99th percentile of the derivatives, the backward pass and the line search. The first trajectory of a plan is part
+//! of the iteration.
+//!
+//! ```text
+//! cargo bench --bench predictive
+//! ```
+
+mod common;
+
+use std::thread::available_parallelism;
+use std::time::{Duration, Instant};
+
+use common::models::Balance;
+use mujoco_safe::control::ilqr::{IlqrOptions, IlqrTimes};
+use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
+use mujoco_safe::control::residual::{
+    Controls, FrameOrientation, JointPosition, JointVelocity, ResidualCost, Subtree, Term,
+};
+use mujoco_safe::{Controller, Data, Result};
+
+/// Number of steps of a plan, which has one knot for each.
+const HORIZON: usize = 50;
+/// Number of plans.
+const PLANS: usize = 400;
+/// Number of steps between two plans.
+const INTERVAL: usize = 4;
+/// Step sizes of the line search.
+const STEP_SIZES: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
+/// Number of steps between two pushes and during a push, and their force, N.
+const PUSH_INTERVAL: usize = 200;
+const PUSH_DURATION: usize = 20;
+const NEWTONS: f64 = 40.0;
+
+/// Returns the cost of standing: posture, height and drift of the centre of mass, upright torso, motion, effort.
+fn standing(data: &mut Data) -> Result<ResidualCost> {
+    let model = data.model().clone();
+    data.forward()?;
+    let centre = data.subtree_com()[model.body("torso")?.index()];
+    let joints: Vec<f64> = (0..model.nv()).map(|dof| f64::from(u8::from(dof >= 6))).collect();
+    ResidualCost::new(
+        &model,
+        [
+            Term::new("com", Subtree::com(&model, "torso")?.with_target(centre))
+                .with_weight(100.0)
+                .with_terminal_weight(1e4),
+            Term::new("drift", Subtree::velocity(&model, "torso")?).with_weight(10.0).with_terminal_weight(1e3),
+            Term::new("momentum", Subtree::angular_momentum(&model, "torso")?).with_weight(0.1),
+            Term::new("upright", FrameOrientation::body(&model, "torso")?).with_weight(5.0),
+            Term::new("posture", JointPosition::all(&model).with_target(data.qpos())?)
+                .with_scales(joints)
+                .with_weight(1.0),
+            Term::new("motion", JointVelocity::all(&model)).with_weight(0.01),
+            Term::new("effort", Controls::new(&model).with_target(data.ctrl())?).with_weight(0.1),
+        ],
+    )
+}
+
+fn print(name: &str, times: &[IlqrTimes], part: impl Fn(&IlqrTimes) -> Duration) {
+    let mut sorted: Vec<f64> = times.iter().map(|times| part(times).as_secs_f64() * 1e3).collect();
+    sorted.sort_by(f64::total_cmp);
+    let at = |fraction: f64| sorted[((sorted.len() - 1) as f64 * fraction).round() as usize];
+    println!("predictive: {name:24} median {:6.2} ms, p99 {:6.2} ms", at(0.5), at(0.99));
+}
+
+fn main() -> Result<()> {
+    let mut data = Balance::humanoid()?.data;
+    let model = data.model().clone();
+    let cost = standing(&mut data)?;
+    let threads = available_parallelism().map_or(1, usize::from);
+    let options = IlqrOptions::default().with_iterations(1).with_threads(threads).with_step_sizes(STEP_SIZES);
+    let planner = IlqrPlanner::new(&model, HORIZON, options)?;
+    let mut controller = PredictiveController::new(&data, planner, cost, INTERVAL)?;
+    let torso = model.body("torso")?.index();
+    let height = data.subtree_com()[torso][2];
+
+    let mut times = Vec::new();
+    let mut least = f64::INFINITY;
+    let start = Instant::now();
+    for step in 0..PLANS * INTERVAL {
+        // Pushes of 0.1 s, to the left and to the right in turn.
+        let is_pushed = step % PUSH_INTERVAL < PUSH_DURATION;
+        let sign = if (step / PUSH_INTERVAL).is_multiple_of(2) { 1.0 } else { -1.0 };
+        data.xfrc_applied_mut()[torso][0] = if is_pushed { sign * NEWTONS } else { 0.0 };
+        controller.control(&mut data)?;
+        if step.is_multiple_of(INTERVAL) {
+            times.push(controller.planner().times());
+        }
+        data.step()?;
+        least = least.min(data.subtree_com()[torso][2] / height);
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "predictive: {PLANS} plans of {HORIZON} steps on {threads} threads, one every {INTERVAL} steps; pushes of {NEWTONS} N"
+    );
+    // The first plan creates the simulations.
+    let times = &times[1..];
+    print("initial trajectory", times, |times| times.initial);
+    print("derivatives", times, |times| times.derivatives);
+    print("backward pass", times, |times| times.backward_pass);
+    print("line search", times, |times| times.line_search);
+    print("iteration", times, IlqrTimes::total);
+    println!("predictive: real-time factor {:.2}", data.time() / seconds);
+    println!("predictive: lowest centre of mass {:.0} % of the initial height", least * 100.0);
+    Ok(())
+}
