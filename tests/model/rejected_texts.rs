@@ -284,6 +284,44 @@ fn damaged_files_that_make_the_compiler_access_memory_out_of_bounds_are_rejected
 }
 
 #[test]
+fn texture_coordinates_without_indices_in_faces_are_rejected_where_the_compiler_crashes() {
+    let corners = "0 0 0 1 1 0 1 1";
+    let text = format!(
+        "<mesh name='a' vertex='0 0 0 .3 0 0 0 .3 0 0 0 .3' face='0 2 1 0 1 3 0 3 2 1 2 3' texcoord='{corners}'/>"
+    );
+    let obj = |elements: &str| {
+        format!("v 0 0 0\nv .3 0 0\nv 0 .3 0\nv 0 0 .3\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n{elements}\n").into_bytes()
+    };
+    let faces = "f 1/1 3/3 2/2\nf 1/1 2/2 4/4\nf 1/1 4/4 3/3\nf 2/2 3/3 4/4";
+    let texcoords = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let msh = |faces: &[i32]| {
+        [msh([4, 0, 4, faces.len() as i32 / 3], &TETRAHEDRON, &[]), reals(&texcoords), integers(faces)].concat()
+    };
+    let (object, mesh) = ("<mesh name='a' file='a.obj'/>", "<mesh name='a' file='a.msh'/>");
+    for (asset, content, has_indices) in [
+        (&text[..], b"unused".to_vec(), false),
+        (object, obj(faces), true),
+        (object, obj(""), false),
+        // The compiler's first shape is a line.
+        (object, obj(&format!("l 1 2\ng b\n{faces}")), false),
+        (mesh, msh(&FACES), true),
+        (mesh, msh(&[]), false),
+    ] {
+        let files = [("a.obj", &content[..]), ("a.msh", &content[..])];
+        let loaded = Model::from_xml_str_with(&with_asset(asset), &LoadOptions::default().with_files(&files));
+        let crashes = cfg!(all(engine_since = "2.3.3", not(engine_since = "3.1.3"))) && !has_indices;
+        match loaded {
+            Ok(model) => assert!(!crashes && model.nmesh() == 1, "{asset}"),
+            Err(error) => {
+                let is_reason = error.to_string().contains("texture coordinates");
+                // A file whose first shape has no faces is an error of other compilers, or a model without these faces.
+                assert!(if crashes { is_reason } else { !has_indices && !is_reason }, "{asset}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_damaged_file_is_found_in_every_directory_of_the_compiler() {
     let dir = std::env::temp_dir().join(format!("mujoco_safe_assets_{}", std::process::id()));
     std::fs::create_dir_all(dir.join("meshes")).unwrap();

@@ -10,6 +10,10 @@ pub(super) const MOST_NUMBERS: u64 = 500_000_000;
 /// Largest size of a file in bytes; the engine stores it in a C int.
 const LARGEST_FILE: usize = 1 << 30;
 
+/// `true` if the compiler copies the texture indices of the faces from a null pointer for a mesh that has texture coordinates without such
+/// indices. Only files with faces have them; no attribute of a text specifies them.
+pub(super) const NEEDS_TEXTURE_INDICES: bool = cfg!(all(engine_since = "2.3.3", not(engine_since = "3.1.3")));
+
 /// File format by the compiler's rules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Format {
@@ -109,6 +113,8 @@ fn header<const N: usize>(content: &[u8]) -> Option<[u64; N]> {
 const WRONG_SIZE: &str = "has a size that contradicts its header";
 const WRONG_FACE: &str = "has a face with a nonexistent vertex";
 const NOT_FINITE: &str = "has a vertex that is not finite";
+const NO_TEXTURE_INDICES: &str = "has texture coordinates and does not start with a face of three or four vertices: MuJoCo 2.3.3 to 3.1.2 \
+    cannot compile it";
 
 fn finite(content: &[u8], reals: u64) -> bool {
     words(content).take(reals as usize).all(|word| f32::from_bits(word as u32).is_finite())
@@ -121,6 +127,9 @@ fn msh(content: &[u8]) -> Option<&'static str> {
     }
     if !finite(&content[16..], 3 * (nvert + nnormal)) {
         return Some(NOT_FINITE);
+    }
+    if NEEDS_TEXTURE_INDICES && ntexcoord > 0 && nface == 0 {
+        return Some(NO_TEXTURE_INDICES);
     }
     let faces = &content[content.len() - 12 * nface as usize..];
     words(faces).any(|vertex| u64::try_from(vertex).is_ok_and(|it| it >= nvert) || vertex < 0).then_some(WRONG_FACE)
@@ -249,8 +258,20 @@ fn obj(content: &[u8]) -> Option<&'static str> {
     if faces == 0 && all[0] < 4 {
         return Some("has no face, and fewer than the four vertices that a convex hull needs");
     }
+    if NEEDS_TEXTURE_INDICES && all[1] > 0 && !starts_with_face(content) {
+        return Some(NO_TEXTURE_INDICES);
+    }
     // Without faces, the counts must match each other.
     (faces == 0 && all[1..].iter().any(|&count| count != 0 && count != all[0])).then_some(MIXED)
+}
+
+/// Returns `true` if the first element of an OBJ file is a triangle or a quadrilateral. Only then is the compiler's first shape certain to
+/// have faces: a shape can consist of lines or points, and the triangulation of a larger polygon can be empty.
+fn starts_with_face(content: &[u8]) -> bool {
+    let mut elements = lines(content).filter_map(|line| {
+        [&b"f"[..], b"l", b"p"].into_iter().find_map(|word| Some((word, fields(after_word(line, word)?).count())))
+    });
+    matches!(elements.next(), Some((b"f", 3 | 4)))
 }
 
 /// Rejects names of material files that are not regular files, because the OBJ reader opens them.

@@ -1,6 +1,6 @@
 //! Limits on the values in a text that determine how much memory the compiler allocates and how far it writes.
 
-use super::assets::MOST_NUMBERS;
+use super::assets::{MOST_NUMBERS, NEEDS_TEXTURE_INDICES};
 use super::tags::{Tag, numbers};
 
 /// Largest number of keyframes, and of user values of an element. Above the needs of any model, and low enough to bound the
@@ -140,6 +140,12 @@ fn mesh(tag: &Tag<'_>) -> Option<String> {
         && tag.attribute(b"file").is_some()
     {
         return Some(format!("a mesh has both a file and an attribute '{}'", String::from_utf8_lossy(array)));
+    }
+    if NEEDS_TEXTURE_INDICES && tag.attribute(b"texcoord").is_some() {
+        return Some(
+            "MuJoCo 2.3.3 to 3.1.2 cannot compile a mesh with texture coordinates in the text: use an OBJ file"
+                .to_owned(),
+        );
     }
     let vertex = tag.attribute(b"vertex")?;
     let reals = |list: &[u8]| {
