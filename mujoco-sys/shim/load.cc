@@ -2,6 +2,8 @@
 // switch the thread's locale, and install an error handler that they do not remove when they throw. These guards catch the exceptions and
 // restore the locale and the handlers. An engine error that reaches the guard's handler skips the release of the parser's lock, so
 // after MUJOCO_SYS_ERROR the next load would deadlock: the caller must not make it.
+#include <dlfcn.h>
+
 #include <clocale>
 #include <exception>
 #include <new>
@@ -77,10 +79,16 @@ int mujoco_sys_mj_loadXML(const char* filename, const mjVFS* vfs, char* error, i
   return run([=] { *result = mj_loadXML(filename, vfs, error, error_size); });
 }
 
-// Since 2.3. The engine raises an error if the library cannot be opened, and if it registers a plugin whose name is in use.
+// Since 2.3. Raises an error if the library cannot be opened, and if it registers a plugin whose name is in use.
 int mujoco_sys_mj_loadPluginLibrary(const char* path) {
-#if mjVERSION_HEADER >= 230
+#if mjVERSION_HEADER >= 325
   return run([=] { mj_loadPluginLibrary(path); });
+#elif mjVERSION_HEADER >= 230
+  // These engines ignore a failure to open the library, so it is opened here first.
+  return run([=] {
+    if (!dlopen(path, RTLD_NOW | RTLD_LOCAL)) mju_error_s("Error loading plugin library: %s", dlerror());
+    mj_loadPluginLibrary(path);
+  });
 #else
   (void)path;
   return MUJOCO_SYS_OK;

@@ -38,7 +38,12 @@ mod mesh;
 mod newer;
 #[cfg(engine_since = "2.3.0")]
 mod plugin;
+// The wheels have a plugin with a state since 3.1.
+#[cfg(engine_since = "3.1.3")]
+mod plugin_state;
 mod real_models;
+#[cfg(engine_since = "3.0.0")]
+mod signed_distance;
 
 /// A data of the C API.
 struct Raw(*mut mjData);
