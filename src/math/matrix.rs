@@ -230,7 +230,7 @@ pub(super) fn check_square(what: &'static str, (nrows, ncols): (usize, usize)) -
 
 /// Computes the Cholesky factor of `mat` in place and returns the rank: the number of pivots of at least `mindiag`. Smaller
 /// pivots are replaced by `mindiag`, so that the factor exists (with `mindiag` of 0 or less it may contain infinities or NaN).
-/// Only the lower triangle is read and written; the values above the diagonal do not change.
+/// Since 4.0 pivots that are NaN are replaced too. Only the lower triangle is read and written; the values above the diagonal do not change.
 ///
 /// # Errors
 ///

@@ -23,7 +23,7 @@ pub fn spring_damper(pos0: f64, vel0: f64, kp: f64, kv: f64, dt: f64) -> f64 {
     unsafe { sys::mju_springDamper(pos0, vel0, kp, kv, dt) }
 }
 
-/// Returns a smooth step from 0 for `x ≤ 0` to 1 for `x ≥ 1`, of two parabolas. (Newer engines use a fifth-degree polynomial.)
+/// Returns a smooth step from 0 for `x ≤ 0` to 1 for `x ≥ 1`, of two parabolas, or since 2.3.6 of a polynomial of fifth degree.
 pub fn sigmoid(x: f64) -> f64 {
     // SAFETY: a pure function of its arguments.
     unsafe { sys::mju_sigmoid(x) }
@@ -69,9 +69,11 @@ pub fn muscle_bias(len: f64, lengthrange: &[f64; 2], acc0: f64, prm: &[f64; 9]) 
 }
 
 /// Returns the time derivative (1/s) of a muscle's activation `act` for the control `ctrl`. `prm` contains the time constants (s) of
-/// activation and deactivation. Source: M. Millard and others, "Flexing computational muscle", Journal of Biomechanical Engineering
+/// activation and deactivation, between which it switches at once (`tausmooth` of newer engines is 0). Source: M. Millard and others, "Flexing computational muscle", Journal of Biomechanical Engineering
 /// 135, 2013.
 pub fn muscle_dynamics(ctrl: f64, act: f64, prm: &[f64; 2]) -> f64 {
+    // Since 2.3.6 the engine reads a third number, the width of a smooth transition.
+    let prm = [prm[0], prm[1], 0.0];
     // SAFETY: the array has the length that the engine reads.
     unsafe { sys::mju_muscleDynamics(ctrl, act, prm.as_ptr()) }
 }
