@@ -24,9 +24,9 @@ const COUNT: usize = sys::mjNWARNING as usize;
 pub enum Warning {
     /// The inertia matrix is singular, or nearly so, at a degree of freedom.
     Inertia,
-    /// The number of contacts exceeds `nconmax`; the engine ignores the rest.
+    /// The number of contacts exceeds `nconmax`, or since 2.3 the memory of the simulation; the engine ignores the rest.
     ContactFull,
-    /// The number of constraints exceeds `njmax`; the engine ignores the rest.
+    /// The number of constraints exceeds `njmax`, or since 2.3 the memory of the simulation; the engine ignores the rest.
     ConstraintFull,
     /// The number of geoms exceeds the capacity of the scene.
     VisualGeomFull,
@@ -75,6 +75,16 @@ impl Warning {
             Self::Inertia => format!(
                 "the inertia matrix is nearly singular at degree of freedom {info}; check the model (time {time} s)"
             ),
+            Self::ContactFull if cfg!(engine_since = "2.3.0") => {
+                format!(
+                    "the memory of the simulation is too small for {info} contacts; increase memory in <size> (time {time} s)"
+                )
+            }
+            Self::ConstraintFull if cfg!(engine_since = "2.3.0") => {
+                format!(
+                    "memory for the constraints needs more than {info} bytes; increase memory in <size> (time {time} s)"
+                )
+            }
             Self::ContactFull => {
                 format!("more than the {info} contacts that nconmax allows; increase it (time {time} s)")
             }
