@@ -10,6 +10,7 @@ use std::path::Path;
 
 use mujoco_safe::callback::Callbacks;
 use mujoco_safe::enums::Integrator;
+use mujoco_safe::model::{SaveXmlOptions, XmlCheck};
 use mujoco_safe::{Data, Error, LoadOptions, Model, RandomController, Trajectory, sample};
 
 use crate::allocator::allocated_bytes;
@@ -56,13 +57,16 @@ fn a_leaked_file_is_detected() {
     assert_no_growth("a file", 10, || std::mem::forget(fs::File::open("/dev/null").unwrap()));
 }
 
+/// `true` if the engine is 2.2.2. Other engines return an error for binary models, and for the check of saved XML.
+const LOADS_BINARIES: bool = cfg!(not(engine_since = "2.3.0"));
+
 fn loading(xml: &str, rounds: usize) {
     let path = tempfile::Builder::new().suffix(".xml").tempfile().unwrap().into_temp_path();
     fs::write(&path, xml).unwrap();
     let bytes = Model::from_xml_str(xml).unwrap().to_binary().unwrap();
     assert_no_growth("a model from a text", rounds, || drop(Model::from_xml_str(xml).unwrap()));
     assert_no_growth("a model from a path", rounds, || drop(Model::from_xml_path(&path).unwrap()));
-    assert_no_growth("a binary model", rounds, || drop(Model::from_binary(&bytes).unwrap()));
+    assert_no_growth("a binary model", rounds, || assert_eq!(Model::from_binary(&bytes).is_ok(), LOADS_BINARIES));
 }
 
 fn simulating(model: Model, rounds: usize) {
@@ -121,14 +125,11 @@ fn a_text_that_the_compiler_rejects_does_not_leak() {
         ("a mesh file without extension", "<mujoco><asset><mesh file='a'/></asset></mujoco>"),
         ("a texture file without extension", "<mujoco><asset><texture file='a' type='2d'/></asset></mujoco>"),
         ("a missing included file", "<mujoco><include file='aaaa.obj'/></mujoco>"),
-        (
-            "a stack overflow in the compiler",
-            "<mujoco><size nstack='10'/><worldbody><geom type='plane' size='1 1 1'/><body pos='0 0 .2'><freejoint/><geom size='.1'/></body></worldbody></mujoco>",
-        ),
         ("an unknown name", "<mujoco><actuator><motor joint='j'/></actuator></mujoco>"),
     ] {
         assert_no_growth(what, 1000, || assert!(Model::from_xml_str(xml).is_err()));
     }
+    assert_no_growth("a stack overflow in the compiler", 1000, || assert!(trouble::with_stack(10).is_err()));
 }
 
 #[test]
@@ -164,7 +165,7 @@ fn saving_and_loading_closes_files() {
     trajectory.record(&mut data, &mut RandomController::new(1), 10).unwrap();
     assert_no_growth("files", 200, || {
         model.save_binary(in_folder("m.mjb")).unwrap();
-        Model::from_binary_path(in_folder("m.mjb")).unwrap();
+        assert_eq!(Model::from_binary_path(in_folder("m.mjb")).is_ok(), LOADS_BINARIES);
         trajectory.save_csv(in_folder("t.csv")).unwrap();
         Trajectory::load_csv(&model, in_folder("t.csv")).unwrap();
         assert!(trajectory.save_csv(nowhere.join("t.csv")).is_err());
@@ -172,7 +173,10 @@ fn saving_and_loading_closes_files() {
     });
     let model = sample::cartpole();
     assert_no_growth("an XML file", 200, || {
-        model.save_xml(in_folder("m.xml")).unwrap();
+        // The error of other engines leaves the model savable without the check.
+        assert_eq!(model.save_xml(in_folder("m.xml")).is_ok(), LOADS_BINARIES);
+        let skip = SaveXmlOptions::default().with_check(XmlCheck::Skip);
+        model.save_xml_with(in_folder("m.xml"), &skip).unwrap();
         assert!(model.save_xml(nowhere.join("m.xml")).is_err());
     });
 }

@@ -33,6 +33,12 @@ const SIX_DIGITS: [&str; 3] = ["skin_vert", "skin_texcoord", "skin_bonevertweigh
 /// down but does not change results.
 const CACHED_FLAGS: [&str; 5] = ["body_simple", "body_sameframe", "geom_sameframe", "site_sameframe", "dof_simplenum"];
 
+/// Returns an error if the comparison is not supported.
+#[allow(clippy::unnecessary_wraps, reason = "an error with other engines")]
+pub(super) fn check_supported() -> Result<()> {
+    Ok(())
+}
+
 /// Returns the fields of `model` whose values differ in `reloaded`.
 pub(super) fn lost(model: &Model, reloaded: &Model) -> Result<Vec<UnsavedField>> {
     let relative = relative_tolerance(model, reloaded);

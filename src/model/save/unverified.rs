@@ -5,6 +5,11 @@ use crate::model::Model;
 
 /// Returns an error: the comparison is not supported.
 pub(super) fn lost(_: &Model, _: &Model) -> Result<Vec<UnsavedField>> {
+    check_supported().map(|()| Vec::new())
+}
+
+/// Returns an error: the comparison is not supported.
+pub(super) fn check_supported() -> Result<()> {
     let version = crate::built_against();
     Err(Error::Unsupported(format!("the check of saved XML with MuJoCo {version}; save with XmlCheck::Skip")))
 }

@@ -39,6 +39,10 @@ impl Model {
     /// Loading replaces the engine's tree with that of the text. The tree still fits this model if all sizes agree, so the model
     /// can be saved again. One lock covers writing and loading, because another load in between would replace the tree.
     pub(super) fn to_xml(&self, path: &Path, options: &SaveXmlOptions) -> Result<(Vec<u8>, Option<Self>)> {
+        if options.check != XmlCheck::Skip {
+            // Before the text is loaded, which may replace the engine's tree: the model can still be saved without the check.
+            compare::check_supported()?;
+        }
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {
             return Err(Error::XmlReplaced);
