@@ -13,7 +13,7 @@ use mujoco_safe::data::Warning;
 use mujoco_safe::scene::{Camera, Categories, Scene, SceneOptions};
 use mujoco_safe::{Data, Error, Model, sample};
 
-use crate::{child, lock_process};
+use crate::{child, lock_process, trouble};
 
 /// Messages logged under the target `mujoco`.
 static LOGGED: Mutex<Vec<String>> = Mutex::new(Vec::new());
@@ -69,9 +69,39 @@ fn meshes_for_the_convex_hull_library() {
         ));
         match result {
             Ok(_) => assert!(loads),
-            Err(error) => assert!(!loads && error.to_string().contains("Initial simplex is flat"), "{error}"),
+            Err(error) => {
+                let reason = if cfg!(engine_since = "4.0.0") { "coplanar vertices" } else { "Initial simplex is flat" };
+                assert!(!loads && error.to_string().contains(reason), "{error}");
+            }
         }
     }
+}
+
+/// Exceeds the numbers of contacts and constraints, which newer engines do not limit. The warnings are counted each time, and logged the first
+/// time, by a logger that panics at one of them.
+fn warnings_of_full_arrays() {
+    let mut data = crowded("nconmax='100' njmax='10'");
+    for _ in 0..3 {
+        data.step().unwrap();
+    }
+    assert_eq!(data.warning(Warning::ConstraintFull).number, 3);
+    assert_eq!(data.warning(Warning::ConstraintFull).lastinfo, 10);
+    assert_eq!(logged("constraints that njmax allows"), 1);
+    let copy = data.clone();
+    assert_eq!(copy.warning(Warning::ConstraintFull), data.warning(Warning::ConstraintFull));
+    data.reset().unwrap();
+    assert_eq!(data.warning(Warning::ConstraintFull).number, 0);
+    data.forward().unwrap();
+    assert_eq!(data.warning(Warning::ConstraintFull).number, 1);
+    assert_eq!(logged("constraints that njmax allows"), 2);
+
+    let mut data = crowded("nconmax='2' njmax='100'");
+    let panic = catch_unwind(AssertUnwindSafe(|| data.step())).unwrap_err();
+    assert!(panic.downcast_ref::<&str>().is_some_and(|text| text.contains("outside of the engine")));
+    let counted = data.warning(Warning::ContactFull);
+    assert!(counted.number >= 1 && counted.lastinfo == 2, "{counted:?}");
+    data.step().unwrap();
+    assert_eq!(data.warning(Warning::ContactFull).number, 2 * counted.number);
 }
 
 #[test]
@@ -98,12 +128,7 @@ fn everything_that_the_engine_would_print() {
     assert!(Model::from_binary_path("missing.mjb").is_err());
     let stl = "<mujoco><asset><mesh name='m' file='missing.stl'/></asset></mujoco>";
     assert!(Model::from_xml_str(stl).is_err());
-    assert!(
-        Model::from_xml_str(
-            "<mujoco><size nstack='10'/><worldbody><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>"
-        )
-        .is_err()
-    );
+    assert!(trouble::with_stack(10).is_err());
     assert_eq!(LOGGED.lock().unwrap().len(), 0, "errors are not logged");
 
     meshes_for_the_convex_hull_library();
@@ -118,29 +143,9 @@ fn everything_that_the_engine_would_print() {
     assert_eq!(model.clone().compile_warnings(), model.compile_warnings());
     assert!(sample::humanoid().compile_warnings().is_empty());
 
-    // Warnings of a step: counted each time, and logged the first time, by a logger that panics at one of them.
-    let mut data = crowded("nconmax='100' njmax='10'");
-    for _ in 0..3 {
-        data.step().unwrap();
+    if cfg!(not(engine_since = "2.3.0")) {
+        warnings_of_full_arrays();
     }
-    assert_eq!(data.warning(Warning::ConstraintFull).number, 3);
-    assert_eq!(data.warning(Warning::ConstraintFull).lastinfo, 10);
-    assert_eq!(logged("constraints that njmax allows"), 1);
-    let copy = data.clone();
-    assert_eq!(copy.warning(Warning::ConstraintFull), data.warning(Warning::ConstraintFull));
-    data.reset().unwrap();
-    assert_eq!(data.warning(Warning::ConstraintFull).number, 0);
-    data.forward().unwrap();
-    assert_eq!(data.warning(Warning::ConstraintFull).number, 1);
-    assert_eq!(logged("constraints that njmax allows"), 2);
-
-    let mut data = crowded("nconmax='2' njmax='100'");
-    let panic = catch_unwind(AssertUnwindSafe(|| data.step())).unwrap_err();
-    assert!(panic.downcast_ref::<&str>().is_some_and(|text| text.contains("outside of the engine")));
-    let counted = data.warning(Warning::ContactFull);
-    assert!(counted.number >= 1 && counted.lastinfo == 2, "{counted:?}");
-    data.step().unwrap();
-    assert_eq!(data.warning(Warning::ContactFull).number, 2 * counted.number);
 
     // A warning that the engine raises without a counter, during a step.
     let mut data = crowded("nconmax='100' njmax='100'");
@@ -158,7 +163,9 @@ fn everything_that_the_engine_would_print() {
         let updated = scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all());
         assert!(matches!(updated, Err(Error::SceneFull { .. })));
     }
-    assert!(data.warning(Warning::VisualGeomFull).number >= 2);
+    // Engines since 3.7 have no counter for it.
+    let is_counted = mujoco_safe::sys::mjWARN_VGEOMFULL < mujoco_safe::sys::mjNWARNING;
+    assert!(data.warning(Warning::VisualGeomFull).number >= 2 || !is_counted);
     assert_eq!(logged("room for"), 0);
 
     // Instability, to which the engine reacts with a reset and a line on standard output, and engine errors.
@@ -181,7 +188,9 @@ fn everything_that_the_engine_would_print() {
     })
     .unwrap();
     data.reset().unwrap();
-    assert!(data.step().is_err());
+    let has_failed = data.step().is_err();
+    // Newer engines only warn of the singular inertia matrix.
+    assert!(has_failed || cfg!(engine_since = "2.3.0") && data.warning(Warning::Inertia).number > 0);
 
     assert!(sample::cartpole().save_xml("no/such/folder.xml").is_err());
     assert!(Path::new(".").read_dir().unwrap().next().is_none(), "a file was written");

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use mujoco_safe::{Data, Model};
+use mujoco_safe::{Data, Error, Model};
 
 use super::mutate::{DAMAGES, Map};
 use super::{Bytes, Verdict, models};
@@ -23,6 +23,13 @@ fn originals() -> &'static [OnceLock<Original>] {
 
 pub(super) fn mutated_binary(bytes: &mut Bytes<'_>, log: &mut dyn FnMut(&str)) -> Verdict {
     let which = models::choose(bytes);
+    // The rules for binary models are known for 2.2.2 only.
+    if cfg!(engine_since = "2.3.0") {
+        log("from_binary, of a valid model");
+        let file = models::model(which).to_binary().expect("a model of the corpus is not saved");
+        assert!(matches!(Model::from_binary(&file), Err(Error::Unsupported(_))), "a binary model is not rejected");
+        return Verdict::Rejected;
+    }
     let original = originals()[which].get_or_init(|| {
         let file = models::model(which).to_binary().expect("a model of the corpus is not saved");
         let map = Map::new(&file);
