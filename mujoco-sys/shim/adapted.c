@@ -510,7 +510,7 @@ int mujoco_sys_historyLength(const mjModel* m) {
 }
 
 void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]) {
-#if mjVERSION_HEADER >= 3005000
+#if mjVERSION_HEADER >= 233
   mju_sub3(grip, pert->refselpos, pert->refpos);
   grip[3] = pert->localmass;
 #else
@@ -520,7 +520,7 @@ void mujoco_sys_getGrip(const mjvPerturb* pert, mjtNum grip[4]) {
 }
 
 void mujoco_sys_setGrip(mjvPerturb* pert, const mjtNum grip[4]) {
-#if mjVERSION_HEADER >= 3005000
+#if mjVERSION_HEADER >= 233
   mju_add3(pert->refselpos, pert->refpos, grip);
   pert->localmass = grip[3];
 #else

@@ -392,7 +392,7 @@ GUARDED(mjv_applyPerturbPose, NO_DATA, (const mjModel* m, mjData* d, const mjvPe
 // Newer engines pull the selected point with its inertia, which mjv_initPerturb computes. A perturbation that a program has set without it pulls
 // the point by the displacement of the centre of mass.
 static void apply_perturb_force(const mjModel* m, mjData* d, const mjvPerturb* pert) {
-#if mjVERSION_HEADER >= 3005000
+#if mjVERSION_HEADER >= 233
   mjvPerturb full = *pert;
   if (full.localmass == 0 && full.select > 0) {
     // The engine computes the motion of the mouse too, for which any camera will do.
