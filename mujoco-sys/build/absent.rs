@@ -2,7 +2,7 @@
 
 /// Constants that not all versions from 2.2.2 to 4.0.0 have, with the versions that have them. A Rust enum over the engine's constants has a
 /// variant for each of them. The first has the value -1 as a C int, which the shim returns as the selection of collisions.
-const CONSTANTS: [(&str, &str); 55] = [
+const CONSTANTS: [(&str, &str); 58] = [
     ("mjCOL_ALL", "2.2.2 to 2.3.7"),
     ("mjCOL_PAIR", "2.2.2 to 2.3.7"),
     ("mjCOL_DYNAMIC", "2.2.2 to 2.3.7"),
@@ -23,6 +23,9 @@ const CONSTANTS: [(&str, &str); 55] = [
     ("mjEQ_FLEX", "3.0.0 and later"),
     ("mjEQ_FLEXVERT", "3.5.0 and later"),
     ("mjEQ_FLEXSTRAIN", "3.6.0 and later"),
+    ("mjLABEL_FLEX", "3.0.0 and later"),
+    ("mjLABEL_CONTACTPOINT", "2.3.3 and later"),
+    ("mjLABEL_ISLAND", "3.0.0 and later"),
     ("mjVIS_FLEXVERT", "3.0.0 and later"),
     ("mjVIS_FLEXEDGE", "3.0.0 and later"),
     ("mjVIS_FLEXFACE", "3.0.0 and later"),

@@ -129,7 +129,7 @@ impl Camera {
     /// # Errors
     ///
     /// [`Error::OtherModel`] for a scene of another model, [`Error::Invalid`] if a value is not finite or would not be finite
-    /// after the motion, [`Error::Engine`] for a translation in a scene that was never updated.
+    /// after the motion, [`Error::Engine`] for a translation in a scene that was never updated, with engines before 3.11.
     ///
     /// # Panics
     ///

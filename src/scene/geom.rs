@@ -9,8 +9,8 @@ use crate::enums::engine_enum;
 use crate::error::Result;
 use crate::ffi;
 use crate::id::{
-    ActuatorId, BodyId, CameraId, EqualityId, GeomId, HeightFieldId, Id, JointId, LightId, Lineage, MeshId, SiteId,
-    SkinId, TendonId, TextureId,
+    ActuatorId, BodyId, CameraId, EqualityId, GeomId, HeightFieldId, Id, JointId, LightId, Lineage, MeshId, SensorId,
+    SiteId, SkinId, TendonId, TextureId,
 };
 use crate::kind::Kind;
 use crate::model::Model;
@@ -76,6 +76,8 @@ pub enum SceneObject {
     Actuator(ActuatorId),
     Equality(EqualityId),
     Skin(SkinId),
+    /// Rangefinder, with engines from 3.3.7.
+    Sensor(SensorId),
 }
 
 impl SceneObject {
@@ -91,6 +93,7 @@ impl SceneObject {
             Kind::Actuator => Self::Actuator(Id::new(index, lineage)),
             Kind::Equality => Self::Equality(Id::new(index, lineage)),
             Kind::Skin => Self::Skin(Id::new(index, lineage)),
+            Kind::Sensor => Self::Sensor(Id::new(index, lineage)),
             _ => return None,
         })
     }

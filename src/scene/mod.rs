@@ -201,9 +201,9 @@ impl Scene {
         RenderFlags::from_bits_truncate(options::bits(&self.raw().flags))
     }
 
-    /// Enables exactly these rendering effects.
+    /// Enables exactly these rendering effects. Effects that only newer engines have, for their own renderer, are unchanged.
     pub fn set_render_flags(&mut self, flags: RenderFlags) {
-        self.raw_mut().flags = options::bytes(flags.bits());
+        options::set_flags(&mut self.raw_mut().flags, flags.bits(), RenderFlags::all().bits());
     }
 
     /// Returns the engine's structure, for direct calls of the C functions. Those must not create or free the scene.

@@ -30,14 +30,20 @@ engine_enum! {
         Actuator = mjLABEL_ACTUATOR,
         /// Equality constraints, if shown.
         Constraint = mjLABEL_CONSTRAINT,
+        /// Flexes. With engines from 3.0.
+        Flex = mjLABEL_FLEX,
         /// Skins.
         Skin = mjLABEL_SKIN,
         /// The selected body.
         Selection = mjLABEL_SELECTION,
         /// Coordinates of the selected point, if shown.
         SelectionPoint = mjLABEL_SELPNT,
+        /// Names of the geoms in contact, if contact points are shown. With engines from 2.3.3.
+        ContactPoint = mjLABEL_CONTACTPOINT,
         /// Magnitudes of contact forces, if shown.
         ContactForce = mjLABEL_CONTACTFORCE,
+        /// Constraint islands of bodies. With engines from 3.0.
+        Island = mjLABEL_ISLAND,
     }
 }
 
@@ -270,27 +276,26 @@ impl SceneOptions {
         // SAFETY: a valid structure, and one byte for each of the engine's groups.
         unsafe { sys::adapted::set_flex_groups(&raw mut raw, flexgroup.as_ptr()) };
         // Flags that only newer engines have keep their defaults.
-        let known = |bit: usize| (VisualFlags::all().bits() >> bit) & 1 == 1;
-        for (bit, flag) in raw.flags.iter_mut().enumerate().filter(|(bit, _)| known(*bit)) {
-            *flag = u8::from((self.flags.bits() >> bit) & 1 == 1);
-        }
+        set_flags(&mut raw.flags, self.flags.bits(), VisualFlags::all().bits());
         raw
     }
 
-    /// Returns `true` if the options show contacts or constraints, for which the engine reads their forces.
+    /// Returns `true` if the options show contacts, constraints or islands, for which the engine reads results of the constraint solver.
     pub(crate) fn shows_contacts(&self) -> bool {
         const FLAGS: VisualFlags =
             VisualFlags::CONTACTPOINT.union(VisualFlags::CONTACTFORCE).union(VisualFlags::CONSTRAINT);
-        self.flags.intersects(FLAGS) || self.frame == FrameMode::Contact
+        self.flags.intersects(FLAGS) || self.frame == FrameMode::Contact || self.label == LabelMode::Island
     }
 }
 
-/// Expands bits to the engine's representation of one byte each.
-pub(super) fn bytes<const N: usize>(bits: u32) -> [u8; N] {
-    std::array::from_fn(|bit| u8::from((bits >> bit) & 1 == 1))
+/// Sets the engine's flags, one byte each, from the bits in `mask`.
+pub(super) fn set_flags(flags: &mut [u8], bits: u32, mask: u32) {
+    for (bit, flag) in flags.iter_mut().enumerate().filter(|(bit, _)| (mask >> bit) & 1 == 1) {
+        *flag = u8::from((bits >> bit) & 1 == 1);
+    }
 }
 
-/// Packs bytes into bits, the inverse of [`bytes`].
+/// Packs the engine's flags, one byte each, into bits.
 pub(super) fn bits(bytes: &[u8]) -> u32 {
     bytes.iter().enumerate().fold(0, |bits, (bit, &byte)| bits | (u32::from(byte != 0) << bit))
 }

@@ -25,7 +25,8 @@ impl Scene {
     /// contains as many as fit, and lights, skins and viewpoints are up to date, so a viewer can continue.
     ///
     /// [`Error::NotComputed`] if a required result is missing, [`Error::OtherModel`] for data of another model,
-    /// [`Error::Invalid`] if the camera or the perturbation contains a value that is not finite. The scene is then unchanged.
+    /// [`Error::Invalid`] if the camera or the perturbation contains a value that is not finite, [`Error::Unsupported`] for labels that the
+    /// engine lacks. The scene is then unchanged.
     /// None of these errors poisons the data.
     ///
     /// # Panics
@@ -145,6 +146,7 @@ impl Scene {
     fn check_data(&self, call: &'static str, data: &Data, options: &SceneOptions) -> Result<()> {
         let model = data.model();
         self.check_model(model, "the data to show")?;
+        options.label.check_supported()?;
         // The engine does not clamp the groups of skins. Loading a model rejects groups out of range.
         data.check_computed(call, if options.shows_contacts() { Stage::Acceleration } else { Stage::Position })
     }

@@ -7,7 +7,7 @@
 
 #![allow(dead_code, reason = "each program uses only some of the functions")]
 
-use mujoco_safe::sys::{self, mjData, mjModel, mjOption, mjvCamera, mjvLight, mjvOption, mjvScene};
+use mujoco_safe::sys::{self, mjData, mjModel, mjOption, mjvCamera, mjvLight, mjvOption, mjvPerturb, mjvScene};
 
 /// Calls a function whose last argument is new in 3.5.0: the address of a normal.
 macro_rules! ray {
@@ -259,4 +259,14 @@ pub(crate) unsafe fn select(
         #[cfg(not(engine_since = "3.0.0"))]
         sys::mjv_select(m, d, options, aspect, x, y, scene, point, geom, skin)
     }
+}
+
+/// Sets the target of the selected point, which engines from 2.3.3 have, to that of the body.
+pub(crate) fn target_selected_point(perturbation: &mut mjvPerturb) {
+    #[cfg(engine_since = "2.3.7")]
+    {
+        perturbation.refselpos = perturbation.refpos;
+    }
+    #[cfg(not(engine_since = "2.3.7"))]
+    let _ = perturbation;
 }

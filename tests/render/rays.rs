@@ -49,14 +49,19 @@ const SUBJECTS: [Subject; 11] = [
 ];
 
 #[test]
-#[cfg_attr(engine_since = "2.3.0", ignore = "newer compilers reject a model of the set")]
 fn depth_and_segmentation_agree_with_rays() {
     if sample::system_models().is_empty() {
         println!("skipped: no models under {} (package libmujoco-samples)", sample::SYSTEM_MODELS);
         return;
     }
+    // Newer compilers reject the composites of 2.2.2, and the ranges of these muscles.
+    let rejected = ["hammock", "composite", "tendon_arm"];
     for subject in &SUBJECTS {
-        compare(subject);
+        if cfg!(engine_since = "2.3.0") && rejected.iter().any(|folder| subject.0.starts_with(folder)) {
+            println!("skipped {}", subject.0);
+        } else {
+            compare(subject);
+        }
     }
 }
 

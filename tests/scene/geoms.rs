@@ -2,8 +2,8 @@
 
 use mujoco_safe::data::Warning;
 use mujoco_safe::scene::{
-    Camera, Categories, FrameMode, LabelMode, Perturbation, PerturbationFlags, Scene, SceneGeomType, SceneObject,
-    SceneOptions, VisualFlags,
+    Camera, Categories, FrameMode, LabelMode, Perturbation, PerturbationFlags, RenderFlags, Scene, SceneGeomType,
+    SceneObject, SceneOptions, VisualFlags,
 };
 use mujoco_safe::sys::{self, mjvCamera, mjvOption, mjvPerturb};
 use mujoco_safe::{Data, Error, Model, sample};
@@ -12,7 +12,8 @@ use crate::raw::{RawScene, assert_same_scene, filled, raw_options, raw_perturbat
 use crate::scene_options::with_groups;
 use crate::twins::{Twins, c, differing};
 
-const LABELS: [LabelMode; 14] = [
+/// Labels of this engine.
+const LABELS: &[LabelMode] = &[
     LabelMode::None,
     LabelMode::Body,
     LabelMode::Joint,
@@ -27,6 +28,12 @@ const LABELS: [LabelMode; 14] = [
     LabelMode::Selection,
     LabelMode::SelectionPoint,
     LabelMode::ContactForce,
+    #[cfg(engine_since = "3.0.0")]
+    LabelMode::Flex,
+    #[cfg(engine_since = "2.3.7")]
+    LabelMode::ContactPoint,
+    #[cfg(engine_since = "3.0.0")]
+    LabelMode::Island,
 ];
 
 const FRAMES: [FrameMode; 8] = [
@@ -63,10 +70,10 @@ fn all_options(thorough: bool) -> Vec<SceneOptions> {
         VisualFlags::all() - VisualFlags::INERTIA - VisualFlags::CONTACTSPLIT,
         VisualFlags::empty(),
     ] {
-        for (index, label) in LABELS.into_iter().enumerate() {
+        for (index, label) in LABELS.iter().enumerate() {
             for (other, frame) in FRAMES.into_iter().enumerate() {
                 if thorough || index % FRAMES.len() == other {
-                    all.push(default.clone().with_label(label).with_frame(frame).with_flags(flags));
+                    all.push(default.clone().with_label(*label).with_frame(frame).with_flags(flags));
                 }
             }
         }
@@ -110,7 +117,10 @@ fn scenes_equal_c_for_all_options() {
                 assert_same_scene(&format!("{}, {options:?}", twins.name), &ours, &theirs, skins);
                 for geom in ours.geoms() {
                     kinds.insert(geom.geom_type());
-                    objects.insert(geom.object().map(|object| std::mem::discriminant(&object)));
+                    // Rangefinders are objects in newer engines only.
+                    if !matches!(geom.object(), Some(SceneObject::Sensor(_))) {
+                        objects.insert(geom.object().map(|object| std::mem::discriminant(&object)));
+                    }
                 }
             }
         }
@@ -178,6 +188,7 @@ fn geom_views_have_the_engines_values() {
                 Some(SceneObject::Actuator(id)) => Some((sys::mjOBJ_ACTUATOR, id.index())),
                 Some(SceneObject::Equality(id)) => Some((sys::mjOBJ_EQUALITY, id.index())),
                 Some(SceneObject::Skin(id)) => Some((sys::mjOBJ_SKIN, id.index())),
+                Some(SceneObject::Sensor(id)) => Some((sys::mjOBJ_SENSOR, id.index())),
                 Some(other) => panic!("unexpected type {other:?}"),
             };
             let expected = (theirs.objtype != 0).then_some((theirs.objtype as u32, theirs.objid as usize));
@@ -235,6 +246,10 @@ fn added_geoms_equal_c() {
             let (opt, pert) = (&raw const raw_options, &raw const raw_perturbation);
             c!(mjv_addGeoms(twins.raw.m(), twins.raw.d, opt, pert, bits as i32, &raw mut *theirs.0));
         }
+        // Newer engines need a camera, which the distance of a light from it determines.
+        let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
+        ours.update_camera(&twins.ours, &mut Camera::free(&twins.model)).unwrap();
+        c!(mjv_updateCamera(twins.raw.m(), twins.raw.d, &raw mut raw_camera, &raw mut *theirs.0));
         ours.update_lights(&twins.ours).unwrap();
         c!(mjv_makeLights(twins.raw.m(), twins.raw.d, &raw mut *theirs.0));
         assert_same_scene(&subject.name, &ours, &theirs, false);
@@ -322,7 +337,44 @@ fn defaults_equal_c() {
     let scene = Scene::new(&sample::cartpole(), 1).unwrap();
     let twins = Twins::new(&scene_subjects()[0]);
     let theirs = RawScene::new(&twins.raw, 1);
-    for (bit, &flag) in theirs.0.flags.iter().enumerate() {
-        assert_eq!(scene.render_flags().bits() >> bit & 1, u32::from(flag), "{bit}");
+    for flag in RenderFlags::all() {
+        let bit = flag.bits().trailing_zeros() as usize;
+        assert_eq!(scene.render_flags().contains(flag), theirs.0.flags[bit] != 0, "{flag:?}");
+    }
+}
+
+#[test]
+fn effects_of_the_engines_own_renderer_are_kept() {
+    let twins = Twins::new(&scene_subjects()[0]);
+    let theirs = RawScene::new(&twins.raw, 1);
+    let mut scene = Scene::new(&twins.model, 1).unwrap();
+    for flags in [RenderFlags::all(), RenderFlags::empty(), RenderFlags::FOG | RenderFlags::IDCOLOR] {
+        scene.set_render_flags(flags);
+        assert_eq!(scene.render_flags(), flags);
+        // SAFETY: the scene is alive, and nothing writes to it during this statement.
+        let raw = unsafe { (*scene.as_ptr()).flags };
+        for (bit, (&ours, &default)) in raw.iter().zip(&theirs.0.flags).enumerate() {
+            let known = RenderFlags::from_bits(1 << bit);
+            assert_eq!(ours, known.map_or(default, |flag| flags.contains(flag).into()), "{bit}");
+        }
+    }
+}
+
+#[test]
+fn labels_of_another_engine_are_an_error() {
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    data.forward().unwrap();
+    let mut scene = Scene::new(data.model(), 100).unwrap();
+    for label in [LabelMode::Flex, LabelMode::ContactPoint, LabelMode::Island] {
+        let options = SceneOptions::default().with_label(label);
+        let mut camera = Camera::free(data.model());
+        let updated = scene.update(&mut data, &options, None, &mut camera, Categories::all());
+        if cfg!(engine_since = "3.0.0") {
+            updated.unwrap();
+        } else if !(cfg!(engine_since = "2.3.7") && label == LabelMode::ContactPoint) {
+            let error = updated.unwrap_err();
+            assert!(matches!(&error, Error::Unsupported(text) if text.contains("and later")), "{error}");
+            assert_eq!(scene.ngeom(), 0);
+        }
     }
 }

@@ -5,19 +5,34 @@ use std::sync::Arc;
 
 use mujoco_safe::Model;
 use mujoco_safe::id::BodyId;
-use mujoco_safe::scene::{Perturbation, Scene, SceneOptions, VisualFlags};
+use mujoco_safe::scene::{LabelMode, Perturbation, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::sys::{self, mjvCamera, mjvGeom, mjvOption, mjvPerturb, mjvScene};
 
-use crate::twins::{Raw, Subject, c, read, usual_subjects};
+use crate::twins::{Raw, Subject, c, differing, read, usual_subjects};
 
 const EVERY_ELEMENT: &str = include_str!("../models/every_element.xml");
 
-/// Returns all models except the largest, and the model with every element.
+/// Swinging panel with a skin, which covers most of the picture.
+const PANEL: &str = r#"
+<mujoco>
+  <asset>
+    <skin name="cover" vertex="-1 0 -1  1 0 -1  -1 0 1  1 0 1" face="0 1 2  1 3 2  0 2 1  1 2 3">
+      <bone body="panel" bindpos="0 0 0" bindquat="1 0 0 0" vertid="0 1 2 3" vertweight="1 1 1 1"/>
+    </skin>
+  </asset>
+  <worldbody>
+    <body name="panel" pos="0 0 1"><joint axis="0 0 1"/><geom type="box" size="0.5 0.01 0.5"/></body>
+  </worldbody>
+</mujoco>"#;
+
+/// Returns the model with every element, a panel with a skin, and all other models except the largest.
 pub(crate) fn scene_subjects() -> Vec<Subject> {
     let every = Model::from_xml_str(EVERY_ELEMENT).unwrap();
     let others = usual_subjects().map(|subject| Subject { name: subject.name.clone(), model: subject.model.clone() });
-    let every = Subject { name: "every element".to_owned(), model: Arc::new(every) };
-    std::iter::once(every).chain(others).collect()
+    let panel = Model::from_xml_str(PANEL).unwrap();
+    let own = [("every element", every), ("panel", panel)];
+    let own = own.map(|(name, model)| Subject { name: name.to_owned(), model: Arc::new(model) });
+    own.into_iter().chain(others).collect()
 }
 
 /// Returns a structure that an engine function fills in.
@@ -28,9 +43,33 @@ pub(crate) fn filled<T>(fill: impl FnOnce(*mut T)) -> T {
     unsafe { value.assume_init() }
 }
 
+fn raw_label(label: LabelMode) -> i32 {
+    let constant = match label {
+        LabelMode::None => sys::mjLABEL_NONE,
+        LabelMode::Body => sys::mjLABEL_BODY,
+        LabelMode::Joint => sys::mjLABEL_JOINT,
+        LabelMode::Geom => sys::mjLABEL_GEOM,
+        LabelMode::Site => sys::mjLABEL_SITE,
+        LabelMode::Camera => sys::mjLABEL_CAMERA,
+        LabelMode::Light => sys::mjLABEL_LIGHT,
+        LabelMode::Tendon => sys::mjLABEL_TENDON,
+        LabelMode::Actuator => sys::mjLABEL_ACTUATOR,
+        LabelMode::Constraint => sys::mjLABEL_CONSTRAINT,
+        LabelMode::Flex => sys::mjLABEL_FLEX,
+        LabelMode::Skin => sys::mjLABEL_SKIN,
+        LabelMode::Selection => sys::mjLABEL_SELECTION,
+        LabelMode::SelectionPoint => sys::mjLABEL_SELPNT,
+        LabelMode::ContactPoint => sys::mjLABEL_CONTACTPOINT,
+        LabelMode::ContactForce => sys::mjLABEL_CONTACTFORCE,
+        LabelMode::Island => sys::mjLABEL_ISLAND,
+        _ => panic!("no constant for {label:?}"),
+    };
+    constant as i32
+}
+
 pub(crate) fn raw_options(options: &SceneOptions) -> mjvOption {
     let mut raw = filled(|raw| c!(mjv_defaultOption(raw)));
-    raw.label = options.label as i32;
+    raw.label = raw_label(options.label);
     raw.frame = options.frame as i32;
     raw.geomgroup = options.geomgroup.map(u8::from);
     raw.sitegroup = options.sitegroup.map(u8::from);
@@ -51,6 +90,7 @@ pub(crate) fn raw_perturbation(ours: &Perturbation) -> mjvPerturb {
     (raw.active, raw.active2) = (ours.active.bits() as i32, ours.active2.bits() as i32);
     (raw.refpos, raw.refquat) = (ours.refpos, ours.refquat);
     (raw.localpos, raw.scale) = (ours.localpos, ours.scale);
+    differing::target_selected_point(&mut raw);
     raw
 }
 
