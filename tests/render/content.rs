@@ -202,9 +202,8 @@ fn every_user_geom_is_visible() {
     let (mesh, field) = (data.model().mesh("roof").unwrap().id(), data.model().height_field("hills").unwrap().id());
     let checks = data.model().texture("checks").unwrap().id();
     // The textures of newer engines belong to materials.
-    let textured = |geom: NewGeom| match cfg!(engine_since = "3.2.1") {
-        true => geom,
-        false => geom.texture(checks, TextureRepeat::PerGeom([1.0, 1.0])),
+    let textured = |geom: NewGeom| {
+        if cfg!(engine_since = "3.2.1") { geom } else { geom.texture(checks, TextureRepeat::PerGeom([1.0, 1.0])) }
     };
     let connector = |shape| NewGeom::connector(shape, 0.05, [0.0, 0.0, -0.3], [0.2, 0.0, 0.3]);
     let shapes = [

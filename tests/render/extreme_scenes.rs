@@ -86,10 +86,14 @@ fn a_geom_of_any_position_and_colour_is_drawn_or_skipped() {
 fn a_new_geom_of_any_size_is_drawn_or_skipped() {
     let mut stage = Stage::new(WORLD, [16, 12]);
     let texture = stage.data.model().texture("cube").unwrap().id();
-    let textured = |size: f64| match cfg!(engine_since = "3.2.1") {
+    let textured = |size: f64| {
+        let cuboid = NewGeom::cuboid([1.0; 3]);
         // The textures of newer engines belong to materials.
-        true => NewGeom::cuboid([1.0; 3]),
-        false => NewGeom::cuboid([1.0; 3]).texture(texture, TextureRepeat::PerLength([size as f32; 2])),
+        if cfg!(engine_since = "3.2.1") {
+            cuboid
+        } else {
+            cuboid.texture(texture, TextureRepeat::PerLength([size as f32; 2]))
+        }
     };
     for size in [0.0, 1e-45, 1e-30, 1.0, 1e14, 1e30, f64::from(f32::MAX)] {
         stage.update();
