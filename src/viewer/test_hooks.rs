@@ -160,7 +160,12 @@ pub(super) fn count_marker(key: Key) {
     }
 }
 
-/// Adds the position of a slider of the current frame, in points.
+/// Discards the positions of the sliders before a pass of the panels.
+pub(super) fn clear_sliders() {
+    lock(&SLIDERS).clear();
+}
+
+/// Adds the position of a slider of the current pass, in points.
 pub(super) fn add_slider(rail: egui::Pos2, number: egui::Pos2) {
     lock(&SLIDERS).push([[rail.x, rail.y], [number.x, number.y]]);
 }
@@ -182,7 +187,7 @@ pub(super) struct Frame<'a> {
 /// Records the state of a window after a frame.
 pub(super) fn record(frame: Frame<'_>) {
     let Frame { snapshot, view, status, queued, full_screen, editing, messages, picture, panel_rects } = frame;
-    let sliders = std::mem::take(&mut *lock(&SLIDERS));
+    let sliders = lock(&SLIDERS).clone();
     let mut latest = lock(&LATEST);
     let playback = snapshot.playback;
     *latest = Some(WindowState {

@@ -151,6 +151,19 @@ pub fn redraws() {
         assert_eq!(state().scenes, first.scenes, "the scene is not rendered again");
         assert!(picture() == before, "the picture is the same");
 
+        // A motion within one widget does not change the panels.
+        let slider = |step: i32| [100 + step % 40, 86];
+        input.move_to(slider(0));
+        let mut frame = state().frame;
+        wait_until("no frame is drawn for a second", || {
+            let last = std::mem::replace(&mut frame, state().frame);
+            std::thread::sleep(std::time::Duration::from_secs(1));
+            last == state().frame
+        });
+        input.move_along((0..80).map(slider), 0.02);
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        assert_eq!(state().frame, frame, "no frame is drawn");
+
         // Changes of the camera, of an effect and of the state change the scene.
         input.drag([500, 100], [40, 0], 1, &[]);
         wait_until("the scene follows the camera", || state().scenes > first.scenes && picture() != before);

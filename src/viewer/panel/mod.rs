@@ -99,9 +99,13 @@ impl Panels {
         });
     }
 
+    /// Adds the values of a snapshot to the plots.
+    pub fn record(&mut self, snapshot: &Snapshot) {
+        self.plots.update(snapshot, self.watch.watched());
+    }
+
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {
         let context = ui.ctx().clone();
-        self.plots.update(cx.snapshot, self.watch.watched());
         let [left, right] = side_widths(cx.view, context.content_rect().width());
         if left > 0.0 {
             layout::left(&context, left, |ui| self.show_left(ui, cx));

@@ -98,13 +98,14 @@ impl ApplicationHandler<Wake> for App {
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let now = Instant::now();
         let mut next: Option<Instant> = None;
-        for session in self.sessions.values() {
-            match session.due() {
+        for session in self.sessions.values_mut() {
+            session.run_due_pass(now);
+            match session.scheduler.due() {
                 Some(due) if due <= now => session.window.request_redraw(),
-                Some(due) => next = Some(next.map_or(due, |next| next.min(due))),
-                None => {}
+                due => next = [next, due, session.scheduler.pass_due()].into_iter().flatten().min(),
             }
         }
+        self.remove_closed(event_loop);
         event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 }

@@ -21,9 +21,9 @@ use crate::viewer::link::{EndpointRequest, Mode, Request, SharedModel, Simulatio
 const DEFAULT_COLUMNS: usize = 80;
 /// Pixels that a touchpad scrolls for one notch of a wheel.
 const PIXELS_PER_NOTCH: f64 = 50.0;
-/// Minimum time between frames that only change the highlighted widget.
+/// Minimum time between passes of the panels that change the highlighted widget.
 const HIGHLIGHT_SPACING: Duration = Duration::from_millis(80);
-/// Minimum time between frames for motions over one widget, such as a plot that labels the point under the pointer.
+/// Minimum time between passes of the panels for motions over one widget, such as a plot that labels the point under the pointer.
 const HOVER_SPACING: Duration = Duration::from_millis(200);
 
 impl Session {
@@ -70,6 +70,8 @@ impl Session {
             _ => false,
         };
         if changes {
+            // Only the scene follows a motion at once, unless the pointer drags a widget.
+            self.panels_stale |= !matches!(event, WindowEvent::CursorMoved { .. }) || self.overlay.is_dragging();
             self.scheduler.request(Instant::now());
         }
     }
@@ -181,11 +183,15 @@ impl Session {
         match loader.take_result() {
             None => self.loader = Some(loader),
             Some(Ok(model)) => {
+                self.panels_stale = true;
                 self.options.file = Some(loader.path().to_owned());
                 self.send(SimulationRequest::Reload(SharedModel(Arc::new(model))).into());
                 self.panels.notice(format!("loaded {}", loader.path().display()));
             }
-            Some(Err(error)) => self.panels.warn(error.to_string()),
+            Some(Err(error)) => {
+                self.panels_stale = true;
+                self.panels.warn(error.to_string());
+            }
         }
     }
 
@@ -206,8 +212,8 @@ impl Session {
         self.perform(gesture);
     }
 
-    /// Handles a motion of the pointer. Returns `true` if the scene or a panel changes. A motion over a panel changes highlights,
-    /// for which a lower frame rate suffices.
+    /// Handles a motion of the pointer. Returns `true` if the scene changes or a widget is dragged. Other motions over a panel may change
+    /// highlights: passes of the panels at a lower rate determine if they do.
     fn move_pointer(&mut self, position: [f64; 2]) -> bool {
         self.pointer = position;
         let gesture = self.mouse.moved(position, modifiers(self.modifiers));
@@ -222,7 +228,7 @@ impl Session {
             (hovered, last) if hovered == last => HOVER_SPACING,
             _ => HIGHLIGHT_SPACING,
         };
-        self.scheduler.request_spaced(Instant::now(), spacing);
+        self.scheduler.request_pass_spaced(Instant::now(), spacing);
         false
     }
 

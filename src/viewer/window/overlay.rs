@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use arboard::Clipboard;
-use egui::{Context, Order, Ui, ViewportId};
+use egui::epaint::ClippedShape;
+use egui::{ClippedPrimitive, Context, Order, Ui, ViewportId};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 use egui_winit::State;
 use winit::event::WindowEvent;
@@ -15,11 +16,11 @@ use crate::render::Gpu;
 use crate::viewer::input::Modifiers;
 use crate::viewer::panel::apply_style;
 
-/// Output of a pass of the panels.
-pub(super) struct PanelOutput {
-    triangles: Vec<egui::ClippedPrimitive>,
-    pixels_per_point: f32,
-    /// Time until the panels change by themselves; [`Duration::MAX`] if they do not.
+/// Result of a pass of the panels.
+pub(super) struct PanelPass {
+    /// The panels differ from those of the previous pass.
+    pub has_changed: bool,
+    /// Time until the panels may change by themselves; [`Duration::MAX`] if they do not.
     pub repaint_delay: Duration,
 }
 
@@ -38,6 +39,10 @@ pub(super) struct Overlay {
     context: Context,
     input: State,
     painter: Renderer,
+    /// Output of the last pass, and its triangles.
+    shapes: Vec<ClippedShape>,
+    triangles: Vec<ClippedPrimitive>,
+    scale: f32,
     /// Texture updates since the panels were last painted.
     textures: egui::TexturesDelta,
     pending: PendingPointerEvents,
@@ -58,6 +63,9 @@ impl Overlay {
             context,
             input,
             painter,
+            shapes: Vec::new(),
+            triangles: Vec::new(),
+            scale: 1.0,
             textures: egui::TexturesDelta::default(),
             pending: PendingPointerEvents::None,
             clipboard: None,
@@ -169,8 +177,8 @@ impl Overlay {
         let _ = self.input.on_window_event(window, event);
     }
 
-    /// Runs a pass of the panels.
-    pub fn run(&mut self, window: &Window, panels: impl FnMut(&mut Ui)) -> PanelOutput {
+    /// Runs a pass of the panels. The triangles are computed only if the panels have changed.
+    pub fn run(&mut self, window: &Window, panels: impl FnMut(&mut Ui)) -> PanelPass {
         // egui leaves the keyboard focus on a slider that was moved.
         if !self.is_editing() {
             self.stop_editing();
@@ -186,22 +194,27 @@ impl Overlay {
         let repaint_delay =
             output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         self.input.handle_platform_output(window, output.platform_output);
-        let triangles = self.context.tessellate(output.shapes, output.pixels_per_point);
+        let scale = output.pixels_per_point;
+        let has_changed = output.shapes != self.shapes || scale != self.scale || !output.textures_delta.is_empty();
+        if has_changed {
+            self.triangles = self.context.tessellate(output.shapes.clone(), scale);
+            (self.shapes, self.scale) = (output.shapes, scale);
+        }
         self.textures.append(output.textures_delta);
-        PanelOutput { triangles, pixels_per_point: output.pixels_per_point, repaint_delay }
+        PanelPass { has_changed, repaint_delay }
     }
 
-    /// Draws the output of a pass over the scene.
-    pub fn paint(&mut self, gpu: &Gpu, target: &wgpu::TextureView, size: [u32; 2], panels: &PanelOutput) {
+    /// Draws the panels of the last pass over the scene.
+    pub fn paint(&mut self, gpu: &Gpu, target: &wgpu::TextureView, size: [u32; 2]) {
         let (device, queue) = (gpu.device(), gpu.queue());
         for (id, deltas) in std::mem::take(&mut self.textures.set) {
             for delta in &deltas {
                 self.painter.update_texture(device, queue, id, delta);
             }
         }
-        let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point: panels.pixels_per_point };
+        let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point: self.scale };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("panels") });
-        let mut commands = self.painter.update_buffers(device, queue, &mut encoder, &panels.triangles, &screen);
+        let mut commands = self.painter.update_buffers(device, queue, &mut encoder, &self.triangles, &screen);
         {
             let mut pass = encoder
                 .begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -215,7 +228,7 @@ impl Overlay {
                     ..wgpu::RenderPassDescriptor::default()
                 })
                 .forget_lifetime();
-            self.painter.render(&mut pass, &panels.triangles, &screen);
+            self.painter.render(&mut pass, &self.triangles, &screen);
         }
         commands.push(encoder.finish());
         queue.submit(commands);
@@ -234,5 +247,12 @@ impl Overlay {
             self.clipboard = Clipboard::new().inspect_err(|error| log::warn!("no clipboard: {error}")).ok();
         }
         self.clipboard.as_mut()
+    }
+}
+
+impl Drop for Overlay {
+    fn drop(&mut self) {
+        // A window can be closed between a pass and the next frame. epaint panics if texture updates are dropped without this call.
+        self.textures.clear();
     }
 }

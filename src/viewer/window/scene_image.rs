@@ -2,8 +2,8 @@
 
 use crate::render::{Gpu, RenderError};
 
-/// Colour of the window where the scene is not drawn.
-const EMPTY: wgpu::Color = wgpu::Color { r: 0.1, g: 0.11, b: 0.13, a: 1.0 };
+/// Colour of the window where the scene is not drawn: the background of the side panels, which have no other.
+const EMPTY: wgpu::Color = wgpu::Color { r: 0.094, g: 0.102, b: 0.122, a: 1.0 };
 
 /// Draws the texture pixel by pixel into the viewport whose upper left corner is `origin`.
 const SHADER: &str = "

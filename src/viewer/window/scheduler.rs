@@ -1,4 +1,5 @@
-//! Scheduling of the frames of a window: a frame follows each change, at most at the refresh rate of the screen.
+//! Scheduling of the frames of a window, and of passes of the panels between them: a frame follows each change, at most at the refresh
+//! rate of the screen. A pass determines if the panels have changed, for example after a motion of the pointer.
 
 use std::time::{Duration, Instant};
 
@@ -18,6 +19,9 @@ pub(super) struct FrameScheduler {
     finished: Option<Instant>,
     /// Time of the next frame, if one was requested.
     due: Option<Instant>,
+    last_pass: Option<Instant>,
+    /// Time of the next pass of the panels, if one was requested.
+    pass_due: Option<Instant>,
     /// Moving average of the time between frames, s.
     average: Option<f64>,
 }
@@ -26,18 +30,20 @@ impl FrameScheduler {
     /// Creates a scheduler for a screen with this refresh rate, in Hz.
     pub fn new(rate: Option<f64>) -> Self {
         let rate = rate.filter(|rate| (1.0..=1000.0).contains(rate)).unwrap_or(DEFAULT_RATE);
-        Self { interval: Duration::from_secs_f64(1.0 / rate), last: None, finished: None, due: None, average: None }
+        Self {
+            interval: Duration::from_secs_f64(1.0 / rate),
+            last: None,
+            finished: None,
+            due: None,
+            last_pass: None,
+            pass_due: None,
+            average: None,
+        }
     }
 
     /// Requests a frame as soon as possible.
     pub fn request(&mut self, now: Instant) {
         self.request_after(now, Duration::ZERO);
-    }
-
-    /// Requests a frame that starts at least this time after the last frame.
-    pub fn request_spaced(&mut self, now: Instant, spacing: Duration) {
-        let earliest = self.last.map_or(now, |last| last + spacing);
-        self.request_after(now, earliest.saturating_duration_since(now));
     }
 
     /// Requests a frame after a delay.
@@ -48,9 +54,36 @@ impl FrameScheduler {
         self.due = Some(self.due.map_or(time, |due| due.min(time)));
     }
 
+    /// Requests a pass of the panels after a delay.
+    pub fn request_pass_after(&mut self, now: Instant, delay: Duration) {
+        let Some(time) = now.checked_add(delay).filter(|_| delay < Duration::from_secs(3600)) else { return };
+        self.pass_due = Some(self.pass_due.map_or(time, |due| due.min(time)));
+    }
+
+    /// Requests a pass of the panels that starts at least this time after the last pass.
+    pub fn request_pass_spaced(&mut self, now: Instant, spacing: Duration) {
+        let earliest = self.last_pass.map_or(now, |last| last + spacing);
+        self.request_pass_after(now, earliest.saturating_duration_since(now));
+    }
+
     /// Returns the time of the next frame, if one was requested.
     pub fn due(&self) -> Option<Instant> {
         self.due
+    }
+
+    /// Returns the time of the next pass of the panels, if one was requested.
+    pub fn pass_due(&self) -> Option<Instant> {
+        self.pass_due
+    }
+
+    /// Records a pass of the panels.
+    pub fn pass_started(&mut self, now: Instant) {
+        (self.last_pass, self.pass_due) = (Some(now), None);
+    }
+
+    /// Returns the time since the last pass of the panels; [`Duration::MAX`] before the first.
+    pub fn since_pass(&self, now: Instant) -> Duration {
+        self.last_pass.map_or(Duration::MAX, |last| now.saturating_duration_since(last))
     }
 
     /// Records the start of a frame.
@@ -74,9 +107,10 @@ impl FrameScheduler {
         self.finished = Some(now);
     }
 
-    /// Returns the mean frame rate, in Hz, unless the window was idle before the last frame.
-    pub fn rate(&self) -> Option<f64> {
-        self.average.filter(|average| *average > 0.0).map(|average| 1.0 / average)
+    /// Returns the mean frame rate, in Hz, unless the window is idle or was idle before the last frame.
+    pub fn rate(&self, now: Instant) -> Option<f64> {
+        let active = self.last.max(self.finished).is_some_and(|last| now.saturating_duration_since(last) < IDLE_TIME);
+        self.average.filter(|average| active && *average > 0.0).map(|average| 1.0 / average)
     }
 }
 
@@ -113,9 +147,11 @@ mod tests {
         for frame in 0..100 {
             scheduler.frame_started(start + Duration::from_millis(25) * frame);
         }
-        assert!((scheduler.rate().unwrap() - 40.0).abs() < 1e-6);
+        let end = start + Duration::from_millis(25 * 99);
+        assert!((scheduler.rate(end).unwrap() - 40.0).abs() < 1e-6);
+        assert_eq!(scheduler.rate(end + IDLE_TIME), None, "the window is idle");
         scheduler.frame_started(start + Duration::from_secs(60));
-        assert_eq!(scheduler.rate(), None, "the rate is unknown after an idle period");
+        assert_eq!(scheduler.rate(start + Duration::from_secs(60)), None, "the rate is unknown after an idle period");
     }
 
     #[test]
@@ -127,24 +163,26 @@ mod tests {
             scheduler.frame_started(started);
             scheduler.frame_finished(started + Duration::from_millis(1900));
         }
-        assert!((scheduler.rate().unwrap() - 0.5).abs() < 1e-6);
+        let end = start + Duration::from_secs(18) + Duration::from_millis(1900);
+        assert!((scheduler.rate(end).unwrap() - 0.5).abs() < 1e-6);
     }
 
     #[test]
-    fn spaced_frames_follow_the_last_frame_after_the_spacing() {
+    fn spaced_passes_follow_the_last_pass_after_the_spacing() {
         let mut scheduler = FrameScheduler::new(Some(50.0));
         let start = Instant::now();
         let spacing = Duration::from_millis(100);
-        scheduler.request_spaced(start, spacing);
-        assert_eq!(scheduler.due(), Some(start), "the first frame is due at once");
-        scheduler.frame_started(start);
+        scheduler.request_pass_spaced(start, spacing);
+        assert_eq!(scheduler.pass_due(), Some(start), "the first pass is due at once");
+        scheduler.pass_started(start);
         for milliseconds in [10, 30, 90] {
-            scheduler.request_spaced(start + Duration::from_millis(milliseconds), spacing);
-            assert_eq!(scheduler.due(), Some(start + spacing));
+            scheduler.request_pass_spaced(start + Duration::from_millis(milliseconds), spacing);
+            assert_eq!(scheduler.pass_due(), Some(start + spacing));
         }
-        scheduler.frame_started(start + spacing);
+        scheduler.pass_started(start + spacing);
+        assert_eq!(scheduler.pass_due(), None);
         let later = start + 5 * spacing;
-        scheduler.request_spaced(later, spacing);
-        assert_eq!(scheduler.due(), Some(later));
+        scheduler.request_pass_spaced(later, spacing);
+        assert_eq!((scheduler.pass_due(), scheduler.due()), (Some(later), None), "a pass is no frame");
     }
 }

@@ -12,6 +12,7 @@ use winit::window::{Window, WindowId};
 use super::Opening;
 use super::app::InterruptGuard;
 use super::event_loop::{Waker, WindowToken, message_of};
+use super::frame::PanelContent;
 use super::model_loader::ModelLoader;
 use super::output::Output;
 use super::overlay::Overlay;
@@ -45,6 +46,10 @@ pub(super) struct Session {
     /// Generation of the model to which the view belongs.
     pub generation: u64,
     pub panels: Panels,
+    /// The next frame needs a pass of the panels.
+    pub panels_stale: bool,
+    /// Content of the last pass of the panels.
+    pub shown: Option<PanelContent>,
     /// Model file that will replace the model.
     pub loader: Option<ModelLoader>,
     pub mouse: Mouse,
@@ -111,6 +116,8 @@ impl Session {
             view: None,
             generation: 0,
             panels: Panels::default(),
+            panels_stale: true,
+            shown: None,
             loader: None,
             mouse: Mouse::default(),
             modifiers: ModifiersState::empty(),
@@ -153,11 +160,6 @@ impl Session {
         self.closed = true;
     }
 
-    /// Returns the time of the next frame, if any.
-    pub fn due(&self) -> Option<Instant> {
-        self.scheduler.due()
-    }
-
     /// Returns the time since the window was opened.
     pub fn now(&self) -> Duration {
         self.opened.elapsed()
@@ -186,6 +188,7 @@ impl Session {
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
                 self.surface.resize();
                 self.overlay.handle_event(&self.window, event, self.modifiers);
+                self.panels_stale = true;
                 self.scheduler.request(Instant::now());
             }
             WindowEvent::Occluded(false) => self.scheduler.request(Instant::now()),
