@@ -54,12 +54,21 @@ pub fn draw(directory: &Path) {
                     settle(&input);
                 }
                 save("sections");
+                input.click([100, 400], 5, 6);
+                save("appearance");
                 input.click([100, 400], 5, 30);
                 save("sections_below");
                 input.click([1100, 400], 5, 30);
                 save("joints");
                 press(&input, "F3", "the profile is closed", |state| !state.panels[4]);
                 press(&input, "F4", "the sensor plot is closed", |state| !state.panels[5]);
+                input.click([1100, 400], 4, 60);
+                input.click([1100, 41], 1, 1);
+                wait_until("the search is edited", || state().editing);
+                input.keys(&["k", "n", "e", "e"]);
+                save("find");
+                input.click([640, 100], 1, 1);
+                wait_until("the search is finished", || !state().editing);
 
                 press(&input, "ctrl+Right", "the trajectory mode is selected", |state| state.mode == "Trajectory");
                 press(&input, "ctrl+b", "the burst is on", |state| state.playback_flags[1]);
