@@ -19,6 +19,24 @@ pub(crate) enum Tests {
 
 const SMOKE: Tests = Tests::Programs(&["smoke"]);
 const SIMULATION: Tests = Tests::Programs(&["smoke", "element", "data", "engine", "linearisation"]);
+const MOST: Tests = Tests::Programs(&[
+    "smoke",
+    "element",
+    "data",
+    "engine",
+    "linearisation",
+    "control",
+    "fuzz",
+    "math",
+    "model",
+    "npz",
+    "render",
+    "resources",
+    "rollout",
+    "scene",
+    "trajectory",
+    "viewer",
+]);
 
 impl Tests {
     /// Returns the value of `DEP_MUJOCO_TESTS`, which is `none` for other engines.
@@ -38,7 +56,7 @@ pub(crate) const ENGINES: [Supported; 7] = [
     engine(337, "3.3.7", SMOKE),
     engine(3_005_000, "3.5.0", SIMULATION),
     engine(3_017_000, "3.17.0", SIMULATION),
-    engine(4_000_000, "4.0.0", SIMULATION),
+    engine(4_000_000, "4.0.0", MOST),
 ];
 
 const fn engine(number: u32, version: &'static str, tests: Tests) -> Supported {

@@ -27,6 +27,28 @@ fn table() -> String {
         + "| other versions since 2.2.2 | feature `bindgen`, needs libclang | none |\n"
 }
 
+#[test]
+fn the_script_runs_the_listed_programs() {
+    let script = fs::read_to_string(root().join("scripts/test")).unwrap();
+    let list = |name: &str| {
+        let start = script.split(&format!("\n{name}=(")).nth(1).unwrap_or_else(|| panic!("no list {name}"));
+        start.split(')').next().unwrap().split_whitespace().collect::<Vec<_>>()
+    };
+    let (programs, ported, ported_to_4) = (list("programs"), list("ported"), list("ported_to_4"));
+    for engine in ENGINES {
+        if let Tests::Programs(listed) = engine.tests {
+            let mut run = programs.clone();
+            if ["3.5.0", "3.17.0", "4.0.0"].contains(&engine.version) {
+                run.extend(&ported);
+            }
+            if engine.version.starts_with("4.") {
+                run.extend(&ported_to_4);
+            }
+            assert_eq!(run, listed, "{}", engine.version);
+        }
+    }
+}
+
 /// Returns the text of a file without line breaks and the marks of comments.
 fn words(path: &str) -> String {
     let text = fs::read_to_string(root().join(path)).unwrap();

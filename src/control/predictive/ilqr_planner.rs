@@ -15,8 +15,8 @@ use crate::model::IntoModel;
 /// Number of values of the regularisation that an iteration tries. It bounds the time of a plan.
 const ATTEMPTS: usize = 4;
 
-/// Planner that improves its plan by a few iterations of [iLQR](crate::control::ilqr) at a time (Tassa, Erez and Todorov, *Synthesis
-/// and stabilization of complex behaviors through online trajectory optimization*, IROS 2012).
+/// Planner that improves its plan by a few iterations of [iLQR](crate::control::ilqr) at a time (Tassa, Erez and Todorov,
+/// *Synthesis and stabilization of complex behaviors through online trajectory optimization*, IROS 2012).
 ///
 /// Each plan starts from the previous one, moved forward to the present time: from its controls with feedback about its states, or
 /// without feedback if that costs less. The regularisation carries over too. The gains are those of the last backward pass. The
