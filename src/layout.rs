@@ -4,7 +4,7 @@ use std::ffi::c_int;
 use std::mem::MaybeUninit;
 use std::ptr;
 
-use mujoco_sys::adapted;
+use mujoco_sys::{adapted, mjData, mjModel};
 
 use crate::data::Data;
 use crate::ffi;
@@ -81,27 +81,27 @@ impl Data {
     /// Returns the row of the factor L of the inertia matrix, without its diagonal of ones; `None` for engines that store it with
     /// `dof_Madr`.
     pub(crate) fn factor_row(&self, dof: usize) -> Option<Row<'_>> {
-        assert!(dof < self.model().nv(), "Bug: degree of freedom {dof} of {}", self.model().nv());
-        let mut is_known = false;
-        // SAFETY: a degree of freedom of the model, whose sparse rows the compiler has made.
-        let row = unsafe {
-            Row::read(|row| {
-                adapted::factor_row(self.model().as_ptr(), self.as_ptr(), dof as c_int, row);
-                is_known = (*row).count >= 0;
-            })
-        };
-        is_known.then_some(row)
+        self.triangle_row(dof, adapted::factor_row)
     }
 
     /// Returns the lower triangle of a row of the inertia matrix, with the diagonal element last; `None` for engines that store it with
     /// `dof_Madr`.
     pub(crate) fn inertia_row(&self, dof: usize) -> Option<Row<'_>> {
+        self.triangle_row(dof, adapted::inertia_row)
+    }
+
+    /// Reads a row by one of these two functions.
+    fn triangle_row(
+        &self,
+        dof: usize,
+        read: unsafe extern "C" fn(*const mjModel, *const mjData, c_int, *mut adapted::Row),
+    ) -> Option<Row<'_>> {
         assert!(dof < self.model().nv(), "Bug: degree of freedom {dof} of {}", self.model().nv());
         let mut is_known = false;
         // SAFETY: a degree of freedom of the model, whose sparse rows the compiler has made.
         let row = unsafe {
             Row::read(|row| {
-                adapted::inertia_row(self.model().as_ptr(), self.as_ptr(), dof as c_int, row);
+                read(self.model().as_ptr(), self.as_ptr(), dof as c_int, row);
                 is_known = (*row).count >= 0;
             })
         };
