@@ -10,6 +10,7 @@ mod print_all;
 #[path = "../common/scene_options.rs"]
 mod scene_options;
 
+mod damaged_assets;
 mod edits;
 mod engine_limits;
 mod load;
@@ -29,6 +30,11 @@ use std::sync::{Mutex, PoisonError};
 
 use assets::folder;
 use mujoco_safe::{LoadOptions, Model};
+
+/// Returns `true` with the default engine.
+fn is_default() -> bool {
+    mujoco_safe::built_against().to_string() == "2.2.2"
+}
 
 /// Loads a text with owned files.
 fn from_memory(xml: &str, files: &[(&str, Vec<u8>)]) -> mujoco_safe::Result<Model> {

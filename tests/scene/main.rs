@@ -10,6 +10,7 @@ mod boundary;
 mod camera;
 mod extreme_numbers;
 mod geoms;
+mod labels;
 mod perturbation;
 mod raw;
 mod select;

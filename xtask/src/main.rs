@@ -19,6 +19,8 @@ mod arena;
 mod computed_by;
 #[cfg(feature = "bindgen")]
 mod headers;
+#[path = "../../build/notes.rs"]
+mod notes;
 
 use std::io::Write as _;
 use std::path::Path;
