@@ -91,7 +91,7 @@
 //! | [`Data::step`], cart-pole | 1.7 µs | 0.993 [0.992, 0.994] | |
 //! | [`Data::step`], 22 humanoids | 0.8 ms | 0.999 [0.994, 1.004] | |
 //! | [`Data::transition_fd_into`], humanoid, A and B | 2.3 ms | 1.000 [0.999, 1.002] | `cargo bench --bench transition_fd` |
-//! | the same in closed form, by a [`Lineariser`](crate::Lineariser) | 70 µs | 0.032 [0.031, 0.033] | |
+//! | the same in closed form, by a [`Lineariser`](crate::Lineariser) | 87 µs | 0.046 [0.045, 0.047] | |
 //! | the same with elliptic cones and equality constraints | | 0.026 [0.025, 0.027] | |
 //! | the same of the cart-pole | | 0.327 [0.326, 0.327] | |
 //! | humanoid, by implicit differentiation | | 0.421 [0.420, 0.421] | |
