@@ -1,6 +1,6 @@
 //! The backward pass: the affine control policy that minimises the expanded cost.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::cost::{CostExpansion, TrajectoryCost};
 use super::forward::Trial;
@@ -8,7 +8,7 @@ use crate::control::feedback::control_range;
 use crate::control::riccati::{BellmanBackup, StepCost};
 use crate::derivative::{self, LinearisationReport, StateSpace, for_each_item};
 use crate::error::Result;
-use crate::math::{BoxQp, BoxQpStatus, chol_solve_in_place};
+use crate::math::{BoxQp, BoxQpStatus};
 use crate::matrix::{Matrix, MatrixView};
 use crate::model::Model;
 
@@ -52,9 +52,6 @@ pub(super) struct Backward {
     range: Vec<[f64; 2]>,
     solver: BoxQp,
     backup: BellmanBackup,
-    a: DMatrix<f64>,
-    b: DMatrix<f64>,
-    gain: DMatrix<f64>,
     /// Gradients of the cost to go, after and before the step.
     gradient: DVector<f64>,
     previous_gradient: DVector<f64>,
@@ -65,19 +62,17 @@ pub(super) struct Backward {
 struct StepBuffers {
     /// Gradient of the cost to go with respect to the controls.
     u: DVector<f64>,
-    /// Regularised Hessians of the cost to go.
-    uu: DMatrix<f64>,
-    ux: DMatrix<f64>,
-    /// `Bᵀ` times the regularisation.
-    b_transpose: DMatrix<f64>,
+    /// Regularised Hessian of the cost to go with respect to the controls.
+    uu: Matrix,
     /// Bounds of the change of the controls.
     lower: Vec<f64>,
     upper: Vec<f64>,
     feedforward: DVector<f64>,
-    /// The Hessian times the feedforward.
+    /// Change of the next state by the feedforward.
+    change: DVector<f64>,
+    /// Hessians times the feedforward, and times the change of the next state.
     curved: DVector<f64>,
-    /// Column of the gain, restricted to the controls that are not at a bound.
-    column: Vec<f64>,
+    curved_next: DVector<f64>,
 }
 
 impl Backward {
@@ -89,22 +84,18 @@ impl Backward {
             expansions: vec![CostExpansion::zeros(model); steps + 1],
             range: (0..nu).map(|index| control_range(model, index)).collect(),
             solver: BoxQp::new(nu),
-            backup: BellmanBackup::new(DMatrix::zeros(nx, nx), nu),
-            a: DMatrix::zeros(nx, nx),
-            b: DMatrix::zeros(nx, nu),
-            gain: DMatrix::zeros(nu, nx),
+            backup: BellmanBackup::new(),
             gradient: DVector::zeros(nx),
             previous_gradient: DVector::zeros(nx),
             buffers: StepBuffers {
                 u: DVector::zeros(nu),
-                uu: DMatrix::zeros(nu, nu),
-                ux: DMatrix::zeros(nu, nx),
-                b_transpose: DMatrix::zeros(nu, nx),
+                uu: Matrix::zeros(nu, nu),
                 lower: vec![0.0; nu],
                 upper: vec![0.0; nu],
                 feedforward: DVector::zeros(nu),
+                change: DVector::zeros(nx),
                 curved: DVector::zeros(nu),
-                column: Vec::with_capacity(nu),
+                curved_next: DVector::zeros(nx),
             },
         }
     }
@@ -138,68 +129,99 @@ impl Backward {
         regularisation: f64,
         policy: &mut AffinePolicy,
     ) -> Result<Option<PredictedDecrease>> {
-        let Self { expansions, range, solver, backup, a, b, gain, gradient, previous_gradient, .. } = self;
-        let StepBuffers { u, uu, ux, b_transpose, lower, upper, feedforward, curved, column } = &mut self.buffers;
+        let Self { expansions, range, solver, backup, gradient, previous_gradient, .. } = self;
+        let StepBuffers { u, uu, lower, upper, feedforward, change, curved, curved_next } = &mut self.buffers;
         let (terminal, steps) = expansions.split_last().expect("Bug: no expansion of the terminal cost");
-        backup.reset(&terminal.xx);
+        let simd = backup.simd;
+        backup.restart(&terminal.xx);
         gradient.copy_from(&terminal.x);
         let mut decrease = PredictedDecrease::default();
         for (step, expansion) in steps.iter().enumerate().rev() {
             let system = &systems[step].0;
-            system.a.transposed().transpose_to(a);
-            system.b.transposed().transpose_to(b);
             // Most costs have no mixed terms. Two products of matrices are then omitted.
             let is_mixed = expansion.xu.iter().any(|&value| value != 0.0);
             let cost = StepCost { q: &expansion.xx, r: &expansion.uu, s: is_mixed.then_some(&expansion.xu) };
-            backup.expand(a, b, cost);
+            // The regularisation penalises changes of the next state.
+            backup.expand(system.a.view(), system.b.view(), cost, regularisation);
             u.copy_from(&expansion.u);
-            u.gemv_tr(1.0, b, gradient, 1.0);
-            previous_gradient.copy_from(&expansion.x);
-            previous_gradient.gemv_tr(1.0, a, gradient, 1.0);
+            backup.b.add_transposed_times(simd, gradient.as_slice(), u.as_mut_slice());
 
-            // The regularisation penalises changes of the next state, like an additional cost of the state.
-            uu.copy_from(&backup.uu);
-            ux.copy_from(&backup.ux);
-            if regularisation > 0.0 {
-                b.transpose_to(b_transpose);
-                *b_transpose *= regularisation;
-                uu.gemm(1.0, b_transpose, b, 1.0);
-                ux.gemm(1.0, b_transpose, a, 1.0);
+            for (index, row) in uu.as_mut_slice().chunks_exact_mut(self.nu.max(1)).enumerate() {
+                backup.uu.row_into(index, row);
             }
             let controls = nominal.controls.row(step);
             for (index, (control, [low, high])) in controls.iter().zip(&*range).enumerate() {
                 (lower[index], upper[index]) = (low - control, high - control);
             }
             // The feedforward of the previous iteration is the initial guess.
-            let change = policy.feedforward.row_mut(step);
-            let hessian = MatrixView::from_row_major(self.nu, self.nu, uu.as_slice());
+            let feedforward_row = policy.feedforward.row_mut(step);
             let solution =
-                solver.solve(change, hessian, u.as_slice(), Some(lower.as_slice()), Some(upper.as_slice()))?;
+                solver.solve(feedforward_row, &*uu, u.as_slice(), Some(lower.as_slice()), Some(upper.as_slice()))?;
             if solution.status == BoxQpStatus::NotPositiveDefinite {
-                change.fill(0.0);
+                feedforward_row.fill(0.0);
                 return Ok(None);
             }
-            gain.fill(0.0);
-            column.clear();
-            column.resize(solution.index.len(), 0.0);
-            for state in 0..self.nx {
-                column.iter_mut().zip(solution.index).for_each(|(entry, &free)| *entry = ux[(free, state)]);
-                chol_solve_in_place(solution.factor, column)?;
-                column.iter().zip(solution.index).for_each(|(entry, &free)| gain[(free, state)] = *entry);
+            let gain = &mut policy.gains[step];
+            gain.as_mut_slice().fill(0.0);
+            for &free in solution.index {
+                backup.ux.row_into(free, gain.row_mut(free));
             }
+            solve_rows(solution.factor, solution.index, gain);
+            backup.k.copy_rows(self.nu, self.nx, gain.as_slice());
 
-            feedforward.copy_from_slice(change);
-            curved.gemm(1.0, &backup.uu, feedforward, 0.0);
+            feedforward.copy_from_slice(feedforward_row);
+            change.gemv_tr(1.0, &system.b.transposed(), feedforward, 0.0);
+            curved_next.fill(0.0);
+            backup.p.add_transposed_times(simd, change.as_slice(), curved_next.as_mut_slice());
+            curved.fill(0.0);
+            backup.r.add_transposed_times(simd, feedforward.as_slice(), curved.as_mut_slice());
             decrease.slope += feedforward.dot(u);
-            decrease.curvature += feedforward.dot(curved);
-            // Gradient of the expansion about the change, with du = feedforward − K dx.
-            *curved += &*u;
-            previous_gradient.gemv_tr(1.0, &backup.ux, feedforward, 1.0);
-            previous_gradient.gemv_tr(-1.0, gain, curved, 1.0);
+            decrease.curvature += feedforward.dot(curved) + change.dot(curved_next);
+
+            // Gradient of the expansion about the feedforward, with du = feedforward − K dx.
+            *gradient += &*curved_next;
+            *curved += &expansion.u;
+            backup.b.add_transposed_times(simd, gradient.as_slice(), curved.as_mut_slice());
+            previous_gradient.copy_from(&expansion.x);
+            backup.a.add_transposed_times(simd, gradient.as_slice(), previous_gradient.as_mut_slice());
+            if is_mixed {
+                previous_gradient.gemv(1.0, &expansion.xu, feedforward, 1.0);
+            }
+            curved.neg_mut();
+            backup.k.add_transposed_times(simd, curved.as_slice(), previous_gradient.as_mut_slice());
             std::mem::swap(gradient, previous_gradient);
-            backup.close(a, b, cost, gain);
-            gain.transpose_to(&mut policy.gains[step].transposed_mut());
+            backup.close(cost);
         }
         Ok(Some(decrease))
+    }
+}
+
+/// Replaces rows of a matrix by the solution `X` of `L Lᵀ X = rows`, with one row for each of the increasing indices. The factor `L` is
+/// lower triangular.
+fn solve_rows(factor: MatrixView<'_>, index: &[usize], matrix: &mut Matrix) {
+    let width = matrix.ncols();
+    let values = matrix.as_mut_slice();
+    let subtract = |row: &mut [f64], factor: f64, other: &[f64]| {
+        row.iter_mut().zip(other).for_each(|(value, other)| *value -= factor * other);
+    };
+    for (count, &row) in index.iter().enumerate() {
+        let (known, rest) = values.split_at_mut(row * width);
+        let coefficients = factor.row(count);
+        for (&other, &coefficient) in index[..count].iter().zip(coefficients) {
+            subtract(&mut rest[..width], coefficient, &known[other * width..][..width]);
+        }
+        for value in &mut rest[..width] {
+            *value /= coefficients[count];
+        }
+    }
+    for (count, &row) in index.iter().enumerate().rev() {
+        let (rest, known) = values.split_at_mut((row + 1) * width);
+        let solved = &mut rest[row * width..];
+        for (other, &later) in index.iter().enumerate().skip(count + 1) {
+            subtract(solved, factor.row(other)[count], &known[(later - row - 1) * width..][..width]);
+        }
+        for value in solved {
+            *value /= factor.row(count)[count];
+        }
     }
 }

@@ -2,7 +2,11 @@
 
 use nalgebra::DMatrix;
 
-/// Quadratic cost of a step, `dxᵀ q dx + duᵀ r du + 2 dxᵀ s du`, or twice that: the recursion is the same for both.
+use super::dense::{InstructionSet, PackedMatrix};
+use crate::matrix::MatrixView;
+
+/// Quadratic cost of a step, `dxᵀ q dx + duᵀ r du + 2 dxᵀ s du`, or twice that: the recursion is the same for both. Only the
+/// symmetric parts of `q` and `r` matter.
 #[derive(Clone, Copy)]
 pub(in crate::control) struct StepCost<'a> {
     pub(in crate::control) q: &'a DMatrix<f64>,
@@ -13,87 +17,101 @@ pub(in crate::control) struct StepCost<'a> {
 /// Cost to go, with the buffers of the backup.
 #[derive(Clone, Debug)]
 pub(in crate::control) struct BellmanBackup {
+    pub(in crate::control) simd: InstructionSet,
     /// `P`, `(n, n)`: the cost to go from `dx` is `dxᵀ P dx`.
-    pub(in crate::control) p: DMatrix<f64>,
-    /// `R + BᵀPB`, `(m, m)`: the cost of the control in this step and later.
-    pub(in crate::control) uu: DMatrix<f64>,
-    /// `BᵀPA + Sᵀ`, `(m, n)`.
-    pub(in crate::control) ux: DMatrix<f64>,
-    b_transpose: DMatrix<f64>,
-    pa: DMatrix<f64>,
-    pb: DMatrix<f64>,
-    rk: DMatrix<f64>,
-    k_transpose: DMatrix<f64>,
-    closed_loop: DMatrix<f64>,
-    closed_loop_transpose: DMatrix<f64>,
+    pub(in crate::control) p: PackedMatrix,
+    /// System and control cost of the present step.
+    pub(in crate::control) a: PackedMatrix,
+    pub(in crate::control) b: PackedMatrix,
+    pub(in crate::control) r: PackedMatrix,
+    /// `R + Bᵀ(P + ρI)B`, `(m, m)`: the cost of the control in this step and later.
+    pub(in crate::control) uu: PackedMatrix,
+    /// `Bᵀ(P + ρI)A + Sᵀ`, `(m, n)`.
+    pub(in crate::control) ux: PackedMatrix,
+    /// `K`, `(m, n)`.
+    pub(in crate::control) k: PackedMatrix,
+    s_transpose: PackedMatrix,
+    pb: PackedMatrix,
+    rk: PackedMatrix,
+    sk: PackedMatrix,
+    closed_loop: PackedMatrix,
+    p_closed_loop: PackedMatrix,
 }
 
 impl BellmanBackup {
-    /// Starts from the terminal cost, which must be symmetric.
-    pub(in crate::control) fn new(p: DMatrix<f64>, controls: usize) -> Self {
-        let (n, m) = (p.nrows(), controls);
-        let zeros = DMatrix::zeros;
+    /// Creates buffers. [`restart`](Self::restart) sets the terminal cost.
+    pub(in crate::control) fn new() -> Self {
+        let empty = PackedMatrix::default;
         Self {
-            p,
-            uu: zeros(m, m),
-            ux: zeros(m, n),
-            b_transpose: zeros(m, n),
-            pa: zeros(n, n),
-            pb: zeros(n, m),
-            rk: zeros(m, n),
-            k_transpose: zeros(n, m),
-            closed_loop: zeros(n, n),
-            closed_loop_transpose: zeros(n, n),
+            simd: InstructionSet::detect(),
+            p: empty(),
+            a: empty(),
+            b: empty(),
+            r: empty(),
+            uu: empty(),
+            ux: empty(),
+            k: empty(),
+            s_transpose: empty(),
+            pb: empty(),
+            rk: empty(),
+            sk: empty(),
+            closed_loop: empty(),
+            p_closed_loop: empty(),
         }
     }
 
-    /// Restarts from another terminal cost of the same shape, without allocating.
-    pub(in crate::control) fn reset(&mut self, p: &DMatrix<f64>) {
-        self.p.copy_from(p);
+    /// Restarts from a terminal cost. Uses its symmetric part.
+    pub(in crate::control) fn restart(&mut self, p: &DMatrix<f64>) {
+        self.p.copy_symmetric_part(p);
     }
 
-    /// Computes [`uu`](Self::uu) and [`ux`](Self::ux) of a step.
-    pub(in crate::control) fn expand(&mut self, a: &DMatrix<f64>, b: &DMatrix<f64>, cost: StepCost<'_>) {
-        b.transpose_to(&mut self.b_transpose);
-        self.pa.gemm(1.0, &self.p, a, 0.0);
-        self.pb.gemm(1.0, &self.p, b, 0.0);
-        self.uu.copy_from(cost.r);
-        self.uu.gemm(1.0, &self.b_transpose, &self.pb, 1.0);
-        symmetrise(&mut self.uu);
-        match cost.s {
-            Some(s) => s.transpose_to(&mut self.ux),
-            None => self.ux.fill(0.0),
+    /// Computes [`uu`](Self::uu) and [`ux`](Self::ux) of a step of the system `dx⁺ = A dx + B du`. The regularisation ρ acts as an
+    /// additional cost of the next state.
+    pub(in crate::control) fn expand(
+        &mut self,
+        a: MatrixView<'_>,
+        b: MatrixView<'_>,
+        cost: StepCost<'_>,
+        regularisation: f64,
+    ) {
+        let (n, m) = b.shape();
+        self.a.copy_rows(n, n, a.as_slice());
+        self.b.copy_rows(n, m, b.as_slice());
+        self.r.copy_symmetric_part(cost.r);
+        self.pb.product(self.simd, &self.p, &self.b);
+        self.pb.add_scaled(&self.b, regularisation);
+        self.uu.copy_from(&self.r);
+        self.uu.add_symmetric_transposed(self.simd, &self.b, &self.pb);
+        if let Some(s) = cost.s {
+            // S is column-major, so its memory is that of the rows of Sᵀ.
+            self.s_transpose.copy_rows(m, n, s.as_slice());
+            self.ux.copy_from(&self.s_transpose);
+        } else {
+            self.ux.clear(m, n);
         }
-        self.ux.gemm(1.0, &self.b_transpose, &self.pa, 1.0);
+        self.ux.add_transposed_product(self.simd, &self.pb, &self.a);
     }
 
-    /// Replaces `P` by the cost to go before the step under the control `du = −K dx`, for any K:
+    /// Replaces `P` by the cost to go before the step under the control `du = −K dx`, for any [`k`](Self::k):
     ///
     /// ```text
     /// P ← (A − BK)ᵀ P (A − BK) + KᵀRK − SK − KᵀSᵀ + Q
     /// ```
     ///
     /// For the optimal K this equals the Riccati recursion, without its difference of large terms.
-    pub(in crate::control) fn close(
-        &mut self,
-        a: &DMatrix<f64>,
-        b: &DMatrix<f64>,
-        cost: StepCost<'_>,
-        k: &DMatrix<f64>,
-    ) {
-        self.closed_loop.copy_from(a);
-        self.closed_loop.gemm(-1.0, b, k, 1.0);
-        self.closed_loop.transpose_to(&mut self.closed_loop_transpose);
-        k.transpose_to(&mut self.k_transpose);
-        self.rk.gemm(1.0, cost.r, k, 0.0);
-        self.pa.gemm(1.0, &self.p, &self.closed_loop, 0.0);
-        self.p.copy_from(cost.q);
-        self.p.gemm(1.0, &self.closed_loop_transpose, &self.pa, 1.0);
-        self.p.gemm(1.0, &self.k_transpose, &self.rk, 1.0);
-        if let Some(s) = cost.s {
-            self.p.gemm(-2.0, s, k, 1.0); // symmetrised below
+    pub(in crate::control) fn close(&mut self, cost: StepCost<'_>) {
+        self.closed_loop.copy_from(&self.a);
+        self.closed_loop.subtract_product(self.simd, &self.b, &self.k);
+        self.p_closed_loop.product(self.simd, &self.p, &self.closed_loop);
+        self.rk.product(self.simd, &self.r, &self.k);
+        self.p.copy_symmetric_part(cost.q);
+        self.p.add_symmetric_transposed(self.simd, &self.closed_loop, &self.p_closed_loop);
+        self.p.add_symmetric_transposed(self.simd, &self.k, &self.rk);
+        if cost.s.is_some() {
+            self.sk.transposed_product(self.simd, &self.s_transpose, &self.k);
+            self.sk.symmetrise();
+            self.p.add_scaled(&self.sk, -2.0);
         }
-        symmetrise(&mut self.p);
     }
 }
 
@@ -104,6 +122,60 @@ pub(super) fn symmetrise(matrix: &mut DMatrix<f64>) {
             let mean = 0.5 * (matrix[(row, column)] + matrix[(column, row)]);
             matrix[(row, column)] = mean;
             matrix[(column, row)] = mean;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::{BellmanBackup, StepCost};
+    use crate::control::riccati::dense::PackedMatrix;
+    use crate::matrix::Matrix;
+
+    fn assert_equal(found: &PackedMatrix, expected: &DMatrix<f64>) {
+        let error = (found.to_matrix(|_, _| 1.0) - expected).norm() / expected.norm();
+        assert!(error < 1e-13, "relative error {error:e}");
+    }
+
+    /// The sizes are below, at and above multiples of the block of the kernels; the last are those of the humanoid.
+    #[test]
+    fn a_backup_equals_its_definition() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut matrix =
+            |rows: usize, columns: usize| DMatrix::from_fn(rows, columns, |_, _| random.random::<f64>() - 0.5);
+        for (n, m) in [(1, 1), (4, 2), (8, 8), (17, 9), (54, 21)] {
+            let (p, a, b, k) = (matrix(n, n), matrix(n, n), matrix(n, m), matrix(m, n));
+            let (q, r, s) = (matrix(n, n), matrix(m, m), matrix(n, m));
+            let symmetric = |matrix: &DMatrix<f64>| (matrix + matrix.transpose()) * 0.5;
+            for (s, regularisation) in [(None, 0.0), (Some(&s), 0.0), (Some(&s), 0.7)] {
+                let cost = StepCost { q: &q, r: &r, s };
+                let cross = s.cloned().unwrap_or_else(|| DMatrix::zeros(n, m));
+                let mut backup = BellmanBackup::new();
+                backup.restart(&p);
+                backup.expand(Matrix::from(&a).view(), Matrix::from(&b).view(), cost, regularisation);
+                let regularised = symmetric(&p) + DMatrix::identity(n, n) * regularisation;
+                assert_equal(&backup.uu, &(symmetric(&r) + b.transpose() * &regularised * &b));
+                assert_equal(&backup.ux, &(b.transpose() * &regularised * &a + cross.transpose()));
+
+                backup.k.copy_rows(m, n, Matrix::from(&k).as_slice());
+                backup.close(cost);
+                let closed = &a - &b * &k;
+                let sk = &cross * &k;
+                let expected = closed.transpose() * symmetric(&p) * &closed + k.transpose() * symmetric(&r) * &k
+                    - (&sk + sk.transpose())
+                    + symmetric(&q);
+                assert_equal(&backup.p, &expected);
+                let next = backup.p.to_matrix(|_, _| 1.0);
+                assert_eq!(next, next.transpose());
+
+                let (vector, mut sums) = (matrix(m, 1), DVector::from_element(n, 1.0));
+                backup.k.add_transposed_times(backup.simd, vector.as_slice(), sums.as_mut_slice());
+                assert!((sums - (k.transpose() * vector).add_scalar(1.0)).norm() < 1e-13);
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use super::bellman::{BellmanBackup, StepCost, symmetrise};
 use super::problem::smallest_eigenvalue;
 use super::{RiccatiError, RiccatiMatrix, check, check_symmetric};
 use crate::control::LqrWeights;
+use crate::matrix::Matrix;
 
 /// Riccati recursion: the optimal gains of a linear system over a finite number of steps, from the last step to the first
 /// (Bertsekas, *Dynamic Programming and Optimal Control*, volume I, section 4.1). The system and the weights may vary from step
@@ -41,9 +42,11 @@ use crate::control::LqrWeights;
 #[derive(Clone, Debug)]
 pub struct RiccatiRecursion {
     backup: BellmanBackup,
+    p: DMatrix<f64>,
     k: DMatrix<f64>,
-    a: DMatrix<f64>,
-    b: DMatrix<f64>,
+    /// Copies of the system with their rows one after another.
+    a: Matrix,
+    b: Matrix,
 }
 
 impl RiccatiRecursion {
@@ -57,12 +60,10 @@ impl RiccatiRecursion {
         let terminal = terminal.into();
         let n = terminal.nrows();
         let p = symmetric(RiccatiMatrix::P, &terminal, n)?;
-        Ok(Self {
-            backup: BellmanBackup::new(p, controls),
-            k: DMatrix::zeros(controls, n),
-            a: DMatrix::zeros(n, n),
-            b: DMatrix::zeros(n, controls),
-        })
+        let mut backup = BellmanBackup::new();
+        backup.restart(&p);
+        let (a, b) = (Matrix::zeros(n, n), Matrix::zeros(n, controls));
+        Ok(Self { backup, p, k: DMatrix::zeros(controls, n), a, b })
     }
 
     /// Steps back in time over a step of the system `dx⁺ = A dx + B du`, and returns the gain K of that step, `(m, n)`.
@@ -91,16 +92,20 @@ impl RiccatiRecursion {
         if let Some(s) = &weights.s {
             check(RiccatiMatrix::S, &s.into(), (n, m))?;
         }
-        self.a.copy_from(&a);
-        self.b.copy_from(&b);
+        a.transpose_to(&mut self.a.transposed_mut());
+        b.transpose_to(&mut self.b.transposed_mut());
         let cost = StepCost { q: &q, r: &r, s: weights.s.as_ref() };
-        self.backup.expand(&self.a, &self.b, cost);
-        let Some(cholesky) = Cholesky::new(self.backup.uu.clone()) else {
-            return Err(RiccatiError::NoLeastCost { smallest_eigenvalue: smallest_eigenvalue(self.backup.uu.clone()) });
+        let backup = &mut self.backup;
+        backup.expand(self.a.view(), self.b.view(), cost, 0.0);
+        let uu = backup.uu.to_matrix(|_, _| 1.0);
+        let Some(cholesky) = Cholesky::new(uu.clone()) else {
+            return Err(RiccatiError::NoLeastCost { smallest_eigenvalue: smallest_eigenvalue(uu) });
         };
-        self.k.copy_from(&self.backup.ux);
+        backup.ux.write_to(&mut self.k, |_, _| 1.0);
         cholesky.solve_mut(&mut self.k);
-        self.backup.close(&self.a, &self.b, cost, &self.k);
+        backup.k.copy_view(&(&self.k).into());
+        backup.close(cost);
+        backup.p.write_to(&mut self.p, |_, _| 1.0);
         Ok(&self.k)
     }
 
@@ -111,7 +116,7 @@ impl RiccatiRecursion {
 
     /// Returns the cost to go P, `(n, n)`, symmetric to the last bit: the cost from `dx` is `dxᵀPdx`.
     pub fn p(&self) -> &DMatrix<f64> {
-        &self.backup.p
+        &self.p
     }
 }
 

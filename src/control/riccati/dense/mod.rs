@@ -1,4 +1,4 @@
-//! Dense linear algebra of the Riccati solver: matrix products, LU factorisation and low-rank factorisation.
+//! Dense linear algebra of the Riccati solver and recursion: matrix products, LU factorisation and low-rank factorisation.
 //!
 //! The solver performs some hundred products and factorisations of matrices with about 50 rows per equation. nalgebra passes
 //! large products to `matrixmultiply`, which allocates at every call, and solves triangular systems column by column. This
@@ -18,5 +18,5 @@ mod simd;
 
 pub(super) use low_rank::LowRank;
 pub(super) use lu::LuFactors;
-pub(super) use packed::PackedMatrix;
-pub(super) use simd::InstructionSet;
+pub(in crate::control) use packed::PackedMatrix;
+pub(in crate::control) use simd::InstructionSet;

@@ -9,7 +9,7 @@ use super::simd::{self, BLOCK, Blocks, F64x8, InstructionSet, Update};
 
 /// Matrix in padded panels of eight columns.
 #[derive(Clone, Debug, Default)]
-pub(in super::super) struct PackedMatrix {
+pub(in crate::control) struct PackedMatrix {
     rows: usize,
     columns: usize,
     /// Panels one after another, each of [`padded_rows`](Self::padded_rows) rows.
@@ -63,6 +63,41 @@ impl PackedMatrix {
     pub(super) fn set(&mut self, row: usize, column: usize, value: f64) {
         let index = column / BLOCK * self.padded_rows() + row;
         self.vectors[index].0[column % BLOCK] = value;
+    }
+
+    /// Copies a matrix whose rows are one after another in memory.
+    pub(in crate::control) fn copy_rows(&mut self, rows: usize, columns: usize, values: &[f64]) {
+        debug_assert_eq!(values.len(), rows * columns);
+        self.clear(rows, columns);
+        let size = self.padded_rows();
+        if values.is_empty() {
+            return;
+        }
+        for (panel, vectors) in self.vectors.chunks_exact_mut(size).enumerate() {
+            for (vector, row) in vectors.iter_mut().zip(values.chunks_exact(columns)) {
+                let row = &row[BLOCK * panel..];
+                // A copy of constant length is no function call.
+                match row.first_chunk() {
+                    Some(block) => vector.0 = *block,
+                    None => vector.0[..row.len()].copy_from_slice(row),
+                }
+            }
+        }
+    }
+
+    /// Copies the symmetric part `(M + Mᵀ) / 2` of a square matrix.
+    pub(in crate::control) fn copy_symmetric_part(&mut self, matrix: &DMatrix<f64>) {
+        // The matrix is column-major, so this copies the transpose, whose symmetric part is the same.
+        self.copy_rows(matrix.ncols(), matrix.nrows(), matrix.as_slice());
+        self.symmetrise();
+    }
+
+    /// Writes a row to a slice with an entry for each column.
+    pub(in crate::control) fn row_into(&self, row: usize, output: &mut [f64]) {
+        let size = self.padded_rows();
+        for (output, panel) in output.chunks_mut(BLOCK).zip(self.vectors.chunks_exact(size)) {
+            output.copy_from_slice(&panel[row].0[..output.len()]);
+        }
     }
 
     pub(in super::super) fn copy_view(&mut self, view: &DMatrixView<'_, f64, Dyn, Dyn>) {
@@ -135,6 +170,24 @@ impl PackedMatrix {
         }
     }
 
+    /// Replaces a square matrix by its symmetric part.
+    pub(in super::super) fn symmetrise(&mut self) {
+        let size = self.padded_rows();
+        for panel in 0..size / BLOCK {
+            for block in 0..=panel {
+                let [lower, upper] = [block * size + BLOCK * panel, panel * size + BLOCK * block];
+                for row in 0..BLOCK {
+                    let first = if block == panel { row + 1 } else { 0 };
+                    for lane in first..BLOCK {
+                        let mean = 0.5 * (self.vectors[lower + lane].0[row] + self.vectors[upper + row].0[lane]);
+                        self.vectors[lower + lane].0[row] = mean;
+                        self.vectors[upper + row].0[lane] = mean;
+                    }
+                }
+            }
+        }
+    }
+
     /// Computes `self = left · right`.
     pub(in super::super) fn product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         self.resize(left.rows, right.columns);
@@ -151,6 +204,26 @@ impl PackedMatrix {
     pub(in super::super) fn transposed_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
         self.resize(left.columns, right.columns);
         simd::multiply_transposed(simd, self.blocks(Update::Set, false), &left.vectors, &right.vectors);
+    }
+
+    /// Computes `self += leftᵀ · right`.
+    pub(in super::super) fn add_transposed_product(&mut self, simd: InstructionSet, left: &Self, right: &Self) {
+        debug_assert_eq!((self.rows, self.columns, left.rows), (left.columns, right.columns, right.rows));
+        simd::multiply_transposed(simd, self.blocks(Update::Add, false), &left.vectors, &right.vectors);
+    }
+
+    /// Computes `sums += selfᵀ · vector`.
+    pub(in crate::control) fn add_transposed_times(&self, simd: InstructionSet, vector: &[f64], sums: &mut [f64]) {
+        debug_assert_eq!((self.rows, self.columns), (vector.len(), sums.len()));
+        if vector.is_empty() {
+            return;
+        }
+        for (sums, panel) in sums.chunks_mut(BLOCK).zip(self.vectors.chunks_exact(self.padded_rows())) {
+            let mut block = F64x8::ZERO;
+            block.0[..sums.len()].copy_from_slice(sums);
+            simd::add_rows(simd, vector, panel, &mut block);
+            sums.copy_from_slice(&block.0[..sums.len()]);
+        }
     }
 
     /// Computes `self += left · right` for a symmetric product and a symmetric `self`. Computes only the lower triangle.
@@ -176,6 +249,13 @@ impl PackedMatrix {
     pub(in super::super) fn add(&mut self, other: &Self) {
         for (to, from) in self.vectors.iter_mut().zip(&other.vectors) {
             to.0.iter_mut().zip(from.0).for_each(|(to, from)| *to += from);
+        }
+    }
+
+    /// Computes `self += factor · other`.
+    pub(in super::super) fn add_scaled(&mut self, other: &Self, factor: f64) {
+        for (to, from) in self.vectors.iter_mut().zip(&other.vectors) {
+            to.0.iter_mut().zip(from.0).for_each(|(to, from)| *to += factor * from);
         }
     }
 

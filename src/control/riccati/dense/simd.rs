@@ -26,7 +26,7 @@ impl F64x8 {
 
 /// Instruction set of the processor.
 #[derive(Clone, Copy, Debug)]
-pub(in super::super) struct InstructionSet(Instructions);
+pub(in crate::control) struct InstructionSet(Instructions);
 
 #[derive(Clone, Copy, Debug)]
 #[allow(dead_code, reason = "the last two are constructed on x86 only")]
@@ -106,7 +106,7 @@ for_processor! {
     fn eliminate = eliminate_column(column: usize, inverse: f64, pivot: &F64x8, below: &mut [F64x8])
 }
 for_processor! {
-    /// Computes `sums += Σ factor · row` over the rows of a panel, with one factor per row.
+    /// Computes `sums += Σ factor · row` over the first rows of a panel, with one factor per row.
     fn add_rows = sum_scaled_rows(factors: &[f64], rows: &[F64x8], sums: &mut F64x8)
 }
 for_processor! {
@@ -331,10 +331,14 @@ fn eliminate_column<const FUSED: bool, const ROWS: usize>(
 fn sum_scaled_rows<const FUSED: bool, const ROWS: usize>(factors: &[f64], rows: &[F64x8], sums: &mut F64x8) {
     // Four independent sums hide the latency of the additions.
     let mut parts = [*sums, F64x8::ZERO, F64x8::ZERO, F64x8::ZERO];
-    for (factors, rows) in factors.as_chunks::<4>().0.iter().zip(rows.as_chunks::<4>().0) {
+    let (fours, rest) = factors.as_chunks::<4>();
+    for (factors, rows) in fours.iter().zip(rows.as_chunks::<4>().0) {
         for part in 0..4 {
             multiply_add::<FUSED>(&mut parts[part], factors[part], &rows[part]);
         }
+    }
+    for (factor, row) in rest.iter().zip(&rows[factors.len() - rest.len()..]) {
+        multiply_add::<FUSED>(&mut parts[0], *factor, row);
     }
     let [a, b, c, d] = parts;
     for lane in 0..BLOCK {
