@@ -45,6 +45,7 @@ pub use self::batch::Batch;
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
 use self::result::{Sizes, reserve, reserve_outcomes};
 pub use self::workers::Workers;
+pub(crate) use self::workers::restart;
 use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Outcome, Result};

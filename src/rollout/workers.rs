@@ -108,7 +108,7 @@ fn restore(model: &mut ModelMut<'_>, pristine: &Model) {
 /// hundreds of constraints, so a reset takes as long as some hundred steps of the cart-pole. This function omits the arrays of
 /// constraints and contacts. No code reads a row of these arrays that has not been written since: the accessors end at the rows
 /// in use, and a step that read more rows would depend on the previous step.
-pub(super) fn restart(data: &mut Data) -> Result<()> {
+pub(crate) fn restart(data: &mut Data) -> Result<()> {
     // The data of newer engines are small, and hold more state than the arrays that are cleared here.
     if cfg!(engine_since = "2.3.0") || data.check_usable().is_err() {
         return data.reset();

@@ -1,6 +1,7 @@
 //! Iterative LQR.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mujoco_safe::control::ilqr::{
     CostExpansion, Ilqr, IlqrOptions, IlqrSolution, IlqrStatus, QuadraticCost, TrajectoryCost,
@@ -51,6 +52,49 @@ fn a_linear_quadratic_problem_is_solved_in_one_iteration() {
         &first.reshape_generic(nalgebra::Dyn(2), nalgebra::Dyn(1)),
         1e-6,
     );
+}
+
+/// A cost that counts the evaluated trajectories.
+struct Counting(QuadraticCost, AtomicUsize);
+
+impl TrajectoryCost for Counting {
+    fn value(&self, step: usize, state: &[f64], controls: Option<&[f64]>) -> Result<f64> {
+        if controls.is_none() {
+            self.1.fetch_add(1, Ordering::Relaxed);
+        }
+        self.0.value(step, state, controls)
+    }
+
+    fn expand(
+        &self,
+        step: usize,
+        state: &[f64],
+        controls: Option<&[f64]>,
+        expansion: &mut CostExpansion,
+    ) -> Result<()> {
+        self.0.expand(step, state, controls, expansion)
+    }
+}
+
+#[test]
+fn a_sufficient_decrease_ends_the_line_search() {
+    let (data, cost, ..) = displaced();
+    let search = |sufficient: f64, step_sizes: &[f64]| {
+        let cost = Counting(cost.clone(), AtomicUsize::new(0));
+        let options =
+            IlqrOptions::default().with_iterations(1).with_step_sizes(step_sizes).with_sufficient_decrease(sufficient);
+        let solution = solve(&data, options, &Matrix::zeros(20, 2), &cost);
+        (cost.1.into_inner() - 1, solution.cost())
+    };
+    // The steps are linear, so the decrease of a step size α is the fraction α (2 − α) of the largest one, which is as predicted.
+    let sizes = [0.1, 0.2, 0.5, 1.0, 0.9];
+    let (all, least) = search(f64::INFINITY, &sizes);
+    assert_eq!(all, sizes.len());
+    for (sufficient, expected) in [(0.5, 2), (0.99, 2), (1.01, 5)] {
+        let (count, cost) = search(sufficient, &sizes);
+        assert_eq!(count, expected, "{sufficient}");
+        assert!(cost >= least && (count < 5 || cost == least), "{cost} and {least}");
+    }
 }
 
 /// Returns a cart-pole with a distant target, and its cost.

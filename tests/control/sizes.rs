@@ -122,6 +122,8 @@ fn invalid_options_are_errors() {
         good().with_step_sizes(vec![1.0, 0.0]),
         good().with_step_sizes(vec![1.5]),
         good().with_step_sizes(vec![f64::NAN]),
+        good().with_sufficient_decrease(0.0),
+        good().with_sufficient_decrease(f64::NAN),
     ] {
         assert!(matches!(Ilqr::new(sample::cartpole(), options), Err(Error::Invalid { .. })));
     }

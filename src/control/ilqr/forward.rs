@@ -2,19 +2,23 @@
 
 use std::sync::Arc;
 
-use super::backward::AffinePolicy;
+use super::IlqrOptions;
+use super::backward::{AffinePolicy, PredictedDecrease};
 use super::cost::TrajectoryCost;
 use crate::control::feedback::{Feedback, clamp};
-use crate::controller::Controller;
 use crate::data::{Data, StateSpec};
 use crate::derivative::{self, for_each_item};
 use crate::error::{Error, Result};
-use crate::matrix::{Matrix, MatrixView};
+use crate::matrix::Matrix;
 use crate::model::Model;
-use crate::rollout::{Rollout, RolloutBuffers, RolloutError, Workers};
+use crate::rollout::restart;
+
+/// Number of step sizes that a line search with a sufficient decrease simulates at the same time. The result must not depend on the
+/// number of threads, so this is a constant. Most of these searches end after the first two step sizes.
+const STEP_SIZES_AT_ONCE: usize = 2;
 
 /// Trajectory with its cost.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::control) struct Trial {
     /// `(N + 1, nq + nv + na)`
     pub(in crate::control) states: Matrix,
@@ -26,30 +30,34 @@ pub(in crate::control) struct Trial {
 /// The forward pass, with its simulations and buffers.
 #[derive(Debug)]
 pub(in crate::control) struct Forward {
-    workers: Workers,
+    model: Arc<Model>,
+    threads: usize,
+    /// Simulations, one for each thread, created on demand.
+    simulations: Vec<Simulation>,
     /// Values of [`StateSpec::INTEGRATION`] at the start.
     start: Vec<f64>,
-    /// States and controls of all trials of a run, one after another.
-    states: Vec<f64>,
-    controls: Vec<f64>,
-    /// Costs of the trials, or the errors of their simulations.
-    costs: Vec<Result<f64>>,
+    /// Trajectories of the last run, or their errors.
+    trials: Vec<(Trial, Result<()>)>,
+    /// Best trajectory of a line search.
+    best: Trial,
 }
 
 impl Forward {
-    pub(in crate::control) fn new(model: Arc<Model>) -> Self {
+    /// Creates a forward pass that simulates in up to `threads` threads.
+    pub(in crate::control) fn new(model: Arc<Model>, threads: usize) -> Self {
         let start = vec![0.0; model.state_size(StateSpec::INTEGRATION)];
-        Self { workers: Workers::new(model), start, states: Vec::new(), controls: Vec::new(), costs: Vec::new() }
+        Self { model, threads, simulations: Vec::new(), start, trials: Vec::new(), best: Trial::default() }
     }
 
     /// Sets the start of all trajectories to the present state and the inputs of a simulation.
     pub(in crate::control) fn start(&mut self, data: &Data, cost: &dyn TrajectoryCost) -> Result<()> {
-        if !data.model().is_same_structure(self.workers.model()) {
+        if !data.model().is_same_structure(&self.model) {
             return Err(Error::OtherModel { what: "the initial data of a trajectory" });
         }
-        if !Arc::ptr_eq(data.model(), self.workers.model()) {
+        if !Arc::ptr_eq(data.model(), &self.model) {
             // The model may have been edited since.
-            self.workers = Workers::new(data.model().clone());
+            self.model = data.model().clone();
+            self.simulations.clear();
         }
         data.state_into(StateSpec::INTEGRATION, &mut self.start)?;
         cost.begin(data)
@@ -57,12 +65,9 @@ impl Forward {
 
     /// Simulates the trajectory under these controls, clamped to their ranges.
     pub(super) fn nominal(&mut self, controls: &Matrix, cost: &dyn TrajectoryCost, trial: &mut Trial) -> Result<()> {
-        self.run(1, controls.nrows(), |_| PolicyController { controls, update: None, step: 0 }, cost)?;
-        let value = self.costs.swap_remove(0)?;
-        if !value.is_finite() {
-            return Err(Error::invalid("the cost of the initial trajectory of iLQR", value, "finite"));
-        }
-        self.copy_to(0, value, trial);
+        self.run(1, controls.nrows(), |_| Law { controls, update: None }, cost)?;
+        self.check_first("the cost of the initial trajectory of iLQR")?;
+        std::mem::swap(&mut self.trials[0].0, trial);
         Ok(())
     }
 
@@ -74,100 +79,92 @@ impl Forward {
         cost: &dyn TrajectoryCost,
         nominal: &mut Trial,
     ) -> Result<()> {
-        let (nx, ..) = derivative::sizes(self.workers.model());
-        let controller = |index: usize| PolicyController {
+        let law = |index: usize| Law {
             controls: &nominal.controls,
-            update: (index == 0).then(|| Update {
-                step_size: 0.0,
-                policy,
-                states: &nominal.states,
-                feedback: Feedback::new(nx),
-            }),
-            step: 0,
+            update: (index == 0).then_some(Update { step_size: 0.0, policy, states: &nominal.states }),
         };
-        self.run(2, nominal.controls.nrows(), controller, cost)?;
-        let Some((index, value)) = self.best() else {
-            let value = self.costs.swap_remove(0)?;
-            return Err(Error::invalid("the cost of the initial trajectory of a plan", value, "finite"));
+        self.run(2, nominal.controls.nrows(), law, cost)?;
+        let Some(index) = self.cheapest() else {
+            return self.check_first("the cost of the initial trajectory of a plan");
         };
-        self.copy_to(index, value, nominal);
+        std::mem::swap(&mut self.trials[index].0, nominal);
         Ok(())
     }
 
-    /// Returns the trajectory of minimal cost of the last run, with its cost. Discards unstable simulations.
-    fn best(&self) -> Option<(usize, f64)> {
-        let costs = self.costs.iter().enumerate().filter_map(|(index, cost)| Some((index, *cost.as_ref().ok()?)));
-        costs.filter(|(_, cost)| cost.is_finite()).min_by(|(_, a), (_, b)| a.total_cmp(b))
-    }
-
-    /// Simulates the policy with each step size. If the trajectory of minimal cost improves the nominal one, replaces it and returns
-    /// true.
+    /// Simulates the policy with each step size, until the cost decreases sufficiently. If the trajectory of minimal cost improves the
+    /// nominal one, replaces it and returns true.
     pub(super) fn improve(
         &mut self,
         policy: &AffinePolicy,
-        step_sizes: &[f64],
+        decrease: PredictedDecrease,
+        options: &IlqrOptions,
         cost: &dyn TrajectoryCost,
         nominal: &mut Trial,
     ) -> Result<bool> {
-        let (nx, ..) = derivative::sizes(self.workers.model());
-        let controller = |index: usize| PolicyController {
-            controls: &nominal.controls,
-            update: Some(Update {
-                step_size: step_sizes[index],
-                policy,
-                states: &nominal.states,
-                feedback: Feedback::new(nx),
-            }),
-            step: 0,
-        };
-        self.run(step_sizes.len(), nominal.controls.nrows(), controller, cost)?;
-        let Some((index, value)) = self.best().filter(|&(_, value)| value < nominal.cost) else { return Ok(false) };
-        self.copy_to(index, value, nominal);
-        Ok(true)
+        let mut least = nominal.cost;
+        let IlqrOptions { step_sizes, sufficient_decrease, .. } = options;
+        let at_once = if sufficient_decrease.is_finite() { STEP_SIZES_AT_ONCE } else { step_sizes.len() };
+        for sizes in step_sizes.chunks(at_once) {
+            let law = |index: usize| Law {
+                controls: &nominal.controls,
+                update: Some(Update { step_size: sizes[index], policy, states: &nominal.states }),
+            };
+            self.run(sizes.len(), nominal.controls.nrows(), law, cost)?;
+            let Some(index) = self.cheapest().filter(|&index| self.trials[index].0.cost < least) else { continue };
+            std::mem::swap(&mut self.trials[index].0, &mut self.best);
+            least = self.best.cost;
+            if nominal.cost - least >= sufficient_decrease * decrease.at(sizes[index]) {
+                break;
+            }
+        }
+        let improved = least < nominal.cost;
+        if improved {
+            std::mem::swap(&mut self.best, nominal);
+        }
+        Ok(improved)
     }
 
-    /// Copies a trajectory of the last run.
-    fn copy_to(&self, index: usize, cost: f64, trial: &mut Trial) {
-        let block = |values: &[f64], output: &mut Matrix| {
-            let length = output.as_slice().len();
-            output.as_mut_slice().copy_from_slice(&values[index * length..][..length]);
-        };
-        block(&self.states, &mut trial.states);
-        block(&self.controls, &mut trial.controls);
-        trial.cost = cost;
+    /// Returns the index of the trajectory of minimal cost of the last run. Discards unstable simulations.
+    fn cheapest(&self) -> Option<usize> {
+        let stable =
+            self.trials.iter().enumerate().filter(|(_, (trial, result))| result.is_ok() && trial.cost.is_finite());
+        stable.min_by(|(_, (a, _)), (_, (b, _))| a.cost.total_cmp(&b.cost)).map(|(index, _)| index)
     }
 
-    /// Simulates trajectories, and evaluates their costs.
+    /// Returns the error of the first trajectory of the last run, if it failed or if its cost is not finite.
+    fn check_first(&mut self, what: &str) -> Result<()> {
+        let (trial, result) = &mut self.trials[0];
+        std::mem::replace(result, Ok(()))?;
+        if trial.cost.is_finite() { Ok(()) } else { Err(Error::invalid(what, trial.cost, "finite")) }
+    }
+
+    /// Simulates `count` trajectories, and evaluates their costs.
     fn run<'p>(
         &mut self,
         count: usize,
         steps: usize,
-        controller: impl Fn(usize) -> PolicyController<'p> + Send + Sync,
+        law: impl Fn(usize) -> Law<'p> + Sync,
         cost: &dyn TrajectoryCost,
     ) -> Result<()> {
-        let Self { workers, start, states, controls, costs } = self;
-        let (nu, width) = (workers.model().nu(), workers.model().state_size(StateSpec::PHYSICS));
-        let (of_states, of_controls) = ((steps + 1) * width, steps * nu);
-        states.resize(count * of_states, 0.0);
-        controls.resize(count * of_controls, 0.0);
-        let buffers = RolloutBuffers { states: Some(states), outputs: Some(controls), ..Default::default() };
-        let outcomes = Rollout::on(workers, count, steps)
-            .initial_state(StateSpec::INTEGRATION, start)
-            .controllers(controller)
-            .outputs(nu, |data, row| row.copy_from_slice(data.ctrl()))
-            .run_into(buffers)?;
-        costs.clear();
-        costs.extend(outcomes.into_iter().map(|outcome| match outcome {
-            Ok(()) => Ok(0.0),
-            Err(RolloutError::Failed { error, .. }) => Err(error),
-            Err(RolloutError::Cancelled { .. }) => unreachable!("Bug: a run without a progress hook was cancelled"),
-        }));
-        for_each_item(&mut vec![(); rayon::current_num_threads()], costs, |(), index, value| {
-            if value.is_ok() {
-                let states = MatrixView::from_row_major(steps + 1, width, &states[index * of_states..][..of_states]);
-                let controls = MatrixView::from_row_major(steps, nu, &controls[index * of_controls..][..of_controls]);
-                *value = cost.total(states, controls);
+        let Self { model, threads, simulations, start, trials, best } = self;
+        while simulations.len() < count.min(*threads) {
+            simulations.push(Simulation::new(model.clone())?);
+        }
+        if trials.len() < count {
+            trials.resize_with(count, || (Trial::default(), Ok(())));
+        }
+        for trial in trials.iter_mut().map(|(trial, _)| trial).chain([best]) {
+            if trial.controls.nrows() != steps {
+                *trial = Trial::zeros(model, steps);
             }
+        }
+        let (trials, unused) = trials.split_at_mut(count);
+        for (trial, _) in unused {
+            trial.cost = f64::INFINITY;
+        }
+        let threads = simulations.len().min(count);
+        for_each_item(&mut simulations[..threads], trials, |simulation, index, (trial, result)| {
+            *result = simulation.run(start, &law(index), cost, trial);
             Ok(())
         })
     }
@@ -181,11 +178,41 @@ impl Trial {
     }
 }
 
-/// Controller of a trial: the nominal controls, with or without the update by a policy.
-struct PolicyController<'p> {
+/// Simulation that trajectories run in, one after another.
+#[derive(Debug)]
+struct Simulation {
+    data: Data,
+    feedback: Feedback,
+}
+
+impl Simulation {
+    fn new(model: Arc<Model>) -> Result<Self> {
+        let (nx, ..) = derivative::sizes(&model);
+        Ok(Self { data: Data::new(model)?, feedback: Feedback::new(nx) })
+    }
+
+    /// Simulates a trajectory, and evaluates its cost.
+    fn run(&mut self, start: &[f64], law: &Law<'_>, cost: &dyn TrajectoryCost, trial: &mut Trial) -> Result<()> {
+        let Self { data, feedback } = self;
+        // The result must not depend on the earlier use of the simulation, which may have become unstable.
+        restart(data)?;
+        data.set_state(StateSpec::INTEGRATION, start)?;
+        data.physics_state_into(trial.states.row_mut(0))?;
+        for step in 0..trial.controls.nrows() {
+            law.apply(step, data, feedback)?;
+            data.step()?;
+            trial.controls.row_mut(step).copy_from_slice(data.ctrl());
+            data.physics_state_into(trial.states.row_mut(step + 1))?;
+        }
+        trial.cost = cost.total(trial.states.view(), trial.controls.view())?;
+        Ok(())
+    }
+}
+
+/// Control law of a trajectory: the nominal controls, with or without the update by a policy.
+struct Law<'p> {
     controls: &'p Matrix,
     update: Option<Update<'p>>,
-    step: usize,
 }
 
 struct Update<'p> {
@@ -193,23 +220,22 @@ struct Update<'p> {
     policy: &'p AffinePolicy,
     /// Nominal states, which the feedback refers to.
     states: &'p Matrix,
-    feedback: Feedback,
 }
 
-impl Controller for PolicyController<'_> {
-    fn control(&mut self, data: &mut Data) -> Result<()> {
-        data.ctrl_mut().copy_from_slice(self.controls.row(self.step));
-        if let Some(Update { step_size, policy, states, feedback }) = &mut self.update {
+impl Law<'_> {
+    /// Sets the controls of a step.
+    fn apply(&self, step: usize, data: &mut Data, feedback: &mut Feedback) -> Result<()> {
+        data.ctrl_mut().copy_from_slice(self.controls.row(step));
+        if let Some(Update { step_size, policy, states }) = &self.update {
             let (nq, nv) = (data.model().nq(), data.model().nv());
-            let state = states.row(self.step);
+            let state = states.row(step);
             feedback.measure(data, &state[..nq], Some(&state[nq..nq + nv]), &state[nq + nv..])?;
-            for (ctrl, change) in data.ctrl_mut().iter_mut().zip(policy.feedforward.row(self.step)) {
-                *ctrl += *step_size * change;
+            for (ctrl, change) in data.ctrl_mut().iter_mut().zip(policy.feedforward.row(step)) {
+                *ctrl += step_size * change;
             }
-            feedback.subtract(&policy.gains[self.step], data.ctrl_mut());
+            feedback.subtract(&policy.gains[step], data.ctrl_mut());
         }
         clamp(data);
-        self.step += 1;
         Ok(())
     }
 }

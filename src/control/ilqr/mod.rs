@@ -6,8 +6,8 @@
 //! 1. linearises each step, several in parallel ([`Lineariser::along`]), and expands the cost to second order;
 //! 2. computes the optimal change of the controls in a backward pass: in each step it solves a quadratic programme whose box
 //!    constraints are the control ranges, which yields a feedforward and a gain;
-//! 3. simulates the new controls with several step sizes, as one batch of [rollouts](crate::rollout), and accepts the best
-//!    trajectory if its cost is lower. Otherwise it repeats the backward pass with a larger regularisation.
+//! 3. simulates the new controls with several step sizes in parallel, and accepts the best trajectory if its cost is lower. Otherwise it
+//!    repeats the backward pass with a larger regularisation.
 //!
 //! The result is a trajectory and a table of gains for a controller that follows it: [`IlqrSolution::controller`].
 //!
@@ -48,22 +48,28 @@ pub struct IlqrOptions {
     pub iterations: usize,
     /// Relative decrease of the cost, achieved or predicted, below which the search has converged; 1e-8 by default.
     pub tolerance: f64,
-    /// Maximum number of steps that are linearised at the same time, as in [`TransitionOptions::threads`]. The result does not
-    /// depend on it.
+    /// Maximum number of steps that are linearised at the same time, as in [`TransitionOptions::threads`]; 1 by default. An
+    /// [`IlqrPlanner`](super::predictive::IlqrPlanner) also simulates that many trajectories at the same time, while [`Ilqr::solve`] simulates in all threads of
+    /// rayon's pool. The result does not depend on it.
     pub threads: usize,
-    /// Step sizes of the line search, as fractions of the feedforward. By default eleven values from 1 to 0.001.
+    /// Step sizes of the line search, as fractions of the feedforward, in the order of the search. By default eleven values from 1 to
+    /// 0.001.
     pub step_sizes: Vec<f64>,
+    /// Fraction of the predicted decrease of the cost that ends a line search. The step sizes are then simulated two at a time. By
+    /// default infinite: all step sizes are simulated, and the best is accepted. A finite value such as 0.3 shortens the plans of predictive
+    /// control.
+    pub sufficient_decrease: f64,
 }
 
 impl Default for IlqrOptions {
     fn default() -> Self {
         let step_sizes = (0..11).map(|index| 10.0_f64.powf(-0.3 * f64::from(index))).collect();
-        Self { iterations: 200, tolerance: 1e-8, threads: 1, step_sizes }
+        Self { iterations: 200, tolerance: 1e-8, threads: 1, step_sizes, sufficient_decrease: f64::INFINITY }
     }
 }
 
 impl IlqrOptions {
-    /// Checks the tolerance and the step sizes.
+    /// Checks the tolerance and the options of the line search.
     pub(super) fn check(&self) -> Result<()> {
         if self.tolerance.is_nan() || self.tolerance < 0.0 {
             return Err(Error::invalid("tolerance of IlqrOptions", self.tolerance, "zero or more"));
@@ -74,6 +80,10 @@ impl IlqrOptions {
         if let Some(size) = self.step_sizes.iter().find(|&&size| !(size > 0.0 && size <= 1.0)) {
             return Err(Error::invalid("a step size of IlqrOptions", size, "above 0 and at most 1"));
         }
+        if self.sufficient_decrease.is_nan() || self.sufficient_decrease <= 0.0 {
+            let found = self.sufficient_decrease;
+            return Err(Error::invalid("sufficient_decrease of IlqrOptions", found, "above 0"));
+        }
         Ok(())
     }
 }
@@ -83,6 +93,7 @@ with_methods!(IlqrOptions {
     with_tolerance(tolerance: f64),
     with_threads(threads: usize),
     with_step_sizes(step_sizes: impl Into<Vec<f64>>) = step_sizes.into(),
+    with_sufficient_decrease(sufficient_decrease: f64),
 });
 
 /// Reason for the end of the search.
@@ -179,14 +190,15 @@ impl Ilqr {
     ///
     /// # Errors
     ///
-    /// [`Error::Invalid`] unless there is at least one thread and one step size, all step sizes are above 0 and at most 1, and
-    /// the tolerance is not negative; [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
+    /// [`Error::Invalid`] unless there is at least one thread and one step size, all step sizes are above 0 and at most 1, the
+    /// tolerance is not negative, and the sufficient decrease is above 0; [`Error::Engine`] or [`Error::OutOfMemory`] if the engine cannot allocate the simulations.
     pub fn new(model: impl IntoModel, options: IlqrOptions) -> Result<Self> {
         let model = model.into_model();
         options.check()?;
         let lineariser =
             Lineariser::new(model.clone(), TransitionOptions { threads: options.threads, ..Default::default() })?;
-        Ok(Self { options, lineariser, forward: Forward::new(model) })
+        let forward = Forward::new(model, rayon::current_num_threads());
+        Ok(Self { options, lineariser, forward })
     }
 
     /// Returns the options that the optimiser was created with.

@@ -149,15 +149,15 @@ impl Search {
             let decrease = timed(&mut self.times.backward_pass, || {
                 self.backward.solve(&self.systems, &self.nominal, regularisation, &mut self.policy)
             })?;
-            if let Some(decrease) = decrease.map(|decrease| decrease.at(1.0)) {
-                let first = *first_decrease.get_or_insert(decrease);
-                if decrease <= least && (first <= least || regularisation > MIN_REGULARISATION) {
+            if let Some(decrease) = decrease {
+                let first = *first_decrease.get_or_insert(decrease.at(1.0));
+                if decrease.at(1.0) <= least && (first <= least || regularisation > MIN_REGULARISATION) {
                     // A negligible decrease without additional regularisation means convergence.
                     return Ok(Some(if first <= least { IlqrStatus::Converged } else { IlqrStatus::NoDescent }));
                 }
                 let before = self.nominal.cost;
                 let improved = timed(&mut self.times.line_search, || {
-                    forward.improve(&self.policy, &options.step_sizes, cost, &mut self.nominal)
+                    forward.improve(&self.policy, decrease, options, cost, &mut self.nominal)
                 })?;
                 if improved {
                     self.regularisation.lower();

@@ -19,8 +19,7 @@ const ATTEMPTS: usize = 4;
 /// *Synthesis and stabilization of complex behaviors through online trajectory optimization*, IROS 2012).
 ///
 /// Each plan starts from the previous one, moved forward to the present time: from its controls with feedback about its states, or
-/// without feedback if that costs less. The regularisation carries over too. The gains are those of the last backward pass. The
-/// buffers are reused; a plan allocates only what its [rollouts](crate::rollout) need.
+/// without feedback if that costs less. The regularisation carries over too. The gains are those of the last backward pass.
 pub struct IlqrPlanner {
     options: IlqrOptions,
     lineariser: Lineariser,
@@ -54,7 +53,7 @@ impl IlqrPlanner {
         let transition = TransitionOptions { threads: options.threads, ..Default::default() };
         Ok(Self {
             lineariser: Lineariser::new(model.clone(), transition)?,
-            forward: Forward::new(model.clone()),
+            forward: Forward::new(model.clone(), options.threads),
             search: Search::new(&model, horizon, transition.method),
             state: vec![0.0; model.state_size(FORESEEN)],
             foreseen: FORESEEN,
