@@ -5,7 +5,8 @@
 use std::sync::Arc;
 
 use mujoco_safe::control::TimeVaryingLqr;
-use mujoco_safe::control::ilqr::{CostExpansion, TrajectoryCost};
+use mujoco_safe::control::ilqr::{CostExpansion, IlqrOptions, QuadraticCost, TrajectoryCost};
+use mujoco_safe::control::predictive::{IlqrPlanner, Planner};
 use mujoco_safe::control::residual::{
     Controls, FrameOrientation, FramePosition, JointPosition, JointVelocity, Norm, ResidualCost, SensorReading,
     Subtree, Term,
@@ -334,6 +335,43 @@ fn costs_of_residuals_do_not_allocate() {
     allocates_nothing("value", || assert!(cost.value(3, &state, Some(&controls)).unwrap() > 0.0));
     allocates_nothing("expand", || cost.expand(3, &state, Some(&controls), &mut expansion).unwrap());
     allocates_nothing("begin", || cost.begin(&data).unwrap());
+}
+
+/// Returns a quadratic cost with mixed terms, of a model with a quaternion.
+fn quadratic(data: &Data) -> QuadraticCost {
+    let (nx, nu) = (2 * data.model().nv(), data.model().nu());
+    let mut weights = LqrWeights::diagonal(&vec![1.0; nx], &vec![0.1; nu]);
+    weights.s = Some(DMatrix::from_element(nx, nu, 1e-4));
+    QuadraticCost::new(data.model(), &data.physics_state(), weights, DMatrix::identity(nx, nx)).unwrap()
+}
+
+#[test]
+fn a_quadratic_cost_does_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let cost = quadratic(&data);
+    data.step().unwrap();
+    let (state, controls) = (data.physics_state(), vec![0.1; data.model().nu()]);
+    let mut expansion = CostExpansion::zeros(data.model());
+    for controls in [Some(&controls[..]), None] {
+        allocates_nothing("value", || assert!(cost.value(3, &state, controls).unwrap() > 0.0));
+        allocates_nothing("expand", || cost.expand(3, &state, controls, &mut expansion).unwrap());
+    }
+}
+
+#[test]
+fn plans_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let cost = quadratic(&data);
+    let mut planner = IlqrPlanner::new(data.model(), 3, IlqrOptions::default().with_iterations(2)).unwrap();
+    let mut policy = TimeVaryingLqr::at_present_state(&data, 3).unwrap();
+    allocates_nothing("IlqrPlanner::plan", || {
+        data.qvel_mut()[0] += 0.1;
+        let report = planner.plan(&data, &cost, &mut policy).unwrap();
+        assert!(report.cost < report.initial_cost);
+        data.step().unwrap();
+    });
 }
 
 #[test]

@@ -23,13 +23,15 @@
 mod backward;
 mod cost;
 mod forward;
+mod quadratic;
 mod search;
 
 use std::fmt;
 
-pub use self::cost::{CostExpansion, QuadraticCost, TrajectoryCost};
+pub use self::cost::{CostExpansion, TrajectoryCost};
 pub(super) use self::forward::Forward;
 use self::forward::Trial;
+pub use self::quadratic::QuadraticCost;
 pub use self::search::IlqrTimes;
 pub(super) use self::search::Search;
 use super::TimeVaryingLqr;
