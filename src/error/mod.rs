@@ -68,6 +68,15 @@ pub enum Error {
         message: String,
     },
 
+    /// Code of the caller panicked in a thread of this crate.
+    #[error("{what} panicked: {message}")]
+    Panicked {
+        /// The object whose code panicked.
+        what: &'static str,
+        /// Message of the panic.
+        message: String,
+    },
+
     /// An earlier call with `&mut Data` failed with [`Engine`](Self::Engine), [`Callback`](Self::Callback),
     /// [`OutOfMemory`](Self::OutOfMemory) or [`Unstable`](Self::Unstable). The data may be half computed.
     ///

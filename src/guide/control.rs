@@ -196,6 +196,12 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
+//! This controller plans in the thread of the simulation, and its runs are reproducible.
+//! [`ThreadedPredictiveController`](crate::control::predictive::ThreadedPredictiveController) plans in a second thread, for robots, the viewer and
+//! other simulations that run in real time: a step does not wait for the planner. Its [`edit`](crate::control::predictive::ThreadedPredictiveController::edit) changes
+//! weights and targets. A plan must be finished within a fraction of the horizon: `cargo bench --bench predictive` prints its time for a humanoid. Fewer
+//! [step sizes](crate::control::ilqr::IlqrOptions::step_sizes) and a [sufficient decrease](crate::control::ilqr::IlqrOptions::sufficient_decrease) shorten it.
+//!
 //! # Predictive control with own candidates
 //!
 //! A predictive controller simulates candidates from the present state and applies the best. [`Workers`](crate::rollout::Workers) keeps the simulations of the

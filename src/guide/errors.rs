@@ -40,6 +40,7 @@
 //! | [`OtherModel`](Error::OtherModel) | a scene, lineariser or simulation of another model | create both from one model or its clones |
 //! | [`Unstable`](Error::Unstable) | NaN, or a value beyond ±10¹⁰ | a smaller time step, softer contacts, more damping; limits on controls |
 //! | [`Callback`](Error::Callback) | a closure panicked in a step | correct the closure, reset |
+//! | [`Panicked`](Error::Panicked) | the planner or the cost of predictive control panicked in its thread | correct it |
 //! | [`Engine`](Error::Engine) | the engine raised an error, for example a stack overflow | the message; a larger `nstack` in the model's `size` |
 //! | [`Poisoned`](Error::Poisoned) | an earlier call failed | [`Data::reset`] |
 //! | [`Solver`](Error::Solver) | no regulator exists | [`Error::solver`] returns the [`RiccatiError`](crate::control::riccati::RiccatiError) |

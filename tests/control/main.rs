@@ -30,6 +30,7 @@ mod recursion;
 mod residual;
 mod riccati;
 mod sizes;
+mod threaded;
 
 use mujoco_safe::{Data, LqrWeights, Model, sample};
 use nalgebra::{DMatrix, DVector};

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use mujoco_safe::control::TimeVaryingLqr;
 use mujoco_safe::control::ilqr::{CostExpansion, IlqrOptions, QuadraticCost, TrajectoryCost};
-use mujoco_safe::control::predictive::{IlqrPlanner, Planner};
+use mujoco_safe::control::predictive::{IlqrPlanner, Planner, ThreadedPredictiveController};
 use mujoco_safe::control::residual::{
     Controls, FrameOrientation, FramePosition, JointPosition, JointVelocity, Norm, ResidualCost, SensorReading,
     Subtree, Term,
@@ -371,6 +371,12 @@ fn plans_do_not_allocate() {
         let report = planner.plan(&data, &cost, &mut policy).unwrap();
         assert!(report.cost < report.initial_cost);
         data.step().unwrap();
+    });
+    let mut controller = ThreadedPredictiveController::new(&data, planner, cost).unwrap();
+    allocates_nothing("ThreadedPredictiveController::control", || {
+        controller.control(&mut data).unwrap();
+        data.step().unwrap();
+        controller.wait().unwrap();
     });
 }
 

@@ -2,8 +2,11 @@
 //!
 //! A [`Planner`] improves a plan of a fixed number of steps, the horizon, from the present state of a simulation.
 //! [`IlqrPlanner`] does so by iterations of [iLQR](super::ilqr). The plan is a [`TimeVaryingLqr`], whose gains correct deviations until
-//! the next plan. [`PredictiveController`] plans at intervals and applies the plan in between; it is a
-//! [`Controller`](crate::Controller), so recordings and the viewer accept it.
+//! the next plan. Two controllers plan and apply the plan in between; they are [`Controller`](crate::Controller)s, so recordings and the
+//! viewer accept them:
+//!
+//! - [`PredictiveController`] plans at intervals in the thread of the simulation, which waits for the planner. A run is reproducible.
+//! - [`ThreadedPredictiveController`] plans in a second thread, for simulations and robots that run in real time.
 //!
 //! ```
 //! use mujoco_safe::control::predictive::{IlqrPlanner, PredictiveController};
@@ -34,9 +37,11 @@
 
 mod controller;
 mod ilqr_planner;
+mod threaded;
 
 pub use self::controller::PredictiveController;
 pub use self::ilqr_planner::IlqrPlanner;
+pub use self::threaded::ThreadedPredictiveController;
 use super::TimeVaryingLqr;
 use super::ilqr::TrajectoryCost;
 use crate::data::{Data, StateSpec};
@@ -55,13 +60,21 @@ pub struct PlanReport {
     pub cost: f64,
 }
 
+impl PlanReport {
+    /// Creates a report, for planners outside of this crate.
+    pub fn new(initial_cost: f64, cost: f64) -> Self {
+        Self { initial_cost, cost }
+    }
+}
+
 /// Method of planning over a receding horizon.
 pub trait Planner: Send {
     /// Returns the number of steps of a plan, at least one.
     fn horizon(&self) -> usize;
 
     /// Plans from the present state of a simulation and writes the plan to `policy`, whose table starts at the present time. The
-    /// search starts from the previous plan, moved forward to the present time.
+    /// search starts from the previous plan, moved forward to the present time. The state includes the time and the inputs; results such
+    /// as poses may be missing.
     ///
     /// # Errors
     ///
