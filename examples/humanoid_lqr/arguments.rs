@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 
 use crate::common::command_line::not_negative;
-use crate::simulate::Push;
+use crate::simulate::{PUSH_AT, Push};
 
 /// A humanoid balances on one leg under a linear-quadratic regulator.
 #[derive(Parser)]
@@ -49,8 +49,8 @@ pub struct Arguments {
 fn push(text: &str) -> Result<Push, String> {
     let numbers = text.split(',').map(|part| part.trim().parse().map_err(|error| format!("{part}: {error}")));
     match numbers.collect::<Result<Vec<f64>, _>>()?[..] {
-        [x, y] => Ok(Push { force: [x, y], duration: 0.1 }),
-        [x, y, duration] => Ok(Push { force: [x, y], duration }),
+        [x, y] => Ok(Push { force: [x, y], start: PUSH_AT, duration: 0.1 }),
+        [x, y, duration] => Ok(Push { force: [x, y], start: PUSH_AT, duration }),
         _ => Err("expected FX,FY or FX,FY,SECONDS, such as 20,0".to_owned()),
     }
 }

@@ -8,8 +8,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::set_point::SetPoint;
 
-/// Start of the push, s.
-const PUSH_AT: f64 = 1.0;
+/// Default start of a push, s.
+pub const PUSH_AT: f64 = 1.0;
 /// Height of the centre of mass below which the robot counts as fallen, as a fraction of the height at the set-point.
 const FALLEN: f64 = 0.8;
 
@@ -18,6 +18,8 @@ const FALLEN: f64 = 0.8;
 pub struct Push {
     /// Force, N, world frame.
     pub force: [f64; 2],
+    /// Start, s.
+    pub start: f64,
     /// Duration, s.
     pub duration: f64,
 }
@@ -79,7 +81,7 @@ pub fn simulate(
             }
         }
         if let Some(push) = disturbance.push {
-            let pushing = (PUSH_AT..PUSH_AT + push.duration).contains(&data.time());
+            let pushing = (push.start..push.start + push.duration).contains(&data.time());
             let [x, y] = if pushing { push.force } else { [0.0, 0.0] };
             *data.body_mut(torso).xfrc_applied_mut() = [x, y, 0.0, 0.0, 0.0, 0.0];
         }

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use mujoco_safe::{Data, Result};
 
 use crate::planner::Planner;
-use crate::robot::{Robot, push};
-use crate::simulate::{Disturbance, Run, simulate};
+use crate::robot::Robot;
+use crate::simulate::{Disturbance, Push, Run, simulate};
 
 /// Outcome of one push.
 pub struct Attempt {
@@ -31,9 +31,9 @@ impl Attempt {
     }
 }
 
-/// Simulates a push after one second, until the time is over or the robot has fallen.
-pub fn attempt(robot: &Robot, newtons: f64, seed: u64, seconds: f64) -> Result<Attempt> {
-    let disturbance = Disturbance { push: Some(push(newtons, seed)), ..Disturbance::default() };
+/// Simulates a push, until the time is over or the robot has fallen. The seed is that of the planner.
+pub fn attempt(robot: &Robot, push: Push, seed: u64, seconds: f64) -> Result<Attempt> {
+    let disturbance = Disturbance { push: Some(push), ..Disturbance::default() };
     let torso = robot.model.body("torso")?;
     let mut data = Data::new(robot.model.clone())?;
     let regulated = simulate(&mut data, &mut robot.lqr.clone(), &robot.set_point, torso, seconds, disturbance)?;

@@ -70,8 +70,9 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     );
     let mut attempts = Vec::new();
     for seed in 1..=arguments.seeds {
-        let attempt = pool.install(|| attempt(&robot, arguments.newtons, seed, arguments.seconds))?;
-        let [x, y] = push(arguments.newtons, seed).force;
+        let push = push(arguments.newtons, seed);
+        let attempt = pool.install(|| attempt(&robot, push, seed, arguments.seconds))?;
+        let [x, y] = push.force;
         let outcome = |fell_at: Option<f64>| match fell_at {
             Some(time) => format!("falls after {time:.2} s"),
             None => "stands".to_owned(),

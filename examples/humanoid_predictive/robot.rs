@@ -5,7 +5,7 @@ use std::sync::Arc;
 use mujoco_safe::{Data, Differences, Lqr, LqrWeights, Matrix, Model, Result, sample};
 
 use crate::set_point::SetPoint;
-use crate::simulate::Push;
+use crate::simulate::{PUSH_AT, Push};
 use crate::weights::{Dofs, weights};
 
 /// Force of a push, N. The regulator alone withstands 140 N along the main axes and 100 N along the diagonals.
@@ -49,5 +49,5 @@ impl Robot {
 pub fn push(newtons: f64, seed: u64) -> Push {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let angle = seed as f64 * GOLDEN_ANGLE;
-    Push { force: [newtons * angle.cos(), newtons * angle.sin()], duration: PUSH_DURATION }
+    Push { force: [newtons * angle.cos(), newtons * angle.sin()], start: PUSH_AT, duration: PUSH_DURATION }
 }

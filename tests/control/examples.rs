@@ -9,6 +9,7 @@ use std::sync::Arc;
 use mujoco_safe::{Data, Model, Trajectory, sample};
 
 use crate::robot::{NEWTONS, Robot};
+use crate::simulate::Push;
 use crate::{attempt, planner, robot, swing_up};
 
 /// Swings a pole up, and checks the plan and the trajectory.
@@ -65,12 +66,13 @@ fn pushes_cover_all_directions() {
 fn the_planner_survives_a_push_that_the_regulator_does_not() {
     let robot = Robot::new().unwrap();
     // The regulator falls soon after this push.
-    let attempt = attempt::attempt(&robot, NEWTONS, 5, 2.2).unwrap();
+    let push = Push { start: 0.2, ..robot::push(NEWTONS, 5) };
+    let attempt = attempt::attempt(&robot, push, 5, 1.25).unwrap();
     assert!(attempt.regulated.fell_at.is_some(), "the regulator withstands this push");
     assert!(attempt.planned.upright(), "the humanoid fell at {:?} s", attempt.planned.fell_at);
     assert_eq!(attempt.decisions.len(), attempt.planned.trajectory.len().div_ceil(planner::STEPS));
-    // Before the push, after one second, the humanoid moves as little as under the regulator.
-    let moved = |com: &[[f64; 3]]| (com[199][0] - com[0][0]).hypot(com[199][1] - com[0][1]);
+    // Before the push, the humanoid moves as little as under the regulator.
+    let moved = |com: &[[f64; 3]]| (com[39][0] - com[0][0]).hypot(com[39][1] - com[0][1]);
     assert!(moved(&attempt.planned.com) < moved(&attempt.regulated.com) + 0.01);
 }
 
@@ -79,7 +81,7 @@ fn the_planner_survives_a_push_that_the_regulator_does_not() {
 fn the_planner_survives_every_push() {
     let robot = Robot::new().unwrap();
     for seed in 1..=5 {
-        let attempt = attempt::attempt(&robot, NEWTONS, seed, 6.0).unwrap();
+        let attempt = attempt::attempt(&robot, robot::push(NEWTONS, seed), seed, 6.0).unwrap();
         let fates = (attempt.regulated.fell_at, attempt.planned.fell_at);
         assert!(
             attempt.succeeded(),

@@ -8,7 +8,7 @@ use mujoco_safe::{Data, Differences, Lqr, Matrix, Model, sample};
 
 use crate::examples::{program, text};
 use crate::set_point::{SetPoint, Sweep};
-use crate::simulate::{Disturbance, Push, Run, simulate};
+use crate::simulate::{Disturbance, PUSH_AT, Push, Run, simulate};
 use crate::weights::{Dofs, weights};
 
 /// A robot and its regulator.
@@ -50,7 +50,8 @@ impl Balance {
     }
 
     fn pushed(&mut self, force: [f64; 2]) -> Run {
-        self.simulate(10.0, Disturbance { push: Some(Push { force, duration: 0.1 }), ..Disturbance::default() })
+        let push = Push { force, start: PUSH_AT, duration: 0.1 };
+        self.simulate(10.0, Disturbance { push: Some(push), ..Disturbance::default() })
     }
 }
 
