@@ -38,8 +38,8 @@
 //! Physics and window run on two threads that share only a link: requests flow to the physics, snapshots and events flow to the
 //! window. The simulation data is never copied completely. The physics follows real time and drops time that it cannot catch
 //! up. The window is drawn when something has changed, and sleeps otherwise. The panels show a running simulation ten times per second.
-//! While only the panels change, the last image of the scene is drawn again. The first window installs the engine's clock, as
-//! [`enable_timers`](crate::data::enable_timers) does, for the plot of computing times.
+//! A frame renders the scene only if it has changed, and repaints only the parts of the window that have changed. The first window
+//! installs the engine's clock, as [`enable_timers`](crate::data::enable_timers) does, for the plot of computing times.
 
 #![forbid(unsafe_code)]
 

@@ -16,6 +16,9 @@ static LOADING_HELD: AtomicBool = AtomicBool::new(false);
 static HELD: AtomicBool = AtomicBool::new(false);
 static MARKERS: AtomicU64 = AtomicU64::new(0);
 static SCENES: AtomicU64 = AtomicU64::new(0);
+static PASSES: AtomicU64 = AtomicU64::new(0);
+static REPAINTED: AtomicU64 = AtomicU64::new(0);
+static REPAINT_REQUESTED: AtomicBool = AtomicBool::new(false);
 static SLIDERS: Mutex<Vec<[[f32; 2]; 2]>> = Mutex::new(Vec::new());
 static LATEST: Mutex<Option<WindowState>> = Mutex::new(None);
 
@@ -30,6 +33,8 @@ pub struct WindowState {
     pub frame: u64,
     /// Number of times that the scene was rendered in this process. Other frames draw only the panels.
     pub scenes: u64,
+    /// Number of pixels that were repainted in this process. A frame repaints only the parts of the window that have changed.
+    pub repainted: u64,
     /// The simulation has executed all requests of the window.
     pub answered: bool,
     /// Number of times that the model was replaced.
@@ -153,6 +158,31 @@ pub(super) fn count_scene() {
     SCENES.fetch_add(1, Ordering::Relaxed);
 }
 
+/// Counts repainted pixels.
+pub(super) fn count_repainted(pixels: u64) {
+    REPAINTED.fetch_add(pixels, Ordering::Relaxed);
+}
+
+/// Makes the next frame repaint the window completely.
+pub fn repaint_all() {
+    REPAINT_REQUESTED.store(true, Ordering::Relaxed);
+}
+
+/// Returns `true` once after [`repaint_all`].
+pub(super) fn take_repaint() -> bool {
+    REPAINT_REQUESTED.swap(false, Ordering::Relaxed)
+}
+
+/// Counts the passes of the panels.
+pub(super) fn count_pass() {
+    PASSES.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Returns the number of passes of the panels in this process, with or without a frame.
+pub fn passes() -> u64 {
+    PASSES.load(Ordering::Relaxed)
+}
+
 /// Counts presses of F12.
 pub(super) fn count_marker(key: Key) {
     if key == Key::Function(12) {
@@ -193,6 +223,7 @@ pub(super) fn record(frame: Frame<'_>) {
     *latest = Some(WindowState {
         frame: latest.as_ref().map_or(0, |state| state.frame) + 1,
         scenes: SCENES.load(Ordering::Relaxed),
+        repainted: REPAINTED.load(Ordering::Relaxed),
         answered: snapshot.executed >= queued,
         generation: snapshot.generation,
         camera: view.camera,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use mujoco_safe::viewer::test_hooks::{self, WindowState};
 use mujoco_safe::{Data, sample};
 
 use crate::display::Screen;
@@ -146,10 +147,16 @@ pub fn redraws() {
         assert!(before.iter().any(|pixel| *pixel != before[0]), "the picture shows the humanoid");
 
         let first = state();
+        let pixels = u64::from(SIZE[0] * SIZE[1]);
+        let repainted = |first: &WindowState| {
+            let last = state();
+            (last.repainted - first.repainted) as f64 / (pixels * (last.frame - first.frame)) as f64
+        };
         input.move_along((0..80).map(|step| [100, 20 + 4 * step]), 0.02);
         wait_until("the panels are drawn again", || state().frame > first.frame + 3);
         assert_eq!(state().scenes, first.scenes, "the scene is not rendered again");
         assert!(picture() == before, "the picture is the same");
+        assert!(repainted(&first) < 0.2, "a highlight repaints {} of the window", repainted(&first));
 
         // A motion within one widget does not change the panels.
         let slider = |step: i32| [100 + step % 40, 86];
@@ -165,13 +172,33 @@ pub fn redraws() {
         assert_eq!(state().frame, frame, "no frame is drawn");
 
         // Changes of the camera, of an effect and of the state change the scene.
+        let still = state();
         input.drag([500, 100], [40, 0], 1, &[]);
         wait_until("the scene follows the camera", || state().scenes > first.scenes && picture() != before);
+        settle(input);
+        assert!(repainted(&still) < 0.7, "a motion of the camera repaints {} of the window", repainted(&still));
         for key in ["w", "Right"] {
             settle(input);
             let scenes = state().scenes;
             input.key(key);
             wait_until("the scene is rendered again", || state().scenes > scenes);
         }
+
+        // The parts that were repainted form the same image as a complete repaint. The info panel shows the frame rate.
+        press(input, "F2", "the info panel is closed", |state| !state.panels[1]);
+        settle(input);
+        let image = || {
+            // The last frame may not be on the screen yet.
+            std::thread::sleep(std::time::Duration::from_millis(300));
+            let screen = Screen::read(&framebuffer);
+            let [width, height] = SIZE.map(|pixels| pixels as usize);
+            (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).map(|at| screen.pixel(at)).collect::<Vec<_>>()
+        };
+        let (partial, last) = (image(), state());
+        test_hooks::repaint_all();
+        settle(input);
+        wait_until("the window is repainted", || state().repainted >= last.repainted + pixels);
+        let differing = image().iter().zip(&partial).filter(|(complete, partial)| complete != partial).count();
+        assert_eq!(differing, 0, "pixels differ from a complete repaint");
     });
 }

@@ -35,7 +35,7 @@ pub fn measure() {
                 let over_panel = || circle([150.0, 330.0], 120.0);
                 settle(&input);
                 wait();
-                println!("{:40} {:>9} {:>9}", "", "core, %", "frames/s");
+                println!("{:40} {:>9} {:>9} {:>9} {:>9}", "", "core, %", "frames/s", "passes/s", "ms/frame");
                 report("paused", wait);
                 report("paused, pointer over the scene", over_scene);
                 press(&input, "ctrl+1", "the left panel is open", |state| state.panels[2]);
@@ -59,11 +59,18 @@ pub fn measure() {
     });
 }
 
-/// Prints the processor time and the frames during an activity, both per second.
+/// Prints the processor time, the frames and the passes of the panels during an activity, per second, and the processor time per frame.
 fn report(name: &str, act: impl Fn()) {
-    let (start, used, frames) = (Instant::now(), processor_time(), state().frame);
+    let counts = || (test_hooks::passes(), state().frame);
+    let (start, used, (passes, frames)) = (Instant::now(), processor_time(), counts());
     act();
-    let seconds = start.elapsed().as_secs_f64();
-    let used = 100.0 * (processor_time() - used) / seconds;
-    println!("{name:40} {used:9.1} {:9.1}", (state().frame - frames) as f64 / seconds);
+    let (seconds, used) = (start.elapsed().as_secs_f64(), processor_time() - used);
+    let (passes, frames) = ((counts().0 - passes) as f64, (counts().1 - frames) as f64);
+    println!(
+        "{name:40} {:9.1} {:9.1} {:9.1} {:9.1}",
+        100.0 * used / seconds,
+        frames / seconds,
+        passes / seconds,
+        1e3 * used / frames
+    );
 }

@@ -152,7 +152,7 @@ impl Gpu {
     }
 
     /// Returns a surface configuration with a linear (non-sRGB) format that [`Renderer`](crate::render::Renderer)
-    /// supports, or `None` if the surface supports no such format.
+    /// supports, or `None` if the surface supports no such format. Textures can be copied to the surface, if it supports that.
     pub(crate) fn surface_configuration(
         &self,
         surface: &wgpu::Surface<'_>,
@@ -160,9 +160,10 @@ impl Gpu {
     ) -> Option<wgpu::SurfaceConfiguration> {
         let origin = self.shared.origin.as_ref()?;
         let mut configuration = surface.get_default_config(&origin.adapter, width.max(1), height.max(1))?;
-        let formats = surface.get_capabilities(&origin.adapter).formats;
+        let capabilities = surface.get_capabilities(&origin.adapter);
         let linear = [wgpu::TextureFormat::Bgra8Unorm, wgpu::TextureFormat::Rgba8Unorm];
-        configuration.format = linear.into_iter().find(|format| formats.contains(format))?;
+        configuration.format = linear.into_iter().find(|format| capabilities.formats.contains(format))?;
+        configuration.usage |= capabilities.usages & wgpu::TextureUsages::COPY_DST;
         Some(configuration)
     }
 }

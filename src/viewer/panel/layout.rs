@@ -180,8 +180,8 @@ fn opaque_frame() -> Frame {
     frame().fill(BACKGROUND.to_opaque())
 }
 
-/// Returns the frame of a side panel. It has no background, because filling a third of the window costs a software rasteriser as much time as
-/// the rest of the panels: the window is cleared to this colour.
+/// Returns the frame of a side panel. It has no background, because filling a third of the window by the shader of the panels costs a software
+/// rasteriser as much time as the rest of the panels: the window's canvas has this colour beside the scene.
 fn side_frame() -> Frame {
     frame().corner_radius(CornerRadius::ZERO).fill(Color32::TRANSPARENT)
 }

@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
+use super::canvas::{Canvas, CanvasLayout};
 use super::overlay::Overlay;
-use super::scene_image::{self, PictureArea};
+use super::pixel_rect::PixelRect;
 use super::session::Session;
 use super::surface::{SurfaceFrame, WindowSurface};
 use crate::render::{Gpu, RenderError};
@@ -17,6 +18,8 @@ use crate::viewer::view::View;
 const RETRY_DELAY: Duration = Duration::from_millis(30);
 /// Minimum delay before a pass that the panels request. They request one after each pass with input, even if nothing changes.
 const MIN_REPAINT_DELAY: Duration = Duration::from_millis(50);
+/// Minimum delay before a pass that the panels request after motion of the pointer, which needs no second pass.
+const MIN_MOTION_DELAY: Duration = Duration::from_millis(200);
 /// Delay before the next frame after an error.
 const RECOVERY_DELAY: Duration = Duration::from_secs(1);
 
@@ -52,6 +55,9 @@ impl Session {
             test_hooks::wait_while_held();
             if test_hooks::take_surface_loss() {
                 self.surface.recreate()?;
+            }
+            if test_hooks::take_repaint() {
+                self.canvas.clear();
             }
         }
         let texture = match self.surface.acquire()? {
@@ -124,17 +130,14 @@ impl Session {
     /// Renders the newest snapshot and the panels.
     fn render(&mut self, texture: Option<&wgpu::SurfaceTexture>) -> Result<(), RenderError> {
         let gpu = self.surface.gpu().clone();
-        let size = self.surface.size();
         let area = self.picture_area();
         self.mouse.set_area(area.origin.map(f64::from), area.size.map(f64::from));
-        let target = texture.map(|texture| texture.texture.create_view(&wgpu::TextureViewDescriptor::default()));
         // Another snapshot may have arrived since `handle_physics_events`.
         self.update_model();
         let (Some(snapshot), Some(view)) = (self.link.current_mut(), &mut self.view) else {
-            if let Some(target) = &target {
-                scene_image::clear(&gpu, target);
+            if let Some(texture) = texture {
                 self.overlay.run(&self.window, Panels::show_waiting);
-                self.overlay.paint(&gpu, target, size);
+                self.repaint(&texture.texture, PixelRect::default(), false)?;
             }
             return Ok(());
         };
@@ -145,11 +148,10 @@ impl Session {
         self.panels_stale |= report.notice.is_some() || report.problem.is_some();
         report.notice.into_iter().for_each(|notice| self.panels.notice(notice));
         report.problem.into_iter().for_each(|problem| self.panels.warn(problem));
-        let Some(target) = target else { return Ok(()) };
-        self.renderer.draw(&gpu, snapshot, &view.camera, &target, area)?;
-
+        let Some(texture) = texture else { return Ok(()) };
+        let scene_changed = self.renderer.draw(&gpu, snapshot, &view.camera, self.surface.format(), area.size)?;
         self.update_panels();
-        self.overlay.paint(&gpu, &target, size);
+        self.repaint(&texture.texture, area, scene_changed)?;
         #[cfg(feature = "test-hooks")]
         if let (Some(snapshot), Some(view)) = (self.link.current(), &self.view) {
             test_hooks::record(test_hooks::Frame {
@@ -164,6 +166,40 @@ impl Session {
                 panel_rects: self.overlay.panel_rects(&["left", "right", "info"]),
             });
         }
+        Ok(())
+    }
+
+    /// Repaints the parts of the canvas that have changed since the last frame, and copies the canvas to the window.
+    fn repaint(
+        &mut self,
+        window: &wgpu::Texture,
+        scene_area: PixelRect,
+        scene_changed: bool,
+    ) -> Result<(), RenderError> {
+        let gpu = self.surface.gpu().clone();
+        let size = [window.width(), window.height()];
+        let layout = CanvasLayout { size, scene: scene_area, background: self.overlay.background() };
+        let columns = layout.columns();
+        let mut parts = self.overlay.take_changes(columns, size);
+        if self.canvas.prepare(&gpu, layout)? {
+            parts = columns;
+        } else if scene_changed {
+            parts[1] = columns[1];
+        }
+        let parts: Vec<PixelRect> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        #[cfg(feature = "test-hooks")]
+        test_hooks::count_repainted(parts.iter().map(|part| part.pixels()).sum());
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        let mut commands = Vec::new();
+        if let Some(view) = self.canvas.view()
+            && !parts.is_empty()
+        {
+            self.canvas.draw_background(&mut encoder, &parts, self.renderer.image());
+            commands = self.overlay.paint(&gpu, &mut encoder, view, &parts);
+        }
+        self.canvas.copy_to(&gpu, &mut encoder, window);
+        commands.push(encoder.finish());
+        gpu.queue().submit(commands);
         Ok(())
     }
 
@@ -183,6 +219,8 @@ impl Session {
         let gpu = self.surface.gpu().clone();
         let now = Instant::now();
         self.scheduler.pass_started(now);
+        #[cfg(feature = "test-hooks")]
+        test_hooks::count_pass();
         self.panels_stale = false;
         let status = self.status(&gpu);
         let (Some(snapshot), Some(view)) = (self.link.current(), &mut self.view) else { return false };
@@ -203,7 +241,8 @@ impl Session {
             self.panels_stale = true;
             self.scheduler.request(now);
         }
-        self.scheduler.request_pass_after(now, pass.repaint_delay.max(MIN_REPAINT_DELAY));
+        let min_delay = if pass.only_motion { MIN_MOTION_DELAY } else { MIN_REPAINT_DELAY };
+        self.scheduler.request_pass_after(now, pass.repaint_delay.max(min_delay));
         for action in actions {
             self.act(&action);
         }
@@ -211,14 +250,14 @@ impl Session {
     }
 
     /// Returns the area of the window between the side panels.
-    pub(super) fn picture_area(&self) -> PictureArea {
+    pub(super) fn picture_area(&self) -> PixelRect {
         let [width, height] = self.surface.size();
         let scale = self.overlay.pixels_per_point();
         let sides = self.view.as_ref().map_or([0.0; 2], |view| side_widths(view, width as f32 / scale));
         let [left, right] = sides.map(|points| (points * scale).round() as u32);
         // In a window that is narrower than its panels, the area lies inside the window all the same.
         let left = left.min(width.saturating_sub(1));
-        PictureArea { origin: [left, 0], size: [width.saturating_sub(left + right).max(1), height] }
+        PixelRect { origin: [left, 0], size: [width.saturating_sub(left + right).max(1), height] }
     }
 
     fn status<'a>(&self, gpu: &'a Gpu) -> WindowStatus<'a> {
@@ -236,11 +275,13 @@ impl Session {
     pub(super) fn recover(&mut self, problem: &RenderError) {
         log::warn!("a frame could not be drawn: {problem}");
         self.renderer.drop_renderer();
+        self.canvas.clear();
         if matches!(problem, RenderError::Lost { .. }) {
-            match WindowSurface::new(self.window.clone(), self.surface.has_vsync()) {
-                Ok(surface) => {
-                    self.surface = surface;
-                    self.overlay = Overlay::new(&self.window, self.surface.gpu().device(), self.surface.format());
+            let surface = WindowSurface::new(self.window.clone(), self.surface.has_vsync());
+            match surface.and_then(|surface| Ok((Canvas::new(surface.gpu(), surface.format())?, surface))) {
+                Ok((canvas, surface)) => {
+                    self.overlay = Overlay::new(&self.window, surface.gpu().device(), surface.format());
+                    (self.canvas, self.surface) = (canvas, surface);
                 }
                 Err(error) => {
                     log::error!("{error}");

@@ -22,7 +22,7 @@ const DEFAULT_COLUMNS: usize = 80;
 /// Pixels that a touchpad scrolls for one notch of a wheel.
 const PIXELS_PER_NOTCH: f64 = 50.0;
 /// Minimum time between passes of the panels that change the highlighted widget.
-const HIGHLIGHT_SPACING: Duration = Duration::from_millis(80);
+const HIGHLIGHT_SPACING: Duration = Duration::from_millis(100);
 /// Minimum time between passes of the panels for motions over one widget, such as a plot that labels the point under the pointer.
 const HOVER_SPACING: Duration = Duration::from_millis(200);
 

@@ -1,16 +1,18 @@
 //! Windows: event loop, input, frames and output. The only module that uses winit.
 
 mod app;
+mod canvas;
 mod event_loop;
 mod frame;
 mod input;
 mod model_loader;
 mod output;
 mod overlay;
-mod scene_image;
+mod pixel_rect;
 mod scene_renderer;
 mod scheduler;
 mod session;
+mod shape_changes;
 mod surface;
 
 use std::sync::mpsc;

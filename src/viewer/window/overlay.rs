@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use arboard::Clipboard;
 use egui::epaint::ClippedShape;
-use egui::{ClippedPrimitive, Context, Order, Ui, ViewportId};
+use egui::{ClippedPrimitive, Context, Order, Rect, Ui, ViewportId};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 use egui_winit::State;
 use winit::event::WindowEvent;
@@ -12,6 +12,8 @@ use winit::keyboard::ModifiersState;
 use winit::window::Window;
 
 use super::input::modifiers as viewer_modifiers;
+use super::pixel_rect::PixelRect;
+use super::shape_changes::{changed_rects, clip, covered_pixels};
 use crate::render::Gpu;
 use crate::viewer::input::Modifiers;
 use crate::viewer::panel::apply_style;
@@ -20,6 +22,8 @@ use crate::viewer::panel::apply_style;
 pub(super) struct PanelPass {
     /// The panels differ from those of the previous pass.
     pub has_changed: bool,
+    /// The only input was motion of the pointer.
+    pub only_motion: bool,
     /// Time until the panels may change by themselves; [`Duration::MAX`] if they do not.
     pub repaint_delay: Duration,
 }
@@ -39,10 +43,13 @@ pub(super) struct Overlay {
     context: Context,
     input: State,
     painter: Renderer,
-    /// Output of the last pass, and its triangles.
+    /// Output of the last pass.
     shapes: Vec<ClippedShape>,
-    triangles: Vec<ClippedPrimitive>,
     scale: f32,
+    /// Rectangles that contain the changes of the output since the last call of [`Overlay::take_changes`], points.
+    changes: Vec<Rect>,
+    /// Parts of the window that were painted last, and their triangles.
+    triangles: (Vec<PixelRect>, Vec<ClippedPrimitive>),
     /// Texture updates since the panels were last painted.
     textures: egui::TexturesDelta,
     pending: PendingPointerEvents,
@@ -64,8 +71,9 @@ impl Overlay {
             input,
             painter,
             shapes: Vec::new(),
-            triangles: Vec::new(),
             scale: 1.0,
+            changes: Vec::new(),
+            triangles: (Vec::new(), Vec::new()),
             textures: egui::TexturesDelta::default(),
             pending: PendingPointerEvents::None,
             clipboard: None,
@@ -115,6 +123,13 @@ impl Overlay {
     /// Returns the number of pixels per point.
     pub fn pixels_per_point(&self) -> f32 {
         self.context.pixels_per_point()
+    }
+
+    /// Returns the colour of the panels' background.
+    pub fn background(&self) -> wgpu::Color {
+        let [red, green, blue, _] = self.context.global_style().visuals.panel_fill.to_opaque().to_array();
+        let [r, g, b] = [red, green, blue].map(|part| f64::from(part) / 255.0);
+        wgpu::Color { r, g, b, a: 1.0 }
     }
 
     /// Returns the rectangles of the panels with these names, from the upper left to the lower right corner, in pixels.
@@ -177,7 +192,7 @@ impl Overlay {
         let _ = self.input.on_window_event(window, event);
     }
 
-    /// Runs a pass of the panels. The triangles are computed only if the panels have changed.
+    /// Runs a pass of the panels.
     pub fn run(&mut self, window: &Window, panels: impl FnMut(&mut Ui)) -> PanelPass {
         // egui leaves the keyboard focus on a slider that was moved.
         if !self.is_editing() {
@@ -185,6 +200,8 @@ impl Overlay {
         }
         self.pending = PendingPointerEvents::None;
         let input = self.input.take_egui_input(window);
+        let is_motion = |event: &egui::Event| matches!(event, egui::Event::PointerMoved(_));
+        let only_motion = !input.events.is_empty() && input.events.iter().all(is_motion);
         let output = self.context.run_ui(input, panels);
         for command in &output.platform_output.commands {
             if let egui::OutputCommand::CopyText(text) = command {
@@ -195,46 +212,68 @@ impl Overlay {
             output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         self.input.handle_platform_output(window, output.platform_output);
         let scale = output.pixels_per_point;
-        let has_changed = output.shapes != self.shapes || scale != self.scale || !output.textures_delta.is_empty();
-        if has_changed {
-            self.triangles = self.context.tessellate(output.shapes.clone(), scale);
-            (self.shapes, self.scale) = (output.shapes, scale);
+        let changes =
+            if scale == self.scale { changed_rects(&self.shapes, &output.shapes) } else { vec![Rect::EVERYTHING] };
+        let has_changed = !changes.is_empty();
+        if has_changed || !output.textures_delta.is_empty() {
+            self.triangles.0.clear();
         }
+        (self.shapes, self.scale) = (output.shapes, scale);
+        self.changes.extend(changes);
         self.textures.append(output.textures_delta);
-        PanelPass { has_changed, repaint_delay }
+        PanelPass { has_changed, only_motion, repaint_delay }
     }
 
-    /// Draws the panels of the last pass over the scene.
-    pub fn paint(&mut self, gpu: &Gpu, target: &wgpu::TextureView, size: [u32; 2]) {
+    /// Returns for each of these areas of a window the smallest rectangle that contains the changes of the panels since the last call.
+    pub fn take_changes<const N: usize>(&mut self, areas: [PixelRect; N], window: [u32; 2]) -> [PixelRect; N] {
+        let changes: Vec<_> = self.changes.drain(..).map(|rect| covered_pixels(rect, self.scale, window)).collect();
+        areas.map(|area| {
+            let parts = changes.iter().map(|change| change.intersection(area));
+            parts.fold(PixelRect::default(), PixelRect::union)
+        })
+    }
+
+    /// Draws parts of the panels of the last pass over the scene. Returns commands that precede those of the encoder.
+    pub fn paint(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        parts: &[PixelRect],
+    ) -> Vec<wgpu::CommandBuffer> {
         let (device, queue) = (gpu.device(), gpu.queue());
         for (id, deltas) in std::mem::take(&mut self.textures.set) {
             for delta in &deltas {
                 self.painter.update_texture(device, queue, id, delta);
             }
         }
-        let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point: self.scale };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("panels") });
-        let mut commands = self.painter.update_buffers(device, queue, &mut encoder, &self.triangles, &screen);
-        {
-            let mut pass = encoder
-                .begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("panels"),
-                    color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                        view: target,
-                        depth_slice: None,
-                        resolve_target: None,
-                        ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                    })],
-                    ..wgpu::RenderPassDescriptor::default()
-                })
-                .forget_lifetime();
-            self.painter.render(&mut pass, &self.triangles, &screen);
+        // The parts are the same while only the scene changes.
+        if self.triangles.0 != parts {
+            let triangles = self.context.tessellate(clip(&self.shapes, parts, self.scale), self.scale);
+            self.triangles = (parts.to_vec(), triangles);
         }
-        commands.push(encoder.finish());
-        queue.submit(commands);
+        let texture = target.texture();
+        let screen =
+            ScreenDescriptor { size_in_pixels: [texture.width(), texture.height()], pixels_per_point: self.scale };
+        let triangles = &self.triangles.1;
+        let commands = self.painter.update_buffers(device, queue, encoder, triangles, &screen);
+        if !triangles.is_empty() {
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("panels"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: target,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                ..wgpu::RenderPassDescriptor::default()
+            });
+            self.painter.render(&mut pass.forget_lifetime(), triangles, &screen);
+        }
         for id in std::mem::take(&mut self.textures.free) {
             self.painter.free_texture(&id);
         }
+        commands
     }
 
     /// Copies a text to the system clipboard. Returns `false` if there is none.

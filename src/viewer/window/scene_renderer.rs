@@ -1,6 +1,6 @@
 //! Renderer of the scene of a window.
 
-use super::scene_image::{ImageCopier, PictureArea, SceneImage};
+use super::canvas::create_texture;
 use crate::render::{Gpu, RenderError, Renderer, RendererOptions, RgbImage};
 use crate::scene::{Camera, RenderFlags};
 use crate::viewer::link::{Asset, Snapshot};
@@ -10,9 +10,8 @@ use crate::viewer::link::{Asset, Snapshot};
 pub(super) struct SceneRenderer {
     /// Generation of the model, and its renderer.
     renderer: Option<(u64, Renderer)>,
-    copier: Option<ImageCopier>,
     /// Image of the last scene, and its content.
-    drawn: Option<(SceneContent, SceneImage)>,
+    drawn: Option<(SceneContent, wgpu::Texture)>,
     picture: RgbImage,
 }
 
@@ -29,7 +28,7 @@ struct SceneContent {
 impl SceneRenderer {
     /// Drops the GPU resources.
     pub fn drop_renderer(&mut self) {
-        (self.renderer, self.copier, self.drawn) = (None, None, None);
+        (self.renderer, self.drawn) = (None, None);
     }
 
     fn renderer(
@@ -60,41 +59,48 @@ impl SceneRenderer {
         }
     }
 
-    /// Draws a snapshot to an area of the window, seen by the camera of its last update. The scene is rendered only if it has changed:
-    /// otherwise its last image is copied.
+    /// Renders a snapshot, seen by the camera of its last update, to an image of a window's format. Returns `false` if the scene has not
+    /// changed since the last call, so that its image is the same.
     pub fn draw(
         &mut self,
         gpu: &Gpu,
         snapshot: &Snapshot,
         camera: &Camera,
-        target: &wgpu::TextureView,
-        area: PictureArea,
-    ) -> Result<(), RenderError> {
-        let format = target.texture().format();
-        let copier = match self.copier.take().filter(|copier| copier.format() == format) {
-            Some(copier) => copier,
-            None => ImageCopier::new(gpu, format)?,
-        };
+        format: wgpu::TextureFormat,
+        size: [u32; 2],
+    ) -> Result<bool, RenderError> {
         let content = SceneContent {
             generation: snapshot.generation,
             number: snapshot.number,
             camera: *camera,
             effects: snapshot.scene.render_flags(),
         };
-        let drawn = self.drawn.take().filter(|(_, image)| image.size() == area.size);
+        let fits = |image: &wgpu::Texture| [image.width(), image.height()] == size && image.format() == format;
+        let drawn = self.drawn.take().filter(|(_, image)| fits(image));
+        if let Some((shown, _)) = &drawn
+            && *shown == content
+        {
+            self.drawn = drawn;
+            return Ok(false);
+        }
+        #[cfg(feature = "test-hooks")]
+        crate::viewer::test_hooks::count_scene();
         let image = match drawn {
-            Some((shown, image)) if shown == content => image,
-            drawn => {
-                #[cfg(feature = "test-hooks")]
-                crate::viewer::test_hooks::count_scene();
-                let image = drawn.map_or_else(|| copier.image(gpu, area.size), |(_, image)| Ok(image))?;
-                self.renderer(gpu, snapshot, area.size)?.draw_to(&snapshot.scene, image.view(), area.size)?;
-                image
-            }
+            Some((_, image)) => image,
+            None => gpu.guarded(|| {
+                let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+                Ok(create_texture(gpu, size, format, usage))
+            })?,
         };
-        copier.copy(gpu, &image, target, area);
-        (self.copier, self.drawn) = (Some(copier), Some((content, image)));
-        Ok(())
+        let view = image.create_view(&wgpu::TextureViewDescriptor::default());
+        self.renderer(gpu, snapshot, size)?.draw_to(&snapshot.scene, &view, size)?;
+        self.drawn = Some((content, image));
+        Ok(true)
+    }
+
+    /// Returns the image of the last scene.
+    pub fn image(&self) -> Option<&wgpu::Texture> {
+        self.drawn.as_ref().map(|(_, image)| image)
     }
 
     /// Renders a snapshot without the panels to an image.

@@ -11,6 +11,7 @@ use winit::window::{Window, WindowId};
 
 use super::Opening;
 use super::app::InterruptGuard;
+use super::canvas::Canvas;
 use super::event_loop::{Waker, WindowToken, message_of};
 use super::frame::PanelContent;
 use super::model_loader::ModelLoader;
@@ -35,6 +36,7 @@ pub(super) struct Session {
     pub output: Output,
     pub renderer: SceneRenderer,
     pub overlay: Overlay,
+    pub canvas: Canvas,
     pub surface: WindowSurface,
     pub window: Arc<Window>,
 
@@ -100,6 +102,7 @@ impl Session {
         let window = Arc::new(window);
         let surface = WindowSurface::new(window.clone(), options.vsync)?;
         let overlay = Overlay::new(&window, surface.gpu().device(), surface.format());
+        let canvas = Canvas::new(surface.gpu(), surface.format())?;
         let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
         scheduler.request(now);
@@ -107,6 +110,7 @@ impl Session {
             output: Output::new(&options),
             renderer: SceneRenderer::default(),
             overlay,
+            canvas,
             surface,
             window,
             link,

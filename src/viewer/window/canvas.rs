@@ -1,0 +1,223 @@
+//! Image of the window's content on the GPU. A frame repaints only the parts that have changed, and copies the image to the window.
+
+use super::pixel_rect::PixelRect;
+use crate::render::{Gpu, RenderError};
+
+/// Draws the blend constant, or a texture of the target's size pixel by pixel.
+const SHADER: &str = "
+@group(0) @binding(0) var image: texture_2d<f32>;
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    let corner = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
+    return vec4f(corner, 0.0, 1.0);
+}
+
+@fragment
+fn fill() -> @location(0) vec4f {
+    return vec4f(1.0);
+}
+
+@fragment
+fn draw(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    return textureLoad(image, vec2u(position.xy), 0);
+}
+";
+
+/// Layout of the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CanvasLayout {
+    /// Width and height of the window, pixels.
+    pub size: [u32; 2],
+    /// Area of the scene, which has the height of the window, or an empty rectangle.
+    pub scene: PixelRect,
+    /// Colour beside the scene.
+    pub background: wgpu::Color,
+}
+
+impl CanvasLayout {
+    /// Returns the areas on the left of the scene, of the scene and on its right. They cover the window.
+    pub fn columns(&self) -> [PixelRect; 3] {
+        let [left, right] = [self.scene.origin[0], self.scene.end()[0]];
+        let [width, height] = self.size;
+        [[0, left], [left, right], [right, width]].map(|[start, end]| PixelRect::between([start, 0], [end, height]))
+    }
+}
+
+/// Image of the window's content.
+pub(super) struct Canvas {
+    format: wgpu::TextureFormat,
+    fill: wgpu::RenderPipeline,
+    /// Pipeline that draws the image to the window, created on first use.
+    draw: Option<wgpu::RenderPipeline>,
+    image: Option<Image>,
+}
+
+struct Image {
+    layout: CanvasLayout,
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+}
+
+impl Canvas {
+    /// Creates a canvas of a window with this format.
+    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Result<Self, RenderError> {
+        let constant = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::Constant,
+            dst_factor: wgpu::BlendFactor::Zero,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let blend = wgpu::BlendState { color: constant, alpha: constant };
+        gpu.guarded(|| Ok(Self { format, fill: pipeline(gpu, format, "fill", Some(blend)), draw: None, image: None }))
+    }
+
+    /// Discards the image, so that the next frame repaints the window completely.
+    pub fn clear(&mut self) {
+        self.image = None;
+    }
+
+    /// Adopts a layout. Returns `true` if the window must be repainted completely.
+    pub fn prepare(&mut self, gpu: &Gpu, layout: CanvasLayout) -> Result<bool, RenderError> {
+        if self.image.as_ref().is_some_and(|image| image.layout == layout) {
+            return Ok(false);
+        }
+        self.image = match self.image.take().filter(|image| image.layout.size == layout.size) {
+            Some(image) => Some(Image { layout, ..image }),
+            None => Some(gpu.guarded(|| {
+                use wgpu::TextureUsages as Usages;
+                let usage = Usages::RENDER_ATTACHMENT | Usages::TEXTURE_BINDING | Usages::COPY_SRC | Usages::COPY_DST;
+                let texture = create_texture(gpu, layout.size, self.format, usage);
+                Ok(Image { layout, view: texture.create_view(&wgpu::TextureViewDescriptor::default()), texture })
+            })?),
+        };
+        Ok(true)
+    }
+
+    /// Returns the image, on which panels are painted.
+    pub fn view(&self) -> Option<&wgpu::TextureView> {
+        self.image.as_ref().map(|image| &image.view)
+    }
+
+    /// Draws what is behind the panels in parts of the window, each of which is in one column of the layout: the image of the scene, or
+    /// the background.
+    pub fn draw_background(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        parts: &[PixelRect],
+        scene: Option<&wgpu::Texture>,
+    ) {
+        let Some(image) = &self.image else { return };
+        let area = image.layout.scene;
+        let shows_scene = |part: &&PixelRect| area.intersection(**part) == **part;
+        {
+            let mut pass = begin(encoder, &image.view);
+            pass.set_pipeline(&self.fill);
+            pass.set_blend_constant(image.layout.background);
+            for part in parts.iter().filter(|part| !shows_scene(part)) {
+                pass.set_scissor_rect(part.origin[0], part.origin[1], part.size[0], part.size[1]);
+                pass.draw(0..3, 0..1);
+            }
+        }
+        let Some(scene) = scene else { return };
+        for part in parts.iter().filter(shows_scene) {
+            let at = |texture, [x, y]: [u32; 2]| wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x, y, z: 0 },
+                aspect: wgpu::TextureAspect::All,
+            };
+            let from = at(scene, [0, 1].map(|axis| part.origin[axis] - area.origin[axis]));
+            let extent = wgpu::Extent3d { width: part.size[0], height: part.size[1], depth_or_array_layers: 1 };
+            encoder.copy_texture_to_texture(from, at(&image.texture, part.origin), extent);
+        }
+    }
+
+    /// Copies the image to the window's texture of the same size.
+    pub fn copy_to(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Texture) {
+        let Some(image) = &self.image else { return };
+        if target.usage().contains(wgpu::TextureUsages::COPY_DST) {
+            encoder.copy_texture_to_texture(image.texture.as_image_copy(), target.as_image_copy(), target.size());
+            return;
+        }
+        // OpenGL cannot copy to the texture of a window.
+        let draw = self.draw.get_or_insert_with(|| pipeline(gpu, self.format, "draw", None));
+        let bind_group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("canvas"),
+            layout: &draw.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&image.view) }],
+        });
+        let mut pass = begin(encoder, &target.create_view(&wgpu::TextureViewDescriptor::default()));
+        pass.set_pipeline(draw);
+        pass.set_bind_group(0, &bind_group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// Creates a texture of a window's format.
+pub(super) fn create_texture(
+    gpu: &Gpu,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    gpu.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some("canvas"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+/// Creates a pipeline that covers the target with the colours of a fragment shader.
+fn pipeline(
+    gpu: &Gpu,
+    format: wgpu::TextureFormat,
+    shader: &str,
+    blend: Option<wgpu::BlendState>,
+) -> wgpu::RenderPipeline {
+    let device = gpu.device();
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("canvas"),
+        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+    });
+    let target = wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("canvas"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: None,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some(shader),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(target)],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// Begins a pass that keeps the content of the target.
+fn begin<'e>(encoder: &'e mut wgpu::CommandEncoder, target: &wgpu::TextureView) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("canvas"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+        })],
+        ..wgpu::RenderPassDescriptor::default()
+    })
+}
