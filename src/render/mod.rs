@@ -90,6 +90,8 @@ mod shape;
 mod view;
 
 pub use self::error::RenderError;
+#[cfg(all(test, feature = "viewer"))]
+pub(crate) use self::gpu::buffer::ReadBackBuffer;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
 pub use self::image::{DepthImage, RgbImage, Segment, SegmentationImage};
 pub use self::renderer::Snapshot;

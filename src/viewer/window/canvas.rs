@@ -221,3 +221,67 @@ fn begin<'e>(encoder: &'e mut wgpu::CommandEncoder, target: &wgpu::TextureView) 
         ..wgpu::RenderPassDescriptor::default()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::ReadBackBuffer;
+
+    const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+    const SIZE: [u32; 2] = [8, 4];
+
+    /// Returns the red and green parts of the canvas after a copy to a texture with this usage.
+    fn copied(gpu: &Gpu, canvas: &mut Canvas, usage: wgpu::TextureUsages) -> Vec<Vec<[u8; 2]>> {
+        let window = create_texture(gpu, SIZE, FORMAT, usage | wgpu::TextureUsages::COPY_SRC);
+        let buffer = ReadBackBuffer::new(gpu, SIZE, 4).unwrap();
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        canvas.copy_to(gpu, &mut encoder, &window);
+        buffer.encode(&mut encoder, &window);
+        gpu.queue().submit([encoder.finish()]);
+        let mut rows = Vec::new();
+        buffer
+            .rows(gpu, |row| rows.push(row.as_chunks::<4>().0.iter().map(|pixel| [pixel[0], pixel[1]]).collect()))
+            .unwrap();
+        rows.reverse();
+        rows
+    }
+
+    #[test]
+    fn repainted_parts_show_scene_and_background() {
+        let gpu = Gpu::new().unwrap();
+        let mut canvas = Canvas::new(&gpu, FORMAT).unwrap();
+        let background = wgpu::Color { r: 1.0, g: 0.0, b: 0.0, a: 1.0 };
+        let layout = CanvasLayout { size: SIZE, scene: PixelRect::between([2, 0], [6, 4]), background };
+        assert_eq!(layout.columns()[0], PixelRect::between([0, 0], [2, 4]));
+        assert_eq!(layout.columns()[2], PixelRect::between([6, 0], [8, 4]));
+        assert!(canvas.prepare(&gpu, layout).unwrap());
+        assert!(!canvas.prepare(&gpu, layout).unwrap());
+
+        // A scene whose green part is the number of the pixel.
+        let scene = create_texture(&gpu, [4, 4], FORMAT, wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST);
+        let pixels: Vec<u8> = (0..16).flat_map(|number| [0, number, 0, 255]).collect();
+        let rows = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16), rows_per_image: None };
+        gpu.queue().write_texture(scene.as_image_copy(), &pixels, rows, scene.size());
+        let draw = |canvas: &Canvas, parts: &[PixelRect]| {
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            canvas.draw_background(&mut encoder, parts, Some(&scene));
+            gpu.queue().submit([encoder.finish()]);
+        };
+        let expected = |is_drawn: &dyn Fn(u8, u8) -> bool| -> Vec<Vec<[u8; 2]>> {
+            let pixel = |x, y| match x {
+                _ if !is_drawn(x, y) => [0, 0],
+                2..6 => [0, 4 * y + x - 2],
+                _ => [255, 0],
+            };
+            (0..4).map(|y| (0..8).map(|x| pixel(x, y)).collect()).collect()
+        };
+        draw(&canvas, &[PixelRect::between([1, 1], [2, 3]), PixelRect::between([3, 2], [5, 4])]);
+        let copy = wgpu::TextureUsages::COPY_DST;
+        let partial = |x, y| x == 1 && (1..3).contains(&y) || (3..5).contains(&x) && y >= 2;
+        assert_eq!(copied(&gpu, &mut canvas, copy), expected(&partial));
+        draw(&canvas, &layout.columns());
+        assert_eq!(copied(&gpu, &mut canvas, copy), expected(&|_, _| true));
+        // A window of OpenGL can only be drawn to.
+        assert_eq!(copied(&gpu, &mut canvas, wgpu::TextureUsages::RENDER_ATTACHMENT), expected(&|_, _| true));
+    }
+}
