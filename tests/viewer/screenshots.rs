@@ -31,7 +31,7 @@ pub fn draw(directory: &Path) {
                     input.move_to([state().size[0] as i32 / 2, 20]);
                     input.keys(&["F24"]);
                     wait_until("another frame is drawn", || state().frame > frame);
-                    std::thread::sleep(std::time::Duration::from_millis(300));
+                    wait_for_idle();
                     Screen::read(&framebuffer).save(&directory.join(format!("{name}.png")), state().size);
                 };
                 save("start");
@@ -56,6 +56,16 @@ pub fn draw(directory: &Path) {
                 save("sections");
                 input.click([100, 400], 5, 6);
                 save("appearance");
+                // Opens the groups of the appearance from the bottom up.
+                for group in [512, 489, 466, 443, 420, 397, 374] {
+                    input.click([40, group], 1, 1);
+                    settle(&input);
+                    settle(&input);
+                }
+                input.click([100, 400], 5, 6);
+                save("appearance_groups");
+                input.click([100, 400], 5, 12);
+                save("appearance_colours");
                 input.click([100, 400], 5, 30);
                 save("sections_below");
                 input.click([1100, 400], 5, 30);
@@ -73,6 +83,7 @@ pub fn draw(directory: &Path) {
                 press(&input, "ctrl+Right", "the trajectory mode is selected", |state| state.mode == "Trajectory");
                 press(&input, "ctrl+b", "the burst is on", |state| state.playback_flags[1]);
                 input.double_click([640, 380], 1);
+                input.click([100, 400], 4, 60);
                 press(&input, "ctrl+p", "the screenshot is saved", |state| !state.messages.is_empty());
                 save("trajectory");
                 press(&input, "F3", "the profile is open", |state| state.panels[4]);
@@ -89,4 +100,15 @@ pub fn draw(directory: &Path) {
         let viewer = Viewer::new().options(options.with_title(&*title).with_size(SIZE));
         viewer.controller(controller).trajectories([trajectory]).run(data).expect("the window opens");
     });
+}
+
+/// Waits until no frame is drawn for a moment, for example after scrolling. A running simulation is drawn continuously.
+fn wait_for_idle() {
+    for _ in 0..10 {
+        let frame = state().frame;
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        if state().frame == frame {
+            return;
+        }
+    }
 }

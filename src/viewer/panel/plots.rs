@@ -1,7 +1,7 @@
 //! Plots of values over time, and the panel of watched values.
 
-use egui::{Color32, RichText, TextEdit, Ui};
-use egui_plot::{Line, Plot, PlotPoints};
+use egui::{Color32, Rangef, RichText, TextEdit, Ui};
+use egui_plot::{AxisHints, Line, Plot, PlotPoints};
 
 use super::curves::{Curve, Curves};
 use super::{PanelContext, layout};
@@ -15,6 +15,8 @@ const MIN_HEIGHT: f32 = 70.0;
 const MAX_HEIGHT: f32 = 120.0;
 /// Height of the title and the legend of a plot, points.
 const TITLE_HEIGHT: f32 = 40.0;
+/// Distances of grid lines at which the label of the time appears and is opaque, points.
+const TIME_SPACING: Rangef = Rangef { min: 22.0, max: 36.0 };
 /// Maximum number of curves in a plot. More curves could not be distinguished.
 const MAX_CURVES: usize = 16;
 
@@ -104,6 +106,7 @@ fn show_plot(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], height: f32
         .grid_color(Color32::from_gray(80))
         .set_margin_fraction(egui::vec2(0.0, 0.1))
         .y_axis_min_width(38.0)
+        .custom_x_axes(vec![AxisHints::new_x().label_spacing(TIME_SPACING)])
         .show(ui, |plot| {
             for (index, curve) in curves.iter().take(MAX_CURVES).enumerate() {
                 let points: PlotPoints<'_> = curve.points().filter(|[_, value]| value.is_finite()).collect();

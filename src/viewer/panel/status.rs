@@ -9,6 +9,9 @@ use super::{PanelContext, layout};
 use crate::viewer::input::{HelpSection, Modifiers, help_sections};
 use crate::viewer::link::Status;
 
+/// Minimum height of a row of the info panel and of the help, points.
+const ROW_HEIGHT: f32 = 15.0;
+
 /// Time without a frame after which the refresh rate is shown as idle.
 const IDLE_TIME: Duration = Duration::from_millis(600);
 
@@ -32,17 +35,17 @@ pub(super) fn show_info(ui: &mut Ui, cx: &PanelContext<'_>) {
         ("Time", format!("{:.3} s", snapshot.time)),
         ("Refresh Rate", rate),
         ("Resolution", format!("({width}, {height})")),
-        ("Sim Speed", snapshot.speed.text()),
+        ("Target Speed", snapshot.speed.text()),
     ];
     if snapshot.status != Status::Paused && snapshot.speed.measured > 0.0 {
-        lines.push(("Real Time", format!("{:.2}x", snapshot.speed.measured)));
+        lines.push(("Actual Speed", format!("{:.2}x", snapshot.speed.measured)));
     }
     if let Some(selected) = snapshot.selected.filter(|selected| selected.active) {
         let norm = |part: &[f64]| part.iter().map(|number| number * number).sum::<f64>().sqrt();
         lines.push(("Pull", format!("{:.1} N, {:.1} N m", norm(&selected.force[..3]), norm(&selected.force[3..]))));
     }
     lines.extend([("Frame", format!("{:?}", options.frame)), ("Label", format!("{:?}", options.label))]);
-    Grid::new("info").num_columns(2).spacing([14.0, 2.0]).show(ui, |ui| {
+    Grid::new("info").num_columns(2).spacing([14.0, 1.0]).min_row_height(ROW_HEIGHT).show(ui, |ui| {
         for (name, value) in lines {
             show_line(ui, name, &value);
         }
@@ -71,7 +74,10 @@ const MAX_MESSAGES: usize = 4;
 struct Message {
     text: String,
     is_problem: bool,
-    until: Instant,
+    /// Display time.
+    time: Duration,
+    /// End of the display time, which starts when the message is first shown: a frame may take longer.
+    until: Option<Instant>,
 }
 
 /// Notices and problems at the top of the window.
@@ -102,14 +108,20 @@ impl Messages {
         if self.messages.len() == MAX_MESSAGES {
             self.messages.remove(0);
         }
-        self.messages.push(Message { text, is_problem, until: Instant::now() + time });
+        self.messages.push(Message { text, is_problem, time, until: None });
+    }
+
+    /// Starts the display time of new messages and removes those whose time is over. Returns the time until the next removal.
+    fn update(&mut self, now: Instant) -> Option<Duration> {
+        let time_left =
+            |message: &mut Message| message.until.get_or_insert(now + message.time).saturating_duration_since(now);
+        self.messages.retain_mut(|message| !time_left(message).is_zero());
+        self.messages.iter_mut().map(time_left).min()
     }
 
     /// Shows the messages in the picture between side panels of these widths.
     pub fn show(&mut self, context: &Context, cx: &PanelContext<'_>, [left, right]: [f32; 2]) {
-        let now = Instant::now();
-        self.messages.retain(|message| message.until > now);
-        if let Some(next) = self.messages.iter().map(|message| message.until - now).min() {
+        if let Some(next) = self.update(Instant::now()) {
             context.request_repaint_after(next);
         }
         let problem = cx.snapshot.problem.as_str();
@@ -149,7 +161,6 @@ impl Messages {
 const MAX_COLUMNS: usize = 3;
 /// Widths of the keys and of their description in the help, points.
 const WIDTHS: [f32; 2] = [138.0, 236.0];
-const ROW_HEIGHT: f32 = 15.0;
 
 pub(super) fn show_help(context: &Context, cx: &PanelContext<'_>) {
     let sections = help_sections(cx.snapshot.mode);
@@ -221,6 +232,20 @@ fn cell(ui: &mut Ui, width: f32, text: RichText) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn display_time_of_a_message_starts_when_it_is_first_shown() {
+        let mut messages = Messages::default();
+        messages.notice("saved".to_owned());
+        let first = Instant::now() + 10 * NOTICE_TIME;
+        assert_eq!(messages.update(first), Some(NOTICE_TIME));
+        messages.warn("no clipboard".to_owned());
+        assert_eq!(messages.update(first + NOTICE_TIME / 2), Some(NOTICE_TIME / 2));
+        assert_eq!(messages.messages.len(), 2);
+        assert_eq!(messages.update(first + NOTICE_TIME), Some(PROBLEM_TIME - NOTICE_TIME / 2));
+        assert_eq!(messages.messages.len(), 1);
+        assert_eq!(messages.update(first + NOTICE_TIME / 2 + PROBLEM_TIME), None);
+    }
 
     #[test]
     fn sections_are_distributed_over_columns_in_order() {

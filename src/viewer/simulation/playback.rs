@@ -172,11 +172,11 @@ impl Player {
     pub fn describe(&self, lines: &mut Vec<InfoLine>) {
         let mut lines = InfoLines::new(lines);
         let on = |on: bool| if on { "On" } else { "Off" };
-        lines.push("t", format_args!("{}/{}", self.frame + 1, self.present().len()));
-        lines.push("Trajectory ID", format_args!("{}/{}", self.trajectory + 1, self.trajectories.len()));
-        lines.push("Burst Mode", format_args!("{}", on(self.burst.on)));
-        lines.push("Burst Factor", format_args!("{}/{}", self.burst.factor.round(), Burst::RANGE.end()));
-        lines.push("Burst Gamma", format_args!("{}/{}", self.burst.gamma.round(), Burst::RANGE.end()));
+        lines.push("Record", format_args!("{}/{}", self.frame + 1, self.present().len()));
+        lines.push("Trajectory", format_args!("{}/{}", self.trajectory + 1, self.trajectories.len()));
+        lines.push("Burst", format_args!("{}", on(self.burst.on)));
+        lines.push("Burst Density", format_args!("{}/{}", self.burst.factor.round(), Burst::RANGE.end()));
+        lines.push("Burst Fading", format_args!("{}/{}", self.burst.gamma.round(), Burst::RANGE.end()));
         lines.push("Burst Doppler", format_args!("{}", on(self.burst.doppler)));
         lines.finish();
     }

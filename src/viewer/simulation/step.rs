@@ -32,11 +32,11 @@ impl StepTiming {
         let mut lines = InfoLines::new(lines);
         let total = self.controller + self.step;
         if total > 0.0 {
-            lines.push("Realtime Factor", format_args!("{:.2}x", timestep / total));
+            lines.push("Max Speed", format_args!("{:.2}x", timestep / total));
             lines.push("Controller Time", format_args!("{:.3} ms", 1e3 * self.controller));
             lines.push("Step Time", format_args!("{:.3} ms", 1e3 * self.step));
         } else {
-            lines.push("Realtime Factor", format_args!("-"));
+            lines.push("Max Speed", format_args!("-"));
         }
         lines.finish();
     }

@@ -130,11 +130,11 @@ fn info_panel_shows_the_playback() {
         bench.snapshot().info.iter().map(|line| format!("{}: {}", line.name, line.value)).collect()
     };
     let expected = [
-        "t: 4/40",
-        "Trajectory ID: 1/3",
-        "Burst Mode: Off",
-        "Burst Factor: 20/40",
-        "Burst Gamma: 20/40",
+        "Record: 4/40",
+        "Trajectory: 1/3",
+        "Burst: Off",
+        "Burst Density: 20/40",
+        "Burst Fading: 20/40",
         "Burst Doppler: Off",
     ];
     assert_eq!(text(&mut bench), expected);
@@ -154,7 +154,7 @@ fn controls_and_forces_of_a_controller_do_not_persist() {
     bench.send(SimulationRequest::Step(10));
     assert_eq!(bench.snapshot().ctrl, [0.3]);
     let info = bench.snapshot().info[0].clone();
-    assert!(info.name == "Realtime Factor" && info.value.ends_with('x'), "{info:?}");
+    assert!(info.name == "Max Speed" && info.value.ends_with('x'), "{info:?}");
     bench.send(SimulationRequest::SetMode(Mode::Passive));
     assert_eq!(bench.snapshot().ctrl, [0.0]);
     let data = bench.simulation.into_data();
