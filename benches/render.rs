@@ -13,9 +13,10 @@
 //! the processor time of all threads. With a software renderer, such as Mesa's lavapipe and OSMesa, this is the full cost
 //! of an image, independent of other load. With a graphics card it is only the cost on the CPU.
 //!
-//! The benchmark also measures the time to the first image, and the CPU time to prepare a frame for up to 10,000 geoms.
+//! The benchmark also measures the time to the first image, the cost of colours, depth and segmentation together relative to colours alone, and
+//! the CPU time to prepare a frame for up to 10,000 geoms.
 //!
-//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred` and `prepare`. Processor time comes from `/proc`
+//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `outputs` and `prepare`. Processor time comes from `/proc`
 //! (Linux).
 
 #[path = "../tests/render/pictures/scenes.rs"]
@@ -28,7 +29,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
-use mujoco_safe::render::{Lighting, Renderer, RendererOptions, RgbImage};
+use mujoco_safe::render::{Images, Lighting, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::scene::{Camera, Categories, NewGeom, SceneOptions};
 use mujoco_safe::{Data, Scene, sample};
 use serde_json::{Value, json};
@@ -61,6 +62,13 @@ fn main() -> Result<()> {
         for size in SIZES.into_iter().filter(|_| wanted(name)) {
             for &lighting in lightings {
                 compare(name, size, lighting, rounds, engine.as_mut())?;
+            }
+        }
+    }
+    if wanted("outputs") {
+        for name in ["humanoid", "crowd", "hundred"] {
+            for size in SIZES {
+                outputs(name, size, rounds)?;
             }
         }
     }
@@ -132,6 +140,34 @@ fn compare(name: &str, size: [u32; 2], lighting: Lighting, rounds: usize, engine
     let Spread { low, median, high } = Spread::of(&mut ratios);
     let (ours, engines) = (Spread::of(&mut our_times).median, Spread::of(&mut engine_times).median);
     println!("{title:40} ours {ours:6.1} ms, engine {engines:6.1} ms: {median:.2} times as fast [{low:.2}, {high:.2}]");
+    Ok(())
+}
+
+/// Compares the processor time of colours, depth and segmentation together with that of colours alone.
+fn outputs(name: &str, size: [u32; 2], rounds: usize) -> Result<()> {
+    let mut drawing = Drawing::new(name, size, Lighting::PerVertex)?;
+    let of_one = drawing.turn(3)? / 3.0;
+    let pictures = (0.5 * TURN / of_one).ceil().clamp(2.0, 100.0) as usize;
+    let mut images = Images::default();
+    let mut ratios = Vec::new();
+    // The first pair of turns creates the pipelines.
+    for round in 0..=rounds {
+        let start = processor_time()?;
+        for _ in 0..pictures {
+            drawing.renderer.images_into(&drawing.scene, &mut images)?;
+        }
+        let together = processor_time()? - start;
+        let start = processor_time()?;
+        for _ in 0..pictures {
+            drawing.renderer.rgb_into(&drawing.scene, &mut drawing.picture)?;
+        }
+        if round > 0 {
+            ratios.push(together / (processor_time()? - start));
+        }
+    }
+    let Spread { low, median, high } = Spread::of(&mut ratios);
+    let title = format!("{name} {}×{}", size[0], size[1]);
+    println!("{title:40} all images cost {median:.2} times the colours [{low:.2}, {high:.2}]");
     Ok(())
 }
 

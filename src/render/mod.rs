@@ -10,12 +10,13 @@
 //! // The camera is a name, an id, or &mut Camera::free(data.model()).
 //! let mut snapshot = renderer.snapshot(&mut data, "side")?;
 //!
-//! snapshot.rgb()?.save_png("colours.png")?;
-//! let depth = snapshot.depth()?;
-//! let seen = snapshot.segmentation()?.pixel(320, 240).map(|segment| segment.object);
-//! println!("centre pixel: {} m, {seen:?}", depth.metres(320, 240));
+//! // Together these cost less than rgb(), depth() and segmentation() do.
+//! let images = snapshot.images()?;
+//! images.rgb.save_png("colours.png")?;
+//! let seen = images.segmentation.pixel(320, 240).map(|segment| segment.object);
+//! println!("centre pixel: {} m, {seen:?}", images.depth.metres(320, 240));
 //! let camera = snapshot.pinhole_camera()?;
-//! let cloud: Vec<[f64; 3]> = depth.points(&camera).map(|(_, point)| point).collect();
+//! let cloud: Vec<[f64; 3]> = images.depth.points(&camera).map(|(_, point)| point).collect();
 //! println!("{} points in the world frame", cloud.len());
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
@@ -94,7 +95,7 @@ pub use self::error::RenderError;
 pub(crate) use self::gpu::buffer::ReadBackBuffer;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
 pub use self::image::{DepthImage, RgbImage, Segment, SegmentationImage};
-pub use self::renderer::Snapshot;
+pub use self::renderer::{Images, Snapshot};
 pub use self::settings::{Lighting, RendererOptions};
 use crate::with_aliases::with_aliases;
 

@@ -47,7 +47,27 @@ fn snapshot_shows_the_images_of_the_same_scene() {
         snapshot.depth_into(&mut metres).unwrap();
         snapshot.segmentation_into(&mut ids).unwrap();
         assert!(rgb == colours && metres == depth && ids == segmentation);
+        let images = snapshot.images().unwrap();
+        assert!(images.rgb == colours && images.depth == depth && images.segmentation == segmentation);
     }
+}
+
+#[test]
+fn images_together_equal_single_images_if_a_geom_is_transparent() {
+    let mut data = humanoid();
+    let mut renderer = renderer(data.model());
+    let mut snapshot = renderer.snapshot(&mut data, "side").unwrap();
+    let opaque = snapshot.images().unwrap();
+    let glass = NewGeom::sphere(0.5).pos([0.0, 0.0, 1.2]).rgba([1.0, 0.0, 0.0, 0.4]);
+    let glass = snapshot.scene_mut().add_geom(&glass).unwrap();
+    let mut images = opaque.clone();
+    snapshot.images_into(&mut images).unwrap();
+    assert!(images.segmentation.segments().iter().any(|(segment, _)| segment.geom == glass), "the geom is visible");
+    assert!(images.rgb != opaque.rgb && images.segmentation != opaque.segmentation);
+    assert!(images.depth == opaque.depth, "transparent geoms have no depth");
+    assert!(images.rgb == snapshot.rgb().unwrap());
+    assert!(images.depth == snapshot.depth().unwrap());
+    assert!(images.segmentation == snapshot.segmentation().unwrap());
 }
 
 #[test]

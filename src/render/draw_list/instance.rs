@@ -88,7 +88,7 @@ impl Appearance {
         match inputs.aux {
             Some(AuxOutput::SegmentColors) => return untextured(segment_color(geom.segid())),
             Some(AuxOutput::IdColors) => return untextured(id_color(geom.segid())),
-            Some(AuxOutput::Ids | AuxOutput::Depth) => return untextured([1.0; 4]),
+            Some(AuxOutput::Ids | AuxOutput::Depth | AuxOutput::DepthAndIds) => return untextured([1.0; 4]),
             None => {}
         }
         let [red, green, blue, alpha] = geom.rgba().map(|number| limited(number, 1e3));

@@ -83,6 +83,16 @@ pub(crate) enum AuxOutput {
     Ids,
     /// Depth. Transparent geoms are skipped.
     Depth,
+    /// Depth of the opaque geoms, and then ids of all geoms: the list keeps transparent geoms apart.
+    DepthAndIds,
+}
+
+impl AuxOutput {
+    /// Returns `true` if the depth must be precise.
+    pub(crate) fn has_depth(self) -> bool {
+        // The edges of geoms are the same in depth and segmentation images.
+        matches!(self, Self::Ids | Self::Depth | Self::DepthAndIds)
+    }
 }
 
 impl DrawList {
@@ -102,7 +112,7 @@ impl DrawList {
             }
             let is_behind = is_camera_behind(geom, camera);
             let is_transparent = match inputs.aux {
-                None => is_transparent(geom, is_behind),
+                None | Some(AuxOutput::DepthAndIds) => is_transparent(geom, is_behind),
                 Some(AuxOutput::Depth) if is_transparent(geom, is_behind) => continue,
                 Some(_) => false,
             };
@@ -297,7 +307,7 @@ fn detail_level(
     /// Largest distance between a geom and its triangles, relative to the distance from the camera. At a viewing angle
     /// of 15° this is 1/5000 of the depth.
     const PRECISION: f64 = 5e-5;
-    let (BoundingVolume::Sphere(sphere), None | Some(AuxOutput::Depth | AuxOutput::Ids)) = (volume, aux) else {
+    let (BoundingVolume::Sphere(sphere), true) = (volume, aux.is_none_or(AuxOutput::has_depth)) else {
         return DetailLevel::Color(0);
     };
     let [x, y, z] = geom.size();

@@ -4,7 +4,7 @@
 use super::target::{create_texture, default_view, depth_format};
 use super::{DrawContext, PassKind, PipelineKey, Target};
 use crate::render::Gpu;
-use crate::render::draw_list::DrawList;
+use crate::render::draw_list::{Batch, DrawList};
 
 /// Format of geom ids and depths in metres. The depth is the bit pattern of a floating-point number, because not every
 /// adapter can render to 32-bit float formats.
@@ -32,17 +32,31 @@ impl AuxTarget {
     }
 }
 
-/// Encodes the pass for geom ids and depths, rendered upside down.
+/// Geoms of a pass for ids and depths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AuxLayer {
+    /// The opaque list, alone.
+    Only,
+    /// The opaque list, to which a pass of the transparent list is added.
+    Opaque,
+    /// The transparent list, in addition to the opaque list.
+    Transparent,
+}
+
+/// Encodes a pass for geom ids and depths, rendered upside down.
 pub(crate) fn encode_ids(
     encoder: &mut wgpu::CommandEncoder,
     draw: &mut DrawContext<'_>,
     list: &DrawList,
     view: &wgpu::BindGroup,
     target: &AuxTarget,
-    cull: bool,
+    (layer, cull): (AuxLayer, bool),
 ) {
-    let pass = begin(encoder, &target.color, &target.depth);
-    encode(pass, draw, list, view, &PipelineKey::untextured(PassKind::Ids, ID_DEPTH_FORMAT, cull, true));
+    let pass = begin(encoder, &target.color, &target.depth, layer);
+    // The order of the transparent geoms does not matter.
+    let batches =
+        if layer == AuxLayer::Transparent { &list.transparent[..list.front_to_back] } else { &list.opaque[..] };
+    encode(pass, draw, batches, view, &PipelineKey::untextured(PassKind::Ids, ID_DEPTH_FORMAT, cull, true));
 }
 
 /// Encodes the pass for segmentation colours, to a target without multisampling.
@@ -54,19 +68,19 @@ pub(crate) fn encode_segment_colors(
     (target, color): (&Target, &wgpu::TextureView),
     [cull, flip_y]: [bool; 2],
 ) {
-    let pass = begin(encoder, color, &target.depth);
-    encode(pass, draw, list, view, &PipelineKey::untextured(PassKind::FlatColor, target.format, cull, flip_y));
+    let pass = begin(encoder, color, &target.depth, AuxLayer::Only);
+    encode(pass, draw, &list.opaque, view, &PipelineKey::untextured(PassKind::FlatColor, target.format, cull, flip_y));
 }
 
 fn encode(
     mut pass: wgpu::RenderPass<'_>,
     draw: &mut DrawContext<'_>,
-    list: &DrawList,
+    batches: &[Batch],
     view: &wgpu::BindGroup,
     key: &PipelineKey,
 ) {
     pass.set_bind_group(0, view, &[]);
-    for batch in list.opaque.iter().filter(|batch| batch.visibility.in_frustum) {
+    for batch in batches.iter().filter(|batch| batch.visibility.in_frustum) {
         draw.batch(&mut pass, batch, key);
     }
 }
@@ -75,18 +89,27 @@ fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     color: &wgpu::TextureView,
     depth: &wgpu::TextureView,
+    layer: AuxLayer,
 ) -> wgpu::RenderPass<'e> {
+    let is_first = layer != AuxLayer::Transparent;
+    let store = if layer == AuxLayer::Opaque { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("auxiliary output"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: color,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+            ops: wgpu::Operations {
+                load: if is_first { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load },
+                store: wgpu::StoreOp::Store,
+            },
         })],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: depth,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+            depth_ops: Some(wgpu::Operations {
+                load: if is_first { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
+                store,
+            }),
             stencil_ops: None,
         }),
         ..Default::default()

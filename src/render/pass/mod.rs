@@ -11,7 +11,7 @@ mod target;
 
 use std::ops::Range;
 
-pub(crate) use self::aux_pass::{AuxTarget, encode_ids, encode_segment_colors};
+pub(crate) use self::aux_pass::{AuxLayer, AuxTarget, encode_ids, encode_segment_colors};
 pub(crate) use self::label::Labels;
 pub(crate) use self::main_pass::{FrameInputs, MainPass};
 pub(crate) use self::pipeline::{PassKind, PipelineKey, Pipelines};

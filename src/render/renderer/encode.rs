@@ -1,12 +1,12 @@
 //! Encoding of the render passes of a scene, and read-back of the results.
 
 use super::Renderer;
+use super::read_back::ReadBack;
 use crate::error::Error;
 use crate::render::draw_list::{AuxOutput, DrawListInputs};
-use crate::render::gpu::buffer::ReadBackBuffer;
 use crate::render::pass::{
-    AuxTarget, COLOR_FORMAT, DrawContext, FrameInputs, Target, check_size, create_texture, default_view, encode_ids,
-    encode_segment_colors,
+    AuxLayer, AuxTarget, COLOR_FORMAT, DrawContext, FrameInputs, Target, check_size, create_texture, default_view,
+    encode_ids, encode_segment_colors,
 };
 use crate::render::shader::Shading;
 use crate::render::view::{Lights, UniformData, ViewFrustum, ViewUniforms};
@@ -14,17 +14,14 @@ use crate::render::{Lighting, RenderError};
 use crate::scene::{RenderFlags, Scene};
 
 impl Renderer {
-    /// Renders a colour image and passes its rows to `each`: four bytes per pixel.
-    pub(super) fn render_color(&mut self, scene: &Scene, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+    /// Submits the commands that render a colour image and copy it to its read-back buffer.
+    pub(super) fn submit_color(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let gpu = self.gpu.clone();
-        gpu.guarded(|| {
-            let (texture, view) = self.color_texture();
-            let mut encoder = self.encode(scene, &view, COLOR_FORMAT, self.size, true)?;
-            self.read_back_buffer(4)?.encode(&mut encoder, &texture);
-            gpu.queue().submit([encoder.finish()]);
-            self.read_back_buffer(4)?.rows(&gpu, each)
-        })
-        .inspect_err(|_| self.shadow_maps.invalidate())
+        let (texture, view) = self.color_texture();
+        let mut encoder = self.encode(scene, &view, COLOR_FORMAT, self.size, true)?;
+        self.read_back_buffer(ReadBack::Color)?.encode(&mut encoder, &texture);
+        gpu.queue().submit([encoder.finish()]);
+        Ok(())
     }
 
     /// Returns the colour texture for read-back, which is recreated after a change of the size.
@@ -39,40 +36,44 @@ impl Renderer {
         self.color.insert(color).clone()
     }
 
-    /// Renders geom ids and depths, and passes the rows to `each`: eight bytes per pixel.
-    pub(super) fn render_aux(
-        &mut self,
-        scene: &Scene,
-        output: AuxOutput,
-        each: impl FnMut(&[u8]),
-    ) -> Result<(), RenderError> {
+    /// Submits the commands that render geom ids and depths and copy them to [`ReadBack::Aux`]. Returns `true` if the depths are those of
+    /// [`ReadBack::Opaque`] instead: for both outputs of a scene with transparent geoms.
+    pub(super) fn submit_aux(&mut self, scene: &Scene, output: AuxOutput) -> Result<bool, RenderError> {
         let gpu = self.gpu.clone();
-        gpu.guarded(|| {
-            let frustum = self.update_draw_list(scene, self.size, Some(output), true)?.0;
-            self.update_aux_view(&frustum)?;
-            if self.aux_target.as_ref().is_none_or(|target| target.size() != self.size) {
-                self.aux_target = Some(AuxTarget::new(&gpu, self.size));
-            }
-            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let Self { list, pipelines, shapes, textures, instances, aux_view, aux_target, .. } = self;
-            let (Some(view), Some(target)) = (aux_view, aux_target) else { return Ok(()) };
-            let instances = instances.buffer();
-            let mut draw = DrawContext { gpu: &gpu, pipelines, shapes, textures, instances, tile_culling: None };
-            let cull = scene.render_flags().contains(RenderFlags::CULL_FACE);
-            encode_ids(&mut encoder, &mut draw, list, view, target, cull);
-            let texture = target.texture.clone();
-            self.read_back_buffer(8)?.encode(&mut encoder, &texture);
-            gpu.queue().submit([encoder.finish()]);
-            self.read_back_buffer(8)?.rows(&gpu, each)
-        })
+        let frustum = self.update_draw_list(scene, self.size, Some(output), true)?.0;
+        self.update_aux_view(&frustum)?;
+        if self.aux_target.as_ref().is_none_or(|target| target.size() != self.size) {
+            self.aux_target = Some(AuxTarget::new(&gpu, self.size));
+        }
+        let has_transparent = !self.list.transparent.is_empty();
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        if has_transparent {
+            self.encode_aux(&mut encoder, scene, AuxLayer::Opaque, ReadBack::Opaque)?;
+            self.encode_aux(&mut encoder, scene, AuxLayer::Transparent, ReadBack::Aux)?;
+        } else {
+            self.encode_aux(&mut encoder, scene, AuxLayer::Only, ReadBack::Aux)?;
+        }
+        gpu.queue().submit([encoder.finish()]);
+        Ok(has_transparent)
     }
 
-    /// Returns the read-back buffer, which is recreated after a change of the size or of the format.
-    fn read_back_buffer(&mut self, bytes_per_pixel: u32) -> Result<&ReadBackBuffer, RenderError> {
-        if !self.read_back.as_ref().is_some_and(|buffer| buffer.matches(self.size, bytes_per_pixel)) {
-            self.read_back = Some(ReadBackBuffer::new(&self.gpu, self.size, bytes_per_pixel)?);
-        }
-        self.read_back.as_ref().ok_or(RenderError::OutOfMemory)
+    /// Encodes a pass for geom ids and depths, and the copy to a read-back buffer.
+    fn encode_aux(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &Scene,
+        layer: AuxLayer,
+        to: ReadBack,
+    ) -> Result<(), RenderError> {
+        let cull = scene.render_flags().contains(RenderFlags::CULL_FACE);
+        let Self { gpu, list, pipelines, shapes, textures, instances, aux_view, aux_target, .. } = self;
+        let (Some(view), Some(target)) = (aux_view, aux_target) else { return Ok(()) };
+        let instances = instances.buffer();
+        let mut draw = DrawContext { gpu, pipelines, shapes, textures, instances, tile_culling: None };
+        encode_ids(encoder, &mut draw, list, view, target, (layer, cull));
+        let texture = target.texture.clone();
+        self.read_back_buffer(to)?.encode(encoder, &texture);
+        Ok(())
     }
 
     /// Updates the draw list and uploads its instances.
@@ -91,7 +92,7 @@ impl Renderer {
         let has_shadows = aux.is_none() && self.shadow_maps.is_enabled();
         let lights = Lights::new(scene, &frustum, &self.settings, has_shadows);
         let Self { gpu, list, shapes, textures, bounds, instances, .. } = self;
-        if matches!(aux, Some(AuxOutput::Depth | AuxOutput::Ids)) {
+        if aux.is_some_and(AuxOutput::has_depth) {
             shapes.create_depth_levels(gpu)?;
         }
         shapes.update_flexes(gpu, scene)?;

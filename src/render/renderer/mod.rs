@@ -1,11 +1,15 @@
 //! Renderer of the scenes of one model.
 
 mod encode;
+mod images;
+mod read_back;
 mod snapshot;
 
 use std::fmt;
 use std::sync::Arc;
 
+pub use self::images::Images;
+use self::read_back::{ReadBack, depth_rows, id_rows, rgb_rows};
 pub use self::snapshot::Snapshot;
 use super::assets::{Shapes, Textures};
 use super::bounding_volume::AssetBounds;
@@ -66,7 +70,7 @@ pub struct Renderer {
     aux_target: Option<AuxTarget>,
     target: Option<Target>,
     color: Option<(wgpu::Texture, wgpu::TextureView)>,
-    read_back: Option<ReadBackBuffer>,
+    read_back: [Option<ReadBackBuffer>; ReadBack::COUNT],
     /// Scene of snapshots. Shared only during a call of a snapshot.
     snapshot_scene: Arc<Scene>,
 }
@@ -140,7 +144,7 @@ impl Renderer {
                 aux_target: None,
                 target: None,
                 color: None,
-                read_back: None,
+                read_back: [const { None }; ReadBack::COUNT],
                 snapshot_scene: Arc::new(Scene::new(model, SNAPSHOT_CAPACITY)?),
             })
         })
@@ -259,14 +263,7 @@ impl Renderer {
     ///
     /// As for [`rgb`](Self::rgb).
     pub fn rgb_into(&mut self, scene: &Scene, picture: &mut RgbImage) -> Result<(), RenderError> {
-        let [width, height] = self.size.map(|length| length as usize);
-        let mut rows = picture.resize(width, height).chunks_exact_mut(3 * width);
-        self.render_color(scene, |row| {
-            let rgb = rows.next().unwrap_or_default().as_chunks_mut::<3>().0;
-            for (to, from) in rgb.iter_mut().zip(row.as_chunks::<4>().0) {
-                *to = [from[0], from[1], from[2]];
-            }
-        })
+        self.render_color(scene, rgb_rows(picture, self.size))
     }
 
     /// Renders a colour image into `rgba`: red, green, blue and 255 for each pixel, row-major from the upper left.
@@ -309,14 +306,7 @@ impl Renderer {
     ///
     /// As for [`rgb`](Self::rgb).
     pub fn depth_into(&mut self, scene: &Scene, picture: &mut DepthImage) -> Result<(), RenderError> {
-        let [width, height] = self.size.map(|length| length as usize);
-        let mut rows = picture.resize(width, height).chunks_exact_mut(width);
-        self.render_aux(scene, AuxOutput::Depth, |row| {
-            for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
-                let [id, depth]: [u32; 2] = bytemuck::pod_read_unaligned(from);
-                *to = if id == 0 { f32::INFINITY } else { f32::from_bits(depth) };
-            }
-        })
+        self.render_aux(scene, AuxOutput::Depth, depth_rows(picture, self.size))
     }
 
     /// Renders a segmentation image, which includes transparent geoms.
@@ -336,13 +326,25 @@ impl Renderer {
     ///
     /// As for [`rgb`](Self::rgb).
     pub fn segmentation_into(&mut self, scene: &Scene, picture: &mut SegmentationImage) -> Result<(), RenderError> {
-        let [width, height] = self.size.map(|length| length as usize);
-        let mut rows = picture.resize(width, height, scene).chunks_exact_mut(width);
-        self.render_aux(scene, AuxOutput::Ids, |row| {
-            for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
-                let [id, _]: [u32; 2] = bytemuck::pod_read_unaligned(from);
-                *to = id;
-            }
+        self.render_aux(scene, AuxOutput::Ids, id_rows(picture, self.size, scene))
+    }
+
+    /// Renders a colour image and passes its rows to `each`: four bytes per pixel.
+    fn render_color(&mut self, scene: &Scene, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            self.submit_color(scene)?;
+            self.read_rows(ReadBack::Color, each)
+        })
+        .inspect_err(|_| self.shadow_maps.invalidate())
+    }
+
+    /// Renders geom ids and depths, and passes the rows to `each`: eight bytes per pixel.
+    fn render_aux(&mut self, scene: &Scene, output: AuxOutput, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            self.submit_aux(scene, output)?;
+            self.read_rows(ReadBack::Aux, each)
         })
     }
 

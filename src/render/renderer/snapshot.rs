@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Renderer;
 use crate::data::Data;
 use crate::error::Error;
-use crate::render::{DepthImage, RenderError, RgbImage, SegmentationImage};
+use crate::render::{DepthImage, Images, RenderError, RgbImage, SegmentationImage};
 use crate::scene::{CameraSource, PinholeCamera, Scene, SceneOptions};
 
 /// State of a simulation, seen by one camera: a source of colour, depth and segmentation images, which all show the same scene.
@@ -166,6 +166,24 @@ impl Snapshot<'_> {
     /// As for [`rgb`](Self::rgb).
     pub fn segmentation_into(&mut self, picture: &mut SegmentationImage) -> Result<(), RenderError> {
         self.renderer.segmentation_into(&self.shared_scene(), picture)
+    }
+
+    /// Renders a colour, a depth and a segmentation image together: see [`Renderer::images`].
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb).
+    pub fn images(&mut self) -> Result<Images, RenderError> {
+        self.renderer.images(&self.shared_scene())
+    }
+
+    /// Renders as [`images`](Self::images) does into existing images, which are resized.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rgb`](Self::rgb).
+    pub fn images_into(&mut self, images: &mut Images) -> Result<(), RenderError> {
+        self.renderer.images_into(&self.shared_scene(), images)
     }
 
     /// Returns the pinhole model of the camera: focal lengths and principal point in pixels of these images, position and rotation.

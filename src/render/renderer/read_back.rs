@@ -1,0 +1,82 @@
+//! Read-back of images: buffers of a renderer, and conversion of their rows.
+
+use super::Renderer;
+use crate::render::gpu::buffer::ReadBackBuffer;
+use crate::render::{DepthImage, RenderError, RgbImage, SegmentationImage};
+use crate::scene::Scene;
+
+/// Read-back buffers of a renderer. Each has the size of the images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ReadBack {
+    /// Colours, four bytes per pixel.
+    Color,
+    /// Geom ids and depths, eight bytes per pixel.
+    Aux,
+    /// Geom ids and depths of the opaque geoms.
+    Opaque,
+}
+
+impl ReadBack {
+    /// Number of buffers.
+    pub const COUNT: usize = 3;
+
+    fn bytes_per_pixel(self) -> u32 {
+        match self {
+            Self::Color => 4,
+            Self::Aux | Self::Opaque => 8,
+        }
+    }
+}
+
+impl Renderer {
+    /// Returns a read-back buffer, which is recreated after a change of the size.
+    pub(super) fn read_back_buffer(&mut self, wanted: ReadBack) -> Result<&ReadBackBuffer, RenderError> {
+        let buffer = &mut self.read_back[wanted as usize];
+        if !buffer.as_ref().is_some_and(|buffer| buffer.matches(self.size, wanted.bytes_per_pixel())) {
+            *buffer = Some(ReadBackBuffer::new(&self.gpu, self.size, wanted.bytes_per_pixel())?);
+        }
+        buffer.as_ref().ok_or(RenderError::OutOfMemory)
+    }
+
+    /// Waits for the submitted copy to a read-back buffer, and passes the rows to `each`, first row first.
+    pub(super) fn read_rows(&mut self, from: ReadBack, each: impl FnMut(&[u8])) -> Result<(), RenderError> {
+        let gpu = self.gpu.clone();
+        self.read_back_buffer(from)?.rows(&gpu, each)
+    }
+}
+
+/// Returns a function that writes the next row of an image, which has this size.
+pub(super) fn rgb_rows(picture: &mut RgbImage, size: [u32; 2]) -> impl FnMut(&[u8]) {
+    let [width, height] = size.map(|length| length as usize);
+    let mut rows = picture.resize(width, height).chunks_exact_mut(3 * width);
+    move |row| {
+        let rgb = rows.next().unwrap_or_default().as_chunks_mut::<3>().0;
+        for (to, from) in rgb.iter_mut().zip(row.as_chunks::<4>().0) {
+            *to = [from[0], from[1], from[2]];
+        }
+    }
+}
+
+/// Returns a function that writes the next row of an image, which has this size.
+pub(super) fn depth_rows(picture: &mut DepthImage, size: [u32; 2]) -> impl FnMut(&[u8]) {
+    let [width, height] = size.map(|length| length as usize);
+    let mut rows = picture.resize(width, height).chunks_exact_mut(width);
+    move |row| {
+        for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
+            let [id, depth]: [u32; 2] = bytemuck::pod_read_unaligned(from);
+            *to = if id == 0 { f32::INFINITY } else { f32::from_bits(depth) };
+        }
+    }
+}
+
+/// Returns a function that writes the next row of an image of a scene, which has this size.
+pub(super) fn id_rows(picture: &mut SegmentationImage, size: [u32; 2], scene: &Scene) -> impl FnMut(&[u8]) {
+    let [width, height] = size.map(|length| length as usize);
+    let mut rows = picture.resize(width, height, scene).chunks_exact_mut(width);
+    move |row| {
+        for (to, from) in rows.next().unwrap_or_default().iter_mut().zip(row.as_chunks::<8>().0) {
+            let [id, _]: [u32; 2] = bytemuck::pod_read_unaligned(from);
+            *to = id;
+        }
+    }
+}
