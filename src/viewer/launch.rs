@@ -13,12 +13,25 @@ use crate::record::RecorderOptions;
 use crate::trajectory::Trajectory;
 use crate::with_methods::with_methods;
 
+/// Colours of the panels of a viewer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Theme {
+    /// Light text on a dark background.
+    #[default]
+    Dark,
+    /// Dark text on a light background.
+    Light,
+}
+
 /// Options of a viewer.
 ///
 /// ```
-/// use mujoco_safe::viewer::ViewerOptions;
+/// use mujoco_safe::viewer::{Theme, ViewerOptions};
 ///
 /// let options = ViewerOptions::default().with_title("a robot").with_size([1280, 720]);
+/// // For a projector.
+/// let options = options.with_theme(Theme::Light).with_scale(1.5);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -29,6 +42,10 @@ pub struct ViewerOptions {
     pub size: Option<[u32; 2]>,
     /// Vertical synchronisation, which prevents tearing.
     pub vsync: bool,
+    /// Colours of the panels.
+    pub theme: Theme,
+    /// Size of the panels and their text relative to the scale of the display. Values outside of 0.25 to 4 are limited to this range.
+    pub scale: f64,
     /// File of the model, which Ctrl+L reloads.
     pub file: Option<PathBuf>,
     /// Path of the screenshots of Ctrl+P. If the file exists, it is not overwritten: a number is appended to the name.
@@ -50,6 +67,8 @@ impl Default for ViewerOptions {
             title: "MuJoCo".to_owned(),
             size: None,
             vsync: true,
+            theme: Theme::Dark,
+            scale: 1.0,
             file: None,
             screenshots: "screenshot.png".into(),
             recordings: None,
@@ -63,6 +82,8 @@ with_methods!(ViewerOptions {
     with_title(title: impl Into<String>) = title.into(),
     with_size(size: [u32; 2]) = Some(size),
     with_vsync(vsync: bool),
+    with_theme(theme: Theme),
+    with_scale(scale: f64),
     with_file(file: impl Into<PathBuf>) = Some(file.into()),
     with_screenshots(screenshots: impl Into<PathBuf>) = screenshots.into(),
     with_recordings(recordings: impl Into<PathBuf>) = Some(recordings.into()),

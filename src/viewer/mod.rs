@@ -62,7 +62,7 @@ pub use self::handle::ViewerHandle;
 pub use self::input::{Key, KeyPress, Modifiers};
 #[cfg(not(target_os = "macos"))]
 pub use self::launch::launch;
-pub use self::launch::{Viewer, ViewerOptions, run};
+pub use self::launch::{Theme, Viewer, ViewerOptions, run};
 
 #[cfg(test)]
 mod tests;

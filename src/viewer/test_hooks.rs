@@ -195,9 +195,9 @@ pub(super) fn clear_sliders() {
     lock(&SLIDERS).clear();
 }
 
-/// Adds the position of a slider of the current pass, in points.
-pub(super) fn add_slider(rail: egui::Pos2, number: egui::Pos2) {
-    lock(&SLIDERS).push([[rail.x, rail.y], [number.x, number.y]]);
+/// Adds the positions of a slider of the current pass, in points, with the number of pixels per point.
+pub(super) fn add_slider(positions: [egui::Pos2; 2], scale: f32) {
+    lock(&SLIDERS).push(positions.map(|position| [position.x * scale, position.y * scale]));
 }
 
 /// Frame that was drawn.

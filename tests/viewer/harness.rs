@@ -78,7 +78,8 @@ pub fn show_with(options: ViewerOptions, viewer: Viewer, data: Data, act: impl F
     show_window(SIZE, options, viewer, data, act)
 }
 
-fn show_window(
+/// As [`show_with`], in a window of this size.
+pub fn show_window(
     size: [u32; 2],
     options: ViewerOptions,
     viewer: Viewer,

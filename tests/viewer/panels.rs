@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use mujoco_safe::viewer::test_hooks::{self, WindowState};
+use mujoco_safe::viewer::{Theme, Viewer, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
 use crate::display::Screen;
-use crate::harness::{press, settle, show_sized, state};
+use crate::harness::{press, settle, show_sized, show_window, state};
 use crate::input::{Input, wait_until};
 
 /// Size of a window that shows a panel in its full width.
@@ -14,7 +15,8 @@ pub const SIZE: [u32; 2] = [640, 400];
 
 pub fn panels() {
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
-    show_sized(SIZE, Data::new(sample::cartpole()).unwrap(), |input| {
+    let options = ViewerOptions::default().with_theme(Theme::Light).with_scale(1.25);
+    show_window(SIZE, options, Viewer::new(), Data::new(sample::cartpole()).unwrap(), |input| {
         let [width, height] = SIZE.map(|pixels| pixels as i32);
         // The panel covers the scene.
         let right = [width as usize - 4, height as usize / 2];
@@ -22,9 +24,13 @@ pub fn panels() {
         press(input, "ctrl+2", "the right panel is open", |state| state.panels[3]);
         wait_until("the panel is drawn", || Screen::read(&framebuffer).pixel(right) != before);
 
+        assert!(Screen::read(&framebuffer).pixel(right).iter().all(|&part| part > 200), "the panel is light");
+        // A side panel of 286 points would leave less than 264 points to the picture.
+        assert_eq!(state().picture[1][0], (1.25 * 264.0) as u32, "the panel is scaled");
+
         // A panel receives the mouse events over it.
         let camera = state().camera;
-        let on_panel = [width - 140, height / 2];
+        let on_panel = [width - 140, height - 12];
         input.drag(on_panel, [30, 0], 1, &[]);
         input.click(on_panel, 4, 1);
         settle(input);

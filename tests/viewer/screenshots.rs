@@ -2,17 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use mujoco_safe::viewer::{Viewer, ViewerOptions, test_hooks};
+use mujoco_safe::viewer::{Theme, Viewer, ViewerOptions, test_hooks};
 use mujoco_safe::{Data, PdController, Trajectory, sample};
 
 use crate::display::Screen;
-use crate::harness::{exit_on_panic, press, settle, state, unique_title};
+use crate::harness::{exit_on_panic, press, settle, show_window, state, unique_title};
 use crate::input::{Input, wait_until};
 
 const SIZE: [u32; 2] = [1280, 720];
 
 pub fn draw(directory: &Path) {
     std::fs::create_dir_all(directory).unwrap();
+    draw_light(directory);
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
     let mut data = Data::new(sample::humanoid()).unwrap();
     let mut trajectory = Trajectory::new(data.model());
@@ -111,4 +112,19 @@ fn wait_for_idle() {
             return;
         }
     }
+}
+
+/// Saves a screenshot of the light theme, with larger text.
+fn draw_light(directory: &Path) {
+    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
+    let options = ViewerOptions::default().with_theme(Theme::Light).with_scale(1.25);
+    show_window(SIZE, options, Viewer::new(), Data::new(sample::humanoid()).unwrap(), |input| {
+        for (key, part) in [("Tab", 2), ("shift+Tab", 3), ("F4", 5)] {
+            press(input, key, "a panel is open", |state| state.panels[part]);
+        }
+        press(input, "space", "the simulation runs", |state| state.time > 1.0);
+        press(input, "ctrl+l", "a notice is shown", |state| !state.messages.is_empty());
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        Screen::read(&framebuffer).save(&directory.join("light.png"), SIZE);
+    });
 }

@@ -2,7 +2,7 @@
 
 use egui::{RichText, TextEdit, Ui};
 
-use super::{PanelContext, layout};
+use super::PanelContext;
 use crate::id::BodyId;
 use crate::model::Model;
 use crate::viewer::link::EndpointRequest;
@@ -29,12 +29,12 @@ impl FindPanel {
                 if ui.selectable_label(false, name).on_hover_text("selects the body").clicked() {
                     cx.send(EndpointRequest::SelectBody(Some(body)));
                 }
-                ui.label(RichText::new(kind).small().color(layout::FAINT));
+                ui.label(RichText::new(kind).small().weak());
             });
         }
         let more = found.count();
         if more > 0 {
-            ui.label(RichText::new(format!("and {more} more")).small().color(layout::FAINT));
+            ui.label(RichText::new(format!("and {more} more")).small().weak());
         }
     }
 }

@@ -1,12 +1,12 @@
-//! Layout and style of the panels. The side panels lie beside the picture of the scene, the others over it. All are in layers above the
+//! Layout of the panels. The side panels lie beside the picture of the scene, the others over it. All are in layers above the
 //! background layer, so that the overlay can always determine if the pointer is over a panel.
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
 use egui::{
-    Align2, Area, CollapsingHeader, Color32, Context, CornerRadius, FontFamily, FontId, Frame, Id, Margin, Order,
-    RichText, ScrollArea, Shadow, Slider, SliderClamping, Stroke, TextStyle, TextWrapMode, Theme, Ui, Vec2,
+    Align2, Area, CollapsingHeader, Color32, Context, CornerRadius, Frame, Id, Margin, Order, RichText, ScrollArea,
+    Slider, SliderClamping, TextStyle, TextWrapMode, Ui, Vec2,
 };
 
 use crate::viewer::view::View;
@@ -32,7 +32,7 @@ pub fn side_widths(view: &View, window: f32) -> [f32; 2] {
 fn side(context: &Context, id: &'static str, anchor: Align2, width: f32, content: impl FnOnce(&mut Ui)) {
     let height = context.content_rect().height();
     Area::new(Id::unique(id)).anchor(anchor, Vec2::ZERO).order(Order::Middle).show(context, |ui| {
-        let frame = side_frame();
+        let frame = side_frame(context);
         let margin = frame.total_margin().sum();
         frame.show(ui, |ui| {
             ui.set_width(width - margin.x);
@@ -65,16 +65,18 @@ pub(super) fn lower_left(context: &Context, left: f32, content: impl FnOnce(&mut
         .anchor(Align2::LEFT_BOTTOM, [left + GAP, -GAP])
         .order(Order::Middle)
         .interactable(false)
-        .show(context, |ui| frame().show(ui, content));
+        .show(context, |ui| frame(context).show(ui, content));
 }
 
 /// Shows a panel in the centre of the window.
 pub(super) fn center(context: &Context, id: &'static str, content: impl FnOnce(&mut Ui)) {
+    let frame = frame(context);
+    let opaque = frame.fill(frame.fill.to_opaque());
     Area::new(Id::unique(id))
         .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
         .order(Order::Foreground)
         .default_size(context.content_rect().size())
-        .show(context, |ui| opaque_frame().show(ui, content));
+        .show(context, |ui| opaque.show(ui, content));
 }
 
 /// Shows a collapsible section of a panel.
@@ -147,80 +149,16 @@ pub(super) fn slider<N: egui::emath::Numeric>(value: &mut N, range: RangeInclusi
     Slider::new(value, range).clamping(SliderClamping::Edits)
 }
 
-/// Colour of headings and active elements.
-pub(super) const ACCENT: Color32 = Color32::from_rgb(86, 180, 233);
-/// Colour of warnings.
-pub(super) const WARNING: Color32 = Color32::from_rgb(230, 159, 0);
-/// Colour of errors.
-pub(super) const FAILURE: Color32 = Color32::from_rgb(235, 110, 90);
-/// Colour of secondary text.
-pub(super) const FAINT: Color32 = Color32::from_gray(150);
-const TEXT: Color32 = Color32::from_gray(222);
-const BACKGROUND: Color32 = Color32::from_rgba_premultiplied(22, 24, 28, 232);
-
-/// Palette of the curves: distinguishable with colour blindness (Okabe and Ito, 2008), brightened for a dark background.
-pub(super) const LINES: [Color32; 8] = [
-    Color32::from_rgb(86, 180, 233),
-    Color32::from_rgb(230, 159, 0),
-    Color32::from_rgb(0, 190, 140),
-    Color32::from_rgb(240, 228, 66),
-    Color32::from_rgb(213, 94, 0),
-    Color32::from_rgb(204, 121, 167),
-    Color32::from_rgb(60, 120, 220),
-    Color32::from_rgb(200, 200, 200),
-];
-
 /// Returns the translucent frame of a panel.
-pub(super) fn frame() -> Frame {
-    Frame::new().fill(BACKGROUND).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(10, 8))
-}
-
-/// Returns the opaque frame of a panel.
-fn opaque_frame() -> Frame {
-    frame().fill(BACKGROUND.to_opaque())
+pub(super) fn frame(context: &Context) -> Frame {
+    let fill = context.global_style().visuals.panel_fill;
+    Frame::new().fill(fill).corner_radius(CornerRadius::same(6)).inner_margin(Margin::symmetric(10, 8))
 }
 
 /// Returns the frame of a side panel. It has no background, because filling a third of the window by the shader of the panels costs a software
 /// rasteriser as much time as the rest of the panels: the window's canvas has this colour beside the scene.
-fn side_frame() -> Frame {
-    frame().corner_radius(CornerRadius::ZERO).fill(Color32::TRANSPARENT)
-}
-
-/// Applies the style of the panels: dark, compact, and without animations.
-pub fn apply_style(context: &Context) {
-    context.set_theme(Theme::Dark);
-    context.style_mut_of(Theme::Dark, |style| {
-        use FontFamily::{Monospace, Proportional};
-        style.text_styles = [
-            (TextStyle::Heading, FontId::new(16.0, Proportional)),
-            (TextStyle::Body, FontId::new(13.0, Proportional)),
-            (TextStyle::Button, FontId::new(13.0, Proportional)),
-            (TextStyle::Small, FontId::new(11.0, Proportional)),
-            (TextStyle::Monospace, FontId::new(12.0, Monospace)),
-        ]
-        .into();
-        style.spacing.item_spacing = egui::vec2(6.0, 4.0);
-        style.spacing.button_padding = egui::vec2(6.0, 2.0);
-        style.spacing.slider_width = 96.0;
-        style.spacing.interact_size.y = 18.0;
-        style.spacing.scroll.floating = false;
-        style.spacing.scroll.bar_width = 6.0;
-        style.animation_time = 0.0;
-        let visuals = &mut style.visuals;
-        visuals.panel_fill = BACKGROUND;
-        visuals.window_fill = BACKGROUND;
-        visuals.window_stroke = Stroke::new(1.0, Color32::from_gray(60));
-        visuals.window_shadow = Shadow::NONE;
-        visuals.popup_shadow = Shadow::NONE;
-        visuals.extreme_bg_color = Color32::from_rgb(12, 13, 16);
-        visuals.faint_bg_color = Color32::from_rgb(30, 32, 37);
-        visuals.override_text_color = Some(TEXT);
-        visuals.selection.bg_fill = Color32::from_rgb(38, 92, 128);
-        visuals.selection.stroke = Stroke::new(1.0, Color32::WHITE);
-        visuals.slider_trailing_fill = true;
-        visuals.collapsing_header_frame = false;
-        visuals.indent_has_left_vline = false;
-    });
+fn side_frame(context: &Context) -> Frame {
+    frame(context).corner_radius(CornerRadius::ZERO).fill(Color32::TRANSPARENT)
 }
 
 #[cfg(test)]

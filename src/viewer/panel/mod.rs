@@ -9,11 +9,13 @@ mod plots;
 mod simulation;
 mod state;
 mod status;
+mod style;
 mod visual;
 
 use egui::Ui;
 
-pub(super) use self::layout::{apply_style, side_widths};
+pub(super) use self::layout::side_widths;
+pub(super) use self::style::apply_style;
 use super::input::Action;
 use super::link::{Appearance, Request, Snapshot, Status};
 use super::view::View;

@@ -4,7 +4,7 @@ use egui::{Color32, Rangef, RichText, TextEdit, Ui};
 use egui_plot::{AxisHints, Line, Plot, PlotPoints};
 
 use super::curves::{Curve, Curves};
-use super::{PanelContext, layout};
+use super::{PanelContext, style};
 use crate::model::EnableFlags;
 use crate::viewer::endpoint::Watch;
 use crate::viewer::link::{EndpointRequest, Snapshot};
@@ -75,25 +75,21 @@ impl PlotPanel {
 
 /// Shows a plot over simulated time in the available width.
 fn show_plot(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], height: f32) {
-    // Further curves reuse the palette with darker colours.
-    let color = |index: usize| {
-        let color = layout::LINES[index % layout::LINES.len()];
-        if index < layout::LINES.len() { color } else { color.gamma_multiply(0.55) }
-    };
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(7.0, 1.0);
         ui.label(RichText::new(title).strong());
         if !unit.is_empty() {
-            ui.label(RichText::new(unit).small().color(layout::FAINT));
+            ui.label(RichText::new(unit).small().weak());
         }
         for (index, curve) in curves.iter().take(MAX_CURVES).enumerate() {
-            ui.label(RichText::new(&curve.name).small().color(color(index)));
+            ui.label(RichText::new(&curve.name).small().color(style::curve_color(ui, index)));
         }
         if curves.len() > MAX_CURVES {
-            ui.label(RichText::new(format!("and {} more", curves.len() - MAX_CURVES)).small().color(layout::FAINT));
+            ui.label(RichText::new(format!("and {} more", curves.len() - MAX_CURVES)).small().weak());
         }
     });
-    let width = ui.available_width();
+    let colors: Vec<Color32> = (0..MAX_CURVES).map(|index| style::curve_color(ui, index)).collect();
+    let (width, grid) = (ui.available_width(), ui.visuals().weak_text_color().gamma_multiply(0.5));
     Plot::new(title)
         .height(height)
         .width(width)
@@ -103,14 +99,14 @@ fn show_plot(ui: &mut Ui, title: &str, unit: &str, curves: &[Curve], height: f32
         .allow_boxed_zoom(false)
         .show_background(false)
         .show_crosshair(false)
-        .grid_color(Color32::from_gray(80))
+        .grid_color(grid)
         .set_margin_fraction(egui::vec2(0.0, 0.1))
         .y_axis_min_width(38.0)
         .custom_x_axes(vec![AxisHints::new_x().label_spacing(TIME_SPACING)])
         .show(ui, |plot| {
-            for (index, curve) in curves.iter().take(MAX_CURVES).enumerate() {
+            for (curve, color) in curves.iter().zip(colors) {
                 let points: PlotPoints<'_> = curve.points().filter(|[_, value]| value.is_finite()).collect();
-                plot.line(Line::new(curve.name.clone(), points).color(color(index)).width(1.2));
+                plot.line(Line::new(curve.name.clone(), points).color(color).width(1.2));
             }
         });
 }
@@ -153,7 +149,7 @@ impl WatchPanel {
             }
         });
         if !self.problem.is_empty() {
-            ui.add(egui::Label::new(RichText::new(&self.problem).color(layout::WARNING)).wrap());
+            ui.add(egui::Label::new(RichText::new(&self.problem).color(style::warning(ui))).wrap());
         }
         let mut removed = None;
         for (index, watch) in self.watched.iter().enumerate() {

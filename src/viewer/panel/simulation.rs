@@ -2,7 +2,7 @@
 
 use egui::{Button, DragValue, RichText, Ui};
 
-use super::{PanelContext, layout};
+use super::{PanelContext, layout, style};
 use crate::viewer::input::{Action, WindowAction};
 use crate::viewer::link::{EndpointRequest, Mode, PlaybackRequest, Request, SavedFile, SimulationRequest, Status};
 
@@ -12,7 +12,7 @@ const LABEL_WIDTH: f32 = 56.0;
 pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let status = cx.snapshot.status;
     if status == Status::Program {
-        ui.label(RichText::new("The program steps this simulation.").color(layout::FAINT));
+        ui.label(RichText::new("The program steps this simulation.").weak());
         ui.horizontal(|ui| {
             if ui.button("Reset").clicked() {
                 cx.send(Request::Reset);
@@ -104,12 +104,12 @@ fn speed(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     layout::labelled(ui, "actual", LABEL_WIDTH, |ui| {
         if cx.snapshot.status == Status::Paused || speed.measured <= 0.0 {
             let text = if cx.snapshot.status == Status::Paused { "paused" } else { "measuring" };
-            ui.label(RichText::new(text).color(layout::FAINT));
+            ui.label(RichText::new(text).weak());
             return;
         }
         let text = RichText::new(format!("{:.2}x real time", speed.measured)).monospace();
         let slow = speed.measured < 0.9 * speed.target();
-        ui.label(if slow { text.color(layout::WARNING) } else { text })
+        ui.label(if slow { text.color(style::warning(ui)) } else { text })
             .on_hover_text(format!("{:.1} s were dropped since the start", speed.dropped));
     });
 }
@@ -122,7 +122,7 @@ fn history(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         if ui.add_enabled(count > 0, slider).on_hover_text("previous states").changed() {
             cx.send(SimulationRequest::Scrub(index));
         }
-        ui.label(RichText::new(format!("{}", index as i64 - count as i64)).monospace().color(layout::FAINT));
+        ui.label(RichText::new(format!("{}", index as i64 - count as i64)).monospace().weak());
     });
 }
 

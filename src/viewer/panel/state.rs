@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use egui::{DragValue, Grid, RichText, Ui};
 
-use super::{PanelContext, display_name, layout};
+use super::{PanelContext, display_name, layout, style};
 use crate::enums::JointType;
 use crate::id::JointId;
 use crate::viewer::link::EndpointRequest;
@@ -14,7 +14,7 @@ const LABEL_WIDTH: f32 = 88.0;
 
 pub(super) fn show_selection(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let Some(selected) = cx.snapshot.selected else {
-        ui.label(RichText::new("double-click on a body to select it").color(layout::FAINT));
+        ui.label(RichText::new("double-click on a body to select it").weak());
         return;
     };
     let model = cx.snapshot.model.clone();
@@ -31,9 +31,9 @@ pub(super) fn show_selection(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let three = |numbers: &[f64]| format!("{:7.2} {:7.2} {:7.2}", numbers[0], numbers[1], numbers[2]);
     Grid::new("selection").num_columns(2).min_col_width(70.0).spacing([6.0, 2.0]).show(ui, |ui| {
         let mut line = |name: &str, value: String, highlighted: bool| {
-            ui.label(RichText::new(name).color(layout::FAINT));
+            ui.label(RichText::new(name).weak());
             let value = RichText::new(value).monospace();
-            ui.label(if highlighted { value.color(layout::WARNING) } else { value });
+            ui.label(if highlighted { value.color(style::warning(ui)) } else { value });
             ui.end_row();
         };
         if let Some(geom) = selected.geom {
@@ -60,7 +60,8 @@ pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             {
                 // The rail is at the left, the number at the right.
                 let rail = slider.rect.left_center() + egui::vec2(ui.spacing().slider_width / 2.0, 0.0);
-                crate::viewer::test_hooks::add_slider(rail, slider.rect.right_center() - egui::vec2(10.0, 0.0));
+                let number = slider.rect.right_center() - egui::vec2(10.0, 0.0);
+                crate::viewer::test_hooks::add_slider([rail, number], ui.pixels_per_point());
             }
             if slider.changed() {
                 cx.send(EndpointRequest::SetControl(actuator.id(), value));
@@ -72,7 +73,7 @@ pub(super) fn show_controls(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 pub(super) fn show_joints(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let (model, snapshot, editable) = (cx.snapshot.model.clone(), cx.snapshot, cx.is_editable());
     if !editable {
-        ui.label(RichText::new("pause to edit").small().color(layout::FAINT));
+        ui.label(RichText::new("pause to edit").small().weak());
     }
     for joint in model.joints() {
         let name = display_name(joint.name(), joint.index());
@@ -107,7 +108,7 @@ fn show_elements(ui: &mut Ui, cx: &mut PanelContext<'_>, name: &str, joint: Join
         }
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
-            ui.label(RichText::new(what).small().color(layout::FAINT));
+            ui.label(RichText::new(what).small().weak());
             for index in part {
                 let mut value = qpos[index];
                 let drag = DragValue::new(&mut value).speed(0.005).fixed_decimals(2);
@@ -150,7 +151,7 @@ impl KeyframesPanel {
                     cx.send(EndpointRequest::RemoveCaptured(key.number));
                 }
                 ui.label(&key.name);
-                ui.label(RichText::new(format!("{:.2} s", key.time)).color(layout::FAINT));
+                ui.label(RichText::new(format!("{:.2} s", key.time)).weak());
             });
         }
         ui.horizontal(|ui| {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use egui::{Align2, Area, Context, Grid, Id, Order, RichText, ScrollArea, Ui};
 
 use super::layout::GAP;
-use super::{PanelContext, layout};
+use super::{PanelContext, layout, style};
 use crate::viewer::input::{HelpSection, Modifiers, help_sections};
 use crate::viewer::link::Status;
 
@@ -54,11 +54,11 @@ pub(super) fn show_info(ui: &mut Ui, cx: &PanelContext<'_>) {
         }
     });
     let text = format!("F1 help   Tab {}Tab panels   {}Q quit", Modifiers::SHIFT, Modifiers::COMMAND);
-    ui.label(RichText::new(text).small().color(layout::FAINT));
+    ui.label(RichText::new(text).small().weak());
 }
 
 fn show_line(ui: &mut Ui, name: &str, value: &str) {
-    ui.label(RichText::new(name).color(layout::FAINT));
+    ui.label(RichText::new(name).weak());
     // A monospace font keeps the width of the panel constant while digits change.
     ui.monospace(value);
     ui.end_row();
@@ -137,20 +137,20 @@ impl Messages {
             .order(Order::Foreground)
             .interactable(false)
             .show(context, |ui| {
-                layout::frame().show(ui, |ui| {
+                layout::frame(context).show(ui, |ui| {
                     ui.set_max_width(width);
                     if let Some(frames) = recording {
-                        ui.label(RichText::new(format!("● recording, {frames} frames")).color(layout::FAILURE));
+                        ui.label(RichText::new(format!("● recording, {frames} frames")).color(style::failure(ui)));
                     }
                     if let Some(path) = loading {
-                        ui.label(RichText::new(format!("loading {path}…")).color(layout::ACCENT));
+                        ui.label(RichText::new(format!("loading {path}…")).color(style::accent(ui)));
                     }
                     if !problem.is_empty() {
-                        ui.label(RichText::new(problem).color(layout::FAILURE));
+                        ui.label(RichText::new(problem).color(style::failure(ui)));
                     }
                     for message in &self.messages {
                         let text = RichText::new(&message.text);
-                        ui.label(if message.is_problem { text.color(layout::WARNING) } else { text });
+                        ui.label(if message.is_problem { text.color(style::warning(ui)) } else { text });
                     }
                 });
             });
@@ -169,7 +169,7 @@ pub(super) fn show_help(context: &Context, cx: &PanelContext<'_>) {
     layout::center(context, "help", |ui| {
         ui.horizontal(|ui| {
             ui.heading("Keys and mouse");
-            ui.label(RichText::new("F1 closes the help").small().color(layout::FAINT));
+            ui.label(RichText::new("F1 closes the help").small().weak());
         });
         ui.add_space(4.0);
         let wanted = columns as f32 * (WIDTHS[0] + WIDTHS[1] + 24.0) - 14.0;
@@ -210,7 +210,7 @@ fn split(sections: &[HelpSection], columns: usize) -> Vec<Vec<&HelpSection>> {
 }
 
 fn table(ui: &mut Ui, section: &HelpSection) {
-    ui.label(RichText::new(section.title).strong().color(layout::ACCENT));
+    ui.label(RichText::new(section.title).strong().color(style::accent(ui)));
     Grid::new(section.title).num_columns(2).spacing([8.0, 1.0]).min_row_height(ROW_HEIGHT).show(ui, |ui| {
         for (keys, description) in &section.lines {
             cell(ui, WIDTHS[0], RichText::new(keys).monospace().size(11.0));

@@ -105,7 +105,7 @@ pub(super) fn show_rendering(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     if ui.checkbox(&mut vsync, "vertical synchronisation").changed() {
         cx.actions.push(Action::Window(WindowAction::SetVsync(vsync)));
     }
-    ui.label(RichText::new(format!("GPU: {}", cx.status.gpu)).small().color(layout::FAINT));
+    ui.label(RichText::new(format!("GPU: {}", cx.status.gpu)).small().weak());
 }
 
 fn camera(ui: &mut Ui, cx: &mut PanelContext<'_>) {

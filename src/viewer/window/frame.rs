@@ -280,7 +280,7 @@ impl Session {
             let surface = WindowSurface::new(self.window.clone(), self.surface.has_vsync());
             match surface.and_then(|surface| Ok((Canvas::new(surface.gpu(), surface.format())?, surface))) {
                 Ok((canvas, surface)) => {
-                    self.overlay = Overlay::new(&self.window, surface.gpu().device(), surface.format());
+                    self.overlay = Overlay::new(&self.window, surface.gpu().device(), surface.format(), &self.options);
                     (self.canvas, self.surface) = (canvas, surface);
                 }
                 Err(error) => {

@@ -16,6 +16,7 @@ use super::pixel_rect::PixelRect;
 use super::shape_changes::{changed_rects, clip, covered_pixels};
 use crate::render::Gpu;
 use crate::viewer::input::Modifiers;
+use crate::viewer::launch::ViewerOptions;
 use crate::viewer::panel::apply_style;
 
 /// Result of a pass of the panels.
@@ -58,9 +59,9 @@ pub(super) struct Overlay {
 }
 
 impl Overlay {
-    pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+    pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat, options: &ViewerOptions) -> Self {
         let context = Context::default();
-        apply_style(&context);
+        apply_style(&context, options.theme, options.scale);
         let side = device.limits().max_texture_dimension_2d as usize;
         let scale = Some(window.scale_factor() as f32);
         let input = State::new(context.clone(), ViewportId::ROOT, window, scale, None, Some(side));

@@ -101,7 +101,7 @@ impl Session {
         let window = event_loop.create_window(attributes).map_err(|error| ViewerError::Window(message_of(&error)))?;
         let window = Arc::new(window);
         let surface = WindowSurface::new(window.clone(), options.vsync)?;
-        let overlay = Overlay::new(&window, surface.gpu().device(), surface.format());
+        let overlay = Overlay::new(&window, surface.gpu().device(), surface.format(), &options);
         let canvas = Canvas::new(surface.gpu(), surface.format())?;
         let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
