@@ -29,8 +29,8 @@
 //! # Ok::<(), mujoco_safe::render::RenderError>(())
 //! ```
 //!
-//! Keep the renderer for further images: the first image compiles shaders and uploads textures. `rgb_into`, `depth_into` and
-//! `segmentation_into` write to an existing image. A program that restricts [categories](crate::scene::Categories), shows a perturbation or draws
+//! `images` returns all three images for little more than the cost of the colours. Keep the renderer for further images: the first image compiles
+//! shaders and uploads textures. `rgb_into`, `depth_into`, `segmentation_into` and `images_into` write to existing images. A program that restricts [categories](crate::scene::Categories), shows a perturbation or draws
 //! several simulations in one image updates a [`Scene`] itself and passes it to the renderer.
 //!
 //! # Cameras

@@ -14,6 +14,7 @@ const SIZE: [u32; 2] = [1280, 720];
 pub fn draw(directory: &Path) {
     std::fs::create_dir_all(directory).unwrap();
     draw_light(directory);
+    draw_appearance(directory);
     let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
     let mut data = Data::new(sample::humanoid()).unwrap();
     let mut trajectory = Trajectory::new(data.model());
@@ -57,16 +58,6 @@ pub fn draw(directory: &Path) {
                 save("sections");
                 input.click([100, 400], 5, 6);
                 save("appearance");
-                // Opens the groups of the appearance from the bottom up.
-                for group in [512, 489, 466, 443, 420, 397, 374] {
-                    input.click([40, group], 1, 1);
-                    settle(&input);
-                    settle(&input);
-                }
-                input.click([100, 400], 5, 6);
-                save("appearance_groups");
-                input.click([100, 400], 5, 12);
-                save("appearance_colours");
                 input.click([100, 400], 5, 30);
                 save("sections_below");
                 input.click([1100, 400], 5, 30);
@@ -100,6 +91,26 @@ pub fn draw(directory: &Path) {
         let options = ViewerOptions::default().with_screenshots(directory.join("screenshot.png"));
         let viewer = Viewer::new().options(options.with_title(&*title).with_size(SIZE));
         viewer.controller(controller).trajectories([trajectory]).run(data).expect("the window opens");
+    });
+}
+
+/// Saves screenshots of all settings of the appearance.
+fn draw_appearance(directory: &Path) {
+    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this program"));
+    let data = Data::new(sample::humanoid()).unwrap();
+    show_window(SIZE, ViewerOptions::default(), Viewer::new(), data, |input| {
+        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
+        // Closes the visualisation, and opens the appearance and its groups from the bottom up.
+        for heading in [253, 322, 483, 460, 437, 414, 391, 368, 345] {
+            settle(input);
+            input.click([40, heading], 1, 1);
+        }
+        for name in ["appearance_groups", "appearance_colours"] {
+            settle(input);
+            wait_for_idle();
+            Screen::read(&framebuffer).save(&directory.join(format!("{name}.png")), SIZE);
+            input.click([100, 500], 5, 40);
+        }
     });
 }
 
