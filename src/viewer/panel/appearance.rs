@@ -41,9 +41,18 @@ fn show_setting(ui: &mut Ui, setting: SettingMut<'_>) {
         SettingMut::Number(number) => drop(ui.add(drag(number))),
         SettingMut::Double(number) => drop(ui.add(drag(number))),
         SettingMut::Switch(on) => drop(ui.checkbox(on, "")),
-        SettingMut::Rgb(colour) => colour.iter_mut().for_each(|part| drop(ui.add(drag(part)))),
-        SettingMut::Rgba(colour) => colour.iter_mut().for_each(|part| drop(ui.add(drag(part)))),
+        SettingMut::Rgb(colour) => show_colour(ui, colour),
+        SettingMut::Rgba(colour) => show_colour(ui, colour),
         SettingMut::Vector(vector) => vector.iter_mut().for_each(|part| drop(ui.add(drag(part)))),
+    }
+}
+
+/// Shows the parts of a colour in narrow fields, so that all four fit into the panel.
+fn show_colour(ui: &mut Ui, parts: &mut [f32]) {
+    ui.spacing_mut().interact_size.x = 32.0;
+    ui.spacing_mut().button_padding.x = 3.0;
+    for part in parts {
+        ui.add(drag(part).max_decimals(2));
     }
 }
 
