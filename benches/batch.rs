@@ -1,5 +1,6 @@
 //! Memory and speed of a [`Batch`] of 4,096 humanoids. Prints the resident memory beyond that of the program before the batch, and the
-//! steps per second on two threads as a multiple of a loop of `mj_step` over the same states, with one `mjData` per thread.
+//! steps per second on two threads as a multiple of a loop of `mj_step` over the same states, with one `mjData` per thread. Then gives
+//! each humanoid other parameters of the model, and prints the memory and the duration of a step as a multiple of that without parameters.
 //!
 //! ```text
 //! cargo bench --bench batch
@@ -11,6 +12,7 @@ use std::time::Instant;
 
 use mujoco_safe::rayon::prelude::*;
 use mujoco_safe::rayon::{ThreadPool, ThreadPoolBuilder, current_thread_index};
+use mujoco_safe::rollout::{Distribution, Parameter, Parameters};
 use mujoco_safe::{Batch, Data, Model, Result, StateSpec, sample, sys};
 
 const COUNT: usize = 4096;
@@ -113,6 +115,52 @@ fn step_row(model: &Model, data: &mut Data, state: &mut [f64], parts: &[Range<us
     }
 }
 
+/// Returns parameters of every kind of randomisation: all masses, the friction of the floor, and the damping of all joints.
+fn parameters(model: &Model) -> Result<Parameters> {
+    let factor = Distribution::LogUniform { low: 0.8, high: 1.25 };
+    let mut parameters = Parameters::new();
+    for body in 1..model.nbody() {
+        parameters = parameters.with(model, Parameter::MassFactor(model.body(body)?.id()), factor)?;
+    }
+    for joint in 1..model.njnt() {
+        let damping = Distribution::Uniform { low: 0.5, high: 5.0 };
+        parameters = parameters.with(model, Parameter::JointDamping(model.joint(joint)?.id()), damping)?;
+    }
+    let floor = model.geom("floor")?.id();
+    parameters.with(model, Parameter::GeomFriction(floor, 0), Distribution::Uniform { low: 0.5, high: 1.0 })
+}
+
+/// Measures batches with and without parameters.
+fn compare_parameters(model: &Arc<Model>, pool: &ThreadPool) -> Result<()> {
+    let start = |_: usize, _: u64, data: &mut Data| data.reset_to_key("stand");
+    let mut plain = Batch::new(model, COUNT)?;
+    let mut varied = Batch::new(model, COUNT)?.vary(parameters(model)?)?;
+    let before = resident();
+    let drawing = Instant::now();
+    pool.install(|| varied.draw_parameters(|_| true, 1))?;
+    let drawing = drawing.elapsed().as_secs_f64() * 1e6 * THREADS as f64 / COUNT as f64;
+    println!(
+        "{} parameters: {:.1} MB more, {drawing:.0} µs per draw",
+        varied.parameters().ncols(),
+        resident() - before
+    );
+    for batch in [&mut plain, &mut varied] {
+        pool.install(|| batch.reset_where(|_| true, start))?;
+        pool.install(|| batch.step(|_, _| ()))?;
+    }
+    let mut ratios = Vec::new();
+    for _ in 0..STEPS {
+        let [plain, varied] = [&mut plain, &mut varied].map(|batch| {
+            let start = Instant::now();
+            pool.install(|| batch.step(|_, _| ())).map(|()| start.elapsed().as_secs_f64())
+        });
+        ratios.push(varied? / plain?);
+    }
+    ratios.sort_by(f64::total_cmp);
+    println!("{:.3} × the duration of a step without parameters", ratios[STEPS / 2]);
+    Ok(())
+}
+
 fn main() -> Result<()> {
     let before = resident();
     let model = Arc::new(sample::humanoid());
@@ -152,5 +200,6 @@ fn main() -> Result<()> {
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (ratio, speed) = ratios[STEPS / 2];
     println!("{ratio:.3} × the steps per second of a loop of mj_step ({speed:.0} per second on {THREADS} threads)");
-    Ok(())
+    drop((batch, raw));
+    compare_parameters(&model, &pool)
 }

@@ -99,6 +99,34 @@
 //! [`Batch::forward_after_step`] updates them. [`Batch::data`] returns a copy of one simulation, for example to draw it,
 //! [`Batch::states`] the states of all as a matrix, and [`Batch::edit_where`] changes simulations between two steps.
 //!
+//! ## Parameters for each simulation
+//!
+//! For domain randomisation, [`Batch::vary`] gives each simulation other values of chosen [`Parameter`]s of the model: masses with inertia, centres of
+//! mass, friction, sizes, damping, stiffness, armature, gains, gears, gravity. The values come from distributions and are determined by a
+//! seed, the index of the simulation and the number of its episode:
+//!
+//! ```
+//! use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
+//! use mujoco_safe::sample;
+//!
+//! let model = sample::humanoid();
+//! let (torso, floor) = (model.body("torso")?.id(), model.geom("floor")?.id());
+//! let parameters = Parameters::new()
+//!     .with(&model, Parameter::MassFactor(torso), Distribution::LogUniform { low: 0.8, high: 1.25 })?
+//!     .with(&model, Parameter::GeomFriction(floor, 0), Distribution::Uniform { low: 0.4, high: 1.0 })?;
+//! let mut batch = Batch::new(model, 16)?.vary(parameters)?;
+//! batch.draw_parameters(|_| true, 42)?;
+//! batch.step(|_, _| ())?;
+//! # assert!(batch.failures().next().is_none());
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
+//! A step is that of a model with these values, bit for bit. Values that other constants of the model depend on, such as masses, cost a call of
+//! [`update_constants`](crate::ModelMut::update_constants) for each draw, not for each step. For quantities that are no [`Parameter`], call
+//! [`Data::edit_model`] in [`reset_where`](Batch::reset_where) or [`edit_where`](Batch::edit_where): the batch keeps only the differences from
+//! its model. Steps of such a simulation take about twice as long, because the worker must be cleared: an edit may change which
+//! quantities a step computes.
+//!
 //! # Threads and memory
 //!
 //! Rollouts and batches use the current [rayon] pool, by default one thread per logical processor. To use fewer threads, or pinned
@@ -117,7 +145,7 @@
 //!
 //! Rollouts and batches need one [`Data`] per thread. A batch keeps of each simulation its [state](Batch::states), its controls and its
 //! observations as rows of matrices, so 4,096 humanoids take about 20 MB (`cargo bench --bench batch`). A simulation whose model was edited
-//! also keeps a copy of the model.
+//! also keeps the values that differ.
 //!
 //! # Determinism
 //!
@@ -125,12 +153,12 @@
 //! - A simulation that is set to a [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) state continues bit for bit.
 //! - The results of two builds of the engine, or of two kinds of processors, differ in the last bits. Contacts amplify these differences.
 //! - Random numbers: derive the seed from the index of the rollout (`RandomController::new(index as u64)`), not from a generator that threads
-//!   share. In a batch, derive it from the index and the number of the episode, which [`reset_where`](Batch::reset_where) passes to its closure.
+//!   share. In a batch, [`Random`] derives it from the index and the number of the episode, which [`reset_where`](Batch::reset_where) passes to its closure.
 //!
 //! [Promises](crate::promises) 8 and 12 state this with their tests.
 
 #[cfg(doc)]
 use crate::{
     Data, Model,
-    rollout::{Batch, Rollout, Workers},
+    rollout::{Batch, Parameter, Random, Rollout, Workers},
 };

@@ -10,6 +10,7 @@ mod load;
 
 mod names;
 
+mod difference;
 mod edit;
 mod options;
 
@@ -30,6 +31,7 @@ use std::ptr::{self, NonNull};
 
 use mujoco_sys::{self as sys, guard, mjModel};
 
+pub(crate) use self::difference::{EditedModel, ModelDifference};
 pub use self::edit::ModelMut;
 pub use self::load::LoadOptions;
 #[cfg(feature = "viewer")]

@@ -34,6 +34,7 @@ mod forward;
 #[cfg(feature = "npz")]
 mod npz;
 mod parallel;
+mod parameter;
 mod result;
 mod run;
 mod workers;
@@ -42,6 +43,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 pub use self::batch::Batch;
+pub use self::parameter::{Distribution, Parameter, Parameters, Random};
 pub use self::result::{RolloutBuffers, RolloutError, RolloutResult};
 use self::result::{Sizes, reserve, reserve_outcomes};
 pub use self::workers::Workers;

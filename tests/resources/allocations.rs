@@ -14,7 +14,7 @@ use mujoco_safe::control::residual::{
 use mujoco_safe::data::Timer;
 use mujoco_safe::derivative::{InverseForce, InverseJacobians, TransitionMethod, TransitionOptions};
 use mujoco_safe::math::{self, BandShape, BoxQp, BoxQpStatus};
-use mujoco_safe::rollout::{Batch, Rollout, RolloutBuffers, Workers};
+use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters, Rollout, RolloutBuffers, Workers};
 use mujoco_safe::scene::{
     Camera, Categories, MouseAction, NewGeom, Perturbation, PerturbationFlags, Scene, SceneOptions, VisualFlags,
 };
@@ -516,7 +516,16 @@ fn steps_of_a_batch_do_not_allocate() {
         batch.reset_where(|index| index > 0, |_, _, data| edit(data)).unwrap();
         batch
     };
-    for mut batch in [batch(), batch().forward_after_step(), edited()] {
+    let varied = || {
+        let batch = batch();
+        let torso = Parameter::MassFactor(batch.model().body("torso").unwrap().id());
+        let factors = Distribution::Uniform { low: 0.5, high: 2.0 };
+        let parameters = Parameters::new().with(batch.model(), torso, factors).unwrap();
+        let mut batch = batch.vary(parameters).unwrap();
+        batch.draw_parameters(|_| true, 1).unwrap();
+        batch
+    };
+    for mut batch in [batch(), batch().forward_after_step(), edited(), varied()] {
         allocates_nothing("Batch::step", || {
             batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
         });

@@ -11,6 +11,7 @@ mod edits;
 mod equality;
 mod forward;
 mod isolation;
+mod parameters;
 mod schedules;
 mod sizes;
 

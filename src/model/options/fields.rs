@@ -5,7 +5,7 @@ use std::fmt::{Debug, Display};
 use crate::error::{Error, Result};
 
 /// Conversion between a Rust type and the engine's representation `Raw`.
-pub(super) trait Mirror<Raw>: Sized {
+pub(in crate::model) trait Mirror<Raw>: Sized {
     fn read(raw: Raw) -> Self;
     fn write(self) -> Raw;
 

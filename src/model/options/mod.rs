@@ -1,7 +1,7 @@
 //! Settings of a model as a whole: physics options, visualiser settings and statistics. Each is a struct of plain values. Reading
 //! returns a copy, and writing checks the values.
 
-mod fields;
+pub(super) mod fields;
 mod statistics;
 mod visual;
 mod visual_ranges;

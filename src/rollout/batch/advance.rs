@@ -41,24 +41,21 @@ impl Batch<'_> {
 
     /// Resets the simulations whose index satisfies `which`, calls `start` to set their initial states, and observes them. An edit
     /// of the model by [`Data::edit_model`] in `start`, or a call of [`Data::set_callbacks`], affects that simulation only, and
-    /// persists. The batch keeps a copy of the model for each simulation with such an edit.
+    /// persists. The batch keeps the values that differ from its model for each simulation with such an edit. Steps of a simulation with such an
+    /// edit or with callbacks take about twice as long; [parameters](Batch::vary) do not have this cost.
     ///
     /// The arguments of `start` are the index, the number of the [`episode`](Self::episode) that starts, and the simulation. The first
     /// reset of a simulation starts its episode 1. Random numbers from a seed of both numbers depend neither on the threads nor on
-    /// the order in which the episodes of different simulations end:
+    /// the order in which the episodes of different simulations end, as those of [`Random`](crate::rollout::Random):
     ///
     /// ```
+    /// use mujoco_safe::rollout::Random;
     /// use mujoco_safe::{Batch, sample};
-    /// use rand::{RngExt, SeedableRng};
-    /// use rand_xoshiro::Xoshiro256PlusPlus;
     ///
     /// let mut batch = Batch::new(sample::cartpole(), 8)?;
     /// batch.reset_where(
     ///     |_| true,
-    ///     |index, episode, data| {
-    ///         let mut random = Xoshiro256PlusPlus::seed_from_u64(((index as u64) << 32) | episode);
-    ///         data.qpos_mut()[1] = random.random_range(-0.1..0.1);
-    ///     },
+    ///     |index, episode, data| data.qpos_mut()[1] = Random::new(42, index, episode).uniform(-0.1, 0.1),
     /// )?;
     /// assert_eq!(batch.episode(3), 1);
     /// assert_ne!(batch.data(3)?.qpos()[1], batch.data(4)?.qpos()[1]);
@@ -159,7 +156,7 @@ impl Batch<'_> {
     }
 
     /// Calls `work` for all simulations in parallel, and returns the error with the smallest index.
-    fn try_each(
+    pub(super) fn try_each(
         &mut self,
         work: impl Fn(usize, &mut Member<'_>, &mut Option<Worker>) -> Result<()> + Sync,
     ) -> Result<()> {
@@ -199,15 +196,26 @@ impl Batch<'_> {
 
     fn members(&mut self) -> Members<'_> {
         let model = self.pool.model();
-        let widths =
-            Widths { state: self.states.ncols(), controls: model.nu(), observations: self.observations.ncols() };
+        let widths = Widths {
+            state: self.states.ncols(),
+            controls: model.nu(),
+            observations: self.observations.ncols(),
+            values: self.values.ncols(),
+        };
         let first_control = model.state_range(StateSpec::INTEGRATION, StateSpec::CTRL).start;
         Members {
-            common: Common { pool: &self.pool, read: &*self.observe, forward: self.forward, first_control },
+            common: Common {
+                pool: &self.pool,
+                read: &*self.observe,
+                forward: self.forward,
+                first_control,
+                parameters: &self.parameters,
+            },
             rows: &mut self.rows,
             states: self.states.as_mut_slice(),
             controls: self.controls.as_mut_slice(),
             observations: self.observations.as_mut_slice(),
+            values: self.values.as_mut_slice(),
             widths,
         }
     }

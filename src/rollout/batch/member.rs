@@ -3,9 +3,9 @@
 use super::worker::{Loaded, Own, Pool, Results, Worker, check_model, continue_from};
 use crate::data::{Data, StateSpec, WarningCounters};
 use crate::error::{Error, Result};
-use crate::rollout::Read;
 use crate::rollout::parallel::{Split, split_rows};
 use crate::rollout::workers::restart;
+use crate::rollout::{Parameters, Read};
 
 /// Record of a simulation, apart from its numbers.
 pub(super) struct Row {
@@ -34,6 +34,7 @@ pub(super) struct Common<'b> {
     pub(super) forward: bool,
     /// Index of the first control in a state.
     pub(super) first_control: usize,
+    pub(super) parameters: &'b Parameters,
 }
 
 /// Start of the work on a simulation.
@@ -51,6 +52,8 @@ pub(super) struct Member<'m> {
     state: &'m mut [f64],
     controls: &'m mut [f64],
     observations: &'m mut [f64],
+    /// Values of the parameters.
+    values: &'m mut [f64],
 }
 
 impl Member<'_> {
@@ -90,6 +93,20 @@ impl Member<'_> {
         result.inspect_err(|error| self.fail(Error::Poisoned { failure: error.to_string() }))
     }
 
+    /// Sets the values of the parameters, which must be valid, and observes the simulation if they change.
+    pub(super) fn set_parameters(&mut self, slot: &mut Option<Worker>, values: &[f64]) -> Result<()> {
+        if bits_equal(self.values, values) {
+            return Ok(());
+        }
+        let Common { pool, parameters, .. } = self.common;
+        let (model, present) = (pool.model(), &*self.values);
+        let worker = pool.fill(slot)?;
+        worker.edit_model(&mut self.row.own, model, |copy| parameters.write(present, values, model, copy))?;
+        self.values.copy_from_slice(values);
+        self.observe(slot);
+        Ok(())
+    }
+
     /// Observes the simulation, or writes NaN if it has failed.
     pub(super) fn observe(&mut self, slot: &mut Option<Worker>) {
         if self.row.failure.is_some() {
@@ -116,7 +133,7 @@ impl Member<'_> {
         leaves: Results,
         work: impl FnOnce(&mut Data) -> Result<()>,
     ) -> Result<()> {
-        let Self { common, row, state, controls, observations } = self;
+        let Self { common, row, state, controls, observations, .. } = self;
         let worker = common.pool.fill(slot)?;
         let allowed = if let Source::State(results) = source { results } else { Results::Any };
         let mut loaded = Loaded::new(worker, &mut row.own, common.pool.model(), allowed)?;
@@ -145,6 +162,11 @@ impl Member<'_> {
     }
 }
 
+/// Returns `true` if the numbers are identical. Zero differs from negative zero.
+fn bits_equal(left: &[f64], right: &[f64]) -> bool {
+    left.iter().zip(right).all(|(left, right)| left.to_bits() == right.to_bits())
+}
+
 /// Part of the simulations.
 pub(super) struct Members<'b> {
     pub(super) common: Common<'b>,
@@ -152,6 +174,7 @@ pub(super) struct Members<'b> {
     pub(super) states: &'b mut [f64],
     pub(super) controls: &'b mut [f64],
     pub(super) observations: &'b mut [f64],
+    pub(super) values: &'b mut [f64],
     pub(super) widths: Widths,
 }
 
@@ -161,12 +184,13 @@ pub(super) struct Widths {
     pub(super) state: usize,
     pub(super) controls: usize,
     pub(super) observations: usize,
+    pub(super) values: usize,
 }
 
 impl Members<'_> {
     /// Calls `work` for the simulations in turn while it returns `true`.
     pub(super) fn each(self, mut work: impl FnMut(usize, &mut Member<'_>) -> bool) {
-        let Self { common, rows, states, controls, observations, widths } = self;
+        let Self { common, rows, states, controls, observations, values, widths } = self;
         for (index, row) in rows.iter_mut().enumerate() {
             let mut member = Member {
                 common,
@@ -174,6 +198,7 @@ impl Members<'_> {
                 state: &mut states[index * widths.state..][..widths.state],
                 controls: &mut controls[index * widths.controls..][..widths.controls],
                 observations: &mut observations[index * widths.observations..][..widths.observations],
+                values: &mut values[index * widths.values..][..widths.values],
             };
             if !work(index, &mut member) {
                 break;
@@ -193,14 +218,16 @@ impl Split for Members<'_> {
         let (states, other_states) = split_rows(self.states, first, widths.state);
         let (controls, other_controls) = split_rows(self.controls, first, widths.controls);
         let (observations, other_observations) = split_rows(self.observations, first, widths.observations);
+        let (values, other_values) = split_rows(self.values, first, widths.values);
         (
-            Self { common, rows, states, controls, observations, widths },
+            Self { common, rows, states, controls, observations, values, widths },
             Self {
                 common,
                 rows: other_rows,
                 states: other_states,
                 controls: other_controls,
                 observations: other_observations,
+                values: other_values,
                 widths,
             },
         )

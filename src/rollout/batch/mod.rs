@@ -2,6 +2,7 @@
 
 mod advance;
 mod member;
+mod parameters;
 mod worker;
 
 use std::fmt;
@@ -9,9 +10,9 @@ use std::sync::Arc;
 
 use self::member::Row;
 use self::worker::{Pool, continue_from};
-use super::Read;
 use super::result::no_room;
-use super::workers::restart;
+use super::workers::{restart, restore};
+use super::{Parameters, Read};
 use crate::data::{Data, StateSpec};
 use crate::error::{Error, Result};
 use crate::matrix::{Matrix, MatrixView};
@@ -55,6 +56,9 @@ pub struct Batch<'a> {
     states: Matrix,
     controls: Matrix,
     observations: Matrix,
+    parameters: Parameters,
+    /// Values of the parameters.
+    values: Matrix,
     pool: Pool,
     observe: Box<Read<'a>>,
     forward: bool,
@@ -86,6 +90,8 @@ impl<'a> Batch<'a> {
             states,
             controls: Matrix::zeros(count, model.nu()),
             observations: Matrix::default(),
+            parameters: Parameters::new(),
+            values: Matrix::zeros(count, 0),
             pool,
             observe: Box::new(|_, _| ()),
             forward: false,
@@ -260,8 +266,13 @@ impl<'a> Batch<'a> {
         if !data.model().is_same_structure(self.model()) {
             return Err(Error::OtherModel { what: "the data to load a simulation into" });
         }
-        let mut model = row.own.as_ref().map_or(self.model(), |own| &own.model).clone();
-        data.swap_model(&mut model);
+        match row.own.as_deref().map(|own| &own.difference).filter(|difference| !difference.is_empty()) {
+            None => data.swap_model(&mut self.model().clone()),
+            Some(difference) => data.edit_model(|model| {
+                restore(model, self.model());
+                difference.write(self.model(), model);
+            })?,
+        }
         restart(data)?;
         continue_from(data, self.states.row(index), &row.warnings)
     }

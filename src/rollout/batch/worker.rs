@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::data::{Data, OwnCallbacks, PipelineFlags, StateSpec, WarningCounters};
 use crate::error::{Error, Result};
-use crate::model::Model;
+use crate::model::{EditedModel, Model, ModelDifference, ModelMut};
 use crate::rollout::workers::restart;
 
 /// Results in the arrays of a worker, apart from the state.
@@ -12,7 +12,8 @@ use crate::rollout::workers::restart;
 pub(super) enum Results {
     /// None: the arrays are zero, as after a reset.
     None,
-    /// Those of steps of the model that the batch shares. The next step of this model computes the same quantities, so it overwrites them.
+    /// Those of steps of the model that the batch shares, perhaps with other parameters. The next such step computes the same quantities,
+    /// so it overwrites them.
     Steps,
     /// Anything that a closure, another model or a failed call can leave.
     Any,
@@ -22,6 +23,10 @@ pub(super) enum Results {
 pub(super) struct Worker {
     data: Data,
     results: Results,
+    /// Copy of the model for rows with an edited one.
+    edited: Option<EditedModel>,
+    /// Memory for a comparison of models.
+    difference: ModelDifference,
 }
 
 impl Worker {
@@ -30,7 +35,12 @@ impl Worker {
     }
 
     fn new(model: Arc<Model>) -> Result<Self> {
-        Ok(Self { data: Data::new(model)?, results: Results::None })
+        Ok(Self {
+            data: Data::new(model)?,
+            results: Results::None,
+            edited: None,
+            difference: ModelDifference::default(),
+        })
     }
 
     /// Makes the worker a simulation of the model, with at most these results.
@@ -38,12 +48,35 @@ impl Worker {
         // A closure may have replaced the simulation, or exchanged it for the one of a scope with callbacks.
         let replaced = !Arc::ptr_eq(self.data.model(), model) || self.data.has_callbacks();
         if self.results == Results::Any && replaced {
-            *self = Self::new(model.clone())?;
+            (self.data, self.results) = (Data::new(model.clone())?, Results::None);
         } else if self.results > allowed {
             restart(&mut self.data)?;
             self.results = Results::None;
         }
         Ok(())
+    }
+}
+
+/// # Edits of the model of a row
+impl Worker {
+    /// Edits the model of a row, without a simulation of it. The row is unchanged after an error.
+    pub(super) fn edit_model(
+        &mut self,
+        own: &mut Option<Box<Own>>,
+        shared: &Model,
+        edit: impl FnOnce(&mut ModelMut<'_>) -> Result<()>,
+    ) -> Result<()> {
+        let none = ModelDifference::default();
+        let edited = EditedModel::set(&mut self.edited, shared, own.as_ref().map_or(&none, |own| &own.difference))?;
+        let result = edited.edit(shared, edit, &mut self.difference);
+        if result.is_ok() {
+            let callbacks = own.as_deref_mut().map(|own| std::mem::take(&mut own.callbacks)).unwrap_or_default();
+            set_own(own, &self.difference, &callbacks, false);
+            if let Some(own) = own {
+                own.callbacks = callbacks;
+            }
+        }
+        result
     }
 }
 
@@ -80,10 +113,20 @@ impl Pool {
     }
 }
 
-/// Edited model and callbacks of one simulation.
+/// Edits of the model and callbacks of one simulation.
+#[derive(Default)]
 pub(super) struct Own {
-    pub(super) model: Arc<Model>,
+    pub(super) difference: ModelDifference,
     callbacks: OwnCallbacks,
+    /// `true` if a closure has edited the model. A step may then compute other quantities than a step of the shared model, for example
+    /// because options differ.
+    edited_by_closure: bool,
+}
+
+impl Own {
+    fn computes_other_results(&self) -> bool {
+        self.edited_by_closure || !self.callbacks.is_empty()
+    }
 }
 
 /// Worker with the model and the callbacks of a row. They return to the row when this is dropped, also by a panic of a closure.
@@ -93,6 +136,8 @@ pub(super) struct Loaded<'l> {
     shared: &'l Arc<Model>,
     /// Results that the worker has afterwards.
     leaves: Results,
+    /// `true` unless the model and the callbacks are certainly unchanged.
+    changed: bool,
 }
 
 impl<'l> Loaded<'l> {
@@ -103,21 +148,27 @@ impl<'l> Loaded<'l> {
         shared: &'l Arc<Model>,
         allowed: Results,
     ) -> Result<Self> {
+        let other_results = own.as_ref().is_some_and(|own| own.computes_other_results());
+        let allowed = if other_results && allowed == Results::Steps { Results::None } else { allowed };
         worker.prepare(shared, allowed)?;
         if let Some(own) = own {
-            worker.data.swap_model(&mut own.model);
+            if !own.difference.is_empty() {
+                let edited = EditedModel::set(&mut worker.edited, shared, &own.difference)?;
+                worker.data.swap_model(edited.model_mut());
+            }
             worker.data.swap_own_callbacks(&mut own.callbacks);
         }
-        Ok(Self { worker, own, shared, leaves: Results::Any })
+        Ok(Self { worker, own, shared, leaves: Results::Any, changed: true })
     }
 
     pub(super) fn data(&mut self) -> &mut Data {
         &mut self.worker.data
     }
 
-    /// Ends the use of the worker, which has only these results.
+    /// Ends the use of the worker, which has only these results. Unless they are [`Results::Any`], no closure has changed the simulation.
     pub(super) fn finish(mut self, leaves: Results) {
-        if self.own.is_none() {
+        self.changed = leaves == Results::Any;
+        if !self.own.as_ref().is_some_and(|own| own.computes_other_results()) {
             self.leaves = leaves.max(self.worker.results);
         }
     }
@@ -125,23 +176,44 @@ impl<'l> Loaded<'l> {
 
 impl Drop for Loaded<'_> {
     fn drop(&mut self) {
-        self.worker.results = self.leaves;
-        if self.leaves != Results::Any {
+        let Worker { data, results, edited, difference } = &mut *self.worker;
+        *results = self.leaves;
+        if self.own.is_none() && !self.changed {
             return;
         }
-        let data = &mut self.worker.data;
         let mut callbacks = OwnCallbacks::default();
         data.swap_own_callbacks(&mut callbacks);
         let mut model = self.shared.clone();
         if check_model(data, &model).is_ok() {
             data.swap_model(&mut model);
         }
-        let is_shared = Arc::ptr_eq(&model, self.shared) && callbacks.is_empty();
-        let own = (!is_shared).then_some(Own { model, callbacks });
-        match (&mut *self.own, own) {
-            (Some(place), Some(own)) => **place = own,
-            (place, own) => *place = own.map(Box::new),
+        if self.changed {
+            if Arc::ptr_eq(&model, self.shared) {
+                difference.clear();
+            } else {
+                difference.update(self.shared, &model);
+            }
+            set_own(self.own, difference, &callbacks, true);
         }
+        if let Some(own) = &mut *self.own {
+            own.callbacks = callbacks;
+        }
+        if !Arc::ptr_eq(&model, self.shared) {
+            EditedModel::put_back(edited, model, self.own.as_deref().map(|own| &own.difference));
+        }
+    }
+}
+
+/// Stores the edits of a row, and frees the memory for edits if there are none.
+fn set_own(own: &mut Option<Box<Own>>, difference: &ModelDifference, callbacks: &OwnCallbacks, by_closure: bool) {
+    if difference.is_empty() && callbacks.is_empty() {
+        *own = None;
+        return;
+    }
+    let own = own.get_or_insert_default();
+    if own.difference != *difference {
+        own.difference.clone_from(difference);
+        own.edited_by_closure = (own.edited_by_closure || by_closure) && !own.difference.is_empty();
     }
 }
 
