@@ -45,7 +45,7 @@
 //! - [`callback`]: closures inside a step.
 //! - [`controller`]: the [`Controller`] trait and simple controllers.
 //! - [`derivative`], [`control`]: linearisation, the Riccati equation, LQR, iLQR.
-//! - [`rollout`]: many simulations on all cores.
+//! - [`rollout`]: many simulations on all cores. [`environment`]: tasks of reinforcement learning.
 //! - [`Trajectory`]: recorded states and controls.
 //! - [`scene`]: abstract visualisation of a simulation. `render` draws it, `record` writes animations, `viewer` opens a window.
 //! - [`sample`]: sample models.
@@ -92,6 +92,7 @@ pub mod coverage;
 pub mod derivative;
 mod engine;
 pub mod enums;
+pub mod environment;
 mod error;
 mod ffi;
 mod field_docs;

@@ -1,4 +1,4 @@
-//! Sample models: two bundled with the crate, and those of the engine's package.
+//! Sample models: four bundled with the crate, and those of the engine's package.
 
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,10 @@ use crate::model::Model;
 pub const CARTPOLE_XML: &str = include_str!("../models/cartpole.xml");
 /// MJCF source of [`humanoid`].
 pub const HUMANOID_XML: &str = include_str!("../models/humanoid.xml");
+/// MJCF source of [`hopper`].
+pub const HOPPER_XML: &str = include_str!("../models/hopper.xml");
+/// MJCF source of [`half_cheetah`].
+pub const HALF_CHEETAH_XML: &str = include_str!("../models/half_cheetah.xml");
 
 /// Directory in which Debian's package `libmujoco-samples` installs the engine's sample models.
 pub const SYSTEM_MODELS: &str = "/usr/share/mujoco/model";
@@ -36,6 +40,26 @@ pub fn cartpole() -> Model {
 #[doc(alias = "sample_model_and_data")]
 pub fn humanoid() -> Model {
     bundled(HUMANOID_XML)
+}
+
+/// Loads a torso on one leg that moves in a plane: 6 degrees of freedom, 3 motors. The model of the task
+/// [`Hopper`](crate::environment::Hopper).
+///
+/// # Panics
+///
+/// As for [`cartpole`].
+pub fn hopper() -> Model {
+    bundled(HOPPER_XML)
+}
+
+/// Loads a torso on two legs that moves in a plane: 9 degrees of freedom, 6 motors. The model of the task
+/// [`HalfCheetah`](crate::environment::HalfCheetah).
+///
+/// # Panics
+///
+/// As for [`cartpole`].
+pub fn half_cheetah() -> Model {
+    bundled(HALF_CHEETAH_XML)
 }
 
 fn bundled(xml: &str) -> Model {

@@ -4,7 +4,8 @@
 //! |---|---|
 //! | independent simulations with their own logic | [`std::thread::scope`], one [`Data`] per thread |
 //! | many simulations from initial states, with controls or controllers | [`Rollout`] |
-//! | one policy for many simulations that step together (reinforcement learning) | [`Batch`] |
+//! | one policy for many simulations that step together | [`Batch`] |
+//! | the same with rewards, ends of episodes and resets (reinforcement learning) | [`VectorEnvironment`] |
 //! | rollouts in every control step | [`Rollout::on`] with [`Workers`] |
 //! | linearisation in several threads | [`Lineariser`](crate::Lineariser) with [`TransitionOptions::with_threads`](crate::derivative::TransitionOptions::with_threads) |
 //! | many machines | a process per machine: the example `mpi` distributes rollouts over MPI ranks |
@@ -101,9 +102,9 @@
 //!
 //! ## Parameters for each simulation
 //!
-//! For domain randomisation, [`Batch::vary`] gives each simulation other values of chosen [`Parameter`]s of the model: masses with inertia, centres of
-//! mass, friction, sizes, damping, stiffness, armature, gains, gears, gravity. The values come from distributions and are determined by a
-//! seed, the index of the simulation and the number of its episode:
+//! For domain randomisation, [`Batch::vary`] gives each simulation other values of chosen [`Parameter`]s of the model: masses with inertia,
+//! centres of mass, friction, sizes, damping, stiffness, armature, gains, gears, gravity. The values come from distributions and are
+//! determined by a seed, the index of the simulation and the number of its episode:
 //!
 //! ```
 //! use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
@@ -126,6 +127,28 @@
 //! [`Data::edit_model`] in [`reset_where`](Batch::reset_where) or [`edit_where`](Batch::edit_where): the batch keeps only the differences from
 //! its model. Steps of such a simulation take about twice as long, because the worker must be cleared: an edit may change which
 //! quantities a step computes.
+//!
+//! # Environments
+//!
+//! A [`VectorEnvironment`] adds to a batch what algorithms of reinforcement learning expect: rewards, ends of episodes by the task (terminated) or by
+//! the time limit (truncated), and new episodes where one has ended. A [`Task`](crate::environment::Task) defines them; the module
+//! [`environment`](crate::environment) has ready tasks and an example of an own one.
+//!
+//! ```
+//! use mujoco_safe::environment::{InvertedPendulum, VectorEnvironment};
+//!
+//! // Measure the mean length of 100 episodes under a linear policy.
+//! let mut carts = VectorEnvironment::new(InvertedPendulum::model(), InvertedPendulum, 100, 42)?;
+//! let (mut steps, mut ends) = (0, 0);
+//! for _ in 0..50 {
+//!     let actions: Vec<f64> = carts.observations().rows().map(|x| 0.1 * x[0] + 0.5 * x[1]).collect();
+//!     carts.step(&actions)?;
+//!     steps += carts.len();
+//!     ends += carts.terminated().iter().filter(|&&terminated| terminated).count();
+//! }
+//! println!("{} steps", steps / ends.max(1));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
 //!
 //! # Threads and memory
 //!
@@ -153,12 +176,14 @@
 //! - A simulation that is set to a [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) state continues bit for bit.
 //! - The results of two builds of the engine, or of two kinds of processors, differ in the last bits. Contacts amplify these differences.
 //! - Random numbers: derive the seed from the index of the rollout (`RandomController::new(index as u64)`), not from a generator that threads
-//!   share. In a batch, [`Random`] derives it from the index and the number of the episode, which [`reset_where`](Batch::reset_where) passes to its closure.
+//!   share. In a batch, [`Random`] derives it from the index and the number of the episode, which [`reset_where`](Batch::reset_where) passes
+//!   to its closure.
 //!
 //! [Promises](crate::promises) 8 and 12 state this with their tests.
 
 #[cfg(doc)]
 use crate::{
     Data, Model,
+    environment::VectorEnvironment,
     rollout::{Batch, Parameter, Random, Rollout, Workers},
 };

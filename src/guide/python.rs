@@ -108,7 +108,7 @@
 //! | `mujoco.set_mjcb_control(f)`, … | [`d.set_callbacks(Callbacks::new().control(f))`](Data::set_callbacks): one simulation, see the [example with a struct](Data::set_callbacks); often unnecessary: set the controls before `d.step()?`; [`d.with_callbacks(callbacks, \|d\| …)`](Data::with_callbacks): one scope |
 //! | `mujoco.set_mjcb_control(None)` | `d.set_callbacks(Callbacks::new())` |
 //! | `rollout.rollout(m, d, initial_state, control)` | [`Rollout::new(m, nroll, nstep)`](crate::rollout::Rollout)`.initial_states(…).controls(…).run()?` |
-//! | `gymnasium.vector` environments | [`Batch`](crate::rollout::Batch) |
+//! | `gymnasium.vector` environments | [`VectorEnvironment`](crate::environment::VectorEnvironment), or [`Batch`](crate::rollout::Batch) |
 //! | `ThreadPoolExecutor` with one `MjData` per thread | `(0..n).into_par_iter().map(episode).collect::<Result<Vec<_>, _>>()?` of [`rayon`], or [`std::thread::scope`], with one [`Data`] per task |
 //! | `np.savez(path, qpos=…)` | `npz::save(path, &[Array::new("qpos", &[n, nq], &qpos)])?`, feature `npz` |
 //! | the same for results | [`trajectory.save_npz(path)?`](crate::Trajectory), [`rollouts.save_npz(path)?`](crate::rollout::RolloutResult); [`save_csv`](crate::Trajectory::save_csv) |

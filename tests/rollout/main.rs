@@ -8,6 +8,7 @@ mod fields;
 mod batch;
 mod controllers;
 mod edits;
+mod environments;
 mod equality;
 mod forward;
 mod isolation;

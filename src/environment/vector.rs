@@ -1,0 +1,225 @@
+//! A task in many simulations at once.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::{Motion, Task, Transition};
+use crate::data::StateSpec;
+use crate::error::{Error, Result};
+use crate::matrix::{Matrix, MatrixView};
+use crate::model::IntoModel;
+use crate::rollout::{Batch, Parameters, Random};
+
+/// Simulations of a [`Task`] that step together, each of which starts a new episode when one ends.
+///
+/// All outputs are contiguous row-major arrays, one row per simulation. After the last step of an episode, [`observations`](Self::observations)
+/// has the first observation of the next episode, and [`final_observations`](Self::final_observations) the last one of the ended episode
+/// (the mode `SameStep` of Gymnasium's vector environments). Results depend on the seed and the actions only, not on the number of threads.
+///
+/// The module [`environment`](crate::environment) has examples.
+pub struct VectorEnvironment<T> {
+    task: Arc<T>,
+    batch: Batch<'static>,
+    seed: u64,
+    /// States before the last step.
+    before: Matrix,
+    final_observations: Matrix,
+    rewards: Vec<f64>,
+    terminated: Vec<bool>,
+    truncated: Vec<bool>,
+    /// Numbers of steps in the present episodes.
+    steps: Vec<u64>,
+    qpos: Range<usize>,
+    qvel: Range<usize>,
+    has_parameters: bool,
+}
+
+impl<T: Task + 'static> VectorEnvironment<T> {
+    /// Creates `count` simulations of the task, and starts their first episodes. Takes a [`Model`](crate::Model), an `Arc<Model>` or an
+    /// `&Arc<Model>`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Batch::new`], and the error of [`Task::start`] with the smallest index.
+    ///
+    /// # Panics
+    ///
+    /// If memory does not suffice for the observations.
+    pub fn new(model: impl IntoModel, task: T, count: usize, seed: u64) -> Result<Self> {
+        let (model, task) = (model.into_model(), Arc::new(task));
+        let (width, observer) = (task.observation_size(&model), task.clone());
+        let batch = Batch::new(&model, count)?
+            .substeps(task.frame_skip())
+            .observe(width, move |data, observation| observer.observe(data, observation));
+        let mut environment = Self {
+            task,
+            batch,
+            seed,
+            before: Matrix::zeros(count, model.state_size(StateSpec::INTEGRATION)),
+            final_observations: Matrix::zeros(count, width),
+            rewards: vec![0.0; count],
+            terminated: vec![false; count],
+            truncated: vec![false; count],
+            steps: vec![0; count],
+            qpos: model.state_range(StateSpec::INTEGRATION, StateSpec::QPOS),
+            qvel: model.state_range(StateSpec::INTEGRATION, StateSpec::QVEL),
+            has_parameters: false,
+        };
+        environment.reset()?;
+        Ok(environment)
+    }
+
+    /// Computes all quantities of the present state before an observation: see [`Batch::forward_after_step`].
+    #[must_use]
+    pub fn forward_after_step(mut self) -> Self {
+        self.batch = self.batch.forward_after_step();
+        self
+    }
+
+    /// Draws new values of these parameters of the model at the start of each episode, and starts new episodes.
+    ///
+    /// ```
+    /// use mujoco_safe::environment::{Hopper, VectorEnvironment};
+    /// use mujoco_safe::rollout::{Distribution, Parameter, Parameters};
+    ///
+    /// let model = Hopper::model();
+    /// let torso = Parameter::MassFactor(model.body("torso")?.id());
+    /// let parameters = Parameters::new().with(&model, torso, Distribution::Uniform { low: 0.8, high: 1.2 })?;
+    /// let hoppers = VectorEnvironment::new(model, Hopper, 4, 42)?.vary(parameters)?;
+    /// assert_ne!(hoppers.batch().parameters()[(0, 0)], hoppers.batch().parameters()[(1, 0)]);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Batch::vary`], [`Batch::draw_parameters`] and [`reset`](Self::reset).
+    pub fn vary(mut self, parameters: Parameters) -> Result<Self> {
+        self.batch = self.batch.vary(parameters)?;
+        self.has_parameters = true;
+        self.reset()?;
+        Ok(self)
+    }
+
+    /// Ends all episodes, and starts new ones.
+    ///
+    /// # Errors
+    ///
+    /// The error of [`Task::start`] with the smallest index.
+    pub fn reset(&mut self) -> Result<()> {
+        self.terminated.fill(false);
+        self.truncated.fill(true);
+        self.start_episodes()?;
+        self.truncated.fill(false);
+        self.rewards.fill(0.0);
+        Ok(())
+    }
+
+    /// Applies the actions `(n, nu)`, row by row, steps all simulations, and starts a new episode where one has ended.
+    ///
+    /// A simulation that fails, for example by an instability, counts as terminated, with a reward of zero and a final observation of NaN.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if there are not `n × nu` actions. The error of [`Task::start`] with the smallest index.
+    ///
+    /// # Panics
+    ///
+    /// If the task panics.
+    pub fn step(&mut self, actions: &[f64]) -> Result<()> {
+        let nu = self.batch.model().nu();
+        Error::check_length("the actions (n × nu)", actions.len(), self.len().saturating_mul(nu))?;
+        self.before.as_mut_slice().copy_from_slice(self.batch.states().as_slice());
+        self.batch.step(|_, controls| controls.as_mut_slice().copy_from_slice(actions))?;
+        self.final_observations.as_mut_slice().copy_from_slice(self.batch.observations().as_slice());
+        let duration = self.batch.model().timestep() * self.task.frame_skip() as f64;
+        let limit = self.task.time_limit().unwrap_or(u64::MAX);
+        for index in 0..self.len() {
+            self.steps[index] += 1;
+            if self.batch.failure(index).is_some() {
+                (self.rewards[index], self.terminated[index], self.truncated[index]) = (0.0, true, false);
+                continue;
+            }
+            let motion = |state| motion(state, &self.qpos, &self.qvel);
+            let (before, after) = (motion(self.before.row(index)), motion(self.batch.states().row(index)));
+            let action = &actions[index * nu..][..nu];
+            let judgement = self.task.judge(&Transition::new(before, action, after, duration));
+            (self.rewards[index], self.terminated[index]) = (judgement.reward, judgement.terminated);
+            self.truncated[index] = !judgement.terminated && self.steps[index] >= limit;
+        }
+        self.start_episodes()
+    }
+
+    /// Starts new episodes where one has ended.
+    fn start_episodes(&mut self) -> Result<()> {
+        let ended = |index: usize| self.terminated[index] || self.truncated[index];
+        if !(0..self.rewards.len()).any(ended) {
+            return Ok(());
+        }
+        if self.has_parameters {
+            self.batch.draw_parameters(ended, self.seed)?;
+        }
+        let (task, seed) = (&*self.task, self.seed);
+        for index in (0..self.rewards.len()).filter(|&index| ended(index)) {
+            self.steps[index] = 0;
+        }
+        self.batch.reset_where(ended, |index, episode, data| task.start(&mut Random::new(seed, index, episode), data))
+    }
+}
+
+impl<T> VectorEnvironment<T> {
+    /// Returns the number of simulations, `n`.
+    pub fn len(&self) -> usize {
+        self.rewards.len()
+    }
+
+    /// Returns `true` if there are no simulations.
+    pub fn is_empty(&self) -> bool {
+        self.rewards.is_empty()
+    }
+
+    /// Returns the present observations `(n, nobs)`: after the end of an episode, the first of the next one.
+    pub fn observations(&self) -> MatrixView<'_> {
+        self.batch.observations()
+    }
+
+    /// Returns the observations after the last step, before new episodes started, `(n, nobs)`.
+    pub fn final_observations(&self) -> MatrixView<'_> {
+        self.final_observations.view()
+    }
+
+    /// Returns the rewards of the last step `(n)`.
+    pub fn rewards(&self) -> &[f64] {
+        &self.rewards
+    }
+
+    /// Returns the simulations `(n)` whose episode was ended by the task, or by a failure, in the last step.
+    pub fn terminated(&self) -> &[bool] {
+        &self.terminated
+    }
+
+    /// Returns the simulations `(n)` whose episode reached the time limit in the last step.
+    pub fn truncated(&self) -> &[bool] {
+        &self.truncated
+    }
+
+    /// Returns the task.
+    pub fn task(&self) -> &T {
+        &self.task
+    }
+
+    /// Returns the simulations, for example to draw one.
+    pub fn batch(&self) -> &Batch<'static> {
+        &self.batch
+    }
+}
+
+impl<T> fmt::Debug for VectorEnvironment<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "VectorEnvironment of {}: {:?}", std::any::type_name::<T>(), self.batch)
+    }
+}
+
+fn motion<'s>(state: &'s [f64], qpos: &Range<usize>, qvel: &Range<usize>) -> Motion<'s> {
+    Motion::new(&state[qpos.clone()], &state[qvel.clone()])
+}
