@@ -83,6 +83,21 @@ impl Model {
                 ));
             }
         }
+        self.check_skins()
+    }
+
+    /// Checks that the faces of skins refer to vertices of the skin, which the visualiser assumes and compilers before 4.0 do not check.
+    fn check_skins(&self) -> Result<(), String> {
+        for skin in 0..self.nskin() {
+            let vertices = self.skin_vertnum()[skin];
+            let start = ffi::size(self.skin_faceadr()[skin]);
+            let faces = start..start + ffi::size(self.skin_facenum()[skin]);
+            let indices = self.skin_face()[faces].as_flattened();
+            if let Some(at) = indices.iter().position(|index| !(0..vertices).contains(index)) {
+                let (at, index) = (3 * start + at, indices[at]);
+                return Err(format!("skin_face[{at}] is {index}; it must be from 0 to {}", vertices - 1));
+            }
+        }
         Ok(())
     }
 

@@ -1,4 +1,4 @@
-//! Normals and texture coordinates of meshes, which have their own indices in newer engines.
+//! Normals and texture coordinates of meshes, which have their own indices in newer engines, and the faces of skins.
 
 use mujoco_safe::{LoadOptions, Model};
 
@@ -101,4 +101,18 @@ fn a_mesh_with_fewer_normals_than_vertices_is_drawn() {
     colours.dedup();
     // The background and three sides.
     assert!(colours.len() >= 4, "{colours:?}");
+}
+
+#[test]
+fn a_skin_with_a_face_of_a_missing_vertex_is_rejected_before_it_is_drawn() {
+    for (face, is_valid) in [("0 1 2", true), ("0 1 3", false), ("0 -1 2", false)] {
+        let result = Model::from_xml_str(&format!(
+            "<mujoco><asset>
+               <skin name='s' vertex='0 0 0 1 0 0 0 1 0' face='{face}'>
+                 <bone body='world' bindpos='0 0 0' bindquat='1 0 0 0' vertid='0 1 2' vertweight='1 1 1'/>
+               </skin>
+             </asset></mujoco>"
+        ));
+        assert_eq!(result.is_ok(), is_valid, "{face}: {result:?}");
+    }
 }
