@@ -291,7 +291,7 @@ int mujoco_sys_sceneLightDirectional(const mjvLight* light) {
 }
 
 int mujoco_sys_sceneIsFull(const mjvScene* scn) {
-#if mjVERSION_HEADER >= 3007000
+#if mjVERSION_HEADER >= 337
   return scn->status != 0;
 #else
   (void)scn;

@@ -206,7 +206,8 @@ adapted! {
     mujoco_sys_setSceneGeomTexture = set_scene_geom_texture(geom: *mut mjvGeom, texture: *const SceneTexture) -> c_int;
     /// Returns 1 if a light of a scene is directional (`directional`, `type` since 3.3.3), else 0.
     mujoco_sys_sceneLightDirectional = scene_light_directional(light: *const mjvLight) -> c_int;
-    /// Returns 1 if the last update of a scene had too many geoms, for engines without the warning `mjWARN_VGEOMFULL` (since 3.7).
+    /// Returns 1 if a scene had too few places for the geoms of the last update or addition, for engines that record it in the scene
+    /// (since 3.3.7).
     mujoco_sys_sceneIsFull = scene_is_full(scn: *const mjvScene) -> c_int;
     /// Returns the number of flexes of a scene: 0 before 3.0.
     mujoco_sys_sceneFlexes = scene_flexes(scn: *const mjvScene) -> c_int;

@@ -8,7 +8,7 @@ use mujoco_sys::{self as sys, guard, mjContact, mjMINMU};
 use super::{Data, PipelineFlags, Stage};
 use crate::error::{Error, Result};
 use crate::ffi;
-use crate::id::{GeomId, Id};
+use crate::id::{BodyId, GeomId, Id};
 use crate::math::cross;
 use crate::model::DisableFlags;
 
@@ -341,6 +341,12 @@ impl Data {
         (raw.includemargin, raw.friction) = (contact.includemargin, contact.friction.map(|value| value.max(mjMINMU)));
         (raw.solref, raw.solimp) = (contact.solref, contact.solimp);
         (raw.dim, raw.geom1, raw.geom2, raw.efc_address) = (contact.dim as c_int, geom1, geom2, -1);
+        let is_static = |body: BodyId| model.body_weldid()[body.index()] == 0;
+        if cfg!(engine_since = "2.3.0") && is_static(first) && is_static(second) {
+            // The value for contacts without degrees of freedom. With a dense Jacobian 3.5.0 would create rows of zeros, which its
+            // `mj_island` rejects.
+            raw.exclude = 3;
+        }
         // SAFETY: a valid contact between two geoms.
         unsafe { sys::adapted::complete_contact(&raw mut raw) };
         let mut full = 0;
