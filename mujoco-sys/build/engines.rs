@@ -18,15 +18,13 @@ pub(crate) enum Tests {
 }
 
 const SMOKE: Tests = Tests::Programs(&["smoke"]);
-const SIMULATION: Tests = Tests::Programs(&["smoke", "element", "data", "engine", "linearisation"]);
-const MOST: Tests = Tests::Programs(&[
+const PORTED: Tests = Tests::Programs(&[
     "smoke",
-    "element",
     "data",
+    "element",
     "engine",
-    "linearisation",
-    "control",
     "fuzz",
+    "linearisation",
     "math",
     "model",
     "npz",
@@ -36,6 +34,24 @@ const MOST: Tests = Tests::Programs(&[
     "scene",
     "trajectory",
     "viewer",
+]);
+const MOST: Tests = Tests::Programs(&[
+    "smoke",
+    "data",
+    "element",
+    "engine",
+    "fuzz",
+    "linearisation",
+    "math",
+    "model",
+    "npz",
+    "render",
+    "resources",
+    "rollout",
+    "scene",
+    "trajectory",
+    "viewer",
+    "control",
 ]);
 
 impl Tests {
@@ -54,8 +70,8 @@ pub(crate) const ENGINES: [Supported; 7] = [
     engine(237, "2.3.7", SMOKE),
     engine(301, "3.0.1", SMOKE),
     engine(337, "3.3.7", SMOKE),
-    engine(3_005_000, "3.5.0", SIMULATION),
-    engine(3_017_000, "3.17.0", SIMULATION),
+    engine(3_005_000, "3.5.0", PORTED),
+    engine(3_017_000, "3.17.0", PORTED),
     engine(4_000_000, "4.0.0", MOST),
 ];
 

@@ -9,12 +9,10 @@
 //! | 2.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 2.3.7` |
 //! | 3.0.1 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.0.1` |
 //! | 3.3.7 | committed | `mujoco-sys`, `smoke`: `scripts/test --engine 3.3.7` |
-//! | 3.5.0 | committed | `mujoco-sys`, `smoke`, `element`, `data`, `engine`, `linearisation`: `scripts/test --engine 3.5.0` |
-//! | 3.17.0 | committed | `mujoco-sys`, `smoke`, `element`, `data`, `engine`, `linearisation`: `scripts/test --engine 3.17.0` |
-//! | 4.0.0 | committed | `mujoco-sys`, `smoke`, `element`, `data`, `engine`, `linearisation`, `control`, `fuzz`, `math`, `model`, `npz`, `render`, `resources`, `rollout`, `scene`, `trajectory`, `viewer`: `scripts/test --engine 4.0.0` |
+//! | 3.5.0 | committed | `mujoco-sys`, `smoke`, `data`, `element`, `engine`, `fuzz`, `linearisation`, `math`, `model`, `npz`, `render`, `resources`, `rollout`, `scene`, `trajectory`, `viewer`: `scripts/test --engine 3.5.0` |
+//! | 3.17.0 | committed | `mujoco-sys`, `smoke`, `data`, `element`, `engine`, `fuzz`, `linearisation`, `math`, `model`, `npz`, `render`, `resources`, `rollout`, `scene`, `trajectory`, `viewer`: `scripts/test --engine 3.17.0` |
+//! | 4.0.0 | committed | `mujoco-sys`, `smoke`, `data`, `element`, `engine`, `fuzz`, `linearisation`, `math`, `model`, `npz`, `render`, `resources`, `rollout`, `scene`, `trajectory`, `viewer`, `control`: `scripts/test --engine 4.0.0` |
 //! | other versions since 2.2.2 | feature `bindgen`, needs libclang | none |
-//!
-//! With 3.5.0 nine tests do not pass yet and are skipped. `scripts/test` lists them.
 //!
 //! The crate links the engine as a shared library, compiles a small shim with a C and a C++ compiler, and contains bindings, so it needs neither
 //! libclang nor Python. A build against an engine without bindings is an error that names these versions. With the feature `bindgen` the build

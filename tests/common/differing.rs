@@ -7,7 +7,9 @@
 
 #![allow(dead_code, reason = "each program uses only some of the functions")]
 
-use mujoco_safe::sys::{self, mjData, mjModel, mjOption, mjvCamera, mjvLight, mjvOption, mjvPerturb, mjvScene};
+use mujoco_safe::sys::{
+    self, mjData, mjModel, mjOption, mjvCamera, mjvGeom, mjvLight, mjvOption, mjvPerturb, mjvScene,
+};
 
 /// Calls a function whose last argument is new in 3.5.0: the address of a normal.
 macro_rules! ray {
@@ -18,6 +20,17 @@ macro_rules! ray {
         let distance = sys::$function($($argument),*);
         distance
     }};
+}
+
+/// Calls `mj_step2`. In 3.5.0 it does not clear the flag by which sensors use the forces on bodies a second time, and they would be those of
+/// the previous step.
+pub(crate) unsafe fn step2(m: *const mjModel, d: *mut mjData) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        #[cfg(all(engine_since = "3.5.0", not(engine_since = "3.17.0")))]
+        ((*d).flg_rnepost = 0);
+        sys::mj_step2(m, d);
+    }
 }
 
 /// Calls `mj_ray`.
@@ -109,6 +122,21 @@ pub(crate) unsafe fn material_texture(m: &mjModel, material: usize) -> i32 {
     // SAFETY: the caller's promise.
     #[cfg(not(engine_since = "3.2.1"))]
     return unsafe { *m.mat_texid.add(material) };
+}
+
+/// Returns `texid`, `texuniform` and `texrepeat` of a geom of a scene. The scenes of some engines have the material instead.
+pub(crate) unsafe fn scene_geom_texture(m: &mjModel, geom: &mjvGeom) -> (i32, i32, [f32; 2]) {
+    #[cfg(any(not(engine_since = "3.2.1"), engine_since = "3.17.0"))]
+    return (m, (geom.texid, geom.texuniform, geom.texrepeat)).1;
+    #[cfg(all(engine_since = "3.2.1", not(engine_since = "3.17.0")))]
+    {
+        let Ok(material) = usize::try_from(geom.matid) else { return (-1, 0, [0.0; 2]) };
+        // SAFETY: the caller's promise, and a material of the model.
+        unsafe {
+            let repeat = [0, 1].map(|axis| *m.mat_texrepeat.add(2 * material + axis));
+            (material_texture(m, material), i32::from(*m.mat_texuniform.add(material)), repeat)
+        }
+    }
 }
 
 /// Places of the normals and texture coordinates of all meshes: before 2.3.3 a vertex has one of each, so the places and the faces are those

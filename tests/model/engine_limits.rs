@@ -4,6 +4,8 @@
 use mujoco_safe::data::{NewContact, RayOptions};
 use mujoco_safe::{Data, Error, Model};
 
+use crate::is_default;
+
 /// Returns a ball that an adhesion actuator sticks to the floor, with these sizes. The ball starts above the floor, because the
 /// engine's compiler takes a step, which needs room for the constraints already.
 fn sticky(njmax: &str) -> String {
@@ -131,9 +133,12 @@ fn field(rows: u32, columns: u32, size: &str) -> String {
 
 #[test]
 fn a_ray_on_a_height_field_of_extreme_size_is_rejected() {
+    // Newer compilers reject subnormal numbers.
+    let least = if is_default() { 5e-324 } else { f64::MIN_POSITIVE };
+    let smallest = format!("{least:e} {least:e} 1 1");
     for (size, point, direction, ok) in [
         ("1e308 1e308 1 1", [0.0, 0.0, 0.5], [0.95, 1.0, 0.0], false),
-        ("5e-324 5e-324 1 1", [-5e-324, -1.0, 0.5], [0.0, 1.0, 0.0], false),
+        (&*smallest, [-least, -1.0, 0.5], [0.0, 1.0, 0.0], false),
         ("1e90 1e90 1 1", [0.0, 0.0, 0.5], [0.95, 1.0, 0.0], true),
         ("1e-90 1e-90 1 1", [-1e-90, -1.0, 0.5], [0.0, 1.0, 0.0], true),
     ] {

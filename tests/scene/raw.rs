@@ -135,20 +135,15 @@ fn label(geom: &mjvGeom) -> Vec<u8> {
 
 /// Returns every value that an update sets.
 fn numbers(geom: &mjvGeom) -> (Vec<i32>, Vec<u32>, Vec<u8>) {
-    let integers = [
-        geom.type_,
-        geom.dataid,
-        geom.objtype,
-        geom.objid,
-        geom.category,
-        geom.texid,
-        geom.texuniform,
-        geom.texcoord,
-        geom.segid,
-    ];
+    #[cfg(any(not(engine_since = "3.2.1"), engine_since = "3.17.0"))]
+    let (material, repeat) = ([geom.texid, geom.texuniform], geom.texrepeat);
+    #[cfg(all(engine_since = "3.2.1", not(engine_since = "3.17.0")))]
+    let (material, repeat) = ([geom.matid, 0], [0.0; 2]);
+    let others = [geom.type_, geom.dataid, geom.objtype, geom.objid, geom.category, geom.texcoord, geom.segid];
+    let integers = [&others[..], &material].concat();
     let surface = [geom.emission, geom.specular, geom.shininess, geom.reflectance, geom.modelrbound];
-    let reals = geom.texrepeat.iter().chain(&geom.size).chain(&geom.pos).chain(&geom.mat).chain(&geom.rgba);
-    (integers.to_vec(), reals.chain(&surface).map(|number| number.to_bits()).collect(), label(geom))
+    let reals = repeat.iter().chain(&geom.size).chain(&geom.pos).chain(&geom.mat).chain(&geom.rgba);
+    (integers, reals.chain(&surface).map(|number| number.to_bits()).collect(), label(geom))
 }
 
 fn bits(values: &[f32]) -> Vec<u32> {

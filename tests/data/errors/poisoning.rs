@@ -26,9 +26,10 @@ fn fill_stack(data: &mut Data) {
     unsafe {
         #[cfg(not(engine_since = "2.3.0"))]
         ((*raw).pstack = (*raw).nstack);
-        // The stack is the end of an arena, in bytes.
+        // The stack is the end of an arena, in bytes. Contacts and constraints are its beginning, and remain readable. A collision would
+        // release their memory, so it is not counted as used.
         #[cfg(engine_since = "2.3.0")]
-        ((*raw).pstack = (*raw).narena as usize - (*raw).parena);
+        (((*raw).parena, (*raw).pstack) = (0, (*raw).narena as usize));
     }
 }
 

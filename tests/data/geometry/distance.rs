@@ -89,14 +89,21 @@ fn distances_equal_analytic_distances() {
             assert_eq!(distance(&mut data, 0.9 * expected), None, "{what}");
             assert!(distance(&mut data, 1.1 * expected).is_some(), "{what}");
         }
-        // Exchanging the geoms reverses the segment.
+        // Exchanging the geoms reverses the segment. 3.5.0 finds other points then, up to 4 cm from the analytic ones of two ellipsoids.
+        let tolerance = match [first, second] {
+            _ if cfg!(any(not(engine_since = "3.5.0"), engine_since = "3.17.0")) => 0.0,
+            [ELLIPSOID, ELLIPSOID] => 0.08,
+            _ => 1e-8,
+        };
         let [a, b] = geoms(&data);
         let other = data.geom_distance(b, a, 100.0).unwrap().unwrap();
         // The nearest points of parallel faces are not unique, and later engines find others.
         if cfg!(not(engine_since = "2.3.0")) || first != BOX || second != BOX {
-            assert_eq!(other.fromto, [to, from], "{what}");
+            let reversed = [to, from];
+            let mut pairs = other.fromto.as_flattened().iter().zip(reversed.as_flattened());
+            assert!(pairs.all(|(a, b)| (a - b).abs() <= tolerance), "{what}: {found:?} and {other:?}");
         }
-        assert_eq!(other.distance, found.distance, "{what}");
+        assert!((other.distance - found.distance).abs() <= tolerance.min(2e-5), "{what}: {found:?} and {other:?}");
     }
 }
 

@@ -143,7 +143,8 @@ fn step1_and_step2_equal_c() {
             twins.assert_same_state(&format!("in the middle of step {step}"));
             twins.control();
             twins.ours.step2().unwrap();
-            c!(mj_step2(twins.raw.m(), twins.raw.d));
+            // SAFETY: a model and its data.
+            unsafe { differing::step2(twins.raw.m(), twins.raw.d) };
             twins.assert_same_state(&format!("after step {step}"));
         }
         twins.assert_same_dynamics("at the end");
