@@ -31,6 +31,7 @@ const PORTED: Tests = Tests::Programs(&[
     "render",
     "resources",
     "rollout",
+    "saved_xml",
     "scene",
     "trajectory",
     "viewer",

@@ -75,8 +75,19 @@ int run(Call call) {
 
 extern "C" {
 
+#if mjVERSION_HEADER >= 300
+// Model that was loaded last, which has the sizes of the engine's tree. Its pointers are not used, as they may dangle. The caller of this file's
+// functions holds a lock.
+static mjModel mujoco_sys_last_loaded;
+#endif
+
 int mujoco_sys_mj_loadXML(const char* filename, const mjVFS* vfs, char* error, int error_size, mjModel** result) {
-  return run([=] { *result = mj_loadXML(filename, vfs, error, error_size); });
+  return run([=] {
+    *result = mj_loadXML(filename, vfs, error, error_size);
+#if mjVERSION_HEADER >= 300
+    if (*result) mujoco_sys_last_loaded = **result;
+#endif
+  });
 }
 
 // Since 2.3. Raises an error if the library cannot be opened, and if it registers a plugin whose name is in use.
@@ -105,6 +116,16 @@ int mujoco_sys_mj_saveLastXML(const char* filename, const mjModel* m, char* erro
   const bool adjustable = _mjPRIVATE__get_xml_precision && _mjPRIVATE__set_xml_precision;
   const int before = adjustable ? _mjPRIVATE__get_xml_precision() : 0;
   if (adjustable) _mjPRIVATE__set_xml_precision(mujoco_sys_xml_digits());
+#if mjVERSION_HEADER >= 300
+  // The engine compares these sizes with those of its tree, and does not read the arrays of these lengths. They may differ if the tree is that of
+  // the same model, loaded from another directory or after an edit of an inertia.
+  mjModel model = *m;
+  model.npaths = mujoco_sys_last_loaded.npaths;
+#if mjVERSION_HEADER >= 325
+  model.nC = mujoco_sys_last_loaded.nC;
+#endif
+  m = &model;
+#endif
   const int status = run([=] { *result = mj_saveLastXML(filename, m, error, error_size); });
   if (adjustable) _mjPRIVATE__set_xml_precision(before);
   return status;

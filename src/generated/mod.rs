@@ -17,7 +17,8 @@
 //! [`Data::timer`]: crate::Data::timer
 //! [`Data::solver`]: crate::Data::solver
 //!
-//! `restore.rs` copies the editable arrays from one model to another of the same structure, and clears a simulation.
+//! `restore.rs` copies the editable arrays from one model to another of the same structure, and clears a simulation. `values.rs` lists the values
+//! that are not in arrays.
 //!
 //! Newer engines allocate the arrays of constraints again in each computation. Their accessors are empty until the engine has written them
 //! (`build/arena.rs`).
@@ -35,6 +36,8 @@ mod model;
 mod model_mut;
 #[cfg(not(engine_since = "2.3.0"))]
 mod restore;
+#[cfg(not(engine_since = "2.3.0"))]
+mod values;
 
 /// Includes a file that the build script has generated for another version of the engine.
 #[cfg(engine_since = "2.3.0")]
@@ -55,4 +58,7 @@ generated! {
     model in "model.rs";
     model_mut in "model_mut.rs";
     restore in "restore.rs";
+    values in "values.rs";
 }
+
+pub(crate) use values::{model_settings, model_sizes};

@@ -14,7 +14,7 @@ use mujoco_safe::{
     Trajectory, ZeroController, sample,
 };
 
-use crate::{save_xml, touch_all};
+use crate::touch_all;
 
 /// A model with an element of every kind for which the engine has arrays.
 const EVERYTHING: &str = r#"<mujoco>
@@ -131,21 +131,21 @@ fn loading_and_saving_make_no_invalid_access() {
     let model = (0..1000)
         .find_map(|_| {
             let model = Model::from_xml_path(&path).unwrap();
-            match save_xml(&model, folder.path().join("saved.xml")) {
+            match model.save_xml(folder.path().join("saved.xml")) {
                 Err(Error::XmlReplaced) => None,
                 saved => Some(saved.map(|()| model).unwrap()),
             }
         })
         .unwrap();
-    assert!(save_xml(&model, folder.path().join("no/such/folder.xml")).is_err());
-    assert!(save_xml(&model, folder.path()).is_err());
+    assert!(model.save_xml(folder.path().join("no/such/folder.xml")).is_err());
+    assert!(model.save_xml(folder.path()).is_err());
     model.save_binary(folder.path().join("saved.mjb")).unwrap();
     let bytes = model.to_binary().unwrap();
     assert!(Model::from_binary(&bytes[..bytes.len() / 2]).is_err());
     assert!(Model::from_binary(b"").is_err());
     let _ = Model::from_binary_path(folder.path().join("saved.mjb"));
     assert_eq!(Model::from_xml_path(folder.path().join("saved.xml")).unwrap().nv(), 2);
-    assert!(matches!(save_xml(&model, folder.path().join("again.xml")), Err(Error::XmlReplaced)));
+    assert!(matches!(model.save_xml(folder.path().join("again.xml")), Err(Error::XmlReplaced)));
     for xml in ["", "<mujoco", "<mujoco><worldbod/></mujoco>", "<mujoco><worldbody><geom/></worldbody></mujoco>"] {
         assert!(matches!(Model::from_xml_str(xml), Err(Error::Load { .. })), "{xml}");
     }

@@ -160,7 +160,7 @@ mod crashes {
         let model = sample::cartpole();
         assert!(matches!(model.save_binary("no/such/folder/model.mjb"), Err(Error::File { .. })));
         assert!(matches!(
-            crate::save_xml(&model, "no/such/folder/model.xml"),
+            model.save_xml("no/such/folder/model.xml"),
             Err(Error::Save { .. } | Error::File { .. } | Error::XmlReplaced)
         ));
     }
@@ -216,7 +216,7 @@ mod silent_errors {
         let path = folder.path().join("model.xml");
         let first = sample::cartpole();
         let _second = sample::humanoid();
-        assert!(matches!(crate::save_xml(&first, &path), Err(Error::XmlReplaced)));
+        assert!(matches!(first.save_xml(&path), Err(Error::XmlReplaced)));
         assert!(!path.exists());
     }
 

@@ -7,7 +7,7 @@ use std::thread;
 use mujoco_safe::data::Warning;
 use mujoco_safe::{Data, Differences, Error, Model, RandomController, Trajectory, sample};
 
-use crate::{save_xml, trouble};
+use crate::trouble;
 
 fn is_send<T: Send>() {}
 fn is_sync<T: Sync>() {}
@@ -140,7 +140,7 @@ const JOBS: [fn(&Shared, u64) -> Outcome; 9] = [
         let path = shared.folder.path().join(format!("{number}.xml"));
         for _ in 0..10_000 {
             let model = Model::from_xml_str(&trouble::pendulum(number)).unwrap();
-            match save_xml(&model, &path) {
+            match model.save_xml(&path) {
                 Err(Error::XmlReplaced) => {}
                 saved => {
                     saved.unwrap();

@@ -10,23 +10,40 @@ use super::{assets, copy_into, folder, lost, samples, saved_with};
 #[test]
 fn sample_models_save_without_loss() {
     let _lock = super::lock_engine();
+    let options = SaveXmlOptions::default().with_check(XmlCheck::Report);
     let mut models = 0;
     for original in samples() {
-        // Files for inclusion are not models.
+        // Files for inclusion are not models, and newer engines reject the composites of 2.2.2.
         let Ok(model) = Model::from_xml_path(&original) else { continue };
         let folder = tempfile::tempdir().unwrap();
         let path = copy_into(&original, folder.path());
-        let lost = lost(|| Model::from_xml_path(&original).unwrap(), &path).unwrap();
-        // The compiler sorts pairs after resolving the tuples that refer to them, so the text is right and the model wrong.
-        let expected: &[&str] = if original.ends_with("every_element.xml") { &["tuple_objid"] } else { &[] };
+        let lost = model.save_xml_with(&path, &options).unwrap();
+        let lost: Vec<_> = lost.iter().map(|lost| lost.field.as_str()).collect();
+        let expected: &[&str] = if original.ends_with("every_element.xml") { LOST_OF_EVERY_ELEMENT } else { &[] };
         assert_eq!(lost, expected, "{}", original.display());
-        let again = Model::from_xml_path(&path).unwrap();
-        assert_eq!((again.nv(), again.ngeom()), (model.nv(), model.ngeom()));
-        assert!(std::iter::zip(again.body_mass(), model.body_mass()).all(|(a, b)| (a - b).abs() <= 1e-8 * b));
         models += 1;
+        // The check itself loads the text. An independent comparison takes too long for the large models.
+        if model.nv() < MOST_DOFS {
+            let again = Model::from_xml_path(&path).unwrap();
+            assert_eq!((again.nv(), again.ngeom()), (model.nv(), model.ngeom()));
+            assert!(std::iter::zip(again.body_mass(), model.body_mass()).all(|(a, b)| (a - b).abs() <= 1e-8 * b));
+        }
     }
-    assert!(models >= 15, "{models}");
+    assert!(models >= 14, "{models}");
 }
+
+/// Largest number of degrees of freedom of a model that is compared a second time.
+const MOST_DOFS: usize = 100;
+
+/// Fields of `every_element.xml` that its text loses. The compiler of 2.2.2 sorts pairs after resolving the tuples that refer to them, so the text
+/// is right and the model wrong. A primitive geom that is fitted to a mesh refers to the mesh in 3.5.0, and not if it is loaded again.
+const LOST_OF_EVERY_ELEMENT: &[&str] = if cfg!(not(engine_since = "2.3.0")) {
+    &["tuple_objid"]
+} else if cfg!(all(engine_since = "3.5.0", not(engine_since = "3.6.0"))) {
+    &["geom_dataid"]
+} else {
+    &[]
+};
 
 #[test]
 fn a_lost_edit_is_an_error_that_names_it_and_writes_nothing() {
@@ -34,32 +51,31 @@ fn a_lost_edit_is_an_error_that_names_it_and_writes_nothing() {
         <body><joint/><geom size="0.1"/></body></worldbody></mujoco>"#;
     let _lock = super::lock_engine();
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("heavy.xml");
+    let path = folder.path().join("filtered.xml");
     let load = || {
         let mut model = Model::from_xml_str(XML).unwrap();
-        model.edit().body_mut("ball").unwrap().set_mass(5.0);
-        model.edit().update_constants().unwrap();
+        model.edit().geom_mut("skin").unwrap().set_contype(5);
         model
     };
     let (model, rejected) = saved_with(load, &path, &SaveXmlOptions::default());
     let error = rejected.unwrap_err();
     let text = error.to_string();
-    assert!(text.contains("body_mass (ball)") && text.contains("save a binary model"), "{text}");
+    assert!(text.contains("geom_contype (skin)") && text.contains("save a binary model"), "{text}");
     let Error::XmlLosesEdits { fields, .. } = error else { panic!("{text}") };
-    assert!(fields.iter().any(|lost| lost.field == "body_mass" && lost.elements == ["ball"]));
-    assert!(!path.exists() && model.body_mass()[1] == 5.0);
+    assert!(fields.iter().any(|lost| lost.field == "geom_contype" && lost.elements == ["skin"]));
+    assert!(!path.exists() && model.geom_contype()[0] == 5);
     // Elements without a name are identified by number.
     let load = || {
         let mut model = Model::from_xml_str(XML).unwrap();
-        model.edit().body_mass_mut()[2] = 9.0;
+        model.edit().geom_mut(1).unwrap().set_contype(5);
         model
     };
     let (_, rejected) = saved_with(load, &path, &SaveXmlOptions::default());
-    assert!(rejected.unwrap_err().to_string().contains("body_mass (2)"));
+    assert!(rejected.unwrap_err().to_string().contains("geom_contype (1)"));
     let report = SaveXmlOptions::default().with_check(XmlCheck::Report);
     let (_, lost) = saved_with(load, &path, &report);
-    assert!(lost.unwrap().iter().any(|lost| lost.to_string() == "body_mass (2)"));
-    assert!(Model::from_xml_path(&path).unwrap().body_mass()[2] < 5.0);
+    assert!(lost.unwrap().iter().any(|lost| lost.to_string() == "geom_contype (1)"));
+    assert_eq!(Model::from_xml_path(&path).unwrap().geom_contype(), [1, 1]);
 }
 
 #[test]
@@ -81,6 +97,22 @@ fn a_model_can_be_saved_again_after_a_failed_check() {
     model.save_xml(&path).unwrap();
     assert_eq!(Model::from_xml_path(&path).unwrap().timestep(), 0.003);
     assert!(matches!(model.save_xml(&path), Err(Error::XmlReplaced)));
+}
+
+#[test]
+fn a_model_with_files_can_be_saved_to_several_folders() {
+    const XML: &str = r#"<mujoco><asset><mesh name="solid" file="solid.stl"/></asset><worldbody><geom type="mesh" mesh="solid"/></worldbody></mujoco>"#;
+    let _lock = super::lock_engine();
+    let (original, copy) = (folder(), folder());
+    let longer = copy.path().join("a/folder/with/a/longer/path");
+    std::fs::create_dir_all(&longer).unwrap();
+    std::fs::copy(copy.path().join("solid.stl"), longer.join("solid.stl")).unwrap();
+    let model = load_in_folder(XML, original.path());
+    for folder in [&longer, copy.path(), original.path()] {
+        let path = folder.join("saved.xml");
+        model.save_xml(&path).unwrap();
+        assert!(std::fs::read_to_string(&path).unwrap().contains("solid.stl"));
+    }
 }
 
 #[test]
@@ -119,16 +151,26 @@ fn the_text_has_the_changes_of_the_compiler() {
         let lost = lost(|| load_in_folder(&xml, folder.path()), &path).unwrap();
         assert_eq!(lost, [""; 0], "{compiler}");
     }
-    let lost = lost(|| Model::from_xml_path(folder.path().join("arm.urdf")).unwrap(), &path).unwrap();
-    assert_eq!(lost, [""; 0]);
-    assert!(std::fs::read_to_string(&path).unwrap().starts_with("<mujoco"));
-    // The writer does not support these.
-    for (compiler, expected) in [(r#"settotalmass="7""#, "body_mass"), (r#"boundmass="50""#, "body_mass")] {
+    // Newer engines write the URI of a mesh's package, which they do not resolve in MJCF.
+    let robot = folder.path().join("arm.urdf");
+    let package = LoadOptions::default().with_package("arm", folder.path());
+    let (_, saved) =
+        saved_with(|| Model::from_xml_path_with(&robot, &package).unwrap(), &path, &SaveXmlOptions::default());
+    if cfg!(engine_since = "2.3.0") {
+        assert!(saved.unwrap_err().to_string().contains("package:"));
+    } else {
+        assert_eq!(saved.unwrap(), []);
+        assert!(std::fs::read_to_string(&path).unwrap().starts_with("<mujoco"));
+    }
+    // The writer of 2.2.2 does not support these.
+    for (compiler, mass) in [(r#"settotalmass="7""#, 7.0), (r#"boundmass="50""#, 50.0)] {
         let xml = format!(
             r#"<mujoco><compiler {compiler}/><worldbody><body name="a"><joint/><geom size="0.1"/></body></worldbody></mujoco>"#
         );
-        let lost = self::lost(|| Model::from_xml_str(&xml).unwrap(), &path).unwrap();
-        assert!(lost.iter().any(|field| field == expected), "{compiler}: {lost:?}");
+        let lost = lost(|| Model::from_xml_str(&xml).unwrap(), &path).unwrap();
+        let is_carried = (Model::from_xml_path(&path).unwrap().body_mass()[1] - mass).abs() < 1e-6;
+        assert_eq!(is_carried, cfg!(engine_since = "2.3.0"), "{compiler}");
+        assert_eq!(is_carried, !lost.contains(&"body_mass".to_owned()), "{compiler}: {lost:?}");
     }
 }
 
@@ -144,14 +186,19 @@ fn numbers_that_the_writer_corrupts_are_named() {
     let _lock = super::lock_engine();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("saved.xml");
-    // The writer converts integers to a C int, and omits an attribute that contains NaN.
+    // The writer of 2.2.2 converts integers to a C int, and omits an attribute that contains NaN.
     for value in [1e10, f64::NAN, -1e300] {
         let load = || {
             let mut model = Model::from_xml_str(sample::CARTPOLE_XML).unwrap();
             model.edit().dof_damping_mut()[0] = value;
             model
         };
-        assert_eq!(lost(load, &path).unwrap(), ["dof_damping"], "{value}");
+        let lost = lost(load, &path).unwrap();
+        if cfg!(engine_since = "2.3.0") && lost.is_empty() {
+            assert_eq!(Model::from_xml_path(&path).unwrap().dof_damping()[0], value);
+        } else {
+            assert_eq!(lost, ["dof_damping"], "{value}");
+        }
     }
     // Other numbers keep all digits.
     for value in [f64::INFINITY, 0.1 + 0.2, 1.0 / 3.0, 1e-7 / 3.0, 123_456.789_012_345_67] {

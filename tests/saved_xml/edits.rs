@@ -73,6 +73,9 @@ impl EditLast for MatrixViewMut<'_> {
     }
 }
 
+/// Name of the array of texels.
+const TEXELS: &str = if cfg!(engine_since = "3.2.5") { "tex_data" } else { "tex_rgb" };
+
 /// Returns edits of every writable array, and of settings and flags of every kind.
 fn edits() -> Vec<Edit> {
     macro_rules! arrays {
@@ -83,7 +86,7 @@ fn edits() -> Vec<Edit> {
         }),*] };
     }
     macro_rules! others {
-        ($($field:literal, $edit:expr, $numbers:expr;)*) => { vec![$(Edit {
+        ($($field:expr, $edit:expr, $numbers:expr;)*) => { vec![$(Edit {
             field: $field, change: $edit, numbers: $numbers
         }),*] };
     }
@@ -103,7 +106,7 @@ fn edits() -> Vec<Edit> {
         "geom_group", |model| model.edit().geom_mut(0).unwrap().set_group(3), |model| vec![model.geom_group()[0].into()];
         "jnt_limited", |model| { let now = model.joint(1).unwrap().limited(); model.edit().joint_mut(1).unwrap().set_limited(!now) },
             |model| vec![model.jnt_limited()[1].into()];
-        "tex_rgb", |model| model.edit().texture_mut(0).unwrap().rgb_mut().fill(77),
+        TEXELS, |model| model.edit().texture_mut(0).unwrap().rgb_mut().fill(77),
             |model| model.texture(0).unwrap().rgb().iter().map(|&byte| byte.into()).collect();
     });
     edits
@@ -139,35 +142,47 @@ fn each_edit_is_saved_or_reported_as_lost() {
                 continue;
             }
         };
+        if lost.iter().any(|name| name == field) {
+            named += 1;
+            continue;
+        }
         let again = numbers(&Model::from_xml_path(&path).unwrap());
         let scale = expected.iter().fold(0.0, |scale: f64, value| scale.max(value.abs()));
         let is_carried = expected.len() == again.len()
             && std::iter::zip(&expected, &again).all(|(a, b)| (a - b).abs() <= 1e-5 * scale);
-        assert!(is_carried || lost.iter().any(|name| name == field), "{field} is lost, and not named: {lost:?}");
-        if is_carried {
-            carried += 1;
-        } else {
-            named += 1;
-        }
+        assert!(is_carried, "{field} is lost, and not named: {lost:?}");
+        carried += 1;
     }
     assert!(carried > 60 && named > 20 && rejected < 20, "{carried} {named} {rejected}");
 }
 
+/// Sets all values of an array.
+type Fill = fn(&mut Model, f64);
+
 #[test]
 fn extreme_numbers_are_saved_or_rejected() {
+    const NUMBERS: [f64; 7] = [0.0, -1.0, 1e-300, 1e10, 1e300, f64::NAN, f64::INFINITY];
     let _lock = super::lock_engine();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("saved.xml");
-    let zoo = Model::from_xml_str(include_str!("../models/zoo.xml")).unwrap();
+    // Small buffers, because the compiler clears them in each load.
+    let text = include_str!("../models/zoo.xml").replacen("<size ", r#"<size njmax="200" nconmax="30" "#, 1);
+    let zoo = Model::from_xml_str(&text).unwrap();
     macro_rules! fills {
-        ($($writer:ident($field:ident))*) => { [$(|model: &mut Model, number| model.edit().$writer().fill_all(number)),*] };
+        ($($writer:ident($field:ident))*) => { vec![$(
+            (!zoo.$field().numbers().is_empty()).then_some(|model: &mut Model, number| model.edit().$writer().fill_all(number))
+        ),*] };
     }
-    let fills: [fn(&mut Model, f64); _] = model_writers! { fills };
+    let fills: Vec<Option<Fill>> = model_writers! { fills };
+    let fills: Vec<Fill> = fills.into_iter().flatten().collect();
     let (mut saved, mut rejected) = (0, 0);
-    for fill in fills {
-        for number in [0.0, -1.0, 1e-300, 1e10, 1e300, f64::NAN, f64::INFINITY] {
+    // Each array has each number once. Two arrays share a model, which halves the time.
+    for arrays in fills.chunks(2) {
+        for index in 0..NUMBERS.len() {
             let mut model = zoo.clone();
-            fill(&mut model, number);
+            for (fill, number) in arrays.iter().zip(NUMBERS.iter().cycle().skip(index).step_by(3)) {
+                fill(&mut model, *number);
+            }
             match lost(|| model, &path) {
                 Ok(_) => saved += 1,
                 Err(error) => {
@@ -177,5 +192,5 @@ fn extreme_numbers_are_saved_or_rejected() {
             }
         }
     }
-    assert!(saved > 500 && rejected > 10, "{saved} {rejected}");
+    assert!(saved > 250 && rejected > 10, "{saved} {rejected}");
 }

@@ -1,15 +1,13 @@
 //! Comparison of a model with the model that is loaded from its saved text.
 //!
-//! Arrays are read from the binary form of both models, in the order of the engine's table of fields. The three structs of
-//! settings are read from the engine's memory.
+//! The comparison has every size, setting and array in the engine's table of fields. A field that has no rule here must have equal
+//! integers, and numbers that differ by rounding errors. Values of `mjModel` outside of the table are flags and a signature that the
+//! compiler derives from the fields.
 
-use std::collections::HashMap;
-
-use mujoco_sys::{mjMINVAL, mjOption, mjStatistic, mjVisual};
-
-use crate::error::{Error, Result, UnsavedField};
+use super::arrays::{Arrays, decode};
+use crate::error::{Result, UnsavedField};
 use crate::field_docs::FieldDoc;
-use crate::kind::Kind;
+use crate::generated::{model_settings, model_sizes};
 use crate::model::Model;
 
 /// Largest difference between two values that are considered equal, relative to the largest value of their row. The text has 17
@@ -24,69 +22,75 @@ const RELATIVE_OF_DERIVED: f64 = 1e-4;
 /// Absolute tolerance: the writer prints numbers that are this close to an integer as that integer.
 const ABSOLUTE: f64 = 1e-12;
 /// Absolute tolerance for masses and moments of inertia: the engine treats smaller values as zero.
-const ABSOLUTE_OF_MASS: f64 = mjMINVAL;
+const ABSOLUTE_OF_MASS: f64 = mujoco_sys::mjMINVAL;
+
+/// Masses and moments of inertia.
+const MASSES: [&str; 2] = ["body_mass", "body_inertia"];
 
 /// Arrays of skins, which the engine always writes with six digits if the skin has no file.
 const SIX_DIGITS: [&str; 3] = ["skin_vert", "skin_texcoord", "skin_bonevertweight"];
 
-/// Flags of the compiler for frames that coincide and bodies that move independently. An edit clears them, which slows the engine
-/// down but does not change results.
-const CACHED_FLAGS: [&str; 5] = ["body_simple", "body_sameframe", "geom_sameframe", "site_sameframe", "dof_simplenum"];
+/// Flags of the compiler for frames that coincide. An edit clears them, which slows the engine down but does not change results.
+const FRAME_FLAGS: [&str; 3] = ["body_sameframe", "geom_sameframe", "site_sameframe"];
 
-/// Returns an error if the comparison is not supported.
-#[allow(clippy::unnecessary_wraps, reason = "an error with other engines")]
-pub(super) fn check_supported() -> Result<()> {
-    Ok(())
+/// Flags of the compiler for bodies that move independently. With 2.2.2 an edit clears them too. With newer engines it does not, and they
+/// change results.
+const SIMPLE_BODY_FLAGS: &[&str] = if cfg!(engine_since = "2.3.0") { &[] } else { &["body_simple", "dof_simplenum"] };
+
+/// Paths of the files of assets, and the positions in them. Since 3.17 they are absolute, so they depend on the directory from which the
+/// model was loaded. The contents of the files are compared as meshes, textures, height fields and skins.
+const PATHS: [&str; 6] =
+    ["paths", "mesh_pathadr", "skin_pathadr", "hfield_pathadr", "tex_pathadr", "tex_contenttypeadr"];
+
+/// Lengths of `paths` and of all arrays together.
+const LENGTHS: [&str; 2] = ["npaths", "nbuffer"];
+
+/// Returns `true` for a size that does not count elements: a length, or the number of non-zeros in the inertia matrix, which depends on the
+/// bodies that move independently.
+pub(super) fn is_derived(size: &str) -> bool {
+    LENGTHS.contains(&size) || size == "nC"
 }
 
 /// Returns the fields of `model` whose values differ in `reloaded`.
 pub(super) fn lost(model: &Model, reloaded: &Model) -> Result<Vec<UnsavedField>> {
     let relative = relative_tolerance(model, reloaded);
-    let sizes = sizes(model).zip(sizes(reloaded));
-    let mut lost: Vec<UnsavedField> =
-        sizes.filter(|(own, other)| own != other).map(|((name, _), _)| of_setting(name)).collect();
-    settings(model, reloaded, relative, &mut lost);
-    // Arrays can be compared only if they have the same shapes.
-    if have_same_sizes(model, reloaded) {
+    let differ: Vec<&str> = differing_sizes(model, reloaded).filter(|name| !LENGTHS.contains(name)).collect();
+    // Arrays can be compared only if they have the same elements.
+    let have_same_elements = differ.iter().all(|name| is_derived(name));
+    let mut lost: Vec<UnsavedField> = differ.into_iter().map(of_setting).collect();
+    for ((name, own), (_, other)) in settings(model).zip(settings(reloaded)) {
+        if !agree(&own, &other, relative, ABSOLUTE) {
+            lost.push(of_setting(name));
+        }
+    }
+    if have_same_elements {
         arrays(model, reloaded, relative, &mut lost)?;
     }
     Ok(lost)
 }
 
-/// Returns `true` if all sizes agree, and with them the shapes of all arrays.
-pub(super) fn have_same_sizes(a: &Model, b: &Model) -> bool {
-    sizes(a).eq(sizes(b))
+/// Returns the names of the sizes that differ.
+pub(super) fn differing_sizes(a: &Model, b: &Model) -> impl Iterator<Item = &'static str> {
+    sizes(a).zip(sizes(b)).filter(|(own, other)| own != other).map(|((name, _), _)| name)
 }
 
 /// Returns the names and values of the model's sizes.
-fn sizes(model: &Model) -> impl Iterator<Item = (&'static str, i32)> {
-    macro_rules! sizes {
-        ($($name:ident)*) => { [$((stringify!($name), model.raw().$name)),*] };
+#[allow(clippy::cast_lossless, reason = "sizes have several types, and some engines have only one of them")]
+fn sizes(model: &Model) -> impl Iterator<Item = (&'static str, i128)> {
+    macro_rules! list {
+        ($($name:ident)*) => { [$((stringify!($name), model.raw().$name as i128)),*] };
     }
-    // `nbuffer` is the size of all arrays together.
-    let sizes = sizes! {
-        nq nv nu na nbody njnt ngeom nsite ncam nlight nmesh nmeshvert nmeshtexvert nmeshface nmeshgraph nskin nskinvert
-        nskintexvert nskinface nskinbone nskinbonevert nhfield nhfielddata ntex ntexdata nmat npair nexclude neq ntendon nwrap
-        nsensor nnumeric nnumericdata ntext ntextdata ntuple ntupledata nkey nmocap nuser_body nuser_jnt nuser_geom nuser_site
-        nuser_cam nuser_tendon nuser_actuator nuser_sensor nnames nM nD nemax njmax nconmax nstack nuserdata nsensordata nbuffer
-    };
-    sizes.into_iter()
+    model_sizes! { list }.into_iter()
 }
 
-/// Returns the relative tolerance for all numbers. The vertices of meshes cannot be edited, so if they differ, they were rounded.
-fn relative_tolerance(model: &Model, reloaded: &Model) -> f64 {
-    // SAFETY: the function returns a constant of the shim.
-    let digits = unsafe { mujoco_sys::guard::xml_digits() };
-    let is_exact = digits >= 17 && model.mesh_vert() == reloaded.mesh_vert();
-    if is_exact { RELATIVE } else { RELATIVE_OF_DERIVED }
-}
-
-/// Returns `true` if two rows of numbers agree.
-fn agree(own: &[f64], other: &[f64], relative: f64, absolute: f64) -> bool {
-    let finite = own.iter().chain(other).filter(|value| value.is_finite());
-    let scale = finite.fold(0.0, |scale: f64, value| scale.max(value.abs()));
-    let close = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= relative * scale + absolute;
-    own.iter().zip(other).all(|(&a, &b)| close(a, b))
+/// Returns the names and values of options, visualiser settings and statistics.
+fn settings(model: &Model) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
+    macro_rules! list {
+        ($($group:ident $(.$part:ident)+;)*) => {
+            [$((concat!(stringify!($group) $(, ".", stringify!($part))+), model.raw().$group$(.$part)+.numbers())),*]
+        };
+    }
+    model_settings! { list }.into_iter()
 }
 
 /// Conversion of a value of the engine's structs to numbers.
@@ -110,105 +114,44 @@ macro_rules! numbers {
 }
 numbers! { i32 f32 f64 }
 
-/// Compares a struct field by field. A field that is missing in the list is a compile error.
-macro_rules! compare {
-    ($lost:ident, $relative:ident, $prefix:literal, $type:ident, $own:expr, $other:expr; $($field:ident)*) => {{
-        let $type { $($field),* } = $own;
-        $(if !agree(&$field.numbers(), &$other.$field.numbers(), $relative, ABSOLUTE) {
-            $lost.push(of_setting(concat!($prefix, stringify!($field))));
-        })*
-    }};
+/// Returns the relative tolerance for all numbers. The vertices of meshes cannot be edited, so if they differ, they were rounded.
+fn relative_tolerance(model: &Model, reloaded: &Model) -> f64 {
+    // SAFETY: the function returns a constant of the shim.
+    let digits = unsafe { mujoco_sys::guard::xml_digits() };
+    let is_exact = digits >= 17 && model.mesh_vert() == reloaded.mesh_vert();
+    if is_exact { RELATIVE } else { RELATIVE_OF_DERIVED }
 }
 
-/// Compares options, statistics and visualiser settings.
-fn settings(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<UnsavedField>) {
-    use mujoco_sys::{
-        mjVisual___bindgen_ty_1 as Global, mjVisual___bindgen_ty_2 as Quality, mjVisual___bindgen_ty_3 as Headlight,
-        mjVisual___bindgen_ty_4 as Map, mjVisual___bindgen_ty_5 as Scale, mjVisual___bindgen_ty_6 as Rgba,
-    };
-    let (own, other) = (model.raw(), reloaded.raw());
-    compare! { lost, relative, "opt.", mjOption, &own.opt, &other.opt;
-        timestep apirate impratio tolerance noslip_tolerance mpr_tolerance gravity wind magnetic density viscosity o_margin
-        o_solref o_solimp integrator collision cone jacobian solver iterations noslip_iterations mpr_iterations disableflags
-        enableflags
-    }
-    compare! { lost, relative, "stat.", mjStatistic, &own.stat, &other.stat; meaninertia meanmass meansize extent center }
-    let mjVisual { global, quality, headlight, map, scale, rgba } = &own.vis;
-    let vis = &other.vis;
-    compare! { lost, relative, "vis.global.", Global, global, vis.global;
-        fovy ipd azimuth elevation linewidth glow offwidth offheight
-    }
-    compare! { lost, relative, "vis.quality.", Quality, quality, vis.quality;
-        shadowsize offsamples numslices numstacks numquads
-    }
-    compare! { lost, relative, "vis.headlight.", Headlight, headlight, vis.headlight; ambient diffuse specular active }
-    compare! { lost, relative, "vis.map.", Map, map, vis.map;
-        stiffness stiffnessrot force torque alpha fogstart fogend znear zfar haze shadowclip shadowscale actuatortendon
-    }
-    compare! { lost, relative, "vis.scale.", Scale, scale, vis.scale;
-        forcewidth contactwidth contactheight connect com camera light selectpoint jointlength jointwidth actuatorlength
-        actuatorwidth framelength framewidth constraint slidercrank
-    }
-    compare! { lost, relative, "vis.rgba.", Rgba, rgba, vis.rgba;
-        fog haze force inertia joint actuator actuatornegative actuatorpositive com camera light selectpoint connect
-        contactpoint contactforce contactfriction contacttorque contactgap rangefinder constraint slidercrank crankbroken
-    }
+/// Returns `true` if two rows of numbers agree.
+fn agree(own: &[f64], other: &[f64], relative: f64, absolute: f64) -> bool {
+    let finite = own.iter().chain(other).filter(|value| value.is_finite());
+    let scale = finite.fold(0.0, |scale: f64, value| scale.max(value.abs()));
+    let close = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= relative * scale + absolute;
+    own.iter().zip(other).all(|(&a, &b)| close(a, b))
 }
 
-/// Compares all arrays of two models with the same sizes.
+/// Compares all arrays of two models with the same elements. An array whose length depends on a derived size may have another length.
 fn arrays(model: &Model, reloaded: &Model, relative: f64, lost: &mut Vec<UnsavedField>) -> Result<()> {
-    let sizes: HashMap<&str, usize> = sizes(model).map(|(name, value)| (name, value.try_into().unwrap_or(0))).collect();
-    let extent = |text: &str| -> usize {
-        text.split('*').map(|factor| factor.parse().unwrap_or_else(|_| sizes[factor])).product()
-    };
-    let (own, other) = (model.to_binary()?, reloaded.to_binary()?);
-    let fields: Vec<FieldDoc> = Model::fields().filter(|field| field.is_array).collect();
-    let length: usize =
-        fields.iter().map(|field| extent(field.rows) * extent(field.columns) * element_size(field.ctype)).sum();
-    // Both binary models end with the arrays.
-    let bug = || Error::Unsupported("Bug: a binary model is shorter than its arrays".to_owned());
-    let start = |bytes: &[u8]| bytes.len().checked_sub(length).ok_or_else(bug);
-    let (mut own, mut other) = (&own[start(&own)?..], &other[start(&other)?..]);
-    for field in fields {
-        let (rows, row) = (extent(field.rows), extent(field.columns) * element_size(field.ctype));
-        let (own_field, own_rest) = own.split_at(rows * row);
-        let (other_field, other_rest) = other.split_at(rows * row);
-        (own, other) = (own_rest, other_rest);
-        if own_field == other_field || CACHED_FLAGS.contains(&field.name) {
+    let (own, other) = (Arrays::of(model, sizes(model))?, Arrays::of(reloaded, sizes(reloaded))?);
+    for field in Model::fields().filter(|field| field.is_array) {
+        let name = field.name;
+        let (own_field, other_field) = (own.bytes(name), other.bytes(name));
+        let is_skipped = [&FRAME_FLAGS[..], SIMPLE_BODY_FLAGS, &PATHS].iter().any(|names| names.contains(&name));
+        if is_skipped || own_field.len() != other_field.len() || own_field == other_field {
             continue;
         }
-        let is_mass = ["body_mass", "body_inertia"].contains(&field.name);
-        let absolute = if is_mass { ABSOLUTE_OF_MASS } else { ABSOLUTE };
-        let relative = if SIX_DIGITS.contains(&field.name) { relative.max(RELATIVE_OF_SIX_DIGITS) } else { relative };
+        let absolute = if MASSES.contains(&name) { ABSOLUTE_OF_MASS } else { ABSOLUTE };
+        let relative = if SIX_DIGITS.contains(&name) { relative.max(RELATIVE_OF_SIX_DIGITS) } else { relative };
+        let row = own.row_length(&field);
         let differ = own_field.chunks_exact(row).zip(other_field.chunks_exact(row)).map(|(own, other)| {
             own != other && !agree(&decode(field.ctype, own), &decode(field.ctype, other), relative, absolute)
         });
         let rows: Vec<usize> = differ.enumerate().filter_map(|(row, differs)| differs.then_some(row)).collect();
         if !rows.is_empty() {
-            lost.push(of_rows(model, &field, &rows));
+            lost.push(of_rows(&own, &field, &rows));
         }
     }
     Ok(())
-}
-
-/// Returns the size of one element in bytes.
-fn element_size(ctype: &str) -> usize {
-    match ctype {
-        "mjtNum" => 8,
-        "float" | "int" => 4,
-        _ => 1,
-    }
-}
-
-/// Decodes the numbers of a row.
-fn decode(ctype: &str, bytes: &[u8]) -> Vec<f64> {
-    let (words, _) = bytes.as_chunks::<4>();
-    match ctype {
-        "mjtNum" => bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect(),
-        "float" => words.iter().map(|bytes| f32::from_ne_bytes(*bytes).into()).collect(),
-        "int" => words.iter().map(|bytes| i32::from_ne_bytes(*bytes).into()).collect(),
-        _ => bytes.iter().map(|&byte| byte.into()).collect(),
-    }
 }
 
 /// Describes a field that has one value for the whole model.
@@ -217,60 +160,96 @@ fn of_setting(field: &str) -> UnsavedField {
 }
 
 /// Describes rows of an array.
-fn of_rows(model: &Model, field: &FieldDoc, rows: &[usize]) -> UnsavedField {
-    let mut elements: Vec<String> = rows.iter().map(|&row| owner_of_row(model, field.rows, row)).collect();
+fn of_rows(arrays: &Arrays<'_>, field: &FieldDoc, rows: &[usize]) -> UnsavedField {
+    let mut elements: Vec<String> = rows.iter().map(|&row| arrays.owner(field, row)).collect();
     elements.dedup();
     UnsavedField { field: field.name.to_owned(), elements }
 }
 
-/// Returns the name or index of the element to which a row of an array belongs. `rows` is the size that counts the rows.
-fn owner_of_row(model: &Model, rows: &str, row: usize) -> String {
-    let (kind, index) = match rows {
-        "nbody" => (Kind::Body, row),
-        "njnt" => (Kind::Joint, row),
-        "nq" => (Kind::Joint, owner(model.jnt_qposadr(), row)),
-        "nv" => (Kind::Joint, owner(model.jnt_dofadr(), row)),
-        "ngeom" => (Kind::Geom, row),
-        "nsite" => (Kind::Site, row),
-        "ncam" => (Kind::Camera, row),
-        "nlight" => (Kind::Light, row),
-        "nmesh" => (Kind::Mesh, row),
-        "nmeshvert" => (Kind::Mesh, owner(model.mesh_vertadr(), row)),
-        "nmeshtexvert" => (Kind::Mesh, owner(model.mesh_texcoordadr(), row)),
-        "nmeshface" => (Kind::Mesh, owner(model.mesh_faceadr(), row)),
-        "nmeshgraph" => (Kind::Mesh, owner(model.mesh_graphadr(), row)),
-        "nskin" => (Kind::Skin, row),
-        "nskinvert" => (Kind::Skin, owner(model.skin_vertadr(), row)),
-        "nskintexvert" => (Kind::Skin, owner(model.skin_texcoordadr(), row)),
-        "nskinface" => (Kind::Skin, owner(model.skin_faceadr(), row)),
-        "nskinbone" => (Kind::Skin, owner(model.skin_boneadr(), row)),
-        "nskinbonevert" => (Kind::Skin, owner(model.skin_boneadr(), owner(model.skin_bonevertadr(), row))),
-        "nhfield" => (Kind::HeightField, row),
-        "nhfielddata" => (Kind::HeightField, owner(model.hfield_adr(), row)),
-        "ntex" => (Kind::Texture, row),
-        "ntexdata" => (Kind::Texture, owner(model.tex_adr(), row)),
-        "nmat" => (Kind::Material, row),
-        "npair" => (Kind::Pair, row),
-        "nexclude" => (Kind::Exclude, row),
-        "neq" => (Kind::Equality, row),
-        "ntendon" => (Kind::Tendon, row),
-        "nwrap" => (Kind::Tendon, owner(model.tendon_adr(), row)),
-        "nu" => (Kind::Actuator, row),
-        "nsensor" => (Kind::Sensor, row),
-        "nnumeric" => (Kind::Numeric, row),
-        "nnumericdata" => (Kind::Numeric, owner(model.numeric_adr(), row)),
-        "ntext" => (Kind::Text, row),
-        "ntextdata" => (Kind::Text, owner(model.text_adr(), row)),
-        "ntuple" => (Kind::Tuple, row),
-        "ntupledata" => (Kind::Tuple, owner(model.tuple_adr(), row)),
-        "nkey" => (Kind::Keyframe, row),
-        _ => return row.to_string(),
-    };
-    model.name_at(kind, index).map_or_else(|| index.to_string(), str::to_owned)
-}
+#[cfg(test)]
+mod tests {
+    use std::mem::{align_of, size_of};
 
-/// Returns the element whose data contain a row: the last element that starts at or before it. The start of an element without
-/// data is -1.
-fn owner(starts: &[i32], row: usize) -> usize {
-    starts.iter().rposition(|&start| usize::try_from(start).is_ok_and(|start| start <= row)).unwrap_or(0)
+    use mujoco_sys::{mjOption, mjStatistic, mjVisual};
+
+    use super::super::arrays::element_size;
+    use super::{FRAME_FLAGS, MASSES, SIMPLE_BODY_FLAGS, SIX_DIGITS, lost};
+    use crate::field_docs::FieldDoc;
+    use crate::model::Model;
+
+    /// A setting that the table lacks would not be compared.
+    #[test]
+    fn the_table_of_fields_has_every_byte_of_the_settings() {
+        let bytes = |structure| -> usize {
+            let length = |field: FieldDoc| field.rows.parse::<usize>().unwrap() * element_size(field.ctype);
+            FieldDoc::all(structure).map(length).sum()
+        };
+        assert_eq!(bytes("Option").next_multiple_of(align_of::<mjOption>()), size_of::<mjOption>());
+        assert_eq!(bytes("Visual"), size_of::<mjVisual>());
+        assert_eq!(bytes("Statistic"), size_of::<mjStatistic>());
+    }
+
+    #[test]
+    fn rules_name_arrays_of_the_engine() {
+        for name in FRAME_FLAGS.iter().chain(SIMPLE_BODY_FLAGS).chain(&MASSES).chain(&SIX_DIGITS) {
+            assert!(FieldDoc::all("Model").any(|field| field.is_array && field.name == *name), "{name}");
+        }
+    }
+
+    /// Compares models whose texts differ in one attribute.
+    #[test]
+    fn the_fields_and_elements_of_a_difference_are_named() {
+        let load = |edit: Option<(&str, &str)>| {
+            let (attribute, newer) = edit.unwrap_or_default();
+            let text = TEXT.replace(attribute, newer);
+            assert_eq!(text == TEXT, edit.is_none(), "{attribute}");
+            Model::from_xml_str(&text).unwrap()
+        };
+        let names =
+            |edit| -> Vec<String> { lost(&load(None), &load(edit)).unwrap().iter().map(ToString::to_string).collect() };
+        assert_eq!(names(None), [""; 0]);
+        for (attribute, newer, expected) in EDITS {
+            assert_eq!(names(Some((attribute, newer))), [*expected], "{newer}");
+        }
+        assert_eq!(names(Some(("<site/>", "<site/><site/>")))[0], "nsite");
+    }
+
+    const TEXT: &str = r#"<mujoco>
+      <option timestep="0.001"/>
+      <visual><global offwidth="640"/><rgba fog="0 0 0 1"/></visual>
+      <asset><material name="metal"/><hfield name="hill" nrow="2" ncol="2" size="1 1 1 1"/></asset>
+      <worldbody>
+        <light diffuse="0.5 0.5 0.5"/>
+        <camera name="eye"/>
+        <body name="arm"><joint name="hinge" damping="1"/><geom name="link" size="0.1"/><site/></body>
+      </worldbody>
+      <actuator><general name="motor" joint="hinge"/></actuator>
+      <sensor><jointpos name="angle" joint="hinge"/></sensor>
+      <keyframe><key name="start" qpos="0.1"/></keyframe>
+    </mujoco>"#;
+
+    /// Edits of the text, and the fields that differ.
+    const EDITS: &[(&str, &str, &str)] = &[
+        (r#"timestep="0.001""#, r#"timestep="0.00100001""#, "opt.timestep"),
+        (r#"offwidth="640""#, r#"offwidth="641""#, "vis.global.offwidth"),
+        (r#"fog="0 0 0 1""#, r#"fog="0 0.1 0 1""#, "vis.rgba.fog"),
+        (r#"damping="1""#, r#"damping="1.0000001""#, "dof_damping (hinge)"),
+        (r#"diffuse="0.5 0.5 0.5""#, r#"diffuse="0.5 0.5 0.6""#, "light_diffuse (0)"),
+        (r#"qpos="0.1""#, r#"qpos="0.2""#, "key_qpos (start)"),
+        ("<jointpos name", r#"<jointpos cutoff="2" name"#, "sensor_cutoff (angle)"),
+        #[cfg(engine_since = "3.5.0")]
+        (r#"timestep="0.001""#, r#"timestep="0.001" ls_iterations="7""#, "opt.ls_iterations"),
+        #[cfg(engine_since = "3.5.0")]
+        (r#"offwidth="640""#, r#"offwidth="640" orthographic="true""#, "vis.global.orthographic"),
+        #[cfg(engine_since = "3.5.0")]
+        ("material name", r#"material metallic="0.3" name"#, "mat_metallic (metal)"),
+        #[cfg(engine_since = "3.5.0")]
+        ("body name", r#"body gravcomp="0.1" name"#, "ngravcomp"),
+        #[cfg(engine_since = "3.5.0")]
+        (r#"diffuse="0.5 0.5 0.5""#, r#"diffuse="0.5 0.5 0.5" intensity="3""#, "light_intensity (0)"),
+        #[cfg(engine_since = "3.5.0")]
+        ("camera name", r#"camera resolution="2 2" name"#, "cam_resolution (eye)"),
+        #[cfg(engine_since = "3.5.0")]
+        ("general name", r#"general actearly="true" name"#, "actuator_actearly (motor)"),
+    ];
 }

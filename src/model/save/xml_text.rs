@@ -39,10 +39,6 @@ impl Model {
     /// Loading replaces the engine's tree with that of the text. The tree still fits this model if all sizes agree, so the model
     /// can be saved again. One lock covers writing and loading, because another load in between would replace the tree.
     pub(super) fn to_xml(&self, path: &Path, options: &SaveXmlOptions) -> Result<(Vec<u8>, Option<Self>)> {
-        if options.check != XmlCheck::Skip {
-            // Before the text is loaded, which may replace the engine's tree: the model can still be saved without the check.
-            compare::check_supported()?;
-        }
         let mut xml = XmlState::enter()?;
         if xml.last != Some(self.lineage) {
             return Err(Error::XmlReplaced);
@@ -59,7 +55,8 @@ impl Model {
             let compiled = Self::compile_under(&mut xml, name, files, source_name);
             // If loading fails, the engine keeps its tree.
             if let Ok(model) = &compiled {
-                xml.last = compare::have_same_sizes(self, model).then_some(self.lineage);
+                let fits = compare::differing_sizes(self, model).all(compare::is_derived);
+                xml.last = fits.then_some(self.lineage);
             }
             compiled
         });

@@ -46,7 +46,6 @@ fn model_and_listings_are_saved_without_overwriting_files() {
 }
 
 #[test]
-#[cfg_attr(engine_since = "2.3.0", ignore = "the check of saved XML needs 2.2.2")]
 fn model_is_saved_as_xml() {
     let folder = tempfile::tempdir().unwrap();
     // The engine keeps the XML of the last model only, and other tests load models at the same time.

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use mujoco_safe::{LoadOptions, Model, Trajectory, sample};
 
 use super::text_of;
-use crate::save_xml;
 
 /// Returns a temporary folder, and the path of a file in it.
 fn file(name: &str, content: &str) -> (tempfile::TempDir, PathBuf) {
@@ -118,7 +117,7 @@ fn saving_to_an_unwritable_path_names_the_path() {
     let model = sample::cartpole();
     // Other tests load models at the same time, so the error may be that the XML was replaced.
     let assert_error = |path: &str, part: &str| {
-        let text = save_xml(&model, path).unwrap_err().to_string();
+        let text = model.save_xml(path).unwrap_err().to_string();
         assert!(text.contains(part) && text.contains(path) || text.contains("another one was loaded since"), "{text}");
     };
     assert_error("no/such/folder/model.xml", "No such file or directory");
@@ -126,6 +125,6 @@ fn saving_to_an_unwritable_path_names_the_path() {
     assert_error("/dev/full", "No space left on device");
     assert_error("/proc/version", ": ");
     sample::humanoid();
-    text_of(save_xml(&model, "unused.xml"), &["another one was loaded since", "save before loading the next"]);
+    text_of(model.save_xml("unused.xml"), &["another one was loaded since", "save before loading the next"]);
     assert!(!PathBuf::from("unused.xml").exists());
 }
