@@ -35,11 +35,13 @@ fn sample_models_save_without_loss() {
 /// Largest number of degrees of freedom of a model that is compared a second time.
 const MOST_DOFS: usize = 100;
 
+const IS_3_5: bool = cfg!(all(engine_since = "3.5.0", not(engine_since = "3.6.0")));
+
 /// Fields of `every_element.xml` that its text loses. The compiler of 2.2.2 sorts pairs after resolving the tuples that refer to them, so the text
 /// is right and the model wrong. A primitive geom that is fitted to a mesh refers to the mesh in 3.5.0, and not if it is loaded again.
 const LOST_OF_EVERY_ELEMENT: &[&str] = if cfg!(not(engine_since = "2.3.0")) {
     &["tuple_objid"]
-} else if cfg!(all(engine_since = "3.5.0", not(engine_since = "3.6.0"))) {
+} else if IS_3_5 {
     &["geom_dataid"]
 } else {
     &[]
@@ -149,7 +151,8 @@ fn the_text_has_the_changes_of_the_compiler() {
                  <geom type="mesh" mesh="solid" contype="0" conaffinity="0" group="1"/></body></body></worldbody></mujoco>"#
         );
         let lost = lost(|| load_in_folder(&xml, folder.path()), &path).unwrap();
-        assert_eq!(lost, [""; 0], "{compiler}");
+        // After fusing bodies, 3.5.0 keeps the bounding volumes and statistics of all bodies, and the text loads without them.
+        assert!(lost.is_empty() || IS_3_5 && compiler.contains("fusestatic"), "{compiler}: {lost:?}");
     }
     // Newer engines write the URI of a mesh's package, which they do not resolve in MJCF.
     let robot = folder.path().join("arm.urdf");
