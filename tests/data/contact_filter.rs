@@ -4,7 +4,7 @@
 
 use mujoco_safe::callback::Callbacks;
 use mujoco_safe::model::DisableFlags;
-use mujoco_safe::{Data, Model, sample};
+use mujoco_safe::{Data, Model, Result, sample};
 
 use crate::child;
 
@@ -20,6 +20,13 @@ fn models() -> Vec<Model> {
     let installed = sample::system_models().into_iter().filter_map(|path| Model::from_xml_path(path).ok());
     let every_element = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/every_element.xml");
     installed.chain([sample::humanoid(), Model::from_xml_path(every_element).unwrap()]).collect()
+}
+
+/// Detects the contacts, without the constraint forces of [`Data::forward`].
+fn collide(data: &mut Data) -> Result<()> {
+    data.kinematics()?;
+    data.com_pos()?;
+    data.collision()
 }
 
 /// Returns a simulation at the first keyframe, or else at the reference: the state with more contacts.
@@ -43,7 +50,7 @@ fn a_filter_that_returns_its_argument_changes_nothing() {
             model.edit().edit_options(|options| options.disable = disable).unwrap();
             let before = dense(&model);
             let mut data = before.clone();
-            if data.forward().is_ok() {
+            if collide(&mut data).is_ok() {
                 cases.push((before, contacts(&data)));
             }
         }
@@ -51,11 +58,11 @@ fn a_filter_that_returns_its_argument_changes_nothing() {
     assert!(cases.iter().map(|(_, contacts)| contacts.len()).sum::<usize>() > 100);
     for (mut data, expected) in cases {
         let callbacks = Callbacks::new().contact_filter(|_, _, collide| collide);
-        data.with_callbacks(callbacks, |data| data.forward()).unwrap();
+        data.with_callbacks(callbacks, |data| collide(data)).unwrap();
         assert_eq!(contacts(&data), expected, "{:?}", data.model());
         // A simulation without a filter, in a process that has used one, behaves the same.
         let mut without = dense(data.model());
-        without.forward().unwrap();
+        collide(&mut without).unwrap();
         assert_eq!(contacts(&without), expected, "{:?}", data.model());
     }
 }

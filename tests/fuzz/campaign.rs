@@ -38,7 +38,7 @@ impl Campaign {
         let cases = vec![
             (Target::Sequences, 3000),
             (Target::Binaries, 400),
-            (Target::Texts, 600),
+            (Target::Texts, 250),
             (Target::Urdf, 600),
             (Target::Archives, 500),
             (Target::Plain, 500),

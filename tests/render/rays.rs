@@ -1,6 +1,6 @@
 //! Depth and segmentation images agree with rays through the same pixels.
 //!
-//! The engine intersects rays with the exact shapes. Each scene is checked at 1000 random pixels, and at 1000 more that do not show the
+//! The engine intersects rays with the exact shapes. Each scene is checked at 400 random pixels, and at 400 more that do not show the
 //! floor:
 //!
 //! - Away from outlines, the image shows the geom that the ray hits first, or a geom at most 1/3000 behind it.
@@ -23,7 +23,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use crate::stage;
 
 const SIZE: [u32; 2] = [640, 480];
-const PIXELS: usize = 1000;
+const PIXELS: usize = 400;
 /// 1 mm at 3 m.
 const PRECISION: f64 = 1e-3 / 3.0;
 /// Smallest angle between a ray and a surface at which depth has that precision, degrees.

@@ -263,17 +263,18 @@ fn assert_same(name: &str, ours: &Data, theirs: &Data) {
     assert_eq!(ours.contacts().len(), theirs.contacts().len(), "{name}");
 }
 
+/// Each pair runs with a fifth of the settings of each model. Five shares no factor with the numbers of settings, so that each
+/// pair meets each solver, cone, storage and number of iterations.
 #[test]
 fn all_pairs_succeed_or_are_rejected() {
     let all = all();
-    for (name, data) in subjects() {
+    let pairs: Vec<[Part; 2]> = all.iter().flat_map(|first| all.iter().map(|second| [*first, *second])).collect();
+    for (case, (name, data)) in subjects().enumerate() {
         let mut scratch = data.clone();
-        for first in &all {
-            for second in &all {
-                scratch.clone_from(&data);
-                scratch.reset().unwrap();
-                call(&name, &mut scratch, &[*first, *second]);
-            }
+        for pair in pairs.iter().skip(case % 5).step_by(5) {
+            scratch.clone_from(&data);
+            scratch.reset().unwrap();
+            call(&name, &mut scratch, pair);
         }
     }
 }

@@ -4,7 +4,7 @@
 use std::any::type_name;
 use std::collections::HashMap;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use mujoco_safe::data::Timer;
 use mujoco_safe::enums::Solver;
@@ -149,9 +149,12 @@ fn pairs_of_data(data: &Data, raw: &mjData) -> Pairs {
 }
 
 /// Returns the line of the table of fields: struct, kind, type, name, rows, columns.
-fn line(owner: &str, name: &str) -> Vec<&'static str> {
-    let mut lines = sys::FIELDS.lines().map(|line| line.split('\t').collect::<Vec<_>>());
-    lines.find(|line| line[0] == owner && line[3] == name).unwrap_or_else(|| panic!("the table lacks {owner}.{name}"))
+fn line(owner: &'static str, name: &'static str) -> &'static [&'static str] {
+    static LINES: LazyLock<HashMap<[&str; 2], Vec<&str>>> = LazyLock::new(|| {
+        let lines = sys::FIELDS.lines().map(|line| line.split('\t').collect::<Vec<_>>());
+        lines.map(|line| ([line[0], line[3]], line)).collect()
+    });
+    LINES.get(&[owner, name]).unwrap_or_else(|| panic!("the table lacks {owner}.{name}"))
 }
 
 /// Returns the numbers of the engine by name.
@@ -227,7 +230,7 @@ impl Engine {
     }
 
     /// Asserts that both sides of every pair are the same.
-    fn compare(&self, model: &str, owner: &str, pairs: &Pairs) {
+    fn compare(&self, model: &str, owner: &'static str, pairs: &Pairs) {
         for (name, ours, theirs) in pairs {
             let what = format!("{model}: {owner}.{name}");
             let line = line(owner, name);
@@ -249,7 +252,7 @@ impl Engine {
                     other => other,
                 }
             );
-            let (expected, width) = (self.length(name, &line, *place), self.extent(line[5]));
+            let (expected, width) = (self.length(name, line, *place), self.extent(line[5]));
             assert_eq!(*length, Some(expected), "{what}: length");
             // A slice has no columns: a row is either an array or flattened.
             if let Some(columns) = columns {

@@ -10,13 +10,13 @@ use mujoco_safe::{Error, Model, sample, sys};
 use crate::trouble;
 use crate::twins::{Subject, Twins, c, differing, read, subjects, usual_subjects};
 
-/// Returns a number of steps that takes a few seconds at most.
+/// Returns a number of steps that takes a second at most.
 fn steps(subject: &Subject) -> usize {
     match subject.model.nv() {
-        0..=60 => 1000,
-        61..=400 => 300,
-        401..=1000 => 50,
-        _ => 20,
+        0..=60 => 500,
+        61..=400 => 100,
+        401..=1000 => 20,
+        _ => 10,
     }
 }
 

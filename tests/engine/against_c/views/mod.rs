@@ -9,6 +9,7 @@ mod enums;
 mod names;
 mod simulation;
 
+use std::fmt::Debug;
 use std::sync::{Arc, OnceLock};
 
 use mujoco_safe::id::Id;
@@ -31,17 +32,23 @@ fn every_element() -> &'static Subject {
     })
 }
 
-/// The bits of a field's value.
+/// The bits of a field's value, so that −0 differs from 0 and NaN equals itself.
 trait Bits {
-    fn bits(&self) -> Vec<u64>;
+    fn push_bits(&self, bits: &mut Vec<u64>);
+
+    fn bits(&self) -> Vec<u64> {
+        let mut bits = Vec::new();
+        self.push_bits(&mut bits);
+        bits
+    }
 }
 
 macro_rules! scalar_bits {
     ($($type:ty => |$value:ident| $bits:expr),*) => {$(
         impl Bits for $type {
-            fn bits(&self) -> Vec<u64> {
+            fn push_bits(&self, bits: &mut Vec<u64>) {
                 let $value = *self;
-                vec![u64::from($bits)]
+                bits.push(u64::from($bits));
             }
         }
     )*};
@@ -49,32 +56,39 @@ macro_rules! scalar_bits {
 scalar_bits!(u8 => |value| value, bool => |value| value, f64 => |value| value.to_bits(), f32 => |value| value.to_bits(), i32 => |value| value.cast_unsigned());
 
 impl<T: Bits> Bits for [T] {
-    fn bits(&self) -> Vec<u64> {
-        self.iter().flat_map(Bits::bits).collect()
+    fn push_bits(&self, bits: &mut Vec<u64>) {
+        self.iter().for_each(|value| value.push_bits(bits));
     }
 }
 
 impl<T: Bits, const N: usize> Bits for [T; N] {
-    fn bits(&self) -> Vec<u64> {
-        self.as_slice().bits()
+    fn push_bits(&self, bits: &mut Vec<u64>) {
+        self.as_slice().push_bits(bits);
     }
 }
 
-/// Returns the bits of a field, which views return by value or by reference.
-fn bits<T: Bits + ?Sized>(value: &T) -> Vec<u64> {
-    value.bits()
-}
-
 impl<T: Bits + ?Sized> Bits for &T {
-    fn bits(&self) -> Vec<u64> {
-        (**self).bits()
+    fn push_bits(&self, bits: &mut Vec<u64>) {
+        (**self).push_bits(bits);
     }
 }
 
 impl<T: Bits> Bits for Vec<T> {
-    fn bits(&self) -> Vec<u64> {
-        self.as_slice().bits()
+    fn push_bits(&self, bits: &mut Vec<u64>) {
+        self.as_slice().push_bits(bits);
     }
+}
+
+/// Asserts that a field, which views return by value or by reference, has the engine's bits.
+#[track_caller]
+fn assert_same_bits<T: Bits + Debug, U: Bits + Debug>(name: &str, view: &dyn Debug, field: &str, ours: T, theirs: U) {
+    assert!(ours.bits() == theirs.bits(), "{name}, {view:?}: {field} is {ours:?}, not {theirs:?}");
+}
+
+/// A function takes less time to compile than `assert_eq!` in the macro.
+#[track_caller]
+fn assert_equal<T: PartialEq + Debug>(name: &str, view: &dyn Debug, field: &str, ours: T, theirs: T) {
+    assert!(ours == theirs, "{name}, {view:?}: {field} is {ours:?}, not {theirs:?}");
 }
 
 /// Compares each field of each view with `array[start; length]` of the engine, or with an expression, and asserts that every
@@ -89,12 +103,9 @@ macro_rules! check_fields {
             $(
                 // SAFETY: the engine's arrays have a row for each element.
                 let theirs = unsafe { crate::twins::read($array, $start, $length) };
-                assert_eq!(
-                    $crate::against_c::views::bits(&$view.$field()), $crate::against_c::views::bits(&theirs),
-                    "{}, {:?}: {} is {:?}, not {:?}", $name, $view, stringify!($field), $view.$field(), theirs
-                );
+                $crate::against_c::views::assert_same_bits($name, &$view, stringify!($field), $view.$field(), theirs);
             )*
-            $(assert_eq!($ours, $theirs, "{}, {:?}: {}", $name, $view, stringify!($special));)*
+            $($crate::against_c::views::assert_equal($name, &$view, stringify!($special), $ours, $theirs);)*
             let mut checked = vec![$(stringify!($field),)* $(stringify!($special),)*];
             let text = $view.to_string();
             let mut listed: Vec<&str> = text.lines().skip(3).filter_map(|line| line.split(':').next()).collect();

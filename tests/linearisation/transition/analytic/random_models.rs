@@ -194,7 +194,7 @@ fn compare_models(seed: u64, models: usize, states: usize) {
 
 #[test]
 fn random_models_agree_with_differences() {
-    compare_models(1000, 30, 4);
+    compare_models(1000, 12, 4);
 }
 
 #[test]
