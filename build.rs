@@ -7,6 +7,8 @@ mod accessors;
 mod arena;
 #[path = "build/computed_by.rs"]
 mod computed_by;
+#[path = "build/facts.rs"]
+mod facts;
 #[path = "build/notes.rs"]
 mod notes;
 

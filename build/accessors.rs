@@ -4,6 +4,7 @@
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
+use crate::facts::{BY_HAND, CONSTANT, ENUMS, FLAGGED, LIMITS, NEWER_TERMS, READ_ONLY, WITHOUT_ACCESSOR};
 use crate::notes::NOTES;
 use crate::{arena, computed_by};
 
@@ -42,66 +43,6 @@ struct Table<'t> {
     /// Counts in `mjData`, which change with each state.
     counts: HashSet<&'t str>,
 }
-
-/// Fields with a hand-written accessor: `Model::name`, `Model::text_data`, `Data::contacts`,
-/// `Data::warning`, `Data::timer`, `Data::solver`, `Data::solver_fwdinv`, `Data::energy`.
-const BY_HAND: [&str; 8] = ["names", "text_data", "contact", "warning", "timer", "solver", "solver_fwdinv", "energy"];
-
-/// C types without an accessor: addresses for the engine's own use, and text.
-const WITHOUT_ACCESSOR: [&str; 2] = ["uintptr_t", "char"];
-
-/// Floating-point arrays that determine the engine's memory accesses or termination. `wrap_prm` contains the id of a site as a
-/// double. `hfield_size` divides positions to give rows and columns. The convex hull of a mesh was computed from its vertices, and
-/// collision detection with other vertices may not terminate.
-const READ_ONLY: [&str; 3] = ["wrap_prm", "hfield_size", "mesh_vert"];
-
-/// Floating-point arrays from which the compiler has derived flags that let the engine skip computations, and the method that clears
-/// the flags before mutable access.
-const FLAGGED: [(&str, &str); 11] = [
-    ("geom_pos", "clear_geom_frame_flags"),
-    ("geom_quat", "clear_geom_frame_flags"),
-    ("site_pos", "clear_site_frame_flags"),
-    ("site_quat", "clear_site_frame_flags"),
-    ("body_ipos", "clear_inertial_frame_flags"),
-    ("body_iquat", "clear_inertial_frame_flags"),
-    ("body_mass", "clear_simple_body_flags"),
-    ("body_inertia", "clear_simple_body_flags"),
-    ("jnt_pos", "clear_simple_body_flags"),
-    ("jnt_axis", "clear_simple_body_flags"),
-    ("dof_armature", "clear_simple_body_flags"),
-];
-
-/// Sizes and arrays of later engines that add terms to the equations of motion which 2.2.2 does not have, unless they are zero.
-const NEWER_TERMS: [&str; 18] = [
-    "nflex",
-    "nplugin",
-    "body_gravcomp",
-    "jnt_stiffnesspoly",
-    "jnt_springyield",
-    "dof_dampingpoly",
-    "geom_surfacevel",
-    "geom_adhesion",
-    "pair_adhesion",
-    "pair_solreffriction",
-    "tendon_stiffnesspoly",
-    "tendon_dampingpoly",
-    "tendon_springyield",
-    "tendon_armature",
-    "actuator_actearly",
-    "actuator_armature",
-    "actuator_damping",
-    "actuator_dampingpoly",
-];
-
-/// Long arrays that cannot change in a compiled model. All other arrays are restored, including short constant ones, because their
-/// copy costs less than a longer list would.
-const CONSTANT: [&str; 5] = ["mesh_vert", "mesh_face", "mesh_graph", "skin_face", "skin_bonevertid"];
-
-/// Sizes that are -1 since 2.3 if there is no limit.
-const LIMITS: [&str; 2] = ["njmax", "nconmax"];
-
-/// Integer arrays with the values of an engine's enum that has no counterpart in Rust.
-const ENUMS: [(&str, &str); 2] = [("efc_type", "mjtConstraint"), ("efc_state", "mjtConstraintState")];
 
 /// Returns the paths of the generated files in the repository, and their contents. `default` is the table of 2.2.2.
 pub(crate) fn generate(table: &str, default: &str) -> [(&'static str, String); 7] {

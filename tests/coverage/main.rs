@@ -8,6 +8,7 @@ mod engine_calls;
 mod engines;
 mod field_docs;
 mod fields;
+mod file_length;
 mod functions;
 mod guide;
 mod kinds;

@@ -6,6 +6,7 @@ mod child;
 mod trouble;
 
 mod allocations;
+mod allocations_in_control;
 mod allocator;
 mod leaks;
 mod quiet;

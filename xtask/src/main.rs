@@ -17,6 +17,8 @@ mod accessors;
 mod arena;
 #[path = "../../build/computed_by.rs"]
 mod computed_by;
+#[path = "../../build/facts.rs"]
+mod facts;
 #[cfg(feature = "bindgen")]
 mod headers;
 #[path = "../../build/notes.rs"]

@@ -1,0 +1,222 @@
+//! Linearisations, controllers, planners and rollouts do not allocate, or only in the first call.
+#![forbid(unsafe_code)]
+#![cfg(all(target_os = "linux", target_env = "gnu"))]
+
+use mujoco_safe::control::TimeVaryingLqr;
+use mujoco_safe::control::ilqr::{CostExpansion, IlqrOptions, QuadraticCost, TrajectoryCost};
+use mujoco_safe::control::predictive::{IlqrPlanner, Planner, ThreadedPredictiveController};
+use mujoco_safe::control::residual::{
+    Controls, FrameOrientation, FramePosition, JointPosition, JointVelocity, Norm, ResidualCost, SensorReading,
+    Subtree, Term,
+};
+use mujoco_safe::derivative::{InverseForce, InverseJacobians, TransitionMethod, TransitionOptions};
+use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters, Rollout, RolloutBuffers, Workers};
+use mujoco_safe::{
+    Controller, Data, Differences, Lineariser, Lqr, LqrWeights, Matrix, PdController, RandomController, StateSpace,
+    ZeroController, sample,
+};
+use nalgebra::DMatrix;
+
+use crate::allocations::{allocates_nothing, squatting};
+use crate::allocator::allocations;
+use crate::lock_process;
+
+#[test]
+fn linearising_into_outputs_does_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let mut system = StateSpace::zeros(data.model());
+    allocates_nothing("transition_fd_into", || {
+        data.transition_fd_into(1e-6, Differences::Central, &mut system).unwrap();
+    });
+    let last = data.model().nu() - 1;
+    data.ctrl_mut()[last] = 5.0;
+    allocates_nothing("transition_fd_into with a control beyond its range", || {
+        data.transition_fd_into(1e-6, Differences::Forward, &mut system).unwrap();
+    });
+}
+
+#[test]
+fn linearising_in_a_workspace_does_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let mut system = StateSpace::zeros(data.model());
+    for method in
+        [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic]
+    {
+        let options = TransitionOptions::default().with_method(method);
+        let mut transition = Lineariser::new(data.model().clone(), options).unwrap();
+        allocates_nothing(&format!("a workspace by {method:?}"), || {
+            transition.linear_system_into(&mut data, &mut system).unwrap();
+        });
+        let states = Matrix::from_row_major(1, data.physics_state().len(), data.physics_state());
+        let controls = Matrix::zeros(1, data.model().nu());
+        let mut systems = transition.along(&data, &states, &controls).unwrap();
+        allocates_nothing(&format!("along a trajectory by {method:?}"), || {
+            transition.along_into(&data, &states, &controls, &mut systems).unwrap();
+        });
+    }
+}
+
+#[test]
+fn controllers_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = Data::new(sample::cartpole()).unwrap();
+    let weights = LqrWeights { q: DMatrix::identity(4, 4), r: DMatrix::identity(1, 1), s: None };
+    let mut lqr = Lqr::at_present_state(&mut data, &weights).unwrap();
+    let (mut pd, mut random) = (PdController::new(data.model(), 1.0, 0.1), RandomController::new(1));
+    let gains = vec![Matrix::zeros(1, 4); 3];
+    let mut table = TimeVaryingLqr::with_gains(&data, Matrix::zeros(4, 4), Matrix::zeros(3, 1), gains).unwrap();
+    allocates_nothing("the controllers", || {
+        lqr.control(&mut data).unwrap();
+        table.control(&mut data).unwrap();
+        data.step().unwrap();
+        pd.control(&mut data).unwrap();
+        random.control(&mut data).unwrap();
+        ZeroController.control(&mut data).unwrap();
+    });
+}
+
+#[test]
+fn costs_of_residuals_do_not_allocate() {
+    let _lock = lock_process();
+    let data = squatting();
+    let model = data.model();
+    let cost = ResidualCost::new(
+        model,
+        [
+            Term::new("posture", JointPosition::all(model)),
+            Term::new("rest", JointVelocity::all(model)).with_norm(Norm::Huber { width: 1.0 }),
+            Term::new("hand", FramePosition::body(model, "hand_left").unwrap())
+                .with_norm(Norm::SmoothAbs { width: 0.1 }),
+            Term::new("upright", FrameOrientation::body(model, "torso").unwrap()),
+            Term::new("com", Subtree::com(model, "torso").unwrap()),
+            Term::new("velocity", Subtree::velocity(model, "torso").unwrap()),
+            Term::new("momentum", Subtree::angular_momentum(model, "torso").unwrap()),
+            Term::new("gyro", SensorReading::new(model, "torso_gyro").unwrap()),
+            Term::new("effort", Controls::new(model)),
+        ],
+    )
+    .unwrap();
+    let (state, controls) = (data.physics_state(), data.ctrl().to_vec());
+    let mut expansion = CostExpansion::zeros(model);
+    allocates_nothing("value", || assert!(cost.value(3, &state, Some(&controls)).unwrap() > 0.0));
+    allocates_nothing("expand", || cost.expand(3, &state, Some(&controls), &mut expansion).unwrap());
+    allocates_nothing("begin", || cost.begin(&data).unwrap());
+}
+
+/// Returns a quadratic cost with mixed terms, of a model with a quaternion.
+fn quadratic(data: &Data) -> QuadraticCost {
+    let (nx, nu) = (2 * data.model().nv(), data.model().nu());
+    let mut weights = LqrWeights::diagonal(&vec![1.0; nx], &vec![0.1; nu]);
+    weights.s = Some(DMatrix::from_element(nx, nu, 1e-4));
+    QuadraticCost::new(data.model(), &data.physics_state(), weights, DMatrix::identity(nx, nx)).unwrap()
+}
+
+#[test]
+fn a_quadratic_cost_does_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let cost = quadratic(&data);
+    data.step().unwrap();
+    let (state, controls) = (data.physics_state(), vec![0.1; data.model().nu()]);
+    let mut expansion = CostExpansion::zeros(data.model());
+    for controls in [Some(&controls[..]), None] {
+        allocates_nothing("value", || assert!(cost.value(3, &state, controls).unwrap() > 0.0));
+        allocates_nothing("expand", || cost.expand(3, &state, controls, &mut expansion).unwrap());
+    }
+}
+
+#[test]
+fn plans_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let cost = quadratic(&data);
+    let mut planner = IlqrPlanner::new(data.model(), 3, IlqrOptions::default().with_iterations(2)).unwrap();
+    let mut policy = TimeVaryingLqr::at_present_state(&data, 3).unwrap();
+    allocates_nothing("IlqrPlanner::plan", || {
+        data.qvel_mut()[0] += 0.1;
+        let report = planner.plan(&data, &cost, &mut policy).unwrap();
+        assert!(report.cost < report.initial_cost);
+        data.step().unwrap();
+    });
+    let mut controller = ThreadedPredictiveController::new(&data, planner, cost).unwrap();
+    allocates_nothing("ThreadedPredictiveController::control", || {
+        controller.control(&mut data).unwrap();
+        data.step().unwrap();
+        controller.wait().unwrap();
+    });
+}
+
+#[test]
+fn derivatives_of_inverse_dynamics_do_not_allocate() {
+    let _lock = lock_process();
+    let mut data = squatting();
+    let mut jacobians = InverseJacobians::zeros(data.model());
+    allocates_nothing("inverse_fd_into", || {
+        data.inverse_fd_into(1e-6, InverseForce::WithoutActuators, &mut jacobians).unwrap();
+    });
+}
+
+/// Returns the number of allocations of this thread in ten rollouts, with an existing simulation.
+fn allocations_of_rollouts(workers: &Workers, steps: usize) -> usize {
+    let controls = vec![0.1; steps * workers.model().nu()];
+    let (mut states, mut outputs) = (vec![0.0; 10 * (steps + 1) * 55], vec![0.0; 10 * steps]);
+    let rollouts = [
+        Rollout::on(workers, 10, steps).shared_controls(&controls),
+        Rollout::on(workers, 10, steps).controllers(|index| RandomController::new(index as u64)),
+        Rollout::on(workers, 10, steps).edit_model(|_, model| model.set_total_mass(50.0)),
+        Rollout::on(workers, 10, steps).forward_after_step(),
+    ];
+    rollouts
+        .into_iter()
+        .map(|rollout| {
+            let rollout = rollout.chunk(10).outputs(1, |data, row| row[0] = data.time());
+            let buffers = RolloutBuffers { states: Some(&mut states), sensordata: None, outputs: Some(&mut outputs) };
+            let (number, outcomes) = allocations(|| rollout.run_into(buffers));
+            assert!(outcomes.unwrap().iter().all(Result::is_ok));
+            number
+        })
+        .sum()
+}
+
+#[test]
+fn steps_of_rollouts_do_not_allocate() {
+    let _lock = lock_process();
+    let workers = Workers::new(sample::humanoid());
+    allocations_of_rollouts(&workers, 1);
+    let (few, many) = (allocations_of_rollouts(&workers, 1), allocations_of_rollouts(&workers, 100));
+    assert_eq!(few, many, "allocations depend on the number of steps");
+}
+
+#[test]
+fn steps_of_a_batch_do_not_allocate() {
+    let _lock = lock_process();
+    let batch = || Batch::new(sample::humanoid(), 3).unwrap().chunk(3);
+    let edited = || {
+        let mut batch = batch();
+        let edit = |data: &mut Data| data.edit_model(|model| model.set_total_mass(50.0));
+        batch.reset_where(|index| index > 0, |_, _, data| edit(data)).unwrap();
+        batch
+    };
+    let varied = || {
+        let batch = batch();
+        let torso = Parameter::MassFactor(batch.model().body("torso").unwrap().id());
+        let factors = Distribution::Uniform { low: 0.5, high: 2.0 };
+        let parameters = Parameters::new().with(batch.model(), torso, factors).unwrap();
+        let mut batch = batch.vary(parameters).unwrap();
+        batch.draw_parameters(|_| true, 1).unwrap();
+        batch
+    };
+    for mut batch in [batch(), batch().forward_after_step(), edited(), varied()] {
+        allocates_nothing("Batch::step", || {
+            batch.step(|observations, controls| controls.as_mut_slice().fill(0.1 * observations[(0, 2)])).unwrap();
+        });
+        allocates_nothing("Batch::reset_where", || batch.reset_where(|index| index > 0, |_, _, _| ()).unwrap());
+        allocates_nothing("Batch::edit_where", || {
+            batch.edit_where(|index| index > 0, |_, data| data.set_time(1.0)).unwrap();
+        });
+        let mut data = Data::new(batch.model()).unwrap();
+        allocates_nothing("Batch::load", || batch.load(1, &mut data).unwrap());
+    }
+}
