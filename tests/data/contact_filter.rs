@@ -58,7 +58,7 @@ fn a_filter_that_returns_its_argument_changes_nothing() {
     assert!(cases.iter().map(|(_, contacts)| contacts.len()).sum::<usize>() > 100);
     for (mut data, expected) in cases {
         let callbacks = Callbacks::new().contact_filter(|_, _, collide| collide);
-        data.with_callbacks(callbacks, |data| collide(data)).unwrap();
+        data.with_callbacks(callbacks, collide).unwrap();
         assert_eq!(contacts(&data), expected, "{:?}", data.model());
         // A simulation without a filter, in a process that has used one, behaves the same.
         let mut without = dense(data.model());

@@ -57,7 +57,9 @@ scalar_bits!(u8 => |value| value, bool => |value| value, f64 => |value| value.to
 
 impl<T: Bits> Bits for [T] {
     fn push_bits(&self, bits: &mut Vec<u64>) {
-        self.iter().for_each(|value| value.push_bits(bits));
+        for value in self {
+            value.push_bits(bits);
+        }
     }
 }
 
@@ -87,7 +89,7 @@ fn assert_same_bits<T: Bits + Debug, U: Bits + Debug>(name: &str, view: &dyn Deb
 
 /// A function takes less time to compile than `assert_eq!` in the macro.
 #[track_caller]
-fn assert_equal<T: PartialEq + Debug>(name: &str, view: &dyn Debug, field: &str, ours: T, theirs: T) {
+fn assert_equal<T: PartialEq + Debug>(name: &str, view: &dyn Debug, field: &str, ours: &T, theirs: &T) {
     assert!(ours == theirs, "{name}, {view:?}: {field} is {ours:?}, not {theirs:?}");
 }
 
@@ -105,7 +107,7 @@ macro_rules! check_fields {
                 let theirs = unsafe { crate::twins::read($array, $start, $length) };
                 $crate::against_c::views::assert_same_bits($name, &$view, stringify!($field), $view.$field(), theirs);
             )*
-            $($crate::against_c::views::assert_equal($name, &$view, stringify!($special), $ours, $theirs);)*
+            $($crate::against_c::views::assert_equal($name, &$view, stringify!($special), &$ours, &$theirs);)*
             let mut checked = vec![$(stringify!($field),)* $(stringify!($special),)*];
             let text = $view.to_string();
             let mut listed: Vec<&str> = text.lines().skip(3).filter_map(|line| line.split(':').next()).collect();
