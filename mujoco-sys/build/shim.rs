@@ -6,13 +6,15 @@ use crate::find::Engine;
 pub(crate) fn compile(engine: &Engine) {
     println!("cargo::rerun-if-changed=shim");
     let mut c = cc::Build::new();
-    c.files(["shim/guard.c", "shim/callbacks.c", "shim/collision.c", "shim/stderr.c", "shim/adapted.c"])
-        .include(&engine.include)
-        .warnings(true)
-        .extra_warnings(true)
-        .std("c11")
-        // Calls the engine without PLT indirection.
-        .flag_if_supported("-fno-plt");
+    c.files(
+        ["guard", "callbacks", "collision", "stderr", "adapted", "adapted_scene"].map(|name| format!("shim/{name}.c")),
+    )
+    .include(&engine.include)
+    .warnings(true)
+    .extra_warnings(true)
+    .std("c11")
+    // Calls the engine without PLT indirection.
+    .flag_if_supported("-fno-plt");
     c.compile("mujoco_sys_guard");
 
     // The engine's loaders throw C++ exceptions, such as std::bad_alloc, which only C++ can catch.
