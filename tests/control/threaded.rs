@@ -12,7 +12,7 @@ use super::cartpole;
 
 const HORIZON: usize = 8;
 
-/// What a [`Scripted`] planner does in its next plan: returns the controls of all steps, fails or panics.
+/// Next plan of a [`Scripted`] planner: returns the controls of all steps, fails or panics.
 type Action = Box<dyn FnOnce(&Data) -> Result<f64> + Send>;
 
 /// Planner that waits for the test to send its next action.

@@ -110,7 +110,7 @@ impl Canvas {
         let area = image.layout.scene;
         let shows_scene = |part: &&PixelRect| area.intersection(**part) == **part;
         {
-            let mut pass = begin(encoder, &image.view);
+            let mut pass = begin_pass(encoder, "canvas", &image.view);
             pass.set_pipeline(&self.fill);
             pass.set_blend_constant(image.layout.background);
             for part in parts.iter().filter(|part| !shows_scene(part)) {
@@ -146,7 +146,7 @@ impl Canvas {
             layout: &draw.get_bind_group_layout(0),
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&image.view) }],
         });
-        let mut pass = begin(encoder, &target.create_view(&wgpu::TextureViewDescriptor::default()));
+        let mut pass = begin_pass(encoder, "canvas", &target.create_view(&wgpu::TextureViewDescriptor::default()));
         pass.set_pipeline(draw);
         pass.set_bind_group(0, &bind_group, &[]);
         pass.draw(0..3, 0..1);
@@ -209,9 +209,13 @@ fn pipeline(
 }
 
 /// Begins a pass that keeps the content of the target.
-fn begin<'e>(encoder: &'e mut wgpu::CommandEncoder, target: &wgpu::TextureView) -> wgpu::RenderPass<'e> {
+pub(super) fn begin_pass<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
+    target: &wgpu::TextureView,
+) -> wgpu::RenderPass<'e> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("canvas"),
+        label: Some(label),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: target,
             depth_slice: None,

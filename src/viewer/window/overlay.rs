@@ -11,6 +11,7 @@ use winit::event::WindowEvent;
 use winit::keyboard::ModifiersState;
 use winit::window::Window;
 
+use super::canvas::begin_pass;
 use super::input::modifiers as viewer_modifiers;
 use super::pixel_rect::PixelRect;
 use super::shape_changes::{changed_rects, clip, covered_pixels};
@@ -259,16 +260,7 @@ impl Overlay {
         let triangles = &self.triangles.1;
         let commands = self.painter.update_buffers(device, queue, encoder, triangles, &screen);
         if !triangles.is_empty() {
-            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("panels"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: target,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                })],
-                ..wgpu::RenderPassDescriptor::default()
-            });
+            let pass = begin_pass(encoder, "panels", target);
             self.painter.render(&mut pass.forget_lifetime(), triangles, &screen);
         }
         for id in std::mem::take(&mut self.textures.free) {
