@@ -1,5 +1,5 @@
-//! Conversion between C and Rust: arrays that may be NULL, strings, sizes, and the status of a guarded call. This is the only
-//! file that calls `from_raw_parts`.
+//! Conversion between C and Rust: arrays that may be NULL, strings, sizes, the status of a guarded call, and exit handlers. This is the
+//! only file that calls `from_raw_parts`.
 
 #![allow(clippy::disallowed_methods, reason = "the lint confines `from_raw_parts` and `check` to a few files")]
 
@@ -44,6 +44,17 @@ pub(crate) fn size(size: impl Size) -> usize {
 #[inline]
 pub(crate) fn limit(limit: impl TryInto<usize>) -> usize {
     limit.try_into().unwrap_or(0)
+}
+
+/// Registers a function that is called while the process ends, before all functions that were registered earlier. A failed registration
+/// has no effect.
+#[cfg(feature = "viewer")]
+pub(crate) fn at_exit(function: extern "C" fn()) {
+    unsafe extern "C" {
+        fn atexit(function: extern "C" fn()) -> c_int;
+    }
+    // SAFETY: a function of the C library that stores a pointer at a function, and calls it before the code of the function is unloaded.
+    unsafe { atexit(function) };
 }
 
 /// Returns the array at `array` as a slice, which is empty for NULL. The engine stores NULL for empty arrays.

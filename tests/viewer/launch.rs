@@ -1,6 +1,8 @@
 //! Functions that show a window: `Viewer::run`, `run` and `launch`.
 
+use std::io::Write;
 use std::thread;
+use std::time::Duration;
 
 use mujoco_safe::viewer::{self, Key, Viewer, ViewerError, ViewerHandle, ViewerOptions};
 use mujoco_safe::{Data, sample};
@@ -24,7 +26,7 @@ fn run_steps(handle: &mut ViewerHandle, data: &mut Data) -> Result<Vec<Key>, Vie
         }
         handle.sync(data)?;
         keys.extend(handle.keys().into_iter().map(|press| press.key));
-        handle.wait(std::time::Duration::from_millis(2));
+        handle.wait(Duration::from_millis(2));
     }
     Ok(keys)
 }
@@ -120,6 +122,35 @@ pub fn launched() {
         press(input, "Right", "one step is taken", |state| state.status == "Paused" && state.time > 0.0);
     });
     drop(data);
+}
+
+pub fn exit() {
+    let output = crate::child(&["exit"]).envs(std::env::vars()).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text == FRAME_ENDED, "{}: {text}", output.status);
+}
+
+/// Output of [`exit_while_drawing`] if the process waits for the frame.
+const FRAME_ENDED: &str = "the frame ends";
+
+/// Exits while the background thread draws. The driver would free its data during the frame, which crashes the process at times.
+pub fn exit_while_drawing() {
+    viewer::test_hooks::start();
+    let mut data = Data::new(sample::humanoid()).unwrap();
+    let mut handle = viewer::launch(options()).unwrap();
+    handle.sync(&mut data).unwrap();
+    wait_until("the window is drawn", || viewer::test_hooks::latest().is_some());
+    viewer::test_hooks::hold();
+    data.step().unwrap();
+    handle.sync(&mut data).unwrap();
+    wait_until("a frame starts", viewer::test_hooks::is_held);
+    thread::spawn(|| {
+        thread::sleep(Duration::from_millis(100));
+        print!("{FRAME_ENDED}");
+        std::io::stdout().flush().unwrap();
+        viewer::test_hooks::release();
+    });
+    std::process::exit(0);
 }
 
 pub fn two_threads() {

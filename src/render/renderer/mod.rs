@@ -33,7 +33,8 @@ const SNAPSHOT_CAPACITY: usize = 10_000;
 /// [`update_mesh`](Self::update_mesh), [`update_height_field`](Self::update_height_field) or
 /// [`update_texture`](Self::update_texture).
 ///
-/// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`].
+/// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`]. Join these threads before the process
+/// ends: a graphics driver can crash if it ends during a frame.
 ///
 /// [`snapshot`](Self::snapshot) shows a simulation from a camera. The functions that take a [`Scene`] draw a scene of the caller.
 ///

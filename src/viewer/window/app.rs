@@ -1,13 +1,11 @@
-//! Event handler of the event loop: open windows, and their closing by signals.
+//! Event handler of the event loop.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
 use winit::event::{StartCause, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
+use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
 
 use super::event_loop::{Wake, WindowToken};
@@ -107,47 +105,5 @@ impl ApplicationHandler<Wake> for App {
         }
         self.remove_closed(event_loop);
         event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
-    }
-}
-
-/// Exit status of a program that a signal has ended. The number is that of SIGINT by the convention of shells, because the handler does
-/// not receive the signal.
-const INTERRUPTED: i32 = 130;
-
-/// Number of open windows.
-static WINDOWS: AtomicUsize = AtomicUsize::new(0);
-static PROXY: Mutex<Option<EventLoopProxy<Wake>>> = Mutex::new(None);
-static ONCE: Once = Once::new();
-
-/// Guard of an open window. While a guard exists, Ctrl-C, SIGTERM and SIGHUP close the windows, so that a running recording is finished
-/// and the program continues. Without windows, these signals end the program.
-pub(super) struct InterruptGuard(());
-
-impl InterruptGuard {
-    pub fn new(proxy: &EventLoopProxy<Wake>) -> Self {
-        *PROXY.lock().unwrap_or_else(PoisonError::into_inner) = Some(proxy.clone());
-        WINDOWS.fetch_add(1, Ordering::AcqRel);
-        ONCE.call_once(|| {
-            if let Err(error) = ctrlc::try_set_handler(handle_interrupt) {
-                // The program handles one of the signals itself, or ignores it as under `nohup`.
-                log::debug!("the viewer does not handle Ctrl-C, SIGTERM and SIGHUP: {error}");
-            }
-        });
-        Self(())
-    }
-}
-
-impl Drop for InterruptGuard {
-    fn drop(&mut self) {
-        WINDOWS.fetch_sub(1, Ordering::AcqRel);
-    }
-}
-
-fn handle_interrupt() {
-    if WINDOWS.load(Ordering::Acquire) == 0 {
-        std::process::exit(INTERRUPTED);
-    }
-    if let Some(proxy) = &*PROXY.lock().unwrap_or_else(PoisonError::into_inner) {
-        let _ = proxy.send_event(Wake::CloseAll);
     }
 }

@@ -6,6 +6,7 @@ mod event_loop;
 mod frame;
 mod input;
 mod model_loader;
+mod open_windows;
 mod output;
 mod overlay;
 mod pixel_rect;

@@ -10,11 +10,11 @@ use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
 use super::Opening;
-use super::app::InterruptGuard;
 use super::canvas::Canvas;
 use super::event_loop::{Waker, WindowToken, message_of};
 use super::frame::PanelContent;
 use super::model_loader::ModelLoader;
+use super::open_windows::{OpenWindow, delay_exit};
 use super::output::Output;
 use super::overlay::Overlay;
 use super::scene_renderer::SceneRenderer;
@@ -68,7 +68,8 @@ pub(super) struct Session {
     pub frame_start: Option<Duration>,
     pub scheduler: FrameScheduler,
     pub closed: bool,
-    _interrupt: InterruptGuard,
+    /// Last, because the process may end when it is dropped.
+    pub registration: OpenWindow,
 }
 
 impl Session {
@@ -90,6 +91,7 @@ impl Session {
 
     fn new(event_loop: &ActiveEventLoop, opening: Opening) -> Result<Self, ViewerError> {
         let Opening { waker, link, mut options, .. } = opening;
+        let registration = OpenWindow::register(waker.proxy())?;
         let monitor = event_loop.primary_monitor().or_else(|| event_loop.available_monitors().next());
         let two_thirds = |size: PhysicalSize<u32>| [2 * size.width / 3, 2 * size.height / 3];
         let default = monitor.as_ref().map(|monitor| two_thirds(monitor.size())).filter(|size| !size.contains(&0));
@@ -102,7 +104,9 @@ impl Session {
         let window = Arc::new(window);
         let surface = WindowSurface::new(window.clone(), options.vsync)?;
         let overlay = Overlay::new(&window, surface.gpu().device(), surface.format(), &options);
-        let canvas = Canvas::new(surface.gpu(), surface.format())?;
+        let mut canvas = Canvas::new(surface.gpu(), surface.format())?;
+        canvas.load_driver(surface.gpu())?;
+        delay_exit();
         let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
         scheduler.request(now);
@@ -114,7 +118,6 @@ impl Session {
             surface,
             window,
             link,
-            _interrupt: InterruptGuard::new(waker.proxy()),
             waker,
             options,
             view: None,
@@ -133,6 +136,7 @@ impl Session {
             frame_start: None,
             scheduler,
             closed: false,
+            registration,
         })
     }
 
