@@ -15,7 +15,7 @@ use mujoco_safe::{Data, Model, ModelMut, sample};
 
 use crate::stage;
 
-const SIZE: [u32; 2] = [320, 240];
+const SIZE: [u32; 2] = [160, 120];
 
 /// Saves an image for inspection.
 fn save(picture: &RgbImage, name: &str) {
@@ -71,8 +71,13 @@ fn assorted_model() -> Model {
     Model::from_xml_str(&xml.replace("SKIN", skin).replace("CLOTH", cloth)).unwrap()
 }
 
+/// Returns options that affect only the smoothness of edges and shadows.
+fn fast() -> RendererOptions {
+    RendererOptions::default().with_samples(1).with_shadow_size(256)
+}
+
 fn renderer(model: &Model, [width, height]: [u32; 2]) -> Renderer {
-    Renderer::on(stage::gpu(), model, width, height, &RendererOptions::default()).unwrap()
+    Renderer::on(stage::gpu(), model, width, height, &fast()).unwrap()
 }
 
 fn update(data: &mut Data, scene: &mut Scene, options: &SceneOptions) {
@@ -166,6 +171,7 @@ const INVALID_EDITS: [(&str, Fill); 8] = [
 
 #[test]
 fn invalid_numbers_affect_only_their_own_object() {
+    const SIZE: [u32; 2] = [64, 48];
     let mut clean = Data::new(assorted_model()).unwrap();
     let mut renderer = self::renderer(clean.model(), SIZE);
     let expected = picture(&mut renderer, &mut clean);
@@ -180,10 +186,7 @@ fn invalid_numbers_affect_only_their_own_object() {
             }
             update(&mut data, &mut scene, &SceneOptions::default());
             // A renderer of the edited model, and a renderer that uploads the edit.
-            let Ok(mut own) = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], &RendererOptions::default())
-            else {
-                continue;
-            };
+            let Ok(mut own) = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], &fast()) else { continue };
             drop((own.rgb(&scene), own.depth(&scene), own.segmentation(&scene)));
             drop((renderer.rgb(&scene), renderer.depth(&scene), renderer.segmentation(&scene)));
             let after = picture(&mut renderer, &mut clean);

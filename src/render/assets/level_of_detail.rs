@@ -1,7 +1,10 @@
 //! Levels of detail of round shapes.
 
-use crate::render::Lighting;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::shapes::ShapeBuffers;
 use crate::render::shape::{self, Tessellation, Triangles};
+use crate::render::{Gpu, Lighting, RenderError};
 
 /// Round shape, tessellated in several levels of detail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,5 +70,27 @@ impl RoundShape {
             Self::Disk => shape::disk(slices, 1),
             Self::Cone => shape::cone(slices, 1),
         })
+    }
+}
+
+/// Round shapes for depth and segmentation images, which depend on no model: the renderers of a [`Gpu`] share them.
+#[derive(Debug, Default)]
+pub(crate) struct DepthLevels(Mutex<Option<Arc<[ShapeBuffers]>>>);
+
+impl DepthLevels {
+    /// Returns the levels of all shapes, which are created on first use.
+    pub(super) fn get(&self, gpu: &Gpu) -> Result<Arc<[ShapeBuffers]>, RenderError> {
+        let mut levels = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(levels) = &*levels {
+            return Ok(levels.clone());
+        }
+        let triangles = RoundShape::ALL.into_iter().flat_map(RoundShape::depth_levels);
+        let created = triangles.map(|triangles| ShapeBuffers::new(gpu, &triangles)).collect::<Result<_, _>>()?;
+        Ok(levels.insert(created).clone())
+    }
+
+    /// Removes the shapes, because an error, such as a lack of memory, may have left an invalid buffer.
+    pub(crate) fn clear(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 }

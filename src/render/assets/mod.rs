@@ -9,6 +9,6 @@ mod shapes;
 mod textures;
 
 pub(crate) use self::glyph_atlas::{GLYPH_SIZE, GlyphAtlas};
-pub(crate) use self::level_of_detail::{COLOR_LEVELS, DEPTH_LEVELS, DetailLevel, RoundShape};
+pub(crate) use self::level_of_detail::{COLOR_LEVELS, DEPTH_LEVELS, DepthLevels, DetailLevel, RoundShape};
 pub(crate) use self::shapes::{Shapes, Tile};
-pub(crate) use self::textures::{TextureLayouts, Textures};
+pub(crate) use self::textures::{TextureBindings, Textures, glyph_atlas};

@@ -1,6 +1,7 @@
 //! Vertex and index buffers of the unit shapes and of the model's planes, meshes, height fields, skins and flexes.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use wgpu::util::DeviceExt;
 
@@ -13,6 +14,9 @@ use crate::render::shape::{self, SkinTopology, Tessellation, Triangles, Vertex};
 use crate::render::{Gpu, Lighting, RenderError};
 use crate::scene::{Scene, SceneGeom, SceneGeomType};
 
+/// First of the round shapes for depth images, above the shapes of models.
+const FIRST_DEPTH_LEVEL: u32 = 1 << 22;
+
 /// Shape of the first geom with a flex, above all other shapes.
 const FIRST_FLEX: u32 = 1 << 23;
 
@@ -23,8 +27,8 @@ pub(crate) struct Shapes {
     planes: Vec<Plane>,
     /// Infinite plane for geoms that are not from the model.
     infinite_plane: Plane,
-    /// First of the round shapes for depth images, which are created on first use.
-    depth_levels: Option<u32>,
+    /// Round shapes for depth images, from the first depth image on.
+    depth_levels: Option<Arc<[ShapeBuffers]>>,
     square: u32,
     cuboid: u32,
     line: u32,
@@ -98,17 +102,9 @@ impl Shapes {
 
     /// Creates the round shapes for depth images, unless they exist.
     pub(crate) fn create_depth_levels(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
-        if self.depth_levels.is_some() {
-            return Ok(());
+        if self.depth_levels.is_none() {
+            self.depth_levels = Some(gpu.depth_levels().get(gpu)?);
         }
-        let first = self.buffers.len();
-        for triangles in RoundShape::ALL.into_iter().flat_map(RoundShape::depth_levels) {
-            if let Err(error) = self.push(gpu, &triangles) {
-                self.buffers.truncate(first);
-                return Err(error);
-            }
-        }
-        self.depth_levels = Some(first as u32);
         Ok(())
     }
 
@@ -209,9 +205,12 @@ impl Shapes {
     }
 
     pub(crate) fn buffers(&self, shape: u32) -> &ShapeBuffers {
-        match shape.checked_sub(FIRST_FLEX) {
-            Some(flex) => &self.flexes[flex as usize].1,
-            None => &self.buffers[shape as usize],
+        if let Some(flex) = shape.checked_sub(FIRST_FLEX) {
+            return &self.flexes[flex as usize].1;
+        }
+        match (shape.checked_sub(FIRST_DEPTH_LEVEL), &self.depth_levels) {
+            (Some(level), Some(levels)) => &levels[level as usize],
+            _ => &self.buffers[shape as usize],
         }
     }
 
@@ -227,9 +226,9 @@ impl Shapes {
     pub(crate) fn round(&self, shape: RoundShape, level: DetailLevel) -> u32 {
         let at =
             |first: u32, levels: usize, level: usize| first + (shape as usize * levels + level.min(levels - 1)) as u32;
-        match (level, self.depth_levels) {
+        match (level, &self.depth_levels) {
             (DetailLevel::Color(level), _) => at(0, COLOR_LEVELS, level),
-            (DetailLevel::Depth(level), Some(first)) => at(first, DEPTH_LEVELS.len(), level),
+            (DetailLevel::Depth(level), Some(_)) => at(FIRST_DEPTH_LEVEL, DEPTH_LEVELS.len(), level),
             (DetailLevel::Depth(_), None) => at(0, COLOR_LEVELS, 0),
         }
     }
@@ -289,7 +288,7 @@ pub(crate) struct Tile {
 }
 
 impl ShapeBuffers {
-    fn new(gpu: &Gpu, triangles: &Triangles) -> Result<Self, RenderError> {
+    pub(super) fn new(gpu: &Gpu, triangles: &Triangles) -> Result<Self, RenderError> {
         Self::with_usage(gpu, bytemuck::cast_slice(&triangles.vertices), &triangles.indices, wgpu::BufferUsages::VERTEX)
     }
 

@@ -7,14 +7,16 @@ use crate::model::Model;
 use crate::render::Gpu;
 use crate::render::shader::TextureKind;
 
-/// Bind group layouts of a texture with its sampler.
-#[derive(Debug, Clone)]
-pub(crate) struct TextureLayouts {
+/// Samplers, and bind group layouts of a texture with its sampler. All renderers of a [`Gpu`] share them.
+#[derive(Debug)]
+pub(crate) struct TextureBindings {
     pub(crate) d2: wgpu::BindGroupLayout,
     pub(crate) cube: wgpu::BindGroupLayout,
+    repeat: wgpu::Sampler,
+    clamp: wgpu::Sampler,
 }
 
-impl TextureLayouts {
+impl TextureBindings {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         let layout = |view_dimension| {
             let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
@@ -31,23 +33,6 @@ impl TextureLayouts {
                 entries: &[entry(0, texture), entry(1, sampler)],
             })
         };
-        Self { d2: layout(wgpu::TextureViewDimension::D2), cube: layout(wgpu::TextureViewDimension::Cube) }
-    }
-}
-
-/// Textures of a model, as bind groups.
-#[derive(Debug)]
-pub(crate) struct Textures {
-    bind_groups: Vec<(TextureKind, wgpu::BindGroup)>,
-    /// First skybox texture.
-    sky: Option<usize>,
-    layouts: TextureLayouts,
-    repeat: wgpu::Sampler,
-    clamp: wgpu::Sampler,
-}
-
-impl Textures {
-    pub(crate) fn new(gpu: &Gpu, layouts: &TextureLayouts, model: &Model) -> Self {
         let sampler = |address_mode| {
             gpu.device().create_sampler(&wgpu::SamplerDescriptor {
                 address_mode_u: address_mode,
@@ -59,18 +44,31 @@ impl Textures {
                 ..Default::default()
             })
         };
-        let mut textures = Self {
-            bind_groups: Vec::new(),
-            sky: None,
-            layouts: layouts.clone(),
+        Self {
+            d2: layout(wgpu::TextureViewDimension::D2),
+            cube: layout(wgpu::TextureViewDimension::Cube),
             repeat: sampler(wgpu::AddressMode::Repeat),
             clamp: sampler(wgpu::AddressMode::ClampToEdge),
-        };
+        }
+    }
+}
+
+/// Textures of a model, as bind groups.
+#[derive(Debug)]
+pub(crate) struct Textures {
+    bind_groups: Vec<(TextureKind, wgpu::BindGroup)>,
+    /// First skybox texture.
+    sky: Option<usize>,
+}
+
+impl Textures {
+    pub(crate) fn new(gpu: &Gpu, model: &Model) -> Self {
+        let mut textures = Self { bind_groups: Vec::new(), sky: None };
         for texture in model.textures() {
             if textures.sky.is_none() && texture.texture_type() == crate::enums::TextureType::Skybox {
                 textures.sky = Some(textures.bind_groups.len());
             }
-            let created = textures.create(gpu, model, texture.id());
+            let created = Self::create(gpu, model, texture.id());
             textures.bind_groups.push(created);
         }
         textures
@@ -78,15 +76,16 @@ impl Textures {
 
     /// Replaces a texture.
     pub(crate) fn update(&mut self, gpu: &Gpu, model: &Model, id: TextureId) {
-        self.bind_groups[id.index()] = self.create(gpu, model, id);
+        self.bind_groups[id.index()] = Self::create(gpu, model, id);
     }
 
-    fn create(&self, gpu: &Gpu, model: &Model, id: TextureId) -> (TextureKind, wgpu::BindGroup) {
+    fn create(gpu: &Gpu, model: &Model, id: TextureId) -> (TextureKind, wgpu::BindGroup) {
         let MipChain { faces, levels } = MipChain::new(model, id, gpu.limits().max_texture_dimension_2d);
         let layers = faces.count() as u32;
+        let bindings = &gpu.pipelines().textures;
         let (kind, dimension, layout, sampler) = match faces {
-            Faces::D2 => (TextureKind::D2, wgpu::TextureViewDimension::D2, &self.layouts.d2, &self.repeat),
-            Faces::Cube => (TextureKind::Cube, wgpu::TextureViewDimension::Cube, &self.layouts.cube, &self.clamp),
+            Faces::D2 => (TextureKind::D2, wgpu::TextureViewDimension::D2, &bindings.d2, &bindings.repeat),
+            Faces::Cube => (TextureKind::Cube, wgpu::TextureViewDimension::Cube, &bindings.cube, &bindings.clamp),
         };
         let white = [MipLevel { width: 1, height: 1, rgba: vec![u8::MAX; 4 * faces.count()] }];
         let levels = if is_complete(&levels, layers) { &levels[..] } else { &white };
@@ -116,15 +115,16 @@ impl Textures {
     pub(crate) fn sky(&self) -> Option<&wgpu::BindGroup> {
         self.bind_groups.get(self.sky?).map(|(_, group)| group)
     }
+}
 
-    /// Creates the bind group of the glyph atlas.
-    pub(crate) fn glyph_atlas(&self, gpu: &Gpu) -> wgpu::BindGroup {
-        let atlas = GlyphAtlas::get();
-        let size = wgpu::Extent3d { width: atlas.width, height: atlas.height, depth_or_array_layers: 1 };
-        let texture = create_texture(gpu, size, 1, wgpu::TextureFormat::Rg8Unorm);
-        write(gpu, &texture, 0, size, &atlas.pixels, 2);
-        bind_group(gpu, &self.layouts.d2, &texture.create_view(&wgpu::TextureViewDescriptor::default()), &self.clamp)
-    }
+/// Creates the bind group of the glyph atlas.
+pub(crate) fn glyph_atlas(gpu: &Gpu) -> wgpu::BindGroup {
+    let atlas = GlyphAtlas::get();
+    let size = wgpu::Extent3d { width: atlas.width, height: atlas.height, depth_or_array_layers: 1 };
+    let texture = create_texture(gpu, size, 1, wgpu::TextureFormat::Rg8Unorm);
+    write(gpu, &texture, 0, size, &atlas.pixels, 2);
+    let bindings = &gpu.pipelines().textures;
+    bind_group(gpu, &bindings.d2, &texture.create_view(&wgpu::TextureViewDescriptor::default()), &bindings.clamp)
 }
 
 /// Returns `true` if the mip chain is non-empty and each level has the size and the number of bytes that wgpu requires.

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::{Gpu, Origin, Shared};
 use crate::render::RenderError;
+use crate::render::assets::DepthLevels;
 use crate::with_methods::with_methods;
 
 /// Preference between hardware and software adapters.
@@ -94,7 +95,9 @@ impl Gpu {
         origin: Option<Origin>,
     ) -> Self {
         let lost = Arc::new(OnceLock::new());
-        let shared = Shared { device, queue, info, samples, lost, origin };
+        let pipelines = OnceLock::new();
+        let shared =
+            Shared { device, queue, info, samples, pipelines, depth_levels: DepthLevels::default(), lost, origin };
         let gpu = Self { shared: Arc::new(shared) };
         if gpu.shared.origin.is_some() {
             gpu.install_error_handlers();

@@ -9,6 +9,8 @@ use std::sync::{Arc, OnceLock};
 
 pub use self::adapter::{GpuKind, GpuOptions, GpuPreference};
 use super::RenderError;
+use super::assets::DepthLevels;
+use super::pass::Pipelines;
 
 /// An open graphics adapter, shared by any number of [`Renderer`](super::Renderer)s on any number of threads. Clones
 /// refer to the same device.
@@ -34,6 +36,9 @@ struct Shared {
     info: wgpu::AdapterInfo,
     /// Bitwise OR of the supported MSAA sample counts.
     samples: u32,
+    /// Created by the first renderer.
+    pipelines: OnceLock<Pipelines>,
+    depth_levels: DepthLevels,
     /// Reason of the device loss, if the device is lost.
     lost: Arc<OnceLock<String>>,
     /// Instance and adapter, required to create window surfaces. `None` for a device of the caller.
@@ -79,6 +84,16 @@ impl Gpu {
 
     pub(crate) fn queue(&self) -> &wgpu::Queue {
         &self.shared.queue
+    }
+
+    /// Returns the pipelines of all renderers.
+    pub(crate) fn pipelines(&self) -> &Pipelines {
+        self.shared.pipelines.get_or_init(|| Pipelines::new(self))
+    }
+
+    /// Returns the round shapes for depth and segmentation images of all renderers.
+    pub(crate) fn depth_levels(&self) -> &DepthLevels {
+        &self.shared.depth_levels
     }
 
     pub(crate) fn limits(&self) -> wgpu::Limits {
@@ -132,7 +147,13 @@ impl Gpu {
         let validation = pollster::block_on(validation.pop());
         self.check_lost()?;
         match memory.or(internal).or(validation) {
-            Some(error) => Err(RenderError::from_wgpu(&error)),
+            Some(error) => {
+                if let Some(pipelines) = self.shared.pipelines.get() {
+                    pipelines.clear();
+                }
+                self.shared.depth_levels.clear();
+                Err(RenderError::from_wgpu(&error))
+            }
             None => result,
         }
     }

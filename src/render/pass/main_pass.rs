@@ -82,7 +82,7 @@ impl MainPass {
     fn create_bind_groups(&mut self, draw: &DrawContext<'_>, shadows: &ShadowMaps) {
         let Self { uniform, mirror_uniform, shadowed, unshadowed, mirrored, .. } = self;
         let group = |uniform: &GrowableBuffer, maps: &[&wgpu::TextureView]| {
-            draw.pipelines.view_bind_group(draw.gpu, uniform, maps)
+            draw.gpu.pipelines().view_bind_group(draw.gpu, uniform, maps)
         };
         shadowed.get_or_insert_with(|| group(uniform, &shadows.views().collect::<Vec<_>>()));
         unshadowed.get_or_insert_with(|| group(uniform, &[]));
@@ -107,10 +107,10 @@ impl MainPass {
         let mut pass = begin(encoder, target, color, list);
         let flags = frame.flags;
         // Transparent geoms and mirror images receive no shadows.
-        let light_set = draw.pipelines.light_set(frame.lights.features());
-        let unshadowed_light_set = draw
-            .pipelines
-            .light_set(frame.lights.features().map(|features| LightFeatures { shadow: false, ..features }));
+        let pipelines = draw.gpu.pipelines();
+        let light_set = pipelines.light_set(frame.lights.features());
+        let unshadowed_light_set =
+            pipelines.light_set(frame.lights.features().map(|features| LightFeatures { shadow: false, ..features }));
         let key = PipelineKey {
             pass_kind: PassKind::Opaque,
             texture_kind: TextureKind::D2,
@@ -149,7 +149,7 @@ impl MainPass {
         }
         if let Some(atlas) = labels.atlas.as_ref().filter(|_| labels.count > 0) {
             let key = PipelineKey { fog: false, ..unlit_key(PassKind::Label, &key) };
-            pass.set_pipeline(draw.pipelines.get(draw.gpu, key));
+            pass.set_pipeline(&pipelines.get(draw.gpu, key));
             pass.set_bind_group(1, atlas, &[]);
             pass.set_vertex_buffer(0, labels.buffer.buffer().slice(..));
             pass.draw(0..4, 0..labels.count);
@@ -253,7 +253,7 @@ fn transparent_batches<'l>(list: &'l DrawList, key: &PipelineKey) -> &'l [Batch]
 
 fn draw_sky(pass: &mut wgpu::RenderPass<'_>, draw: &mut DrawContext<'_>, sky: &Sky, key: &PipelineKey) {
     let Some(texture) = draw.textures.sky() else { return };
-    pass.set_pipeline(draw.pipelines.get(draw.gpu, unlit_key(PassKind::Sky, key)));
+    pass.set_pipeline(&draw.gpu.pipelines().get(draw.gpu, unlit_key(PassKind::Sky, key)));
     pass.set_bind_group(1, texture, &[]);
     pass.set_vertex_buffer(0, sky.buffer.buffer().slice(..));
     pass.draw(0..sky.vertex_count(), 0..1);

@@ -27,7 +27,6 @@ use super::shader::TextureKind;
 /// Resources of all draw calls.
 pub(crate) struct DrawContext<'a> {
     pub(crate) gpu: &'a Gpu,
-    pub(crate) pipelines: &'a mut Pipelines,
     pub(crate) shapes: &'a Shapes,
     pub(crate) textures: &'a Textures,
     pub(crate) instances: &'a wgpu::Buffer,
@@ -37,7 +36,7 @@ pub(crate) struct DrawContext<'a> {
 
 impl DrawContext<'_> {
     /// Draws a batch with the pipeline of its key.
-    pub(crate) fn batch(&mut self, pass: &mut wgpu::RenderPass<'_>, batch: &Batch, key: &PipelineKey) {
+    pub(crate) fn batch(&self, pass: &mut wgpu::RenderPass<'_>, batch: &Batch, key: &PipelineKey) {
         let shape = self.shapes.buffers(batch.key.shape);
         if shape.index_count == 0 {
             return;
@@ -46,7 +45,7 @@ impl DrawContext<'_> {
         let texture_kind =
             if key.texture_kind == TextureKind::None { TextureKind::None } else { batch.key.texture_kind };
         let key = PipelineKey { texture_kind, line: batch.key.line, back_faces: batch.key.back_faces, ..*key };
-        pass.set_pipeline(self.pipelines.get(self.gpu, key));
+        pass.set_pipeline(&self.gpu.pipelines().get(self.gpu, key));
         if texture_kind != TextureKind::None
             && let Some(texture) = self.textures.get(batch.key.texture)
         {

@@ -1,11 +1,13 @@
-//! Cache of render pipelines, created on first use: compiling a shader takes as long as rendering a frame.
+//! Cache of render pipelines, created on first use and shared by all renderers of a [`Gpu`]: compiling a shader takes as long as rendering
+//! a frame.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use super::pipeline_state::{PipelineState, VERTEX_ATTRIBUTES, vertex_buffers, view_layout};
 use crate::render::Gpu;
-use crate::render::assets::TextureLayouts;
+use crate::render::assets::TextureBindings;
 use crate::render::gpu::buffer::GrowableBuffer;
 use crate::render::shader::{Output, ShaderKind, ShaderVariant, Shading, TextureKind};
 use crate::render::view::{LightFeatures, MAX_SHADOWS};
@@ -98,37 +100,43 @@ impl PipelineKey {
     }
 }
 
-/// Cache of render pipelines and their layouts.
+/// Render pipelines and their layouts.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    pub(crate) texture_layouts: TextureLayouts,
+    pub(crate) textures: TextureBindings,
     /// Bind group layouts of views, by the number of shadow maps.
     view_layouts: Vec<wgpu::BindGroupLayout>,
-    light_sets: Vec<Vec<LightFeatures>>,
-    cache: HashMap<PipelineKey, wgpu::RenderPipeline>,
+    cache: RwLock<Cache>,
 }
 
-/// Maximum size of the cache. A scene needs about ten pipelines; further ones result from toggled lights and from other
+#[derive(Debug, Default)]
+struct Cache {
+    light_sets: Vec<Vec<LightFeatures>>,
+    pipelines: HashMap<PipelineKey, wgpu::RenderPipeline>,
+}
+
+/// Maximum size of the cache. A scene needs about ten pipelines; further ones result from other scenes, toggled lights and other
 /// windows.
-const MAX_PIPELINES: usize = 256;
+const MAX_PIPELINES: usize = 1024;
 
 impl Pipelines {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         let view_layouts = (0..=MAX_SHADOWS).map(|shadows| view_layout(gpu, shadows)).collect();
-        Self { texture_layouts: TextureLayouts::new(gpu), view_layouts, light_sets: Vec::new(), cache: HashMap::new() }
+        Self { textures: TextureBindings::new(gpu), view_layouts, cache: RwLock::default() }
     }
 
     /// Returns the index of a set of light features.
-    pub(crate) fn light_set(&mut self, features: impl Iterator<Item = LightFeatures> + Clone) -> u32 {
-        if let Some(index) = self.light_sets.iter().position(|set| set.iter().copied().eq(features.clone())) {
-            return index as u32;
+    pub(crate) fn light_set(&self, features: impl Iterator<Item = LightFeatures> + Clone) -> u32 {
+        if let Some(index) = self.cached().light_set(&features) {
+            return index;
         }
-        if self.cache.len() > MAX_PIPELINES {
-            // Indices of light sets remain valid; their pipelines are created again.
-            self.cache.clear();
+        let mut cache = self.cached_mut();
+        // Another thread may have added the set since.
+        if let Some(index) = cache.light_set(&features) {
+            return index;
         }
-        self.light_sets.push(features.collect());
-        self.light_sets.len() as u32 - 1
+        cache.light_sets.push(features.collect());
+        cache.light_sets.len() as u32 - 1
     }
 
     /// Creates the bind group of a view: its uniform buffer and shadow maps.
@@ -149,20 +157,42 @@ impl Pipelines {
         gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 
-    /// Returns the pipeline for a key.
-    pub(crate) fn get(&mut self, gpu: &Gpu, key: PipelineKey) -> &wgpu::RenderPipeline {
-        if !self.cache.contains_key(&key) {
-            let pipeline = self.create(gpu, &key);
-            self.cache.insert(key, pipeline);
+    /// Returns the pipeline for a key. Threads that need a new pipeline wait for each other, so that none is created twice.
+    pub(crate) fn get(&self, gpu: &Gpu, key: PipelineKey) -> wgpu::RenderPipeline {
+        if let Some(pipeline) = self.cached().pipelines.get(&key) {
+            return pipeline.clone();
         }
-        &self.cache[&key]
+        let mut cache = self.cached_mut();
+        if let Some(pipeline) = cache.pipelines.get(&key) {
+            return pipeline.clone();
+        }
+        if cache.pipelines.len() >= MAX_PIPELINES {
+            // Indices of light sets remain valid; their pipelines are created again.
+            cache.pipelines.clear();
+        }
+        let pipeline = self.create(gpu, &key, &cache.light_sets);
+        cache.pipelines.insert(key, pipeline.clone());
+        pipeline
     }
 
-    fn create(&self, gpu: &Gpu, key: &PipelineKey) -> wgpu::RenderPipeline {
+    /// Removes all pipelines, because an error, such as a lack of memory, may have left an invalid one.
+    pub(crate) fn clear(&self) {
+        self.cached_mut().pipelines.clear();
+    }
+
+    fn cached(&self) -> RwLockReadGuard<'_, Cache> {
+        self.cache.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn cached_mut(&self) -> RwLockWriteGuard<'_, Cache> {
+        self.cache.write().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn create(&self, gpu: &Gpu, key: &PipelineKey, light_sets: &[Vec<LightFeatures>]) -> wgpu::RenderPipeline {
         let state = PipelineState::new(key);
         // Unlit shapes of a lit pass, such as lines, use the same bind group of the view.
         let bound: &[LightFeatures] =
-            if key.pass_kind.has_lights() { &self.light_sets[key.light_set as usize] } else { &[] };
+            if key.pass_kind.has_lights() { &light_sets[key.light_set as usize] } else { &[] };
         let mut shader = ShaderVariant {
             kind: state.shader,
             output: state.output,
@@ -185,10 +215,10 @@ impl Pipelines {
         });
         let shadows = bound.iter().filter(|light| light.shadow).count();
         let texture_layout = match (state.shader, key.texture_kind) {
-            (ShaderKind::Sky, _) => Some(&self.texture_layouts.cube),
-            (ShaderKind::Label, _) | (_, TextureKind::D2) => Some(&self.texture_layouts.d2),
+            (ShaderKind::Sky, _) => Some(&self.textures.cube),
+            (ShaderKind::Label, _) | (_, TextureKind::D2) => Some(&self.textures.d2),
             (_, TextureKind::None) => None,
-            (_, TextureKind::Cube) => Some(&self.texture_layouts.cube),
+            (_, TextureKind::Cube) => Some(&self.textures.cube),
         };
         let layouts = [Some(&self.view_layouts[shadows]), texture_layout];
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -225,5 +255,12 @@ impl Pipelines {
             multiview_mask: None,
             cache: None,
         })
+    }
+}
+
+impl Cache {
+    fn light_set(&self, features: &(impl Iterator<Item = LightFeatures> + Clone)) -> Option<u32> {
+        let index = self.light_sets.iter().position(|set| set.iter().copied().eq(features.clone()));
+        index.map(|index| index as u32)
     }
 }

@@ -145,7 +145,7 @@ impl ShadowMaps {
             let load = if map.needs_clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
             map.needs_clear = false;
             let bind_group =
-                map.bind_group.get_or_insert_with(|| draw.pipelines.view_bind_group(draw.gpu, &map.uniform, &[]));
+                map.bind_group.get_or_insert_with(|| draw.gpu.pipelines().view_bind_group(draw.gpu, &map.uniform, &[]));
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow map"),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

@@ -3,6 +3,7 @@
 use super::Renderer;
 use super::read_back::ReadBack;
 use crate::error::Error;
+use crate::render::assets::glyph_atlas;
 use crate::render::draw_list::{AuxOutput, DrawListInputs};
 use crate::render::pass::{
     AuxLayer, AuxTarget, COLOR_FORMAT, DrawContext, FrameInputs, Target, check_size, create_texture, default_view,
@@ -66,10 +67,10 @@ impl Renderer {
         to: ReadBack,
     ) -> Result<(), RenderError> {
         let cull = scene.render_flags().contains(RenderFlags::CULL_FACE);
-        let Self { gpu, list, pipelines, shapes, textures, instances, aux_view, aux_target, .. } = self;
+        let Self { gpu, list, shapes, textures, instances, aux_view, aux_target, .. } = self;
         let (Some(view), Some(target)) = (aux_view, aux_target) else { return Ok(()) };
         let instances = instances.buffer();
-        let mut draw = DrawContext { gpu, pipelines, shapes, textures, instances, tile_culling: None };
+        let mut draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
         encode_ids(encoder, &mut draw, list, view, target, (layer, cull));
         let texture = target.texture.clone();
         self.read_back_buffer(to)?.encode(encoder, &texture);
@@ -110,7 +111,7 @@ impl Renderer {
         let view = ViewUniforms::new(frustum, &self.settings, self.size, false);
         let is_stale = self.aux_uniform.write(&self.gpu, UniformData::unlit(&view).bytes())?;
         if is_stale || self.aux_view.is_none() {
-            self.aux_view = Some(self.pipelines.view_bind_group(&self.gpu, &self.aux_uniform, &[]));
+            self.aux_view = Some(self.gpu.pipelines().view_bind_group(&self.gpu, &self.aux_uniform, &[]));
         }
         Ok(())
     }
@@ -141,10 +142,10 @@ impl Renderer {
         let cull = flags.contains(RenderFlags::CULL_FACE);
         if aux.is_some() {
             self.update_aux_view(&frustum)?;
-            let Self { gpu, list, pipelines, shapes, textures, instances, aux_view, target, .. } = self;
+            let Self { gpu, list, shapes, textures, instances, aux_view, target, .. } = self;
             let (Some(view), Some(target)) = (aux_view, target) else { return Ok(encoder) };
             let instances = instances.buffer();
-            let mut draw = DrawContext { gpu, pipelines, shapes, textures, instances, tile_culling: None };
+            let mut draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
             encode_segment_colors(&mut encoder, &mut draw, list, view, (target, color), [cull, flip_y]);
             return Ok(encoder);
         }
@@ -153,19 +154,7 @@ impl Renderer {
             Lighting::PerVertex => Shading::Vertex,
         };
         let Self {
-            gpu,
-            settings,
-            list,
-            pipelines,
-            shapes,
-            textures,
-            instances,
-            main_pass,
-            shadow_maps,
-            sky,
-            labels,
-            target,
-            ..
+            gpu, settings, list, shapes, textures, instances, main_pass, shadow_maps, sky, labels, target, ..
         } = self;
         let Some(target) = target else { return Ok(encoder) };
         let frame = FrameInputs { frustum: &frustum, lights: &lights, settings, size, flags, shading };
@@ -174,11 +163,11 @@ impl Renderer {
         sky.prepare(gpu, list, &frustum, settings, flags.contains(RenderFlags::HAZE))?;
         labels.prepare(gpu, scene, &frustum, size)?;
         if labels.count > 0 && labels.atlas.is_none() {
-            labels.atlas = Some(textures.glyph_atlas(gpu));
+            labels.atlas = Some(glyph_atlas(gpu));
         }
         main_pass.prepare(gpu, &frame, list, shadow_maps)?;
         let instances = instances.buffer();
-        let mut draw = DrawContext { gpu, pipelines, shapes, textures, instances, tile_culling: None };
+        let mut draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
         shadow_maps.encode(&mut encoder, &mut draw, list, cull);
         draw.tile_culling = Some((&planes, &list.instances));
         main_pass.encode(&mut encoder, &mut draw, &frame, list, (shadow_maps, sky, labels), (target, color));

@@ -15,7 +15,7 @@ use super::assets::{Shapes, Textures};
 use super::bounding_volume::AssetBounds;
 use super::draw_list::{AuxOutput, DrawList};
 use super::gpu::buffer::{GrowableBuffer, ReadBackBuffer};
-use super::pass::{AuxTarget, COLOR_FORMAT, Labels, MainPass, Pipelines, ShadowMaps, Sky, Target, check_size};
+use super::pass::{AuxTarget, COLOR_FORMAT, Labels, MainPass, ShadowMaps, Sky, Target, check_size};
 use super::settings::VisualSettings;
 use super::{DepthImage, Gpu, RenderError, RendererOptions, RgbImage, SegmentationImage};
 use crate::error::Error;
@@ -33,8 +33,9 @@ const SNAPSHOT_CAPACITY: usize = 10_000;
 /// [`update_mesh`](Self::update_mesh), [`update_height_field`](Self::update_height_field) or
 /// [`update_texture`](Self::update_texture).
 ///
-/// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`]. Join these threads before the process
-/// ends: a graphics driver can crash if it ends during a frame.
+/// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`]. They also share its compiled shaders,
+/// so that a further renderer on the same `Gpu` draws its first image sooner. Join these threads before the process ends: a graphics driver
+/// can crash if it ends during a frame.
 ///
 /// [`snapshot`](Self::snapshot) shows a simulation from a camera. The functions that take a [`Scene`] draw a scene of the caller.
 ///
@@ -58,7 +59,6 @@ pub struct Renderer {
     bounds: AssetBounds,
     shapes: Shapes,
     textures: Textures,
-    pipelines: Pipelines,
     list: DrawList,
     instances: GrowableBuffer,
     main_pass: MainPass,
@@ -122,7 +122,6 @@ impl Renderer {
             let settings = VisualSettings::new(model);
             let samples = options.samples.unwrap_or(quality.offsamples.min(8) as u32);
             let shadow_size = shadow_size(gpu, options.shadow_size, quality.shadowsize)?;
-            let pipelines = Pipelines::new(gpu);
             Ok(Self {
                 gpu: gpu.clone(),
                 lineage: model.lineage(),
@@ -131,9 +130,8 @@ impl Renderer {
                 size,
                 bounds: AssetBounds::new(model),
                 shapes: Shapes::new(gpu, model, &settings, options.lighting)?,
-                textures: Textures::new(gpu, &pipelines.texture_layouts, model),
+                textures: Textures::new(gpu, model),
                 settings,
-                pipelines,
                 list: DrawList::default(),
                 instances: GrowableBuffer::new(gpu, wgpu::BufferUsages::VERTEX),
                 main_pass: MainPass::new(gpu),
@@ -442,10 +440,14 @@ mod tests {
             }
             resources(&gpu)
         };
+        draw(1);
+        // The pipelines and the round shapes for depth images remain for other renderers.
         let empty = resources(&gpu);
+        assert!(empty[4] > 0, "pipelines remain");
         let few = draw(3);
-        assert!(few > empty, "a renderer allocates resources");
-        assert_eq!(resources(&gpu), empty, "dropping the renderer frees all resources");
+        assert!(few[..4].iter().zip(empty).all(|(few, empty)| *few > empty), "a renderer allocates resources");
+        assert_eq!(few[4], empty[4], "the second renderer creates no pipelines");
+        assert_eq!(resources(&gpu), empty, "dropping the renderer frees its resources");
         assert_eq!(draw(60), few, "60 frames allocate as many resources as 3");
         assert_eq!(resources(&gpu), empty);
     }
