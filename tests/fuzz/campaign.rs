@@ -13,7 +13,7 @@ use crate::report::{Counts, Finding, Report};
 use crate::worker::{self, MISBEHAVE, PANICKED, REJECTED, WORKED};
 
 /// Cases per child. Each child has to load its models.
-const LARGEST_BATCH: u64 = 5000;
+const LARGEST_BATCH: u64 = 25_000;
 /// Time after which a case is considered to hang.
 const LONGEST_CASE: Duration = Duration::from_secs(20);
 /// Address space of a child, KiB.
@@ -201,6 +201,8 @@ fn run_child(
         .current_dir(folder)
         // A child that crashes leaves its temporary files.
         .env("TMPDIR", folder)
+        // Simulations are created and freed all the time: their memory is not returned to the system in between.
+        .envs([("MALLOC_TRIM_THRESHOLD_", "268435456"), ("MALLOC_MMAP_THRESHOLD_", "33554432")])
         .stdin(stdin)
         .stdout(Stdio::piped())
         .spawn()?;

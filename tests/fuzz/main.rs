@@ -6,6 +6,12 @@
 //! ```text
 //! cargo test --test fuzz -- case sequences 123
 //! ```
+//!
+//! and the time that the models and the calls of cases take is listed by
+//!
+//! ```text
+//! cargo test --release --test fuzz -- profile sequences 0 10000
+//! ```
 
 #![forbid(unsafe_code)]
 
@@ -33,6 +39,10 @@ fn main() -> ExitCode {
         }
         ["worker", name, first, end] => {
             worker::work(target(name).expect("an unknown target"), number(first)..number(end));
+            ExitCode::SUCCESS
+        }
+        ["profile", name, first, end] => {
+            worker::profile(target(name).expect("an unknown target"), number(first)..number(end));
             ExitCode::SUCCESS
         }
         ["case", name, seed] => {

@@ -7,18 +7,18 @@ use mujoco_safe::{
     Controller, Differences, Lqr, LqrWeights, Matrix, PdController, RandomController, Trajectory, ZeroController,
 };
 
-use super::{Call, Scene};
-
-/// Returns whether a linearisation is fast.
-fn small(scene: &Scene<'_>) -> bool {
-    scene.data.model().nv() < 20
-}
+use super::Call;
+use super::linearise::is_small;
 
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("transition_fd", |scene, bytes| {
         let differences = [Differences::Forward, Differences::Central][bytes.below(2)];
         let eps = if bytes.once_in(3) { bytes.number() } else { 1e-6 };
-        if small(scene) || bytes.once_in(8) { scene.data.transition_fd(eps, differences).map(drop) } else { Ok(()) }
+        if is_small(scene.data.model(), bytes) || bytes.once_in(64) {
+            scene.data.transition_fd(eps, differences).map(drop)
+        } else {
+            Ok(())
+        }
     }),
     ("transition_fd_into", |scene, bytes| {
         let model = scene.data.model();
@@ -32,12 +32,16 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             c: bytes.once_in(2).then_some(&mut c),
             d: bytes.once_in(2).then_some(&mut d),
         };
-        if small(scene) { scene.data.transition_fd_into(1e-6, Differences::Forward, outputs) } else { Ok(()) }
+        if is_small(scene.data.model(), bytes) {
+            scene.data.transition_fd_into(1e-6, Differences::Forward, outputs)
+        } else {
+            Ok(())
+        }
     }),
     ("inverse_fd", |scene, bytes| {
         let eps = if bytes.once_in(3) { bytes.number() } else { 1e-6 };
         let force = bytes.either(InverseForce::WithoutActuators, InverseForce::Total);
-        if small(scene) { scene.data.inverse_fd(eps, force).map(drop) } else { Ok(()) }
+        if is_small(scene.data.model(), bytes) { scene.data.inverse_fd(eps, force).map(drop) } else { Ok(()) }
     }),
     ("inverse_fd_into", |scene, bytes| {
         let mut jacobians = InverseJacobians::zeros(scene.data.model());
@@ -57,7 +61,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
             dm_dq: (wanted & 64 != 0).then_some(dm_dq),
         };
         let force = bytes.either(InverseForce::WithoutActuators, InverseForce::Total);
-        if small(scene) { scene.data.inverse_fd_into(1e-6, force, outputs) } else { Ok(()) }
+        if is_small(scene.data.model(), bytes) { scene.data.inverse_fd_into(1e-6, force, outputs) } else { Ok(()) }
     }),
     ("Lqr", |scene, bytes| {
         let model = scene.data.model();

@@ -38,7 +38,7 @@ fn damage(path: &std::path::Path, bytes: &mut Bytes<'_>) {
 
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("to_binary, from_binary", |scene, bytes| {
-        if !bytes.once_in(if small(scene.data.model()) { 2 } else { 16 }) {
+        if !bytes.once_in(if small(scene.data.model()) { 4 } else { 16 }) {
             return Ok(());
         }
         let file = scene.data.model().to_binary()?;
@@ -47,7 +47,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         Ok(())
     }),
     ("save_xml", |scene, bytes| {
-        if !bytes.once_in(8) {
+        if !bytes.once_in(16) {
             return Ok(());
         }
         match scene.data.model().save_xml(folder().path().join("saved.xml")) {
@@ -56,7 +56,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         }
     }),
     ("save_binary, from_binary_path", |scene, bytes| {
-        if !small(scene.data.model()) || !bytes.once_in(8) {
+        if !small(scene.data.model()) || !bytes.once_in(16) {
             return Ok(());
         }
         let folder = folder();
@@ -66,7 +66,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         Model::from_binary_path(&path).map(drop)
     }),
     ("print_to", |scene, bytes| {
-        if !bytes.once_in(8) {
+        if !bytes.once_in(16) {
             return Ok(());
         }
         let folder = folder();
@@ -74,7 +74,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.data.print_to(folder.path().join(name))
     }),
     ("save_csv, load_csv", |scene, bytes| {
-        if !bytes.once_in(8) {
+        if !bytes.once_in(16) {
             return Ok(());
         }
         let (folder, trajectory) = (folder(), trajectory(scene, bytes)?);
@@ -86,7 +86,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     #[cfg(feature = "npz")]
     ("save_npz, load_npz", |scene, bytes| {
-        if !bytes.once_in(8) {
+        if !bytes.once_in(16) {
             return Ok(());
         }
         let (folder, trajectory) = (folder(), trajectory(scene, bytes)?);

@@ -8,12 +8,19 @@ use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions, QuadraticCost};
 use mujoco_safe::control::riccati::{Riccati, RiccatiRecursion, RiccatiSolution, RiccatiWorkspace};
 use mujoco_safe::derivative::{TransitionMethod, TransitionOptions, TransitionOutputs};
 use mujoco_safe::nalgebra::DMatrix;
-use mujoco_safe::{Controller, Data, Differences, Lineariser, LqrWeights, Matrix, Result, StateSpace, StateSpec};
+use mujoco_safe::{
+    Controller, Data, Differences, Lineariser, LqrWeights, Matrix, Model, Result, StateSpace, StateSpec,
+};
 
 use super::{Bytes, Call, Scene};
 
 const METHODS: [TransitionMethod; 4] =
     [TransitionMethod::Engine, TransitionMethod::Columns, TransitionMethod::Implicit, TransitionMethod::Analytic];
+
+/// Returns `true` if a linearisation takes less than a millisecond, and in one of four calls for slightly larger models.
+pub(super) fn is_small(model: &Model, bytes: &mut Bytes<'_>) -> bool {
+    model.nv() < 9 || (model.nv() < 30 && bytes.once_in(4))
+}
 
 /// Makes a call with a workspace, often the workspace of an earlier call, with the same model or another.
 fn with_transition(
@@ -21,14 +28,14 @@ fn with_transition(
     bytes: &mut Bytes<'_>,
     call: impl FnOnce(&mut Lineariser, &mut Data, &mut Bytes<'_>) -> Result<()>,
 ) -> Result<()> {
-    if scene.data.model().nv() >= 20 {
+    if !is_small(scene.data.model(), bytes) {
         return Ok(());
     }
     if scene.transition.is_none() || bytes.once_in(4) {
         let mut options = TransitionOptions::default()
             .with_method(METHODS[bytes.below(METHODS.len())])
             .with_differences([Differences::Forward, Differences::Central][bytes.below(2)])
-            .with_threads([1, 1, 2, 3, 0][bytes.below(5)]);
+            .with_threads([1, 1, 1, 1, 1, 2, 3, 0][bytes.below(8)]);
         options.eps = bytes.once_in(3).then(|| bytes.number());
         scene.transition = Some(Lineariser::new(scene.data.model().clone(), options)?);
     }
@@ -161,7 +168,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         let options = IlqrOptions::default()
             .with_iterations(bytes.below(5))
             .with_tolerance(if bytes.once_in(8) { number } else { options.tolerance })
-            .with_threads(1 + bytes.below(2))
+            .with_threads(if bytes.once_in(8) { 2 } else { 1 })
             .with_step_sizes(if bytes.once_in(8) { vec![number; bytes.below(3)] } else { options.step_sizes });
         let target = bytes.vector(model.state_size(StateSpec::PHYSICS));
         let cost = QuadraticCost::new(model.clone(), &target, weights(bytes, nx, nu), cost(bytes, nx))?;

@@ -54,7 +54,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         docs[which](name).map(drop)
     }),
     ("schema", |_, bytes| {
-        if bytes.once_in(64) {
+        if bytes.once_in(256) {
             mujoco_safe::model::schema().and(mujoco_safe::model::schema_html()).map(drop)
         } else {
             Ok(())

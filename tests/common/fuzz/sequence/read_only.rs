@@ -175,7 +175,7 @@ const READ_ONLY_CALLS: &[(&str, ReadOnlyCall)] = &[
         Ok(())
     }),
     ("every view", |data, bytes| {
-        if bytes.once_in(if data.model().nbody() < 12 { 4 } else { 32 }) {
+        if bytes.once_in(if data.model().nbody() < 12 { 8 } else { 64 }) {
             black_box((print_all::print_all(data.model(), data), format!("{:?} {data:?}", data.model())));
         }
         Ok(())

@@ -60,7 +60,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     ("a step of the other simulation", |scene, _| scene.other.as_mut().map_or(Ok(()), Data::step)),
     ("a step in another thread", |scene, bytes| {
-        if !bytes.once_in(4) {
+        if !bytes.once_in(16) {
             return Ok(());
         }
         let Some(other) = &mut scene.other else { return Ok(()) };

@@ -4,7 +4,7 @@ use super::{Call, models};
 
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("step", |scene, _| scene.data.step()),
-    ("steps", |scene, bytes| (0..bytes.below(6)).try_for_each(|_| scene.data.step())),
+    ("steps", |scene, bytes| (0..bytes.below(4)).try_for_each(|_| scene.data.step())),
     ("step1", |scene, _| scene.data.step1()),
     ("step2", |scene, _| scene.data.step2()),
     ("step1, step2", |scene, _| scene.data.step1().and_then(|()| scene.data.step2())),
@@ -25,7 +25,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
     }),
     // The loop of a controller.
     ("controls and steps", |scene, bytes| {
-        for _ in 0..bytes.below(5) {
+        for _ in 0..bytes.below(4) {
             let ctrl = bytes.fraction();
             scene.data.ctrl_mut().fill(ctrl);
             scene.data.step()?;
