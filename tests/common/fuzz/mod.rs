@@ -16,6 +16,7 @@ mod binary;
 mod bytes;
 mod mjcf;
 mod models;
+mod newer_models;
 mod plain;
 mod sequence;
 mod text;

@@ -7,6 +7,7 @@ use mujoco_safe::{Error, LoadOptions, Model, sample};
 
 use super::assets::{self, File};
 use super::binary::use_model;
+use super::newer_models::{self, NEWER};
 use super::{Bytes, Verdict, models, token};
 
 /// A text and the files named in it.
@@ -125,6 +126,9 @@ fn sources() -> &'static [Source] {
         ] {
             all.push(here(name, text, vec![part.clone()]));
         }
+        if cfg!(engine_since = "3.0.0") {
+            all.extend(NEWER.map(|model| here(model.name, model.text, vec![part.clone()])));
+        }
         for path in sample::system_models() {
             let Some(text) = small(&path) else { continue };
             let mut files = Vec::new();
@@ -201,6 +205,12 @@ pub(super) fn load_and_use(text: &str, files: &[File], log: &mut dyn FnMut(&str)
     }
 }
 
+/// Returns one of the strings, with newer engines half of the time one that 2.2.2 lacks.
+fn choose<'c>(bytes: &mut Bytes<'_>, all: &[&'c str], newer: &[&'c str]) -> &'c str {
+    let is_newer = cfg!(engine_since = "3.0.0") && bytes.once_in(2);
+    bytes.choose(if is_newer { newer } else { all })
+}
+
 /// Damages a text, possibly with a part of another text.
 pub(super) fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
     let kind = bytes.below(20);
@@ -252,7 +262,7 @@ pub(super) fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
             text.splice(attribute.value, donor);
         }
         10 => {
-            let value = bytes.choose(&VALUES);
+            let value = choose(bytes, &VALUES, &newer_models::VALUES);
             text.splice(attribute.value, value.bytes());
         }
         11 => {
@@ -264,7 +274,7 @@ pub(super) fn damage(text: &mut Vec<u8>, other: &[u8], bytes: &mut Bytes<'_>) {
             }
         }
         12 => {
-            let piece = bytes.choose(&PIECES);
+            let piece = choose(bytes, &PIECES, &newer_models::PIECES);
             let at = tags[first].end;
             text.splice(at..at, piece.bytes());
         }

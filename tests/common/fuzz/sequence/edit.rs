@@ -91,37 +91,55 @@ fn iterations(bytes: &mut Bytes<'_>) -> usize {
     }
 }
 
+/// Bits of the flags that the engine has; those of other engines are above.
+const PRESENT: u32 = (1 << 22) - 1;
+
 pub(super) const CALLS: &[(&str, Call)] = &[
     ("options: solver", |scene, bytes| {
         let solver = [Solver::Pgs, Solver::Cg, Solver::Newton][bytes.below(3)];
         options(&mut scene.data, |options| options.solver = solver)
     }),
     ("options: integrator", |scene, bytes| {
-        let integrator = [Integrator::Euler, Integrator::Rk4, Integrator::Implicit][bytes.below(3)];
+        const INTEGRATORS: [Integrator; 5] =
+            [Integrator::Euler, Integrator::Rk4, Integrator::Implicit, Integrator::ImplicitFast, Integrator::Discrete];
+        let integrator = INTEGRATORS[bytes.below(5)];
         options(&mut scene.data, |options| options.integrator = integrator)
     }),
     ("options: cone, jacobian, collision", |scene, bytes| {
         let cone = [Cone::Elliptic, Cone::Pyramidal][bytes.below(2)];
         let jacobian = [JacobianStorage::Dense, JacobianStorage::Sparse, JacobianStorage::Auto][bytes.below(3)];
+        // Newer engines have only one of these, and reject an edit with another.
         let collision = [Collision::All, Collision::Pair, Collision::Dynamic][bytes.below(3)];
+        let collision = if cfg!(engine_since = "3.0.0") && bytes.once_in(2) { Collision::All } else { collision };
         options(&mut scene.data, |options| {
             (options.cone, options.jacobian, options.collision) = (cone, jacobian, collision);
         })
     }),
     ("options: flags", |scene, bytes| {
-        // A few flags at a time, sometimes unknown flags.
-        let mask = if bytes.once_in(16) { u32::MAX } else { 0x1fff };
+        // A few flags at a time, sometimes unknown flags and flags of other engines.
+        let is_any = bytes.once_in(16);
+        let mask = |known: u32| if is_any { u32::MAX } else { known & PRESENT };
         let (disable, enable) = (bytes.word() & bytes.word() & bytes.word(), bytes.word() & bytes.word());
         options(&mut scene.data, |options| {
-            options.disable = DisableFlags::from_bits_retain(disable as u32 & mask);
-            options.enable =
-                EnableFlags::from_bits_retain(enable as u32 & mask & if mask == u32::MAX { mask } else { 0x1f });
+            options.disable = DisableFlags::from_bits_retain(disable as u32 & mask(DisableFlags::all().bits()));
+            options.enable = EnableFlags::from_bits_retain(enable as u32 & mask(EnableFlags::all().bits()));
         })
     }),
     ("options: iterations", |scene, bytes| {
         let (main, noslip, mpr) = (iterations(bytes), iterations(bytes), iterations(bytes));
         options(&mut scene.data, |options| {
             (options.iterations, options.noslip_iterations, options.mpr_iterations) = (main, noslip, mpr);
+        })
+    }),
+    ("options of engines since 3.0", |scene, bytes| {
+        let (which, value, count, bits) = (bytes.below(6), bytes.number(), iterations(bytes), bytes.word());
+        options(&mut scene.data, |options| match which {
+            0 => options.ls_tolerance = value,
+            1 => options.ls_iterations = count,
+            2 => options.sdf_iterations = count,
+            3 => options.sdf_initpoints = count,
+            4 => options.o_friction.fill(value),
+            _ => options.disableactuator = bits as u32,
         })
     }),
     ("options: a number", |scene, bytes| {
@@ -192,7 +210,7 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         scene.data.edit_model(|model| model.body_mut(body).scale_mass(factor))
     }),
     ("set_length_range", |scene, bytes| {
-        if scene.data.model().nv() > 20 && !bytes.once_in(4) {
+        if !bytes.once_in(if scene.data.model().nv() > 20 { 16 } else { 2 }) {
             return Ok(());
         }
         let actuator = scene.data.model().actuator(bytes.index(scene.data.model().nu()))?.id();

@@ -7,6 +7,7 @@ mod callback;
 mod control;
 mod edit;
 mod elements;
+mod environments;
 mod files;
 mod linearise;
 mod math;
@@ -72,6 +73,7 @@ const TABLES: &[Table] = &[
     Table { weight: 2, needs_step: false, calls: control::CALLS },
     Table { weight: 2, needs_step: false, calls: linearise::CALLS },
     Table { weight: 1, needs_step: false, calls: rollouts::CALLS },
+    Table { weight: 1, needs_step: false, calls: environments::CALLS },
     Table { weight: 3, needs_step: true, calls: scene_view::CALLS },
     Table { weight: 1, needs_step: false, calls: files::CALLS },
 ];

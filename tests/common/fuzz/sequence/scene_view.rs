@@ -63,6 +63,7 @@ fn options(bytes: &mut Bytes<'_>) -> SceneOptions {
         .with_tendongroup(group(bytes))
         .with_actuatorgroup(group(bytes))
         .with_skingroup(group(bytes))
+        .with_flexgroup(group(bytes))
         .with_flags(VisualFlags::from_bits_retain(bytes.word() as u32))
 }
 
@@ -176,8 +177,13 @@ pub(super) const CALLS: &[(&str, Call)] = &[
         with_view(scene, bytes, |view, _, bytes| {
             let scene = &mut view.scene;
             black_box((scene.max_geoms(), format!("{scene:?}")));
-            scene.geoms().take(50).for_each(|geom| drop(black_box(format!("{geom:?} {:?}", geom.plane()))));
+            scene.geoms().take(8).for_each(|geom| drop(black_box(format!("{geom:?} {:?}", geom.plane()))));
             black_box((scene.lights().count(), scene.skins().count()));
+            for flex in scene.flexes() {
+                let corners = flex.faces.as_flattened().iter().chain(flex.normals.as_flattened());
+                black_box(corners.chain(flex.vertices).flatten().sum::<f32>());
+                black_box((flex.edges.as_flattened().iter().max(), flex.texcoords.as_flattened().last()));
+            }
             let (number, label) = (bytes.number() as f32, "a".repeat(bytes.below(120)));
             for mut geom in scene.geoms_mut().take(2) {
                 geom.set_rgba([number; 4]);

@@ -1,0 +1,242 @@
+//! Models and fragments of MJCF with elements that 2.2.2 lacks. All models are small, so that a step is fast.
+
+use mujoco_safe::Version;
+
+/// A model, and the first version that must load it. Models without a version may be rejected by any engine.
+pub(super) struct Newer {
+    pub(super) name: &'static str,
+    /// Relative number of cases with this model.
+    pub(super) share: usize,
+    pub(super) since: Option<Version>,
+    pub(super) text: &'static str,
+}
+
+const fn version(major: u32, minor: u32, patch: u32) -> Version {
+    Version { major, minor, patch }
+}
+
+pub(super) const NEWER: [Newer; 11] = [
+    Newer { name: "rope", share: 240, since: Some(version(3, 5, 0)), text: ROPE },
+    Newer { name: "cloth", share: 160, since: Some(version(3, 5, 0)), text: CLOTH },
+    Newer { name: "soft block", share: 120, since: Some(version(3, 5, 0)), text: BLOCK },
+    Newer { name: "trilinear block", share: 120, since: Some(version(3, 5, 0)), text: TRILINEAR },
+    Newer { name: "islands", share: 240, since: Some(version(3, 5, 0)), text: ISLANDS },
+    Newer { name: "newer sensors", share: 240, since: Some(version(3, 5, 0)), text: SENSORS },
+    Newer { name: "newer actuators", share: 240, since: Some(version(3, 17, 0)), text: ACTUATORS },
+    Newer { name: "sleep", share: 160, since: None, text: SLEEP },
+    Newer { name: "delays", share: 160, since: None, text: DELAYS },
+    Newer { name: "several controls", share: 160, since: None, text: CONTROLS },
+    Newer { name: "flex contacts", share: 80, since: None, text: IPC },
+];
+
+/// A rope with a pinned end, on a floor and a ball.
+const ROPE: &str = r#"<mujoco>
+  <size memory="200K"/>
+  <worldbody>
+    <geom type="plane" size="1 1 .1"/><geom size=".05" pos=".1 0 .02"/>
+    <flexcomp name="rope" type="grid" count="4 1 1" spacing=".05 .05 .05" pos="0 0 .08" dim="1" radius=".01" mass=".1">
+      <edge stiffness="100" damping=".1"/><pin id="0"/>
+    </flexcomp>
+  </worldbody>
+  <keyframe><key name="key" time="1"/></keyframe>
+</mujoco>"#;
+
+/// A cloth with edges as equality constraints and a skin, above a ball that moves.
+const CLOTH: &str = r#"<mujoco>
+  <size memory="600K"/>
+  <option solver="CG" iterations="10"/>
+  <asset><texture name="t" type="2d" builtin="checker" width="4" height="4"/><material name="m" texture="t"/></asset>
+  <worldbody>
+    <geom type="plane" size="1 1 .1"/>
+    <body pos="0 0 .1"><joint name="x" type="slide" axis="1 0 0"/><geom size=".1"/></body>
+    <flexcomp name="cloth" type="grid" count="3 3 1" spacing=".08 .08 .08" pos="0 0 .21" dim="2" radius=".005" mass=".2" material="m">
+      <edge equality="true" damping=".01"/><contact selfcollide="bvh" condim="4"/>
+    </flexcomp>
+  </worldbody>
+  <actuator><motor joint="x"/></actuator>
+</mujoco>"#;
+
+/// A soft body in contact with a floor and a box.
+const BLOCK: &str = r#"<mujoco>
+  <size memory="600K"/>
+  <option cone="elliptic" iterations="10"/>
+  <worldbody>
+    <geom type="plane" size="1 1 .1"/><geom type="box" size=".1 .1 .02" pos=".05 0 0"/>
+    <flexcomp name="block" type="grid" count="2 2 2" spacing=".1 .1 .1" pos="0 0 .07" dim="3" radius=".005" mass=".5">
+      <edge damping="1"/><elasticity young="5e3" poisson=".3" damping=".1"/><contact selfcollide="auto"/>
+    </flexcomp>
+  </worldbody>
+</mujoco>"#;
+
+/// A soft body whose vertices are interpolated.
+const TRILINEAR: &str = r#"<mujoco>
+  <size memory="600K"/>
+  <option iterations="10"/>
+  <worldbody>
+    <geom type="plane" size="1 1 .1"/>
+    <flexcomp name="block" type="grid" count="3 3 3" spacing=".05 .05 .05" pos="0 0 .06" dim="3" radius=".005" mass=".5" dof="trilinear">
+      <elasticity young="5e3" poisson=".3"/><contact selfcollide="none"/>
+    </flexcomp>
+  </worldbody>
+</mujoco>"#;
+
+/// Separate groups of bodies in contact, a limit and a tendon between trees.
+const ISLANDS: &str = r#"<mujoco>
+  <size memory="400K"/>
+  <option iterations="10"/>
+  <worldbody>
+    <geom type="plane" size="3 3 .1"/>
+    <body pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+    <body pos="1 0 .1"><freejoint/><geom size=".1" condim="6"/></body>
+    <body pos="1 0 .29"><freejoint/><geom type="ellipsoid" size=".1 .1 .1"/></body>
+    <body pos="2 0 .5"><joint name="a" axis="0 1 0" range="-.1 .1" limited="true" frictionloss=".1"/><geom type="capsule" size=".02 .1"/></body>
+    <body pos="2 1 .5"><joint name="b" axis="0 1 0"/><geom type="capsule" size=".02 .1"/></body>
+  </worldbody>
+  <tendon><fixed name="t" limited="true" range="-.01 .2"><joint joint="a" coef="1"/><joint joint="b" coef="-1"/></fixed></tendon>
+  <equality><joint joint1="a" joint2="b" active="false"/></equality>
+  <actuator><motor joint="a"/><position joint="b" kp="10"/></actuator>
+  <keyframe><key name="key" time="1"/></keyframe>
+</mujoco>"#;
+
+/// Sensors and limits of newer engines.
+const SENSORS: &str = r#"<mujoco>
+  <size memory="200K"/>
+  <option integrator="implicitfast"><flag energy="enable"/></option>
+  <asset><mesh name="tetrahedron" vertex="0 0 0  .1 0 0  0 .1 0  0 0 .1"/></asset>
+  <worldbody>
+    <geom name="floor" type="plane" size="0 0 1"/>
+    <camera name="camera" pos="0 -3 1" xyaxes="1 0 0 0 0 1" resolution="8 6"/>
+    <site name="zone" type="box" size=".5 .5 .5"/>
+    <body pos="0 0 2" gravcomp=".5">
+      <joint name="hinge" axis="0 1 0" damping=".1" actuatorfrclimited="true" actuatorfrcrange="-1 1"/>
+      <geom name="rod" type="capsule" size=".05" fromto="0 0 0 .5 0 -.5" mass="1"/>
+      <site name="tip" pos=".5 0 -.5" zaxis="0 0 -1"/>
+    </body>
+    <body name="ball" pos="0 0 .09">
+      <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/>
+      <geom name="ball" size=".1" mass="2"/>
+      <geom name="skin" type="mesh" mesh="tetrahedron" contype="0" conaffinity="0" mass=".01"/>
+    </body>
+  </worldbody>
+  <tendon><fixed name="tendon"><joint joint="hinge" coef=".5"/></fixed></tendon>
+  <actuator>
+    <motor joint="hinge" group="1"/><motor tendon="tendon"/>
+    <general joint="hinge" dyntype="filterexact" dynprm=".1" gainprm="3" actearly="true" group="2"/>
+  </actuator>
+  <sensor>
+    <jointactuatorfrc joint="hinge"/><tendonactuatorfrc tendon="tendon"/><camprojection site="tip" camera="camera"/>
+    <distance geom1="ball" geom2="floor" cutoff="1"/><normal geom1="floor" geom2="rod" cutoff="3"/>
+    <fromto body1="ball" geom2="rod" cutoff="3"/><e_potential/><e_kinetic/>
+    <insidesite site="zone" objtype="geom" objname="ball"/>
+    <contact geom1="floor" geom2="ball" num="2" data="found force dist normal tangent"/><contact reduce="netforce" subtree1="ball"/>
+    <tactile geom="skin" mesh="tetrahedron"/><rangefinder site="tip"/><rangefinder camera="camera" data="dist point"/>
+  </sensor>
+</mujoco>"#;
+
+/// Actuators that integrate, and a muscle.
+const ACTUATORS: &str = r#"<mujoco>
+  <size memory="200K"/>
+  <option integrator="discrete"/>
+  <worldbody>
+    <body>
+      <joint name="hinge" axis="0 1 0" damping=".1"/><geom type="capsule" size=".05" fromto="0 0 0 .5 0 -.5"/><site name="tip" pos=".5 0 -.5"/>
+      <body pos=".5 0 -.5"><joint name="slide" type="slide"/><geom size=".1"/></body>
+    </body>
+  </worldbody>
+  <actuator>
+    <dcmotor name="motor" joint="hinge" resistance="2" motorconst=".5 .5"/>
+    <dcmotor joint="slide" resistance="2" motorconst=".5 .5" inductance=".1"/>
+    <pid joint="hinge" kp="5" kv=".5" ki="2" imax="1" input="pos"/>
+    <general joint="slide" dyntype="filterexact" dynprm=".1" actlimited="true" actrange="-1 1"/>
+    <muscle joint="hinge" lengthrange="-1 1"/>
+  </actuator>
+  <sensor><actuatorfrc actuator="motor"/><accelerometer site="tip"/></sensor>
+</mujoco>"#;
+
+const SLEEP: &str = r#"<mujoco>
+  <size memory="200K"/>
+  <option><flag sleep="enable"/></option>
+  <worldbody>
+    <geom type="plane" size="3 3 .1"/>
+    <body pos="0 0 .1" sleep="init"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+    <body pos="1 0 .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+    <body pos="1 0 .3"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+    <body pos="2 0 .5"><joint name="a" axis="0 1 0"/><geom type="capsule" size=".02 .1"/></body>
+  </worldbody>
+  <actuator><motor joint="a"/></actuator>
+</mujoco>"#;
+
+const DELAYS: &str = r#"<mujoco>
+  <size memory="200K"/>
+  <worldbody>
+    <body><joint name="a" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/><site name="s" pos=".3 0 0"/></body>
+  </worldbody>
+  <actuator><motor joint="a" nsample="4" delay=".005"/><motor joint="a"/></actuator>
+  <sensor><jointpos joint="a" nsample="3" delay=".004" interp="linear"/><accelerometer site="s" nsample="2" interval=".01"/></sensor>
+</mujoco>"#;
+
+const CONTROLS: &str = r#"<mujoco>
+  <size memory="200K"/>
+  <worldbody>
+    <body><joint name="a" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/></body>
+  </worldbody>
+  <actuator><pid joint="a" kp="5" kv=".5" ki="2" input="pos vel"/><motor joint="a"/></actuator>
+</mujoco>"#;
+
+const IPC: &str = r#"<mujoco>
+  <size memory="600K"/>
+  <option integrator="discrete"><flag ipc="enable"/></option>
+  <worldbody>
+    <geom type="plane" size="1 1 .1"/>
+    <flexcomp name="cloth" type="grid" count="3 3 1" spacing=".08 .08 .08" pos="0 0 .05" dim="2" radius=".005" mass=".2"/>
+  </worldbody>
+</mujoco>"#;
+
+/// Values of attributes that 2.2.2 lacks.
+pub(super) const VALUES: [&str; 18] = [
+    "implicitfast",
+    "discrete",
+    "trilinear",
+    "quadratic",
+    "sap",
+    "bvh",
+    "direct",
+    "disc",
+    "circle",
+    "full",
+    "radial",
+    "cable",
+    "sdf",
+    "filterexact",
+    "never",
+    "init",
+    "linear",
+    "enable",
+];
+
+/// Elements that 2.2.2 lacks.
+#[rustfmt::skip]
+pub(super) const PIECES: [&str; 22] = [
+    "<flexcomp name='q' type='grid' count='3 3 1' spacing='.1 .1 .1' dim='2' radius='.01' mass='.1'><edge equality='true'/></flexcomp>",
+    "<flexcomp name='q' type='grid' count='3 3 3' spacing='.1 .1 .1' dim='3' radius='.01' mass='.1' dof='trilinear'><elasticity young='1e4' poisson='.3'/></flexcomp>",
+    "<flexcomp name='q' type='direct' dim='2' point='0 0 0 1 0 0 0 1 0' element='0 1 2' radius='.01' mass='.1'><pin id='0'/></flexcomp>",
+    "<flexcomp name='q' type='circle' count='5 1 1' spacing='.1 .1 .1' dim='1' radius='.01' mass='.1'><edge stiffness='10' damping='.1'/></flexcomp>",
+    "<flexcomp name='q' type='box' count='3 3 3' spacing='.1 .1 .1' dim='3' rigid='true'><contact selfcollide='auto'/></flexcomp>",
+    "<deformable><flex name='q' dim='1' body='world world' vertex='0 0 0 1 0 0' element='0 1' radius='.01'/></deformable>",
+    "<equality><flex flex='q'/></equality>",
+    "<replicate count='3' offset='.1 0 0' euler='0 0 10'><geom size='.1'/></replicate>",
+    "<frame pos='1 0 0' euler='0 90 0'><geom size='.1'/></frame>",
+    "<mesh name='q' builtin='supersphere' params='10 1 1'/>",
+    "<mesh name='q' builtin='plate' params='3 3'/>",
+    "<position joint='hinge' kp='3' dampratio='1' timeconst='.1' inheritrange='1'/>",
+    "<pid joint='hinge' kp='5' kv='.5' ki='2' imax='1' input='pos'/>",
+    "<dcmotor joint='hinge' resistance='1' motorconst='1 1' inductance='.1'/>",
+    "<motor joint='hinge' nsample='3' delay='.01'/>",
+    "<contact num='3' data='found force dist pos normal tangent' reduce='mindist'/>",
+    "<distance body1='world' body2='ball' cutoff='1'/>",
+    "<composite type='cable' curve='s' count='5 1 1' size='1' initial='none'><joint kind='main' damping='.1'/><geom type='capsule' size='.01'/></composite>",
+    "<size memory='100K'/>",
+    "<option integrator='discrete'><flag sleep='enable' ipc='enable' multiccd='enable' nativeccd='disable'/></option>",
+    "<model name='q' file='part.xml'/>",
+    "<material name='q'><layer texture='texture' role='rgb'/><layer texture='texture' role='normal'/></material>",
+];
