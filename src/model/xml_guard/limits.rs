@@ -16,7 +16,7 @@ const MOST_VALUES: u64 = 10_000;
 /// Largest parameter of a mesh that the compiler generates.
 const MOST_PARAMETER: f64 = 1000.0;
 /// Largest number of vertices of a flex whose shape few nodes determine, and of these nodes, which are bodies.
-const MOST_VERTICES: u64 = 1_000_000;
+const MOST_VERTICES: u64 = 100_000;
 const MOST_NODES: u64 = 32_766;
 /// Largest number of vertices of the skin of a composite.
 const MOST_SKIN: u64 = 4_000_000;

@@ -395,7 +395,7 @@ mod tests {
             ("<composite count='1000 1000 1'/>", "32766 bodies"),
             ("<composite count='&#49;000 1000 1'/>", "32766 bodies"),
             ("<flexcomp count='1000 1000 1'/>", "32766 bodies"),
-            ("<flexcomp count='1000 1000 1000' dof='trilinear'/>", "a flex is too large"),
+            ("<flexcomp count='3 3 46341' dof='trilinear'/>", "a flex is too large"),
             ("<flexcomp count='2 2 2' dof='quadratic' cellcount='1000 1000 1000'/>", "a flex is too large"),
             ("<hfield nrow='-4294917296' ncol='50000'/>", "a height field is too large"),
             ("<size njmax='&#53;'/><adhesion body='b'/>", "adhesion needs an njmax"),
