@@ -12,6 +12,9 @@
 static _Thread_local char text[4096];
 static _Thread_local size_t length;
 static _Thread_local unsigned depth;
+// True for a thread that has printed a message of the convex hull library during a capture of another thread. Newer compilers process meshes in
+// several threads, which end with the compilation.
+static _Thread_local int is_hull_thread;
 
 #if defined(__GLIBC__)
 #include <pthread.h>
@@ -25,6 +28,8 @@ static FILE* stream;
 
 static ssize_t store_or_forward(void* cookie, const char* bytes, size_t count) {
   (void)cookie;
+  if (depth == 0 && count >= 2 && memcmp(bytes, "QH", 2) == 0) is_hull_thread = 1;
+  if (depth == 0 && is_hull_thread) return (ssize_t)count;
   if (depth == 0) return (ssize_t)fwrite(bytes, 1, count, __atomic_load_n(&original, __ATOMIC_ACQUIRE));
   const size_t room = sizeof(text) - 1 - length;
   const size_t kept = count < room ? count : room;

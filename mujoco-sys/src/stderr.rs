@@ -25,7 +25,8 @@ impl Drop for Capture {
 }
 
 /// Runs `call` and returns its result and the first 4095 bytes that this thread printed to the C library's `stderr` during the call. The
-/// captured text is not printed. Output of other threads, and of Rust's `eprintln!`, which does not use the C library, is not captured.
+/// captured text is not printed. Output of other threads, and of Rust's `eprintln!`, which does not use the C library, is not captured. Meanwhile
+/// messages of the convex hull library in threads of the engine's compiler are discarded.
 ///
 /// Requires glibc. With other C libraries the text is printed and the returned text is empty.
 ///

@@ -76,6 +76,12 @@ fn meshes_for_the_convex_hull_library() {
             }
         }
     }
+    // Newer compilers process several meshes in threads.
+    let several = Model::from_xml_str(
+        "<mujoco><asset><mesh name='a' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/><mesh name='b' vertex='0 0 0 .3 0 0 0 .3 1e13 0 0 .3'/></asset>
+         <worldbody><geom type='mesh' mesh='a'/><geom type='mesh' mesh='b'/></worldbody></mujoco>",
+    );
+    assert!(several.is_err());
 }
 
 /// Exceeds the numbers of contacts and constraints, which newer engines do not limit. The warnings are counted each time, and logged the first
