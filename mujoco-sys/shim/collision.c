@@ -99,6 +99,39 @@ static int collide(const mjModel* m, compat_collision_data* d, compat_contact* c
   return check_and_collide(m, d, con, g1, g2, margin);
 }
 
+// Since 3.9 a pointer of the thread refers to memory on the stack of the data, in which the convex collider works. Only the end of the collision
+// of geoms resets it. After an error within that collision, collisions with flexes and computations of distances would write there, even if
+// the data has been freed. A complete collision resets the pointer.
+#if mjVERSION_HEADER >= 3009000
+// The pair is explicit, because the engine calls the contact filter for others.
+static const char touching[] =
+    "<mujoco><size memory='20K'/><default><geom size='1 1 1' contype='0' conaffinity='0'/></default><worldbody><geom name='a' type='plane'/>"
+    "<body><freejoint/><geom name='b'/></body></worldbody><contact><pair geom1='a' geom2='b'/></contact></mujoco>";
+static mjModel* model;
+
+static void compile_touching(void) {
+  if (model) return;
+  char error[200];
+  mjSpec* spec = mj_parseXMLString(touching, NULL, error, sizeof error);
+  if (spec) {
+    model = mj_compile(spec, NULL);
+    mj_deleteSpec(spec);
+  }
+}
+
+void mujoco_sys_forget_collision(void) {
+  mjData* d = model ? mj_makeData(model) : NULL;
+  if (d) {
+    mj_kinematics(model, d);
+    mj_collision(model, d);
+    mj_deleteData(d);
+  }
+}
+#else
+static void compile_touching(void) {}
+void mujoco_sys_forget_collision(void) {}
+#endif
+
 void mujoco_sys_check_collisions(void) {
   for (int i = 0; i < mjNGEOMTYPES; i++) {
     for (int j = 0; j < mjNGEOMTYPES; j++) {
@@ -109,4 +142,5 @@ void mujoco_sys_check_collisions(void) {
       }
     }
   }
+  compile_touching();
 }

@@ -147,6 +147,20 @@ void mujoco_sys_stack_mark(const mjData* d, struct stack_mark* at) { *at = mark(
 
 void mujoco_sys_stack_restore(mjData* d, const struct stack_mark* at) { restore_stack(d, *at); }
 
+// Resets what the engine keeps outside of the data after an error. Keeps the error's text.
+__attribute__((noinline)) void mujoco_sys_after_error(void) {
+  struct mujoco_sys_guard guard;
+  char text[sizeof(message)];
+  memcpy(text, message, sizeof(message));
+  guard.outer = innermost;
+  if (!MUJOCO_SYS_SET_MARK(guard.return_to)) {
+    innermost = &guard;
+    mujoco_sys_forget_collision();
+  }
+  innermost = guard.outer;
+  memcpy(message, text, sizeof(message));
+}
+
 // `guard` and `at` do not change between setjmp and longjmp.
 #define GUARDED_RUN(data, statement)                        \
   struct mujoco_sys_guard guard;                            \
@@ -155,6 +169,7 @@ void mujoco_sys_stack_restore(mjData* d, const struct stack_mark* at) { restore_
   if (MUJOCO_SYS_SET_MARK(guard.return_to)) {               \
     innermost = guard.outer;                                \
     restore(data, at);                                      \
+    mujoco_sys_after_error();                               \
     return MUJOCO_SYS_ERROR;                                \
   }                                                         \
   innermost = &guard;                                       \

@@ -57,6 +57,7 @@ int mujoco_sys_xml_digits(void);
 
 // Used by the loaders in load.cc.
 void mujoco_sys_set_message(const char* text);
+void mujoco_sys_after_error(void);
 struct mujoco_sys_guard** mujoco_sys_innermost(void);
 
 #ifdef __cplusplus

@@ -51,6 +51,7 @@ int run(Call call) {
   guard.outer = before.guard;
   if (MUJOCO_SYS_SET_MARK(guard.return_to)) {
     before.restore();
+    mujoco_sys_after_error();
     return MUJOCO_SYS_ERROR;
   }
   *mujoco_sys_innermost() = &guard;
@@ -68,6 +69,7 @@ int run(Call call) {
     status = MUJOCO_SYS_EXCEPTION;
   }
   before.restore();
+  if (status != MUJOCO_SYS_OK) mujoco_sys_after_error();
   return status;
 }
 
@@ -84,6 +86,8 @@ static mjModel mujoco_sys_last_loaded;
 int mujoco_sys_mj_loadXML(const char* filename, const mjVFS* vfs, char* error, int error_size, mjModel** result) {
   return run([=] {
     *result = mj_loadXML(filename, vfs, error, error_size);
+    // The compiler catches the errors of its trial step.
+    if (!*result) mujoco_sys_after_error();
 #if mjVERSION_HEADER >= 300
     if (*result) mujoco_sys_last_loaded = **result;
 #endif

@@ -1,6 +1,6 @@
 //! Normals and texture coordinates of meshes, which have their own indices in newer engines, and the faces of skins.
 
-use mujoco_safe::{LoadOptions, Model};
+use mujoco_safe::{Data, Error, LoadOptions, Model};
 
 /// Cube with one normal for each side.
 const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
@@ -115,4 +115,27 @@ fn a_skin_with_a_face_of_a_missing_vertex_is_rejected_before_it_is_drawn() {
         ));
         assert_eq!(result.is_ok(), is_valid, "{face}: {result:?}");
     }
+}
+
+#[test]
+fn an_error_in_a_collision_leaves_no_memory_of_its_simulation_to_later_collisions() {
+    let text = r#"<mujoco><worldbody><geom type="ellipsoid" size=".1 .2 .3"/>
+        <body pos=".05 0 0"><freejoint/><geom type="ellipsoid" size=".3 .2 .1"/></body></worldbody></mujoco>"#;
+    let model = std::sync::Arc::new(Model::from_xml_str(text).unwrap());
+    // Returns the bytes of its own stack that a new simulation uses.
+    let used = || {
+        let mut data = Data::new(&model).unwrap();
+        data.kinematics().unwrap();
+        let [one, other] = [0, 1].map(|geom| model.geom(geom).unwrap().id());
+        data.geom_distance(one, other, 1.0).unwrap();
+        data.maxuse_stack()
+    };
+    let before = used();
+    // Older engines may work elsewhere.
+    assert!(before > 0 || cfg!(not(engine_since = "3.5.0")));
+    let mut failing = Data::new(&model).unwrap();
+    failing.edit_model(|model| model.geom_size_mut().as_flattened_mut().fill(1e9)).unwrap();
+    assert!(matches!(failing.forward(), Err(Error::Engine { .. })));
+    drop(failing);
+    assert_eq!(used(), before);
 }
