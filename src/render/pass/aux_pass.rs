@@ -46,7 +46,7 @@ pub(crate) enum AuxLayer {
 /// Encodes a pass for geom ids and depths, rendered upside down.
 pub(crate) fn encode_ids(
     encoder: &mut wgpu::CommandEncoder,
-    draw: &mut DrawContext<'_>,
+    draw: &DrawContext<'_>,
     list: &DrawList,
     view: &wgpu::BindGroup,
     target: &AuxTarget,
@@ -62,7 +62,7 @@ pub(crate) fn encode_ids(
 /// Encodes the pass for segmentation colours, to a target without multisampling.
 pub(crate) fn encode_segment_colors(
     encoder: &mut wgpu::CommandEncoder,
-    draw: &mut DrawContext<'_>,
+    draw: &DrawContext<'_>,
     list: &DrawList,
     view: &wgpu::BindGroup,
     (target, color): (&Target, &wgpu::TextureView),
@@ -74,7 +74,7 @@ pub(crate) fn encode_segment_colors(
 
 fn encode(
     mut pass: wgpu::RenderPass<'_>,
-    draw: &mut DrawContext<'_>,
+    draw: &DrawContext<'_>,
     batches: &[Batch],
     view: &wgpu::BindGroup,
     key: &PipelineKey,

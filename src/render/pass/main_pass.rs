@@ -93,7 +93,7 @@ impl MainPass {
     pub(crate) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        draw: &mut DrawContext<'_>,
+        draw: &DrawContext<'_>,
         frame: &FrameInputs<'_>,
         list: &DrawList,
         (shadows, sky, labels): (&ShadowMaps, &Sky, &Labels),
@@ -206,7 +206,7 @@ fn unlit_key(pass_kind: PassKind, key: &PipelineKey) -> PipelineKey {
 /// Draws the mirror images of all geoms except the reflector, where the stencil buffer marks the mirror.
 fn draw_mirror_images(
     pass: &mut wgpu::RenderPass<'_>,
-    draw: &mut DrawContext<'_>,
+    draw: &DrawContext<'_>,
     list: &DrawList,
     unshadowed: &wgpu::BindGroup,
     mirrored: &wgpu::BindGroup,
@@ -227,7 +227,7 @@ fn draw_mirror_images(
         pass.set_bind_group(0, mirrored, &[]);
     }
     // Tiles outside of the frustum may be visible in the mirror.
-    let tile_culling = draw.tile_culling.take();
+    let draw = DrawContext { tile_culling: None, ..*draw };
     let clip = |batch: &Batch| match batch.visibility.mirror_side {
         MirrorSide::InFront => Some(false),
         MirrorSide::Across => Some(true),
@@ -243,7 +243,6 @@ fn draw_mirror_images(
             draw.batch(pass, batch, &PipelineKey { pass_kind: PassKind::MirrorTransparent { clip }, ..*key });
         }
     }
-    draw.tile_culling = tile_culling;
 }
 
 /// Returns the transparent batches: only front to back if blending is additive, otherwise also back to front.
@@ -251,7 +250,7 @@ fn transparent_batches<'l>(list: &'l DrawList, key: &PipelineKey) -> &'l [Batch]
     if key.additive { &list.transparent[..list.front_to_back] } else { &list.transparent }
 }
 
-fn draw_sky(pass: &mut wgpu::RenderPass<'_>, draw: &mut DrawContext<'_>, sky: &Sky, key: &PipelineKey) {
+fn draw_sky(pass: &mut wgpu::RenderPass<'_>, draw: &DrawContext<'_>, sky: &Sky, key: &PipelineKey) {
     let Some(texture) = draw.textures.sky() else { return };
     pass.set_pipeline(&draw.gpu.pipelines().get(draw.gpu, unlit_key(PassKind::Sky, key)));
     pass.set_bind_group(1, texture, &[]);

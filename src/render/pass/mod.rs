@@ -25,6 +25,7 @@ use super::draw_list::{Batch, Instance};
 use super::shader::TextureKind;
 
 /// Resources of all draw calls.
+#[derive(Clone, Copy)]
 pub(crate) struct DrawContext<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) shapes: &'a Shapes,

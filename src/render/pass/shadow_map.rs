@@ -132,7 +132,7 @@ impl ShadowMaps {
     pub(crate) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        draw: &mut DrawContext<'_>,
+        draw: &DrawContext<'_>,
         list: &DrawList,
         cull: bool,
     ) {

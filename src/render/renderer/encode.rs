@@ -70,8 +70,8 @@ impl Renderer {
         let Self { gpu, list, shapes, textures, instances, aux_view, aux_target, .. } = self;
         let (Some(view), Some(target)) = (aux_view, aux_target) else { return Ok(()) };
         let instances = instances.buffer();
-        let mut draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
-        encode_ids(encoder, &mut draw, list, view, target, (layer, cull));
+        let draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
+        encode_ids(encoder, &draw, list, view, target, (layer, cull));
         let texture = target.texture.clone();
         self.read_back_buffer(to)?.encode(encoder, &texture);
         Ok(())
@@ -145,8 +145,8 @@ impl Renderer {
             let Self { gpu, list, shapes, textures, instances, aux_view, target, .. } = self;
             let (Some(view), Some(target)) = (aux_view, target) else { return Ok(encoder) };
             let instances = instances.buffer();
-            let mut draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
-            encode_segment_colors(&mut encoder, &mut draw, list, view, (target, color), [cull, flip_y]);
+            let draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
+            encode_segment_colors(&mut encoder, &draw, list, view, (target, color), [cull, flip_y]);
             return Ok(encoder);
         }
         let shading = match self.options.lighting {
@@ -167,10 +167,10 @@ impl Renderer {
         }
         main_pass.prepare(gpu, &frame, list, shadow_maps)?;
         let instances = instances.buffer();
-        let mut draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
-        shadow_maps.encode(&mut encoder, &mut draw, list, cull);
-        draw.tile_culling = Some((&planes, &list.instances));
-        main_pass.encode(&mut encoder, &mut draw, &frame, list, (shadow_maps, sky, labels), (target, color));
+        let draw = DrawContext { gpu, shapes, textures, instances, tile_culling: None };
+        shadow_maps.encode(&mut encoder, &draw, list, cull);
+        let draw = DrawContext { tile_culling: Some((&planes, &list.instances)), ..draw };
+        main_pass.encode(&mut encoder, &draw, &frame, list, (shadow_maps, sky, labels), (target, color));
         Ok(encoder)
     }
 }
