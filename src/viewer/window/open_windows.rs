@@ -87,12 +87,6 @@ impl OpenWindow {
     }
 }
 
-/// Makes the end of the process wait for the windows. Exit handlers run in reverse order, so this is called after the driver and its shader
-/// compiler have registered theirs.
-pub(super) fn delay_exit() {
-    at_exit(close_at_exit);
-}
-
 impl Drop for OpenWindow {
     fn drop(&mut self) {
         open().number -= 1;
@@ -107,6 +101,12 @@ fn handle_interrupt() {
         std::process::exit(INTERRUPTED);
     }
     open.close_all();
+}
+
+/// Makes the end of the process wait for the windows. Exit handlers run in reverse order, so this is called after the driver and its shader
+/// compiler have registered theirs.
+pub(super) fn delay_exit() {
+    at_exit(close_at_exit);
 }
 
 /// Closes all windows, and waits until they are destroyed.
