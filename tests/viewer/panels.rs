@@ -157,6 +157,13 @@ pub fn redraws() {
             // The right half, beside the info panel.
             screen(left + width / 2..left + width, height)
         };
+        let highlight_widgets = || {
+            let frame = state().frame;
+            input.move_along((0..80).map(|step| [100, 20 + 4 * step]), 0.02);
+            wait_until("the panels are drawn again", || state().frame > frame + 3);
+        };
+        // Frames reach the screen in order: after later ones, the first frame with the panel is complete.
+        highlight_widgets();
         let mut before = picture();
         wait_until("all of the frame is on the screen", || std::mem::replace(&mut before, picture()) == before);
         assert!(before.iter().any(|pixel| *pixel != before[0]), "the picture shows the humanoid");
@@ -167,8 +174,7 @@ pub fn redraws() {
             let last = state();
             (last.repainted - first.repainted) as f64 / (pixels * (last.frame - first.frame)) as f64
         };
-        input.move_along((0..80).map(|step| [100, 20 + 4 * step]), 0.02);
-        wait_until("the panels are drawn again", || state().frame > first.frame + 3);
+        highlight_widgets();
         assert_eq!(state().scenes, first.scenes, "the scene is not rendered again");
         assert!(picture() == before, "the picture is the same");
         assert!(repainted(&first) < 0.2, "a highlight repaints {} of the window", repainted(&first));
