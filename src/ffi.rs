@@ -48,7 +48,7 @@ pub(crate) fn limit(limit: impl TryInto<usize>) -> usize {
 
 /// Registers a function that is called while the process ends, before all functions that were registered earlier. A failed registration
 /// has no effect.
-#[cfg(feature = "viewer")]
+#[cfg(feature = "renderer")]
 pub(crate) fn at_exit(function: extern "C" fn()) {
     unsafe extern "C" {
         fn atexit(function: extern "C" fn()) -> c_int;

@@ -91,6 +91,8 @@ mod shape;
 mod view;
 
 pub use self::error::RenderError;
+#[cfg(feature = "viewer")]
+pub(crate) use self::gpu::DriverUse;
 #[cfg(all(test, feature = "viewer"))]
 pub(crate) use self::gpu::buffer::ReadBackBuffer;
 pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};

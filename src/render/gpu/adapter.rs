@@ -4,7 +4,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::{Gpu, Origin, Shared};
+use super::{DriverUse, DropUse, Gpu, Origin, Shared};
 use crate::render::RenderError;
 use crate::render::assets::DepthLevels;
 use crate::with_methods::with_methods;
@@ -75,6 +75,7 @@ impl Gpu {
     ///
     /// [`RenderError::NoAdapter`] if no adapter matches, [`RenderError::Open`] if its driver fails to open a device.
     pub fn with_options(options: &GpuOptions) -> Result<Self, RenderError> {
+        let _driver_use = DriverUse::begin();
         with_captured_stderr(|| {
             let mut rejected = Vec::new();
             for backends in BACKENDS {
@@ -96,8 +97,9 @@ impl Gpu {
     ) -> Self {
         let lost = Arc::new(OnceLock::new());
         let pipelines = OnceLock::new();
-        let shared =
-            Shared { device, queue, info, samples, pipelines, depth_levels: DepthLevels::default(), lost, origin };
+        let depth_levels = DepthLevels::default();
+        let drop_use = DropUse::default();
+        let shared = Shared { device, queue, info, samples, pipelines, depth_levels, lost, origin, drop_use };
         let gpu = Self { shared: Arc::new(shared) };
         if gpu.shared.origin.is_some() {
             gpu.install_error_handlers();
@@ -120,6 +122,7 @@ impl Gpu {
     where
         W: Clone + Into<wgpu::SurfaceTarget<'static>>,
     {
+        let _driver_use = DriverUse::begin();
         with_captured_stderr(|| {
             let mut rejected = Vec::new();
             for backends in BACKENDS {
@@ -241,7 +244,9 @@ fn open(instance: wgpu::Instance, adapter: wgpu::Adapter) -> Result<Gpu, RenderE
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
         .map_err(|error| RenderError::Open { adapter: info.name.clone(), message: error.to_string() })?;
     let samples = sample_counts(&adapter);
-    Ok(Gpu::assemble(device, queue, info, samples, Some(Origin { instance, adapter })))
+    let gpu = Gpu::assemble(device, queue, info, samples, Some(Origin { instance, adapter }));
+    gpu.load_shader_compiler()?;
+    Ok(gpu)
 }
 
 /// Returns the bitwise OR of the sample counts that both the colour and the depth format support.

@@ -2,12 +2,15 @@
 
 mod adapter;
 pub(crate) mod buffer;
+mod driver_use;
 pub mod own_device;
+mod shader_compiler;
 
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 pub use self::adapter::{GpuKind, GpuOptions, GpuPreference};
+pub(crate) use self::driver_use::{DriverUse, DropUse};
 use super::RenderError;
 use super::assets::DepthLevels;
 use super::pass::Pipelines;
@@ -44,6 +47,14 @@ struct Shared {
     /// Instance and adapter, required to create window surfaces. `None` for a device of the caller.
     #[allow(dead_code, reason = "only the viewer opens windows")]
     origin: Option<Origin>,
+    /// Last, because the drop of the other fields uses the driver.
+    drop_use: DropUse,
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        self.drop_use.begin();
+    }
 }
 
 #[allow(dead_code, reason = "only the viewer opens windows")]
@@ -136,6 +147,7 @@ impl Gpu {
     ///
     /// Error scopes are per thread, so threads that share an adapter do not receive each other's errors.
     pub(crate) fn guarded<T>(&self, calls: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
+        let _driver_use = DriverUse::begin();
         self.check_lost()?;
         let device = self.device();
         let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);

@@ -14,6 +14,7 @@ pub use self::snapshot::Snapshot;
 use super::assets::{Shapes, Textures};
 use super::bounding_volume::AssetBounds;
 use super::draw_list::{AuxOutput, DrawList};
+use super::gpu::DropUse;
 use super::gpu::buffer::{GrowableBuffer, ReadBackBuffer};
 use super::pass::{AuxTarget, COLOR_FORMAT, Labels, MainPass, ShadowMaps, Sky, Target, check_size};
 use super::settings::VisualSettings;
@@ -34,8 +35,8 @@ const SNAPSHOT_CAPACITY: usize = 10_000;
 /// [`update_texture`](Self::update_texture).
 ///
 /// A renderer can be sent to another thread, and renderers in several threads can share one [`Gpu`]. They also share its compiled shaders,
-/// so that a further renderer on the same `Gpu` draws its first image sooner. Join these threads before the process ends: a graphics driver
-/// can crash if it ends during a frame.
+/// so that a further renderer on the same `Gpu` draws its first image sooner. A process that ends waits for calls in progress in other threads,
+/// for at most 10 s; later calls of these threads do not return.
 ///
 /// [`snapshot`](Self::snapshot) shows a simulation from a camera. The functions that take a [`Scene`] draw a scene of the caller.
 ///
@@ -74,6 +75,14 @@ pub struct Renderer {
     read_back: [Option<ReadBackBuffer>; ReadBack::COUNT],
     /// Scene of snapshots. Shared only during a call of a snapshot.
     snapshot_scene: Arc<Scene>,
+    /// Last, because the drop of the other fields uses the driver.
+    drop_use: DropUse,
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        self.drop_use.begin();
+    }
 }
 
 impl Renderer {
@@ -145,6 +154,7 @@ impl Renderer {
                 color: None,
                 read_back: [const { None }; ReadBack::COUNT],
                 snapshot_scene: Arc::new(Scene::new(model, SNAPSHOT_CAPACITY)?),
+                drop_use: DropUse::default(),
             })
         })
     }

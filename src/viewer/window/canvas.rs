@@ -71,18 +71,6 @@ impl Canvas {
         gpu.guarded(|| Ok(Self { format, fill: pipeline(gpu, format, "fill", Some(blend)), draw: None, image: None }))
     }
 
-    /// Draws something invisible and waits for it. Drivers load their shader compiler at the first draw.
-    pub fn load_driver(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
-        let pixel = PixelRect::between([0, 0], [1, 1]);
-        let layout = CanvasLayout { size: pixel.size, scene: PixelRect::default(), background: wgpu::Color::BLACK };
-        self.prepare(gpu, layout)?;
-        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.draw_background(&mut encoder, &[pixel], None);
-        gpu.queue().submit([encoder.finish()]);
-        self.clear();
-        gpu.wait()
-    }
-
     /// Discards the image, so that the next frame repaints the window completely.
     pub fn clear(&mut self) {
         self.image = None;

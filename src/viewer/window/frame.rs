@@ -73,7 +73,6 @@ impl Session {
         };
         self.render(Some(&texture))?;
         self.surface.present(texture);
-        self.registration.frame_finished();
         self.scheduler.frame_finished(Instant::now());
         Ok(())
     }

@@ -14,7 +14,7 @@ use super::canvas::Canvas;
 use super::event_loop::{Waker, WindowToken, message_of};
 use super::frame::PanelContent;
 use super::model_loader::ModelLoader;
-use super::open_windows::{OpenWindow, delay_exit};
+use super::open_windows::OpenWindow;
 use super::output::Output;
 use super::overlay::Overlay;
 use super::scene_renderer::SceneRenderer;
@@ -69,7 +69,7 @@ pub(super) struct Session {
     pub scheduler: FrameScheduler,
     pub closed: bool,
     /// Last, because the process may end when it is dropped.
-    pub registration: OpenWindow,
+    pub _registration: OpenWindow,
 }
 
 impl Session {
@@ -104,9 +104,7 @@ impl Session {
         let window = Arc::new(window);
         let surface = WindowSurface::new(window.clone(), options.vsync)?;
         let overlay = Overlay::new(&window, surface.gpu().device(), surface.format(), &options);
-        let mut canvas = Canvas::new(surface.gpu(), surface.format())?;
-        canvas.load_driver(surface.gpu())?;
-        delay_exit();
+        let canvas = Canvas::new(surface.gpu(), surface.format())?;
         let mut scheduler = FrameScheduler::new(rate);
         let now = Instant::now();
         scheduler.request(now);
@@ -136,7 +134,7 @@ impl Session {
             frame_start: None,
             scheduler,
             closed: false,
-            registration,
+            _registration: registration,
         })
     }
 
