@@ -7,11 +7,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use mujoco_sys::{callback, guard, mj_version, mjVERSION_HEADER};
+use mujoco_sys::{callback, guard, mj_version};
 
 use crate::error::{Error, Result, catch_panic};
 use crate::ffi;
-pub use crate::version::Version;
+use crate::version::{Version, built_against};
 
 /// Log target of the engine's messages.
 pub(crate) const LOG_TARGET: &str = "mujoco";
@@ -20,11 +20,6 @@ pub(crate) const LOG_TARGET: &str = "mujoco";
 pub fn engine_version() -> Version {
     // SAFETY: takes no arguments and returns a constant.
     Version::from_number(unsafe { mj_version() } as u32)
-}
-
-/// Returns the version of the headers that this crate was built against.
-pub const fn built_against() -> Version {
-    Version::from_number(mjVERSION_HEADER)
 }
 
 /// Installs the handlers once, and rejects an engine of another version, because its structs have another layout. Every function

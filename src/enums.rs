@@ -419,6 +419,42 @@ engine_enum! {
     }
 }
 
+/// Coincidence of an attached frame with a frame of its body, which saves the engine its computation.
+#[doc(alias = "mjtSameFrame")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum SameFrame {
+    /// Differs from both frames of the body.
+    Neither,
+    /// Coincides with the body frame.
+    Body,
+    /// Coincides with the inertial frame of the body.
+    Inertia,
+    /// Has the orientation of the body frame, with engines from 3.2.3.
+    BodyRotation,
+    /// Has the orientation of the inertial frame of the body, with engines from 3.2.3.
+    InertiaRotation,
+}
+
+impl SameFrame {
+    /// Converts a flag of the engine. Returns `None` for an unknown value.
+    pub(crate) fn from_raw(raw: u8) -> Option<Self> {
+        Some(match u32::from(raw) {
+            0 => Self::Neither,
+            1 => Self::Body,
+            2 => Self::Inertia,
+            sys::mjSAMEFRAME_BODYROT => Self::BodyRotation,
+            sys::mjSAMEFRAME_INERTIAROT => Self::InertiaRotation,
+            _ => return None,
+        })
+    }
+
+    /// Converts a byte that the loader has validated.
+    pub(crate) fn of_field(raw: u8) -> Self {
+        Self::from_raw(raw).unwrap_or_else(|| panic!("Bug: a model with sameframe {raw}"))
+    }
+}
+
 impl JointType {
     /// Returns the number of values of the joint in `qpos`: 7, 4 or 1.
     #[inline]

@@ -114,7 +114,7 @@ macro_rules! field_docs {
             #[doc = concat!("let fields = mujoco_safe::", stringify!($module), "::", stringify!($type), "::fields();")]
             #[doc = concat!("assert_eq!(fields.count(), ", $count, ");")]
             /// ```
-            pub fn fields() -> impl Iterator<Item = $crate::model::FieldDoc> {
+            pub fn fields() -> impl Iterator<Item = $crate::field_docs::FieldDoc> {
                 $crate::field_docs::FieldDoc::all($structure)
             }
         }

@@ -78,6 +78,9 @@
 
 // The page of a type in the documentation has the methods in the order of the modules that declare them: loading a model comes first,
 // the generated accessors come last.
+//
+// Modules import each other without cycles, except `data` and `model`: a simulation belongs to a model, and an edit through
+// `Data::edit_model` invalidates the simulation's results; loading and saving compile or simulate the model to check it.
 pub mod model;
 
 pub mod data;
@@ -139,21 +142,21 @@ pub use crate::control::{Lqr, LqrWeights};
 pub use crate::controller::{Controller, PdController, RandomController, ZeroController};
 pub use crate::data::{Data, Stage, StateSpec};
 pub use crate::derivative::{Differences, Lineariser, StateSpace};
-pub use crate::engine::Version;
 pub use crate::error::{Error, Result};
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{LoadOptions, Model, ModelMut, Options};
 pub use crate::rollout::{Batch, Rollout};
 pub use crate::scene::Scene;
 pub use crate::trajectory::Trajectory;
+pub use crate::version::Version;
 use crate::with_aliases::with_aliases;
 
 with_aliases! {
     pub use crate::engine::{
-        built_against = "mjVERSION_HEADER",
         engine_version = "mj_version" "mj_versionString",
         load_plugins = "mj_loadPluginLibrary" "mj_loadAllPluginLibraries",
     };
+    pub use crate::version::{built_against = "mjVERSION_HEADER"};
 }
 
 /// Compiles the README's examples as tests.

@@ -1,5 +1,7 @@
 //! Version numbers of the engine.
 
+use mujoco_sys::mjVERSION_HEADER;
+
 /// Version of the engine.
 ///
 /// ```
@@ -30,6 +32,11 @@ impl std::fmt::Display for Version {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}.{}.{}", self.major, self.minor, self.patch)
     }
+}
+
+/// Returns the version of the headers that this crate was built against.
+pub const fn built_against() -> Version {
+    Version::from_number(mjVERSION_HEADER)
 }
 
 #[cfg(test)]

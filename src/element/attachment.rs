@@ -1,10 +1,8 @@
 //! Elements attached to the frame of a body: geoms, sites, cameras and lights.
 
-use mujoco_sys as sys;
-
 use super::{View, ViewMut};
 use crate::data::Data;
-use crate::enums::{CameraMode, GeomType};
+use crate::enums::{CameraMode, GeomType, SameFrame};
 use crate::id::{BodyId, HeightFieldId, MaterialId, MeshId};
 use crate::kind;
 use crate::model::{Model, ModelMut};
@@ -109,41 +107,6 @@ fields!(Site on Data {
     /// Orientation as a row-major rotation matrix, world frame.
     xmat: [f64; 9] = site_xmat;
 });
-
-/// Coincidence of an attached frame with a frame of its body, which saves the engine its computation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum SameFrame {
-    /// Differs from both frames of the body.
-    Neither,
-    /// Coincides with the body frame.
-    Body,
-    /// Coincides with the inertial frame of the body.
-    Inertia,
-    /// Has the orientation of the body frame, with engines from 3.2.3.
-    BodyRotation,
-    /// Has the orientation of the inertial frame of the body, with engines from 3.2.3.
-    InertiaRotation,
-}
-
-impl SameFrame {
-    /// Converts a flag of the engine. Returns `None` for an unknown value.
-    pub(crate) fn from_raw(raw: u8) -> Option<Self> {
-        Some(match u32::from(raw) {
-            0 => Self::Neither,
-            1 => Self::Body,
-            2 => Self::Inertia,
-            sys::mjSAMEFRAME_BODYROT => Self::BodyRotation,
-            sys::mjSAMEFRAME_INERTIAROT => Self::InertiaRotation,
-            _ => return None,
-        })
-    }
-
-    /// Converts a byte that the loader has validated.
-    fn of_field(raw: u8) -> Self {
-        Self::from_raw(raw).unwrap_or_else(|| panic!("Bug: a model with sameframe {raw}"))
-    }
-}
 
 fields!(Camera on Model {
     /// Tracking mode.

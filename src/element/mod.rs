@@ -119,7 +119,6 @@ mod tendon_path;
 use std::fmt;
 
 pub use self::asset::{Bone, Bones};
-pub use self::attachment::SameFrame;
 pub use self::constraint::EqualityObjects;
 pub use self::custom::Objects;
 pub use self::tendon::JacobianRow;

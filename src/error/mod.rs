@@ -13,7 +13,7 @@ pub use self::outcome::Outcome;
 pub(crate) use self::suggestion::near_names;
 use crate::kind::Kind;
 use crate::stage::MissingResults;
-use crate::version::Version;
+use crate::version::{Version, built_against};
 
 /// Implements `Debug` of an error type by its `Display`, because `unwrap` and a `main` that returns an error print `Debug`.
 macro_rules! debug_as_display {
@@ -306,7 +306,7 @@ impl Error {
 
     /// Returns the error about something that only other versions of the engine have.
     pub(crate) fn lacks(what: &str, versions: &str) -> Self {
-        let present = crate::built_against();
+        let present = built_against();
         Self::Unsupported(format!("MuJoCo {present} does not have {what}; MuJoCo {versions} does"))
     }
 

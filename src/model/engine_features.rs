@@ -3,18 +3,18 @@
 use mujoco_sys::{mjENBL_IPC, mjENBL_SLEEP, mjGEOM_SDF, mjMAXCONPAIR, mjWRAP_JOINT};
 
 use super::{Model, Options};
-use crate::element::SameFrame;
 use crate::enums::{
     ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, Cone, EqualityType, GeomType, Integrator,
-    JacobianStorage, JointType, SensorDataType, SensorType, Solver, TextureType, TransmissionType, WrapType,
+    JacobianStorage, JointType, SameFrame, SensorDataType, SensorType, Solver, TextureType, TransmissionType, WrapType,
 };
 use crate::ffi;
+use crate::version::built_against;
 
 impl Model {
     /// Returns the reason why a compiled model is not supported. The types of all elements are known afterwards, actuators have one control,
     /// one force and at most one activation.
     pub(super) fn validate(&self) -> Result<(), String> {
-        let version = crate::built_against();
+        let version = built_against();
         let unsupported =
             |what: String| Err(format!("{what}; mujoco-safe does not support this with MuJoCo {version}"));
         if self.history_len() > 0 {

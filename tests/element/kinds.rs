@@ -1,9 +1,10 @@
 //! The views of each kind against the numbers and names of the XML: assets, custom fields, constraints, and the engine's types
 //! and ids.
 
-use mujoco_safe::element::{EqualityObjects, Object, SameFrame, Transmission, Wrap, WrapPoint};
+use mujoco_safe::element::{EqualityObjects, Object, Transmission, Wrap, WrapPoint};
 use mujoco_safe::enums::{
-    ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, EqualityType, SensorDataType, SensorType, TextureType,
+    ActuatorBias, ActuatorDynamics, ActuatorGain, CameraMode, EqualityType, SameFrame, SensorDataType, SensorType,
+    TextureType,
 };
 use mujoco_safe::id::JointId;
 use mujoco_safe::{Data, Error, Stage};

@@ -2,7 +2,7 @@
 
 #![forbid(unsafe_code)]
 
-use mujoco_safe::element::SameFrame;
+use mujoco_safe::enums::SameFrame;
 use mujoco_safe::{Data, Error, Matrix, Model, ModelMut, sample};
 
 /// A free body, a body on slide joints and a body on a ball joint: the cases for which the engine caches flags.

@@ -291,7 +291,7 @@ fn check_binary(bytes: &[u8], invalid: impl Fn(String) -> Error) -> Result<()> {
 /// Rejects a binary model: the rules by which a file is safe to load are known for 2.2.2 only.
 #[cfg(engine_since = "2.3.0")]
 fn check_binary(_: &[u8], _: impl Fn(String) -> Error) -> Result<()> {
-    let version = crate::built_against();
+    let version = crate::version::built_against();
     Err(Error::Unsupported(format!("binary models with MuJoCo {version}; load the XML, or use MuJoCo 2.2.2")))
 }
 
