@@ -79,8 +79,8 @@
 // The page of a type in the documentation has the methods in the order of the modules that declare them: loading a model comes first,
 // the generated accessors come last.
 //
-// Modules import each other without cycles, except `data` and `model`: a simulation belongs to a model, and an edit through
-// `Data::edit_model` invalidates the simulation's results; loading and saving compile or simulate the model to check it.
+// Modules import each other without cycles, except `data` and `model`: a simulation belongs to a model, and loading a model simulates its
+// muscles to find their ranges of lengths.
 pub mod model;
 
 pub mod data;

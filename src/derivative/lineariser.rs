@@ -75,8 +75,8 @@ impl Lineariser {
 
     /// Returns the sensors for which the [analytic](TransitionMethod::Analytic) method has no formula, so that their rows of C and D
     /// are differenced. These are force and torque sensors, rangefinders, user sensors, velocities of limits of ball joints, lengths
-    /// of actuators of ball and free joints, frames of cameras that track or face a body, and all sensors with a cutoff. For engines
-    /// other than 2.2.2, all sensors.
+    /// of actuators of ball and free joints, frames of cameras that track or face a body, sensors that 2.2.2 does not have, and all sensors with a
+    /// cutoff.
     ///
     /// A sensor at a state where its derivative is not finite is also differenced.
     ///

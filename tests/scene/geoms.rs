@@ -251,7 +251,7 @@ fn added_geoms_equal_c() {
             let (opt, pert) = (&raw const raw_options, &raw const raw_perturbation);
             c!(mjv_addGeoms(twins.raw.m(), twins.raw.d, opt, pert, bits as i32, &raw mut *theirs.0));
         }
-        // Newer engines need a camera, which the distance of a light from it determines.
+        // Newer engines need a camera, at which they place the headlight.
         let mut raw_camera: mjvCamera = filled(|camera| c!(mjv_defaultFreeCamera(twins.raw.m(), camera)));
         ours.update_camera(&twins.ours, &mut Camera::free(&twins.model)).unwrap();
         c!(mjv_updateCamera(twins.raw.m(), twins.raw.d, &raw mut raw_camera, &raw mut *theirs.0));
