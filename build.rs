@@ -1,4 +1,4 @@
-//! Reads what `mujoco-sys` found (`DEP_MUJOCO_*`): sets `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and
+//! Reads the results of the build script of `mujoco-sys` (`DEP_MUJOCO_*`): sets `cfg(engine_since = "X.Y.Z")` for the thresholds that the version has reached, and
 //! generates the accessors of versions other than 2.2.2, whose accessors are committed in `src/generated`.
 
 #[path = "build/accessors.rs"]
@@ -14,7 +14,7 @@ mod notes;
 
 use std::path::{Path, PathBuf};
 
-/// The versions since which the source differs.
+/// Versions of the engine at which the source changes.
 const THRESHOLDS: [&str; 16] = [
     "2.3.0", "2.3.3", "2.3.7", "3.0.0", "3.1.3", "3.2.1", "3.2.5", "3.3.3", "3.3.6", "3.5.0", "3.6.0", "3.7.0",
     "3.10.0", "3.11.0", "3.17.0", "4.0.0",
@@ -42,10 +42,10 @@ fn main() {
         println!("cargo::rustc-cfg=engine_since=\"{threshold}\"");
     }
     if version > 222 {
-        generate(Path::new(&variable("DEP_MUJOCO_FIELDS").expect("mujoco-sys hands on its field table")));
+        generate(Path::new(&variable("DEP_MUJOCO_FIELDS").expect("mujoco-sys passes its field table")));
     }
-    // An engine that the loader does not find by itself: for our own tests, examples and benches. Cargo does not hand a link
-    // argument on to dependants, who need LD_LIBRARY_PATH or an rpath of their own for an installed program.
+    // Lets the tests, examples and benches of this crate load an engine outside the directories of the system's loader. Cargo does not
+    // pass link arguments on to dependants: their installed programs need LD_LIBRARY_PATH or an rpath.
     if let Some(rpath) = variable("DEP_MUJOCO_RPATH") {
         println!("cargo::rustc-link-arg=-Wl,-rpath,{rpath}");
     }
@@ -65,7 +65,7 @@ fn number(version: &str) -> u32 {
 /// Writes the accessors of a field table and the tests' lists into `OUT_DIR`, for `include!`.
 fn generate(table: &Path) {
     let read = |path: &Path| std::fs::read_to_string(path).expect("mujoco-sys has written the field table");
-    let default = PathBuf::from(variable("DEP_MUJOCO_DEFAULT_FIELDS").expect("mujoco-sys hands on the table of 2.2.2"));
+    let default = PathBuf::from(variable("DEP_MUJOCO_DEFAULT_FIELDS").expect("mujoco-sys passes the table of 2.2.2"));
     let out = PathBuf::from(variable("OUT_DIR").expect("Cargo sets OUT_DIR"));
     for (path, text) in accessors::generate(&read(table), &read(&default)) {
         // An included file has no inner attributes and documentation.

@@ -29,7 +29,7 @@ pub(crate) const FLAGGED: [(&str, &str); 11] = [
     ("dof_armature", "clear_simple_body_flags"),
 ];
 
-/// Sizes and arrays of later engines that add terms to the equations of motion which 2.2.2 does not have, unless they are zero.
+/// Sizes and arrays of newer engines that add terms to the equations of motion which 2.2.2 does not have, unless they are zero.
 pub(crate) const NEWER_TERMS: [&str; 18] = [
     "nflex",
     "nplugin",

@@ -24,7 +24,7 @@ pub(crate) struct Engine {
 pub(crate) struct Missing {
     /// The value of `MUJOCO_DIR`, if it is set.
     pub(crate) requested: Option<PathBuf>,
-    /// Each searched place and the reason why it does not serve, in search order.
+    /// Each searched place and the reason for its rejection, in search order.
     pub(crate) tried: Vec<String>,
 }
 

@@ -89,7 +89,7 @@ static inline void compat_addElement(mjtNum* dst, int* rownnz, const int* rowadr
 }
 #endif
 
-// Adds the whole inertia matrix. Later engines add its lower triangle only.
+// Adds the whole inertia matrix. Newer engines add its lower triangle only.
 static inline void compat_addM(const mjModel* m, mjData* d, mjtNum* dst, int* rownnz, int* rowadr, int* colind) {
 #if mjVERSION_HEADER >= 3005000
   for (int row = 0; row < m->nv; row++) {

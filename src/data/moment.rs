@@ -9,7 +9,7 @@ impl Data {
     /// Returns the moments of all actuators as a full matrix `(nu, nv)`. Row `i` is the derivative of the length of actuator `i` with
     /// respect to each degree of freedom, including the gear: `momentᵀ · force` is [`qfrc_actuator`](Self::qfrc_actuator).
     ///
-    /// The engine's array `actuator_moment` is this matrix in engines before 3.2.5. Later engines store sparse rows, which
+    /// The engine's array `actuator_moment` is this matrix in engines before 3.2.5. Newer engines store sparse rows, which
     /// `moment_rownnz`, `moment_rowadr` and `moment_colind` describe.
     ///
     /// # Errors

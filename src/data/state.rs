@@ -12,7 +12,7 @@ use crate::model::Model;
 bitflags! {
     /// Parts of a simulation that a state vector contains, concatenated in the order of the flags. Meaning, order and values are
     /// those of `mjtState` in MuJoCo 3.0, except for the active equality constraints, which 2.2.2 keeps in the model and which only a reset
-    /// changes here, and for [`PLASTIC`](Self::PLASTIC). Later versions of MuJoCo number them differently.
+    /// changes here, and for [`PLASTIC`](Self::PLASTIC). Newer versions of MuJoCo number them differently.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub struct StateSpec: u32 {
         /// `time` (1)

@@ -24,7 +24,7 @@
 //! linear in controls and activations within their limits, so one difference perturbs all actuators. Acceleration sensors take
 //! one more difference for each degree of freedom, and the chain rule.
 //!
-//! (The differences at constant acceleration are those of `mjd_inverseFD` in later versions of the engine. The theorem is
+//! (The differences at constant acceleration are those of `mjd_inverseFD` in newer versions of the engine. The theorem is
 //! applied to simulations with contacts in J. Carpentier and N. Mansard, "Analytical derivatives of rigid body dynamics
 //! algorithms", RSS 2018, and in S. Le Lidec et al., "Differentiable simulation for physical system identification", RA-L 2021.)
 

@@ -13,7 +13,7 @@ use crate::id::{BodyId, Ids};
 use crate::kind;
 use crate::model::{Model, ModelMut};
 
-/// Value of `body_sameframe` for a body whose inertial frame equals its frame. Later engines have others for equal orientations.
+/// Value of `body_sameframe` for a body whose inertial frame equals its frame. Newer engines have others for equal orientations.
 const SAME_FRAME: u8 = 1;
 
 /// # Methods of [`BodyMut`](super::BodyMut)

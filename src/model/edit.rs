@@ -179,7 +179,7 @@ impl<'m> ModelMut<'m> {
         result
     }
 
-    /// Recomputes the means of masses and inertias, because later engines leave the statistics to the compiler.
+    /// Recomputes the means of masses and inertias, because newer engines leave the statistics to the compiler.
     #[cfg(engine_since = "3.17.0")]
     fn update_means(&mut self) {
         let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
@@ -270,7 +270,7 @@ impl Deref for ModelMut<'_> {
 mod tests {
     use crate::{Error, Model};
 
-    /// Sets the size of the engine's stack. Later engines have an arena in bytes instead, which contains the stack.
+    /// Sets the size of the engine's stack. Newer engines have an arena in bytes instead, which contains the stack.
     fn set_stack(model: &mut Model, numbers: i32) {
         #[cfg(not(engine_since = "2.3.0"))]
         (model.raw_mut().nstack = numbers);

@@ -234,7 +234,7 @@ pub(crate) unsafe fn actuator_moment(m: &mjModel, d: &mjData, actuator: usize) -
     }
 }
 
-/// Options that later engines lack: their present values, or the constant behaviour of those engines. The first three are `apirate`,
+/// Options that newer engines lack: their present values, or the constant behaviour of those engines. The first three are `apirate`,
 /// `mpr_tolerance` (`ccd_tolerance`) and `mpr_iterations` (`ccd_iterations`), the last is `collision`.
 pub(crate) fn options(raw: &mjOption) -> [f64; 4] {
     #[cfg(engine_since = "3.5.0")]

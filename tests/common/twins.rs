@@ -35,7 +35,7 @@ pub(crate) fn subjects() -> &'static [Subject] {
         let mut subjects: Vec<_> = [("cartpole", sample::cartpole()), ("humanoid", sample::humanoid()), ("zoo", zoo)]
             .map(|(name, model)| Subject { name: name.to_owned(), model: Arc::new(model) })
             .into();
-        // Later compilers lack these composite objects.
+        // Newer compilers lack these composite objects.
         #[cfg(not(engine_since = "2.3.0"))]
         {
             let model = Model::from_xml_str(include_str!("../models/composites.xml")).unwrap();

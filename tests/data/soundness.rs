@@ -241,7 +241,7 @@ mod silent_errors {
 
     #[test]
     fn a_jacobian_is_row_major_and_has_a_transposed_view() {
-        // Row 1 of M belongs to the second degree of freedom, and M is symmetric; a Jacobian is not.
+        // The inertia matrix is symmetric, so it cannot show the order of the elements; a Jacobian can.
         let data = squatting();
         let jacobian = data.jac_body_com(data.model().body("foot_left").unwrap()).unwrap().linear;
         let point = data.xipos()[data.model().body("foot_left").unwrap().index()];

@@ -7,7 +7,7 @@ use mujoco_safe::{Data, Error, Model};
 use crate::is_default;
 
 /// Returns a ball that an adhesion actuator sticks to the floor, with these sizes. The ball starts above the floor, because the
-/// engine's compiler takes a step, which needs room for the constraints already.
+/// engine's compiler makes a step, in which a contact would already need space for its constraints.
 fn sticky(njmax: &str) -> String {
     format!(
         r#"<mujoco>
@@ -157,7 +157,7 @@ fn a_ray_on_a_height_field_of_extreme_size_is_rejected() {
     }
 }
 
-/// Axes whose third has components so large that products with the other two are infinite, of either sign.
+/// Matrix of a pose whose components are so large that their products are infinite, with both signs.
 const EXTREME_AXES: [f64; 9] = [1e160, 1e160, 1e160, 1e160, -1e160, -1e160, 0.0, 0.0, 0.0];
 
 #[test]

@@ -235,16 +235,16 @@ fn a_scene_without_an_update_is_rejected() {
 fn a_scene_of_another_model_is_rejected() {
     let stage = Stage::new(WORLD, [16, 12]);
     let mut other = Stage::new(WORLD, [16, 12]);
-    let is_refused = |result: Result<(), RenderError>| {
+    let is_rejected = |result: Result<(), RenderError>| {
         assert!(matches!(result, Err(RenderError::Engine(Error::OtherModel { .. }))), "{result:?}");
     };
-    is_refused(other.renderer.rgb(&stage.scene).map(drop));
-    is_refused(other.renderer.depth(&stage.scene).map(drop));
-    is_refused(other.renderer.segmentation(&stage.scene).map(drop));
+    is_rejected(other.renderer.rgb(&stage.scene).map(drop));
+    is_rejected(other.renderer.depth(&stage.scene).map(drop));
+    is_rejected(other.renderer.segmentation(&stage.scene).map(drop));
     let (own, foreign) = (other.data.model().clone(), stage.data.model());
-    is_refused(other.renderer.update_texture(foreign, own.texture("flat").unwrap().id()));
-    is_refused(other.renderer.update_mesh(foreign, own.mesh("corner").unwrap().id()));
-    is_refused(other.renderer.update_height_field(foreign, own.height_field("hill").unwrap().id()));
+    is_rejected(other.renderer.update_texture(foreign, own.texture("flat").unwrap().id()));
+    is_rejected(other.renderer.update_mesh(foreign, own.mesh("corner").unwrap().id()));
+    is_rejected(other.renderer.update_height_field(foreign, own.height_field("hill").unwrap().id()));
 }
 
 #[test]

@@ -209,7 +209,7 @@ fn flags_of_newer_engines_leave_only_written_memory() {
             edit(&mut data, |options| options.solver = solver);
             set(&mut data, flag);
             data.reset_to_key("squat").unwrap();
-            // Some flags belong to an integrator that this crate does not support.
+            // With some flags a step with this integrator is an error.
             if (0..20).all(|_| data.step().is_ok()) {
                 assert!(data.nefc() > 0);
                 all_calls(&mut data);

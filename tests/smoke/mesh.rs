@@ -62,7 +62,7 @@ fn texture_coordinates_of_the_corners_are_those_of_the_vertices_in_a_file() {
 
 #[test]
 fn texture_coordinates_of_the_corners_are_those_of_the_vertices_in_the_text() {
-    // The compiler of these engines crashes.
+    // The compiler of these engines crashes on such a mesh.
     if cfg!(all(engine_since = "2.3.3", not(engine_since = "3.1.3"))) {
         assert!(load(PYRAMID_TEXT).unwrap_err().to_string().contains("use an OBJ file"));
     } else {
@@ -122,7 +122,7 @@ fn an_error_in_a_collision_leaves_no_memory_of_its_simulation_to_later_collision
     let text = r#"<mujoco><worldbody><geom type="ellipsoid" size=".1 .2 .3"/>
         <body pos=".05 0 0"><freejoint/><geom type="ellipsoid" size=".3 .2 .1"/></body></worldbody></mujoco>"#;
     let model = std::sync::Arc::new(Model::from_xml_str(text).unwrap());
-    // Returns the bytes of its own stack that a new simulation uses.
+    // Returns the number of bytes of its stack that a new simulation uses.
     let used = || {
         let mut data = Data::new(&model).unwrap();
         data.kinematics().unwrap();
@@ -131,7 +131,7 @@ fn an_error_in_a_collision_leaves_no_memory_of_its_simulation_to_later_collision
         data.maxuse_stack()
     };
     let before = used();
-    // Older engines may work elsewhere.
+    // Older engines may use other memory.
     assert!(before > 0 || cfg!(not(engine_since = "3.5.0")));
     let mut failing = Data::new(&model).unwrap();
     failing.edit_model(|model| model.geom_size_mut().as_flattened_mut().fill(1e9)).unwrap();

@@ -79,7 +79,7 @@ impl IlqrPlanner {
     }
 
     /// Sets the components of the state that plans start from. By default, these are all of [`StateSpec::INTEGRATION`] except applied
-    /// forces: a plan does not know a push. The other components have the values after a reset.
+    /// forces: a plan ignores a push. The other components have the values after a reset.
     #[must_use]
     pub fn with_foreseen(mut self, foreseen: StateSpec) -> Self {
         self.state = vec![0.0; self.data.model().state_size(foreseen)];

@@ -67,7 +67,7 @@ impl Mirror<mjVisual> for Visual {
         self.quality.write_into(&mut raw.quality);
         let active = raw.headlight.active;
         self.headlight.write_into(&mut raw.headlight);
-        // Later engines have a third value for a light that is on if the scene has no other light.
+        // Newer engines have a third value for a light that is on if the scene has no other light.
         if self.headlight.active == (active != 0) {
             raw.headlight.active = active;
         }

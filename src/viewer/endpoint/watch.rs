@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(value("qpos[2]"), data.qpos()[2]);
         assert_eq!(value("time"), data.time());
         assert_eq!(value(" xpos[ 5 ]"), data.xpos()[1][2]);
-        // Later engines store sparse rows.
+        // Newer engines store sparse rows.
         #[cfg(not(engine_since = "3.2.5"))]
         assert_eq!(value("actuator_moment[27]"), data.actuator_moment().row(1)[0]);
         assert!(value("qpos[1000]").is_nan());

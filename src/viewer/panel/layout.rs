@@ -114,8 +114,8 @@ pub(super) fn labelled<R>(ui: &mut Ui, name: &str, width: f32, content: impl FnO
     .inner
 }
 
-/// Returns a text of this width in the body font at most. A longer text is elided in the middle, because the ends of the names of similar
-/// elements differ.
+/// Elides a text that is wider than `width` in the body font. The middle is replaced, because the ends of the names of similar elements
+/// differ.
 pub(super) fn fit<'a>(ui: &Ui, text: &'a str, width: f32) -> Cow<'a, str> {
     let font = TextStyle::Body.resolve(ui.style());
     ui.fonts_mut(|fonts| elide(text, width, |character| fonts.glyph_width(&font, character)))
@@ -143,8 +143,8 @@ fn elide(text: &str, width: f32, mut glyph_width: impl FnMut(char) -> f32) -> Co
     format!("{start}…{end}").into()
 }
 
-/// Shows a slider over a range. Only the user's edits are limited to the range and rounded: a slider that does so with the values that it
-/// shows would edit them.
+/// Shows a slider over a range. Only edits by the user are limited to the range and rounded: a slider that limited the shown value would
+/// edit it.
 pub(super) fn slider<N: egui::emath::Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
     Slider::new(value, range).clamping(SliderClamping::Edits)
 }

@@ -106,7 +106,7 @@ pub(super) fn show_equalities(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     for equality in model.equalities() {
         let mut active = equality.active();
         let text = format!("{} ({:?})", equality_name(&model, &equality), equality.equality_type());
-        // The box of the checkbox and its margins are as wide as a row is high.
+        // The box of the checkbox and its margins need up to 1.5 times the height of a row.
         let shown = layout::fit(ui, &text, ui.available_width() - 1.5 * ui.spacing().interact_size.y).into_owned();
         let mut checkbox = ui.checkbox(&mut active, &shown);
         if shown != text {

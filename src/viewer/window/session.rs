@@ -68,7 +68,7 @@ pub(super) struct Session {
     pub frame_start: Option<Duration>,
     pub scheduler: FrameScheduler,
     pub closed: bool,
-    /// Last, because the process may end when it is dropped.
+    /// Dropped last, because the process may end then.
     pub _registration: OpenWindow,
 }
 

@@ -88,7 +88,7 @@ fn solutions_equal_closed_forms_and_scipy() {
     let mut compared = 0;
     for example in examples() {
         let p = example.solve().p;
-        // The tolerance follows the conditioning: a radius of 1 - 1e-8 costs half of the digits.
+        // A spectral radius of 1 - 1e-8 makes the equation ill-conditioned: half of the digits are lost.
         let determined = if example.name.starts_with("2.3") { 1e-6 } else { 1e-10 };
         for (source, expected) in [("its formula", &example.formula), ("SciPy", &example.scipy)] {
             if let Some(expected) = expected {
@@ -115,7 +115,7 @@ fn a_reused_workspace_gives_the_same_solutions() {
 fn solving_again_at_the_same_size_allocates_nothing() {
     let (mut workspace, mut solution) = (RiccatiWorkspace::new(), RiccatiSolution::default());
     for example in examples() {
-        // For a singular R, its eigenvalues are computed first.
+        // The solver computes the eigenvalues of a singular R, which allocates.
         if example.name.starts_with("1.3") || example.name.starts_with("1.4") {
             continue;
         }

@@ -82,7 +82,7 @@ fn empty_duplicate_and_misnamed_files_are_errors() {
     text_of(load(&[(&"n".repeat(1000), b"x")]), &["named with 1000 bytes"]);
     text_of(load(&[("a.xml", b"")]), &["'a.xml'", "empty"]);
     text_of(load(&[("a.xml", b"x"), ("a.xml", b"x")]), &["given twice"]);
-    // Later engines compare names with their path and case.
+    // Newer engines compare names with their path and case.
     if cfg!(not(engine_since = "3.2.1")) {
         text_of(load(&[("a.xml", b"x"), ("other/A.xml", b"x")]), &["given twice"]);
     }

@@ -180,7 +180,7 @@ fn rejected_in_a_step() -> (Model, &'static str) {
         changed.unwrap();
         return (model, "mj_discreteAcc: discrete inverse dynamics is not supported by RK4 integrator");
     }
-    // Bodies without mass, whose inertia matrix the implicit integrator cannot factorise. Later engines only warn.
+    // Bodies without mass, whose inertia matrix the implicit integrator cannot factorise. Newer engines only warn.
     let mut model = sample::cartpole();
     let mut edit = model.edit();
     edit.edit_options(|options| options.integrator = Integrator::Implicit).unwrap();

@@ -97,7 +97,7 @@ fn distances_equal_analytic_distances() {
         };
         let [a, b] = geoms(&data);
         let other = data.geom_distance(b, a, 100.0).unwrap().unwrap();
-        // The nearest points of parallel faces are not unique, and later engines find others.
+        // The nearest points of parallel faces are not unique, and newer engines find others.
         if cfg!(not(engine_since = "2.3.0")) || first != BOX || second != BOX {
             let reversed = [to, from];
             let mut pairs = other.fromto.as_flattened().iter().zip(reversed.as_flattened());

@@ -51,7 +51,7 @@ impl Locate for usize {
 
 impl Locate for i32 {
     fn locate(self) -> Place {
-        // A size that the model leaves to the engine is -1 in later engines, and 0 in the accessor.
+        // A size that the model leaves to the engine is -1 in newer engines, and 0 in the accessor.
         Place::Number(self.max(0).into())
     }
 }
@@ -169,7 +169,7 @@ fn numbers(pairs: &Pairs) -> impl Iterator<Item = (&'static str, usize)> {
 struct Engine {
     sizes: HashMap<&'static str, usize>,
     buffer: Range<usize>,
-    /// The arena of a simulation, which contains the arrays of contacts and constraints in later engines.
+    /// The arena of a simulation, which contains the arrays of contacts and constraints in newer engines.
     arena: Range<usize>,
     /// `true` if the engine has computed the arrays in the arena.
     is_computed: bool,
@@ -350,7 +350,7 @@ fn other_accessors(owner: &str) -> Vec<&'static str> {
     }
 }
 
-/// Returns `true` for fields of later engines that have no accessor: file names, attributes and pointers of plugins, the numbers of the
+/// Returns `true` for fields of newer engines that have no accessor: file names, attributes and pointers of plugins, the numbers of the
 /// solver's iterations by island, the thread pool with its stacks, and the solver's workspace with its copies that are sorted by island.
 fn has_no_accessor(line: &[&str]) -> bool {
     const BY_ISLAND: [&str; 2] = ["solver_niter", "solver_nnz"];
@@ -421,7 +421,7 @@ fn values_inside_the_data_struct_equal_c() {
 
 #[test]
 fn timers_equal_the_engines_constants() {
-    // Later engines have no timer for the acceleration, and have others for an integration and for the phases of collision detection.
+    // Newer engines have no timer for the acceleration, and have others for an integration and for the phases of collision detection.
     let expected = TIMERS.iter().map(|(timer, _)| *timer);
     assert!(Timer::ALL.into_iter().filter(|timer| *timer != Timer::Acceleration).eq(expected));
     #[cfg(not(engine_since = "2.3.0"))]

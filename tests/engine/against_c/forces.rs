@@ -5,7 +5,7 @@ use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId, SpatialVector
 
 use crate::twins::{Twins, assert_same, c, small_subjects, usual_subjects};
 
-/// Calls `mj_solveM2`. Later engines take the square roots of `qLDiagInv` as an argument instead of `qLDiagSqrtInv`.
+/// Calls `mj_solveM2`. Newer engines take the square roots of `qLDiagInv` as an argument instead of `qLDiagSqrtInv`.
 fn solve_m2(twins: &Twins, vectors: &[f64], result: &mut [f64], count: i32) {
     let (m, d, (result, vectors)) = (twins.raw.m(), twins.raw.d, (result.as_mut_ptr(), vectors.as_ptr()));
     #[cfg(engine_since = "3.5.0")]
@@ -58,7 +58,7 @@ fn sums_with_the_inertia_matrix_equal_c() {
         twins.ours.add_m(&mut sum).unwrap();
         let null = std::ptr::null_mut;
         c!(mj_addM(twins.raw.m(), twins.raw.d, theirs.as_mut_ptr(), null(), null(), null()));
-        // Later engines add the lower triangle only.
+        // Newer engines add the lower triangle only.
         #[cfg(engine_since = "3.5.0")]
         for row in 0..nv {
             for column in row + 1..nv {

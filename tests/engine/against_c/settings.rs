@@ -133,7 +133,7 @@ fn compare_options(what: &str, ours: &Options, raw: &mjOption) {
 fn compare_visual(what: &str, ours: &Visual, raw: &mjVisual) {
     // SAFETY: numbers only.
     let mut seen = unsafe { std::ptr::read(raw) };
-    // Later engines have a third value for a light that is on if the scene has no other light.
+    // Newer engines have a third value for a light that is on if the scene has no other light.
     seen.headlight.active = seen.headlight.active.min(1);
     let raw = &seen;
     visual_fields! { compare ours, raw, what, }
@@ -224,7 +224,7 @@ fn every_setting_is_written_to_the_engines_field() {
     let before = unsafe { std::ptr::read(raw(&model)) };
     let (mut options, mut visual, mut statistics) = (model.options(), model.visual(), model.statistics());
     option_fields! { change_options options, }
-    // Options that later engines lack cannot be changed.
+    // Options that newer engines lack cannot be changed.
     if cfg!(engine_since = "3.5.0") {
         (options.apirate, options.collision) = (model.options().apirate, model.options().collision);
     }

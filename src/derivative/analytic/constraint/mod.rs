@@ -1,7 +1,8 @@
 //! Derivatives of the constraint forces `Jᵀ f`, one constraint after another.
 //!
 //! Each kind of constraint contributes the derivatives of its Jacobian and its position (`contact.rs`, `limit.rs`, `equality.rs`);
-//! `rows.rs` turns them into those of the forces. Kinks, for example a contact about to be made, count as their present side.
+//! `rows.rs` converts them to those of the forces. At a kink, for example when two geoms begin to touch, the derivatives are those of the
+//! present side.
 
 mod chains;
 mod contact;
@@ -67,7 +68,7 @@ impl Constraints {
         while row < data.nefc() {
             let count = row_count(data, row);
             if is_active(data, row, count) {
-                // A row of this inertia is at the engine's limit, where D does not depend on the position.
+                // D of this row is at the engine's limit, so it does not depend on the position.
                 if data.efc_D()[row] * mjMINVAL >= 1.0 {
                     return Ok(None);
                 }
@@ -118,12 +119,12 @@ fn row_count(data: &Data, row: usize) -> usize {
     }
 }
 
-/// Returns true for a type of rows of contacts.
+/// Returns `true` for a type of rows of contacts.
 fn is_contact(kind: u32) -> bool {
     [mjCNSTR_CONTACT_FRICTIONLESS, mjCNSTR_CONTACT_PYRAMIDAL, mjCNSTR_CONTACT_ELLIPTIC].contains(&kind)
 }
 
-/// Returns true if a row has a force, or if it would change at once.
+/// Returns `true` if a constraint has a force, or can have one after a small change of the state.
 fn is_active(data: &Data, row: usize, count: usize) -> bool {
     data.efc_state()[row..row + count].iter().any(|&state| state as u32 != mjCNSTRSTATE_SATISFIED)
 }

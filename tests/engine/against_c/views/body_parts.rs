@@ -42,7 +42,7 @@ fn fields_of_bodies_and_joints_equal_c() {
             inertia: m.body_inertia, [3 * i; 3];
             invweight0: m.body_invweight0, [2 * i; 2];
             user: m.body_user, [nuser * i; nuser];
-            // Later engines distinguish two kinds of such bodies.
+            // Newer engines distinguish two kinds of such bodies.
             => simple: body.simple(), byte(m.body_simple, i) != 0;
             => parent: body.parent().index(), int(m.body_parentid, i);
             => root: body.root().index(), int(m.body_rootid, i);

@@ -119,7 +119,7 @@ macro_rules! check_fields {
 }
 use check_fields;
 
-/// Returns an index from an engine array of integers, some of which are wide in later engines.
+/// Returns an index from an engine array of integers, some of which are wide in newer engines.
 fn int<T: Copy + TryInto<usize, Error: std::fmt::Debug>>(array: *const T, index: usize) -> usize {
     // SAFETY: as for the other arrays.
     unsafe { *array.add(index) }.try_into().unwrap()

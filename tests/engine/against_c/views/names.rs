@@ -49,7 +49,7 @@ fn names_of_every_kind_equal_c() {
                 (!name.is_null()).then(|| unsafe { CStr::from_ptr(name) }.to_str().unwrap())
             };
             let count = subject.model.count(kind);
-            // All elements are listed: beyond the last, the engine has no name either.
+            // The engine has no name after the last element that the model lists.
             assert_eq!(name(count), None, "{}: {kind}", subject.name);
             let theirs: Vec<&str> = (0..count).filter_map(name).filter(|name| !name.is_empty()).collect();
             assert!(subject.model.names(kind).eq(theirs.iter().copied()), "{}: {kind}", subject.name);

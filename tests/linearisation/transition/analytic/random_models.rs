@@ -154,7 +154,7 @@ fn compare_models(seed: u64, models: usize, states: usize) {
         let mut data = Data::new(model).unwrap();
         for state in 0..states {
             randomise(&mut data, &mut generator.random);
-            // Less wild states, most of them in contact, are some steps later.
+            // Some steps lead to states with smaller velocities, most of them in contact.
             if state % 2 == 1 && (0..20 * state).any(|_| data.step().is_err()) {
                 continue;
             }
