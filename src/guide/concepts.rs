@@ -110,8 +110,8 @@
 //!
 //! # Names, ids, indices and views
 //!
-//! An element is selected by a [`Key`](crate::id::Key): its name, its index, its [`Id`](crate::id::Id), or a view of it. A name or an index may
-//! not exist, so the lookup returns a [`Result`](crate::Result). An id and a view exist, so the lookup returns a value without an error.
+//! An element is selected by a [`Key`](crate::id::Key): its name, its index, its [`Id`](crate::id::Id), or a view of it. A name or an index can
+//! be unknown, so the lookup returns a [`Result`](crate::Result). An id and a view always refer to an element, so the lookup returns a view without an error.
 //!
 //! ```
 //! use mujoco_safe::{Data, sample};
@@ -124,7 +124,7 @@
 //!
 //! let view = data.joint(knee).in_model();     // the constant fields of the same joint
 //! assert_eq!(data.qpos()[view.qpos_range().start], 0.5);
-//! assert_eq!(view.qpos_range().start, view.dofs().start + 1); // behind the quaternion of the root
+//! assert_eq!(view.qpos_range().start, view.dofs().start + 1); // after the quaternion of the root
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!

@@ -56,7 +56,7 @@
 //! # Linearisation
 //!
 //! A step is `x⁺ = A x + B u` near the present state, and its sensors are `y = C x + D u`. The state of the linear system is
-//! `[dq; dv; da]` of length `nx = 2 nv + na`: the difference of positions lives in the tangent space, so a quaternion counts three, not four.
+//! `[dq; dv; da]` of length `nx = 2 nv + na`: the difference of positions is in the tangent space, in which a quaternion has three components, not four.
 //! [`Model::differentiate_pos_into`] computes that difference.
 //!
 //! | call | method |
@@ -202,7 +202,7 @@
 //! weights and targets. A plan must be finished within a fraction of the horizon: `cargo bench --bench predictive` prints its time for a humanoid. Fewer
 //! [step sizes](crate::control::ilqr::IlqrOptions::step_sizes) and a [sufficient decrease](crate::control::ilqr::IlqrOptions::sufficient_decrease) shorten it.
 //!
-//! # Predictive control with own candidates
+//! # Predictive control by sampling
 //!
 //! A predictive controller simulates candidates from the present state and applies the best. [`Workers`](crate::rollout::Workers) keeps the simulations of the
 //! [rollouts](crate::rollout::Rollout) between decisions. Here the cost to go after the horizon is that of the linear-quadratic regulator:

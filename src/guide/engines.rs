@@ -140,17 +140,19 @@
 //!
 //! # Access that differs between versions
 //!
-//! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not `Data::qM`, and the page of the accessors that a
-//! build has is that of `cargo doc` with this engine. The hand-written interface is the same with every engine. What an engine lacks is
-//! [`Error::Unsupported`](crate::Error::Unsupported). Use these methods instead of arrays whose layout differs:
+//! The generated accessors follow the engine: with 4.0.0 the inertia matrix is `Data::M`, not `Data::qM`, and
+//! `cargo doc` with an engine shows its accessors. The hand-written interface is the same with every engine. What an engine lacks is
+//! [`Error::Unsupported`](crate::Error::Unsupported).
 //!
 //! The enums are the same with every engine, and [`Options`](crate::Options) has the options of all engines. A setter returns `Error::Unsupported`
 //! for a variant, a flag or an option that the engine lacks, with the versions that have it.
 //!
 //! Functions that 2.2.2 lacks are implemented in Rust and used with every engine, so that they have the same results: state vectors, keyframes,
-//! derivatives of inverse dynamics and quaternions, several rays, distances of geoms, the matrix of angular momentum, box-constrained quadratic programmes
+//! derivatives of inverse dynamics and quaternions, several rays, distances of geoms, the matrix of angular momentum, box-constrained quadratic programs
 //! and band matrices. `tests/smoke` compares each with the function of the engine from 3.5.0. Three differ: `mj_multiRay` may return hits beyond
 //! its cutoff, `mju_cholFactorBand` of 4.0 returns the square root of the smallest pivot, and `mj_geomDistance` of 3.5.0 is less precise.
+//!
+//! Use these methods instead of arrays whose layout differs:
 //!
 //! | array | method |
 //! |---|---|

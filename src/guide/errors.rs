@@ -2,7 +2,7 @@
 //!
 //! # Errors or panics
 //!
-//! A failure that a correct program can meet is an [`Error`]: a file, a text, a name, a diverged simulation, a failure of the engine. A mistake in
+//! A failure that can occur in a correct program is an [`Error`]: a file, a text, a name, a diverged simulation, a failure of the engine. A mistake in
 //! the program panics: an index beyond a slice, an id of another model, a record that a trajectory does not have. Numerical outcomes are a
 //! status: [`IlqrStatus`](crate::control::ilqr::IlqrStatus), [`BoxQpStatus`](crate::math::BoxQpStatus).
 //!
@@ -29,7 +29,7 @@
 //!
 //! | error | cause | remedy |
 //! |---|---|---|
-//! | [`Load`](Error::Load) | the XML is not a valid model for 2.2.2 | the message has the line; see [troubleshooting](super::troubleshooting#models) |
+//! | [`Load`](Error::Load) | the XML is not a valid model for the engine | the message has the line; see [troubleshooting](super::troubleshooting#models) |
 //! | [`InvalidBinary`](Error::InvalidBinary) | a damaged binary model, or one of another version | compile the XML again |
 //! | [`File`](Error::File) | a file cannot be read or written | check path and permissions |
 //! | [`Save`](Error::Save), [`XmlLosesEdits`](Error::XmlLosesEdits), [`XmlReplaced`](Error::XmlReplaced) | XML cannot represent the model, or another model was loaded since | [`Model::save_binary`](crate::Model::save_binary) |
@@ -45,7 +45,7 @@
 //! | [`Poisoned`](Error::Poisoned) | an earlier call failed | [`Data::reset`] |
 //! | [`Solver`](Error::Solver) | no regulator exists | [`Error::solver`] returns the [`RiccatiError`](crate::control::riccati::RiccatiError) |
 //! | [`Recording`](Error::Recording), [`SceneFull`](Error::SceneFull) | a recording failed; more geoms than the scene has room for | install `ffmpeg`, or another format; a larger [`Scene`](crate::Scene) |
-//! | [`Unsupported`](Error::Unsupported) | the operation is not possible with this model | the message |
+//! | [`Unsupported`](Error::Unsupported) | the operation is not possible with this model or this engine | the message |
 //! | [`OutOfMemory`](Error::OutOfMemory), [`LoaderLocked`](Error::LoaderLocked) | memory is exhausted; the compiler was interrupted by such a failure | restart the process |
 //! | [`EngineVersion`](Error::EngineVersion) | the library at run time has another version than the headers | see [`engines`](super::engines) |
 //!
@@ -126,7 +126,7 @@
 //!
 //! # Limits of the guarantees
 //!
-//! - **Model XML.** The engine's own compiler reads it, and no check in front of it is complete. Compile texts from strangers in a separate process
+//! - **Model XML.** The engine's own compiler reads it, and no check before compilation is complete. Compile untrusted texts in a separate process
 //!   with limits on time and memory. Binary models are validated completely.
 //! - **Plain getters** such as [`Data::xpos`] return whatever the array contains. [`Data::require`] checks for missing results. No check tracks
 //!   values that the program itself writes.

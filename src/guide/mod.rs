@@ -13,7 +13,7 @@
 //! | [`engines`] | installation of the engine, and the search paths at build time and at run time |
 //! | [`troubleshooting`] | symptoms, causes and remedies |
 //!
-//! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from there. The [`cookbook`](crate::cookbook) has
+//! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from these languages. The [`cookbook`](crate::cookbook) has
 //! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
 //! every function, field and kind of the engine with its counterpart.
 

@@ -87,7 +87,7 @@
 //!             controls.as_mut_slice()[row] = control.clamp(-1.0, 1.0);
 //!         }
 //!     })?;
-//!     // Start again where an episode has ended: a fall, or a failure of the simulation (its observations are NaN).
+//!     // Reset the simulations whose episode has ended: by a fall, or by a failure of the simulation (its observations are NaN).
 //!     let ended: Vec<bool> = batch.observations().rows().map(|x| x[1].is_nan() || x[1].abs() > 0.5).collect();
 //!     batch.reset_where(|index| ended[index], |_, episode, data| data.qpos_mut()[1] = 1e-3 * episode as f64)?;
 //! }
@@ -132,7 +132,7 @@
 //!
 //! A [`VectorEnvironment`] adds to a batch what algorithms of reinforcement learning expect: rewards, ends of episodes by the task (terminated) or by
 //! the time limit (truncated), and new episodes where one has ended. A [`Task`](crate::environment::Task) defines them; the module
-//! [`environment`](crate::environment) has ready tasks and an example of an own one.
+//! [`environment`](crate::environment) has ready tasks and an example of a custom task.
 //!
 //! ```
 //! use mujoco_safe::environment::{InvertedPendulum, VectorEnvironment};

@@ -70,7 +70,7 @@
 //!
 //! # Points from a depth image
 //!
-//! The depth is measured along the optical axis, in metres. The snapshot knows the focal lengths, the principal point and the pose of its camera, so
+//! The depth is measured along the optical axis, in metres. The snapshot has the focal lengths, the principal point and the pose of its camera, so
 //! a depth image becomes a point cloud in the world frame:
 //!
 #![cfg_attr(feature = "renderer", doc = "```no_run")]

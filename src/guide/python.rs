@@ -226,8 +226,9 @@
 //!   Use `d.joint(id).qpos()`, or the ranges `qpos_range()` and `dofs()` of the joint.
 //! - **Callbacks belong to a simulation**, not to the process, and a panic in a callback is an error of the call.
 //! - **Nothing is printed.** Warnings go to the [`log`](https://docs.rs/log) crate and to counters; no `MUJOCO_LOG.TXT` is written.
-//! - **The engine is 2.2.2.** `MjSpec`, plugins, flexes, the implicit-fast integrator and the GPU backends of newer releases do not exist. Some
-//!   functions of newer releases exist here: `mj_getState`, `mj_multiRay`, `mj_geomDistance`, `mjd_inverseFD`.
+//! - **The default engine is 2.2.2,** which has no plugins, flexes and implicit-fast integrator; [newer engines](super::engines) have them. `MjSpec` and
+//!   the GPU backends have no counterpart. Some functions of newer engines exist with every engine: `mj_getState`, `mj_multiRay`,
+//!   `mj_geomDistance`, `mjd_inverseFD`.
 //!
 #![cfg_attr(feature = "viewer", doc = include_str!("links/with_viewer.md"))]
 #![cfg_attr(not(feature = "viewer"), doc = include_str!("links/without_viewer.md"))]

@@ -5,7 +5,7 @@
 //! | symptom | cause | remedy |
 //! |---|---|---|
 //! | `The MuJoCo physics engine was not found.` | no engine in the searched directories, which the message lists | `apt-get install libmujoco-dev`, or set `MUJOCO_DIR`: see [`engines`](super::engines) |
-//! | `The engine … has mjVERSION_HEADER …` | an engine of another version | install 2.2.2, or point `MUJOCO_DIR` to it |
+//! | `This crate comes with bindings for …` | an engine of another version | set `MUJOCO_DIR` to an engine of one of these versions, or enable the feature `bindgen` |
 //! | `headers found, but no libmujoco.so in …` | `MUJOCO_DIR` names the source tree or the `include` directory | name the directory that contains both |
 //! | `error while loading shared libraries: libmujoco.so.2.2.2` | the program was started without Cargo, and the library is outside of the loader's path | `LD_LIBRARY_PATH` or an rpath: see [`engines`](super::engines#search-at-run-time) |
 //! | [`EngineVersion`](Error::EngineVersion) | the loader finds another release than the build script | rebuild, or correct `LD_LIBRARY_PATH` |
@@ -19,7 +19,7 @@
 //!
 //! | symptom | cause | remedy |
 //! |---|---|---|
-//! | `unrecognized element: 'frame'`, `'flexcomp'`, `'plugin'` | an element of newer engines | 2.2.2 has neither frames nor flexes nor plugins; replace them |
+//! | `unrecognized element: 'frame'`, `'flexcomp'`, `'plugin'` | an element of newer engines | replace it: 2.2.2 has neither frames nor flexes nor plugins; or use a [newer engine](super::engines) |
 //! | `unrecognized attribute: 'memory'`, `'kv'`, `'actuatorfrcrange'` | an attribute of newer engines | remove it; `memory` becomes `njmax`, `nconmax` and `nstack` |
 //! | `invalid keyword: 'implicitfast'` | an integrator of newer engines | `integrator="implicit"` |
 //! | `joint has range but not limited` | newer engines derive `limited` from `range` | `<compiler autolimits="true"/>` |

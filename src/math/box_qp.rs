@@ -1,4 +1,4 @@
-//! Box-constrained quadratic programmes: `½ xᵀH x + gᵀx → min`, `lower ≤ x ≤ upper`.
+//! Box-constrained quadratic programs: `½ xᵀH x + gᵀx → min`, `lower ≤ x ≤ upper`.
 //!
 //! The method is the projected Newton iteration of Y. Tassa, N. Mansard, E. Todorov, "Control-limited differential dynamic
 //! programming", ICRA 2014, section III. Coordinates on a bound whose gradient points outwards are clamped. The free coordinates

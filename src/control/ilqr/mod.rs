@@ -4,7 +4,7 @@
 //! controls. Each iteration
 //!
 //! 1. linearises each step, several in parallel ([`Lineariser::along`]), and expands the cost to second order;
-//! 2. computes the optimal change of the controls in a backward pass: in each step it solves a quadratic programme whose box
+//! 2. computes the optimal change of the controls in a backward pass: in each step it solves a quadratic program whose box
 //!    constraints are the control ranges, which yields a feedforward and a gain;
 //! 3. simulates the new controls with several step sizes in parallel, and accepts the best trajectory if its cost is lower. Otherwise it
 //!    repeats the backward pass with a larger regularisation.
