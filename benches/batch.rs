@@ -185,7 +185,7 @@ fn main() -> Result<()> {
             raw.step(&pool, &controls);
             start.elapsed().as_secs_f64()
         };
-        // Alternate the order, so that a drift of the machine affects both alike.
+        // Alternate the order, so that a drift of the machine has the same effect on both.
         let (batch, raw) = if step % 2 == 0 {
             let batch = time_batch()?;
             (batch, time_raw())

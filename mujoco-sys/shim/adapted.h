@@ -90,7 +90,7 @@ int mujoco_sys_setSceneGeomTexture(mjvGeom* geom, const struct mujoco_sys_textur
 int mujoco_sys_sceneLightDirectional(const mjvLight* light);
 
 // True if the scene had too few places for the geoms of the last update or addition, for engines that record it in the scene (since 3.3.7).
-// These warn of it (`mjWARN_VGEOMFULL`) in the update only, and since 3.7 not at all.
+// These engines warn of it (`mjWARN_VGEOMFULL`) in the update only, and since 3.7 not at all.
 int mujoco_sys_sceneIsFull(const mjvScene* scn);
 
 // Flexes of a scene, since 3.0: their number, and the parts to draw.

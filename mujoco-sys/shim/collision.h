@@ -11,7 +11,7 @@ void mujoco_sys_check_collisions(void);
 int mujoco_sys_collide_as(const mjModel* m, compat_collision_data* d, compat_contact* con, int type1, int type2, int g1,
                           int g2, mjtNum margin);
 
-// Makes the engine forget the memory of a collision stage that an error has ended. Call it in the thread of the error, behind a guard.
+// Resets the pointer to the memory of a collision stage that an error has ended. Call it in the thread of the error, behind a guard.
 void mujoco_sys_forget_collision(void);
 
 #endif

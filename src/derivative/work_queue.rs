@@ -76,7 +76,7 @@ pub(crate) fn for_each_item<W: Send, T: Send>(
     for_each_worker(workers, |worker, _| {
         while let Some((index, item)) = queue.take() {
             if let Err(error) = work(worker, index, item) {
-                // The queue hands out items in order, so the first one that fails is among those that threads have taken.
+                // Threads take the items in order, so the first one that fails is among those that threads have taken.
                 let mut first = first_error.lock().unwrap_or_else(PoisonError::into_inner);
                 if first.as_ref().is_none_or(|&(earlier, _)| index < earlier) {
                     *first = Some((index, error));

@@ -174,7 +174,7 @@
 //! | plugins, signed distance fields | 2.3, 3.0 | after [`load_plugins`](crate::load_plugins) |
 //! | other models as assets (`<model file>`, `<attach>`) | 3.2 | rejected: the checks before compilation do not read the files of these models |
 //! | sleeping bodies | 3.4 | rejected: no state vector contains the sleeping bodies, so a copied state would not continue bit for bit |
-//! | delays of actuators and sensors | 3.5 | rejected: the engine trusts the positions in its buffers, which a state vector would set |
+//! | delays of actuators and sensors | 3.5 | rejected: the engine does not check the positions in its buffers, which a state vector would set |
 //! | actuators with several controls, forces or activations | 3.11 | rejected |
 //! | IPC contacts of flexes | 4.0 | rejected: no state vector contains the state of these contacts |
 //!

@@ -128,7 +128,7 @@
 //!
 //! - **Model XML.** The engine's own compiler reads it, and no check before compilation is complete. Compile untrusted texts in a separate process
 //!   with limits on time and memory. Binary models are validated completely.
-//! - **Plain getters** such as [`Data::xpos`] return whatever the array contains. [`Data::require`] checks for missing results. No check tracks
+//! - **Plain getters** such as [`Data::xpos`] return the contents of the array, valid or not. [`Data::require`] checks for missing results. No check tracks
 //!   values that the program itself writes.
 //! - **Meaning.** A negative damping or an inconsistent inertia is accepted: it is wrong physics, not wrong memory access.
 //! - **Raw pointers.** The use of [`sys`](crate::sys) and of [`Data::as_mut_ptr`] is `unsafe`, and the guarantees end there.

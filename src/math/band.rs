@@ -206,7 +206,7 @@ pub fn chol_solve_band_in_place(mat: &[f64], vec: &mut [f64], shape: BandShape) 
     Ok(())
 }
 
-/// Matrix that band storage stands for.
+/// Matrix that band storage represents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BandKind {
     /// Symmetric matrix.

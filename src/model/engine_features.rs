@@ -56,13 +56,13 @@ impl Model {
             return Err(format!("a solver has {count} iterations; at most a million are allowed"));
         }
         if cfg!(engine_since = "3.0.0") && options.mpr_iterations < 1 {
-            // The solver has no space for its first polytope without an iteration.
+            // The solver has space for its first polytope only if it may iterate.
             return Err(format!(
                 "the collision solver has {} iterations; at least 1 is needed",
                 options.mpr_iterations
             ));
         }
-        // The collision functions of fields write a contact for each point, at least one, into arrays of this length.
+        // The collision functions for signed distance fields write a contact for each point, at least one, into arrays of this length.
         let points = 1..=mjMAXCONPAIR as usize;
         if self.geom_type().contains(&(mjGEOM_SDF as i32)) && !points.contains(&options.sdf_initpoints) {
             return Err(format!("sdf_initpoints is {}; it must be from 1 to {mjMAXCONPAIR}", options.sdf_initpoints));

@@ -50,7 +50,7 @@ fn gains_of_the_plan_correct_disturbances_between_plans() {
         let expected = -(&gain * DVector::from_vec(data.physics_state()));
         let error = (DVector::from_column_slice(data.ctrl()) - &expected).norm();
         assert!(error < 1e-5 * expected.norm().max(0.01), "step {step}: {error:e}");
-        // A disturbance that the plan does not know.
+        // A disturbance that the plan does not contain.
         data.qvel_mut()[0] += 0.1;
         data.step().unwrap();
     }

@@ -168,7 +168,7 @@ fn the_jacobian_of_a_sensor_equals_extrapolated_differences() {
     assert_close(&jacobian(&mut data, &sensor), &jacobian(&mut data, &site), 1e-12);
 }
 
-/// A residual without a Jacobian of its own.
+/// A residual that does not implement the Jacobian.
 struct Opaque(Subtree);
 
 impl Residual for Opaque {

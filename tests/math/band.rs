@@ -26,7 +26,7 @@ fn banded(random: &mut impl Rng, shape: BandShape) -> DMatrix<f64> {
 }
 
 fn band_of(full: &DMatrix<f64>, shape: BandShape) -> Vec<f64> {
-    // Unused elements have numbers that must not be used.
+    // NaN in the unused elements must not affect the results.
     let mut band = vec![f64::NAN; shape.len()];
     math::dense2band(&mut band, &Matrix::from(full), shape).unwrap();
     band

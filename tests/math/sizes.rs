@@ -90,7 +90,7 @@ fn quadratic_programs_check_sizes() {
 fn pyramids_check_sizes() {
     checks([4, 3, 2], |[pyramid, force, mu]| math::encode_pyramid(&mut v(pyramid), &v(force), &v(mu)));
     checks([3, 4, 2], |[force, pyramid, mu]| math::decode_pyramid(&mut v(force), &v(pyramid), &v(mu)));
-    // Without friction the engine reads one number of the pyramid, whatever its length.
+    // Without friction the engine reads one number of the pyramid, regardless of its length.
     checks([1, 1], |[pyramid, force]| math::encode_pyramid(&mut v(pyramid), &v(force), &[]));
     checks([1, 1], |[force, pyramid]| math::decode_pyramid(&mut v(force), &v(pyramid), &[]));
 }

@@ -232,7 +232,7 @@ fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected
         let error = Model::from_xml_str(&format!("<mujoco>{xml}</mujoco>")).unwrap_err();
         assert!(error.to_string().contains(expected), "{xml:.60}: {error}");
     }
-    // A replication of moderate size passes the check. The compiler of 2.2.2 does not know the element.
+    // A replication of moderate size passes the check. The compiler of 2.2.2 does not have the element.
     match Model::from_xml_str(&format!("<mujoco>{}</mujoco>", nested(&["10", "20"]))) {
         Ok(model) => assert_eq!(model.ngeom(), 200),
         Err(error) => assert!(error.to_string().contains("unrecognized element"), "{error}"),
@@ -243,7 +243,7 @@ fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected
 fn a_damaged_file_is_found_by_every_path_that_a_newer_compiler_opens() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, content: &[u8]| std::fs::write(folder.path().join(name), content).unwrap();
-    // The header promises more elevations than the file has.
+    // The header states more elevations than the file has.
     let damaged = [integers(&[30_000, 30_000]), reals(&[0.0; 4])].concat();
     std::fs::create_dir(folder.path().join("assets")).unwrap();
     write("assets/h.bin", &damaged);

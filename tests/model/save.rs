@@ -11,7 +11,7 @@ use crate::{RAW_LOADS, assets, bytes, bytes_in_c, folder};
 fn saved(load: impl Fn() -> Model, path: &std::path::Path) -> Model {
     (0..10_000)
         .find_map(|_| {
-            // The library does not notice raw loads.
+            // The library does not detect loads by raw calls.
             let _raw = RAW_LOADS.lock().unwrap_or_else(PoisonError::into_inner);
             let model = load();
             match model.save_xml(path) {

@@ -289,7 +289,7 @@ type Order = fn(usize, usize) -> bool;
 fn episodes_start_alike_for_any_threads_and_any_order_of_resets() {
     const EPISODES: u64 = 4;
     let count = 5;
-    // Each episode in a simulation of its own, without a batch.
+    // Each episode in a separate simulation, without a batch.
     let alone = |index, episode| {
         let mut data = Data::new(sample::humanoid()).unwrap();
         random_start(index, episode, &mut data).unwrap();

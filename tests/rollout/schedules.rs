@@ -87,7 +87,7 @@ fn apply(change: Change, seed: u64, data: &mut Data) -> Result<()> {
     Ok(())
 }
 
-/// Simulation of its own, with the rules of a batch.
+/// Separate simulation, with the rules of a batch.
 struct Alone {
     data: Data,
     /// State that a batch keeps after a failure.
@@ -274,7 +274,7 @@ impl Alone {
             self.clear();
         }
         match apply(change, seed, &mut self.data) {
-            // The observation sees what the closure has computed, later steps do not.
+            // The observation has the results of the closure; later steps do not.
             Ok(()) => self.observe(setting),
             Err(error) => self.fail(error.to_string()),
         }

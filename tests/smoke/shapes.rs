@@ -26,7 +26,7 @@ impl Region {
     }
 }
 
-/// The result of an accessor: an array, or a size without memory of its own.
+/// The result of an accessor: an array, or a size, which has no memory.
 trait Memory: Sized {
     fn region(self, _: &'static str) -> Option<Region> {
         None

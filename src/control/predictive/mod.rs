@@ -47,7 +47,7 @@ use super::ilqr::TrajectoryCost;
 use crate::data::{Data, StateSpec};
 use crate::error::Result;
 
-/// Components of the state that a plan starts from, by default: all except applied forces, which a plan could not know on a robot.
+/// Components of the state that a plan starts from, by default: all except applied forces, which are unknown on a robot.
 const FORESEEN: StateSpec = StateSpec::INTEGRATION.difference(StateSpec::QFRC_APPLIED.union(StateSpec::XFRC_APPLIED));
 
 /// Cost of a plan, before and after its improvement.

@@ -20,7 +20,7 @@ use crate::model::Model;
 /// present time. The horizon must be longer than the time of two plans, and the simulation must run in real time: if it
 /// runs faster, plans become older.
 ///
-/// [`control`](Controller::control) does not wait for the planner and does not allocate. If the planner hands over a plan at
+/// [`control`](Controller::control) does not wait for the planner and does not allocate. If the planner delivers a plan at
 /// that moment, the controller receives it in its next step. Only after a reset of the simulation, as in [`new`](Self::new), does it wait for
 /// a plan from the new state.
 ///
@@ -144,7 +144,7 @@ impl<P: Planner, C: TrajectoryCost> Link<P, C> {
 
     /// Plans until the controller is dropped or the planner panics.
     fn work(&self, mut planner: P, mut cost: C, mut data: Data) {
-        // Unlocked only while it plans or waits, so that a controller that has seen a plan can lock the exchange at once.
+        // Unlocked only while it plans or waits, so that a controller that has noticed a new plan can lock the exchange at once.
         let mut exchange = self.lock();
         while !exchange.is_closed {
             match mem::replace(&mut exchange.state, PlanState::Planning) {
@@ -189,7 +189,7 @@ impl<P: Planner + 'static, C: TrajectoryCost + Send + 'static> ThreadedPredictiv
         let model = data.model().clone();
         let observed = Data::new(model.clone())?;
         let state = vec![0.0; model.state_size(StateSpec::INTEGRATION)];
-        // The controller and the planner each write to a table of their own.
+        // The controller and the planner write to separate tables.
         let buffer = TimeVaryingLqr::at_present_state(data, planner.horizon())?;
         let job = Box::new(Job { model, state, reset: false, policy: buffer });
         let link = Arc::new(Link {

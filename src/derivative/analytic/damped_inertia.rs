@@ -78,7 +78,7 @@ fn push_row(data: &Data, tree: &Tree, dof: usize, values: &mut Vec<f64>) {
         values.extend_from_slice(&data.inertia_elements()[start..start + tree.chain(Some(dof)).count()]);
         return;
     };
-    // Columns increase, and the chain leads to lower degrees of freedom. Elements that the engine knows to be zero are not stored.
+    // Columns increase, and the chain leads to lower degrees of freedom. Elements that are always zero are not stored.
     let mut stored = row.iter().rev().peekable();
     for above in tree.chain(Some(dof)) {
         values.push(stored.next_if(|&(column, _)| column == above).map_or(0.0, |(_, value)| value));

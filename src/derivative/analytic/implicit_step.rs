@@ -119,7 +119,7 @@ impl ImplicitStep {
         sum.as_mut_slice().fill(0.0);
         bodies.differentiate_inertia(data, tree, spread.as_slice(), sum);
         for dof in 0..nv {
-            // Products with a matrix: of the rows of X.
+            // A product with the matrix combines the rows of X.
             add_product(sum.row_mut(dof), derivative, forces.row(dof), -h);
             // The derivatives at the present velocity are in `bias`.
             add(&mut sum.row_mut(dof)[..nv], &bias.row(dof)[..nv], h);

@@ -151,7 +151,7 @@ impl Tendons {
             let force_change = scale(&turned, 1.0 / (length * divisor));
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
                 let change: Spatial = wrench(&cross(&shifts[side], &force), &force_change, &arms[side]);
-                // The chains subtract.
+                // `subtract_force` subtracts, hence the opposite sign.
                 let forces = (&wrenches[side], &change);
                 self.chains.subtract_force(tree, moving, side, -sign, forces, &mut self.curvature);
             }

@@ -103,7 +103,7 @@ fn hull(view: &View<'_>, mesh: usize, start: usize, end: usize) -> Result<usize,
     check_run(vertices, 0..=mesh_vertices - 1)?;
     check_run(lists, -1..=vertices - 1)?;
     check_run(3 * faces, 0..=mesh_vertices - 1)?;
-    // A terminator in the last place keeps every list inside the lists.
+    // A terminator in the last place ends the last list inside the array.
     is(
         view,
         field::mesh_graph,

@@ -378,10 +378,10 @@ impl Options {
         ] {
             option.require(value <= Self::MOST_ITERATIONS, name, value, "at most a million")?;
         }
-        // The collision solver of newer engines has no space for its first polytope if it may not iterate.
+        // The collision solver of newer engines has space for its first polytope only if it may iterate.
         if cfg!(engine_since = "3.0.0") {
             option.require(self.mpr_iterations > 0, "mpr_iterations", self.mpr_iterations, "at least 1")?;
-            // Its functions for signed distance fields write a contact for each point, at least one, into arrays of this length.
+            // The collision functions for signed distance fields write a contact for each point, at least one, into arrays of this length.
             let points = 1..=sys::mjMAXCONPAIR as usize;
             let expected = format_args!("from 1 to {}", points.end());
             option.require(points.contains(&self.sdf_initpoints), "sdf_initpoints", self.sdf_initpoints, expected)?;

@@ -24,7 +24,7 @@ pub(super) fn show_info(ui: &mut Ui, cx: &PanelContext<'_>) {
     let rate = match (status.rate, snapshot.status) {
         (Some(rate), _) if rate >= 9.5 => format!("{rate:.0} Hz"),
         (Some(rate), _) => format!("{rate:.1} Hz"),
-        // The state changes less often than the window counts as idle.
+        // The window is idle between two changes of the state.
         (None, Status::Running | Status::Reversed) => "below 2 Hz".to_owned(),
         (None, Status::Paused | Status::Program) => "idle".to_owned(),
     };

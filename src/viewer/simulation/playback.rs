@@ -226,7 +226,7 @@ impl Burst {
     /// Returns the records that are shown besides `present`: at most `room`, evenly spaced over the whole trajectory.
     fn records(&self, sampling: Sampling, present: usize, room: usize) -> impl Iterator<Item = usize> {
         let Sampling { count, interval } = sampling;
-        // The maximum is one record every 20 ms, whatever the time step.
+        // The maximum is one record every 20 ms, for any time step.
         let most = (50.0 * (count as f64 / 100.0) * (interval / 0.01)).round().max(1.0);
         let wanted = 1.0 + Self::fraction(self.factor) * (most - 1.0);
         let number = (wanted.round() as usize).min(count).min(room);

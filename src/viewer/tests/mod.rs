@@ -71,7 +71,7 @@ impl Bench {
         self.window.set_view(&self.view.scene_view());
         loop {
             let now = &self.now;
-            // The clock stands still during the tick, so the simulation takes only the steps that are due.
+            // The clock does not advance during the tick, so the simulation takes only the steps that are due.
             let next = self.simulation.tick(&|| now.get());
             match next {
                 Some(next) if next < end => {

@@ -285,7 +285,7 @@ mod tests {
         assert_eq!(copied(&gpu, &mut canvas, copy), expected(&partial));
         draw(&canvas, &layout.columns());
         assert_eq!(copied(&gpu, &mut canvas, copy), expected(&|_, _| true));
-        // A window of OpenGL can only be drawn to.
+        // The texture of a window of OpenGL cannot be the target of a copy, so the image is drawn.
         assert_eq!(copied(&gpu, &mut canvas, wgpu::TextureUsages::RENDER_ATTACHMENT), expected(&|_, _| true));
     }
 }

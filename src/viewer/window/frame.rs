@@ -255,7 +255,7 @@ impl Session {
         let scale = self.overlay.pixels_per_point();
         let sides = self.view.as_ref().map_or([0.0; 2], |view| side_widths(view, width as f32 / scale));
         let [left, right] = sides.map(|points| (points * scale).round() as u32);
-        // In a window that is narrower than its panels, the area lies inside the window all the same.
+        // The area is inside the window, even if the window is narrower than its panels.
         let left = left.min(width.saturating_sub(1));
         PixelRect { origin: [left, 0], size: [width.saturating_sub(left + right).max(1), height] }
     }

@@ -90,7 +90,7 @@ impl FrameScheduler {
     pub fn frame_started(&mut self, now: Instant) {
         if let Some(last) = self.last {
             let passed = now.saturating_duration_since(last).as_secs_f64();
-            // An idle period does not lower the rate. A frame that takes long is none.
+            // An idle period does not lower the rate. A frame that takes a long time is not an idle period.
             let waited = now.saturating_duration_since(self.finished.unwrap_or(last));
             if waited < IDLE_TIME {
                 self.average = Some(self.average.map_or(passed, |average| 0.9 * average + 0.1 * passed));

@@ -76,7 +76,7 @@ impl PackedMatrix {
         for (panel, vectors) in self.vectors.chunks_exact_mut(size).enumerate() {
             for (vector, row) in vectors.iter_mut().zip(values.chunks_exact(columns)) {
                 let row = &row[BLOCK * panel..];
-                // A copy of constant length is no function call.
+                // A copy of constant length compiles to a few instructions instead of a function call.
                 match row.first_chunk() {
                     Some(block) => vector.0 = *block,
                     None => vector.0[..row.len()].copy_from_slice(row),

@@ -41,7 +41,7 @@ impl Chains {
     ) {
         self.dofs.clear();
         let mut next = bodies.map(|body| tree.last[body]);
-        // Both chains descend towards the root. Merges them.
+        // Indices decrease along both chains towards the root, so the chains are merged by their largest index.
         while let Some(dof) = next[0].max(next[1]) {
             let moves = next.map(|next| next == Some(dof));
             self.dofs.push(MovingDof { dof, axis: axes[dof], moves, before: [[0.0; 6]; 2] });

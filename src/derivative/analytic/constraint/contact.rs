@@ -134,7 +134,7 @@ impl Change {
         let by_twist = |rows: &[Spatial; 3]| rows.map(|row| dot(&row, twist));
         let (mut position, mut normal, mut hint) = ([0.0; 3], [0.0; 3], [0.0; 3]);
         let mut distance = 0.0;
-        // Moving the first geom alone is moving both, less the second.
+        // A motion of the first geom alone is a motion of both, minus one of the second.
         let relative = match moves {
             [false, true] => 1.0,
             [true, false] => -1.0,

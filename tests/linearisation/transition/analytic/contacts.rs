@@ -31,7 +31,7 @@ fn contacts_of_spheres_and_capsules_agree_with_differences_for_each_cone_and_dim
                 let mut data = Data::new(pair(option, dim, geoms)).unwrap();
                 let mut states = 0;
                 while states < 2 {
-                    // Parallel capsules, and contacts with several points, are not what this test is about.
+                    // This test does not cover parallel capsules and contacts with several points.
                     if !overlap(&mut data, &mut random) || data.ncon() != 1 {
                         continue;
                     }
