@@ -16,9 +16,9 @@ impl Data {
     /// let mut data = Data::new(sample::cartpole())?;
     /// data.qpos_mut()[1] = 0.1;
     /// let mut pushes = Vec::new();
-    /// let balance = Callbacks::new().control(|moment| {
-    ///     let push = 30.0 * moment.qpos()[1] + 5.0 * moment.qvel()[1];
-    ///     moment.ctrl_mut()[0] = push;
+    /// let balance = Callbacks::new().control(|context| {
+    ///     let push = 30.0 * context.qpos()[1] + 5.0 * context.qvel()[1];
+    ///     context.ctrl_mut()[0] = push;
     ///     pushes.push(push);
     /// });
     /// data.with_callbacks(balance, |data| data.step_n(200))?;
@@ -34,7 +34,7 @@ impl Data {
     /// # use mujoco_safe::{Data, sample};
     /// let mut data = Data::new(sample::cartpole()).unwrap();
     /// let mut kept = None;
-    /// let callbacks = Callbacks::new().control(|moment| kept = Some(moment.ctrl_mut())); // borrowed data escapes
+    /// let callbacks = Callbacks::new().control(|context| kept = Some(context.ctrl_mut())); // borrowed data escapes
     /// data.with_callbacks(callbacks, |data| data.step()).unwrap();
     /// ```
     #[doc(alias = "mjcb_control")]
@@ -73,11 +73,11 @@ impl Data {
     ///         let mut data = Data::new(sample::cartpole())?;
     ///         let target = Arc::new(Mutex::new(0.0));
     ///         let shared = target.clone();
-    ///         data.set_callbacks(Callbacks::new().control(move |moment| {
-    ///             let error = moment.qpos()[0] - *shared.lock().unwrap();
-    ///             let (angle, qvel) = (moment.qpos()[1], moment.qvel());
+    ///         data.set_callbacks(Callbacks::new().control(move |context| {
+    ///             let error = context.qpos()[0] - *shared.lock().unwrap();
+    ///             let (angle, qvel) = (context.qpos()[1], context.qvel());
     ///             let push = 0.8 * error + 1.2 * qvel[0] + 10.0 * angle + 2.5 * qvel[1];
-    ///             moment.ctrl_mut()[0] = push;
+    ///             context.ctrl_mut()[0] = push;
     ///         }));
     ///         Ok(Self { data, target })
     ///     }
@@ -107,8 +107,8 @@ impl Data {
     ///
     /// ```compile_fail,E0596
     /// # use mujoco_safe::callback::Callbacks;
-    /// let callbacks = Callbacks::new().control(|moment| {
-    ///     moment.set_callbacks(Callbacks::new()); // cannot borrow data as mutable
+    /// let callbacks = Callbacks::new().control(|context| {
+    ///     context.set_callbacks(Callbacks::new()); // cannot borrow data as mutable
     /// });
     /// ```
     #[doc(alias = "mjcb_control")]

@@ -36,8 +36,8 @@
 //! The function pointer of a kind of callback is installed at its first use in the process. Before that, a step has no additional
 //! cost. Afterwards, each step of a simulation without callbacks spends a few nanoseconds in a function that returns at once.
 
+mod context;
 mod install;
-mod moment;
 mod trampoline;
 
 use std::ffi::c_int;
@@ -45,14 +45,14 @@ use std::fmt;
 
 use mujoco_sys::callback;
 
-pub use self::moment::{ControlMoment, PassiveMoment, SensorMoment};
+pub use self::context::{ControlContext, PassiveContext, SensorContext};
 use self::trampoline::callback_name;
 use crate::data::Data;
 use crate::id::{ActuatorId, GeomId};
 
-type Control<'c> = Box<dyn FnMut(&mut ControlMoment<'_>) + Send + 'c>;
-type Passive<'c> = Box<dyn FnMut(&mut PassiveMoment<'_>) + Send + 'c>;
-type Sensor<'c> = Box<dyn FnMut(&mut SensorMoment<'_>) + Send + 'c>;
+type Control<'c> = Box<dyn FnMut(&mut ControlContext<'_>) + Send + 'c>;
+type Passive<'c> = Box<dyn FnMut(&mut PassiveContext<'_>) + Send + 'c>;
+type Sensor<'c> = Box<dyn FnMut(&mut SensorContext<'_>) + Send + 'c>;
 type ContactFilter<'c> = Box<dyn FnMut(&Data, [GeomId; 2], bool) -> bool + Send + 'c>;
 type Actuator<'c> = Box<dyn FnMut(&Data, ActuatorId) -> f64 + Send + 'c>;
 
@@ -101,14 +101,14 @@ impl<'c> Callbacks<'c> {
     /// linearisation. If a control is NaN or beyond ±10¹⁰, the call returns [`Error::Unstable`](crate::Error::Unstable) and the
     /// data is poisoned.
     #[doc(alias = "mjcb_control")]
-    pub fn control(mut self, control: impl FnMut(&mut ControlMoment<'_>) + Send + 'c) -> Self {
+    pub fn control(mut self, control: impl FnMut(&mut ControlContext<'_>) + Send + 'c) -> Self {
         self.control = Some(Box::new(control));
         self
     }
 
     /// Adds to the engine's passive forces of springs, dampers and the medium.
     #[doc(alias = "mjcb_passive")]
-    pub fn passive(mut self, passive: impl FnMut(&mut PassiveMoment<'_>) + Send + 'c) -> Self {
+    pub fn passive(mut self, passive: impl FnMut(&mut PassiveContext<'_>) + Send + 'c) -> Self {
         self.passive = Some(Box::new(passive));
         self
     }
@@ -128,16 +128,16 @@ impl<'c> Callbacks<'c> {
     /// let sensor = model.sensor("momentum")?.id();
     /// let mut data = Data::new(model)?;
     /// data.qvel_mut()[2] = 1.5;
-    /// let callbacks = Callbacks::new().sensor(|moment| {
-    ///     let momentum = [0, 1, 2].map(|axis| 2.0 * moment.qvel()[axis]);
-    ///     moment.data_mut(sensor).copy_from_slice(&momentum);
+    /// let callbacks = Callbacks::new().sensor(|context| {
+    ///     let momentum = [0, 1, 2].map(|axis| 2.0 * context.qvel()[axis]);
+    ///     context.data_mut(sensor).copy_from_slice(&momentum);
     /// });
     /// data.with_callbacks(callbacks, |data| data.forward())?;
     /// assert_eq!(data.sensor(sensor).data()?, [0.0, 0.0, 3.0]);
     /// # Ok::<(), mujoco_safe::Error>(())
     /// ```
     #[doc(alias = "mjcb_sensor")]
-    pub fn sensor(mut self, sensor: impl FnMut(&mut SensorMoment<'_>) + Send + 'c) -> Self {
+    pub fn sensor(mut self, sensor: impl FnMut(&mut SensorContext<'_>) + Send + 'c) -> Self {
         self.sensor = Some(Box::new(sensor));
         self
     }

@@ -6,7 +6,7 @@ use std::ptr;
 
 use mujoco_sys::{callback, mjData, mjModel, mjSTAGE_POS, mjSTAGE_VEL, mjtNum};
 
-use super::{Callbacks, ControlMoment, PassiveMoment, SensorMoment};
+use super::{Callbacks, ControlContext, PassiveContext, SensorContext};
 use crate::data::{Data, EngineCallbacks, PipelineFlags};
 use crate::error::{Error, Result, catch_panic};
 use crate::ffi;
@@ -117,19 +117,19 @@ impl Request {
         match self.kind {
             callback::CONTROL => {
                 if let Some(control) = &mut callbacks.control {
-                    control(&mut ControlMoment::new(data));
+                    control(&mut ControlContext::new(data));
                     // The engine would set all controls to zero.
                     data.check_inputs()?;
                 }
             }
             callback::PASSIVE => {
                 if let Some(passive) = &mut callbacks.passive {
-                    passive(&mut PassiveMoment::new(data));
+                    passive(&mut PassiveContext::new(data));
                 }
             }
             callback::SENSOR => {
                 if let Some(sensor) = &mut callbacks.sensor {
-                    sensor(&mut SensorMoment::new(data));
+                    sensor(&mut SensorContext::new(data));
                 }
             }
             callback::CONTACT_FILTER => {

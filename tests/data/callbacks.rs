@@ -39,7 +39,7 @@ pub(super) fn assert_equals_controller(step: impl FnOnce(&mut Data, Callbacks<'s
     let mut with_callback = Data::new(sample::cartpole()).unwrap();
     with_callback.qpos_mut()[1] = 0.2;
     let mut by_hand = with_callback.clone();
-    let callbacks = Callbacks::new().control(move |moment| moment.ctrl_mut()[0] = push(moment));
+    let callbacks = Callbacks::new().control(move |context| context.ctrl_mut()[0] = push(context));
     step(&mut with_callback, callbacks, 300);
     for _ in 0..300 {
         by_hand.step1().unwrap();
@@ -69,9 +69,9 @@ fn runge_kutta_calls_the_control_callback_four_times_per_step() {
 #[test]
 fn forces_applied_in_a_control_callback_act_in_the_same_step() {
     let mut data = slider();
-    let callbacks = Callbacks::new().control(|moment| {
-        moment.qfrc_applied_mut()[0] = 2.0;
-        moment.xfrc_applied_mut()[1][0] = 3.0;
+    let callbacks = Callbacks::new().control(|context| {
+        context.qfrc_applied_mut()[0] = 2.0;
+        context.xfrc_applied_mut()[1][0] = 3.0;
     });
     data.with_callbacks(callbacks, |data| data.forward()).unwrap();
     assert!((data.qacc()[0] - 5.0).abs() < 1e-12);
@@ -82,7 +82,7 @@ fn passive_forces_are_added_to_the_engines_forces() {
     let mut data = slider();
     data.edit_model(|model| model.dof_damping_mut()[0] = 4.0).unwrap();
     data.qvel_mut()[0] = 1.0;
-    let callbacks = Callbacks::new().passive(|moment| moment.qfrc_passive_mut()[0] += 1.0);
+    let callbacks = Callbacks::new().passive(|context| context.qfrc_passive_mut()[0] += 1.0);
     data.with_callbacks(callbacks, |data| data.forward()).unwrap();
     assert_eq!(data.qfrc_passive(), [-3.0]);
 }
@@ -125,17 +125,17 @@ fn user_sensors_are_written_at_their_stage() {
     data.ctrl_mut()[0] = 2.0;
     data.qvel_mut()[0] = 0.5;
     let mut stages = Vec::new();
-    let callbacks = Callbacks::new().sensor(|moment| {
-        stages.push(moment.stage());
-        match moment.stage() {
-            Stage::Position => moment.data_mut("position").unwrap().copy_from_slice(&[1.0, 2.0]),
-            Stage::Velocity => moment.data_mut("velocity").unwrap()[0] = 3.0,
+    let callbacks = Callbacks::new().sensor(|context| {
+        stages.push(context.stage());
+        match context.stage() {
+            Stage::Position => context.data_mut("position").unwrap().copy_from_slice(&[1.0, 2.0]),
+            Stage::Velocity => context.data_mut("velocity").unwrap()[0] = 3.0,
             _ => {
-                let acceleration = moment.qacc()[0];
-                moment.data_mut("acceleration").unwrap()[0] = acceleration;
+                let acceleration = context.qacc()[0];
+                context.data_mut("acceleration").unwrap()[0] = acceleration;
             }
         }
-        assert!(moment.data_mut("no such sensor").is_err());
+        assert!(context.data_mut("no such sensor").is_err());
     });
     data.with_callbacks(callbacks, |data| data.forward()).unwrap();
     assert_eq!(stages, [Stage::Position, Stage::Velocity, Stage::Acceleration]);
@@ -198,7 +198,7 @@ fn a_panic_in_a_callback_is_an_error_of_the_call() {
 #[test]
 fn a_nan_control_from_a_callback_is_an_error() {
     let mut data = slider();
-    let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[1] = f64::NAN);
+    let callbacks = Callbacks::new().control(|context| context.ctrl_mut()[1] = f64::NAN);
     match data.with_callbacks(callbacks, |data| data.step()) {
         Err(Error::Unstable(instability)) => {
             assert_eq!((instability.field, instability.index), (UnstableField::Control, 1));
@@ -211,7 +211,7 @@ fn a_nan_control_from_a_callback_is_an_error() {
 #[test]
 fn nan_forces_from_a_callback_are_an_error() {
     let mut data = slider();
-    let callbacks = Callbacks::new().passive(|moment| moment.qfrc_passive_mut()[0] = f64::NAN);
+    let callbacks = Callbacks::new().passive(|context| context.qfrc_passive_mut()[0] = f64::NAN);
     assert!(matches!(data.with_callbacks(callbacks, |data| data.step()), Err(Error::Unstable(_))));
 }
 
@@ -228,11 +228,11 @@ fn results_not_yet_computed_are_rejected_inside_a_callback() {
             assert!(matches!(data.full_m(), Err(Error::NotComputed { .. })));
             collide
         })
-        .control(|moment| {
+        .control(|context| {
             controlled += 1;
-            assert!(moment.jac_body_com(foot).is_ok());
-            assert!(moment.full_m().is_ok());
-            let contact = moment.contacts().next().unwrap();
+            assert!(context.jac_body_com(foot).is_ok());
+            assert!(context.full_m().is_ok());
+            let contact = context.contacts().next().unwrap();
             assert!(matches!(contact.force(), Err(Error::NotComputed { .. })));
         });
     data.with_callbacks(callbacks, |data| data.step()).unwrap();
@@ -248,12 +248,12 @@ fn other_simulations_do_not_call_the_callbacks() {
     };
     let mut data = slider();
     let mut other = data.clone();
-    let callbacks = Callbacks::new().control(|moment| {
+    let callbacks = Callbacks::new().control(|context| {
         count();
         // Inside the callback: another simulation, a clone of this one, and a model that the engine simulates while compiling.
         other.step().unwrap();
         assert!(Model::from_xml_str(SLIDER).is_ok());
-        assert_eq!(moment.stage(), Stage::Velocity);
+        assert_eq!(context.stage(), Stage::Velocity);
     });
     data.with_callbacks(callbacks, |data| {
         data.step().unwrap();
@@ -361,7 +361,7 @@ fn a_linearisation_includes_a_feedback_callback() {
     // x'' = −k x by a control callback: A[v, x] = −h k.
     let mut data = slider();
     let stiffness = 40.0;
-    let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = -stiffness * moment.qpos()[0]);
+    let callbacks = Callbacks::new().control(|context| context.ctrl_mut()[0] = -stiffness * context.qpos()[0]);
     let system = data.with_callbacks(callbacks, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
     assert!((system.a[(1, 0)] + data.model().timestep() * stiffness).abs() < 1e-8, "{}", system.a[(1, 0)]);
 }
@@ -370,7 +370,7 @@ fn a_linearisation_includes_a_feedback_callback() {
 fn a_linearisation_restores_the_controls_that_a_callback_wrote() {
     let mut data = slider();
     data.ctrl_mut()[0] = 0.25;
-    let callbacks = Callbacks::new().control(|moment| moment.ctrl_mut()[0] = -40.0 * moment.qpos()[0]);
+    let callbacks = Callbacks::new().control(|context| context.ctrl_mut()[0] = -40.0 * context.qpos()[0]);
     data.with_callbacks(callbacks, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
     assert_eq!(data.ctrl()[0], 0.25);
 }
@@ -393,9 +393,9 @@ fn a_simulation_can_be_cloned_in_every_callback() {
         calls[index].fetch_add(1, Ordering::Relaxed);
     };
     let callbacks = Callbacks::new()
-        .control(|moment| called(0, moment))
-        .passive(|moment| called(1, moment))
-        .sensor(|moment| called(2, moment))
+        .control(|context| called(0, context))
+        .passive(|context| called(1, context))
+        .sensor(|context| called(2, context))
         .contact_filter(|data, _, collides| {
             called(3, data);
             collides

@@ -154,9 +154,9 @@ fn callbacks_move_with_a_simulation_that_is_swapped_in_a_scope() {
 fn callbacks_stay_after_a_panic_in_one_of_them() {
     let mut data = cartpole();
     let mut calls = 0;
-    data.set_callbacks(Callbacks::new().control(move |moment| {
+    data.set_callbacks(Callbacks::new().control(move |context| {
         calls += 1;
-        moment.ctrl_mut()[0] = f64::from(calls);
+        context.ctrl_mut()[0] = f64::from(calls);
         if calls == 1 {
             resume_unwind(Box::new("first call"));
         }
@@ -186,9 +186,9 @@ fn a_lineariser_uses_the_callbacks_of_the_simulation_or_rejects_them() {
     let mut data = cartpole();
     let push = |data: &Data| 30.0 * data.qpos()[1];
     let mut in_scope = data.clone();
-    let feedback = Callbacks::new().control(move |moment| moment.ctrl_mut()[0] = push(moment));
+    let feedback = Callbacks::new().control(move |context| context.ctrl_mut()[0] = push(context));
     let expected = in_scope.with_callbacks(feedback, |data| data.transition_fd(1e-6, Differences::Central)).unwrap();
-    data.set_callbacks(Callbacks::new().control(move |moment| moment.ctrl_mut()[0] = push(moment)));
+    data.set_callbacks(Callbacks::new().control(move |context| context.ctrl_mut()[0] = push(context)));
     let options = TransitionOptions::default().with_eps(1e-6);
     let mut lineariser = Lineariser::new(data.model(), options).unwrap();
     let (system, report) = lineariser.linear_system(&mut data).unwrap();

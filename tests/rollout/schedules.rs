@@ -75,10 +75,10 @@ fn apply(change: Change, seed: u64, data: &mut Data) -> Result<()> {
             model.body_mass_mut()[bodies - 1] *= 1.5;
             model.update_constants()
         })?,
-        Change::Callbacks => data.set_callbacks(Callbacks::new().control(|moment| {
+        Change::Callbacks => data.set_callbacks(Callbacks::new().control(|context| {
             CALLS.fetch_add(1, Ordering::Relaxed);
-            let push = moment.qvel().first().map_or(0.0, |velocity| -0.1 * velocity);
-            moment.ctrl_mut().iter_mut().for_each(|control| *control = push);
+            let push = context.qvel().first().map_or(0.0, |velocity| -0.1 * velocity);
+            context.ctrl_mut().iter_mut().for_each(|control| *control = push);
         })),
         Change::NoCallbacks => data.set_callbacks(Callbacks::new()),
         Change::Unstable => data.qvel_mut()[0] = 1e9 * (1 + seed % 20) as f64,

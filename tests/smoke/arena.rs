@@ -188,8 +188,8 @@ fn all_calls(data: &mut Data) {
     with_all(data, "inv_constraint", Data::inv_constraint);
 
     let callbacks = Callbacks::new()
-        .control(|moment| check(moment, "the control callback"))
-        .passive(|moment| check(moment, "the passive callback"));
+        .control(|context| check(context, "the control callback"))
+        .passive(|context| check(context, "the passive callback"));
     twin.with_callbacks(callbacks, |data| {
         with_none(data, "step with callbacks", Data::step);
         with_none(data, "inverse with callbacks", Data::inverse);

@@ -134,10 +134,10 @@ fn a_controller_in_a_step_reads_the_sensors_of_the_stages_before_it() {
         let mut data = Data::new(model()).unwrap();
         data.edit_model(|model| model.edit_options(|options| options.integrator = integrator)).unwrap();
         let mut calls = 0;
-        let control = Callbacks::new().control(|moment| {
-            assert_eq!(computed(moment), [true, true, false], "the acceleration is not computed yet");
-            let position = moment.sensor("position").unwrap().data().unwrap()[0];
-            moment.ctrl_mut()[0] = -position;
+        let control = Callbacks::new().control(|context| {
+            assert_eq!(computed(context), [true, true, false], "the acceleration is not computed yet");
+            let position = context.sensor("position").unwrap().data().unwrap()[0];
+            context.ctrl_mut()[0] = -position;
             calls += 1;
         });
         data.with_callbacks(control, |data| data.step_n(3)).unwrap();

@@ -58,7 +58,7 @@ impl Closure {
             3 => {
                 let number = bytes.number();
                 let callbacks = Callbacks::new()
-                    .control(move |moment| moment.ctrl_mut().fill(number))
+                    .control(move |context| context.ctrl_mut().fill(number))
                     .actuator_gain(move |_, _| number)
                     .contact_filter(|_, _, collides| !collides);
                 let Some(own) = &mut self.own else { return Ok(()) };
@@ -97,36 +97,36 @@ fn callbacks(bytes: &mut Bytes<'_>, other: Option<&Data>) -> Callbacks<'static> 
             .then(|| Closure::new(bytes, other.filter(|_| kind < 3).and_then(|data| data.try_clone().ok())))
     };
     if let Some(mut closure) = closure(0) {
-        callbacks = callbacks.control(move |moment| {
-            // A moment dereferences to its data, which must not be borrowed while it is written to.
+        callbacks = callbacks.control(move |context| {
+            // A context dereferences to its data, which must not be borrowed while it is written to.
             let mut value = None;
-            let number = closure.act(moment, |bytes| value = Some(bytes.below(4)));
+            let number = closure.act(context, |bytes| value = Some(bytes.below(4)));
             match value {
-                Some(0) => moment.ctrl_mut().fill(number),
-                Some(1) => moment.qfrc_applied_mut().fill(number),
-                Some(2) => moment.xfrc_applied_mut().as_flattened_mut().fill(number),
-                Some(_) => moment.userdata_mut().fill(number),
+                Some(0) => context.ctrl_mut().fill(number),
+                Some(1) => context.qfrc_applied_mut().fill(number),
+                Some(2) => context.xfrc_applied_mut().as_flattened_mut().fill(number),
+                Some(_) => context.userdata_mut().fill(number),
                 None => {}
             }
         });
     }
     if let Some(mut closure) = closure(1) {
-        callbacks = callbacks.passive(move |moment| {
-            let number = closure.act(moment, |_| ());
-            moment.qfrc_passive_mut().iter_mut().step_by(2).for_each(|force| *force += number);
-            moment.userdata_mut().fill(number);
+        callbacks = callbacks.passive(move |context| {
+            let number = closure.act(context, |_| ());
+            context.qfrc_passive_mut().iter_mut().step_by(2).for_each(|force| *force += number);
+            context.userdata_mut().fill(number);
         });
     }
     if let Some(mut closure) = closure(2) {
-        callbacks = callbacks.sensor(move |moment| {
+        callbacks = callbacks.sensor(move |context| {
             let mut index = 0;
-            let number = closure.act(moment, |bytes| index = bytes.index(moment.model().nsensor()));
+            let number = closure.act(context, |bytes| index = bytes.index(context.model().nsensor()));
             if number > 0.0 {
-                moment.sensordata_mut().fill(number);
-            } else if let Ok(values) = moment.data_mut(index) {
+                context.sensordata_mut().fill(number);
+            } else if let Ok(values) = context.data_mut(index) {
                 values.fill(number);
             }
-            let _ = moment.stage();
+            let _ = context.stage();
         });
     }
     if let Some(mut closure) = closure(3) {

@@ -8,7 +8,7 @@ use crate::id::Key;
 use crate::kind;
 
 /// Defines the argument of a closure, which reads like [`Data`] and has methods for the writable arrays.
-macro_rules! moment {
+macro_rules! context {
     (
         $(#[$doc:meta])*
         $name:ident { $($(#[$array_doc:meta])* $array_mut:ident -> $type:ty = |$data:ident| $values:expr;)* }
@@ -46,9 +46,9 @@ macro_rules! moment {
     };
 }
 
-moment! {
+context! {
     /// Simulation before actuator forces are computed. Quantities that depend on positions and velocities are valid.
-    ControlMoment {
+    ControlContext {
         /// Returns [`ctrl`](Data::ctrl) for writing.
         ctrl_mut -> [f64] = |data| ffi::array_mut(data.raw().ctrl, data.model().nu());
         /// Returns [`qfrc_applied`](Data::qfrc_applied) for writing.
@@ -60,9 +60,9 @@ moment! {
     }
 }
 
-moment! {
+context! {
     /// Simulation after passive forces were computed.
-    PassiveMoment {
+    PassiveContext {
         /// Returns [`qfrc_passive`](Data::qfrc_passive), which contains the engine's passive forces, for adding other forces.
         qfrc_passive_mut -> [f64] = |data| ffi::array_mut(data.raw().qfrc_passive, data.model().nv());
         /// Returns [`userdata`](Data::userdata) for writing.
@@ -70,9 +70,9 @@ moment! {
     }
 }
 
-moment! {
+context! {
     /// Simulation after the evaluation of the sensors of a stage.
-    SensorMoment {
+    SensorContext {
         /// Returns [`sensordata`](Data::sensordata) for writing.
         sensordata_mut -> [f64] = |data| ffi::array_mut(data.raw().sensordata, data.model().nsensordata());
         /// Returns [`userdata`](Data::userdata) for writing.
@@ -80,7 +80,7 @@ moment! {
     }
 }
 
-impl ControlMoment<'_> {
+impl ControlContext<'_> {
     /// Sets the control of an actuator. An id returns nothing; a name or an index returns a [`Result`](crate::Result).
     ///
     /// # Panics
@@ -92,7 +92,7 @@ impl ControlMoment<'_> {
     /// use mujoco_safe::{Data, sample};
     ///
     /// let mut data = Data::new(sample::cartpole())?;
-    /// data.set_callbacks(Callbacks::new().control(|moment| moment.set_ctrl("slide", 0.5).expect("a known name")));
+    /// data.set_callbacks(Callbacks::new().control(|context| context.set_ctrl("slide", 0.5).expect("a known name")));
     /// data.step()?;
     /// assert_eq!(data.ctrl(), [0.5]);
     /// # Ok::<(), mujoco_safe::Error>(())
@@ -103,7 +103,7 @@ impl ControlMoment<'_> {
     }
 }
 
-impl SensorMoment<'_> {
+impl SensorContext<'_> {
     /// Returns the stage whose sensors were evaluated. Readings of later stages are not valid yet.
     pub fn stage(&self) -> Stage {
         self.data.stage()
