@@ -38,7 +38,7 @@
 //! data.qpos_mut()[1] = 0.1;
 //! let mut pid: Box<dyn Controller> = Box::new(Pid { gains: [3.0, 0.5, 0.5], integral: 0.0 });
 //! let mut trajectory = Trajectory::new(data.model());
-//! trajectory.record(&mut data, &mut *pid, 200)?; // `&mut *`: a box is not a controller, its content is
+//! trajectory.record(&mut data, &mut pid, 200)?;
 //! assert!(trajectory.qpos(199)[1].abs() < 0.02);
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```

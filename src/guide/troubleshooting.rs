@@ -100,7 +100,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
-//! **`Box<dyn Controller>` is not a `Controller`.** Pass its content: `trajectory.record(&mut data, &mut *controller, steps)`.
+//! **`Box<C>` of a type `C` is not a `Controller`.** `Box<dyn Controller>` is one: `let mut controller: Box<dyn Controller> = Box::new(…);`, then
+//! `trajectory.record(&mut data, &mut controller, steps)`.
 //!
 //! # Rendering and the viewer
 //!
