@@ -1,4 +1,4 @@
-//! Macro for re-exports.
+//! Macro for re-exports with the names by which the search of the documentation finds them.
 
 /// Re-exports items of private modules, each with the names by which the search of the documentation finds it: its C name, or that of
 /// the argument that it replaces.

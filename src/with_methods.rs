@@ -1,4 +1,4 @@
-//! Macro for options structs.
+//! Macro for the `with_…` methods of options structs.
 
 /// Implements the `with_…` methods of an options struct. Each sets the field that has the name of its argument, to the argument or to
 /// the expression after `=`.

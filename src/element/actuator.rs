@@ -1,4 +1,4 @@
-//! Actuators.
+//! Views of actuators.
 
 use super::tendon::JacobianRow;
 use super::{View, ViewMut};

@@ -1,4 +1,4 @@
-//! Meshes.
+//! Views of meshes.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Scalar functions, friction pyramids and rays, against formulae and the engine.
+//! Scalar functions, friction pyramids and rays, against formulas and the engine.
 
 use mujoco_safe::Error;
 use mujoco_safe::enums::GeomType;

@@ -1,4 +1,4 @@
-//! Pixels against the formulae of optics: colours, light, transparency, fog, mirrors and shadows, independent of the
+//! Pixels against the formulas of optics: colours, light, transparency, fog, mirrors and shadows, independent of the
 //! implementation.
 #![forbid(unsafe_code)]
 

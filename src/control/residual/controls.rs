@@ -1,4 +1,4 @@
-//! Controls.
+//! Residual of the controls.
 
 use super::{Needs, Residual, ResidualJacobian, check_model, subtract};
 use crate::data::Data;

@@ -1,4 +1,4 @@
-//! Positions and orientations of bodies and sites.
+//! Residuals of the positions and orientations of bodies and sites.
 
 use super::{Needs, Residual, ResidualJacobian, subtract};
 use crate::data::Data;

@@ -1,4 +1,4 @@
-//! Positions and velocities of joints.
+//! Residuals of the positions and velocities of joints.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Readings of sensors.
+//! Residual of the reading of a sensor.
 
 use std::ops::Range;
 

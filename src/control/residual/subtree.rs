@@ -1,4 +1,4 @@
-//! Centre of mass, its velocity, and angular momentum of a subtree.
+//! Residuals of the centre of mass of a subtree, of its velocity, and of the angular momentum.
 //!
 //! Degree of freedom j moves a part of the subtree: all of it, or the bodies below j. Let I be the inertia of this part, and h its
 //! momentum, about the reference point of the tree. With the axis S_j, the change ψ_j of velocities, the mass m, the centre of mass c

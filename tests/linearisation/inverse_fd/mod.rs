@@ -1,4 +1,4 @@
-//! Derivatives of inverse dynamics: against finite differences of the engine's function, the inertia matrix and formulae. The
+//! Derivatives of inverse dynamics: against finite differences of the engine's function, the inertia matrix and formulas. The
 //! simulation is restored.
 
 mod contract;

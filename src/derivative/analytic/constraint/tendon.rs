@@ -1,4 +1,4 @@
-//! Turning moment arms of spatial tendons in the rows of their limits and their friction loss.
+//! Derivatives of the moment arms of spatial tendons, in the rows of their limits and their friction loss.
 //!
 //! The moment arms J of a tendon change by `∂J`, so the residual of a row changes by `±(∂J) (a + B v)`. The change `(∂J)ᵀ f` of the
 //! force is a part of that of all tensions (`../tendon.rs`).
