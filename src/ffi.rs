@@ -71,7 +71,7 @@ pub(crate) unsafe fn array<'a, T>(array: *const T, length: usize) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(array, length) }
 }
 
-/// Returns true if `predicate` holds for all values of an array. Runs in every step of a simulation: building the slice of
+/// Returns `true` if `predicate` holds for all values of an array. Runs in every step of a simulation: building the slice of
 /// [`array`] takes longer than testing the few numbers of a small model.
 ///
 /// # Safety

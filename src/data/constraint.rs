@@ -10,21 +10,21 @@ use crate::model::Model;
 
 /// # Constraints
 impl Model {
-    /// Returns true if friction cones are pyramidal.
+    /// Returns `true` if friction cones are pyramidal.
     #[doc(alias = "mj_isPyramidal")]
     pub fn is_pyramidal(&self) -> bool {
         // SAFETY: reads the options of a valid model.
         unsafe { sys::mj_isPyramidal(self.as_ptr()) != 0 }
     }
 
-    /// Returns true if the Jacobians of constraints and tendons are sparse matrices.
+    /// Returns `true` if the Jacobians of constraints and tendons are sparse matrices.
     #[doc(alias = "mj_isSparse")]
     pub fn is_sparse(&self) -> bool {
         // SAFETY: as above.
         unsafe { sys::mj_isSparse(self.as_ptr()) != 0 }
     }
 
-    /// Returns true if a solver uses the dual problem: PGS, or the no-slip solver after any other solver.
+    /// Returns `true` if a solver uses the dual problem: PGS, or the no-slip solver after any other solver.
     #[doc(alias = "mj_isDual")]
     pub fn is_dual(&self) -> bool {
         // SAFETY: as above.

@@ -140,7 +140,7 @@ impl<'d> Contact<'d> {
         ffi::size(self.raw.dim)
     }
 
-    /// Returns true if the contact has constraint rows. A contact within its gap, for example, has none.
+    /// Returns `true` if the contact has constraint rows. A contact within its gap, for example, has none.
     #[doc(alias = "exclude")]
     #[doc(alias = "efc_address")]
     pub fn is_active(&self) -> bool {

@@ -107,7 +107,7 @@ impl Data {
         }))
     }
 
-    /// Returns true if the engine has a closed-form solution for a pair, which is sorted by type.
+    /// Returns `true` if the engine has a closed-form solution for a pair, which is sorted by type.
     fn has_closed_form(&self, pair: [usize; 2]) -> bool {
         let [first, second] = pair.map(|geom| self.model().geom_type()[geom] as u32);
         let round = |geom_type| [mjGEOM_SPHERE, mjGEOM_CAPSULE].contains(&geom_type);

@@ -314,7 +314,7 @@ impl Data {
         Ok(())
     }
 
-    /// Returns true if the inertia matrix stores an element for two degrees of freedom, of which `later` has the larger index.
+    /// Returns `true` if the inertia matrix stores an element for two degrees of freedom, of which `later` has the larger index.
     fn is_in_m(&self, later: usize, earlier: usize) -> bool {
         let model = self.model();
         if model.dof_simplenum()[later] > 0 {

@@ -22,7 +22,7 @@ use crate::with_methods::with_methods;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RayOptions {
-    /// Selected groups of geoms; `None` selects all. Planes and height fields are always selected.
+    /// Selected groups of geoms; `None` selects all. Engines before 2.3.6 always select planes and height fields.
     pub geomgroup: Option<[bool; 6]>,
     /// Includes the geoms of the world body.
     #[doc(alias = "flg_static")]

@@ -215,7 +215,7 @@ impl Data {
     }
 }
 
-/// Returns true if the engine accepts this value: one within ±10¹⁰.
+/// Returns `true` if the engine accepts this value: one within ±10¹⁰.
 #[inline]
 fn is_in_range(value: f64) -> bool {
     // Without their signs, floating-point numbers have the order of their bit patterns, and NaNs follow all other values.

@@ -263,7 +263,7 @@ impl Data {
         }
     }
 
-    /// Makes a call like [`call_mut`](Self::call_mut) that may raise `warning`. Returns true if it did.
+    /// Makes a call like [`call_mut`](Self::call_mut) that may raise `warning`. Returns `true` if it did.
     pub(crate) fn call_mut_with_warning(
         &mut self,
         warning: Warning,

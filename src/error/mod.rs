@@ -245,7 +245,7 @@ pub enum Error {
         cause: String,
     },
 
-    /// The operation is not possible with this model.
+    /// The operation is not possible with this model or this engine.
     #[error("{0}")]
     Unsupported(String),
 

@@ -48,7 +48,7 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
     near.into_iter().take(SHOWN).map(|(_, candidate)| candidate.to_owned()).collect()
 }
 
-/// Returns true if `name` is likely to be a misspelling of a name at this edit distance.
+/// Returns `true` if `name` is likely to be a misspelling of a name at this edit distance.
 fn is_typo(distance: usize, name: &str) -> bool {
     distance <= 1 + name.len() / 3
 }

@@ -125,7 +125,7 @@ pub struct Rollout<'a> {
 
 impl<'a> Rollout<'a> {
     /// Creates a builder for `nroll` simulations of `nstep` steps, by default from the reference position and with zero controls.
-    /// Takes a [`Model`](crate::Model) or an `Arc<Model>`.
+    /// Takes a [`Model`](crate::Model), an `Arc<Model>` or an `&Arc<Model>`.
     pub fn new(model: impl IntoModel, nroll: usize, nstep: usize) -> Self {
         Self::on(&Workers::new(model), nroll, nstep)
     }

@@ -92,7 +92,7 @@ impl Forward {
     }
 
     /// Simulates the policy with each step size, until the cost decreases sufficiently. If the trajectory of minimal cost improves the
-    /// nominal one, replaces it and returns true.
+    /// nominal one, replaces it and returns `true`.
     pub(super) fn improve(
         &mut self,
         policy: &AffinePolicy,

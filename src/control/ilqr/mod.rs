@@ -188,7 +188,8 @@ pub struct Ilqr {
 }
 
 impl Ilqr {
-    /// Creates an optimiser for simulations of this model. Takes a [`Model`](crate::Model) or an `Arc<Model>`.
+    /// Creates an optimiser for simulations of this model. Takes a [`Model`](crate::Model), an `Arc<Model>` or an
+    /// `&Arc<Model>`.
     ///
     /// # Errors
     ///

@@ -44,7 +44,7 @@ fn actuation_is_disabled(model: &Model) -> bool {
     model.raw().opt.disableflags as u32 & DisableFlags::ACTUATION.bits() != 0
 }
 
-/// Returns true if the moment arms of an actuator are constant or those of a tendon, and if its length depends on the position
+/// Returns `true` if the moment arms of an actuator are constant or those of a tendon, and if its length depends on the position
 /// only by them.
 fn has_known_moment(model: &Model, actuator: usize) -> bool {
     let object = ffi::size(model.actuator_trnid()[actuator][0]);
@@ -65,7 +65,7 @@ fn has_known_moment(model: &Model, actuator: usize) -> bool {
     }
 }
 
-/// Returns true if an actuator acts on a ball or a free joint, whose length is not linear.
+/// Returns `true` if an actuator acts on a ball or a free joint, whose length is not linear.
 pub(super) fn is_on_quaternion(model: &Model, actuator: usize) -> bool {
     let transmission = TransmissionType::from_raw(model.actuator_trntype()[actuator]);
     matches!(transmission, Some(TransmissionType::Joint | TransmissionType::JointInParent)) && {
@@ -74,7 +74,7 @@ pub(super) fn is_on_quaternion(model: &Model, actuator: usize) -> bool {
     }
 }
 
-/// Returns true if the force of an actuator depends on its length.
+/// Returns `true` if the force of an actuator depends on its length.
 fn depends_on_length(model: &Model, actuator: usize) -> bool {
     let gain = match ActuatorGain::from_raw(model.actuator_gaintype()[actuator]) {
         Some(ActuatorGain::Fixed) => false,

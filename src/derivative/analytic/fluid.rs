@@ -24,14 +24,14 @@ use crate::model::{DisableFlags, Model};
 /// Smallest mass and inertia, as in the engine.
 const MIN: f64 = mujoco_sys::mjMINVAL;
 
-/// Returns true if the model has a medium.
+/// Returns `true` if the model has a medium.
 fn has_medium(model: &Model) -> bool {
     let options = &model.raw().opt;
     let is_passive = options.disableflags as u32 & DisableFlags::PASSIVE.bits() == 0;
     is_passive && (options.density > 0.0 || options.viscosity > 0.0)
 }
 
-/// Returns true if a medium exerts forces that have no closed form here.
+/// Returns `true` if a medium exerts forces that have no closed form here.
 pub(super) fn is_obstacle(model: &Model) -> bool {
     has_medium(model) && model.geom_fluid().iter().any(|&[interaction, ..]| interaction > 0.0)
 }

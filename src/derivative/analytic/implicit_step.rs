@@ -50,12 +50,12 @@ pub(super) struct ImplicitStep {
     sum: Matrix,
 }
 
-/// Returns true if the model uses the integrator.
+/// Returns `true` if the model uses the integrator.
 pub(super) fn is_used(model: &Model) -> bool {
     Integrator::of_field(model.raw().opt.integrator) == Integrator::Implicit
 }
 
-/// Returns true if the model uses a similar integrator of newer engines, or uses this one and Q depends on the state by terms without a
+/// Returns `true` if the model uses a similar integrator of newer engines, or uses this one and Q depends on the state by terms without a
 /// formula: forces of a medium, muscles, and spatial tendons.
 pub(super) fn is_obstacle(model: &Model) -> bool {
     let integrator = Integrator::of_field(model.raw().opt.integrator);

@@ -94,7 +94,7 @@ pub(super) fn obstacle(model: &Model) -> Option<Fallback> {
     }
 }
 
-/// Returns true for a model with an option or an element that 2.2.2 does not have and that changes the equations of motion.
+/// Returns `true` for a model with an option or an element that 2.2.2 does not have and that changes the equations of motion.
 fn has_newer_feature(model: &Model) -> bool {
     let options = model.options();
     let disabled = options.disable;
@@ -108,7 +108,7 @@ fn has_newer_feature(model: &Model) -> bool {
         || (0..model.neq()).any(|equality| model.couples_sites(equality))
 }
 
-/// Returns true if the rows of C and D of a sensor have a closed form.
+/// Returns `true` if the rows of C and D of a sensor have a closed form.
 pub(super) fn is_sensor_covered(model: &Model, sensor: usize) -> bool {
     sensors::is_covered(model, sensor)
 }

@@ -199,7 +199,7 @@ impl Tendons {
     }
 }
 
-/// Returns true if the length of a tendon is a linear function of joint positions.
+/// Returns `true` if the length of a tendon is a linear function of joint positions.
 pub(super) fn is_fixed(model: &Model, tendon: usize) -> bool {
     let first = ffi::size(model.tendon_adr()[tendon]);
     model.wrap_type().get(first).copied().and_then(WrapType::from_raw) == Some(WrapType::Joint)

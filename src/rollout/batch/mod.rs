@@ -26,7 +26,7 @@ use crate::model::{IntoModel, Model};
 ///
 /// A batch keeps of each simulation only its [state](Self::states), its controls and its observations: two kilobytes for a humanoid. Each
 /// thread has one [`Data`], into which it loads the simulations one after another. [`data`](Self::data) and [`load`](Self::load) return a
-/// simulation for a closer look, and [`edit_where`](Self::edit_where) changes some.
+/// simulation for inspection, and [`edit_where`](Self::edit_where) changes some of them.
 ///
 /// ```
 /// use mujoco_safe::rollout::Batch;
@@ -106,9 +106,9 @@ impl<'a> Batch<'a> {
 
     /// Sets the closure that observes a simulation by writing to a row of `nobs` zeros.
     ///
-    /// It is called after each step, when computed quantities such as poses and contacts are those of the state before the step, and
-    /// after each reset and edit, when only the quantities are available that the closure of the reset or of the edit has computed.
-    /// [`forward_after_step`](Self::forward_after_step) computes all for the present state first.
+    /// The batch calls it after each step, reset and edit. After a step, computed quantities such as poses and contacts are those of the
+    /// state before the step. After a reset or an edit, only the quantities that its closure has computed are available.
+    /// [`forward_after_step`](Self::forward_after_step) computes all quantities for the present state first.
     ///
     /// # Panics
     ///

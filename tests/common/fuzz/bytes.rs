@@ -21,7 +21,7 @@ impl<'b> Bytes<'b> {
         self.0.choose_index(end).unwrap_or(0)
     }
 
-    /// Returns true with a probability of 1 in `times`.
+    /// Returns `true` with a probability of 1 in `times`.
     pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == times - 1
     }

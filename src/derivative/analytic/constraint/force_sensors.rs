@@ -77,7 +77,7 @@ fn normal_rows(model: &Model, count: usize) -> usize {
     if model.is_pyramidal() { count } else { 1 }
 }
 
-/// Returns true if a touch sensor at a site measures a contact.
+/// Returns `true` if a touch sensor at a site measures a contact.
 fn is_touched(data: &Data, row: usize, count: usize, site: usize) -> bool {
     let model = data.model();
     let contact = &contacts(data)[ffi::size(data.efc_id()[row])];

@@ -72,7 +72,7 @@ enum Formula {
     Subtree,
 }
 
-/// Returns true if the rows of a sensor have a formula here.
+/// Returns `true` if the rows of a sensor have a formula here.
 pub(in crate::derivative) fn is_covered(model: &Model, sensor: usize) -> bool {
     formula(model, sensor).is_some()
 }

@@ -22,12 +22,12 @@ pub(super) struct Pose {
 }
 
 impl Pose {
-    /// Returns true if the object of a sensor has a pose that is fixed to a body.
+    /// Returns `true` if the object of a sensor has a pose that is fixed to a body.
     pub(super) fn is_known(model: &Model, sensor: usize) -> bool {
         is_fixed(model, model.sensor_objtype()[sensor], model.sensor_objid()[sensor])
     }
 
-    /// Returns true if a sensor has no reference frame, or one that is fixed to a body.
+    /// Returns `true` if a sensor has no reference frame, or one that is fixed to a body.
     pub(super) fn has_known_reference(model: &Model, sensor: usize) -> bool {
         let reference = model.sensor_refid()[sensor];
         reference < 0 || is_fixed(model, model.sensor_reftype()[sensor], reference)
@@ -97,7 +97,7 @@ impl Pose {
     }
 }
 
-/// Returns true if the pose of an object is fixed to a body.
+/// Returns `true` if the pose of an object is fixed to a body.
 fn is_fixed(model: &Model, kind: i32, object: i32) -> bool {
     let kind = kind as u32;
     // Other cameras follow or face a body.

@@ -72,7 +72,7 @@ pub(super) fn differentiate(point: Point<'_>, sensor: usize, momenta: &[Spatial]
     }
 }
 
-/// Returns true if a body is in the subtree of another.
+/// Returns `true` if a body is in the subtree of another.
 fn is_below(model: &Model, mut body: usize, root: usize) -> bool {
     // Parents have smaller indices.
     while body > root {
