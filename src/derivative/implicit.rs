@@ -140,7 +140,7 @@ impl Linearisation {
         }
     }
 
-    /// Computes the quantities at the base point that all columns need. Returns false if the solver has not converged.
+    /// Computes the quantities at the base point that all columns need. Returns `false` if the solver has not converged.
     pub(super) fn prepare(&mut self, point: &mut PerturbedData, settings: Settings<'_>) -> Result<bool> {
         let Settings { model, wanted, .. } = settings;
         let data = &mut point.data;
@@ -200,7 +200,7 @@ impl Linearisation {
         }
     }
 
-    /// Returns whether the model has acceleration sensors. If so, their derivatives must be passed to each column.
+    /// Returns `true` if the model has acceleration sensors. Their derivatives must then be passed to each column.
     pub(super) fn has_acceleration_sensors(&self) -> bool {
         self.has_acceleration_sensors
     }

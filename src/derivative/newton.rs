@@ -110,7 +110,7 @@ impl Newton {
 
     /// Refines `qacc`, the result of the constraint solver, to the accuracy of the arithmetic.
     ///
-    /// Updates the constraint forces and leaves the Cholesky factor of H in [`factor`](Self::factor). Returns false if the
+    /// Updates the constraint forces and leaves the Cholesky factor of H in [`factor`](Self::factor). Returns `false` if the
     /// solver's result was too far from the solution.
     fn refine(&mut self, data: &mut Data, residual: Residual, value: &mut [f64]) -> Result<bool> {
         self.update(data, residual, value)?;

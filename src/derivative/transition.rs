@@ -189,7 +189,7 @@ impl Data {
         }
     }
 
-    /// Returns whether the control of the last actuator cannot be perturbed by `eps` within its range, in a model for which this
+    /// Returns `true` if the control of the last actuator cannot be perturbed by `eps` within its range, in a model for which this
     /// makes the engine write out of bounds.
     fn last_control_is_stuck(&self, eps: f64) -> bool {
         let model = self.model();

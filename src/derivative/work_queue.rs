@@ -29,7 +29,7 @@ impl<I: ExactSizeIterator> WorkQueue<I> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).next()
     }
 
-    /// Returns whether enough items remain for another worker to join.
+    /// Returns `true` if enough items remain for another worker to join.
     pub(super) fn is_worth_joining(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len() >= MIN_ITEMS_TO_JOIN
     }

@@ -84,7 +84,7 @@ impl Worker {
         })
     }
 
-    /// Moves to the base point and prepares for implicit differentiation, unless this was done already. Returns false if the
+    /// Moves to the base point and prepares for implicit differentiation, unless this was done already. Returns `false` if the
     /// solver has not converged.
     fn prepare_implicit(&mut self, base: BasePoint<'_>, settings: Settings<'_>) -> Result<bool> {
         if let Some(prepared) = self.prepared {
@@ -213,7 +213,7 @@ fn difference_steps(
     })
 }
 
-/// Computes all columns by differences of inverse dynamics. Returns false if the solver has not converged.
+/// Computes all columns by differences of inverse dynamics. Returns `false` if the solver has not converged.
 fn differentiate_implicitly(
     workers: &mut [Worker],
     columns: &mut Columns,

@@ -8,7 +8,7 @@ use std::process::Command;
 
 const VARIABLE: &str = "MUJOCO_SAFE_TEST_CHILD";
 
-/// Returns whether this process was started by [`command`].
+/// Returns `true` if this process was started by [`command`].
 pub(crate) fn is_child() -> bool {
     std::env::var_os(VARIABLE).is_some()
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::root;
 
-/// Returns whether a test program has this module or test: `program::module::test`.
+/// Returns `true` if a test program has this module or test: `program::module::test`.
 fn is_test(path: &str) -> bool {
     let mut names = path.split("::");
     let mut folder = root().join("tests").join(names.next().unwrap_or_default());

@@ -54,7 +54,7 @@ fn touch(scene: &Scene) -> usize {
     geoms + skins.map(|&number| branch(number)).sum::<usize>() + eyes.iter().sum::<usize>() + lights.sum::<usize>()
 }
 
-/// Returns whether the call succeeded; the only allowed error is a missing result.
+/// Returns `true` if the call succeeded; the only allowed error is a missing result.
 fn succeeded<T>(result: Result<T, Error>) -> bool {
     match result {
         Ok(_) => true,

@@ -199,7 +199,7 @@ struct Regularisation {
 }
 
 impl Regularisation {
-    /// Increases the weight. Above the maximum, returns false and starts again at zero.
+    /// Increases the weight. Above the maximum, returns `false` and starts again at zero.
     fn raise(&mut self) -> bool {
         self.factor = (self.factor * REGULARISATION_FACTOR).max(REGULARISATION_FACTOR);
         self.value = (self.value * self.factor).max(MIN_REGULARISATION);

@@ -10,8 +10,8 @@ use crate::model::IntoModel;
 /// Cost of a trajectory as a sum of weighted norms of residuals; see the [module](crate::control::residual).
 ///
 /// Residuals are evaluated in simulations of this cost, one for each thread, created on demand. Time, mocap poses, applied forces and
-/// user data are those at the last [`begin`](TrajectoryCost::begin), which [`Ilqr::solve`](crate::control::ilqr::Ilqr::solve) calls, and those
-/// after a reset before. After the first evaluation in each thread, values and expansions do not allocate.
+/// user data are those at the last [`begin`](TrajectoryCost::begin), which [`Ilqr::solve`](crate::control::ilqr::Ilqr::solve) calls; before the
+/// first one, those after a reset. After the first evaluation in each thread, values and expansions do not allocate.
 ///
 /// ```
 /// use mujoco_safe::control::ilqr::{Ilqr, IlqrOptions};

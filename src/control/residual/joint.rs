@@ -39,8 +39,7 @@ impl Coordinates {
 }
 
 /// Difference of the positions of a joint, or of all joints, from a target: m for slides, rad for hinges, a rotation vector in rad for
-/// balls, and both for free joints. It has as many components as degrees of freedom, and is that of
-/// [`Model::differentiate_pos_into`].
+/// balls, and both for free joints. [`Model::differentiate_pos_into`] defines the difference, which has one component for each degree of freedom.
 ///
 /// ```
 /// use mujoco_safe::control::residual::{JointPosition, Residual};

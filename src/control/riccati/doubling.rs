@@ -131,7 +131,7 @@ impl Doubling {
         self.doublings = doublings;
     }
 
-    /// Factorises `I + GX`. Returns false if it is singular.
+    /// Factorises `I + GX`. Returns `false` if it is singular.
     fn factorise(&mut self, x: impl Fn(&Self) -> &PackedMatrix, g: impl Fn(&Self) -> &PackedMatrix) -> bool {
         let mut factors = std::mem::take(&mut self.factors);
         factors.matrix().product(self.simd, g(self), x(self));

@@ -235,7 +235,7 @@ impl Problem {
         }
     }
 
-    /// Computes the gain and the residual of the candidate. Returns false if `R + BᵀPB` is not positive definite.
+    /// Computes the gain and the residual of the candidate. Returns `false` if `R + BᵀPB` is not positive definite.
     ///
     /// With this gain the residual equals `(A − BK)ᵀP(A − BK) + KᵀRK − SK − KᵀSᵀ + Q − P`, which is evaluated instead. Its terms
     /// are no larger than `P`, whereas `AᵀPA` can be so large that the difference cancels.

@@ -21,7 +21,7 @@ pub(super) struct DampedInertia {
 }
 
 impl DampedInertia {
-    /// Factors `M + h D` at the present position.
+    /// Factorises `M + h D` at the present position.
     pub(super) fn factor(&mut self, data: &Data, tree: &Tree) {
         let model = data.model();
         self.values.clear();

@@ -68,7 +68,7 @@ impl Tendons {
     }
 
     /// Computes the derivatives of the moment arms, and subtracts those of the forces of all tensions at constant tension from the
-    /// derivatives of the residual. Returns false if a tendon has no formula.
+    /// derivatives of the residual. Returns `false` if a tendon has no formula.
     pub(super) fn differentiate(&mut self, data: &Data, tree: &Tree, residual: &mut Matrix) -> bool {
         let model = data.model();
         let nv = model.nv();
@@ -91,7 +91,7 @@ impl Tendons {
         true
     }
 
-    /// Adds the segments of a tendon to K. Returns false if one has no formula.
+    /// Adds the segments of a tendon to K. Returns `false` if one has no formula.
     fn add_path(&mut self, data: &Data, tree: &Tree, tendon: usize) -> bool {
         let model = data.model();
         let wraps = ffi::size(data.ten_wrapadr()[tendon]);

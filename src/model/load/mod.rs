@@ -234,7 +234,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model.
+    /// [`Error::File`] if the file cannot be read, [`Error::InvalidBinary`] if it is not a complete and consistent model,
+    /// [`Error::Unsupported`] with engines from 2.3.0, for which the rules of a safe file are not known.
     #[doc(alias = "mj_loadModel")]
     pub fn from_binary_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
@@ -246,7 +247,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model.
+    /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model, [`Error::Unsupported`] with engines from 2.3.0.
     ///
     /// ```
     /// use mujoco_safe::{Error, Model, sample};

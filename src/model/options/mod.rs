@@ -70,13 +70,13 @@ pub struct Options {
     pub density: f64,
     /// Viscosity of the medium, Pa·s. Not negative.
     pub viscosity: f64,
-    /// Contact margin where [`EnableFlags::OVERRIDE`] is set, m.
+    /// Contact margin if [`EnableFlags::OVERRIDE`] is set, m.
     pub o_margin: f64,
-    /// Contact `solref` where [`EnableFlags::OVERRIDE`] is set.
+    /// Contact `solref` if [`EnableFlags::OVERRIDE`] is set.
     pub o_solref: [f64; 2],
-    /// Contact `solimp` where [`EnableFlags::OVERRIDE`] is set.
+    /// Contact `solimp` if [`EnableFlags::OVERRIDE`] is set.
     pub o_solimp: [f64; 5],
-    /// Contact friction where [`EnableFlags::OVERRIDE`] is set, with engines from 3.0.0.
+    /// Contact friction if [`EnableFlags::OVERRIDE`] is set, with engines from 3.0.0.
     pub o_friction: [f64; 5],
     /// Numerical integrator.
     pub integrator: Integrator,

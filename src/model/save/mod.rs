@@ -93,7 +93,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the file cannot be written. An existing file is then unchanged.
+    /// [`Error::File`] if the file cannot be written, and the errors of [`to_binary`](Self::to_binary). An existing file is then unchanged.
     #[doc(alias = "mj_saveModel")]
     pub fn save_binary(&self, path: impl AsRef<Path>) -> Result<()> {
         let bytes = self.to_binary()?;
@@ -104,7 +104,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if the engine cannot write the model.
+    /// [`Error::Engine`] if the engine cannot write the model, [`Error::Unsupported`] if the result exceeds 2 GiB.
     #[doc(alias = "mj_sizeModel")]
     #[doc(alias = "mj_saveModel")]
     pub fn to_binary(&self) -> Result<Vec<u8>> {

@@ -23,7 +23,7 @@ pub(in super::super) struct LowRank {
 }
 
 impl LowRank {
-    /// Factorises a square matrix up to rounding by Gram–Schmidt orthogonalisation with column pivoting. Returns false if its
+    /// Factorises a square matrix up to rounding by Gram–Schmidt orthogonalisation with column pivoting. Returns `false` if its
     /// rank is zero or more than half its size.
     pub(in super::super) fn factorise(&mut self, simd: InstructionSet, matrix: &PackedMatrix) -> bool {
         let (size, max_rank) = (matrix.padded_rows(), matrix.columns() / 2);

@@ -26,7 +26,7 @@ impl LuFactors {
         &mut self.packed
     }
 
-    /// Factorises with partial pivoting. Returns false if the matrix is singular to working precision, or not finite.
+    /// Factorises with partial pivoting. Returns `false` if the matrix is singular to working precision, or not finite.
     pub(in super::super) fn factorise(&mut self, simd: InstructionSet) -> bool {
         self.eliminate(simd, |panel, from, column| {
             let largest = |best: (usize, f64), (row, vector): (usize, &F64x8)| {
@@ -38,7 +38,7 @@ impl LuFactors {
         })
     }
 
-    /// Factorises a symmetric matrix without pivoting, so that `U` is `D Lᵀ`. Returns false unless it is positive definite.
+    /// Factorises a symmetric matrix without pivoting, so that `U` is `D Lᵀ`. Returns `false` unless it is positive definite.
     pub(in super::super) fn factorise_positive(&mut self, simd: InstructionSet) -> bool {
         let mut diagonal = std::mem::take(&mut self.diagonal);
         diagonal.clear();

@@ -39,7 +39,7 @@ pub(super) fn dimension(data: &Data, contact: usize) -> usize {
     ffi::size(contacts(data)[contact].dim)
 }
 
-/// Adds the derivatives of a contact to those of the rows, and of its Jacobian to the residual. Returns false if the
+/// Adds the derivatives of a contact to those of the rows, and of its Jacobian to the residual. Returns `false` if the
 /// tangents of the contact are not differentiable.
 pub(super) fn differentiate(
     constraints: &mut Constraints,

@@ -35,7 +35,7 @@ pub(super) fn row_count(model: &Model, equality: usize) -> usize {
     }
 }
 
-/// Adds the derivatives of an equality constraint to those of the rows, and of its Jacobian to the residual. Returns false for a
+/// Adds the derivatives of an equality constraint to those of the rows, and of its Jacobian to the residual. Returns `false` for a
 /// type without a formula.
 pub(super) fn differentiate(
     constraints: &mut Constraints,

@@ -126,7 +126,7 @@ impl Rows {
     }
 
     /// Computes the derivatives of the force of a row by the position, and minus those by the velocity, at constant acceleration.
-    /// Returns false for a constant force.
+    /// Returns `false` for a constant force.
     fn differentiate_force(&mut self, data: &Data, row: usize) -> bool {
         let (first, count, span) = (self.first, self.count, self.span.clone());
         let Self { jacobian, residual, log_inertia, by_position, by_velocity, .. } = self;

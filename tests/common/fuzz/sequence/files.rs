@@ -7,7 +7,7 @@ use mujoco_safe::{Data, Error, Model, RandomController, Result, Trajectory};
 use super::super::assets;
 use super::{Bytes, Call, Scene};
 
-/// Returns whether a model is small enough to be written and read often.
+/// Returns `true` if a model is small enough to be written and read often.
 fn small(model: &Model) -> bool {
     model.nbuffer() < 200_000
 }

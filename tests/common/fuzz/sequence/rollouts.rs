@@ -15,7 +15,7 @@ fn spec(bytes: &mut Bytes<'_>) -> StateSpec {
     StateSpec::from_bits_retain(bytes.word() as u32) & StateSpec::all()
 }
 
-/// Returns whether a few simulations are fast and small; rarely true for other models.
+/// Returns `true` if a few simulations are fast and small, and for one in 32 other models.
 fn small(scene: &Scene<'_>, bytes: &mut Bytes<'_>) -> bool {
     scene.data.model().nv() < 30 || bytes.once_in(32)
 }

@@ -27,7 +27,7 @@ impl SceneView {
         Ok(Self { scene, camera, perturbation: Perturbation::default(), options: SceneOptions::default() })
     }
 
-    /// Returns whether the scene is of this model.
+    /// Returns `true` if the scene is of this model.
     fn fits(&mut self, data: &Data) -> bool {
         !matches!(self.scene.update_lights(data), Err(Error::OtherModel { .. }))
     }
