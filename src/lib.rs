@@ -51,8 +51,8 @@
 //! - [`sample`]: sample models.
 //!
 //! The [`guide`] explains the concepts, with pages for users of Python and MuJoCo.jl and a table of common problems. The [`prelude`] imports the
-//! names that most programs need. The [`cookbook`] has complete programs, [`promises`] lists the guarantees with their
-//! tests, and [`coverage`] lists the counterpart of each function, field and kind of the engine. [`Model::field_docs`] returns the engine's
+//! names that most programs need. The [`cookbook`](guide::cookbook) has complete programs, [`promises`](guide::promises) lists the guarantees with their
+//! tests, and [`coverage`](guide::coverage) lists the counterpart of each function, field and kind of the engine. [`Model::field_docs`] returns the engine's
 //! description of a field.
 //!
 //! # Guarantees
@@ -90,8 +90,6 @@ pub mod element;
 pub mod callback;
 pub mod control;
 pub mod controller;
-pub mod cookbook;
-pub mod coverage;
 pub mod derivative;
 mod engine;
 pub mod enums;
@@ -104,12 +102,12 @@ pub mod guide;
 pub mod id;
 pub mod kind;
 mod layout;
+mod macros;
 pub mod math;
 pub mod matrix;
 #[cfg(feature = "npz")]
 pub mod npz;
 pub mod prelude;
-pub mod promises;
 #[cfg(feature = "renderer")]
 pub mod record;
 #[cfg(feature = "renderer")]
@@ -124,8 +122,6 @@ mod trajectory;
 mod version;
 #[cfg(feature = "viewer")]
 pub mod viewer;
-mod with_aliases;
-mod with_methods;
 
 mod generated;
 
@@ -143,13 +139,13 @@ pub use crate::controller::{Controller, PdController, RandomController, ZeroCont
 pub use crate::data::{Data, Stage, StateSpec};
 pub use crate::derivative::{Differences, Lineariser, StateSpace};
 pub use crate::error::{Error, Result};
+use crate::macros::with_aliases;
 pub use crate::matrix::{Matrix, MatrixView, MatrixViewMut};
 pub use crate::model::{LoadOptions, Model, ModelMut, Options};
 pub use crate::rollout::{Batch, Rollout};
 pub use crate::scene::Scene;
 pub use crate::trajectory::Trajectory;
 pub use crate::version::Version;
-use crate::with_aliases::with_aliases;
 
 with_aliases! {
     pub use crate::engine::{

@@ -13,8 +13,8 @@ use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::Key;
 use crate::kind;
+use crate::macros::with_methods;
 use crate::model::{DisableFlags, Model, ModelMut};
-use crate::with_methods::with_methods;
 
 /// Actuators that [`ModelMut::set_length_range`] processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

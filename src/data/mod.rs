@@ -14,17 +14,12 @@ mod state;
 
 mod active_callbacks;
 mod call;
+mod collision;
 mod constraint;
-mod contact;
 mod diagnostics;
-mod distance;
-mod frame;
-mod inertia;
-mod jacobian;
 pub(crate) mod length_range;
-mod moment;
 pub mod pipeline;
-mod ray;
+mod rigid_body;
 mod warning;
 
 use std::fmt;
@@ -35,37 +30,34 @@ use mujoco_sys::{self as sys, mjData};
 
 use self::active_callbacks::ActiveCallbacks;
 pub(crate) use self::active_callbacks::{EngineCallbacks, OwnCallbacks};
-pub use self::contact::{ContactForce, ContactSide};
+pub use self::collision::{ContactForce, ContactSide, GeomDistance, RayHit, RayOptions};
 pub use self::diagnostics::{SolverIteration, TimerCount};
-pub use self::distance::GeomDistance;
 // For the analytic linearisation, which is that of 2.2.2.
 #[cfg_attr(engine_since = "2.3.0", allow(unused_imports))]
-pub(crate) use self::distance::{CollisionFunction, FoundContact};
-pub use self::frame::SpatialVector;
-pub use self::jacobian::Jacobian;
-pub use self::ray::{RayHit, RayOptions};
+pub(crate) use self::collision::{CollisionFunction, FoundContact};
+pub use self::rigid_body::{Jacobian, SpatialVector};
 pub use self::warning::WarningCount;
 pub(crate) use self::warning::{WarningCounters, silence as silence_warnings};
 use crate::error::{Error, Result};
 pub use crate::error::{Instability, UnstableField};
 use crate::field_docs::field_docs;
+use crate::macros::with_aliases;
 use crate::model::Model;
 pub use crate::stage::MissingResults;
 pub(crate) use crate::stage::PipelineFlags;
-use crate::with_aliases::with_aliases;
 
 with_aliases! {
     pub use self::constraint::{ConeHessian = "flg_coneHessian"};
-    pub use self::contact::{
+    pub use self::collision::{
         Contact = "mjContact",
         NewContact = "mjContact",
     };
     pub use self::diagnostics::{Timer = "mjtTimer"};
-    pub use self::frame::{
+    pub use self::rigid_body::{
+        Accelerations = "flg_acc",
         Axes = "flg_local",
         FrameId = "mjtObj",
     };
-    pub use self::inertia::{Accelerations = "flg_acc"};
     pub use self::state::{StateSpec = "mjtState"};
     pub use self::warning::{Warning = "mjtWarning"};
     pub use crate::engine::{enable_timers = "mjcb_time"};

@@ -5,7 +5,7 @@ use std::fmt;
 use bitflags::bitflags;
 
 use super::Differences;
-use crate::with_methods::with_methods;
+use crate::macros::with_methods;
 
 /// Method by which a [`Lineariser`](super::Lineariser) linearises a step of the simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -39,7 +39,7 @@ pub(crate) use self::transition::sizes;
 pub use self::transition::{StateSpace, TransitionOutputs};
 pub(crate) use self::work_queue::for_each_item;
 use crate::error::{Error, Result};
-use crate::with_aliases::with_aliases;
+use crate::macros::with_aliases;
 
 with_aliases! {
     pub use self::inverse::{InverseForce = "flg_actuation"};

@@ -129,8 +129,8 @@ use crate::ffi;
 use crate::id::sealed::Sealed;
 use crate::id::{Id, Key, Lookup};
 use crate::kind::{self, ElementKind};
+use crate::macros::with_aliases;
 use crate::model::{Model, ModelMut};
-use crate::with_aliases::with_aliases;
 
 with_aliases! {
     pub use self::actuator::{Transmission = "mjtTrn"};

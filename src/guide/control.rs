@@ -46,7 +46,7 @@
 //! A control law that needs quantities of the *present* state, such as the bias force, sets the controls between
 //! [`step1`](Data::step1) and [`step2`](Data::step2), or in a [`control` callback](crate::callback::Callbacks::control), which the Runge–Kutta integrator calls in
 //! each substep. [`Data::set_callbacks`] installs the callback until it is replaced, for example in a simulation that a struct stores;
-//! [`Data::with_callbacks`] installs it for a scope, in which it can borrow local variables. The cookbook compensates [gravity](crate::cookbook#gravity-compensation) in this way.
+//! [`Data::with_callbacks`] installs it for a scope, in which it can borrow local variables. The cookbook compensates [gravity](crate::guide::cookbook#gravity-compensation) in this way.
 //!
 //! # Set-points
 //!

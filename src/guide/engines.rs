@@ -1,7 +1,7 @@
 //! Engines and set-up: installation of MuJoCo 2.2.2, and the search paths at build time and at run time.
 //!
 //! This crate supports MuJoCo **2.2.2**. The layout of the engine's structs changes with each release, so each version has its own bindings.
-//! Other versions are for trials, and [`promises`](crate::promises) lists what does not hold with them:
+//! Other versions are for trials, and [`promises`](crate::guide::promises) lists what does not hold with them:
 //!
 //! | MuJoCo | bindings | tests |
 //! |---|---|---|

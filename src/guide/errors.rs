@@ -134,7 +134,7 @@
 //! - **Raw pointers.** The use of [`sys`](crate::sys) and of [`Data::as_mut_ptr`] is `unsafe`, and the guarantees end there.
 //! - **Time.** A step of an extreme model may take long, and the compilation of a large text may take minutes.
 //!
-//! [`promises`](crate::promises) lists all guarantees with the test of each.
+//! [`promises`](crate::guide::promises) lists all guarantees with the test of each.
 
 #[cfg(doc)]
 use crate::{Data, Error};

@@ -8,7 +8,7 @@
 //! [`qpos_range()`](crate::element::Joint::qpos_range) in `qpos`.
 //!
 //! Names are those of the engine. The short names of MuJoCo.jl's views are spelled out here: `jnt` is `joint`, `cam` is `camera`, `com` of a body is
-//! `subtree_com`. The [table of element kinds](crate::coverage::kinds) lists every field of MuJoCo.jl's named access with its name here.
+//! `subtree_com`. The [table of element kinds](crate::guide::coverage::kinds) lists every field of MuJoCo.jl's named access with its name here.
 //!
 //! # Row-major matrices
 //!

@@ -13,17 +13,20 @@
 //! | [`engines`] | installation of the engine, and the search paths at build time and at run time |
 //! | [`troubleshooting`] | symptoms, causes and remedies |
 //!
-//! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from these languages. The [`cookbook`](crate::cookbook) has
-//! complete programs, [`promises`](crate::promises) lists the guarantees with their tests, and [`coverage`](crate::coverage) lists
+//! Start with [`concepts`], or with [`python`] or [`julia`] if you know MuJoCo from these languages. The [`cookbook`] has
+//! complete programs, [`promises`] lists the guarantees with their tests, and [`coverage`] lists
 //! every function, field and kind of the engine with its counterpart.
 
 pub mod concepts;
 pub mod control;
+pub mod cookbook;
+pub mod coverage;
 pub mod engines;
 pub mod errors;
 pub mod julia;
 pub mod parallel;
 pub mod performance;
 pub mod pictures;
+pub mod promises;
 pub mod python;
 pub mod troubleshooting;

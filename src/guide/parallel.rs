@@ -14,7 +14,7 @@
 //!
 //! A [`Model`] is constant while it is shared, so all threads read one `Arc<Model>`. A [`Data`] belongs to one thread at a time. Any number of
 //! threads may read a [`Data`] that no thread changes; the compiler enforces both rules. The cookbook has a program with
-//! [threads](crate::cookbook#parallel-simulations).
+//! [threads](crate::guide::cookbook#parallel-simulations).
 //!
 //! # Rollouts
 //!
@@ -179,7 +179,7 @@
 //!   share. In a batch, [`Random`] derives it from the index and the number of the episode, which [`reset_where`](Batch::reset_where) passes
 //!   to its closure.
 //!
-//! [Promises](crate::promises) 8 and 12 state this with their tests.
+//! [Promises](crate::guide::promises) 8 and 12 state this with their tests.
 
 #[cfg(doc)]
 use crate::{

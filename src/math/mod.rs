@@ -89,7 +89,7 @@ pub use self::ray::SkinHit;
 pub(crate) use self::ray::check_ray;
 pub use self::spatial::{Eig3, Pose};
 use crate::error::{Error, Result};
-use crate::with_aliases::with_aliases;
+use crate::macros::with_aliases;
 
 with_aliases! {
     pub use self::band::{

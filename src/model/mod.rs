@@ -45,7 +45,7 @@ use crate::ffi;
 pub use crate::field_docs::FieldDoc;
 use crate::field_docs::field_docs;
 use crate::id::Lineage;
-use crate::with_aliases::with_aliases;
+use crate::macros::with_aliases;
 
 with_aliases! {
     pub use self::options::{

@@ -11,8 +11,8 @@ use super::gif::AnimatedGif;
 use super::png::{AnimatedPng, Sequence};
 use crate::error::{Error, Result};
 use crate::file::Replacement;
+use crate::macros::with_methods;
 use crate::render::RgbImage;
-use crate::with_methods::with_methods;
 
 /// Options of a recording. The default is 30 frames per second, in real time, played in an endless loop.
 #[derive(Clone, Debug, PartialEq)]

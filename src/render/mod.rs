@@ -99,7 +99,7 @@ pub use self::gpu::{Gpu, GpuKind, GpuOptions, GpuPreference, own_device};
 pub use self::image::{DepthImage, RgbImage, Segment, SegmentationImage};
 pub use self::renderer::{Images, Snapshot};
 pub use self::settings::{Lighting, RendererOptions};
-use crate::with_aliases::with_aliases;
+use crate::macros::with_aliases;
 
 with_aliases! {
     pub use self::renderer::{Renderer = "mjrContext"};

@@ -1,7 +1,7 @@
 //! Renderer options and the visual settings of a model.
 
+use crate::macros::with_methods;
 use crate::model::Model;
-use crate::with_methods::with_methods;
 
 /// Frequency of the lighting computation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -69,8 +69,8 @@ pub use self::viewpoint::{Head, Transform};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::Lineage;
+use crate::macros::with_aliases;
 use crate::model::Model;
-use crate::with_aliases::with_aliases;
 
 with_aliases! {
     pub use self::camera::{

@@ -5,7 +5,7 @@ use mujoco_sys::{self as sys, mjvOption};
 
 use crate::enums::engine_enum;
 use crate::ffi;
-use crate::with_methods::with_methods;
+use crate::macros::with_methods;
 
 engine_enum! {
     /// Kind of element that carries labels.

@@ -9,9 +9,9 @@ use super::simulation::{PhysicsThread, Simulation};
 use super::window::WindowRequest;
 use crate::controller::Controller;
 use crate::data::Data;
+use crate::macros::with_methods;
 use crate::record::RecorderOptions;
 use crate::trajectory::Trajectory;
-use crate::with_methods::with_methods;
 
 /// Colours of the panels of a viewer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -1,13 +1,12 @@
-//! Trajectories: recording, replaying, and files.
+//! Trajectories: recording, replaying, and files; NumPy archives.
 
 #[path = "../common/arbitrary.rs"]
 mod arbitrary;
-#[cfg(feature = "npz")]
-#[path = "../common/numpy.rs"]
-mod numpy;
 
 #[cfg(feature = "npz")]
 mod npz;
+#[cfg(feature = "npz")]
+mod numpy;
 mod recording;
 mod sensordata;
 #[cfg(feature = "serde")]

@@ -38,9 +38,9 @@ use super::TimeVaryingLqr;
 use crate::data::Data;
 use crate::derivative::{Lineariser, TransitionOptions};
 use crate::error::{Error, Result};
+use crate::macros::with_methods;
 use crate::matrix::Matrix;
 use crate::model::IntoModel;
-use crate::with_methods::with_methods;
 
 /// Options of [`Ilqr`].
 #[derive(Clone, Debug, PartialEq)]

@@ -5,9 +5,9 @@
 use std::sync::{Arc, OnceLock};
 
 use super::{DriverUse, DropUse, Gpu, Origin, Shared};
+use crate::macros::with_methods;
 use crate::render::RenderError;
 use crate::render::assets::DepthLevels;
-use crate::with_methods::with_methods;
 
 /// Preference between hardware and software adapters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -1,7 +1,5 @@
 //! NumPy archives read by other code than this crate's.
 
-#![allow(dead_code, reason = "included by several programs, each of which uses some of it")]
-
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

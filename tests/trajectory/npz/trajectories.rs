@@ -1,5 +1,4 @@
 //! Trajectories in NumPy files.
-#![forbid(unsafe_code)]
 
 use std::fs;
 use std::io::{Cursor, Write};

@@ -4,7 +4,7 @@ use std::ffi::c_int;
 
 use mujoco_sys::{self as sys, guard, mjData, mjModel, mjOBJ_BODY, mjOBJ_CAMERA, mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_XBODY};
 
-use super::{Data, PipelineFlags, Stage};
+use crate::data::{Data, PipelineFlags, Stage};
 use crate::error::{Error, Result};
 use crate::id::{BodyId, CameraId, GeomId, Id, Key, SiteId};
 use crate::kind::{self, ElementKind};

@@ -4,7 +4,7 @@ use std::ptr;
 
 use mujoco_sys::{self as sys, guard};
 
-use super::{Data, Stage};
+use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 

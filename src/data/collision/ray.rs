@@ -8,15 +8,15 @@ use std::ptr;
 
 use mujoco_sys::{self as sys, guard, mjGEOM_HFIELD, mjGEOM_MESH};
 
-use super::{Data, PipelineFlags};
+use crate::data::{Data, PipelineFlags};
 use crate::enums::GeomType;
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{BodyId, GeomId, Id, Key};
 use crate::kind;
+use crate::macros::with_methods;
 use crate::math::check_ray;
 use crate::model::Model;
-use crate::with_methods::with_methods;
 
 /// Filter of the geoms that a ray can hit. Invisible geoms are never hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

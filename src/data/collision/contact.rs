@@ -5,7 +5,7 @@ use std::fmt;
 
 use mujoco_sys::{self as sys, guard, mjContact, mjMINMU};
 
-use super::{Data, PipelineFlags, Stage};
+use crate::data::{Data, PipelineFlags, Stage};
 use crate::error::{Error, Result};
 use crate::ffi;
 use crate::id::{BodyId, GeomId, Id};

@@ -1,3 +1,3 @@
 //! Guarantees of this crate, their limits, and the tests that check them.
 //!
-#![doc = include_str!("../docs/promises.md")]
+#![doc = include_str!("../../docs/promises.md")]

@@ -7,7 +7,7 @@ use mujoco_sys::{
     mjGEOM_SPHERE, mjMAXCONPAIR,
 };
 
-use super::{Data, PipelineFlags};
+use crate::data::{Data, PipelineFlags};
 use crate::error::{Error, Result};
 use crate::id::Key;
 use crate::kind;

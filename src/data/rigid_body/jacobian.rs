@@ -9,7 +9,7 @@ use std::ptr;
 
 use mujoco_sys::{self as sys, guard};
 
-use super::{Data, PipelineFlags};
+use crate::data::{Data, PipelineFlags};
 use crate::error::{Error, Result};
 use crate::id::Key;
 use crate::kind::{self, ElementKind};

@@ -1,6 +1,6 @@
 //! Moments of the actuators as a full matrix.
 
-use super::{Data, Stage};
+use crate::data::{Data, Stage};
 use crate::error::{Error, Result};
 use crate::matrix::Matrix;
 

@@ -2,7 +2,7 @@
 //! The tables are generated from the engine's own lists, and a test checks that they are complete.
 
 /// Functions of `mujoco.h`.
-#[doc = include_str!("../docs/coverage/functions.md")]
+#[doc = include_str!("../../docs/coverage/functions.md")]
 // A search for a function without an equivalent finds the page that has the reason.
 #[doc(alias(
     "mj_freeLastXML",
@@ -56,9 +56,9 @@
 pub mod functions {}
 
 /// Fields of the engine's structs.
-#[doc = include_str!("../docs/coverage/fields.md")]
+#[doc = include_str!("../../docs/coverage/fields.md")]
 pub mod fields {}
 
 /// Kinds of elements, and the fields of each.
-#[doc = include_str!("../docs/coverage/kinds.md")]
+#[doc = include_str!("../../docs/coverage/kinds.md")]
 pub mod kinds {}

@@ -1,0 +1,7 @@
+//! Macros for public items.
+
+mod with_aliases;
+mod with_methods;
+
+pub(crate) use self::with_aliases::with_aliases;
+pub(crate) use self::with_methods::with_methods;
