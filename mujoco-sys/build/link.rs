@@ -6,6 +6,8 @@ use crate::find::Engine;
 
 /// Prints Cargo's link instructions and the metadata for dependants (`DEP_MUJOCO_*`).
 pub(crate) fn announce(engine: &Engine, out: &Path) {
+    // The linker searches `out` for the shim, and must not find the engine of an earlier build there.
+    let _ = std::fs::remove_file(out.join("libmujoco.so"));
     if engine.on_loader_path {
         println!("cargo::rustc-link-search=native={}", engine.library_dir.display());
     } else {
