@@ -422,6 +422,16 @@ int mujoco_sys_jacobianElements(const mjData* d) {
 #endif
 }
 
+void mujoco_sys_disableUnsafeIslands(mjModel* m) {
+#if mjVERSION_HEADER >= 336 && mjVERSION_HEADER < 3006000
+  if (m->nflex) m->opt.disableflags |= mjDSBL_ISLAND;
+#elif mjVERSION_HEADER >= 334 && mjVERSION_HEADER < 336
+  if (m->nflex) m->opt.enableflags &= ~mjENBL_ISLAND;
+#else
+  (void)m;
+#endif
+}
+
 size_t mujoco_sys_arenaBytes(const mjData* d) {
 #if mjVERSION_HEADER >= 300
   return d->narena;

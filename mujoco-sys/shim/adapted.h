@@ -159,6 +159,10 @@ int mujoco_sys_limitsActuatorForces(const mjModel* m);
 // Length of the buffers of delays (nhistory), since 3.5; before, 0.
 int mujoco_sys_historyLength(const mjModel* m);
 
+// Disables the islands of a model with flexes with 3.3.4 to 3.5. These engines search only the first row of each contact for the trees of its
+// island. The other rows of a contact with a flex can belong to other trees, for which the engine writes to the island with index -1.
+void mujoco_sys_disableUnsafeIslands(mjModel* m);
+
 // Bytes of the stack, or since 2.3 of the arena that contains the stack.
 size_t mujoco_sys_arenaBytes(const mjData* d);
 

@@ -240,6 +240,9 @@ adapted! {
     mujoco_sys_setOptions = set_options(opt: *mut mjOption, options: *const AdaptedOptions);
     /// Returns the number of stored elements of the sparse constraint Jacobian (`nnzJ`, or `nJ` since 3.2.5), or 0 before 2.3.
     mujoco_sys_jacobianElements = jacobian_elements(d: *const mjData) -> c_int;
+    /// Disables the islands of a model with flexes with 3.3.4 to 3.5, which write out of bounds if the rows of a contact belong to different
+    /// trees.
+    mujoco_sys_disableUnsafeIslands = disable_unsafe_islands(m: *mut mjModel);
     /// Returns the bytes of the stack, or since 2.3 of the arena that contains the stack.
     mujoco_sys_arenaBytes = arena_bytes(d: *const mjData) -> usize;
 }

@@ -171,7 +171,7 @@
 //!
 //! | feature | since | here |
 //! |---|---|---|
-//! | flexes: ropes, cloths, soft bodies | 3.0 | simulated, drawn and selected. [`Contact::geoms`](crate::data::Contact::geoms) is `None` for their contacts |
+//! | flexes: ropes, cloths, soft bodies | 3.0 | simulated, drawn and selected. [`Contact::geoms`](crate::data::Contact::geoms) is `None` for their contacts. With 3.3.4 to 3.5 their models have no islands ([`DisableFlags::ISLAND`](crate::model::DisableFlags::ISLAND)), because the engine writes out of bounds for islands of their contacts |
 //! | plugins, signed distance fields | 2.3, 3.0 | after [`load_plugins`](crate::load_plugins) |
 //! | other models as assets (`<model file>`, `<attach>`) | 3.2 | rejected: the checks before compilation do not read the files of these models |
 //! | sleeping bodies | 3.4 | rejected: no state vector contains the sleeping bodies, so a copied state would not continue bit for bit |

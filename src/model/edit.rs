@@ -79,6 +79,7 @@ impl<'m> ModelMut<'m> {
         change(&mut options);
         options.check()?;
         options.write(&mut self.model.raw_mut().opt);
+        self.model.disable_unsafe_islands();
         Ok(())
     }
 

@@ -116,6 +116,7 @@ impl Model {
         model.has_adhesion = model.find_adhesion();
         model.has_rangefinder_and_height_field = model.find_rangefinder_and_height_field();
         model.edit().clear_wrong_simple_bodies();
+        model.disable_unsafe_islands();
         model
     }
 

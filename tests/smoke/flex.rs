@@ -190,6 +190,32 @@ fn flexes_are_drawn_with_their_colours() {
 }
 
 #[test]
+fn flexes_have_islands_unless_the_engine_writes_out_of_bounds_for_them() {
+    use mujoco_safe::model::{DisableFlags, Options};
+
+    let islands = |data: &Data| {
+        assert!(data.contacts().len() > 0);
+        // SAFETY: the pointer of a valid simulation, of which a number is read.
+        unsafe { (*data.as_ptr()).nisland }
+    };
+    let mut data = fallen();
+    let before = islands(&data);
+    assert_eq!(before > 0, cfg!(engine_since = "3.6.0"), "{before} islands");
+    let is_disabled = cfg!(all(engine_since = "3.3.6", not(engine_since = "3.6.0")));
+    assert_eq!(data.model().options().disable.contains(DisableFlags::ISLAND), is_disabled);
+
+    let enable = |options: &mut Options| options.disable = DisableFlags::empty();
+    data.edit_model(|model| model.edit_options(enable)).unwrap();
+    data.forward().unwrap();
+    let mut model = Model::clone(data.model());
+    model.edit().edit_options(enable).unwrap();
+    let mut copy = Data::new(model).unwrap();
+    copy.set_state(StateSpec::INTEGRATION, &data.state(StateSpec::INTEGRATION)).unwrap();
+    copy.forward().unwrap();
+    assert_eq!([islands(&data), islands(&copy)], [before; 2]);
+}
+
+#[test]
 fn inconsistent_flexes_are_errors() {
     let flex = |attributes: &str| {
         format!(

@@ -165,7 +165,8 @@ bitflags! {
         const EULERDAMP = sys::mjDSBL_EULERDAMP;
         /// The engine's convex collision solver, with engines from 3.3.0: they use libccd instead.
         const NATIVECCD = sys::mjDSBL_NATIVECCD;
-        /// The division of the constraints into independent islands, with engines from 3.3.6.
+        /// The division of the constraints into independent islands, with engines from 3.3.6. A model with flexes always has this flag with
+        /// 3.3.6 to 3.5, whose islands do not contain all bodies in contact with a flex: an edit that clears it has no effect.
         const ISLAND = sys::mjDSBL_ISLAND;
         /// Several contact points between convex shapes, with engines from 3.8.0. Before, [`EnableFlags::MULTICCD`] enables them.
         const MULTICCD = sys::mjDSBL_MULTICCD;
@@ -407,6 +408,12 @@ impl Model {
     #[inline]
     pub fn timestep(&self) -> f64 {
         self.raw().opt.timestep
+    }
+
+    /// Disables islands if the engine writes out of bounds for those of this model: see [`DisableFlags::ISLAND`].
+    pub(super) fn disable_unsafe_islands(&mut self) {
+        // SAFETY: a valid model that is borrowed exclusively. The function changes its flags.
+        unsafe { adapted::disable_unsafe_islands(self.raw_mut()) };
     }
 }
 
