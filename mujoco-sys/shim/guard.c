@@ -338,7 +338,31 @@ ADAPTED_RESULT(mj, ray, NO_DATA,
                (const mjModel* m, const mjData* d, const mjtNum* pnt, const mjtNum* vec, const mjtByte* geomgroup,
                 mjtByte flg_static, int bodyexclude, int* geomid, mjtNum* result),
                (m, d, pnt, vec, geomgroup, flg_static, bodyexclude, geomid))
-GUARDED(mj_printData, d, (const mjModel* m, mjData* d, const char* filename), (m, d, filename))
+
+static int print_data(const mjModel* m, mjData* d, const char* filename) { GUARDED_RUN(d, mj_printData(m, d, filename)) }
+
+int mujoco_sys_mj_printData(const mjModel* m, mjData* d, const char* filename) {
+  int* rows = NULL;
+#if mjVERSION_HEADER >= 300 && mjVERSION_HEADER < 3017000
+  // These engines print the first row of the constraints of each tendon (-1 for none). The array is NULL if constraints are disabled, or do not
+  // fit into the arena. The replacement is not on the stack, because the engine does not print while the stack is in use.
+  if (m->ntendon && !d->tendon_efcadr) {
+    rows = malloc(sizeof(int) * (size_t)m->ntendon);
+    if (!rows) {
+      mujoco_sys_set_message("out of memory");
+      return MUJOCO_SYS_OUT_OF_MEMORY;
+    }
+    for (int i = 0; i < m->ntendon; i++) rows[i] = -1;
+    d->tendon_efcadr = rows;
+  }
+#endif
+  const int status = print_data(m, d, filename);
+#if mjVERSION_HEADER >= 300
+  if (rows) d->tendon_efcadr = NULL;
+#endif
+  free(rows);
+  return status;
+}
 
 // Calls a collision function and converts its contacts.
 static int collide(const mjModel* m, mjData* d, mjContact* con, int type1, int type2, int g1, int g2, mjtNum margin) {

@@ -4,8 +4,10 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mujoco_safe::data::{Accelerations, Axes, ConeHessian, FrameId};
-use mujoco_safe::model::{LengthRangeMode, LengthRangeOptions};
+use mujoco_safe::model::{DisableFlags, LengthRangeMode, LengthRangeOptions};
 use mujoco_safe::{Data, Error, Matrix, Model, Result, sample};
+
+use crate::child;
 
 fn in_contact() -> Data {
     let mut data = Data::new(sample::humanoid()).unwrap();
@@ -245,6 +247,27 @@ fn print_to_writes_every_quantity() {
     assert!(matches!(data.print_to(folder.join("missing").join("humanoid.txt")), Err(Error::File { .. })));
     assert!(matches!(data.print_to("a\0b"), Err(Error::Invalid { .. })));
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// MuJoCo 3.0 to 3.12 reads a null pointer in this case, 3.17 does not.
+#[test]
+fn print_to_writes_tendons_while_constraints_are_disabled() {
+    if !child::is_child() {
+        return child::passes("function_arguments::print_to_writes_tendons_while_constraints_are_disabled");
+    }
+    let mut model = Model::from_xml_str(
+        r#"<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>
+             <tendon><fixed><joint joint="j" coef="1"/></fixed></tendon></mujoco>"#,
+    )
+    .unwrap();
+    model.edit().edit_options(|options| options.disable = DisableFlags::CONSTRAINT).unwrap();
+    let mut data = Data::new(model).unwrap();
+    data.forward().unwrap();
+    let file = tempfile::NamedTempFile::new().unwrap();
+    for _ in 0..2 {
+        data.print_to(file.path()).unwrap();
+        assert!(std::fs::read_to_string(file.path()).unwrap().contains("TEN_LENGTH"));
+    }
 }
 
 #[test]
