@@ -78,6 +78,45 @@ static int overflows_row(const mjModel* m, int g1, int g2) {
   return body == m->geom_bodyid[g2] && m->body_simple[body] && m->body_dofnum[body] && mj_isSparse(m);
 }
 
+// These engines recognise their function for two boxes by its address in the table, and then remove contacts.
+#define REMOVES_CONTACTS_OF_BOXES (mjVERSION_HEADER >= 330 && mjVERSION_HEADER < 3006000)
+
+#if REMOVES_CONTACTS_OF_BOXES
+// Private function of the engine. Returns 1 if a point is outside of the box whose size is multiplied by `ratio`, -1 if it is inside of the box
+// whose size is divided by `ratio`, else 0.
+int mju_outsideBox(const mjtNum point[3], const mjtNum pos[3], const mjtNum mat[9], const mjtNum size[3], mjtNum ratio);
+
+// True unless a contact is outside of one box and not inside of the other, by the engine's rule.
+static int is_at_boxes(const mjModel* m, const mjData* d, const mjContact* con, const int boxes[2], mjtNum margin) {
+  int outside[2];
+  for (int side = 0; side < 2; side++) {
+    const int box = boxes[side];
+    mjtNum size[3];
+    for (int i = 0; i < 3; i++) size[i] = m->geom_size[3 * box + i] + margin;
+    outside[side] = mju_outsideBox(con->pos, d->geom_xpos + 3 * box, d->geom_xmat + 9 * box, size, 1.01);
+  }
+  return !(outside[0] == 1 && outside[1] != -1) && !(outside[1] == 1 && outside[0] != -1);
+}
+
+static int is_same_point(const mjtNum a[3], const mjtNum b[3]) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+
+// Removes the contacts of two boxes that the engine would remove if the table had its own function: those that are not at both boxes, and
+// all but the last of those at one point.
+static int remove_contacts(const mjModel* m, const mjData* d, mjContact* con, int count, const int boxes[2], mjtNum margin) {
+  int near = 0;
+  for (int i = 0; i < count; i++) {
+    if (is_at_boxes(m, d, con + i, boxes, margin)) con[near++] = con[i];
+  }
+  int distinct = 0;
+  for (int i = 0; i < near; i++) {
+    int next = i + 1;
+    while (next < near && !is_same_point(con[i].pos, con[next].pos)) next++;
+    if (next == near) con[distinct++] = con[i];
+  }
+  return distinct;
+}
+#endif
+
 // True for the geom types whose collision function needs no check.
 static unsigned char unchecked_types[mjNGEOMTYPES][mjNGEOMTYPES];
 
@@ -86,7 +125,15 @@ static __attribute__((noinline)) int check_and_collide(const mjModel* m, compat_
   if (overflows_row(m, g1, g2)) {
     return 0;
   }
-  return mujoco_sys_collide_as(m, d, con, m->geom_type[g1], m->geom_type[g2], g1, g2, margin);
+  const int type1 = m->geom_type[g1];
+  const int type2 = m->geom_type[g2];
+  const int count = mujoco_sys_collide_as(m, d, con, type1, type2, g1, g2, margin);
+#if REMOVES_CONTACTS_OF_BOXES
+  if (type1 == mjGEOM_BOX && type2 == mjGEOM_BOX) {
+    return remove_contacts(m, d, con, count, (const int[2]){g1, g2}, margin);
+  }
+#endif
+  return count;
 }
 
 // Called for each pair of geoms that passes the broad phase, so the common case is a few instructions and a tail call.
@@ -142,5 +189,8 @@ void mujoco_sys_check_collisions(void) {
       }
     }
   }
+#if REMOVES_CONTACTS_OF_BOXES
+  unchecked_types[mjGEOM_BOX][mjGEOM_BOX] = 0;
+#endif
   compile_touching();
 }

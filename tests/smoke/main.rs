@@ -7,6 +7,9 @@
 #[path = "../common/fields.rs"]
 mod fields;
 
+#[path = "../common/child.rs"]
+mod child;
+
 // Its expectations are those of the arena of 3.5 and later.
 #[cfg(engine_since = "3.5.0")]
 mod arena;
@@ -30,6 +33,7 @@ macro_rules! c {
     };
 }
 
+mod collision_table;
 #[cfg(engine_since = "3.5.0")]
 mod engine_functions;
 #[cfg(engine_since = "3.0.0")]

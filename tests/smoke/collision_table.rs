@@ -1,0 +1,118 @@
+//! Contacts and distances by this crate's collision functions, which check their arguments and call the engine's. The independent source is the
+//! C API before this crate has replaced the engine's functions in the table, so each test runs in a separate process.
+
+use std::ffi::CString;
+use std::ptr;
+
+use mujoco_safe::rollout::Random;
+use mujoco_safe::sys::{self, mjModel};
+use mujoco_safe::{Data, Model};
+
+use crate::{Raw, child};
+
+const BOXES: &str = r#"<mujoco><worldbody>
+  <body><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+  <body><freejoint/><geom type="box" size=".1 .15 .1"/></body>
+</worldbody></mujoco>"#;
+
+/// Positions and distances of contacts.
+type Contacts = Vec<([f64; 3], f64)>;
+
+/// Returns poses of two boxes, most of which touch.
+fn poses() -> Vec<[f64; 14]> {
+    let mut random = Random::new(1, 0, 0);
+    let mut pose = || std::array::from_fn(|index| random.uniform(-0.5, 0.5) * if index % 7 < 3 { 0.35 } else { 1.0 });
+    (0..300).map(|_| pose()).collect()
+}
+
+/// Loads a model by the C API.
+fn of_c(text: &str) -> (*mut mjModel, Raw) {
+    let file = tempfile::NamedTempFile::with_suffix(".xml").unwrap();
+    std::fs::write(file.path(), text).unwrap();
+    let name = CString::new(file.path().to_str().unwrap()).unwrap();
+    let model = c!(mj_loadXML(name.as_ptr(), ptr::null(), ptr::null_mut(), 0));
+    assert!(!model.is_null());
+    (model, Raw(c!(mj_makeData(model))))
+}
+
+/// Returns the contacts of the C API.
+fn contacts_of_c() -> Vec<Contacts> {
+    let (model, raw) = of_c(BOXES);
+    let contacts = |pose: [f64; 14]| {
+        // SAFETY: the model has 14 positions.
+        unsafe { (*raw.0).qpos.copy_from(pose.as_ptr(), pose.len()) };
+        c!(mj_forward(model, raw.0));
+        // SAFETY: the engine has written this number of contacts.
+        let contact = |index| unsafe { *(*raw.0).contact.add(index) };
+        // SAFETY: as above.
+        let count = unsafe { (*raw.0).ncon } as usize;
+        (0..count).map(contact).map(|contact| (contact.pos, contact.dist)).collect()
+    };
+    let all = poses().into_iter().map(contacts).collect();
+    drop(raw);
+    c!(mj_deleteModel(model));
+    all
+}
+
+#[test]
+fn contacts_of_boxes_equal_those_of_the_engines_functions() {
+    if !child::is_child() {
+        return child::passes("collision_table::contacts_of_boxes_equal_those_of_the_engines_functions");
+    }
+    let expected = contacts_of_c();
+    assert!(expected.iter().filter(|contacts| !contacts.is_empty()).count() > 100);
+    let mut data = Data::new(Model::from_xml_str(BOXES).unwrap()).unwrap();
+    for (pose, expected) in poses().into_iter().zip(expected) {
+        data.qpos_mut().copy_from_slice(&pose);
+        data.forward().unwrap();
+        let found: Contacts = data.contacts().map(|contact| (*contact.pos(), contact.dist())).collect();
+        assert_eq!(found, expected);
+    }
+}
+
+/// Returns a model of two separate geoms.
+#[cfg(engine_since = "3.17.0")]
+fn pair(a: &str, b: &str) -> String {
+    format!(
+        r#"<mujoco><asset><mesh name="mesh" vertex="0 0 0  .2 0 0  0 .3 0  0 0 .4"/></asset><worldbody>
+             <geom name="a" {a}/><body pos=".03 .04 1.2" euler="20 30 40"><freejoint/><geom name="b" {b}/></body>
+           </worldbody></mujoco>"#
+    )
+}
+
+#[cfg(engine_since = "3.17.0")]
+#[test]
+fn geom_distance_equals_the_engines_function_for_separate_geoms() {
+    if !child::is_child() {
+        return child::passes("collision_table::geom_distance_equals_the_engines_function_for_separate_geoms");
+    }
+    let shapes = [
+        r#"type="plane" size="1 1 1""#,
+        r#"size=".1""#,
+        r#"type="capsule" size=".05 .1""#,
+        r#"type="ellipsoid" size=".1 .2 .3""#,
+        r#"type="cylinder" size=".1 .2""#,
+        r#"type="box" size=".1 .2 .3""#,
+        r#"type="mesh" mesh="mesh""#,
+    ];
+    let texts = || {
+        let pairs = (0..shapes.len()).flat_map(|a| (a.max(1)..shapes.len()).map(move |b| (a, b)));
+        pairs.map(|(a, b)| pair(shapes[a], shapes[b]))
+    };
+    let expected: Vec<f64> = texts()
+        .map(|text| {
+            let (model, raw) = of_c(&text);
+            c!(mj_forward(model, raw.0));
+            let distance = c!(mj_geomDistance(model, raw.0, 0, 1, 3.0, ptr::null_mut()));
+            drop(raw);
+            c!(mj_deleteModel(model));
+            distance
+        })
+        .collect();
+    for (text, expected) in texts().zip(expected) {
+        let mut data = Data::new(Model::from_xml_str(&text).unwrap()).unwrap();
+        data.forward().unwrap();
+        let found = data.geom_distance("a", "b", 3.0).unwrap().unwrap().distance;
+        assert!(expected > 0.0 && (found - expected).abs() < 1e-5, "{found} {expected} {text}");
+    }
+}
