@@ -150,6 +150,19 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
+//! Noise on actions and observations, and delays of the actions that differ between episodes, prepare a policy for a robot:
+//!
+//! ```
+//! use mujoco_safe::environment::{HalfCheetah, VectorEnvironment};
+//!
+//! let cheetahs = VectorEnvironment::new(HalfCheetah::model(), HalfCheetah, 16, 42)?
+//!     .action_delay(0..=2)? // steps of the environment
+//!     .action_noise(&[0.05; 6])?
+//!     .observation_noise(&[0.01; 17])?;
+//! assert_eq!(cheetahs.observations().shape(), (16, 17));
+//! # Ok::<(), mujoco_safe::Error>(())
+//! ```
+//!
 //! # Threads and memory
 //!
 //! Rollouts and batches use the current [rayon] pool, by default one thread per logical processor. To use fewer threads, or pinned

@@ -56,7 +56,7 @@ fn observations_rewards_and_ends_are_those_of_gymnasium() {
 }
 
 /// The hopper with short episodes.
-struct ShortHopper;
+pub(crate) struct ShortHopper;
 
 impl Task for ShortHopper {
     fn observation_size(&self, model: &Model) -> usize {
@@ -86,28 +86,28 @@ impl Task for ShortHopper {
 }
 
 /// One simulation of the short hopper, without an environment.
-struct Alone {
-    data: Data,
-    index: usize,
-    episode: u64,
-    steps: u64,
+pub(crate) struct Alone {
+    pub(crate) data: Data,
+    pub(crate) index: usize,
+    pub(crate) episode: u64,
+    pub(crate) steps: u64,
 }
 
 impl Alone {
-    fn start(&mut self, seed: u64) {
+    pub(crate) fn start(&mut self, seed: u64) {
         (self.episode, self.steps) = (self.episode + 1, 0);
         self.data.reset().unwrap();
         ShortHopper.start(&mut Random::new(seed, self.index, self.episode), &mut self.data).unwrap();
     }
 
-    fn observation(&self) -> Vec<f64> {
+    pub(crate) fn observation(&self) -> Vec<f64> {
         let mut observation = vec![0.0; 11];
         Hopper.observe(&self.data, &mut observation);
         observation
     }
 
     /// Returns the reward, termination and truncation.
-    fn step(&mut self, action: &[f64]) -> (f64, bool, bool) {
+    pub(crate) fn step(&mut self, action: &[f64]) -> (f64, bool, bool) {
         let (qpos, qvel) = (self.data.qpos().to_vec(), self.data.qvel().to_vec());
         self.data.ctrl_mut().copy_from_slice(action);
         (0..4).for_each(|_| self.data.step().unwrap());

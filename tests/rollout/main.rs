@@ -7,6 +7,7 @@ mod fields;
 
 mod batch;
 mod controllers;
+mod disturbances;
 mod edits;
 mod environments;
 mod equality;

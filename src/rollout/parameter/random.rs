@@ -36,8 +36,10 @@ impl Random {
         Self::stream(seed, index, episode, 0)
     }
 
-    /// Creates one of several independent generators of an episode.
-    pub(crate) fn stream(seed: u64, index: usize, episode: u64, stream: u64) -> Self {
+    /// Creates one of several independent generators of an episode. Stream 0 is that of [`new`](Self::new). Parameter `k` of
+    /// [`Parameters`](super::Parameters) uses stream `k + 1`, and the noise and delays of a
+    /// [`VectorEnvironment`](crate::environment::VectorEnvironment) use stream `u64::MAX`. For others, choose large numbers.
+    pub fn stream(seed: u64, index: usize, episode: u64, stream: u64) -> Self {
         let key = [index as u64, episode, stream].into_iter().fold(mix(seed), |key, number| mix(key ^ mix(number)));
         Self { generator: Xoshiro256PlusPlus::seed_from_u64(key) }
     }

@@ -1,9 +1,12 @@
 //! A task in many simulations at once.
 
+mod disturbance;
+
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
+use self::disturbance::Disturbance;
 use super::{Motion, Task, Transition};
 use crate::data::StateSpec;
 use crate::error::{Error, Result};
@@ -33,6 +36,7 @@ pub struct VectorEnvironment<T> {
     qpos: Range<usize>,
     qvel: Range<usize>,
     has_parameters: bool,
+    disturbance: Disturbance,
 }
 
 impl<T: Task + 'static> VectorEnvironment<T> {
@@ -65,6 +69,7 @@ impl<T: Task + 'static> VectorEnvironment<T> {
             qpos: model.state_range(StateSpec::INTEGRATION, StateSpec::QPOS),
             qvel: model.state_range(StateSpec::INTEGRATION, StateSpec::QVEL),
             has_parameters: false,
+            disturbance: Disturbance::none(),
         };
         environment.reset()?;
         Ok(environment)
@@ -115,7 +120,8 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         Ok(())
     }
 
-    /// Applies the actions `(n, nu)`, row by row, steps all simulations, and starts a new episode where one has ended.
+    /// Applies the actions `(n, nu)`, row by row, with the noise and the delay if there are any, steps all simulations, and starts a new
+    /// episode where one has ended.
     ///
     /// A simulation that fails, for example by an instability, counts as terminated, with a reward of zero and a final observation of NaN.
     ///
@@ -130,6 +136,8 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         let nu = self.batch.model().nu();
         Error::check_length("the actions (n × nu)", actions.len(), self.len().saturating_mul(nu))?;
         self.before.as_mut_slice().copy_from_slice(self.batch.states().as_slice());
+        self.disturbance.disturb_actions(actions, &self.steps);
+        let actions = self.disturbance.received(actions);
         self.batch.step(|_, controls| controls.as_mut_slice().copy_from_slice(actions))?;
         self.final_observations.as_mut_slice().copy_from_slice(self.batch.observations().as_slice());
         let duration = self.batch.model().timestep() * self.task.frame_skip() as f64;
@@ -147,6 +155,9 @@ impl<T: Task + 'static> VectorEnvironment<T> {
             (self.rewards[index], self.terminated[index]) = (judgement.reward, judgement.terminated);
             self.truncated[index] = !judgement.terminated && self.steps[index] >= limit;
         }
+        if self.disturbance.has_observation_noise() {
+            self.disturbance.disturb_observations(&mut self.final_observations);
+        }
         self.start_episodes()
     }
 
@@ -163,7 +174,13 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         for index in (0..self.rewards.len()).filter(|&index| ended(index)) {
             self.steps[index] = 0;
         }
-        self.batch.reset_where(ended, |index, episode, data| task.start(&mut Random::new(seed, index, episode), data))
+        let result = self
+            .batch
+            .reset_where(ended, |index, episode, data| task.start(&mut Random::new(seed, index, episode), data));
+        for index in (0..self.rewards.len()).filter(|&index| ended(index)) {
+            self.disturbance.start(seed, index, self.batch.episode(index), self.batch.observations().row(index));
+        }
+        result
     }
 }
 
@@ -180,7 +197,11 @@ impl<T> VectorEnvironment<T> {
 
     /// Returns the present observations `(n, nobs)`: after the end of an episode, the first of the next one.
     pub fn observations(&self) -> MatrixView<'_> {
-        self.batch.observations()
+        if self.disturbance.has_observation_noise() {
+            self.disturbance.observations.view()
+        } else {
+            self.batch.observations()
+        }
     }
 
     /// Returns the observations after the last step, before new episodes started, `(n, nobs)`.
