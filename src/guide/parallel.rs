@@ -163,6 +163,9 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 //!
+//! The example `learn_gait` learns to run in a vector environment, by augmented random search: each simulation tries other weights of a linear
+//! policy. It plots the learning curves of three searches, records a film of the best policy, and saves it.
+//!
 //! # Threads and memory
 //!
 //! Rollouts and batches use the current [rayon] pool, by default one thread per logical processor. To use fewer threads, or pinned

@@ -142,6 +142,7 @@ fn examples_report_invalid_arguments() {
         ("humanoid_lqr", ["--push", "-20,north"], "'-20,north' for '--push"),
         ("humanoid_predictive", ["--newtons", "hard"], "'hard' for '--newtons"),
         ("humanoid_predictive", ["--threads", "-1"], "unexpected argument '-1'"),
+        ("learn_gait", ["--iterations", "all"], "'all' for '--iterations"),
     ] {
         let output = program(name, &arguments);
         let message = text(&output.stderr);

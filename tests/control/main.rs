@@ -8,8 +8,14 @@ mod attempt;
 mod cost;
 #[path = "../../examples/humanoid_predictive/planner.rs"]
 mod planner;
+#[allow(dead_code, reason = "the example uses the rest")]
+#[path = "../../examples/learn_gait/policy.rs"]
+mod policy;
 #[path = "../../examples/humanoid_predictive/robot.rs"]
 mod robot;
+#[allow(dead_code, reason = "the example uses the rest")]
+#[path = "../../examples/learn_gait/search.rs"]
+mod search;
 #[path = "../../examples/humanoid_lqr/set_point.rs"]
 mod set_point;
 #[path = "../../examples/humanoid_lqr/simulate.rs"]
@@ -25,6 +31,7 @@ mod extreme_numbers;
 mod gain_table;
 mod humanoid_balance;
 mod ilqr;
+mod learning;
 mod predictive;
 mod recursion;
 mod residual;
