@@ -68,7 +68,7 @@
 //! # Features
 //!
 //! All features are off by default. `renderer`: rendering and animations, without a window or a display. `viewer`: the window. `npz`: trajectories,
-//! rollouts and other arrays as NumPy files. `serde`: options, states, matrices and trajectories as plain data in the formats of serde.
+//! rollouts and other arrays as NumPy files. `ndarray`: matrices as arrays of the crate `ndarray`, without a copy. `serde`: options, states, matrices and trajectories as plain data in the formats of serde.
 //! `bindgen`: bindings for an engine without committed ones (see [`guide::engines`]).
 //!
 //! # Units and conventions
@@ -127,6 +127,10 @@ mod generated;
 
 /// The linear algebra crate of the views of matrices, in the version that this crate uses.
 pub use nalgebra;
+
+/// The crate of the arrays that matrices lend (feature `ndarray`), in the version that this crate uses.
+#[cfg(feature = "ndarray")]
+pub use ndarray;
 
 /// The crate of the thread pools that run rollouts, in the version that this crate uses.
 pub use rayon;

@@ -166,6 +166,29 @@
 //! The example `learn_gait` learns to run in a vector environment, by augmented random search: each simulation tries other weights of a linear
 //! policy. It plots the learning curves of three searches, records a film of the best policy, and saves it.
 //!
+//! ## Layout of the arrays, and neural networks
+//!
+//! States, observations, controls and parameters are contiguous row-major arrays of `f64`:
+//!
+//! | array | shape | strides in elements |
+//! |---|---|---|
+//! | [`Batch::states`] | `(n, nstate)`, [`StateSpec::INTEGRATION`](crate::StateSpec::INTEGRATION) | `(nstate, 1)` |
+//! | [`Batch::observations`], [`VectorEnvironment::observations`], [`final_observations`](VectorEnvironment::final_observations) | `(n, nobs)` | `(nobs, 1)` |
+//! | controls, and the actions of [`VectorEnvironment::step`] | `(n, nu)` | `(nu, 1)` |
+//! | [`Batch::parameters`] | `(n, nparameter)` | `(nparameter, 1)` |
+//! | [`rewards`](VectorEnvironment::rewards) (`f64`), [`terminated`](VectorEnvironment::terminated) and [`truncated`](VectorEnvironment::truncated) (`bool`) | `(n)` | `(1)` |
+//!
+//! [`MatrixView::as_slice`] returns the memory, which is valid until the next call that changes the simulations.
+//! [`MatrixView::to_f32_into`] rounds it to single precision. With `x` such a slice of shape `(n, m)`:
+//!
+//! | library | array or tensor | copies |
+//! |---|---|---|
+//! | ndarray | `observations.as_ndarray()` (feature `ndarray`) | no |
+//! | nalgebra | [`MatrixView::transposed`]: a column for each simulation | no |
+//! | candle | `Tensor::from_slice(x, (n, m), &device)?` | yes |
+//! | burn | `Tensor::<B, 2>::from_data(TensorData::new(x.to_vec(), [n, m]), &device)` | yes |
+//! | tch | `Tensor::from_slice(x).view([n as i64, m as i64])` | yes |
+//!
 //! # Threads and memory
 //!
 //! Rollouts and batches use the current [rayon] pool, by default one thread per logical processor. To use fewer threads, or pinned
@@ -199,7 +222,7 @@
 
 #[cfg(doc)]
 use crate::{
-    Data, Model,
+    Data, MatrixView, Model,
     environment::VectorEnvironment,
     rollout::{Batch, Parameter, Random, Rollout, Workers},
 };

@@ -36,6 +36,8 @@
 //! # Ok::<(), mujoco_safe::Error>(())
 //! ```
 
+#[cfg(feature = "ndarray")]
+mod ndarray;
 mod view;
 
 use std::fmt;

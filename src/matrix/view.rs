@@ -90,6 +90,28 @@ impl<'a> MatrixView<'a> {
         self.transposed().transpose()
     }
 
+    /// Rounds all values to single precision, in row-major order, as most neural networks expect them.
+    ///
+    /// ```
+    /// use mujoco_safe::{Batch, sample};
+    ///
+    /// let batch = Batch::new(sample::cartpole(), 8)?;
+    /// let observations = batch.observations();
+    /// let mut inputs = vec![0.0_f32; observations.as_slice().len()];
+    /// observations.to_f32_into(&mut inputs);
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    ///
+    /// If the number of values differs.
+    pub fn to_f32_into(&self, values: &mut [f32]) {
+        check_count(self.nrows, self.ncols, values.len());
+        for (to, from) in values.iter_mut().zip(self.values) {
+            *to = *from as f32;
+        }
+    }
+
     /// Returns a row-major copy.
     pub fn to_matrix(&self) -> Matrix {
         Matrix { nrows: self.nrows, ncols: self.ncols, values: self.values.to_vec() }

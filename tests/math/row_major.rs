@@ -3,7 +3,7 @@
 //! Properties that hold for all inputs are tested on random ones. Numbers are compared by their bits: -0, subnormal numbers,
 //! infinities and NaN included.
 
-use mujoco_safe::{Data, Error, Matrix};
+use mujoco_safe::{Data, Error, Matrix, MatrixView, MatrixViewMut};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 
@@ -62,6 +62,42 @@ proptest! {
     }
 
     #[test]
+    fn ndarray_views_are_the_memory_of_the_matrix((rows, columns, values) in any_matrix()) {
+        let mut matrix = Matrix::from_row_major(rows, columns, values.clone());
+        let view = matrix.as_ndarray();
+        prop_assert_eq!((view.dim(), view.is_standard_layout()), ((rows, columns), true));
+        prop_assert!(values.is_empty() || view.as_ptr() == matrix.as_slice().as_ptr());
+        for ((row, column), value) in view.indexed_iter() {
+            prop_assert_eq!(value.to_bits(), matrix[(row, column)].to_bits());
+        }
+        matrix.as_ndarray_mut().fill(0.5);
+        prop_assert!(matrix.as_slice().iter().all(|value| *value == 0.5));
+        let mut copy = vec![0.0; values.len()];
+        MatrixViewMut::from_row_major(rows, columns, &mut copy).as_ndarray_mut().assign(&matrix.as_ndarray());
+        prop_assert_eq!(copy, matrix.as_slice());
+    }
+
+    #[test]
+    fn single_precision_has_the_nearest_values((rows, columns, values) in any_matrix()) {
+        let matrix = Matrix::from_row_major(rows, columns, values.clone());
+        let mut rounded = vec![f32::MAX; values.len()];
+        matrix.view().to_f32_into(&mut rounded);
+        for (rounded, value) in rounded.iter().zip(&values) {
+            let error = (f64::from(*rounded) - value).abs();
+            if value.is_nan() {
+                prop_assert!(rounded.is_nan());
+            } else if value.abs() > f64::from(f32::MAX) {
+                prop_assert!(rounded.abs() >= f32::MAX && rounded.is_sign_negative() == value.is_sign_negative());
+            } else {
+                // The distance to neither neighbour is less.
+                prop_assert!([rounded.next_down(), rounded.next_up()].iter().all(|next| {
+                    (f64::from(*next) - value).abs() >= error
+                }), "{value} became {rounded}");
+            }
+        }
+    }
+
+    #[test]
     fn the_transposed_view_multiplies_like_the_matrix(
         (rows, columns, values) in any_matrix(),
         vector in prop::collection::vec(-1e3..1e3_f64, 7),
@@ -83,6 +119,18 @@ proptest! {
 #[should_panic(expected = "needs 6 values, not 5")]
 fn values_that_do_not_match_the_shape_panic() {
     let _ = Matrix::from_row_major(2, 3, vec![0.0; 5]);
+}
+
+#[test]
+#[should_panic(expected = "needs 6 values, not 7")]
+fn single_precision_needs_as_many_values() {
+    Matrix::zeros(2, 3).view().to_f32_into(&mut [0.0; 7]);
+}
+
+#[test]
+#[should_panic(expected = "more than isize::MAX rows")]
+fn ndarray_has_no_longer_arrays() {
+    MatrixView::from_row_major(usize::MAX, 0, &[]).as_ndarray();
 }
 
 #[test]
