@@ -1,19 +1,20 @@
-//! Distributed rollouts: each MPI rank simulates its share on all of its threads, and rank 0 gathers the final states.
+//! Distributed batch: each MPI rank steps its share of the simulations on all of its threads, and rank 0 gathers the final states.
 //!
 //! ```text
-//! scripts/mpi                                         # installs Open MPI, builds, and runs this example with two ranks
-//! mpirun -n 2 target/release/mujoco-safe-mpi --check
+//! scripts/mpi                                               # installs Open MPI, builds, and runs this example with 1, 2 and 4 ranks
+//! mpirun -n 2 target/mpi/release/mujoco-safe-mpi --check
 //! ```
 //!
 //! Options:
 //!
-//! - `--rollouts N`: number of rollouts (64)
-//! - `--steps N`: steps of each rollout (100)
-//! - `--seed N`: seed of the controls (1)
-//! - `--check`: repeats all rollouts on rank 0 and compares the states
+//! - `--simulations N`: number of simulations (64)
+//! - `--steps N`: number of steps (300)
+//! - `--seed N`: seed of the initial states and the controls (1)
+//! - `--check`: repeats all simulations on rank 0 and compares the states
 //!
-//! The inputs of a rollout depend only on its index. The final states are therefore bitwise equal for any number of ranks and
-//! threads, if all ranks use the same engine and the same kind of processor.
+//! Humanoids start in a standing posture with random velocities, move under random controls, and start again after a fall. All random
+//! numbers depend on the index of the simulation among those of all ranks, and on the number of its episode or step. The final states
+//! are therefore bitwise equal for any number of ranks and threads, if all ranks use the same engine and the same kind of processor.
 
 use std::error::Error;
 use std::ops::Range;
@@ -22,14 +23,20 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use mpi::Threading;
+use mpi::collective::SystemOperation;
 use mpi::datatype::PartitionMut;
 use mpi::topology::Communicator;
 use mpi::traits::{CommunicatorCollectives, Root};
-use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
-use mujoco_safe::{Controller, Data, Model, RandomController, StateSpec, sample};
+use mujoco_safe::rollout::{Batch, Random};
+use mujoco_safe::{Data, Model, StateSpec, sample};
+
+/// Height of the torso below which a humanoid has fallen, m.
+const FALLEN: f64 = 0.8;
+/// Stream of the random numbers for the controls.
+const CONTROLS: u64 = 1 << 32;
 
 struct Arguments {
-    rollouts: usize,
+    simulations: usize,
     steps: usize,
     seed: u64,
     check: bool,
@@ -37,11 +44,11 @@ struct Arguments {
 
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
     use lexopt::prelude::*;
-    let mut arguments = Arguments { rollouts: 64, steps: 100, seed: 1, check: false };
+    let mut arguments = Arguments { simulations: 64, steps: 300, seed: 1, check: false };
     let mut parser = lexopt::Parser::from_env();
     while let Some(argument) = parser.next()? {
         match argument {
-            Long("rollouts") => arguments.rollouts = parser.value()?.parse()?,
+            Long("simulations") => arguments.simulations = parser.value()?.parse()?,
             Long("steps") => arguments.steps = parser.value()?.parse()?,
             Long("seed") => arguments.seed = parser.value()?.parse()?,
             Long("check") => arguments.check = true,
@@ -51,34 +58,41 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
     Ok(arguments)
 }
 
-/// Returns the rollouts of a rank.
+/// Returns the simulations of a rank.
 fn share(all: usize, rank: usize, ranks: usize) -> Range<usize> {
     all * rank / ranks..all * (rank + 1) / ranks
 }
 
-/// Simulates some of the rollouts and returns their final states, concatenated.
-fn final_states(model: &Arc<Model>, which: Range<usize>, arguments: &Arguments) -> Result<Vec<f64>, Box<dyn Error>> {
-    let mut data = Data::new(model.clone())?;
-    data.reset_to_key("stand")?;
-    let start = data.state(StateSpec::INTEGRATION);
-    let mut controls = Vec::with_capacity(which.len() * arguments.steps * model.nu());
-    for rollout in which.clone() {
-        let mut random = RandomController::new(arguments.seed.wrapping_mul(1_000_003).wrapping_add(rollout as u64));
-        for _ in 0..arguments.steps {
-            random.control(&mut data)?;
-            controls.extend_from_slice(data.ctrl());
-        }
+/// Steps some of the simulations. Returns their final states, concatenated, and the number of falls.
+fn final_states(
+    model: &Arc<Model>,
+    which: Range<usize>,
+    arguments: &Arguments,
+) -> mujoco_safe::Result<(Vec<f64>, u64)> {
+    let (first, seed) = (which.start, arguments.seed);
+    let start = |index: usize, episode: u64, data: &mut Data| {
+        data.reset_to_key("stand")?;
+        let mut random = Random::new(seed, first + index, episode);
+        data.qvel_mut().iter_mut().for_each(|velocity| *velocity = 0.1 * random.normal());
+        Ok(())
+    };
+    let mut batch = Batch::new(model, which.len())?;
+    batch.reset_where(|_| true, start)?;
+    for step in 0..arguments.steps as u64 {
+        batch.step(|_, controls| {
+            for (index, controls) in controls.as_mut_slice().chunks_exact_mut(model.nu()).enumerate() {
+                let mut random = Random::stream(seed, first + index, step, CONTROLS);
+                controls.iter_mut().for_each(|control| *control = random.uniform(-1.0, 1.0));
+            }
+        })?;
+        let fallen: Vec<bool> = batch.observations().rows().map(|observation| observation[2] < FALLEN).collect();
+        batch.reset_where(|index| fallen[index], start)?;
     }
-    let width = model.state_size(StateSpec::PHYSICS);
-    let mut states = vec![0.0; which.len() * (arguments.steps + 1) * width];
-    let workers = Workers::new(model.clone());
-    let outcomes = Rollout::on(&workers, which.len(), arguments.steps)
-        .initial_state(StateSpec::INTEGRATION, &start)
-        .controls(&controls)
-        .run_into(RolloutBuffers { states: Some(&mut states), ..Default::default() })?;
-    outcomes.into_iter().collect::<Result<Vec<()>, _>>()?;
-    let last = states.chunks_exact((arguments.steps + 1) * width).map(|rollout| &rollout[arguments.steps * width..]);
-    Ok(last.flatten().copied().collect())
+    if let Some((index, error)) = batch.failures().next() {
+        eprintln!("simulation {} failed: {error}", first + index);
+    }
+    let falls = (0..batch.len()).map(|index| batch.episode(index) - 1).sum();
+    Ok((batch.states().as_slice().to_vec(), falls))
 }
 
 /// Hashes the bits of the states (FNV-1a).
@@ -94,30 +108,33 @@ fn run() -> Result<(), Box<dyn Error>> {
     let world = universe.world();
     let (rank, ranks) = (usize::try_from(world.rank())?, usize::try_from(world.size())?);
     let model = Arc::new(sample::humanoid());
-    let width = model.state_size(StateSpec::PHYSICS);
+    let width = model.state_size(StateSpec::INTEGRATION);
 
     world.barrier();
     let start = Instant::now();
-    let mine = final_states(&model, share(arguments.rollouts, rank, ranks), &arguments)?;
+    let (mine, falls) = final_states(&model, share(arguments.simulations, rank, ranks), &arguments)?;
     let first = world.process_at_rank(0);
     if rank > 0 {
         first.gather_varcount_into(&mine[..]);
+        first.reduce_into(&falls, SystemOperation::sum());
         return Ok(());
     }
-    let shares = (0..ranks).map(|rank| share(arguments.rollouts, rank, ranks));
+    let shares = (0..ranks).map(|rank| share(arguments.simulations, rank, ranks));
     let counts = shares.clone().map(|share| i32::try_from(share.len() * width)).collect::<Result<Vec<_>, _>>()?;
     let starts = shares.map(|share| i32::try_from(share.start * width)).collect::<Result<Vec<_>, _>>()?;
-    let mut all = vec![0.0; arguments.rollouts * width];
+    let mut all = vec![0.0; arguments.simulations * width];
     first.gather_varcount_into_root(&mine[..], &mut PartitionMut::new(&mut all[..], counts, starts));
+    let mut all_falls = 0_u64;
+    first.reduce_into_root(&falls, &mut all_falls, SystemOperation::sum());
     println!(
-        "{} rollouts of {} steps in {ranks} ranks: {:.3} s, final states {:016x}",
-        arguments.rollouts,
+        "{} simulations of {} steps in {ranks} ranks: {:.3} s, {all_falls} falls, final states {:016x}",
+        arguments.simulations,
         arguments.steps,
         start.elapsed().as_secs_f64(),
         digest(&all)
     );
     if arguments.check {
-        let alone = final_states(&model, 0..arguments.rollouts, &arguments)?;
+        let (alone, _) = final_states(&model, 0..arguments.simulations, &arguments)?;
         if !alone.iter().zip(&all).all(|(alone, all)| alone.to_bits() == all.to_bits()) || alone.len() != all.len() {
             return Err("a single process computes different states".into());
         }
