@@ -61,7 +61,8 @@
 //!
 //! - A single pass computes all lights, and shaders are specialised at run time for the lights of the scene. The engine
 //!   draws everything once more for each shadow-casting light.
-//! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights.
+//! - Up to 100 lights are active, and up to 8 of them cast shadows. OpenGL is limited to 8 lights, which
+//!   [`max_lights`](RendererOptions::max_lights) imitates.
 //! - Round shapes that cover few pixels have fewer vertices.
 //! - The sample count is the largest supported count that does not exceed the model's.
 //! - Depth is in metres, and infinite for the background. The engine returns a value from 0 to 1 that depends on the

@@ -36,12 +36,16 @@ pub struct RendererOptions {
     pub shadow_size: Option<u32>,
     /// Frequency of the lighting computation.
     pub lighting: Lighting,
+    /// Number of active lights: the first lights of the scene, of which the first is the headlight, if it is active. `Some(8)` imitates the
+    /// engine's renderer, in which OpenGL ignores the others. `None` selects all, of which the engine allows 100.
+    pub max_lights: Option<usize>,
 }
 
 with_methods!(RendererOptions {
     with_samples(samples: u32) = Some(samples),
     with_shadow_size(shadow_size: u32) = Some(shadow_size),
     with_lighting(lighting: Lighting),
+    with_max_lights(max_lights: usize) = Some(max_lights),
 });
 
 /// Largest magnitude of a value that can be rendered. Its square is finite in single precision.

@@ -68,6 +68,24 @@ fn a_directional_light_follows_the_cosine_law() {
 }
 
 #[test]
+fn lights_beyond_the_limit_of_the_options_are_ignored() {
+    // Light k adds k/100 of red. With the engine's OpenGL only the first 8 lights have an effect.
+    let light = |k: usize| {
+        let red = 0.01 * k as f64;
+        format!(r#"<light directional="true" castshadow="false" dir="1 0 0" diffuse="{red} 0 0" specular="0 0 0"/>"#)
+    };
+    let body: String = (1..=10).map(light).collect();
+    let body = format!(r#"{body}<geom type="box" size="0.5 2 2" rgba="1 1 1 1"/>"#);
+    for (limit, total) in [(None, 55.0), (Some(8), 36.0), (Some(1), 1.0)] {
+        let mut options = RendererOptions::default().with_samples(1);
+        options.max_lights = limit;
+        let mut stage = Stage::with(&world("", &body), SIZE, &options);
+        stage.look_along_x([0.0; 3], 3.0);
+        assert_rgb(middle(&stage.rgb()), [0.01 * total, 0.0, 0.0]);
+    }
+}
+
+#[test]
 fn a_spot_light_attenuates_and_has_a_cone() {
     let lamp = |cutoff: f64, x: f64| {
         let body = format!(

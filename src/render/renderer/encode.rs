@@ -91,7 +91,7 @@ impl Renderer {
         let frustum = ViewFrustum::new(scene, &scene.viewpoint(), size)?;
         let frustum = if flip_y { frustum.flipped() } else { frustum };
         let has_shadows = aux.is_none() && self.shadow_maps.is_enabled();
-        let lights = Lights::new(scene, &frustum, &self.settings, has_shadows);
+        let lights = Lights::new(scene, &frustum, &self.settings, has_shadows, self.options.max_lights);
         let Self { gpu, list, shapes, textures, bounds, instances, .. } = self;
         if aux.is_some_and(AuxOutput::has_depth) {
             shapes.create_depth_levels(gpu)?;

@@ -43,12 +43,18 @@ pub(crate) struct Lights {
 }
 
 impl Lights {
-    /// Collects the lights of a scene, except lights with invalid values.
-    pub(crate) fn new(scene: &Scene, frustum: &ViewFrustum, settings: &VisualSettings, has_shadows: bool) -> Self {
+    /// Collects the first `max_lights` lights of a scene, except lights with invalid values.
+    pub(crate) fn new(
+        scene: &Scene,
+        frustum: &ViewFrustum,
+        settings: &VisualSettings,
+        has_shadows: bool,
+        max_lights: Option<usize>,
+    ) -> Self {
         let has_shadows = has_shadows && scene.render_flags().contains(RenderFlags::SHADOW);
         let mut shadows = 0;
         let mut active = Vec::new();
-        for (index, mut light) in scene.lights().enumerate() {
+        for (index, mut light) in scene.lights().enumerate().take(max_lights.unwrap_or(usize::MAX)) {
             if index == 0 && light.headlight {
                 light.pos = frustum.position.map(|coordinate| coordinate as f32);
                 light.dir = frustum.forward.map(|coordinate| coordinate as f32);
