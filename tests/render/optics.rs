@@ -159,6 +159,22 @@ fn fog_hides_distant_geoms() {
 }
 
 #[test]
+fn the_sky_is_visible_through_the_wire_frame_of_a_floor() {
+    let xml = r#"<mujoco><statistic extent="1" center="0 0 0"/><visual><map znear="0.01" zfar="100"/></visual>
+      <asset><texture type="skybox" builtin="flat" width="8" height="48" rgb1="0.2 0.4 0.6" rgb2="0.2 0.4 0.6"/></asset>
+      <worldbody><geom type="plane" size="0 0 1"/></worldbody></mujoco>"#;
+    let mut stage = Stage::new(xml, SIZE);
+    stage.look([0.0; 3], 1.0, 90.0, -70.0);
+    let is_sky = |picture: &RgbImage| {
+        let near = |pixel: &&[u8; 3]| pixel.iter().zip([51, 102, 153]).all(|(&byte, sky)| byte.abs_diff(sky) <= 1);
+        picture.as_bytes().as_chunks::<3>().0.iter().filter(near).count()
+    };
+    assert_eq!(is_sky(&stage.rgb()), 0, "the floor hides the sky");
+    stage.scene.set_render_flags(stage.scene.render_flags() | RenderFlags::WIREFRAME);
+    assert!(is_sky(&stage.rgb()) > 33 * 33 / 2);
+}
+
+#[test]
 fn a_mirror_shows_the_reflected_geom() {
     let mirror = |size: &str| {
         let xml = format!(

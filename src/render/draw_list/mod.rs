@@ -121,7 +121,8 @@ impl DrawList {
                 continue;
             }
             if self.horizon.is_none() && is_infinite_plane(geom) {
-                self.horizon = Some(Horizon { pos: geom.pos(), mat: geom.mat(), is_opaque: !is_transparent });
+                let is_opaque = !is_transparent && !flags.contains(RenderFlags::WIREFRAME);
+                self.horizon = Some(Horizon { pos: geom.pos(), mat: geom.mat(), is_opaque });
             }
             let is_line = geom.geom_type() == SceneGeomType::Line;
             let is_plane = geom.geom_type() == SceneGeomType::Plane;
