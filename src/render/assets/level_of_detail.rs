@@ -31,8 +31,21 @@ pub(crate) enum DetailLevel {
 /// Number of levels of detail for colour images.
 pub(crate) const COLOR_LEVELS: usize = 3;
 
-/// Maximum number of slices of each level for colour images.
-const COLOR_SLICES: [u32; COLOR_LEVELS] = [Tessellation::MAX, 14, 8];
+/// Largest subdivisions of a level for colour images.
+struct ColorLevel {
+    slices: u32,
+    /// Along the meridian of a sphere, and along a long cylinder.
+    stacks: u32,
+    /// Along straight surfaces, where they affect only the per-vertex lighting.
+    straight_stacks: u32,
+}
+
+/// The outline of a round shape depends mainly on its slices, so the other subdivisions are reduced first.
+const COLOR: [ColorLevel; COLOR_LEVELS] = [
+    ColorLevel { slices: Tessellation::MAX, stacks: Tessellation::MAX, straight_stacks: Tessellation::MAX },
+    ColorLevel { slices: 28, stacks: 10, straight_stacks: 4 },
+    ColorLevel { slices: 14, stacks: 6, straight_stacks: 3 },
+];
 
 /// Number of slices of each level for depth and segmentation images.
 pub(crate) const DEPTH_LEVELS: [u32; 4] = [32, 64, 128, Tessellation::MAX];
@@ -43,18 +56,19 @@ impl RoundShape {
 
     /// Generates the triangles of all levels for colour images.
     pub(super) fn color_levels(self, tessellation: Tessellation, lighting: Lighting) -> [Triangles; COLOR_LEVELS] {
-        COLOR_SLICES.map(|slices| {
-            let tessellation = tessellation.with_slices(slices);
+        COLOR.map(|limits| {
+            let tessellation = tessellation.limited(limits.slices, limits.stacks);
             let Tessellation { slices, stacks, .. } = tessellation;
+            let straight_stacks = stacks.min(limits.straight_stacks);
             // Straight surfaces need stacks only for per-vertex lighting.
-            let lit_stacks = if lighting == Lighting::PerVertex { stacks } else { 2 };
+            let lit_stacks = if lighting == Lighting::PerVertex { straight_stacks } else { 2 };
             match self {
                 Self::Sphere => shape::sphere(tessellation),
                 Self::Hemisphere => shape::hemisphere(tessellation),
                 Self::Cylinder => shape::cylinder(slices, lit_stacks),
                 Self::LongCylinder => shape::cylinder(slices, stacks),
                 Self::Disk => shape::disk(slices, (lit_stacks / 2).max(1)),
-                Self::Cone => shape::cone(slices, stacks),
+                Self::Cone => shape::cone(slices, straight_stacks),
             }
         })
     }

@@ -100,12 +100,9 @@ impl Tessellation {
         Self::new(quality.numslices, quality.numstacks, quality.numquads)
     }
 
-    /// Limits the number of slices and reduces the other subdivisions in proportion, for shapes that are small on the
-    /// screen.
-    pub(crate) fn with_slices(self, slices: u32) -> Self {
-        let slices = slices.clamp(3, self.slices);
-        let scaled = |count: u32| (u64::from(count) * u64::from(slices)).div_ceil(u64::from(self.slices)) as usize;
-        Self::new(slices as usize, scaled(self.stacks), scaled(self.quads))
+    /// Limits the slices and the stacks, for shapes that are small on the screen.
+    pub(crate) fn limited(self, slices: u32, stacks: u32) -> Self {
+        Self { slices: self.slices.min(slices), stacks: self.stacks.min(stacks), ..self }
     }
 
     /// Returns the largest distance between a circle and the edges of its regular polygon, in radii: `1 - cos(π /
@@ -149,11 +146,10 @@ mod tests {
     }
 
     #[test]
-    fn fewer_slices_reduce_all_subdivisions_and_more_slices_have_no_effect() {
+    fn limits_reduce_only_finer_subdivisions() {
         let tessellation = Tessellation::new(28, 16, 4);
-        assert_eq!(tessellation.with_slices(14), Tessellation { slices: 14, stacks: 8, quads: 2 });
-        assert_eq!(tessellation.with_slices(0), Tessellation { slices: 3, stacks: 2, quads: 1 });
-        assert_eq!(tessellation.with_slices(100), tessellation);
+        assert_eq!(tessellation.limited(14, 6), Tessellation { slices: 14, stacks: 6, quads: 4 });
+        assert_eq!(tessellation.limited(100, 20), tessellation);
     }
 
     #[test]
