@@ -3,8 +3,9 @@
 
 Reads requests from standard input, one JSON object per line, and answers each with another:
 
-    {"open": NAME, "width": W, "height": H}   a scene of tests/render/pictures/scenes.json: {"first": seconds to the first image}
-    {"draw": N}                               {"cpu": seconds of all threads, "wall": seconds} for N images
+    {"open": MODEL, "width": W, "height": H, ...}   opens a scene (see `Drawing`): {}
+    {"draw": N}                                     {"cpu": seconds of all threads, "wall": seconds} for N images
+    {"picture": FILE}                               writes the bytes of an image, from the upper left: {}
 
 As on the Rust side, an image consists of updating the abstract scene, drawing it and reading the pixels back.
 """
@@ -22,12 +23,30 @@ import make  # noqa: E402
 
 
 class Drawing:
-    def __init__(self, scene, width, height):
-        self.model, self.data, _ = make.state_of(scene)
+    """A model in a given state, seen from its camera `fixed` or from a free camera, with these flags of `mjvOption` and `mjvScene`."""
+
+    def __init__(self, scene):
+        self.model = mujoco.MjModel.from_xml_path(scene["open"])
+        self.model.hfield_data[:] = scene["elevations"]
+        quality = self.model.vis.quality
+        if scene["samples"] is not None:
+            # OpenGL counts no samples without multisampling.
+            quality.offsamples = scene["samples"] if scene["samples"] > 1 else 0
+        if scene["shadow_size"] is not None:
+            quality.shadowsize = scene["shadow_size"]
+        self.data = mujoco.MjData(self.model)
+        for key, values in scene["state"].items():
+            getattr(self.data, key)[:] = values
+        mujoco.mj_forward(self.model, self.data)
         self.camera, self.options = make.view_of(scene)
+        if scene["fixed"] is not None:
+            self.camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
+            self.camera.fixedcamid = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_CAMERA, scene["fixed"])
         self.perturbation = mujoco.MjvPerturb()
         self.picture = mujoco.MjvScene(self.model, maxgeom=20_000)
-        start = time.perf_counter()
+        for flag in scene["render"]:
+            self.picture.flags[getattr(mujoco.mjtRndFlag, f"mjRND_{flag}")] = 1
+        width, height = scene["width"], scene["height"]
         self.model.vis.global_.offwidth, self.model.vis.global_.offheight = width, height
         self.opengl = mujoco.GLContext(width, height)
         self.opengl.make_current()
@@ -36,7 +55,6 @@ class Drawing:
         self.area = mujoco.MjrRect(0, 0, width, height)
         self.rgb = np.empty((height, width, 3), np.uint8)
         self.draw()
-        self.first = time.perf_counter() - start
 
     def draw(self):
         make.update(self.picture, self.model, self.data, self.camera, self.options, self.perturbation)
@@ -49,15 +67,19 @@ class Drawing:
 
 
 def answers():
-    scenes = {scene["name"]: scene for scene in json.loads((make.HERE / "scenes.json").read_text())}
     drawing = None
     for line in sys.stdin:
         request = json.loads(line)
         if "open" in request:
             if drawing:
                 drawing.close()
-            drawing = Drawing(scenes[request["open"]], request["width"], request["height"])
-            yield {"first": drawing.first}
+            drawing = Drawing(request)
+            yield {}
+        elif "picture" in request:
+            drawing.draw()
+            # OpenGL counts rows from the bottom.
+            drawing.rgb[::-1].tofile(request["picture"])
+            yield {}
         else:
             cpu, wall = time.process_time(), time.perf_counter()
             for _ in range(request["draw"]):

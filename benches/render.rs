@@ -13,26 +13,41 @@
 //! the processor time of all threads. With a software renderer, such as Mesa's lavapipe and OSMesa, this is the full cost
 //! of an image, independent of other load. With a graphics card it is only the cost on the CPU.
 //!
-//! The benchmark also measures the time to the first image, the cost of colours, depth and segmentation together relative to colours alone, and
-//! the CPU time to prepare a frame for up to 10,000 geoms.
+//! The benchmark also measures the time to the first image, the cost of colours, depth and segmentation together relative to colours alone,
+//! and the CPU time to prepare a frame for up to 10,000 geoms.
 //!
 //! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `outputs` and `prepare`. Processor time comes from `/proc`
 //! (Linux).
+//!
+//! The argument `pictures` compares the images of all scenes with the engine's instead: those of the tests, and those of
+//! `render/scenes.json`. It writes them to `target/tmp/pictures`, with all of them on `sheet.png`: the engine's image, ours, and their
+//! difference scaled by eight.
 
+#[path = "render/arm.rs"]
+mod arm;
+#[path = "../tests/render/pictures/difference.rs"]
+mod difference;
+#[path = "render/engine.rs"]
+mod engine;
+#[path = "render/more_scenes.rs"]
+mod more_scenes;
+#[path = "render/pictures.rs"]
+mod pictures;
 #[path = "../tests/render/pictures/scenes.rs"]
 mod scenes;
 
 use std::env;
 use std::error::Error;
 use std::fs;
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::Command;
 use std::time::Instant;
 
-use mujoco_safe::render::{Images, Lighting, Renderer, RendererOptions, RgbImage};
+use mujoco_safe::render::{Gpu, Images, Lighting, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::scene::{Camera, Categories, NewGeom, SceneOptions};
 use mujoco_safe::{Data, Scene, sample};
-use serde_json::{Value, json};
+
+use crate::engine::Engine;
+use crate::scenes::Setting;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -61,7 +76,9 @@ fn main() -> Result<()> {
             if name == "humanoid" { &[Lighting::PerVertex, Lighting::PerPixel] } else { &[Lighting::PerVertex] };
         for size in SIZES.into_iter().filter(|_| wanted(name)) {
             for &lighting in lightings {
-                compare(name, size, lighting, rounds, engine.as_mut())?;
+                let options = RendererOptions::default().with_lighting(lighting);
+                let title = format!("{name} {}×{} {lighting:?}", size[0], size[1]);
+                compare(&title, scenes::named(name), size, &options, rounds, engine.as_mut())?;
             }
         }
     }
@@ -75,12 +92,16 @@ fn main() -> Result<()> {
     if wanted("prepare") {
         prepare(rounds)?;
     }
+    if names.iter().any(|name| *name == "pictures") {
+        let arm = arm::Arm::create()?;
+        pictures::compare_all(&arm, engine.as_mut().ok_or("the comparison of pictures needs MUJOCO_PYTHON")?)?;
+    }
     Ok(())
 }
 
 /// This crate's renderer with a scene.
 struct Drawing {
-    setting: scenes::Setting,
+    setting: Setting,
     data: Data,
     scene: Scene,
     camera: Camera,
@@ -89,13 +110,11 @@ struct Drawing {
 }
 
 impl Drawing {
-    fn new(name: &str, [width, height]: [u32; 2], lighting: Lighting) -> Result<Self> {
-        let setting = scenes::named(name);
+    fn new(gpu: &Gpu, setting: Setting, [width, height]: [u32; 2], options: &RendererOptions) -> Result<Self> {
         let mut data = setting.after_steps();
         let scene = setting.scene(&mut data);
-        let renderer =
-            Renderer::with_options(data.model(), width, height, &RendererOptions::default().with_lighting(lighting))?;
-        let camera = setting.camera();
+        let renderer = Renderer::on(gpu, data.model(), width, height, options)?;
+        let camera = setting.camera(data.model());
         let mut drawing = Self { setting, data, scene, camera, renderer, picture: RgbImage::default() };
         drawing.draw()?;
         Ok(drawing)
@@ -117,11 +136,17 @@ impl Drawing {
     }
 }
 
-fn compare(name: &str, size: [u32; 2], lighting: Lighting, rounds: usize, engine: Option<&mut Engine>) -> Result<()> {
-    let mut ours = Drawing::new(name, size, lighting)?;
+fn compare(
+    title: &str,
+    setting: Setting,
+    size: [u32; 2],
+    options: &RendererOptions,
+    rounds: usize,
+    engine: Option<&mut Engine>,
+) -> Result<()> {
+    let mut ours = Drawing::new(&Gpu::new()?, setting, size, options)?;
     let of_one = ours.turn(3)? / 3.0;
     let pictures = (TURN / of_one).ceil().clamp(2.0, 100.0) as usize;
-    let title = format!("{name} {}×{} {lighting:?}", size[0], size[1]);
     let Some(engine) = engine else {
         let mut times =
             (0..rounds).map(|_| Ok(ours.turn(pictures)? / pictures as f64)).collect::<Result<Vec<f64>>>()?;
@@ -129,7 +154,8 @@ fn compare(name: &str, size: [u32; 2], lighting: Lighting, rounds: usize, engine
         println!("{title:40} {:.2} images per CPU second [{:.2}, {:.2}]", 1.0 / median, 1.0 / high, 1.0 / low);
         return Ok(());
     };
-    engine.open(name, size)?;
+    engine.open(&ours.setting, &ours.data, size, options)?;
+    engine.turn(3)?;
     let (mut our_times, mut engine_times, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..rounds {
         let (ours, engines) = (ours.turn(pictures)?, engine.turn(pictures)?);
@@ -139,13 +165,13 @@ fn compare(name: &str, size: [u32; 2], lighting: Lighting, rounds: usize, engine
     }
     let Spread { low, median, high } = Spread::of(&mut ratios);
     let (ours, engines) = (Spread::of(&mut our_times).median, Spread::of(&mut engine_times).median);
-    println!("{title:40} ours {ours:6.1} ms, engine {engines:6.1} ms: {median:.2} times as fast [{low:.2}, {high:.2}]");
+    println!("{title:40} ours {ours:6.2} ms, engine {engines:6.2} ms: {median:.2} times as fast [{low:.2}, {high:.2}]");
     Ok(())
 }
 
 /// Compares the processor time of colours, depth and segmentation together with that of colours alone.
 fn outputs(name: &str, size: [u32; 2], rounds: usize) -> Result<()> {
-    let mut drawing = Drawing::new(name, size, Lighting::PerVertex)?;
+    let mut drawing = Drawing::new(&Gpu::new()?, scenes::named(name), size, &RendererOptions::default())?;
     let of_one = drawing.turn(3)? / 3.0;
     let pictures = (0.5 * TURN / of_one).ceil().clamp(2.0, 100.0) as usize;
     let mut images = Images::default();
@@ -266,56 +292,4 @@ fn processor_time() -> Result<f64> {
         }
     }
     Ok(1e-9 * nanoseconds)
-}
-
-/// Process that runs the engine's renderer.
-struct Engine {
-    process: Child,
-    input: ChildStdin,
-    output: BufReader<ChildStdout>,
-}
-
-impl Engine {
-    fn start() -> Result<Option<Self>> {
-        let Some(python) = env::var_os("MUJOCO_PYTHON") else {
-            println!("the engine's renderer is omitted: MUJOCO_PYTHON is not set");
-            return Ok(None);
-        };
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/render.py");
-        let mut command = Command::new(python);
-        command.arg(script).stdin(Stdio::piped()).stdout(Stdio::piped());
-        if env::var_os("MUJOCO_GL").is_none() {
-            command.env("MUJOCO_GL", "osmesa");
-        }
-        let mut process = command.spawn()?;
-        let (input, output) =
-            (process.stdin.take().ok_or("stdin is not piped")?, process.stdout.take().ok_or("stdout is not piped")?);
-        Ok(Some(Self { process, input, output: BufReader::new(output) }))
-    }
-
-    fn request(&mut self, request: &Value) -> Result<Value> {
-        writeln!(self.input, "{request}")?;
-        let mut answer = String::new();
-        self.output.read_line(&mut answer)?;
-        if answer.is_empty() {
-            return Err("the engine's process has ended".into());
-        }
-        Ok(serde_json::from_str(&answer)?)
-    }
-
-    fn open(&mut self, name: &str, [width, height]: [u32; 2]) -> Result<()> {
-        self.request(&json!({"open": name, "width": width, "height": height}))?;
-        self.turn(3).map(drop)
-    }
-
-    fn turn(&mut self, pictures: usize) -> Result<f64> {
-        self.request(&json!({"draw": pictures}))?["cpu"].as_f64().ok_or_else(|| "the answer contains no time".into())
-    }
-}
-
-impl Drop for Engine {
-    fn drop(&mut self) {
-        _ = self.process.kill();
-        _ = self.process.wait();
-    }
 }

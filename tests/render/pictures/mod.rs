@@ -14,6 +14,7 @@
 
 #![forbid(unsafe_code)]
 
+mod difference;
 mod scenes;
 
 use std::fs::{self, File};
@@ -24,6 +25,7 @@ use mujoco_safe::render::{Lighting, Renderer, RendererOptions, RgbImage};
 use mujoco_safe::{Data, Scene};
 
 use crate::stage;
+use difference::{Difference, side_by_side};
 use scenes::Setting;
 
 const WIDTH: usize = 640;
@@ -31,8 +33,6 @@ const HEIGHT: usize = 480;
 
 /// Largest mean difference, of 255.
 const MEAN: f64 = 1.5;
-/// Difference of a channel, of 255, above which a pixel is an outlier.
-const OUTLIER: u8 = 8;
 /// Lighting modes, with the ending of the names of their images.
 const MODES: [(&str, Lighting); 2] = [("", Lighting::PerVertex), ("_per_pixel", Lighting::PerPixel)];
 
@@ -45,35 +45,8 @@ fn largest_share(name: &str, lighting: Lighting) -> f64 {
     }
 }
 
-/// The difference between two images.
-#[derive(Debug)]
-struct Difference {
-    /// Mean over all channels.
-    mean: f64,
-    /// Mean over all pixels of the largest difference of a channel.
-    mean_largest: f64,
-    outliers: f64,
-}
-
-impl Difference {
-    fn of(engine: &RgbImage, ours: &RgbImage) -> Self {
-        assert_eq!((engine.width(), engine.height()), (ours.width(), ours.height()));
-        let pixels = engine.as_bytes().chunks_exact(3).zip(ours.as_bytes().chunks_exact(3));
-        let (mut sum, mut sum_largest, mut outliers) = (0.0, 0.0, 0.0);
-        for (engine, ours) in pixels {
-            let off: [u8; 3] = std::array::from_fn(|channel| engine[channel].abs_diff(ours[channel]));
-            let largest = off.into_iter().fold(0, u8::max);
-            sum += off.map(f64::from).iter().sum::<f64>();
-            sum_largest += f64::from(largest);
-            outliers += f64::from(u8::from(largest > OUTLIER));
-        }
-        let pixels = (engine.width() * engine.height()) as f64;
-        Self { mean: sum / (3.0 * pixels), mean_largest: sum_largest / pixels, outliers: outliers / pixels }
-    }
-
-    fn is_small(&self, outliers: f64) -> bool {
-        self.mean <= MEAN && self.outliers <= outliers
-    }
+fn is_small(difference: &Difference, outliers: f64) -> bool {
+    difference.mean <= MEAN && difference.outliers <= outliers
 }
 
 /// Returns the folder for the saved images.
@@ -97,19 +70,6 @@ fn ours(data: &Data, scene: &Scene, options: &RendererOptions) -> RgbImage {
     renderer.rgb(scene).unwrap()
 }
 
-/// Returns the engine's image, ours, and their scaled difference side by side.
-fn side_by_side(engine: &RgbImage, ours: &RgbImage) -> RgbImage {
-    let mut all = RgbImage::new(3 * WIDTH, HEIGHT);
-    for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
-        let pair = [engine.pixel(x, y), ours.pixel(x, y)];
-        let difference = std::array::from_fn(|channel| pair[0][channel].abs_diff(pair[1][channel]).saturating_mul(8));
-        for (part, pixel) in [pair[0], pair[1], difference].into_iter().enumerate() {
-            all.set_pixel(part * WIDTH + x, y, pixel);
-        }
-    }
-    all
-}
-
 fn compare(name: &str) {
     let setting = scenes::named(name);
     let engine = engines(&setting);
@@ -120,7 +80,7 @@ fn compare(name: &str) {
     let differences = MODES.map(|(label, lighting)| {
         let ours = ours(&data, &scene, &RendererOptions::default().with_lighting(lighting));
         let difference = Difference::of(&engine, &ours);
-        let is_small = difference.is_small(largest_share(name, lighting));
+        let is_small = is_small(&difference, largest_share(name, lighting));
         if is_saved || !is_small {
             side_by_side(&engine, &ours).save_png(out().join(format!("{name}{label}.png"))).unwrap();
         }

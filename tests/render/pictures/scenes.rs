@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use mujoco_safe::scene::{Camera, CameraView, Categories, Scene, SceneOptions, VisualFlags};
+use mujoco_safe::scene::{Camera, CameraView, Categories, RenderFlags, Scene, SceneOptions, VisualFlags};
 use mujoco_safe::{Data, Model, sample};
 use serde_json::Value;
 
@@ -22,8 +22,12 @@ pub struct Setting {
     pub azimuth: f64,
     /// Degrees.
     pub elevation: f64,
+    /// Camera of the model, instead of the free camera above.
+    pub fixed: Option<String>,
     /// Enabled visual flags beside the defaults.
     pub visual: VisualFlags,
+    /// Enabled render flags beside the defaults.
+    pub render: RenderFlags,
 }
 
 /// Returns the folder of this file.
@@ -56,13 +60,20 @@ impl Setting {
             distance: number(&row["distance"]),
             azimuth: number(&row["azimuth"]),
             elevation: number(&row["elevation"]),
+            fixed: None,
             visual: row["visual"].as_array().unwrap().iter().map(flag).collect(),
+            render: RenderFlags::empty(),
         }
     }
 
-    /// Loads the model.
+    /// Loads the model, and fills its height fields with hills.
     pub fn model(&self) -> Model {
-        Model::from_xml_path(&self.model).unwrap_or_else(|error| panic!("{}: {error}", self.name))
+        let mut model = Model::from_xml_path(&self.model).unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        for (index, elevation) in model.edit().hfield_data_mut().iter_mut().enumerate() {
+            let (x, y) = ((index % 80) as f32, (index / 80) as f32);
+            *elevation = 0.5 + 0.25 * (0.15 * x).sin() * (0.12 * y).cos() + 0.2 * (0.05 * x + 0.2 * y).sin();
+        }
+        model
     }
 
     /// Returns the state in which the engine's renderer has drawn the scene.
@@ -89,9 +100,11 @@ impl Setting {
     /// Returns the scene of a simulation.
     pub fn scene(&self, data: &mut Data) -> Scene {
         let mut scene = Scene::new(data.model(), 20_000).unwrap();
+        let mut camera = self.camera(data.model());
         scene
-            .update(data, &self.options(), None, &mut self.camera(), Categories::all())
+            .update(data, &self.options(), None, &mut camera, Categories::all())
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        scene.set_render_flags(scene.render_flags() | self.render);
         scene
     }
 
@@ -103,7 +116,10 @@ impl Setting {
     }
 
     /// Returns the camera.
-    pub fn camera(&self) -> Camera {
+    pub fn camera(&self, model: &Model) -> Camera {
+        if let Some(name) = &self.fixed {
+            return Camera::fixed(model, name.as_str()).unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        }
         let &Self { lookat, distance, azimuth, elevation, .. } = self;
         Camera { view: CameraView::Free, lookat, distance, azimuth, elevation }
     }

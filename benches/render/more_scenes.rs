@@ -1,0 +1,71 @@
+//! Scenes of the comparison of pictures that the tests do not have.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use mujoco_safe::scene::{Camera, RenderFlags, VisualFlags};
+use mujoco_safe::{Model, sample};
+use serde_json::Value;
+
+use crate::Result;
+use crate::arm::Arm;
+use crate::scenes::{self, Setting};
+
+/// Returns all scenes of `scenes.json`. Each row has a model, and names of its cameras or views with a free camera: azimuth and elevation
+/// in degrees, and the distance relative to the initial distance of the free camera.
+pub fn all(arm: &Arm) -> Result<Vec<Setting>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/render");
+    let rows: Value = serde_json::from_str(&fs::read_to_string(folder.join("scenes.json"))?)?;
+    let folders = [
+        folder.join("models"),
+        arm.folder().to_owned(),
+        scenes::folder().join("models"),
+        PathBuf::from(sample::SYSTEM_MODELS),
+    ];
+    let mut settings = Vec::new();
+    for row in list(&rows) {
+        let model = row["model"].as_str().ok_or("a row has no model")?;
+        let path = folders.iter().map(|folder| folder.join(model)).find(|path| path.exists());
+        add(row, &path.ok_or_else(|| format!("no model {model}"))?, &mut settings)?;
+    }
+    Ok(settings)
+}
+
+fn add(row: &Value, path: &Path, settings: &mut Vec<Setting>) -> Result<()> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut render = RenderFlags::empty();
+    for name in list(&row["render"]) {
+        render |= name.as_str().and_then(RenderFlags::from_name).ok_or("unknown render flag")?;
+    }
+    let suffix = if render.is_empty() { String::new() } else { format!("_{render:?}").replace(['(', ')'], "_") };
+    let free = Camera::free(&Model::from_xml_path(path)?);
+    let setting = |name: String| Setting {
+        name: format!("{stem}_{name}{suffix}"),
+        model: path.to_owned(),
+        steps: row["steps"].as_u64().unwrap_or(0) as usize,
+        lookat: free.lookat,
+        distance: free.distance,
+        azimuth: free.azimuth,
+        elevation: free.elevation,
+        fixed: None,
+        visual: VisualFlags::empty(),
+        render,
+    };
+    for camera in list(&row["cameras"]).iter().filter_map(Value::as_str) {
+        settings.push(Setting { fixed: Some(camera.to_owned()), ..setting(camera.to_owned()) });
+    }
+    for (view, number) in list(&row["views"]).iter().zip(1..) {
+        let [azimuth, elevation, distance] = [0, 1, 2].map(|place| view[place].as_f64().unwrap_or(0.0));
+        settings.push(Setting {
+            azimuth,
+            elevation,
+            distance: distance * free.distance,
+            ..setting(number.to_string())
+        });
+    }
+    Ok(())
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
