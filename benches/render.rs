@@ -14,10 +14,10 @@
 //! of an image, independent of other load. With a graphics card it is only the cost on the CPU.
 //!
 //! The benchmark also measures the time to the first image, the cost of colours, depth and segmentation together relative to colours alone,
-//! and the CPU time to prepare a frame for up to 10,000 geoms.
+//! the images per second of two threads (by wall time), and the CPU time to prepare a frame for up to 10,000 geoms.
 //!
-//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `outputs` and `prepare`. Processor time comes from `/proc`
-//! (Linux).
+//! Further arguments select from `first`, `humanoid`, `crowd`, `hundred`, `skin`, `mirror`, `grains`, `meshes`, `lights`, `small`,
+//! `threads`, `outputs` and `prepare`. Processor time comes from `/proc` (Linux).
 //!
 //! The argument `pictures` compares the images of all scenes with the engine's instead: those of the tests, and those of
 //! `render/scenes.json`. It writes them to `target/tmp/pictures`, with all of them on `sheet.png`: the engine's image, ours, and their
@@ -56,6 +56,14 @@ const SIZES: [[u32; 2]; 2] = [[640, 480], [1280, 720]];
 const ROUNDS: usize = 9;
 /// Approximate processor time of a turn, s.
 const TURN: f64 = 1.0;
+/// Further groups of the comparison with the engine, and their scenes.
+const CASES: [(&str, &str); 5] = [
+    ("skin", "skin_1"),
+    ("mirror", "rooms_mirror"),
+    ("grains", "grains_1"),
+    ("meshes", "arm_1"),
+    ("lights", "lights_front"),
+];
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -82,6 +90,29 @@ fn main() -> Result<()> {
             }
         }
     }
+    let arm = arm::Arm::create()?;
+    for (group, name) in CASES {
+        if !wanted(group) {
+            continue;
+        }
+        let setting = || more_scenes::named(&arm, name);
+        for (label, options) in [
+            ("", RendererOptions::default()),
+            (", 1 sample", RendererOptions::default().with_samples(1)),
+            (", no shadows", RendererOptions::default().with_shadow_size(0)),
+            (", neither", RendererOptions::default().with_samples(1).with_shadow_size(0)),
+        ] {
+            let title = format!("{group} 640×480{label}");
+            compare(&title, setting()?, SIZES[0], &options, rounds, engine.as_mut())?;
+        }
+    }
+    if wanted("small") {
+        let options = RendererOptions::default();
+        compare("small 84×84", scenes::named("humanoid"), [84; 2], &options, rounds, engine.as_mut())?;
+    }
+    if wanted("threads") {
+        threads(rounds)?;
+    }
     if wanted("outputs") {
         for name in ["humanoid", "crowd", "hundred"] {
             for size in SIZES {
@@ -93,7 +124,6 @@ fn main() -> Result<()> {
         prepare(rounds)?;
     }
     if names.iter().any(|name| *name == "pictures") {
-        let arm = arm::Arm::create()?;
         pictures::compare_all(&arm, engine.as_mut().ok_or("the comparison of pictures needs MUJOCO_PYTHON")?)?;
     }
     Ok(())
@@ -166,6 +196,37 @@ fn compare(
     let Spread { low, median, high } = Spread::of(&mut ratios);
     let (ours, engines) = (Spread::of(&mut our_times).median, Spread::of(&mut engine_times).median);
     println!("{title:40} ours {ours:6.2} ms, engine {engines:6.2} ms: {median:.2} times as fast [{low:.2}, {high:.2}]");
+    Ok(())
+}
+
+/// Compares the images per second of two threads with those of one thread, with a shared adapter and with one for each thread.
+fn threads(rounds: usize) -> Result<()> {
+    const PICTURES: usize = 100;
+    let gpus = [Gpu::new()?, Gpu::new()?];
+    let drawing = |gpu| Drawing::new(gpu, scenes::named("humanoid"), [84; 2], &RendererOptions::default());
+    let mut drawings = [drawing(&gpus[0])?, drawing(&gpus[0])?, drawing(&gpus[1])?];
+    let rate = |drawings: &mut [&mut Drawing]| -> Result<f64> {
+        let start = Instant::now();
+        let count = drawings.len();
+        std::thread::scope(|scope| {
+            let threads: Vec<_> =
+                drawings.iter_mut().map(|drawing| scope.spawn(|| drawing.turn(PICTURES).is_ok())).collect();
+            threads.into_iter().all(|thread| thread.join().is_ok_and(|is_drawn| is_drawn))
+        })
+        .then(|| (count * PICTURES) as f64 / start.elapsed().as_secs_f64())
+        .ok_or_else(|| "a thread failed".into())
+    };
+    let (mut shared, mut separate) = (Vec::new(), Vec::new());
+    for _ in 0..rounds {
+        let [first, second, other] = &mut drawings;
+        let alone = rate(&mut [first])?;
+        shared.push(rate(&mut [first, second])? / alone);
+        separate.push(rate(&mut [first, other])? / alone);
+    }
+    for (label, ratios) in [("a shared adapter", &mut shared), ("an adapter each", &mut separate)] {
+        let Spread { low, median, high } = Spread::of(ratios);
+        println!("two threads with {label:24} {median:.2} times the images of one [{low:.2}, {high:.2}]");
+    }
     Ok(())
 }
 

@@ -11,6 +11,11 @@ use crate::Result;
 use crate::arm::Arm;
 use crate::scenes::{self, Setting};
 
+/// Returns the scene of this name: the name of a model, and a camera or the number of a view.
+pub fn named(arm: &Arm, name: &str) -> Result<Setting> {
+    all(arm)?.into_iter().find(|setting| setting.name == name).ok_or_else(|| format!("no scene is named {name}").into())
+}
+
 /// Returns all scenes of `scenes.json`. Each row has a model, and names of its cameras or views with a free camera: azimuth and elevation
 /// in degrees, and the distance relative to the initial distance of the free camera.
 pub fn all(arm: &Arm) -> Result<Vec<Setting>> {
