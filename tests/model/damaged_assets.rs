@@ -214,7 +214,6 @@ fn elements_of_newer_compilers_that_exhaust_memory_or_hide_a_format_are_rejected
         (nested(&["1000000000"]), "1000000 elements"),
         (nested(&["99999999999"]), "1000000 elements"),
         (nested(&["200", "200", "200"]), "1000000 elements"),
-        ("<asset><model name='m' file='m.xml'/></asset>".to_owned(), "another model"),
         ("<worldbody><flexcomp name='f' type='grid' count='9999 9999 9999'/></worldbody>".to_owned(), "32766 bodies"),
         ("<asset><hfield name='h' size='1 1 1 1' file='h.txt' content_type='x/y'/></asset>".to_owned(), "content_type"),
         ("<asset><mesh name='m' file='m.txt' content_type='model/obj'/></asset>".to_owned(), "content_type"),

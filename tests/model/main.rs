@@ -10,6 +10,7 @@ mod print_all;
 #[path = "../common/scene_options.rs"]
 mod scene_options;
 
+mod asset_models;
 mod damaged_assets;
 mod edits;
 mod engine_limits;

@@ -177,6 +177,39 @@ fn file_names_too_short_for_an_extension_are_rejected() {
     assert_eq!(from_memory(&text, &[("a", assets::height_field())]).unwrap().hfield_nrow(), [3]);
 }
 
+/// Newer compilers also search the directory of an included text for the files that it names, and distinguish upper and lower case. Since 3.5
+/// they treat a file in memory as a directory.
+#[test]
+#[cfg(engine_since = "3.5.0")]
+fn files_are_checked_wherever_the_compiler_finds_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, content: &str| std::fs::write(folder.path().join(name), content).unwrap();
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    let damaged = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 9\n";
+    let mesh = r#"<mujoco><asset><mesh name="m" file="damaged.obj"/></asset></mujoco>"#;
+    let field = r#"<mujoco><asset><hfield name="h" nrow="50000" ncol="50000" size="1 1 1 1"/></asset></mujoco>"#;
+    write("parts/damaged.obj", damaged);
+    write("parts/mesh.xml", mesh);
+    write("parts/field.xml", field);
+    write("parts/include.xml", r#"<mujoco><include file="field.xml"/></mujoco>"#);
+    write("parts/x.xml", "<mujoco><worldbody/></mujoco>");
+    write("parts/X.xml", field);
+    let absolute = folder.path().join("parts/field.xml");
+    for (includes, expected) in [
+        (&["parts/mesh.xml"][..], "'damaged.obj' has a face with a nonexistent vertex"),
+        (&["parts/include.xml"], "a height field is too large"),
+        (&[absolute.to_str().unwrap()], "a height field is too large"),
+        (&["parts/x.xml", "parts/X.xml"], "a height field is too large"),
+    ] {
+        let includes: String = includes.iter().map(|file| format!(r#"<include file="{file}"/>"#)).collect();
+        write("main.xml", &format!("<mujoco>{includes}</mujoco>"));
+        let error = Model::from_xml_path(folder.path().join("main.xml")).unwrap_err().to_string();
+        assert!(error.contains(expected), "{includes}: {error}");
+    }
+    let error = error(&mesh.replace("damaged.obj", "damaged/a.obj"), &[("damaged", damaged.as_bytes())]);
+    assert!(error.contains("has a face with a nonexistent vertex"), "{error}");
+}
+
 /// A rangefinder over a height field.
 fn rangefinder(field: &str) -> String {
     format!(

@@ -99,7 +99,8 @@ impl Model {
     /// memory out of bounds. The following inputs can be recognised in the text and the files that it names, and are rejected
     /// before compilation:
     ///
-    /// * recursive includes, elements nested more than 400 deep, special files (pipes, devices, `/proc`),
+    /// * recursive includes, models that are assets of themselves, more than a million copies of elements, elements nested more than 400
+    ///   deep, special files (pipes, devices, `/proc`),
     /// * in URDF: joints of an unknown type, links that are their own ancestors, chains of more than 400 joints,
     /// * oversized textures, height fields, keyframes, user data, custom data and skins of composites, more than 32 766 bodies,
     ///   and more than 13 377 degrees of freedom,
@@ -107,6 +108,8 @@ impl Model {
     ///   that are not finite,
     /// * a muscle whose length range does not converge, a fixed tendon with the same joint twice, adhesion with room for fewer
     ///   than 100 constraints, a rangefinder together with a height field of more rows than columns.
+    ///
+    /// The included texts pass the same checks, and since MuJoCo 3.2 so do the models that are assets (`<model>`), which must be MJCF or URDF.
     ///
     /// The compiled model then passes the checks of a binary model, see [`from_binary`](Self::from_binary).
     ///

@@ -25,39 +25,17 @@ pub(super) enum Found<'f> {
 
 impl<'f> Files<'f> {
     /// Returns all files that the compiler may read for a path: it compares the names of files in memory without their path up to 2.2.2, and
-    /// with it in newer versions.
+    /// with it in newer versions. Since 3.5, it also treats a file in memory as a directory, and finds the same file for all paths in it.
     pub(super) fn find(&self, path: &[u8]) -> Vec<Found<'f>> {
-        let is = |name: &str| last_part(name.as_bytes()).eq_ignore_ascii_case(last_part(path));
+        let parts =
+            path.rsplit(|byte| b"/\\".contains(byte)).take(if cfg!(engine_since = "3.5.0") { usize::MAX } else { 1 });
+        let is = |name: &str| parts.clone().any(|part| last_part(name.as_bytes()).eq_ignore_ascii_case(part));
         let in_memory = self.memory.iter().filter(|(name, _)| is(name));
         let mut found: Vec<Found<'f>> = in_memory.map(|&(_, content)| Found::Content(Cow::Borrowed(content))).collect();
         if found.is_empty() || cfg!(engine_since = "2.3.0") {
             found.extend(on_disk(path));
         }
         found
-    }
-
-    /// Returns the path of an asset, which may be relative to a directory that the text specifies.
-    pub(super) fn asset_path(&self, folder: &[u8], name: &[u8]) -> Vec<u8> {
-        let slash: &[u8] = if matches!(folder.last(), None | Some(b'/' | b'\\')) { b"" } else { b"/" };
-        if is_absolute(name) {
-            name.to_owned()
-        } else if is_absolute(folder) {
-            [folder, slash, name].concat()
-        } else {
-            [self.directory, folder, slash, name].concat()
-        }
-    }
-
-    /// Returns all paths of an asset that some version of the compiler uses.
-    pub(super) fn asset_paths(&self, folder: &[u8], name: &[u8]) -> Vec<Vec<u8>> {
-        let path = self.asset_path(folder, name);
-        if cfg!(not(engine_since = "2.3.0")) {
-            return vec![path];
-        }
-        // Newer compilers treat a name with a drive as relative on Unix.
-        let relative = [self.directory, folder, b"/", name].concat();
-        let paths = [reduced(&path), reduced(&relative)];
-        [path].into_iter().chain(paths).collect()
     }
 }
 
@@ -90,7 +68,7 @@ pub(super) fn reduced(path: &[u8]) -> Vec<u8> {
 }
 
 /// Returns `true` if the compiler treats a path as absolute.
-fn is_absolute(path: &[u8]) -> bool {
+pub(super) fn is_absolute(path: &[u8]) -> bool {
     matches!(path.first(), Some(b'/' | b'\\')) || path.windows(2).any(|pair| pair == b":/" || pair == b":\\")
 }
 

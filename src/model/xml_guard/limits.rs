@@ -1,6 +1,7 @@
 //! Limits on the values in a text that determine how much memory the compiler allocates and how far it writes.
 
 use super::assets::{MOST_NUMBERS, NEEDS_TEXTURE_INDICES};
+use super::files::abbreviated;
 use super::tags::{Tag, numbers};
 
 /// Largest number of keyframes, and of user values of an element. Above the needs of any model, and low enough to bound the
@@ -11,6 +12,8 @@ const MOST_USER: u64 = 10_000;
 const MOST_USERDATA: u64 = 100_000_000;
 /// Largest number of values in an element of `custom`: the size of the compiler's array.
 const MOST_CUSTOM: u64 = 500;
+/// Largest depth of models that have other models as assets. The compiler recurses.
+const MOST_MODELS: usize = 20;
 /// Largest number of samples of a delay, and of contacts that a sensor returns.
 const MOST_VALUES: u64 = 10_000;
 /// Largest parameter of a mesh that the compiler generates.
@@ -57,10 +60,6 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         return Some("a content_type must be that of the file's extension".to_owned());
     }
     match tag.name {
-        // The files of another model may be in other directories.
-        b"model" if tag.attribute(b"file").is_some() => {
-            Some("the text has another model as an asset (<model>)".to_owned())
-        }
         b"contact" | b"rangefinder" if size(tag, b"num", 0) > MOST_VALUES => too_many("num", MOST_VALUES),
         _ if size(tag, b"nsample", 0) > MOST_VALUES => too_many("nsample", MOST_VALUES),
         b"texture" => {
@@ -111,6 +110,26 @@ pub(super) fn reject(tag: &Tag<'_>, composite: &[u64]) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// Returns the reason to reject a model that is an asset, inside `depth` models. Without a file the compiler crashes. Plugins can read other
+/// formats, which are not checked.
+pub(super) fn reject_model(tag: &Tag<'_>, depth: usize) -> Option<String> {
+    if depth >= MOST_MODELS {
+        return Some(format!(
+            "models are nested more than {MOST_MODELS} deep as assets; a model must not contain itself"
+        ));
+    }
+    let Some(name) = tag.attribute(b"file") else {
+        return Some("a model as an asset (<model>) needs a file".to_owned());
+    };
+    let is_xml = tag.attribute(b"content_type").as_deref() == Some(b"text/xml")
+        || name.ends_with(b".xml")
+        || name.ends_with(b".urdf");
+    (!is_xml).then(|| {
+        let name = abbreviated(&name);
+        format!("the model file '{name}' must end in .xml or .urdf, or have the content_type text/xml")
+    })
 }
 
 /// Returns `true` if the extension of a file is that of a format.

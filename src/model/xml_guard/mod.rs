@@ -3,32 +3,41 @@
 //! [`Model::from_xml_str`](super::Model::from_xml_str).
 
 mod assets;
+mod expansion;
 mod files;
 mod limits;
+mod place;
 mod simulation;
 mod tags;
 mod urdf;
 
 use std::borrow::Cow;
 use std::collections::HashSet;
+use std::rc::Rc;
 
 pub(super) use self::files::{Files, directory, path_bytes};
 pub(super) use self::simulation::without_simulation;
 pub(super) use self::tags::{Tags, decoded};
 
 use self::assets::Format;
-use self::files::{Found, abbreviated, is_irregular, last_part, reduced};
+use self::expansion::{Expansion, Size};
+use self::files::{Found, abbreviated, is_irregular, last_part};
+use self::place::{Candidate, Place};
 use self::simulation::{Muscles, Rangefinders};
 use self::tags::{Tag, numbers};
 use self::urdf::Urdf;
 use crate::data::length_range::MuscleSimulation;
 use crate::error::{Error, Result};
 
-/// Largest depth of includes, and largest depth of elements over all included files. The compiler recurses, so deeply nested files
-/// would overflow the stack of a thread.
+/// Largest depth of includes and models in each other, and largest depth of elements over all included files. The compiler and this check
+/// recurse, so deeply nested files would overflow the stack of a thread.
 const MOST_INCLUDED: usize = 50;
 const MOST_NESTED: usize = 400;
-/// Largest number of elements that the compiler creates from a text with `replicate`, each copy of an element counted.
+/// Largest number of included texts and of models that are assets, and largest total length of these texts in bytes. A text is read again
+/// for each model that has it as an asset.
+const MOST_TEXTS: usize = 10_000;
+const LONGEST_TEXTS: usize = 1 << 30;
+/// Largest number of elements that the compiler creates from a model with `replicate` or `attach`, each copy of an element counted.
 const MOST_ELEMENTS: u64 = 1_000_000;
 /// Largest length of a file name in bytes; the engine's limit is 999.
 const LONGEST_NAME: usize = 900;
@@ -49,27 +58,28 @@ const MOST_FOLDERS: usize = 16;
 const FILES: [&[u8]; 8] =
     [b"file", b"filename", b"fileright", b"fileleft", b"fileup", b"filedown", b"filefront", b"fileback"];
 
-/// Rejects unsafe inputs in this text, and in the texts that it includes. If the compiler may simulate muscles, returns the
-/// settings of the simulation, because the text does not reveal whether it terminates.
+/// Rejects unsafe inputs in this text, in the texts that it includes, and in the models that are its assets. If the compiler may simulate
+/// muscles, returns the settings of the simulation, because the text does not reveal whether it terminates.
 pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result<Option<MuscleSimulation>> {
     let mut check = Check {
         files,
-        seen: HashSet::new(),
+        model: ModelState::default(),
+        depth: 0,
+        open: 0,
+        texts: 0,
+        length: 0,
         bodies: 0,
         dofs: 0,
         joints: Vec::new(),
         has_small_njmax: false,
         has_adhesion: false,
         composite: Vec::new(),
-        replicates: Vec::new(),
-        elements: 0,
         folders: vec![Vec::new()],
         assets: Vec::new(),
         muscles: Muscles::default(),
         rangefinders: Rangefinders::default(),
-        urdf: Urdf::default(),
     };
-    check.text(source_name, text, 0)?;
+    check.model(source_name, text, &Rc::new(Place::new(files.directory)))?;
     check.assets()?;
     // The compiler performs a step, so a check of the compiled model would be too late.
     if check.has_adhesion && check.has_small_njmax {
@@ -83,8 +93,14 @@ pub(super) fn check(source_name: &str, text: &[u8], files: &Files<'_>) -> Result
 
 struct Check<'f> {
     files: &'f Files<'f>,
-    /// Paths of the files that were included. They are checked once, because the compiler rejects a repeated include.
-    seen: HashSet<Vec<u8>>,
+    model: ModelState,
+    /// Number of models that have the present one as an asset.
+    depth: usize,
+    /// Number of texts that contain the present place.
+    open: usize,
+    /// Number of texts in files, and their total length.
+    texts: usize,
+    length: usize,
     bodies: usize,
     dofs: usize,
     /// Joints of the most recent fixed tendon.
@@ -95,83 +111,111 @@ struct Check<'f> {
     has_adhesion: bool,
     /// Counts of the most recent composite.
     composite: Vec<u64>,
-    /// Number of includes, depth and count of each `replicate` element that contains the present one.
-    replicates: Vec<(usize, usize, u64)>,
-    /// Elements after the replication.
-    elements: u64,
     /// Directories that may contain assets.
     folders: Vec<Vec<u8>>,
     assets: Vec<Asset>,
     muscles: Muscles,
     rangefinders: Rangefinders,
+}
+
+/// State of the check of one model and the texts that it includes.
+#[derive(Default)]
+struct ModelState {
+    expansion: Expansion,
     urdf: Urdf,
 }
+
+/// Text in a file, and the path at which the compiler finds it.
+type Text<'f> = (Candidate, Cow<'f, [u8]>);
 
 /// Mesh, skin, height field or texture file.
 struct Asset {
     format: Format,
     name: Vec<u8>,
-    /// The name of the text that refers to it.
+    /// The name of the text that refers to it, and the directories of that text.
     source_name: String,
+    place: Rc<Place>,
 }
 
 impl<'f> Check<'f> {
-    /// Checks a text, and returns the depth of its deepest element.
-    fn text(&mut self, source_name: &str, text: &[u8], included: usize) -> Result<usize> {
+    /// Checks a model, and returns its size.
+    fn model(&mut self, source_name: &str, text: &[u8], place: &Rc<Place>) -> Result<Size> {
+        let outer = std::mem::take(&mut self.model);
+        self.text(source_name, text, place, [0, 0])?;
+        let inner = std::mem::replace(&mut self.model, outer);
+        let reject = |message| Error::Load { source_name: source_name.to_owned(), message };
+        let chain =
+            inner.urdf.check_chains(MOST_NESTED).map_err(|(position, why)| reject(at_line(&why, text, position)))?;
+        inner.expansion.finish(chain).map_err(reject)
+    }
+
+    /// Checks a text in a number of includes and of elements.
+    fn text(&mut self, source_name: &str, text: &[u8], place: &Rc<Place>, [included, outer]: [usize; 2]) -> Result<()> {
         let reject = |position: usize, why: &str| {
-            let line = text[..position].split(|&byte| byte == b'\n').count();
-            Err(Error::Load { source_name: source_name.to_owned(), message: format!("{why}, line {line}") })
+            let message = at_line(why, text, position);
+            Err(Error::Load { source_name: source_name.to_owned(), message })
         };
         if let Some(position) = text.iter().position(|&byte| byte == 0) {
             return reject(position, "the text has a NUL byte, at which the compiler would stop reading");
         }
-        let (mut depth, mut deepest) = (0, 0);
+        self.open += 1;
+        let mut depth = 0;
         for tag in Tags::new(text) {
             let is = |name: &[u8]| tag.name.eq_ignore_ascii_case(name);
             if tag.closes {
                 depth -= usize::from(depth > 0);
-                self.replicates.retain(|&(includes, outer, _)| includes < included || outer < depth);
+                self.model.expansion.end(outer + depth);
                 continue;
             }
-            self.elements = self.elements.saturating_add(
-                self.replicates.iter().fold(1, |product: u64, (.., count)| product.saturating_mul(*count)),
-            );
-            if self.elements > MOST_ELEMENTS && !self.replicates.is_empty() {
-                return reject(
-                    tag.position,
-                    &format!("the model has more than {MOST_ELEMENTS} elements after its replication"),
-                );
+            if let Err(why) = self.model.expansion.start(&tag, outer + depth) {
+                return reject(tag.position, &why);
             }
-            if tag.name == b"replicate" && !tag.empty {
-                let count = tag.integer(b"count").and_then(|count| u64::try_from(count).ok()).unwrap_or(MOST_ELEMENTS);
-                self.replicates.push((included, depth, count.clamp(1, MOST_ELEMENTS)));
-            }
-            deepest = deepest.max(depth + 1);
             let mut names = FILES.iter().filter_map(|attribute| tag.attribute(attribute));
             let why =
                 names.find_map(|name| reject_name(tag.name, &name)).or_else(|| limits::reject(&tag, &self.composite));
             if let Some(why) = why {
                 return reject(tag.position, &why);
             }
-            self.muscles.record(&tag);
+            self.muscles.record(&tag, self.depth > 0);
             self.rangefinders.record(&tag, source_name);
-            self.record_files(&tag, source_name);
+            self.record_files(&tag, source_name, place);
             if self.folders.len() > MOST_FOLDERS {
-                return reject(tag.position, &format!("the text has more than {MOST_FOLDERS} asset directories"));
+                return reject(tag.position, &format!("the model has more than {MOST_FOLDERS} asset directories"));
             }
             let file = tag.attribute(b"file");
+            // Older compilers reject a model as an asset.
+            let is_model = cfg!(engine_since = "3.2.0") && tag.name == b"model" && !self.model.urdf.is_urdf();
+            if self.open > MOST_INCLUDED && file.is_some() && (is_model || is(b"include")) {
+                let why = format!("includes are nested more than {MOST_INCLUDED} deep; a file must not include itself");
+                return reject(tag.position, &why);
+            }
             if let Some(name) = file.filter(|_| is(b"include")) {
-                if included >= MOST_INCLUDED {
-                    return reject(tag.position, &format!("includes are nested more than {MOST_INCLUDED} deep"));
-                }
-                let contents = match self.included(&name) {
-                    Ok(contents) => contents,
+                let found = match self.named(&name, place) {
+                    Ok(found) => found,
                     Err(why) => return reject(tag.position, &format!("'{}' {why}", abbreviated(&name))),
                 };
-                for content in contents {
-                    let inner = self.text(&String::from_utf8_lossy(&name), &content, included + 1)?;
-                    deepest = deepest.max(depth + inner);
+                for (found, content) in found {
+                    let nested = [included + 1, outer + depth];
+                    let place = Rc::new(place.of_include(&found));
+                    self.text(&String::from_utf8_lossy(&name), &content, &place, nested)?;
                 }
+            }
+            if is_model {
+                if let Some(why) = limits::reject_model(&tag, self.depth) {
+                    return reject(tag.position, &why);
+                }
+                let name = tag.attribute(b"file").unwrap_or_default();
+                let found = match self.named(&name, place) {
+                    Ok(found) => found,
+                    Err(why) => return reject(tag.position, &format!("'{}' {why}", abbreviated(&name))),
+                };
+                self.depth += 1;
+                for (found, content) in found {
+                    let place = Rc::new(place.of_model(&found));
+                    let child = self.model(&String::from_utf8_lossy(&name), &content, &place)?;
+                    self.model.expansion.record_model(child);
+                }
+                self.depth -= 1;
             }
             if self.is_repeated(&tag) {
                 return reject(
@@ -181,7 +225,7 @@ impl<'f> Check<'f> {
             }
             // The engine resolves includes in MJCF only.
             if included == 0
-                && let Err(why) = self.urdf.record(&tag, depth)
+                && let Err(why) = self.model.urdf.record(&tag, depth)
             {
                 return reject(tag.position, &why);
             }
@@ -190,41 +234,40 @@ impl<'f> Check<'f> {
                 let why = format!("the model has more than {MOST_BODIES} bodies or {MOST_DOFS} degrees of freedom");
                 return reject(tag.position, &why);
             }
-            if deepest > MOST_NESTED {
-                return reject(tag.position, &format!("elements are nested more than {MOST_NESTED} deep"));
-            }
             depth += usize::from(!tag.empty);
         }
-        if included == 0
-            && let Err((position, why)) = self.urdf.check_chains(MOST_NESTED)
-        {
-            return reject(position, &why);
-        }
-        Ok(deepest)
+        self.open -= 1;
+        Ok(())
     }
 
-    /// Reads the files that the compiler may include for a name. Returns none if they were included before or cannot be read, which the
-    /// compiler reports, and an error if the compiler must not open one.
-    fn included(&mut self, name: &[u8]) -> Result<Vec<Cow<'f, [u8]>>, &'static str> {
-        // The compiler appends the name to the directory even if the name is absolute.
-        let path = [self.files.directory, name].concat();
-        if !self.seen.insert(path.to_ascii_lowercase()) {
-            return Ok(Vec::new());
+    /// Reads the texts that the compiler may read for a name, also if it was read before: the compiler may recognise a repeated include by
+    /// its name only, and a file can have several names. Returns none if no text can be read, which the compiler reports, and an error if the
+    /// compiler must not open one.
+    fn named(&mut self, name: &[u8], place: &Place) -> Result<Vec<Text<'f>>, &'static str> {
+        let mut texts: Vec<Text<'f>> = Vec::new();
+        for candidate in place.texts(name) {
+            for found in self.files.find(&candidate.path) {
+                let content = match found {
+                    Found::Rejected(why) => return Err(why),
+                    Found::Content(content) => content,
+                };
+                // Several candidates can be the same file. The compiler uses the first.
+                if texts.iter().any(|(_, known)| *known == content) {
+                    continue;
+                }
+                self.texts += 1;
+                self.length = self.length.saturating_add(content.len());
+                if self.texts > MOST_TEXTS || self.length > LONGEST_TEXTS {
+                    return Err("is beyond the limits of 10,000 files and 1 GiB on the texts of a model");
+                }
+                texts.push((candidate.clone(), content));
+            }
         }
-        let mut found = self.files.find(&path);
-        let reduced = reduced(&path);
-        if cfg!(engine_since = "2.3.0") && reduced != path {
-            found.extend(self.files.find(&reduced));
-        }
-        let contents = found.into_iter().map(|found| match found {
-            Found::Rejected(why) => Err(why),
-            Found::Content(content) => Ok(content),
-        });
-        contents.collect()
+        Ok(texts)
     }
 
     /// Records the asset files that a tag names, and the directories that may contain them.
-    fn record_files(&mut self, tag: &Tag<'_>, source_name: &str) {
+    fn record_files(&mut self, tag: &Tag<'_>, source_name: &str, place: &Rc<Place>) {
         if tag.name == b"compiler" {
             for folder in [&b"meshdir"[..], b"texturedir", b"assetdir"].iter().filter_map(|name| tag.attribute(name)) {
                 if !self.folders.iter().any(|known| *known == *folder) {
@@ -235,8 +278,9 @@ impl<'f> Check<'f> {
         }
         for name in FILES.iter().filter_map(|attribute| tag.attribute(attribute)) {
             let format = Format::of(tag.name, &name);
-            if tag.name != b"include" {
-                self.assets.push(Asset { format, name: name.into_owned(), source_name: source_name.to_owned() });
+            if ![&b"include"[..], b"model"].contains(&tag.name) {
+                let (name, source_name) = (name.into_owned(), source_name.to_owned());
+                self.assets.push(Asset { format, name, source_name, place: place.clone() });
             }
         }
     }
@@ -249,7 +293,7 @@ impl<'f> Check<'f> {
             let reject = |name: &[u8], reason| {
                 Err(Error::Load { source_name: asset.source_name.clone(), message: assets::message(name, reason) })
             };
-            let longest = self.folders.iter().map(|folder| self.files.asset_path(folder, &asset.name).len()).max();
+            let longest = self.folders.iter().map(|folder| asset.place.asset(folder, &asset.name).len()).max();
             if asset.format.is_grid() && !asset.name.is_empty() && longest <= Some(EXTENSION) {
                 return reject(&asset.name, NO_EXTENSION);
             }
@@ -257,7 +301,7 @@ impl<'f> Check<'f> {
                 let names = [&asset.name[..], last_part(&asset.name)];
                 for (name, path) in names
                     .into_iter()
-                    .flat_map(|name| self.files.asset_paths(folder, name).into_iter().map(move |path| (name, path)))
+                    .flat_map(|name| asset.place.assets(folder, name).into_iter().map(move |path| (name, path)))
                 {
                     if !seen.insert((asset.format, path.clone())) {
                         continue;
@@ -332,6 +376,12 @@ fn counts(tag: &Tag<'_>) -> Vec<u64> {
     numbers(&tag.attribute(b"count").unwrap_or_default())
         .map(|count| count.map_or(1, |count| count.clamp(1, 1 << 20) as u64))
         .collect()
+}
+
+/// Appends the line of a position to a message.
+fn at_line(message: &str, text: &[u8], position: usize) -> String {
+    let line = text[..position].split(|&byte| byte == b'\n').count();
+    format!("{message}, line {line}")
 }
 
 const NO_EXTENSION: &str = "has a name too short for an extension, from which the compiler determines the format";

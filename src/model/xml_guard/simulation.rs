@@ -15,7 +15,8 @@ pub(super) struct Muscles {
 }
 
 impl Muscles {
-    pub(super) fn record(&mut self, tag: &Tag<'_>) {
+    /// Records a tag. `is_asset` is `true` in a model that is an asset of another one, whose settings the compiler uses.
+    pub(super) fn record(&mut self, tag: &Tag<'_>, is_asset: bool) {
         let value = |name: &[u8]| tag.attribute(name).map(|value| value.trim_ascii().to_vec());
         match tag.name {
             b"muscle" => self.found = true,
@@ -23,7 +24,7 @@ impl Muscles {
                 let is = |value: Option<Vec<u8>>| value.is_some_and(|value| value == b"muscle" || value == b"user");
                 self.found |= is(value(b"gaintype")) || is(value(b"biastype"));
             }
-            b"lengthrange" => {
+            b"lengthrange" if !is_asset => {
                 self.settings.options.mode = match value(b"mode").as_deref() {
                     None => self.settings.options.mode,
                     Some(b"none") => Mode::None,

@@ -42,6 +42,11 @@ struct Joint {
 }
 
 impl Urdf {
+    /// Returns `true` if the text is a URDF.
+    pub(super) fn is_urdf(&self) -> bool {
+        self.root == Root::Robot
+    }
+
     /// Records a start tag at `depth` below the document. Returns the reason to reject it, if any.
     pub(super) fn record(&mut self, tag: &Tag<'_>, depth: usize) -> Result<(), String> {
         if depth == 0 {
@@ -75,9 +80,9 @@ impl Urdf {
         }
     }
 
-    /// Checks that no link is its own ancestor, and that no chain of links has more than `longest` joints. Returns the
-    /// position of the offending joint and the reason. Visits each link once, without recursion.
-    pub(super) fn check_chains(&self, longest: usize) -> Result<(), (usize, String)> {
+    /// Checks that no link is its own ancestor, and that no chain of links has more than `longest` joints. Returns the number of joints in the
+    /// longest chain, or the position of the offending joint and the reason. Visits each link once, without recursion.
+    pub(super) fn check_chains(&self, longest: usize) -> Result<usize, (usize, String)> {
         // The reader rejects a link with two parents, so either is sufficient here.
         let joint_of: HashMap<&[u8], (&[u8], usize)> = self
             .joints
@@ -116,7 +121,7 @@ impl Urdf {
                 depths.insert(link, Some(depth));
             }
         }
-        Ok(())
+        Ok(depths.into_values().flatten().max().unwrap_or_default())
     }
 }
 
