@@ -71,7 +71,7 @@ fn contacts_of_boxes_equal_those_of_the_engines_functions() {
 }
 
 /// Returns a model of two separate geoms.
-#[cfg(engine_since = "3.17.0")]
+#[cfg(engine_since = "4.0.0")]
 fn pair(a: &str, b: &str) -> String {
     format!(
         r#"<mujoco><asset><mesh name="mesh" vertex="0 0 0  .2 0 0  0 .3 0  0 0 .4"/></asset><worldbody>
@@ -80,7 +80,7 @@ fn pair(a: &str, b: &str) -> String {
     )
 }
 
-#[cfg(engine_since = "3.17.0")]
+#[cfg(engine_since = "4.0.0")]
 #[test]
 fn geom_distance_equals_the_engines_function_for_separate_geoms() {
     if !child::is_child() {
