@@ -257,4 +257,4 @@ impl fmt::Debug for Data {
     }
 }
 
-field_docs!(data::Data, "Data", "xpos", "Cartesian position of body frame (nbody x 3)", 118);
+field_docs!(data::Data, "Data", "xpos", "Cartesian position of body frame (nbody x 3)");

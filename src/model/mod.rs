@@ -214,4 +214,4 @@ impl fmt::Debug for Model {
     }
 }
 
-field_docs!(model::Model, "Model", "nv", "number of degrees of freedom = dim(qvel)", 331);
+field_docs!(model::Model, "Model", "nv", "number of degrees of freedom = dim(qvel)");

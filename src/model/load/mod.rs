@@ -252,7 +252,8 @@ impl Model {
     ///
     /// [`Error::InvalidBinary`] if the bytes are not a complete and consistent model, [`Error::Unsupported`] with engines from 2.3.0.
     ///
-    /// ```
+    #[cfg_attr(engine_since = "2.3.0", doc = "```ignore")]
+    #[cfg_attr(not(engine_since = "2.3.0"), doc = "```")]
     /// use mujoco_safe::{Error, Model, sample};
     ///
     /// let bytes = sample::cartpole().to_binary()?;

@@ -417,6 +417,6 @@ impl Model {
     }
 }
 
-field_docs!(model::Options, "Option", "apirate", "update rate for remote API (Hz)", 24);
-field_docs!(model::Visual, "Visual", "global.fovy", "y-field of view for free camera (degrees)", 68);
-field_docs!(model::Statistics, "Statistic", "extent", "spatial extent", 5);
+field_docs!(model::Options, "Option", "density", "density of medium");
+field_docs!(model::Visual, "Visual", "global.offwidth", "width of offscreen buffer");
+field_docs!(model::Statistics, "Statistic", "extent", "spatial extent");
