@@ -31,7 +31,7 @@
 //! # A task of your own
 //!
 //! ```
-//! use mujoco_safe::environment::{Judgement, Task, Transition, VectorEnvironment};
+//! use mujoco_safe::environment::{Evaluation, Task, Transition, VectorEnvironment};
 //! use mujoco_safe::rollout::Random;
 //! use mujoco_safe::{Data, Model, Result, sample};
 //!
@@ -57,9 +57,9 @@
 //!         data.physics_state_into(observation).expect("the observation has the size of the state");
 //!     }
 //!
-//!     fn judge(&self, transition: &Transition<'_>) -> Judgement {
+//!     fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
 //!         let upright = transition.after.qpos[1].cos();
-//!         Judgement { reward: upright - 0.01 * transition.action[0].powi(2), terminated: false }
+//!         Evaluation { reward: upright - 0.01 * transition.action[0].powi(2), terminated: false }
 //!     }
 //! }
 //!
@@ -109,7 +109,7 @@ pub trait Task: Send + Sync {
     fn observe(&self, data: &Data, observation: &mut [f64]);
 
     /// Returns the reward of a step, and if the episode ends in its new state.
-    fn judge(&self, transition: &Transition<'_>) -> Judgement;
+    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation;
 }
 
 /// Positions and velocities of a simulation.
@@ -152,7 +152,7 @@ impl<'t> Transition<'t> {
 
 /// Reward of a step, and the end of the episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Judgement {
+pub struct Evaluation {
     /// Reward of the step.
     pub reward: f64,
     /// `true` if the new state ends the episode: success or failure of the task, but not the time limit.

@@ -1,6 +1,6 @@
 //! Ready tasks, with the observations, rewards and ends of episodes of Gymnasium's documentation.
 
-use super::{Judgement, Task, Transition};
+use super::{Evaluation, Task, Transition};
 use crate::data::Data;
 use crate::error::Result;
 use crate::model::Model;
@@ -52,11 +52,11 @@ impl Task for InvertedPendulum {
         velocities.copy_from_slice(data.qvel());
     }
 
-    fn judge(&self, transition: &Transition<'_>) -> Judgement {
+    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
         let after = transition.after;
         let is_finite = after.qpos.iter().chain(after.qvel).all(|value| value.is_finite());
         let terminated = !is_finite || after.qpos[1].abs() > 0.2;
-        Judgement { reward: if terminated { 0.0 } else { 1.0 }, terminated }
+        Evaluation { reward: if terminated { 0.0 } else { 1.0 }, terminated }
     }
 }
 
@@ -106,12 +106,12 @@ impl Task for Hopper {
         }
     }
 
-    fn judge(&self, transition: &Transition<'_>) -> Judgement {
+    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
         let after = transition.after;
         let is_moderate = after.qpos[2..].iter().chain(after.qvel).all(|value| value.abs() < 100.0);
         let is_healthy = is_moderate && after.qpos[1] > 0.7 && after.qpos[2].abs() < 0.2;
         let healthy = if is_healthy { 1.0 } else { 0.0 };
-        Judgement { reward: velocity(transition) + healthy - 1e-3 * effort(transition), terminated: !is_healthy }
+        Evaluation { reward: velocity(transition) + healthy - 1e-3 * effort(transition), terminated: !is_healthy }
     }
 }
 
@@ -159,8 +159,8 @@ impl Task for HalfCheetah {
         observe_without_x(data, observation);
     }
 
-    fn judge(&self, transition: &Transition<'_>) -> Judgement {
-        Judgement { reward: velocity(transition) - 0.1 * effort(transition), terminated: false }
+    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+        Evaluation { reward: velocity(transition) - 0.1 * effort(transition), terminated: false }
     }
 }
 

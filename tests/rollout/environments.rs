@@ -1,7 +1,7 @@
 //! Environments: the definitions of tasks agree with Gymnasium's numbers, and a vector environment equals a loop over single simulations.
 
 use mujoco_safe::environment::{
-    HalfCheetah, Hopper, InvertedPendulum, Judgement, Motion, Task, Transition, VectorEnvironment,
+    HalfCheetah, Hopper, InvertedPendulum, Evaluation, Motion, Task, Transition, VectorEnvironment,
 };
 use mujoco_safe::rollout::{Distribution, Parameter, Parameters, Random};
 use mujoco_safe::{Controller, Data, Model, RandomController, Result};
@@ -33,10 +33,10 @@ fn compare(name: &str, task: &dyn Task, model: Model) -> usize {
         let ((qpos, qvel), after, action) = (motion("before"), motion("after"), numbers(&recorded["action"]));
         let (before, now) = (Motion::new(&qpos, &qvel), Motion::new(&after.0, &after.1));
         let duration = recorded["duration"].as_f64().unwrap();
-        let judgement = task.judge(&Transition::new(before, &action, now, duration));
-        assert_near(&[judgement.reward], &[recorded["reward"].as_f64().unwrap()], &what("reward"));
-        assert_eq!(judgement.terminated, recorded["terminated"].as_bool().unwrap(), "{}", what("termination"));
-        terminations += usize::from(judgement.terminated);
+        let evaluation = task.evaluate(&Transition::new(before, &action, now, duration));
+        assert_near(&[evaluation.reward], &[recorded["reward"].as_f64().unwrap()], &what("reward"));
+        assert_eq!(evaluation.terminated, recorded["terminated"].as_bool().unwrap(), "{}", what("termination"));
+        terminations += usize::from(evaluation.terminated);
 
         data.qpos_mut().copy_from_slice(&after.0);
         data.qvel_mut().copy_from_slice(&after.1);
@@ -80,8 +80,8 @@ impl Task for ShortHopper {
         Hopper.observe(data, observation);
     }
 
-    fn judge(&self, transition: &Transition<'_>) -> Judgement {
-        Hopper.judge(transition)
+    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
+        Hopper.evaluate(transition)
     }
 }
 
@@ -113,8 +113,8 @@ impl Alone {
         (0..4).for_each(|_| self.data.step().unwrap());
         self.steps += 1;
         let after = Motion::new(self.data.qpos(), self.data.qvel());
-        let judgement = Hopper.judge(&Transition::new(Motion::new(&qpos, &qvel), action, after, 0.002 * 4.0));
-        (judgement.reward, judgement.terminated, !judgement.terminated && self.steps == 23)
+        let evaluation = Hopper.evaluate(&Transition::new(Motion::new(&qpos, &qvel), action, after, 0.002 * 4.0));
+        (evaluation.reward, evaluation.terminated, !evaluation.terminated && self.steps == 23)
     }
 }
 

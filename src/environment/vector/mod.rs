@@ -151,9 +151,9 @@ impl<T: Task + 'static> VectorEnvironment<T> {
             let motion = |state| motion(state, &self.qpos, &self.qvel);
             let (before, after) = (motion(self.before.row(index)), motion(self.batch.states().row(index)));
             let action = &actions[index * nu..][..nu];
-            let judgement = self.task.judge(&Transition::new(before, action, after, duration));
-            (self.rewards[index], self.terminated[index]) = (judgement.reward, judgement.terminated);
-            self.truncated[index] = !judgement.terminated && self.steps[index] >= limit;
+            let evaluation = self.task.evaluate(&Transition::new(before, action, after, duration));
+            (self.rewards[index], self.terminated[index]) = (evaluation.reward, evaluation.terminated);
+            self.truncated[index] = !evaluation.terminated && self.steps[index] >= limit;
         }
         if self.disturbance.has_observation_noise() {
             self.disturbance.disturb_observations(&mut self.final_observations);

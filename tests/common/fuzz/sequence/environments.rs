@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::sync::{Arc, OnceLock};
 
-use mujoco_safe::environment::{Hopper, Judgement, Task, Transition, VectorEnvironment};
+use mujoco_safe::environment::{Hopper, Evaluation, Task, Transition, VectorEnvironment};
 use mujoco_safe::rollout::{Distribution, Parameter, Parameters, Random};
 use mujoco_safe::{Batch, Data, Model, Result};
 
@@ -88,9 +88,9 @@ impl Task for Arbitrary {
         observation.fill(data.time());
     }
 
-    fn judge(&self, transition: &Transition<'_>) -> Judgement {
+    fn evaluate(&self, transition: &Transition<'_>) -> Evaluation {
         let position = transition.after.qpos.first().copied().unwrap_or_default();
-        Judgement { reward: transition.action.iter().sum(), terminated: position > self.number }
+        Evaluation { reward: transition.action.iter().sum(), terminated: position > self.number }
     }
 }
 
