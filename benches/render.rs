@@ -86,7 +86,7 @@ fn main() -> Result<()> {
             for &lighting in lightings {
                 let options = RendererOptions::default().with_lighting(lighting);
                 let title = format!("{name} {}×{} {lighting:?}", size[0], size[1]);
-                compare(&title, scenes::named(name), size, &options, rounds, engine.as_mut())?;
+                compare(&title, scenes::named(name), size, options, rounds, engine.as_mut())?;
             }
         }
     }
@@ -103,12 +103,12 @@ fn main() -> Result<()> {
             (", neither", RendererOptions::default().with_samples(1).with_shadow_size(0)),
         ] {
             let title = format!("{group} 640×480{label}");
-            compare(&title, setting()?, SIZES[0], &options, rounds, engine.as_mut())?;
+            compare(&title, setting()?, SIZES[0], options, rounds, engine.as_mut())?;
         }
     }
     if wanted("small") {
         let options = RendererOptions::default();
-        compare("small 84×84", scenes::named("humanoid"), [84; 2], &options, rounds, engine.as_mut())?;
+        compare("small 84×84", scenes::named("humanoid"), [84; 2], options, rounds, engine.as_mut())?;
     }
     if wanted("threads") {
         threads(rounds)?;
@@ -140,7 +140,7 @@ struct Drawing {
 }
 
 impl Drawing {
-    fn new(gpu: &Gpu, setting: Setting, [width, height]: [u32; 2], options: &RendererOptions) -> Result<Self> {
+    fn new(gpu: &Gpu, setting: Setting, [width, height]: [u32; 2], options: RendererOptions) -> Result<Self> {
         let mut data = setting.after_steps();
         let scene = setting.scene(&mut data);
         let renderer = Renderer::on(gpu, data.model(), width, height, options)?;
@@ -170,7 +170,7 @@ fn compare(
     title: &str,
     setting: Setting,
     size: [u32; 2],
-    options: &RendererOptions,
+    options: RendererOptions,
     rounds: usize,
     engine: Option<&mut Engine>,
 ) -> Result<()> {
@@ -184,7 +184,7 @@ fn compare(
         println!("{title:40} {:.2} images per CPU second [{:.2}, {:.2}]", 1.0 / median, 1.0 / high, 1.0 / low);
         return Ok(());
     };
-    engine.open(&ours.setting, &ours.data, size, options)?;
+    engine.open(&ours.setting, &ours.data, size, &options)?;
     engine.turn(3)?;
     let (mut our_times, mut engine_times, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..rounds {
@@ -203,7 +203,7 @@ fn compare(
 fn threads(rounds: usize) -> Result<()> {
     const PICTURES: usize = 100;
     let gpus = [Gpu::new()?, Gpu::new()?];
-    let drawing = |gpu| Drawing::new(gpu, scenes::named("humanoid"), [84; 2], &RendererOptions::default());
+    let drawing = |gpu| Drawing::new(gpu, scenes::named("humanoid"), [84; 2], RendererOptions::default());
     let mut drawings = [drawing(&gpus[0])?, drawing(&gpus[0])?, drawing(&gpus[1])?];
     let rate = |drawings: &mut [&mut Drawing]| -> Result<f64> {
         let start = Instant::now();
@@ -232,7 +232,7 @@ fn threads(rounds: usize) -> Result<()> {
 
 /// Compares the processor time of colours, depth and segmentation together with that of colours alone.
 fn outputs(name: &str, size: [u32; 2], rounds: usize) -> Result<()> {
-    let mut drawing = Drawing::new(&Gpu::new()?, scenes::named(name), size, &RendererOptions::default())?;
+    let mut drawing = Drawing::new(&Gpu::new()?, scenes::named(name), size, RendererOptions::default())?;
     let of_one = drawing.turn(3)? / 3.0;
     let pictures = (0.5 * TURN / of_one).ceil().clamp(2.0, 100.0) as usize;
     let mut images = Images::default();

@@ -33,7 +33,7 @@ pub fn compare_all(arm: &Arm, engine: &mut Engine) -> Result<()> {
         // An infinite plane follows the camera of the previous update. The engine's process has updated its scene before, too.
         let mut camera = setting.camera(data.model());
         scene.update(&mut data, &setting.options(), None, &mut camera, Categories::all())?;
-        let ours = Renderer::on(&gpu, data.model(), SIZE[0], SIZE[1], &options)?.rgb(&scene)?;
+        let ours = Renderer::on(&gpu, data.model(), SIZE[0], SIZE[1], options)?.rgb(&scene)?;
         engine.open(&setting, &data, SIZE, &options)?;
         engine.picture(&raw)?;
         let [width, height] = SIZE.map(|length| length as usize);

@@ -173,7 +173,7 @@
 //! |---|---|---|
 //! | flexes: ropes, cloths, soft bodies | 3.0 | simulated, drawn and selected. [`Contact::geoms`](crate::data::Contact::geoms) is `None` for their contacts. With 3.3.4 to 3.5 their models have no islands ([`DisableFlags::ISLAND`](crate::model::DisableFlags::ISLAND)), because the engine writes out of bounds for islands of their contacts |
 //! | plugins, signed distance fields | 2.3, 3.0 | after [`load_plugins`](crate::load_plugins) |
-//! | other models as assets (`<model file>`, `<attach>`) | 3.2 | rejected: the checks before compilation do not read the files of these models |
+//! | other models as assets (`<model file>`, `<attach>`) | 3.2 | MJCF and URDF files, which pass the checks of the main file. Other formats are rejected |
 //! | sleeping bodies | 3.4 | rejected: no state vector contains the sleeping bodies, so a copied state would not continue bit for bit |
 //! | delays of actuators and sensors | 3.5 | rejected: the engine does not check the positions in its buffers, which a state vector would set |
 //! | actuators with several controls, forces or activations | 3.11 | rejected |

@@ -77,7 +77,7 @@ fn fast() -> RendererOptions {
 }
 
 fn renderer(model: &Model, [width, height]: [u32; 2]) -> Renderer {
-    Renderer::on(stage::gpu(), model, width, height, &fast()).unwrap()
+    Renderer::on(stage::gpu(), model, width, height, fast()).unwrap()
 }
 
 fn update(data: &mut Data, scene: &mut Scene, options: &SceneOptions) {
@@ -186,7 +186,7 @@ fn invalid_numbers_affect_only_their_own_object() {
             }
             update(&mut data, &mut scene, &SceneOptions::default());
             // A renderer of the edited model, and a renderer that uploads the edit.
-            let Ok(mut own) = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], &fast()) else { continue };
+            let Ok(mut own) = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], fast()) else { continue };
             drop((own.rgb(&scene), own.depth(&scene), own.segmentation(&scene)));
             drop((renderer.rgb(&scene), renderer.depth(&scene), renderer.segmentation(&scene)));
             let after = picture(&mut renderer, &mut clean);

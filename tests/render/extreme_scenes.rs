@@ -142,7 +142,7 @@ fn a_model_of_any_numbers_is_drawn() {
         let mut scene = stage::scene(&mut data);
         for lighting in [Lighting::PerPixel, Lighting::PerVertex] {
             let options = RendererOptions::default().with_lighting(lighting);
-            let mut renderer = Renderer::on(stage::gpu(), &model, 8, 8, &options).unwrap();
+            let mut renderer = Renderer::on(stage::gpu(), &model, 8, 8, options).unwrap();
             draw_all(&mut renderer, &mut scene, &format!("a model of {number}"));
         }
     }
@@ -213,7 +213,7 @@ fn any_number_of_lights_is_drawn() {
             format!(r#"<mujoco>{headlight}<worldbody>{lights}<geom type="plane" size="1 1 1"/></worldbody></mujoco>"#);
         for lighting in [Lighting::PerVertex, Lighting::PerPixel] {
             let options = RendererOptions::default().with_shadow_size(16).with_samples(1).with_lighting(lighting);
-            let mut stage = Stage::with(&xml, [4, 4], &options);
+            let mut stage = Stage::with(&xml, [4, 4], options);
             accept(stage.renderer.rgb(&stage.scene), &format!("{count} lights"));
         }
     }
@@ -278,7 +278,7 @@ fn an_invalid_image_size_is_an_error() {
     assert!(too_large(&stage.renderer.resize(16, 0x7FFF_FFFF)));
     assert_eq!(stage.renderer.size(), [16, 12], "the size is unchanged");
     let options = RendererOptions::default().with_shadow_size(0x7FFF_FFFF);
-    assert!(too_large(&Renderer::on(stage::gpu(), stage.data.model(), 16, 12, &options).map(drop)));
+    assert!(too_large(&Renderer::on(stage::gpu(), stage.data.model(), 16, 12, options).map(drop)));
     let mut wrong = vec![0; 4 * 16 * 12 - 1];
     let result = stage.renderer.rgba_into(&stage.scene, &mut wrong);
     assert!(matches!(result, Err(RenderError::Engine(Error::Shape { .. }))), "{result:?}");

@@ -56,7 +56,7 @@ fn a_directional_light_follows_the_cosine_law() {
                   <geom type="box" size="0.5 2 2" rgba="1 0.5 0.25 1"/>"#;
     for lighting in [Lighting::PerVertex, Lighting::PerPixel] {
         let options = RendererOptions::default().with_samples(1).with_lighting(lighting);
-        let mut stage = Stage::with(&world("", body), SIZE, &options);
+        let mut stage = Stage::with(&world("", body), SIZE, options);
         stage.look_along_x([0.0; 3], 3.0);
         let cosine = 0.6;
         let expected = [0, 1, 2].map(|channel| {
@@ -79,7 +79,7 @@ fn lights_beyond_the_limit_of_the_options_are_ignored() {
     for (limit, total) in [(None, 55.0), (Some(8), 36.0), (Some(1), 1.0)] {
         let mut options = RendererOptions::default().with_samples(1);
         options.max_lights = limit;
-        let mut stage = Stage::with(&world("", &body), SIZE, &options);
+        let mut stage = Stage::with(&world("", &body), SIZE, options);
         stage.look_along_x([0.0; 3], 3.0);
         assert_rgb(middle(&stage.rgb()), [0.01 * total, 0.0, 0.0]);
     }
@@ -94,7 +94,7 @@ fn a_spot_light_attenuates_and_has_a_cone() {
                <geom type="box" size="0.5 0.6 0.6" rgba="1 1 1 1"/>"#
         );
         let options = RendererOptions::default().with_samples(1).with_lighting(Lighting::PerPixel);
-        let mut stage = Stage::with(&world("", &body), SIZE, &options);
+        let mut stage = Stage::with(&world("", &body), SIZE, options);
         stage.look_along_x([0.0; 3], 3.0);
         stage.rgb()
     };
@@ -113,7 +113,7 @@ fn a_specular_highlight_is_at_the_mirror_direction() {
     // Light and camera are both at -x, so the highlight is where the sphere faces them.
     let body = r#"<light directional="true" castshadow="false" dir="1 0 0" diffuse="0 0 0" specular="1 1 1"/>"#;
     let options = RendererOptions::default().with_samples(1).with_lighting(Lighting::PerPixel);
-    let mut stage = Stage::with(&world("", body), SIZE, &options);
+    let mut stage = Stage::with(&world("", body), SIZE, options);
     stage.look_along_x([0.0; 3], 3.0);
     stage.scene.add_geom(&NewGeom::sphere(0.5).rgba([0.5, 0.5, 0.5, 1.0]).surface(0.0, 0.8, 0.5, 0.0)).unwrap();
     let picture = stage.rgb();
@@ -293,7 +293,7 @@ fn an_image_does_not_depend_on_earlier_images() {
         .map(|index| {
             place(&mut stage, index);
             let options = RendererOptions::default().with_samples(1);
-            Renderer::on(stage::gpu(), stage.data.model(), 48, 32, &options).unwrap().rgb(&stage.scene).unwrap()
+            Renderer::on(stage::gpu(), stage.data.model(), 48, 32, options).unwrap().rgb(&stage.scene).unwrap()
         })
         .collect();
     assert!(expected.iter().enumerate().all(|(index, picture)| !expected[..index].contains(picture)));
@@ -330,7 +330,7 @@ fn images_do_not_depend_on_the_thread_or_earlier_sizes() {
         r#"<quality shadowsize="256"/>"#,
         r#"<light pos="0 0 3"/><geom type="plane" size="0 0 1"/><geom size="0.3" pos="0 0 1"/>"#,
     );
-    let mut stage = Stage::with(&xml, [48, 32], &RendererOptions::default());
+    let mut stage = Stage::with(&xml, [48, 32], RendererOptions::default());
     let expected = stage.rgb();
     for [width, height] in [[1, 1], [100, 3], [48, 32]] {
         stage.renderer.resize(width, height).unwrap();
@@ -346,7 +346,7 @@ fn images_do_not_depend_on_the_thread_or_earlier_sizes() {
     std::thread::scope(|threads| {
         for _ in 0..3 {
             threads.spawn(|| {
-                let mut renderer = Renderer::on(stage::gpu(), model, 48, 32, &RendererOptions::default()).unwrap();
+                let mut renderer = Renderer::on(stage::gpu(), model, 48, 32, RendererOptions::default()).unwrap();
                 for _ in 0..3 {
                     assert_eq!(renderer.rgb(scene).unwrap(), expected);
                 }

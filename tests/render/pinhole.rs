@@ -74,7 +74,7 @@ fn table() -> (Data, Renderer) {
     data.forward().unwrap();
     let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
     let [width, height] = SIZE.map(|length| length as u32);
-    let renderer = Renderer::on(stage::gpu(), data.model(), width, height, &options).unwrap();
+    let renderer = Renderer::on(stage::gpu(), data.model(), width, height, options).unwrap();
     (data, renderer)
 }
 
@@ -171,7 +171,7 @@ fn camera_with_two_eyes_has_the_pinhole_model_of_the_image() {
     data.forward().unwrap();
     data.edit_model(|model| model.cam_ipd_mut().fill(0.2)).unwrap();
     data.forward().unwrap();
-    let renderer = Renderer::on(stage::gpu(), data.model(), 160, 120, &RendererOptions::default());
+    let renderer = Renderer::on(stage::gpu(), data.model(), 160, 120, RendererOptions::default());
     let camera = renderer.unwrap().snapshot(&mut data, "side").unwrap().pinhole_camera().unwrap();
     Eye::of_model(&data, "side").assert_equals(&camera);
 }

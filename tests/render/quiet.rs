@@ -27,7 +27,7 @@ fn renders_an_image_in_a_child_process() {
     let mut scene = Scene::new(data.model(), 100).unwrap();
     let mut camera = Camera::free(data.model());
     scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
-    let mut renderer = Renderer::on(&gpu, data.model(), 64, 64, &RendererOptions::default()).unwrap();
+    let mut renderer = Renderer::on(&gpu, data.model(), 64, 64, RendererOptions::default()).unwrap();
     let picture = renderer.rgb(&scene).unwrap();
     let first = picture.pixel(0, 0);
     assert!(picture.as_bytes().chunks_exact(3).any(|pixel| *pixel != first), "the image is empty");

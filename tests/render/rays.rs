@@ -76,7 +76,7 @@ fn compare(&Subject(name, steps, lookat, distance, azimuth, elevation): &Subject
     let mut scene = Scene::new(data.model(), 20_000).unwrap();
     let mut camera = Camera { lookat, distance, azimuth, elevation, ..Camera::default() };
     scene.update(&mut data, &geoms_only(), None, &mut camera, Categories::STATIC | Categories::DYNAMIC).unwrap();
-    let mut renderer = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], &RendererOptions::default()).unwrap();
+    let mut renderer = Renderer::on(stage::gpu(), data.model(), SIZE[0], SIZE[1], RendererOptions::default()).unwrap();
     let depth = renderer.depth(&scene).unwrap();
     let segmentation = renderer.segmentation(&scene).unwrap();
 

@@ -11,7 +11,7 @@ const SIZE: [u32; 2] = [48, 36];
 
 fn renderer(model: &Model) -> Renderer {
     let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
-    Renderer::on(stage::gpu(), model, SIZE[0], SIZE[1], &options).unwrap()
+    Renderer::on(stage::gpu(), model, SIZE[0], SIZE[1], options).unwrap()
 }
 
 fn humanoid() -> Data {

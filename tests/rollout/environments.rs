@@ -1,7 +1,7 @@
 //! Environments: the definitions of tasks agree with Gymnasium's numbers, and a vector environment equals a loop over single simulations.
 
 use mujoco_safe::environment::{
-    HalfCheetah, Hopper, InvertedPendulum, Evaluation, Motion, Task, Transition, VectorEnvironment,
+    Evaluation, HalfCheetah, Hopper, InvertedPendulum, Motion, Task, Transition, VectorEnvironment,
 };
 use mujoco_safe::rollout::{Distribution, Parameter, Parameters, Random};
 use mujoco_safe::{Controller, Data, Model, RandomController, Result};

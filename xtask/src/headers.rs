@@ -6,7 +6,7 @@ mod bindgen;
 mod fields;
 #[path = "../../mujoco-sys/build/headers.rs"]
 mod include;
-#[path = "../../src/version.rs"]
+#[path = "../../src/version/number.rs"]
 mod version;
 
 use std::path::Path;

@@ -74,17 +74,17 @@ impl Gpu {
     /// # Errors
     ///
     /// [`RenderError::NoAdapter`] if no adapter matches, [`RenderError::Open`] if its driver fails to open a device.
-    pub fn with_options(options: &GpuOptions) -> Result<Self, RenderError> {
+    pub fn with_options(options: GpuOptions) -> Result<Self, RenderError> {
         let _driver_use = DriverUse::begin();
         with_captured_stderr(|| {
             let mut rejected = Vec::new();
             for backends in BACKENDS {
                 let instance = wgpu::Instance::new(instance_descriptor(backends));
-                if let Some(adapter) = request_adapter(&instance, options, None, &mut rejected) {
+                if let Some(adapter) = request_adapter(&instance, &options, None, &mut rejected) {
                     return open(instance, adapter);
                 }
             }
-            Err(no_adapter(options, &rejected))
+            Err(no_adapter(&options, &rejected))
         })
     }
 

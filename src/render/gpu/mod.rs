@@ -25,7 +25,7 @@ use super::pass::Pipelines;
 ///
 /// let gpu = Gpu::new()?;
 /// println!("{}, {:?}", gpu.name(), gpu.kind());
-/// let software = Gpu::with_options(&GpuOptions::default().with_preference(GpuPreference::Software))?;
+/// let software = Gpu::with_options(GpuOptions::default().with_preference(GpuPreference::Software))?;
 /// # Ok::<(), mujoco_safe::render::RenderError>(())
 /// ```
 #[derive(Clone)]
@@ -71,7 +71,7 @@ impl Gpu {
     /// [`RenderError::NoAdapter`] if no adapter is available, [`RenderError::Open`] if its driver fails to open a
     /// device.
     pub fn new() -> Result<Self, RenderError> {
-        Self::with_options(&GpuOptions::default())
+        Self::with_options(GpuOptions::default())
     }
 
     /// Returns the name of the adapter, as reported by its driver.

@@ -95,7 +95,7 @@ impl Renderer {
     /// empty image; the errors of [`Scene::new`] for the scene of snapshots.
     #[doc(alias = "mjr_makeContext")]
     pub fn new(model: &Model, width: u32, height: u32) -> Result<Self, RenderError> {
-        Self::with_options(model, width, height, &RendererOptions::default())
+        Self::with_options(model, width, height, RendererOptions::default())
     }
 
     /// Creates a renderer as [`new`](Self::new) does, with options.
@@ -103,12 +103,7 @@ impl Renderer {
     /// # Errors
     ///
     /// As for [`new`](Self::new).
-    pub fn with_options(
-        model: &Model,
-        width: u32,
-        height: u32,
-        options: &RendererOptions,
-    ) -> Result<Self, RenderError> {
+    pub fn with_options(model: &Model, width: u32, height: u32, options: RendererOptions) -> Result<Self, RenderError> {
         Self::on(&Gpu::new()?, model, width, height, options)
     }
 
@@ -122,7 +117,7 @@ impl Renderer {
         model: &Model,
         width: u32,
         height: u32,
-        options: &RendererOptions,
+        options: RendererOptions,
     ) -> Result<Self, RenderError> {
         let size = [width, height];
         gpu.guarded(|| {
@@ -134,7 +129,7 @@ impl Renderer {
             Ok(Self {
                 gpu: gpu.clone(),
                 lineage: model.lineage(),
-                options: *options,
+                options,
                 samples: gpu.samples(samples),
                 size,
                 bounds: AssetBounds::new(model),
@@ -442,7 +437,7 @@ mod tests {
         scene.update(&mut data, &SceneOptions::default(), None, &mut camera, Categories::all()).unwrap();
         let options = RendererOptions::default().with_samples(1).with_shadow_size(64);
         let draw = |count: u32| {
-            let mut renderer = Renderer::on(&gpu, data.model(), 8, 8, &options).unwrap();
+            let mut renderer = Renderer::on(&gpu, data.model(), 8, 8, options).unwrap();
             for frame in 0..count {
                 renderer.resize(4 + frame % 7, 4 + frame % 5).unwrap();
                 renderer.rgb(&scene).unwrap();

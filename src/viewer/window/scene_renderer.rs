@@ -40,7 +40,7 @@ impl SceneRenderer {
         let kept = self.renderer.take().filter(|(generation, _)| *generation == snapshot.generation);
         let renderer = match kept {
             Some((_, renderer)) => renderer,
-            None => Renderer::on(gpu, &snapshot.model, width, height, &RendererOptions::default())?,
+            None => Renderer::on(gpu, &snapshot.model, width, height, RendererOptions::default())?,
         };
         Ok(&mut self.renderer.insert((snapshot.generation, renderer)).1)
     }

@@ -65,7 +65,7 @@ fn engines(setting: &Setting) -> RgbImage {
     RgbImage::from_rgb(info.width as usize, info.height as usize, rgb).unwrap()
 }
 
-fn ours(data: &Data, scene: &Scene, options: &RendererOptions) -> RgbImage {
+fn ours(data: &Data, scene: &Scene, options: RendererOptions) -> RgbImage {
     let mut renderer = Renderer::on(stage::gpu(), data.model(), WIDTH as u32, HEIGHT as u32, options).unwrap();
     renderer.rgb(scene).unwrap()
 }
@@ -78,7 +78,7 @@ fn compare(name: &str) {
     let is_saved = std::env::var_os("MUJOCO_SAFE_PICTURES").is_some();
     assert_eq!(MODES[0].1, RendererOptions::default().lighting);
     let differences = MODES.map(|(label, lighting)| {
-        let ours = ours(&data, &scene, &RendererOptions::default().with_lighting(lighting));
+        let ours = ours(&data, &scene, RendererOptions::default().with_lighting(lighting));
         let difference = Difference::of(&engine, &ours);
         let is_small = is_small(&difference, largest_share(name, lighting));
         if is_saved || !is_small {

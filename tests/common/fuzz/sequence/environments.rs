@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::sync::{Arc, OnceLock};
 
-use mujoco_safe::environment::{Hopper, Evaluation, Task, Transition, VectorEnvironment};
+use mujoco_safe::environment::{Evaluation, Hopper, Task, Transition, VectorEnvironment};
 use mujoco_safe::rollout::{Distribution, Parameter, Parameters, Random};
 use mujoco_safe::{Batch, Data, Model, Result};
 

@@ -1,6 +1,4 @@
-//! Version numbers of the engine.
-
-use mujoco_sys::mjVERSION_HEADER;
+//! Version numbers. `xtask` includes this file.
 
 /// Version of the engine.
 ///
@@ -31,22 +29,5 @@ impl Version {
 impl std::fmt::Display for Version {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}.{}.{}", self.major, self.minor, self.patch)
-    }
-}
-
-/// Returns the version of the headers that this crate was built against.
-pub const fn built_against() -> Version {
-    Version::from_number(mjVERSION_HEADER)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Version;
-
-    #[test]
-    fn both_encodings_of_version_numbers_are_decoded() {
-        assert_eq!(Version::from_number(222).to_string(), "2.2.2");
-        assert_eq!(Version::from_number(337).to_string(), "3.3.7");
-        assert_eq!(Version::from_number(3_017_000).to_string(), "3.17.0");
     }
 }
