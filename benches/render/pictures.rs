@@ -15,7 +15,7 @@ use crate::{more_scenes, scenes};
 const SIZE: [u32; 2] = [640, 480];
 /// Largest share of pixels with a channel that is off by more than 8 of 255.
 const OUTLIERS: f64 = 0.007;
-/// Images of a scene on the sheet have a fourth of the width and height.
+/// Images of a scene on the sheet have a quarter of the width and height.
 const REDUCTION: usize = 4;
 /// Scenes in a row of the sheet.
 const COLUMNS: usize = 3;
