@@ -2,15 +2,11 @@
 
 use super::Gpu;
 use crate::render::RenderError;
+use crate::render::pass::{COLOR_FORMAT, create_texture, default_view, screen_pipeline};
 
 const SHADER: &str = "
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    return vec4f(vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 @fragment
-fn fragment() -> @location(0) vec4f {
+fn fill() -> @location(0) vec4f {
     return vec4f(1.0);
 }
 ";
@@ -20,21 +16,10 @@ impl Gpu {
     /// precede that of [`DriverUse`](super::DriverUse).
     pub(super) fn load_shader_compiler(&self) -> Result<(), RenderError> {
         self.guarded(|| {
-            let device = self.device();
-            let format = wgpu::TextureFormat::Rgba8Unorm;
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: None,
-                size: wgpu::Extent3d::default(),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            });
-            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-            let pipeline = pipeline(device, format);
-            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+            let view = default_view(&create_texture(self, [1, 1], COLOR_FORMAT, 1, usage));
+            let pipeline = screen_pipeline(self, SHADER, "fill", COLOR_FORMAT.into());
+            let mut encoder = self.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &view,
@@ -51,32 +36,4 @@ impl Gpu {
             self.wait()
         })
     }
-}
-
-fn pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: None,
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

@@ -5,6 +5,7 @@ mod label;
 mod main_pass;
 mod pipeline;
 mod pipeline_state;
+mod screen_pipeline;
 mod shadow_map;
 mod sky;
 mod target;
@@ -15,6 +16,7 @@ pub(crate) use self::aux_pass::{AuxLayer, AuxTarget, encode_ids, encode_segment_
 pub(crate) use self::label::Labels;
 pub(crate) use self::main_pass::{FrameInputs, MainPass};
 pub(crate) use self::pipeline::{PassKind, PipelineKey, Pipelines};
+pub(crate) use self::screen_pipeline::screen_pipeline;
 pub(crate) use self::shadow_map::ShadowMaps;
 pub(crate) use self::sky::Sky;
 pub(crate) use self::target::{COLOR_FORMAT, Target, check_size, create_texture, default_view};

@@ -1,17 +1,11 @@
 //! Image of the window's content on the GPU. A frame repaints only the parts that have changed, and copies the image to the window.
 
 use super::pixel_rect::PixelRect;
-use crate::render::{Gpu, RenderError};
+use crate::render::{Gpu, RenderError, create_texture, screen_pipeline};
 
 /// Draws the blend constant, or a texture of the target's size pixel by pixel.
 const SHADER: &str = "
 @group(0) @binding(0) var image: texture_2d<f32>;
-
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
-    return vec4f(corner, 0.0, 1.0);
-}
 
 @fragment
 fn fill() -> @location(0) vec4f {
@@ -86,7 +80,7 @@ impl Canvas {
             None => Some(gpu.guarded(|| {
                 use wgpu::TextureUsages as Usages;
                 let usage = Usages::RENDER_ATTACHMENT | Usages::TEXTURE_BINDING | Usages::COPY_SRC | Usages::COPY_DST;
-                let texture = create_texture(gpu, layout.size, self.format, usage);
+                let texture = create_texture(gpu, layout.size, self.format, 1, usage);
                 Ok(Image { layout, view: texture.create_view(&wgpu::TextureViewDescriptor::default()), texture })
             })?),
         };
@@ -153,59 +147,15 @@ impl Canvas {
     }
 }
 
-/// Creates a texture of a window's format.
-pub(super) fn create_texture(
-    gpu: &Gpu,
-    [width, height]: [u32; 2],
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    gpu.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some("canvas"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
-}
-
-/// Creates a pipeline that covers the target with the colours of a fragment shader.
+/// Creates a pipeline with one of the fragment shaders.
 fn pipeline(
     gpu: &Gpu,
     format: wgpu::TextureFormat,
     shader: &str,
     blend: Option<wgpu::BlendState>,
 ) -> wgpu::RenderPipeline {
-    let device = gpu.device();
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("canvas"),
-        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-    });
     let target = wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("canvas"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(shader),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(target)],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    screen_pipeline(gpu, SHADER, shader, target)
 }
 
 /// Begins a pass that keeps the content of the target.
@@ -236,7 +186,7 @@ mod tests {
 
     /// Returns the red and green parts of the canvas after a copy to a texture with this usage.
     fn copied(gpu: &Gpu, canvas: &mut Canvas, usage: wgpu::TextureUsages) -> Vec<Vec<[u8; 2]>> {
-        let window = create_texture(gpu, SIZE, FORMAT, usage | wgpu::TextureUsages::COPY_SRC);
+        let window = create_texture(gpu, SIZE, FORMAT, 1, usage | wgpu::TextureUsages::COPY_SRC);
         let buffer = ReadBackBuffer::new(gpu, SIZE, 4).unwrap();
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         canvas.copy_to(gpu, &mut encoder, &window);
@@ -262,7 +212,8 @@ mod tests {
         assert!(!canvas.prepare(&gpu, layout).unwrap());
 
         // A scene whose green part is the number of the pixel.
-        let scene = create_texture(&gpu, [4, 4], FORMAT, wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST);
+        let scene =
+            create_texture(&gpu, [4, 4], FORMAT, 1, wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST);
         let pixels: Vec<u8> = (0..16).flat_map(|number| [0, number, 0, 255]).collect();
         let rows = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16), rows_per_image: None };
         gpu.queue().write_texture(scene.as_image_copy(), &pixels, rows, scene.size());

@@ -1,7 +1,6 @@
 //! Renderer of the scene of a window.
 
-use super::canvas::create_texture;
-use crate::render::{Gpu, RenderError, Renderer, RendererOptions, RgbImage};
+use crate::render::{Gpu, RenderError, Renderer, RendererOptions, RgbImage, create_texture};
 use crate::scene::{Camera, RenderFlags};
 use crate::viewer::link::{Asset, Snapshot};
 
@@ -89,7 +88,7 @@ impl SceneRenderer {
             Some((_, image)) => image,
             None => gpu.guarded(|| {
                 let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-                Ok(create_texture(gpu, size, format, usage))
+                Ok(create_texture(gpu, size, format, 1, usage))
             })?,
         };
         let view = image.create_view(&wgpu::TextureViewDescriptor::default());
