@@ -125,19 +125,26 @@ impl Locate for MatrixViewMut<'_> {
 /// Results of accessors and contents of the struct, by field.
 type Pairs = Vec<(&'static str, Place, Place)>;
 
+/// Adds a pair. Inlined for each of the hundreds of fields, it would take the compiler seconds.
+#[inline(never)]
+fn push(pairs: &mut Pairs, name: &'static str, ours: impl Locate, theirs: impl Locate) {
+    pairs.push((name, ours.locate(), theirs.locate()));
+}
+
 macro_rules! pairs {
-    ($ours:ident, $raw:ident: $($name:ident)*) => {
-        vec![$((stringify!($name), $ours.$name().locate(), $raw.$name.locate())),*]
-    };
+    ($ours:ident, $raw:ident: $($name:ident)*) => {{
+        let mut pairs = Pairs::new();
+        $(push(&mut pairs, stringify!($name), $ours.$name(), $raw.$name);)*
+        pairs
+    }};
 }
 
 macro_rules! writing_pairs {
-    ($ours:ident, $raw:ident: $($name:ident($field:ident))*) => {
-        vec![$({
-            let theirs = $raw.$field.locate();
-            (stringify!($field), $ours.$name().locate(), theirs)
-        }),*]
-    };
+    ($ours:ident, $raw:ident: $($name:ident($field:ident))*) => {{
+        let mut pairs = Pairs::new();
+        $(push(&mut pairs, stringify!($field), $ours.$name(), $raw.$field);)*
+        pairs
+    }};
 }
 
 fn pairs_of_model(model: &Model, raw: &mjModel) -> Pairs {
