@@ -126,3 +126,18 @@ pub fn press(input: &Input, key: &str, description: &str, mut condition: impl Fn
     input.key(key);
     wait_until(&format!("{key}: {description}"), || condition(&state()));
 }
+
+/// Double-clicks until a condition with this description is true. The interval between two clicks can be too long on a loaded machine.
+pub fn double_click(
+    input: &Input,
+    at: [i32; 2],
+    button: u8,
+    description: &str,
+    mut condition: impl FnMut(&WindowState) -> bool,
+) {
+    wait_until(description, || {
+        input.double_click(at, button);
+        settle(input);
+        condition(&state())
+    });
+}

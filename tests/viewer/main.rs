@@ -25,8 +25,12 @@ mod screenshots;
 mod trajectories;
 mod window;
 
+use std::num::NonZero;
 use std::path::Path;
 use std::process::{Command, ExitCode};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use display::Display;
@@ -34,7 +38,10 @@ use display::Display;
 /// Name and function of a case.
 type Case = (&'static str, fn());
 
+/// The longest first, so that no worker waits for it at the end.
 const CASES: &[Case] = &[
+    ("memory_does_not_leak", leaks::memory_does_not_leak),
+    ("panels_are_redrawn_without_the_scene", panels::redraws),
     ("simulation_keys", keys::simulation),
     ("visualisation_keys", keys::visualisation),
     ("window_keys", window::keys),
@@ -44,7 +51,7 @@ const CASES: &[Case] = &[
     ("panels_receive_their_input", panels::panels),
     ("panels_do_not_cover_the_picture", panels::layout),
     ("panels_do_not_edit_the_state", panels::no_edits),
-    ("panels_are_redrawn_without_the_scene", panels::redraws),
+    ("panels_change_their_theme_and_scale", panels::style),
     ("gestures_during_a_slow_frame", queued_events::gestures),
     ("consecutive_windows_on_one_thread", launch::consecutive),
     ("windows_on_the_background_thread", launch::launched),
@@ -54,7 +61,6 @@ const CASES: &[Case] = &[
     ("controller_failure_is_shown", errors::controller_failure),
     ("lost_surface_is_recreated", errors::lost_surface),
     ("idle_window_uses_no_processor_time", errors::idle),
-    ("memory_does_not_leak", leaks::memory_does_not_leak),
 ];
 
 /// Cases without a display.
@@ -114,28 +120,41 @@ fn child(arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs the cases whose names contain the filter.
+/// Runs the cases whose names contain the filter, as many at a time as there are processors, each worker with its own display.
 fn run_cases(filter: Option<&str>) -> ExitCode {
     let is_selected = |case: &&Case| filter.is_none_or(|filter| case.0.contains(filter));
-    let display = Display::start();
-    let with_display = CASES.iter().filter(is_selected).map(|case| (case, true));
-    let without_display = WITHOUT_DISPLAY.iter().filter(is_selected).map(|case| (case, false));
-    let mut failures = 0;
-    for ((name, _), needs_display) in with_display.chain(without_display) {
-        let mut command = child(&["case", name]);
-        if needs_display {
-            command.env("DISPLAY", display.name()).env("FRAMEBUFFER", display.framebuffer());
-        }
-        let start = Instant::now();
-        let outcome = harness::run_with_timeout(&mut command, TIMEOUT);
-        let seconds = start.elapsed().as_secs_f64();
-        match outcome {
-            Ok(()) => println!("test {name} ... ok ({seconds:.1} s)"),
-            Err(output) => {
-                failures += 1;
-                println!("test {name} ... FAILED ({seconds:.1} s)\n{output}");
+    let with_display = CASES.iter().filter(is_selected).map(|case| (case.0, true));
+    let without_display = WITHOUT_DISPLAY.iter().filter(is_selected).map(|case| (case.0, false));
+    let queue = Mutex::new(with_display.chain(without_display));
+    let has_failed = AtomicBool::new(false);
+    let work = || {
+        let display = Display::start();
+        loop {
+            // The lock ends with this statement.
+            let next = queue.lock().expect("no worker panics").next();
+            let Some((name, needs_display)) = next else { return };
+            if !run_case(name, needs_display.then_some(&display)) {
+                has_failed.store(true, Ordering::Relaxed);
             }
         }
+    };
+    let workers = thread::available_parallelism().map_or(1, NonZero::get);
+    thread::scope(|scope| (0..workers).for_each(|_| drop(scope.spawn(work))));
+    ExitCode::from(u8::from(has_failed.into_inner()))
+}
+
+/// Runs a case in a process, and prints its result. Returns `true` if it passes.
+fn run_case(name: &str, display: Option<&Display>) -> bool {
+    let mut command = child(&["case", name]);
+    if let Some(display) = display {
+        command.env("DISPLAY", display.name()).env("FRAMEBUFFER", display.framebuffer());
     }
-    ExitCode::from(u8::from(failures > 0))
+    let start = Instant::now();
+    let outcome = harness::run_with_timeout(&mut command, TIMEOUT);
+    let seconds = start.elapsed().as_secs_f64();
+    match &outcome {
+        Ok(()) => println!("test {name} ... ok ({seconds:.1} s)"),
+        Err(output) => println!("test {name} ... FAILED ({seconds:.1} s)\n{output}"),
+    }
+    outcome.is_ok()
 }

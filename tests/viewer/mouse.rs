@@ -1,9 +1,10 @@
 //! Mouse gestures.
 
 use mujoco_safe::scene::CameraView;
+use mujoco_safe::viewer::test_hooks::WindowState;
 use mujoco_safe::{Data, Model};
 
-use crate::harness::{SIZE, press, settle, show, state};
+use crate::harness::{SIZE, double_click, press, settle, show, state};
 use crate::input::{Input, wait_until};
 
 /// Box that floats in front of the camera, in the centre of the window.
@@ -84,30 +85,28 @@ fn camera(input: &Input) {
 }
 
 fn selection(input: &Input) {
-    input.double_click(MIDDLE, 1);
-    wait_until("a double-click selects a body", || state().selected.is_some_and(|(body, _)| body == 2));
-    press(input, "Page_Up", "the parent is selected", |state| state.selected.is_some_and(|(body, _)| body == 1));
-    input.double_click([5, 5], 1);
-    wait_until("a double-click on the background unselects", || state().selected.is_none());
+    let is_selected = |index: usize| move |state: &WindowState| state.selected.is_some_and(|(body, _)| body == index);
+    double_click(input, MIDDLE, 1, "a double-click selects a body", is_selected(2));
+    press(input, "Page_Up", "the parent is selected", is_selected(1));
+    double_click(input, [5, 5], 1, "a double-click on the background unselects", |state| state.selected.is_none());
 
     settle(input);
     let before = state().camera.lookat;
-    input.double_click([MIDDLE[0] + 30, MIDDLE[1]], 3);
-    wait_until("a right double-click moves the look-at point", || state().camera.lookat != before);
+    double_click(input, [MIDDLE[0] + 30, MIDDLE[1]], 3, "a right double-click moves the look-at point", |state| {
+        state.camera.lookat != before
+    });
     press(input, "ctrl+a", "the camera is reset", |state| state.camera.lookat == [0.0, 0.0, 1.0]);
 
     input.press(MIDDLE, 1, &[]);
     input.release(1, &[]);
     input.hold(&["ctrl"]);
-    input.double_click(MIDDLE, 3);
-    input.release_modifiers(&["ctrl"]);
-    wait_until("a right double-click with Ctrl tracks the body", || {
-        matches!(state().camera.view, CameraView::Tracking(_))
+    double_click(input, MIDDLE, 3, "a right double-click with Ctrl tracks the body", |state| {
+        matches!(state.camera.view, CameraView::Tracking(_))
     });
+    input.release_modifiers(&["ctrl"]);
     press(input, "ctrl+a", "the camera is free", |state| state.camera.view == CameraView::Free);
-    input.double_click(MIDDLE, 1);
-    wait_until("the body is selected again", || state().selected.is_some());
-    press(input, "Page_Up", "the floating body is selected", |state| state.selected.is_some_and(|(body, _)| body == 1));
+    double_click(input, MIDDLE, 1, "the body is selected again", |state| state.selected.is_some());
+    press(input, "Page_Up", "the floating body is selected", is_selected(1));
 }
 
 /// Checks that a drag moves and rotates a body while paused.

@@ -8,8 +8,12 @@ use mujoco_safe::viewer::{Theme, Viewer, ViewerOptions};
 use mujoco_safe::{Data, sample};
 
 use crate::display::Screen;
-use crate::harness::{press, settle, show_sized, show_window, state};
+use crate::harness::{double_click, press, settle, show_sized, show_window, state};
 use crate::input::{Input, wait_until};
+
+/// Positions of the buttons of the light theme and of a larger scale.
+const LIGHT: [i32; 2] = [130, 413];
+const LARGER: [i32; 2] = [102, 435];
 
 /// Size of a window that shows a panel in its full width.
 pub const SIZE: [u32; 2] = [640, 400];
@@ -106,10 +110,33 @@ pub fn layout() {
             wait_until("the initial size is restored", || state().size == [width, height]);
 
             // The mouse refers to the picture: its centre shows the humanoid.
-            input.double_click([(left + pictured / 2) as i32, height as i32 / 2], 1);
-            wait_until("a body is selected", || state().selected.is_some_and(|(body, _)| body > 0));
+            let centre = [(left + pictured / 2) as i32, height as i32 / 2];
+            double_click(input, centre, 1, "a body is selected", |state| {
+                state.selected.is_some_and(|(body, _)| body > 0)
+            });
         });
     }
+}
+
+pub fn style() {
+    let framebuffer = PathBuf::from(std::env::var_os("FRAMEBUFFER").expect("set by this test"));
+    let [width, height] = [1066, 666];
+    show_sized([width, height], humanoid(), |input| {
+        press(input, "Tab", "the left panel is open", |state| state.panels[2]);
+        // Closes the visualisation, and opens the section of the window.
+        for heading in [253, 391] {
+            input.click([40, heading], 1, 1);
+            settle(input);
+            settle(input);
+        }
+        let corner = || Screen::read(&framebuffer).pixel([2, height as usize - 3]);
+        assert!(corner().iter().all(|&part| part < 60), "the panel is dark");
+        let left = state().picture[0][0];
+        input.click(LIGHT, 1, 1);
+        wait_until("the panel is light", || corner().iter().all(|&part| part > 200));
+        input.click(LARGER, 1, 1);
+        wait_until("the panel is wider", || state().picture[0][0] == (1.1 * f64::from(left)).round() as u32);
+    });
 }
 
 pub fn no_edits() {

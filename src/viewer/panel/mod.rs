@@ -144,6 +144,7 @@ impl Panels {
             layout::section(ui, "Equality constraints", false, |ui| physics::show_equalities(ui, cx));
         }
         layout::section(ui, "Watch", false, |ui| self.watch.show(ui, cx, self.plots.watched()));
+        layout::section(ui, "Window", false, style::show);
     }
 
     fn show_right(&mut self, ui: &mut Ui, cx: &mut PanelContext<'_>) {

@@ -2,10 +2,14 @@
 
 use egui::{Color32, Context, FontFamily, FontId, Shadow, Stroke, Style, TextStyle, Ui, Visuals};
 
+use super::layout;
 use crate::viewer::launch::Theme;
 
 /// Range of the scale of the panels.
 const SCALES: std::ops::RangeInclusive<f64> = 0.25..=4.0;
+
+/// Factor of a step of the scale.
+const SCALE_STEP: f64 = 1.1;
 
 /// Palettes of the curves on a dark and on a light background: distinguishable with colour blindness (Okabe and Ito, 2008), brightened or
 /// darkened.
@@ -52,6 +56,39 @@ pub(super) fn warning(ui: &Ui) -> Color32 {
 /// Returns the colour of errors.
 pub(super) fn failure(ui: &Ui) -> Color32 {
     ui.visuals().error_fg_color
+}
+
+/// Width of the labels, points.
+const LABEL_WIDTH: f32 = 56.0;
+
+/// Shows the theme and the scale of the panels.
+pub(super) fn show(ui: &mut Ui) {
+    let before = (theme(ui.ctx()), f64::from(ui.ctx().zoom_factor()));
+    let (mut theme, mut scale) = before;
+    layout::labelled(ui, "theme", LABEL_WIDTH, |ui| {
+        ui.selectable_value(&mut theme, Theme::Dark, "dark");
+        ui.selectable_value(&mut theme, Theme::Light, "light");
+    });
+    layout::labelled(ui, "scale", LABEL_WIDTH, |ui| {
+        // Buttons instead of a slider, which would move while it is dragged.
+        for (text, factor) in [("−", 1.0 / SCALE_STEP), ("+", SCALE_STEP)] {
+            if ui.button(text).clicked() {
+                scale *= factor;
+            }
+        }
+        ui.label(format!("{:.0} %", 100.0 * scale));
+    });
+    if (theme, scale) != before {
+        apply_style(ui.ctx(), theme, scale);
+    }
+}
+
+/// Returns the theme of the panels.
+fn theme(context: &Context) -> Theme {
+    match context.theme() {
+        egui::Theme::Dark => Theme::Dark,
+        egui::Theme::Light => Theme::Light,
+    }
 }
 
 /// Applies the style of the panels, at a scale relative to that of the display.

@@ -48,6 +48,8 @@ pub(super) struct Overlay {
     /// Output of the last pass.
     shapes: Vec<ClippedShape>,
     scale: f32,
+    /// Theme of the last pass.
+    theme: egui::Theme,
     /// Rectangles that contain the changes of the output since the last call of [`Overlay::take_changes`], points.
     changes: Vec<Rect>,
     /// Parts of the window that were painted last, and their triangles.
@@ -69,6 +71,7 @@ impl Overlay {
         let options = RendererOptions { dithering: false, ..RendererOptions::default() };
         let painter = Renderer::new(device, format, options);
         Self {
+            theme: context.theme(),
             context,
             input,
             painter,
@@ -214,8 +217,12 @@ impl Overlay {
             output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         self.input.handle_platform_output(window, output.platform_output);
         let scale = output.pixels_per_point;
-        let changes =
-            if scale == self.scale { changed_rects(&self.shapes, &output.shapes) } else { vec![Rect::EVERYTHING] };
+        let theme = std::mem::replace(&mut self.theme, self.context.theme());
+        let changes = if (scale, self.theme) == (self.scale, theme) {
+            changed_rects(&self.shapes, &output.shapes)
+        } else {
+            vec![Rect::EVERYTHING]
+        };
         let has_changed = !changes.is_empty();
         if has_changed || !output.textures_delta.is_empty() {
             self.triangles.0.clear();
