@@ -8,7 +8,7 @@
 //! | the same with rewards, ends of episodes and resets (reinforcement learning) | [`VectorEnvironment`] |
 //! | rollouts in every control step | [`Rollout::on`] with [`Workers`] |
 //! | linearisation in several threads | [`Lineariser`](crate::Lineariser) with [`TransitionOptions::with_threads`](crate::derivative::TransitionOptions::with_threads) |
-//! | many machines | a process per machine: the example `mpi` distributes a batch over MPI ranks |
+//! | many machines | a process per machine: the example `mpi` distributes a batch over MPI ranks, with the same random numbers for any number of ranks ([`Batch::first_index`]) |
 //!
 //! # Shared and owned
 //!

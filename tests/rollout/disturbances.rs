@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use mujoco_safe::environment::{Hopper, VectorEnvironment};
-use mujoco_safe::rollout::Random;
+use mujoco_safe::rollout::{Distribution, Parameter, Parameters, Random};
 use mujoco_safe::{Data, Result};
 
 use super::environments::{Alone, ShortHopper};
@@ -121,6 +121,36 @@ fn noise_and_delays_equal_those_of_single_simulations() {
         }
     }
     assert!((1..=4).all(|delay| delays.contains(&delay)) && ends >= 8, "delays {delays:?}, {ends} ends");
+}
+
+#[test]
+fn parts_of_an_environment_compute_the_results_of_the_whole() {
+    let run = |first: usize, count: usize| -> Result<_> {
+        let model = Hopper::model();
+        let torso = Parameter::MassFactor(model.body("torso")?.id());
+        let parameters = Parameters::new().with(&model, torso, Distribution::Uniform { low: 0.8, high: 1.2 })?;
+        let mut environment = VectorEnvironment::new(model, ShortHopper, count, SEED)?
+            .first_index(first)?
+            .vary(parameters)?
+            .action_delay(0..=3)?
+            .action_noise(&[0.1; 3])?
+            .observation_noise(&[0.01; 11])?;
+        let (mut results, mut ends) = (vec![Vec::new(); count], 0);
+        for step in 0..50 {
+            let actions: Vec<f64> =
+                (0..3 * count).map(|at| (0.3 * f64::from(step) + (3 * first + at) as f64).sin()).collect();
+            environment.step(&actions)?;
+            for (index, results) in results.iter_mut().enumerate() {
+                results.extend(bits(environment.observations().row(index)));
+                results.push(environment.rewards()[index].to_bits());
+                ends += usize::from(environment.terminated()[index] || environment.truncated()[index]);
+            }
+        }
+        Ok((results, ends))
+    };
+    let (whole, ends) = run(0, 5).unwrap();
+    assert_eq!([run(0, 2).unwrap().0, run(2, 3).unwrap().0].concat(), whole);
+    assert!(ends > 5, "only {ends} episodes end");
 }
 
 #[test]

@@ -79,6 +79,27 @@ fn draws_depend_on_seed_simulation_episode_and_column_only() {
 }
 
 #[test]
+fn parts_of_a_batch_draw_the_values_of_the_whole() {
+    let model = Arc::new(sample::cartpole());
+    let parameters = Parameters::new()
+        .with(&model, factor(&model, "pole"), LOG_UNIFORM)
+        .and_then(|list| list.with(&model, Parameter::Gravity(2), NORMAL))
+        .unwrap();
+    let draw = |first: usize, count: usize| {
+        let batch = Batch::new(&model, count).unwrap().vary(parameters.clone()).unwrap();
+        let mut batch = if first == 0 { batch } else { batch.first_index(first) };
+        batch.draw_parameters(|_| true, 3).unwrap();
+        batch.reset_where(|_| true, |_, _, _| ()).unwrap();
+        batch.draw_parameters(|index| first.wrapping_add(index) % 2 == 0, 3).unwrap();
+        bits(batch.parameters().as_slice())
+    };
+    let whole = draw(0, 7);
+    assert_eq!([draw(0, 3), draw(3, 4)].concat(), whole);
+    assert_ne!(draw(0, 4), draw(3, 4));
+    draw(usize::MAX, 2); // The index wraps around.
+}
+
+#[test]
 fn an_invalid_value_is_an_error_before_any_simulation_changes() {
     let model = Arc::new(sample::humanoid());
     let floor = model.geom("floor").unwrap().id();

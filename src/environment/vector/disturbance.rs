@@ -9,7 +9,7 @@ use crate::matrix::Matrix;
 use crate::rollout::Random;
 
 /// Stream of the random numbers for noise and delays in an episode.
-const STREAM: u64 = u64::MAX;
+pub(super) const STREAM: u64 = u64::MAX;
 
 /// # Noise and delays
 ///
@@ -142,9 +142,8 @@ impl Disturbance {
     }
 
     /// Draws the delay of a new episode, and sets its first observation with noise.
-    pub(super) fn start(&mut self, seed: u64, index: usize, episode: u64, observation: &[f64]) {
+    pub(super) fn start(&mut self, index: usize, mut random: Random, observation: &[f64]) {
         let Some(row) = self.rows.get_mut(index) else { return };
-        let mut random = Random::stream(seed, index, episode, STREAM);
         let (least, most) = (*self.range.start(), *self.range.end());
         let more = random.uniform(0.0, (most - least) as f64 + 1.0) as usize;
         *row = Row { random, delay: least.saturating_add(more).min(most) };

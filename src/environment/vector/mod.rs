@@ -106,6 +106,19 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         Ok(self)
     }
 
+    /// Sets the index that the random numbers of the first simulation depend on, zero by default, and starts new episodes. If each of several
+    /// processes has a part of the simulations, and calls this with the index of its first one, all together compute what one process
+    /// computes that calls `first_index(0)`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`reset`](Self::reset).
+    pub fn first_index(mut self, index: usize) -> Result<Self> {
+        self.batch = self.batch.first_index(index);
+        self.reset()?;
+        Ok(self)
+    }
+
     /// Ends all episodes, and starts new ones.
     ///
     /// # Errors
@@ -174,11 +187,14 @@ impl<T: Task + 'static> VectorEnvironment<T> {
         for index in (0..self.rewards.len()).filter(|&index| ended(index)) {
             self.steps[index] = 0;
         }
-        let result = self
-            .batch
-            .reset_where(ended, |index, episode, data| task.start(&mut Random::new(seed, index, episode), data));
+        let first = self.batch.random_index(0);
+        let random_index = |index: usize| first.wrapping_add(index);
+        let result = self.batch.reset_where(ended, |index, episode, data| {
+            task.start(&mut Random::new(seed, random_index(index), episode), data)
+        });
         for index in (0..self.rewards.len()).filter(|&index| ended(index)) {
-            self.disturbance.start(seed, index, self.batch.episode(index), self.batch.observations().row(index));
+            let random = Random::stream(seed, random_index(index), self.batch.episode(index), disturbance::STREAM);
+            self.disturbance.start(index, random, self.batch.observations().row(index));
         }
         result
     }

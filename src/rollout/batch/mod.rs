@@ -59,6 +59,8 @@ pub struct Batch<'a> {
     parameters: Parameters,
     /// Values of the parameters.
     values: Matrix,
+    /// Index of the first simulation for random numbers.
+    first_index: usize,
     pool: Pool,
     observe: Box<Read<'a>>,
     forward: bool,
@@ -92,6 +94,7 @@ impl<'a> Batch<'a> {
             observations: Matrix::default(),
             parameters: Parameters::new(),
             values: Matrix::zeros(count, 0),
+            first_index: 0,
             pool,
             observe: Box::new(|_, _| ()),
             forward: false,

@@ -97,8 +97,8 @@ impl Batch<'_> {
     /// Draws the values of the simulations whose index satisfies `which` from their distributions, as [`set_parameters`](Self::set_parameters)
     /// sets them.
     ///
-    /// A value is determined by the seed, the index of the simulation, the number of its [`episode`](Self::episode) and the position of the
-    /// parameter in the list. For other values in each episode, draw before or after each reset:
+    /// A value is determined by the seed, the index of the simulation (plus the [`first_index`](Self::first_index)), the number of its
+    /// [`episode`](Self::episode) and the position of the parameter in the list. For other values in each episode, draw before or after each reset:
     ///
     /// ```
     /// # use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
@@ -120,7 +120,40 @@ impl Batch<'_> {
     /// An error of [`update_constants`](crate::ModelMut::update_constants), as for [`set_parameters`](Self::set_parameters).
     pub fn draw_parameters(&mut self, which: impl Fn(usize) -> bool, seed: u64) -> Result<()> {
         let parameters = self.parameters.clone();
-        let episodes: Vec<u64> = (0..self.len()).map(|index| self.episode(index)).collect();
-        self.set_parameters(which, |index, values| parameters.draw(seed, index, episodes[index], values))
+        let numbers: Vec<_> = (0..self.len()).map(|index| (self.random_index(index), self.episode(index))).collect();
+        self.set_parameters(which, |index, values| {
+            let (index, episode) = numbers[index];
+            parameters.draw(seed, index, episode, values);
+        })
+    }
+
+    /// Sets the index that [`draw_parameters`](Self::draw_parameters) uses for the first simulation; zero by default. If a process has only
+    /// the simulations from `index` on of a larger batch, it draws the values that one process with all of them would draw.
+    ///
+    /// All other indices, such as those that closures receive, still start at zero.
+    ///
+    /// ```
+    /// use mujoco_safe::rollout::{Batch, Distribution, Parameter, Parameters};
+    /// use mujoco_safe::sample;
+    ///
+    /// let model = std::sync::Arc::new(sample::cartpole());
+    /// let gravity = Distribution::Normal { mean: -9.81, deviation: 0.1 };
+    /// let parameters = Parameters::new().with(&model, Parameter::Gravity(2), gravity)?;
+    /// let mut all = Batch::new(&model, 8)?.vary(parameters.clone())?;
+    /// let mut half = Batch::new(&model, 4)?.vary(parameters)?.first_index(4);
+    /// all.draw_parameters(|_| true, 42)?;
+    /// half.draw_parameters(|_| true, 42)?;
+    /// assert_eq!(half.parameters().row(0), all.parameters().row(4));
+    /// # Ok::<(), mujoco_safe::Error>(())
+    /// ```
+    #[must_use]
+    pub fn first_index(mut self, index: usize) -> Self {
+        self.first_index = index;
+        self
+    }
+
+    /// Returns the index of a simulation for random numbers.
+    pub(crate) fn random_index(&self, index: usize) -> usize {
+        self.first_index.wrapping_add(index)
     }
 }
