@@ -1,14 +1,16 @@
 // Reference implementation: the engine called from C. Reads one command per line, so that it can run alternately with others, and
 // answers with the elapsed seconds and a checksum of the result.
 //
+//   engine --version                prints the version of the engine
 //   engine MODEL.xml [KEYFRAME] < commands
 //   step CALLS                    mj_step under random controls, after a warm-up of CALLS / 8 steps
 //   rollout COUNT STEPS THREADS   COUNT simulations of STEPS each, recording qpos and qvel
+//   batch COUNT CALLS THREADS     COUNT simulations of one step per call, each a row of states; after one warm-up call
 //   transition CALLS              mjd_transitionFD of A and B by central differences, after one warm-up call
 //
 // Warm-up calls are not timed, because another process may have replaced the contents of the caches.
-#define _GNU_SOURCE
-#include <pthread.h>
+#include "engine.h"
+
 #include <sched.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -16,22 +18,19 @@
 #include <string.h>
 #include <time.h>
 
-#include <mujoco/mujoco.h>
-
-static mjModel* m;
+mjModel* m;
+double* controls;
 static cpu_set_t processors;
 static int key = -1;
-static double* controls;
 static int controls_generated;
 
-static double now(void) {
+double now(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return t.tv_sec + 1e-9 * t.tv_nsec;
 }
 
-// Pins the calling thread to a processor, as all implementations do.
-static void pin_to(int thread) {
+void pin_to(int thread) {
   int left = thread % CPU_COUNT(&processors), processor = 0;
   while (!CPU_ISSET(processor, &processors) || left-- > 0) {
     processor++;
@@ -42,7 +41,7 @@ static void pin_to(int thread) {
   pthread_setaffinity_np(pthread_self(), sizeof(one), &one);
 }
 
-static void* check(void* p) {
+void* check(void* p) {
   if (!p) {
     fprintf(stderr, "engine: out of memory\n");
     exit(1);
@@ -50,8 +49,7 @@ static void* check(void* p) {
   return p;
 }
 
-// Generates the controls of `count` steps, up to a tenth of their ranges: equal in all languages.
-static void generate_controls(int count) {
+void generate_controls(int count) {
   if (count <= controls_generated) {
     return;
   }
@@ -67,7 +65,7 @@ static void generate_controls(int count) {
   }
 }
 
-static void start(mjData* d) {
+void start(mjData* d) {
   if (key >= 0) {
     mj_resetDataKeyframe(m, d, key);
   } else {
@@ -79,7 +77,7 @@ static void set_controls(mjData* d, int step) {
   memcpy(d->ctrl, controls + (size_t)step * m->nu, sizeof(double) * m->nu);
 }
 
-static double sum(const double* values, int count) {
+double sum(const double* values, int count) {
   double result = 0;
   for (int i = 0; i < count; i++) {
     result += values[i];
@@ -111,8 +109,8 @@ static void* simulate(void* argument) {
 }
 
 static void rollout(mjData** d, int count, int steps, int threads) {
-  struct share shares[64];
-  pthread_t ids[64];
+  struct share shares[MAX_THREADS];
+  pthread_t ids[MAX_THREADS];
   const size_t size = (size_t)count * steps * (m->nq + m->nv);
   double* states = check(malloc(sizeof(double) * size));
   generate_controls(count * steps);
@@ -141,6 +139,10 @@ int main(int argc, char** argv) {
     fprintf(stderr, "usage: engine MODEL.xml [KEYFRAME]\n");
     return 1;
   }
+  if (!strcmp(argv[1], "--version")) {
+    puts(mj_versionString());
+    return 0;
+  }
   char error[1000] = "";
   m = mj_loadXML(argv[1], NULL, error, sizeof(error));
   if (!m) {
@@ -156,7 +158,7 @@ int main(int argc, char** argv) {
   }
   sched_getaffinity(0, sizeof(processors), &processors);
   pin_to(0);
-  mjData* d[64] = {check(mj_makeData(m))};
+  mjData* d[MAX_THREADS] = {check(mj_makeData(m))};
   const int nx = 2 * m->nv + m->na;
   double* a = check(calloc(nx * nx + 1, sizeof(double)));
   double* b = check(calloc(nx * m->nu + 1, sizeof(double)));
@@ -176,8 +178,10 @@ int main(int argc, char** argv) {
         mj_step(m, d[0]);
       }
       printf("%.9e %.17e\n", now() - begin, sum(d[0]->qpos, m->nq));
-    } else if (sscanf(line, "rollout %d %d %d", &count, &steps, &threads) == 3 && threads >= 1 && threads <= 64) {
+    } else if (sscanf(line, "rollout %d %d %d", &count, &steps, &threads) == 3 && threads >= 1 && threads <= MAX_THREADS) {
       rollout(d, count, steps, threads);
+    } else if (sscanf(line, "batch %d %d %d", &count, &calls, &threads) == 3 && threads >= 1 && threads <= MAX_THREADS) {
+      batch(d, count, calls, threads);
     } else if (sscanf(line, "transition %d", &calls) == 1) {
       start(d[0]);
       mjd_transitionFD(m, d[0], 1e-6, 1, a, b, NULL, NULL);

@@ -8,7 +8,7 @@ use std::time::Instant;
 use mujoco_safe::control::riccati::{Riccati, RiccatiSolution, RiccatiWorkspace};
 use mujoco_safe::derivative::{TransitionOptions, TransitionOutputs};
 use mujoco_safe::rollout::{Rollout, RolloutBuffers, Workers};
-use mujoco_safe::{Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, rayon};
+use mujoco_safe::{Batch, Controller, Data, Lineariser, Lqr, LqrWeights, Matrix, Model, StateSpace, StateSpec, rayon};
 use nalgebra::DMatrix;
 
 use crate::Outcome;
@@ -30,6 +30,7 @@ pub(crate) struct Library {
     controls: Vec<f64>,
     workers: Workers,
     states: Vec<f64>,
+    batch: Option<Batch<'static>>,
     transitions: [Lineariser; 2],
     a: Matrix,
     b: Matrix,
@@ -53,6 +54,7 @@ impl Library {
             controls: Vec::new(),
             workers: Workers::new(model.clone()),
             states: Vec::new(),
+            batch: None,
             transitions: [transition(1)?, transition(threads)?],
             a: Matrix::zeros(nx, nx),
             b: Matrix::zeros(nx, nu),
@@ -109,6 +111,31 @@ impl Library {
         outcomes.into_iter().collect::<Result<Vec<()>, _>>()?;
         let last = &self.states[self.states.len() - width..];
         Ok((seconds, last[..nq].iter().sum()))
+    }
+
+    /// Steps a batch on the threads of the current pool. As for steps, the first call is not timed: see `engine.c`.
+    pub(crate) fn batch(&mut self, count: usize, calls: usize) -> Outcome<(f64, f64)> {
+        let width = count * self.data.model().nu();
+        self.generate_controls((calls + 1) * count);
+        let Self { data, start, controls, batch, .. } = self;
+        let batch = match batch {
+            Some(batch) if batch.len() == count => batch,
+            _ => batch.insert(Batch::new(data.model(), count)?),
+        };
+        batch.reset_where(|_| true, |_, _, data| data.set_state(StateSpec::INTEGRATION, start))?;
+        let mut begin = Instant::now();
+        for (call, controls) in (0..=calls).zip(controls.chunks_exact(width)) {
+            if call == 1 {
+                begin = Instant::now();
+            }
+            batch.step(|_, to| to.as_mut_slice().copy_from_slice(controls))?;
+        }
+        let seconds = begin.elapsed().as_secs_f64();
+        if let Some((_, error)) = batch.failures().next() {
+            return Err(error.to_string().into());
+        }
+        let qpos = batch.model().state_range(StateSpec::INTEGRATION, StateSpec::QPOS);
+        Ok((seconds, batch.states().row(count - 1)[qpos].iter().sum()))
     }
 
     /// Linearises on the threads of the current pool. As for steps, the first call is not timed: see `engine.c`.

@@ -23,11 +23,18 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use library::{Library, RiccatiProblem};
 use models::Balance;
+use mujoco_safe::Version;
 use peer::Peer;
 use report::{Comparison, Report};
 
-/// Ratio of the number of pairs of short runs to that of rollouts, which take longer.
+/// Ratio of the number of pairs of short runs to that of rollouts and batches, which take longer.
 const SHORT_PAIRS_PER_LONG_PAIR: usize = 6;
+
+/// Number of simulations of a batch. Each has its own `MjData` in one of the references.
+const BATCH_SIZE: usize = 256;
+
+/// First engine whose Python bindings have `mujoco.batch`.
+const BATCH_IN_PYTHON: Version = Version { major: 3, minor: 17, patch: 0 };
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
@@ -63,6 +70,8 @@ struct Task {
     steps: usize,
     /// Steps of each of the 64 rollouts.
     rollout_steps: usize,
+    /// Calls that step the batch.
+    batch_calls: usize,
     systems: usize,
 }
 
@@ -76,6 +85,7 @@ fn tasks() -> Vec<Task> {
             key: Some("hanging_down"),
             steps: 2000,
             rollout_steps: 500,
+            batch_calls: 40,
             systems: 200,
         },
         Task {
@@ -84,11 +94,20 @@ fn tasks() -> Vec<Task> {
             key: Some("stand"),
             steps: 80,
             rollout_steps: 20,
+            batch_calls: 8,
             systems: 2,
         },
     ];
     if let Some(path) = models::many_humanoids().map(Path::to_owned) {
-        tasks.push(Task { name: "22 humanoids", path, key: None, steps: 8, rollout_steps: 0, systems: 0 });
+        tasks.push(Task {
+            name: "22 humanoids",
+            path,
+            key: None,
+            steps: 8,
+            rollout_steps: 0,
+            batch_calls: 0,
+            systems: 0,
+        });
     }
     tasks
 }
@@ -100,7 +119,7 @@ fn main() -> Outcome<()> {
     let pools = if threads == 1 { vec![&one] } else { vec![&one, &all] };
     let mut report = Report::default();
 
-    for Task { name, path, key, steps, rollout_steps, systems } in tasks() {
+    for Task { name, path, key, steps, rollout_steps, batch_calls, systems } in tasks() {
         let mut ours = Library::new(&path, key, threads)?;
         let mut engine = Peer::start(&arguments.engine, &path, key, None)?;
         let mut python = match &arguments.python {
@@ -139,6 +158,25 @@ fn main() -> Outcome<()> {
             let comparison = Comparison::measure(&all, long, || ours.rollout(count, steps), in_one)?;
             assert!(comparison.is_bitwise_equal(), "the number of threads changes the result");
             report.add(format!("64 rollouts, {name}, threads: {threads}"), "one thread", calls, &comparison);
+        }
+
+        for pool in &pools {
+            let threads = pool.current_num_threads();
+            let mut compare = |reference, peer: &mut Peer, command: &str| -> Outcome<()> {
+                let command = format!("{command} {BATCH_SIZE} {batch_calls} {threads}");
+                let comparison =
+                    Comparison::measure(pool, long, || ours.batch(BATCH_SIZE, batch_calls), || peer.run(&command))?;
+                let task = format!("batch of {BATCH_SIZE}, {name}, threads: {threads}");
+                report.add(task, reference, BATCH_SIZE * batch_calls, &comparison.warn_if_different());
+                Ok(())
+            };
+            compare("C", &mut engine, "batch")?;
+            if let Some(python) = &mut python {
+                compare("Python, MjData each", python, "environments")?;
+                if mujoco_safe::engine_version() >= BATCH_IN_PYTHON {
+                    compare("mujoco.batch", python, "batch")?;
+                }
+            }
         }
 
         let command = format!("transition {systems}");

@@ -4,6 +4,8 @@
     peer.py MODEL.xml KEYFRAME|- < commands
     step CALLS
     rollout COUNT STEPS THREADS
+    environments COUNT CALLS THREADS    one step per call for COUNT environments, each with its own MjData, by a pool of threads
+    batch COUNT CALLS THREADS           as in engine.c, by mujoco.batch, which the bindings have since 3.17
     controller CALLS        LQR control law: differentiatePos and a matrix-vector product
     riccati FILE            SciPy's solve_discrete_are; the file contains A, B, Q and R
 
@@ -23,6 +25,11 @@ from concurrent.futures import ThreadPoolExecutor
 import mujoco
 import numpy as np
 from scipy.linalg import solve_discrete_are
+
+try:
+    from mujoco.batch import Batch
+except ImportError:
+    Batch = None
 
 MODEL = mujoco.MjModel.from_xml_path(sys.argv[1])
 KEY = -1 if sys.argv[2] == "-" else mujoco.mj_name2id(MODEL, mujoco.mjtObj.mjOBJ_KEY, sys.argv[2])
@@ -51,7 +58,7 @@ class Controls:
             numbers = Numbers()
             scale = [r[1] if limited else 1.0 for r, limited in zip(MODEL.actuator_ctrlrange, MODEL.actuator_ctrllimited)]
             cls.made = np.array([[0.1 * numbers.next() * s for s in scale] for _ in range(count)]).reshape(count, MODEL.nu)
-        return cls.made
+        return cls.made[:count]
 
 
 def pin_to(thread):
@@ -101,6 +108,52 @@ def rollout(count, steps, threads):
     return time.perf_counter() - begin, float(np.sum(states[-1, -1, : MODEL.nq]))
 
 
+def environments(count, calls, threads):
+    controls = Controls.of((calls + 1) * count).reshape(calls + 1, count, MODEL.nu)
+    while len(DATA) < count:
+        DATA.append(mujoco.MjData(MODEL))
+    for data in DATA[:count]:
+        start(data)
+
+    def simulate(thread):
+        pin_to(thread)
+        for i in range(count * thread // threads, count * (thread + 1) // threads):
+            data = DATA[i]
+            data.ctrl[:] = current[i]
+            mujoco.mj_step(MODEL, data)
+
+    for call, current in enumerate(controls):
+        if call == 1:
+            begin = time.perf_counter()
+        list(POOL.map(simulate, range(threads)))
+    return time.perf_counter() - begin, float(np.sum(DATA[count - 1].qpos))
+
+
+def new_batch(count, threads):
+    """Creates a batch and pins its threads, of which the calling thread is one."""
+    others = set(os.listdir("/proc/self/task"))
+    result = Batch(MODEL, count, threads)
+    created = sorted(set(os.listdir("/proc/self/task")) - others, key=int)
+    for thread, task in enumerate(created, 1):
+        os.sched_setaffinity(int(task), {PROCESSORS[thread % len(PROCESSORS)]})
+    return result
+
+
+def batch(count, calls, threads):
+    controls = Controls.of((calls + 1) * count).reshape(calls + 1, count, MODEL.nu)
+    if (count, threads) not in BATCHES:
+        BATCHES[count, threads] = new_batch(count, threads)
+    simulations = BATCHES[count, threads]
+    simulations.reset(keyframe=KEY, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+    qpos, ctrl = simulations.bind("qpos"), simulations.bind("ctrl")
+    for call, current in enumerate(controls):
+        if call == 1:
+            begin = time.perf_counter()
+        ctrl[:] = current
+        simulations.step()
+    return time.perf_counter() - begin, float(np.sum(qpos[-1]))
+
+
 def controller(calls):
     data = DATA[0]
     start(data)
@@ -138,7 +191,8 @@ pin_to(0)
 DATA = [mujoco.MjData(MODEL)]
 POOL = ThreadPoolExecutor(64)
 EQUATIONS = {}
-COMMANDS = {"step": step, "rollout": rollout, "controller": controller}
+BATCHES = {}
+COMMANDS = {"step": step, "rollout": rollout, "environments": environments, "batch": batch, "controller": controller}
 
 for line in sys.stdin:
     command, *arguments = line.split()

@@ -112,7 +112,10 @@ impl Report {
         let microseconds = [&comparison.ours, &comparison.theirs].map(|times| 1e6 * at(times, 2) / calls as f64);
         let quartiles = [1, 2, 3].map(|quarter| at(&comparison.ratios, quarter));
         let [low, median, high] = quartiles;
-        println!("{task}: {median:.3} times as fast as {reference} ({low:.3} to {high:.3})");
+        let [ours, theirs] = microseconds.map(|time| 1e6 / time);
+        println!(
+            "{task}: {median:.3} times as fast as {reference} ({low:.3} to {high:.3}), {ours:.0} and {theirs:.0} per second"
+        );
         self.rows.push(Row { task, reference, microseconds, quartiles, pairs });
     }
 
