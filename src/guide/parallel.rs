@@ -9,6 +9,7 @@
 //! | rollouts in every control step | [`Rollout::on`] with [`Workers`] |
 //! | linearisation in several threads | [`Lineariser`](crate::Lineariser) with [`TransitionOptions::with_threads`](crate::derivative::TransitionOptions::with_threads) |
 //! | many machines | a process per machine: the example `mpi` distributes a batch over MPI ranks, with the same random numbers for any number of ranks ([`Batch::first_index`]) |
+//! | a learner in Python | the example `python`: a module whose NumPy arrays borrow the rows of a batch (`scripts/python-module`) |
 //!
 //! # Shared and owned
 //!
