@@ -138,7 +138,7 @@ impl Report {
         Ok(())
     }
 
-    /// Draws a bar from 1 to the ratio for each comparison, on a logarithmic scale.
+    /// Draws a bar between 1 and the ratio for each comparison, on a logarithmic scale.
     fn draw(&self, path: &Path) -> Outcome<()> {
         const LEFT: i32 = 400;
         const RIGHT: i32 = 880;
@@ -157,10 +157,10 @@ impl Report {
             let top = 44 + 26 * index as i32;
             let color = if *median >= 0.99 { RGBColor(46, 110, 166) } else { RGBColor(190, 90, 50) };
             root.draw_text(&format!("{task} / {reference}"), &font(13).color(&BLACK), (10, top + 3))?;
-            let bar = [(place(1.0), top), (place(*median).max(place(1.0) + 1), top + 16)];
+            let bar = [(place(median.min(1.0)), top), (place(*median).max(place(1.0) + 1), top + 16)];
             root.draw(&Rectangle::new(bar, color.filled()))?;
             root.draw(&PathElement::new([(place(*low), top + 8), (place(*high), top + 8)], BLACK))?;
-            root.draw_text(&format!("{median:.2}"), &font(13).color(&BLACK), (place(*high) + 6, top + 3))?;
+            root.draw_text(&format!("{median:.2}"), &font(13).color(&BLACK), (place(high.max(1.0)) + 6, top + 3))?;
         }
         root.draw(&PathElement::new([(place(1.0), 34), (place(1.0), height - 10)], BLACK))?;
         root.present()?;
